@@ -1,0 +1,1 @@
+"""Validated configuration: bench, plant, schedule and import map files."""

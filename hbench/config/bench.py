@@ -1,0 +1,285 @@
+"""The bench file: everything that is known of a bench, and the plant that stands in for it.
+
+``Plant`` holds the physics (what the virtual rig simulates); ``Bench`` adds what a real bench
+needs too: controllers, limits and the tolerances of the instruments. A plant file holds any
+keys of ``Plant`` and replaces them one by one.
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from hbench.config import quantity as q
+from hbench.config.loading import validate
+from hbench.config.quantity import Section
+
+
+class Cylinder(Section):
+    """One asymmetrical cylinder."""
+
+    piston_diameter: q.Length
+    rod_diameter: q.Length
+    stroke: q.Length
+    dead_volume_piston: q.Volume
+    dead_volume_rod: q.Volume
+    offset: q.Offset = 0.0  # of its piston against the test cylinder's (x_0)
+
+    @property
+    def area_piston_m2(self) -> float:
+        """A_p."""
+        return np.pi / 4 * self.piston_diameter**2
+
+    @property
+    def area_rod_m2(self) -> float:
+        """A_r, the annulus."""
+        return np.pi / 4 * (self.piston_diameter**2 - self.rod_diameter**2)
+
+    @model_validator(mode="after")
+    def _rod_fits(self) -> "Cylinder":
+        if self.rod_diameter >= self.piston_diameter:
+            raise ValueError("rod_diameter must be smaller than piston_diameter")
+        return self
+
+
+class MovingMass(Section):
+    """Moving masses on either side of the load cell."""
+
+    test: q.Mass
+    load: q.Mass
+
+
+class Oil(Section):
+    """The fluid, with its effective stiffness."""
+
+    bulk_modulus: q.BulkModulus
+    density: q.Density
+
+
+class Supply(Section):
+    """Pressure source and tank."""
+
+    pressure: q.Pressure
+    tank: q.Pressure
+
+
+class Valve(Section):
+    """The three servo valves, all alike: static gain 2.15, dynamics 2.16."""
+
+    gain: q.quantity("m^2/V", gt=0, le=1e-3)
+    bandwidth: q.Frequency
+    damping: q.Number
+    limit: q.Voltage
+
+
+class Friction(Section):
+    """Friction of one cylinder: steady curve, presliding, seal pressure and scatter."""
+
+    law: Literal["tustin", "lugre"]
+    coulomb: q.Force
+    stiction: q.Force
+    stribeck_velocity: q.Speed
+    stribeck_exponent: q.Number = 1.0
+    viscous: q.quantity("N s/m", ge=0, le=1e7)
+    bristle_stiffness: q.quantity("N/m", gt=0, le=1e8) = 3e5
+    bristle_damping: q.quantity("N s/m", ge=0, le=1e6) = 0.0
+    piston_seal: q.quantity("N/bar", ge=0, le=1e-2) = 0.0  # per |P_p - P_r|
+    rod_seal: q.quantity("N/bar", ge=0, le=1e-2) = 0.0  # per P_r
+    scatter: q.Ratio = 0.0  # standard deviation of the level from stroke to stroke
+
+
+class FrictionPair(Section):
+    """Friction of both cylinders."""
+
+    test: Friction
+    load: Friction
+
+
+class EndStop(Section):
+    """The cylinder heads as a stiff spring and damper."""
+
+    stiffness: q.quantity("N/m", gt=0, le=1e9)
+    damping: q.quantity("N s/m", ge=0, le=1e7)
+
+
+class Adc(Section):
+    """The converter behind every sensor."""
+
+    bits: int = Field(ge=8, le=16)
+    reference: q.Voltage
+    oversampling: int = Field(ge=1, le=256)  # conversions averaged in one control tick
+    noise: q.NoiseVoltage  # standard deviation of one conversion, at the converter's input
+    quantised: bool = True
+    noisy: bool = True
+
+
+class Transducer(Section):
+    """A sensor with a 0..output signal over 0..span, through an amplifier (appendix B)."""
+
+    span: float
+    output: q.Voltage
+    amplifier: q.Number
+    offset: q.SignedVoltage = 0.0  # at the converter's input
+
+
+class PositionSensor(Transducer):
+    """The position sensor of the test cylinder."""
+
+    span: q.Length
+
+
+class PressureSensor(Transducer):
+    """One of the five pressure transducers."""
+
+    span: q.Pressure
+
+
+class LoadCell(Section):
+    """The strain-gauge bar between the cylinders (appendix C, equation C.6)."""
+
+    area: q.quantity("mm^2", gt=0, le=1)
+    youngs_modulus: q.quantity("GPa", gt=1e8, le=1e12)
+    poisson: float = Field(ge=0, lt=0.5)
+    gauge_factor: q.Number
+    bridge_supply: q.Voltage
+    amplifier: q.Number
+    level: q.Voltage  # output at zero force, at the converter's input
+
+
+class Sensors(Section):
+    """All seven measured channels."""
+
+    adc: Adc
+    position: PositionSensor
+    pressure: PressureSensor
+    load_cell: LoadCell
+
+
+class Plant(Section):
+    """The physics of a bench."""
+
+    test_cylinder: Cylinder
+    load_cylinder: Cylinder
+    moving_mass: MovingMass
+    oil: Oil
+    supply: Supply
+    valve: Valve
+    friction: FrictionPair
+    end_stop: EndStop
+    sensors: Sensors
+
+
+class Instrument(Section):
+    """The stated tolerance of an instrument."""
+
+    tolerance: q.Ratio
+    of: Literal["reading", "full_scale"]
+    full_scale: float
+
+
+class ForceInstrument(Instrument):
+    """Tolerance of the load cell."""
+
+    full_scale: q.Force
+
+
+class PressureInstrument(Instrument):
+    """Tolerance of the pressure transducers."""
+
+    full_scale: q.Pressure
+
+
+class Instruments(Section):
+    """Tolerances for the efficiency's uncertainty (equations 6.16 to 6.19)."""
+
+    force: ForceInstrument
+    pressure: PressureInstrument
+
+
+class VelocityLoop(Section):
+    """Gain and time constant of the velocity PI (equation 4.36)."""
+
+    gain: q.quantity("V/m", gt=0, le=1e6)
+    time_constant: q.TimeConstant
+
+
+class PressureLoop(Section):
+    """Gain and time constant of a pressure PI (equation 4.36)."""
+
+    gain: q.quantity("V/(Pa s)", gt=0, le=1)
+    time_constant: q.TimeConstant
+
+
+class Feedforward(Section):
+    """Velocity feedforward of the pressure loops (equations 4.27 and 4.28)."""
+
+    enabled: bool
+    rod: q.quantity("V s/m", ge=0, le=1e4)
+    piston: q.quantity("V s/m", ge=0, le=1e4)
+
+
+class Controllers(Section):
+    """What the board runs at its control rate."""
+
+    rate: q.Frequency
+    log_rate: q.Frequency
+    velocity: VelocityLoop
+    rod_pressure: PressureLoop
+    piston_pressure: PressureLoop
+    velocity_filter: q.TimeConstant  # tau_c of D.11
+    pressure_filter: q.TimeConstant  # tau of D.29
+    feedforward: Feedforward
+    pressure_slew: q.PressureRate
+    return_speed: q.Speed  # of the way back to the start position
+    acceleration: q.Acceleration  # where a run gives none, and for stopping
+
+
+class Limits(Section):
+    """Where the board stops by itself: valves to neutral, cause latched."""
+
+    travel_min: q.Position
+    travel_max: q.Position
+    pressure_max: q.Pressure
+    speed_max: q.Speed
+    heartbeat: q.Duration  # longest silence of the host
+
+
+class Bench(Plant):
+    """A bench: its physics, controllers, limits and instruments."""
+
+    name: str
+    controllers: Controllers
+    limits: Limits
+    instruments: Instruments
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Bench":
+        if not self.limits.travel_min < self.limits.travel_max <= self.test_cylinder.stroke:
+            raise ValueError(
+                "limits.travel_min < limits.travel_max <= test_cylinder.stroke does not hold: "
+                f"{self.limits.travel_min:g}, {self.limits.travel_max:g}, "
+                f"{self.test_cylinder.stroke:g} m"
+            )
+        divider = self.controllers.rate / self.controllers.log_rate
+        if abs(divider - round(divider)) > 1e-9 or divider < 1:
+            raise ValueError("controllers.rate must be a whole multiple of controllers.log_rate")
+        return self
+
+
+def parse_bench(data: dict[str, Any], source: str) -> Bench:
+    """Check the mapping of a bench file. Raises ``ConfigError``."""
+    return validate(Bench, data, source)
+
+
+def parse_plant(bench_data: dict[str, Any], plant_data: dict[str, Any], source: str) -> Plant:
+    """Lay the mapping of a plant file over that of its bench. Raises ``ConfigError``."""
+    base = {key: bench_data[key] for key in Plant.model_fields}
+    return validate(Plant, _merge(base, plant_data), source)
+
+
+def _merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(base)
+    for key, value in over.items():
+        both = isinstance(value, dict) and isinstance(base.get(key), dict)
+        merged[key] = _merge(base[key], value) if both else value
+    return merged

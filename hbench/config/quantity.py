@@ -1,0 +1,62 @@
+"""Field types of the configuration: quantities with a unit, a range, and a hint in the error."""
+
+import operator
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from hbench.units import from_si, to_si
+
+_LIMITS = {
+    "gt": (operator.gt, "greater than"),
+    "ge": (operator.ge, "at least"),
+    "lt": (operator.lt, "less than"),
+    "le": (operator.le, "at most"),
+}
+
+
+def quantity(unit: str, **limits: float) -> Any:
+    """Return the type of a field that reads ``"150 bar"`` and holds a float in SI.
+
+    ``unit`` is what messages speak in. ``limits`` (``gt``, ``ge``, ``lt``, ``le``) are in SI.
+    """
+
+    def read(value: object) -> float:
+        si = to_si(value, unit)
+        for name, limit in limits.items():
+            compare, words = _LIMITS[name]
+            if not compare(si, limit):
+                raise ValueError(f"must be {words} {from_si(limit, unit):.6g} {unit}")
+        return si
+
+    return Annotated[float, BeforeValidator(read)]
+
+
+class Section(BaseModel):
+    """A part of a configuration file: unknown keys are refused, values don't change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+Length = quantity("mm", gt=0, le=20)
+Position = quantity("mm", ge=0, le=20)
+Offset = quantity("mm", ge=-20, le=20)
+Volume = quantity("cm^3", ge=0, le=1)
+Mass = quantity("kg", gt=0, le=1e5)
+Density = quantity("kg/m^3", gt=100, le=2000)
+BulkModulus = quantity("bar", ge=1e6, le=1e10)
+Pressure = quantity("bar", ge=0, le=1e8)
+PressureRate = quantity("bar/s", gt=0, le=1e10)
+Speed = quantity("mm/s", gt=0, le=10)
+Velocity = quantity("mm/s", ge=-10, le=10)
+Acceleration = quantity("m/s^2", gt=0, le=100)
+Force = quantity("N", ge=0, le=1e7)
+SignedForce = quantity("N", ge=-1e7, le=1e7)
+Duration = quantity("s", ge=0, le=3600)
+TimeConstant = quantity("ms", ge=0, le=60)
+Frequency = quantity("Hz", gt=0, le=1e6)
+Voltage = quantity("V", gt=0, le=100)
+NoiseVoltage = quantity("mV", ge=0, le=1)
+SignedVoltage = quantity("V", ge=-100, le=100)
+Ratio = quantity("%", ge=0, le=1)
+Number = Annotated[float, Field(gt=0, allow_inf_nan=False)]

@@ -1,0 +1,1 @@
+"""The wire between host and board: dictionary, frames, checks. Bytes only."""

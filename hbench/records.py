@@ -1,0 +1,230 @@
+"""The products of the flow, in its order: one frozen dataclass each.
+
+    RunPlan -> RawRun -> Run -> ScreenedRun -> Curve (with Fits) -> EfficiencyCurve -> Results
+
+All quantities are SI; a field's name ends in its unit. Positive velocity extends the test
+cylinder; positive forces F_L and F_applied oppose extension.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+Direction = Literal["extend", "retract"]
+Outcome = Literal["done", "aborted", "failed"]
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """The cylinder under test."""
+
+    area_piston_m2: float  # A_p
+    area_rod_m2: float  # A_r, the annulus
+    stroke_m: float | None = None  # None where it is not known
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How the board moves in one run: where it starts, when it stops."""
+
+    x_start_m: float
+    x_end_m: float
+    hold_s: float  # at rest at x_start before the run, load on
+    duration_s: float  # at most, from the first movement
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """One run to be made, or made: what it is and its references."""
+
+    run: str  # id, also the raw log's file name
+    kind: str  # steady | ramp | triangle | steps | hold | verification
+    trial: int  # 1, 2, 3
+    v_ref_m_s: float  # signed; positive extends
+    specimen: Specimen
+    a_ref_m_s2: float | None = None
+    f_load_n: float | None = None  # signed reference of F_L; positive opposes extension
+    p_lr_ref_pa: float | None = None
+    p_lp_ref_pa: float | None = None
+    label: str = ""  # what tells two series of one campaign apart, such as a seal
+    motion: Motion | None = None  # None for runs that another bench made
+
+    @property
+    def direction(self) -> Direction:
+        """``extend`` for a positive reference."""
+        return "extend" if self.v_ref_m_s >= 0 else "retract"
+
+
+@dataclass(frozen=True)
+class LogChannel:
+    """One word of a log record. ``value = scale * word``, in ``unit``."""
+
+    name: str
+    signed: bool
+    scale: float
+    unit: str  # "count" for a sensor: calibration turns ADC counts into SI
+
+
+@dataclass(frozen=True)
+class RawRun:
+    """A run's log exactly as pulled: 16-bit words, one row a record."""
+
+    plan: RunPlan
+    words: np.ndarray  # (records, channels) uint16
+    channels: tuple[LogChannel, ...]
+    rate_hz: float
+    outcome: Outcome | None  # None: no stop part in the campaign, the host crashed
+    why: str = ""  # why it was aborted or failed
+    warnings: tuple[str, ...] = ()  # what the reader noticed in the file
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run in SI units. A channel that the bench does not have is ``None``."""
+
+    plan: RunPlan
+    t_s: np.ndarray  # (n,) sample times; uneven for some foreign logs
+    x_m: np.ndarray  # (n,)
+    v_m_s: np.ndarray | None = None  # the controller's own velocity
+    p_tp_pa: np.ndarray | None = None
+    p_tr_pa: np.ndarray | None = None
+    p_lp_pa: np.ndarray | None = None
+    p_lr_pa: np.ndarray | None = None
+    p_s_pa: np.ndarray | None = None
+    f_applied_n: np.ndarray | None = None
+    u_t_v: np.ndarray | None = None
+    u_l1_v: np.ndarray | None = None
+    u_l2_v: np.ndarray | None = None
+    v_ref_m_s: np.ndarray | None = None
+    at_reference: np.ndarray | None = None  # (n,) bool: v_ref has reached the plan's value
+    sensor_saturated: np.ndarray | None = None  # (n,) bool
+    valve_saturated: np.ndarray | None = None  # (n,) bool
+    missing_records: int = 0  # lost inside the log
+    truncated: str = ""  # why the log is known to be incomplete; empty if it is whole
+
+
+@dataclass(frozen=True)
+class SteadyMeans:
+    """Means over a run's steady window."""
+
+    t_start_s: float
+    t_stop_s: float
+    n: int  # samples
+    v_m_s: float  # signed, from the position
+    friction_n: float  # signed like the velocity, equation 5.1
+    f_test_n: float  # F_T = P_Tp A_p - P_Tr A_r
+    f_applied_n: float
+    p_tp_pa: float
+    p_tr_pa: float | None
+
+
+@dataclass(frozen=True)
+class ScreenedRun:
+    """A run with its verdict: accepted, or the reasons why not."""
+
+    run: Run
+    reasons: tuple[str, ...]  # empty: accepted. Each is "code: words with value and limit"
+    means: SteadyMeans | None  # None where there is no window to average
+
+    @property
+    def accepted(self) -> bool:
+        """No reason speaks against it."""
+        return not self.reasons
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """The average of the accepted trials of one reference."""
+
+    v_m_s: float
+    friction_n: float
+    ci95_n: float | None  # half-width of Student's interval; None with fewer than two trials
+    n: int  # trials
+    f_test_n: float
+    f_applied_n: float
+    p_tp_pa: float
+    p_tr_pa: float | None
+    trials_n: tuple[float, ...]  # friction of each trial
+    runs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class FitParameter:
+    """One fitted number. ``se`` and ``ci95`` are None where the data does not determine it."""
+
+    value: float
+    se: float | None
+    ci95: tuple[float, float] | None
+    at_bound: Literal["lower", "upper"] | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A friction law fitted to one curve."""
+
+    law: str
+    parameters: dict[str, FitParameter]
+    rmse_n: float
+    converged: bool
+    message: str
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Friction over velocity for one direction and load."""
+
+    kind: str
+    direction: Direction
+    f_load_n: float | None
+    label: str
+    points: tuple[CurvePoint, ...]  # by rising speed
+    fits: tuple[Fit, ...] = ()
+
+
+@dataclass(frozen=True)
+class EfficiencyPoint:
+    """Efficiency 6.10 at one reference."""
+
+    v_m_s: float
+    efficiency: float | None  # None with a reason
+    sigma: float | None  # instruments, equations 6.16 to 6.19
+    sigma_trials: float | None  # standard error of the trials' mean
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class EfficiencyCurve:
+    """Efficiency over velocity for one direction and load."""
+
+    kind: str
+    direction: Direction
+    f_load_n: float | None
+    label: str
+    points: tuple[EfficiencyPoint, ...]
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """What was measured by what."""
+
+    name: str
+    source: Literal["simulated", "real", "imported"]
+    bench: str
+    firmware: str
+    started: str  # ISO 8601
+    stopped: str
+    software: dict[str, str] = field(default_factory=dict)
+    details: dict[str, Any] = field(default_factory=dict)  # port, seed, plant's hash, source files
+
+
+@dataclass(frozen=True)
+class Results:
+    """All that ``analyze`` derives from a campaign."""
+
+    provenance: Provenance
+    runs: tuple[ScreenedRun, ...]
+    curves: tuple[Curve, ...]
+    efficiency: tuple[EfficiencyCurve, ...]
+    notes: tuple[str, ...]  # what was left out, and why

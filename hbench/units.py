@@ -1,0 +1,141 @@
+"""Quantities with units: "150 bar" to 1.5e7 Pa, and back for messages.
+
+A unit is a factor to SI and the exponents of (m, kg, s, V, K). Expressions combine unit
+names with ``*`` or a space, ``/``, ``^`` and parentheses: ``N s/m``, ``V/(Pa s)``, ``m^2/V``.
+"""
+
+import math
+import re
+from typing import NamedTuple
+
+Dimension = tuple[int, int, int, int, int]
+
+
+class Unit(NamedTuple):
+    """A unit as a factor to SI and the exponents of (m, kg, s, V, K)."""
+
+    factor: float
+    dimension: Dimension
+
+
+def _unit(factor: float, m: int = 0, kg: int = 0, s: int = 0, v: int = 0, k: int = 0) -> Unit:
+    return Unit(factor, (m, kg, s, v, k))
+
+
+_PASCAL = {"m": -1, "kg": 1, "s": -2}
+_NEWTON = {"m": 1, "kg": 1, "s": -2}
+
+UNITS: dict[str, Unit] = {
+    "1": _unit(1.0),
+    "%": _unit(1e-2),
+    "m": _unit(1.0, m=1),
+    "cm": _unit(1e-2, m=1),
+    "mm": _unit(1e-3, m=1),
+    "um": _unit(1e-6, m=1),
+    "l": _unit(1e-3, m=3),
+    "kg": _unit(1.0, kg=1),
+    "g": _unit(1e-3, kg=1),
+    "s": _unit(1.0, s=1),
+    "ms": _unit(1e-3, s=1),
+    "us": _unit(1e-6, s=1),
+    "min": _unit(60.0, s=1),
+    "Hz": _unit(1.0, s=-1),
+    "kHz": _unit(1e3, s=-1),
+    "rad": _unit(1.0),
+    "N": _unit(1.0, **_NEWTON),
+    "kN": _unit(1e3, **_NEWTON),
+    "Pa": _unit(1.0, **_PASCAL),
+    "kPa": _unit(1e3, **_PASCAL),
+    "MPa": _unit(1e6, **_PASCAL),
+    "GPa": _unit(1e9, **_PASCAL),
+    "bar": _unit(1e5, **_PASCAL),
+    "psi": _unit(6894.757293168361, **_PASCAL),
+    "W": _unit(1.0, m=2, kg=1, s=-3),
+    "kW": _unit(1e3, m=2, kg=1, s=-3),
+    "V": _unit(1.0, v=1),
+    "mV": _unit(1e-3, v=1),
+    "K": _unit(1.0, k=1),
+}
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+_TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)|(\^)\s*(-?\d+)|([*/()])|$)")
+
+
+def parse_unit(text: str) -> Unit:
+    """Read a unit expression; raises ``ValueError`` with what was not understood."""
+    position, factor, dimension = 0, 1.0, (0,) * 5
+    signs, sign = [1], 1  # sign of the open parentheses, sign of the next name
+    last: Unit | None = None
+    while position < len(text.rstrip()):
+        match = _TOKEN.match(text, position)
+        if match is None:
+            raise ValueError(f"unit {text!r}: can't read {text[position:]!r}")
+        name, caret, exponent, mark = match.groups()
+        if name is not None:
+            if name not in UNITS:
+                known = ", ".join(sorted(UNITS))
+                raise ValueError(f"unknown unit {name!r}; known are {known}")
+            power = sign * signs[-1]
+            last = Unit(UNITS[name].factor ** power, _scale(UNITS[name].dimension, power))
+            factor, dimension = factor * last.factor, _add(dimension, last.dimension)
+            sign = 1
+        elif caret is not None:
+            if last is None:
+                raise ValueError(f"unit {text!r}: '^' follows no unit")
+            extra = int(exponent) - 1
+            factor, dimension = (
+                factor * last.factor**extra,
+                _add(dimension, _scale(last.dimension, extra)),
+            )
+            last = None
+        elif mark == "/":
+            sign, last = -1, None
+        elif mark == "(":
+            signs.append(signs[-1] * sign)
+            sign, last = 1, None
+        elif mark == ")":
+            if len(signs) == 1:
+                raise ValueError(f"unit {text!r}: ')' without '('")
+            signs.pop()
+            last = None
+        position = match.end()
+    if len(signs) > 1:
+        raise ValueError(f"unit {text!r}: '(' is not closed")
+    return Unit(factor, dimension)
+
+
+def _scale(dimension: Dimension, power: int) -> Dimension:
+    return tuple(power * exponent for exponent in dimension)
+
+
+def _add(a: Dimension, b: Dimension) -> Dimension:
+    return tuple(x + y for x, y in zip(a, b, strict=True))
+
+
+def to_si(value: object, unit: str) -> float:
+    """Read a quantity such as ``"150 bar"`` as a float in SI.
+
+    ``unit`` is a unit of the wanted dimension, used for the check and in messages. A bare
+    number is taken only where the wanted dimension is none. Raises ``ValueError``.
+    """
+    wanted = parse_unit(unit)
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise ValueError(f"is not a quantity; write for example '1 {unit}'")
+    match = _NUMBER.match(str(value))
+    if match is None:
+        raise ValueError(f"is not a number with a unit; write for example '1 {unit}'")
+    number, found = float(match[1]), match[2]
+    if not found and any(wanted.dimension):
+        raise ValueError(f"has no unit; write for example '{match[1]} {unit}'")
+    parsed = parse_unit(found)
+    if parsed.dimension != wanted.dimension:
+        raise ValueError(f"has the wrong unit; expected one like {unit}")
+    si = number * parsed.factor
+    if not math.isfinite(si):
+        raise ValueError("is not a finite number")
+    return si
+
+
+def from_si(si: float, unit: str) -> float:
+    """Convert a float in SI to ``unit``."""
+    return si / parse_unit(unit).factor
