@@ -1,0 +1,67 @@
+"""Frames on the wire: [sequence][type][payload][CRC-16], COBS-stuffed, ended by a zero octet.
+
+The CRC is CRC-16/XMODEM over all before it, little-endian. A frame that fails its check is
+dropped without a word: the host asks again.
+"""
+
+import binascii
+from dataclasses import dataclass
+
+from cobs import cobs
+
+from hbench.protocol.dictionary import MAX_FRAME
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One message on the wire."""
+
+    sequence: int  # 0..255; a reply carries its request's
+    code: int  # type of the message
+    payload: bytes
+
+
+def crc16(data: bytes) -> int:
+    """CRC-16/XMODEM."""
+    return binascii.crc_hqx(data, 0)
+
+
+def encode(frame: Frame) -> bytes:
+    """Return the octets of a frame, with its end mark. Raises ``ValueError`` if it is too long."""
+    body = bytes((frame.sequence, frame.code)) + frame.payload
+    body += crc16(body).to_bytes(2, "little")
+    if len(body) > MAX_FRAME:
+        raise ValueError(f"frame of {len(body)} octets; at most {MAX_FRAME} are allowed")
+    return cobs.encode(body) + b"\0"
+
+
+class Receiver:
+    """Cuts a stream of octets into frames; garbage and damaged frames are counted and dropped."""
+
+    def __init__(self) -> None:
+        self._pending = bytearray()
+        self.damaged = 0
+
+    def feed(self, data: bytes) -> list[Frame]:
+        """Take octets as they come; return the frames that are complete."""
+        self._pending += data
+        *chunks, rest = self._pending.split(b"\0")
+        self._pending = rest[-2 * MAX_FRAME :]  # a stream without zeros must not grow for ever
+        frames = []
+        for chunk in filter(None, chunks):
+            frame = _decode(bytes(chunk))
+            if frame is None:
+                self.damaged += 1
+            else:
+                frames.append(frame)
+        return frames
+
+
+def _decode(chunk: bytes) -> Frame | None:
+    try:
+        body = cobs.decode(chunk)
+    except cobs.DecodeError:
+        return None
+    if not 4 <= len(body) <= MAX_FRAME or crc16(body[:-2]) != int.from_bytes(body[-2:], "little"):
+        return None
+    return Frame(body[0], body[1], body[2:-2])
