@@ -73,6 +73,7 @@ class RawRun:
     plan: RunPlan
     words: np.ndarray  # (records, channels) uint16
     channels: tuple[LogChannel, ...]
+    flags: tuple[str, ...]  # names of the bits of the channel "flags", lowest first
     rate_hz: float
     outcome: Outcome | None  # None: no stop part in the campaign, the host crashed
     why: str = ""  # why it was aborted or failed
