@@ -118,6 +118,7 @@ class SteadyMeans:
     f_applied_n: float
     p_tp_pa: float
     p_tr_pa: float | None
+    efficiency: float | None = None  # equation 6.10 for the way the power flows
 
 
 @dataclass(frozen=True)
@@ -170,6 +171,9 @@ class Fit:
     rmse_n: float
     converged: bool
     message: str
+    # The law at (v_m_s, friction_n), signed like the curve's points: the speed of each point,
+    # and enough between for a smooth line. Nothing outside the measured speeds.
+    line: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)
