@@ -15,6 +15,7 @@ PROTOCOL = 1
 REPLY = 0x80  # added to a request's type in its reply
 ERROR = 0xFF  # type of a refusal
 MAX_FRAME = 254  # octets before stuffing: sequence, type, payload, CRC
+CRC_START = 0xFFFF  # of the CRC-16 (polynomial 0x1021, not reflected)
 
 
 @dataclass(frozen=True)
@@ -186,7 +187,7 @@ FLAGS = (
 
 def canonical_text() -> str:
     """All that both sides must agree on, as text."""
-    lines = [f"protocol {PROTOCOL}", f"frame {REPLY} {ERROR} {MAX_FRAME}"]
+    lines = [f"protocol {PROTOCOL}", f"frame {REPLY} {ERROR} {MAX_FRAME} {CRC_START}"]
     for message in MESSAGES:
         for side, fields in (("request", message.request), ("reply", message.reply)):
             text = ",".join(f"{name}:{kind}" for name, kind in fields)

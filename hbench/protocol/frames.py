@@ -1,6 +1,7 @@
 """Frames on the wire: [sequence][type][payload][CRC-16], COBS-stuffed, ended by a zero octet.
 
-The CRC is CRC-16/XMODEM over all before it, little-endian. A frame that fails its check is
+The CRC is CRC-16/CCITT-FALSE over all before it, little-endian. (It starts from 0xFFFF; XMODEM's
+start from 0 would not see a leading zero come or go, so one flipped bit could pass.) A frame that fails its check is
 dropped without a word: the host asks again.
 """
 
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 
 from cobs import cobs
 
-from hbench.protocol.dictionary import MAX_FRAME
+from hbench.protocol.dictionary import CRC_START, MAX_FRAME
 
 
 @dataclass(frozen=True)
@@ -22,8 +23,8 @@ class Frame:
 
 
 def crc16(data: bytes) -> int:
-    """CRC-16/XMODEM."""
-    return binascii.crc_hqx(data, 0)
+    """CRC-16/CCITT-FALSE."""
+    return binascii.crc_hqx(data, CRC_START)
 
 
 def encode(frame: Frame) -> bytes:
