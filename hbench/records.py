@@ -103,6 +103,7 @@ class Run:
     valve_saturated: np.ndarray | None = None  # (n,) bool
     missing_records: int = 0  # lost inside the log
     truncated: str = ""  # why the log is known to be incomplete; empty if it is whole
+    aborted: str = ""  # why the run was stopped early; empty if it was not
 
 
 @dataclass(frozen=True)
@@ -128,6 +129,7 @@ class ScreenedRun:
     run: Run
     reasons: tuple[str, ...]  # empty: accepted. Each is "code: words with value and limit"
     means: SteadyMeans | None  # None where there is no window to average
+    notes: tuple[str, ...] = ()  # what a reader should know, without speaking against the run
 
     @property
     def accepted(self) -> bool:
@@ -148,6 +150,7 @@ class CurvePoint:
     p_tp_pa: float
     p_tr_pa: float | None
     trials_n: tuple[float, ...]  # friction of each trial
+    trials_f_test_n: tuple[float, ...]  # F_T of each trial
     runs: tuple[str, ...]
 
 
@@ -184,6 +187,7 @@ class Curve:
     direction: Direction
     f_load_n: float | None
     label: str
+    specimen: Specimen
     points: tuple[CurvePoint, ...]  # by rising speed
     fits: tuple[Fit, ...] = ()
 
