@@ -1,0 +1,30 @@
+"""``hbench init``: writes a bench file and a schedule to edit."""
+
+from pathlib import Path
+
+import typer
+
+_FILES = ("bench-aau.yaml", "stribeck.yaml", "demo.yaml")
+
+
+def init(directory: Path = typer.Argument(help="Folder to write into.")) -> None:
+    """Write commented example files to edit: a bench and two schedules.
+
+    Example: hbench init my-bench
+    """
+    from importlib.resources import files
+
+    from hbench.errors import ConfigError
+
+    examples = files("hbench.config") / "examples"
+    taken = [name for name in _FILES if (directory / name).exists()]
+    if taken:
+        raise ConfigError(f"{directory / taken[0]} exists already", "Choose another folder.")
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        for name in _FILES:
+            (directory / name).write_bytes((examples / name).read_bytes())
+    except OSError as error:
+        raise ConfigError(f"{directory}: {error.strerror}") from None
+    for name in _FILES:
+        typer.echo(directory / name)

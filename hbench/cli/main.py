@@ -1,0 +1,57 @@
+"""The command line: parses, calls the workflow, prints; catches every error once."""
+
+import sys
+
+import click
+import typer
+
+from hbench import __version__
+from hbench.cli import analyze, imports, init, run
+from hbench.errors import ExitCode, HbenchError
+
+app = typer.Typer(
+    name="hbench",
+    help="Friction and efficiency of hydraulic cylinders, from a bench to a data sheet.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+app.command("init")(init.init)
+app.command("run")(run.run)
+app.command("import")(imports.import_)
+app.command("analyze")(analyze.analyze)
+app.command("report")(analyze.report)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: bool = typer.Option(
+        False, "--version", callback=_version, is_eager=True, help="Print the version."
+    ),
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Run the command line and exit with the code of design."""
+    try:
+        code = app(standalone_mode=False)
+    except HbenchError as error:
+        print(f"error: {error.message}", file=sys.stderr)
+        if error.hint:
+            print(f"hint: {error.hint}", file=sys.stderr)
+        code = error.exit_code
+    except click.ClickException as error:
+        error.show()
+        code = ExitCode.USAGE
+    except (KeyboardInterrupt, click.Abort):
+        print("stopped by the operator", file=sys.stderr)
+        code = 130
+    sys.exit(code or ExitCode.OK)

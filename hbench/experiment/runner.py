@@ -1,0 +1,178 @@
+"""Runs a plan on a board: uploads it, follows it, pulls every run's log and journals it.
+
+The log is pulled while the runs go on. A run's raw log is on disk before its stop part is in the
+journal, and both are there before anything is derived. Whatever ends the campaign early, the
+board is told to stop; a board that can't hear that stops by its heartbeat limit.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from hbench.config.bench import Bench
+from hbench.errors import DeviceError
+from hbench.experiment.plan import trials_in_a_row
+from hbench.protocol.dictionary import FAULTS, FLAGS, KINDS, RECORD, STATES
+from hbench.records import Outcome, RunPlan
+from hbench.rig.client import BoardClient
+from hbench.rig.settings import board_settings
+from hbench.store.campaign import CampaignWriter
+
+POLL_S = 0.25  # between two looks at the board; its ring holds ten seconds
+
+_RUN, _FLAGS = (next(i for i, w in enumerate(RECORD) if w.name == n) for n in ("run", "flags"))
+_LAST = 1 << FLAGS.index("last")
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a campaign stands."""
+
+    runs_done: int
+    runs_total: int
+    plan: RunPlan  # the run that is being made
+    v_m_s: float
+    f_applied_n: float
+
+
+def run_campaign(
+    plans: Sequence[RunPlan],
+    bench: Bench,
+    client: BoardClient,
+    journal: CampaignWriter,
+    clock: Callable[[], datetime],
+    report: Callable[[Progress], None],
+) -> None:
+    """Make all runs of ``plans`` and journal them.
+
+    Raises ``DeviceError`` when the board faults or the line is lost; what was measured until
+    then is in the journal.
+    """
+    max_steps = client.identify().max_steps
+    settings_crc = client.write_settings(board_settings(bench))
+    steps = trials_in_a_row(plans)
+    recorder = _Recorder(plans, journal, clock)
+    try:
+        for first in range(0, len(steps), max_steps):
+            batch = [_board_step(step) for step in steps[first : first + max_steps]]
+            client.start(settings_crc, client.write_steps(batch))
+            _follow(client, recorder, report)
+    except BaseException as error:
+        recorder.abandon(error)
+        _stop(client)
+        raise
+
+
+def _board_step(step: Sequence[RunPlan]) -> dict[str, float]:
+    plan = step[0]
+    return {
+        "run": int(plan.run),
+        "kind": KINDS.index(plan.kind),
+        "trials": len(step),
+        "v_ref_m_s": plan.v_ref_m_s,
+        "a_ref_m_s2": plan.a_ref_m_s2,
+        "p_lr_ref_pa": plan.p_lr_ref_pa,
+        "p_lp_ref_pa": plan.p_lp_ref_pa,
+        "x_start_m": plan.motion.x_start_m,
+        "x_end_m": plan.motion.x_end_m,
+        "hold_s": plan.motion.hold_s,
+        "duration_s": plan.motion.duration_s,
+    }
+
+
+def _follow(client: BoardClient, recorder: "_Recorder", report: Callable) -> None:
+    """Watch the board through one upload, pulling records until it is done with all."""
+    status = client.status()
+    number = status["log_next"]  # the board was idle, so what is logged before is not ours
+    while True:
+        state = STATES[status["state"]]
+        while number < status["log_next"]:  # first, so that a run is whole before the next begins
+            part = client.read_log(number)
+            recorder.feed(part.words)
+            number = part.first + len(part.words)
+        if state == "running":
+            recorder.begin(status["run"])
+            report(recorder.progress(status))
+        if state == "fault":
+            raise DeviceError(
+                f"run {recorder.current}: the board stopped itself: "
+                f"{FAULTS[status['fault']]} limit",
+                "Look at the bench, then go on with --resume.",
+            )
+        if state != "running":
+            break
+        client.wait(POLL_S)
+        status = client.status()
+    recorder.finish("done", "")
+    if state != "done":
+        raise DeviceError("the board's schedule was stopped from elsewhere")
+
+
+def _stop(client: BoardClient) -> None:
+    """Ask for neutral valves; a board out of reach has its heartbeat limit for that."""
+    try:
+        client.stop()
+    except DeviceError:
+        return
+
+
+class _Recorder:
+    """Sorts pulled records into runs and journals each at its start and its end."""
+
+    def __init__(
+        self, plans: Iterable[RunPlan], journal: CampaignWriter, clock: Callable[[], datetime]
+    ):
+        self._plans = {int(plan.run): plan for plan in plans}
+        self._journal = journal
+        self._clock = clock
+        self._words: list[np.ndarray] = []
+        self._number = 0  # of the run that is being made; 0: none
+        self._done = 0
+
+    @property
+    def current(self) -> str:
+        """Id of the run that is being made."""
+        return self._plans[self._number].run if self._number else "(none)"
+
+    def progress(self, status: dict) -> Progress:
+        """Return where the campaign stands."""
+        plan = self._plans[self._number]
+        return Progress(self._done, len(self._plans), plan, status["v_m_s"], status["f_applied_n"])
+
+    def begin(self, number: int) -> None:
+        """A run has started, as its status or its first record tells."""
+        if number == self._number:
+            return
+        if number not in self._plans:
+            raise DeviceError(f"the board reports run {number}, which is not in the plan")
+        self.finish("done", "")
+        self._number = number
+        self._journal.start_run(self._plans[number], self._clock())
+
+    def feed(self, words: np.ndarray) -> None:
+        """Take records in order: (n, words of a record)."""
+        edges = np.flatnonzero(np.diff(words[:, _RUN])) + 1
+        for piece in np.split(words, edges):
+            if len(piece):
+                self.begin(int(piece[0, _RUN]))
+                self._words.append(piece)
+                if piece[-1, _FLAGS] & _LAST:
+                    self.finish("done", "")
+
+    def finish(self, outcome: Outcome, why: str) -> None:
+        """The run is over: its log to disk, then its stop part to the journal."""
+        if not self._number:
+            return
+        plan = self._plans[self._number]
+        words = np.concatenate(self._words) if self._words else np.zeros((0, len(RECORD)), "<u2")
+        self._words, self._number = [], 0
+        self._journal.finish_run(plan, words, outcome, why, self._clock())
+        self._done += 1
+
+    def abandon(self, error: BaseException) -> None:
+        """Something ended the campaign in the middle of a run."""
+        interrupted = not isinstance(error, Exception)
+        why = "interrupted by the operator" if interrupted else str(error)
+        self.finish("aborted" if interrupted else "failed", why)

@@ -1,0 +1,37 @@
+"""What the board must know of the bench: its settings, from the bench file."""
+
+from hbench.config.bench import Bench
+from hbench.model.sensors import sensor_gains
+from hbench.protocol.dictionary import SENSORS
+
+_PARTS = 16  # the board works in sixteenths of an ADC count
+
+
+def board_settings(bench: Bench) -> dict[str, float]:
+    """Return every setting of the dictionary, in SI."""
+    control, limits, gains = bench.controllers, bench.limits, sensor_gains(bench.sensors)
+    return {
+        **{f"gain_{name}": gains[name][0] / _PARTS for name in SENSORS},
+        **{f"offset_{name}": gains[name][1] for name in SENSORS},
+        "velocity_gain_v_m": control.velocity.gain,
+        "velocity_time_constant_s": control.velocity.time_constant,
+        "rod_gain_v_pa_s": control.rod_pressure.gain,
+        "rod_time_constant_s": control.rod_pressure.time_constant,
+        "piston_gain_v_pa_s": control.piston_pressure.gain,
+        "piston_time_constant_s": control.piston_pressure.time_constant,
+        "velocity_filter_s": control.velocity_filter,
+        "pressure_filter_s": control.pressure_filter,
+        "feedforward_on": float(control.feedforward.enabled),
+        "feedforward_rod_v_s_m": control.feedforward.rod,
+        "feedforward_piston_v_s_m": control.feedforward.piston,
+        "voltage_limit_v": bench.valve.limit,
+        "pressure_slew_pa_s": control.pressure_slew,
+        "return_speed_m_s": control.return_speed,
+        "acceleration_m_s2": control.acceleration,
+        "travel_min_m": limits.travel_min,
+        "travel_max_m": limits.travel_max,
+        "pressure_max_pa": limits.pressure_max,
+        "speed_max_m_s": limits.speed_max,
+        "heartbeat_s": limits.heartbeat,
+        "log_divider": control.rate / control.log_rate,
+    }
