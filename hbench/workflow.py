@@ -4,7 +4,7 @@ import hashlib
 import platform
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
+from datetime import datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -14,14 +14,208 @@ from hbench.analysis.calibrate import calibrate
 from hbench.analysis.efficiency import efficiency
 from hbench.analysis.fit import fits
 from hbench.analysis.screen import screen
-from hbench.config.bench import Bench, parse_bench, parse_plant
+from hbench.config.bench import Bench, Plant, parse_bench, parse_plant
 from hbench.config.importmap import parse_import_map
 from hbench.config.loading import read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
-from hbench.errors import ConfigError
+from hbench.errors import ConfigError, DataError
 from hbench.experiment.plan import estimate_seconds, plan_runs
 from hbench.experiment.runner import Progress, run_campaign
 from hbench.protocol.dictionary import FLAGS, PROTOCOL, RECORD, dictionary_hash
 from hbench.records import Results, RunPlan
-from hbench.store.campaign import CampaignWriter, load_campaign, write_results
+from hbench.report.figures import figures
+from hbench.report.page import page
+from hbench.report.tables import tables
+from hbench.rig.client import BoardClient, Identity
+from hbench.rig.ports import Port, SerialPort
+from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write_results
 from hbench.store.foreign import ImportSummary, import_folder
+
+_PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
+_MIN_POINTS = 4  # of a curve to be fitted: as many as Tustin has parameters
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A checked schedule with its bench, as read and as written."""
+
+    schedule: Schedule
+    bench: Bench
+    plans: tuple[RunPlan, ...]
+    files: dict[str, dict[str, Any]]  # bench, schedule: {file, content}
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a schedule will take."""
+
+    runs: int
+    seconds: float  # on the bench
+    bytes: int  # of raw logs
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What ``measure`` did."""
+
+    runs: int
+    seconds: float  # on the bench's clock
+
+
+def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
+    """Read and check a schedule and its bench. Raises ``ConfigError``."""
+    schedule_data = read_yaml(schedule_file)
+    schedule = parse_schedule(schedule_data, str(schedule_file))
+    if bench_file is None:
+        if schedule.bench is None:
+            raise ConfigError(f"{schedule_file}: names no bench", "Add 'bench: FILE' or --bench.")
+        bench_file = schedule_file.parent / schedule.bench
+    bench_data = read_yaml(bench_file)
+    bench = parse_bench(bench_data, str(bench_file))
+    return Experiment(
+        schedule=schedule,
+        bench=bench,
+        plans=plan_runs(schedule, bench, str(schedule_file)),
+        files={
+            "bench": {"file": bench_file.name, "content": bench_data},
+            "schedule": {"file": schedule_file.name, "content": schedule_data},
+        },
+    )
+
+
+def estimate(experiment: Experiment) -> Estimate:
+    """Return the runs, the time on the bench and the size of the raw logs."""
+    plans, rate = experiment.plans, experiment.bench.controllers.log_rate
+    words = sum(plan.motion.duration_s for plan in plans) * rate * len(RECORD)
+    return Estimate(len(plans), estimate_seconds(plans, experiment.bench), round(5 * words))
+
+
+def measure(
+    experiment: Experiment,
+    folder: Path,
+    *,
+    port: str,
+    plant: Path | None,
+    seed: int,
+    resume: bool,
+    clock: Callable[[], datetime],
+    report: Callable[[Progress], None],
+) -> Measured:
+    """Make the runs on ``port`` and journal them in the campaign ``folder``.
+
+    ``plant`` is the file of another plant for the virtual rig; the campaign keeps only its hash.
+    Raises ``ConfigError``, ``DeviceError``, ``DataError``.
+    """
+    if plant is not None and port != "sim":
+        raise ConfigError("--plant is for the virtual rig, and --port is not 'sim'")
+    line = _open_port(experiment, port, plant, seed)
+    try:
+        client = BoardClient(line)
+        identity = client.identify()
+        plans = experiment.plans
+        if resume:
+            journal = CampaignWriter.resume(folder)
+            done = load_campaign(folder).done
+            plans = tuple(plan for plan in plans if plan.run not in done)
+        else:
+            header = _header(experiment, identity, port, plant, seed, clock())
+            journal = CampaignWriter.create(folder, header)
+        start = line.now()
+        run_campaign(plans, experiment.bench, client, journal, clock, report)
+        return Measured(len(plans), line.now() - start)
+    finally:
+        line.close()
+
+
+def import_runs(
+    source: Path, folder: Path, map_file: Path | None, clock: Callable[[], datetime]
+) -> ImportSummary:
+    """Bring another bench's logs in as a campaign. Raises ``ConfigError``, ``DataError``."""
+    rules = None if map_file is None else parse_import_map(read_yaml(map_file), str(map_file))
+    return import_folder(source, folder, rules, clock)
+
+
+def analyze(folder: Path) -> Results:
+    """Screen, average and fit a campaign; write its tables to ``results/``."""
+    results = _derive(load_campaign(folder))
+    write_results(folder, tables(results))
+    return results
+
+
+def report(folder: Path) -> Results:
+    """Analyze a campaign and write tables, figures and the page to ``results/``."""
+    results = _derive(load_campaign(folder))
+    drawn = figures(results)
+    write_results(folder, {**tables(results), **drawn.files, "report.html": page(results, drawn)})
+    return results
+
+
+def _derive(campaign: Campaign) -> Results:
+    bench = campaign.bench
+    runs = campaign.runs() if bench is None else (calibrate(r, bench) for r in campaign.raw_runs())
+    screened = tuple(screen(run, campaign.screening) for run in runs)
+    if not screened:
+        raise DataError(f"{campaign.folder}: holds no runs")
+    found = tuple(replace(curve, fits=fits(curve)) for curve in curves(screened))
+    instruments = None if bench is None else bench.instruments
+    return Results(
+        provenance=campaign.provenance,
+        runs=screened,
+        curves=found,
+        efficiency=tuple(efficiency(curve, instruments) for curve in found),
+        notes=campaign.notes,
+    )
+
+
+def _open_port(experiment: Experiment, name: str, plant: Path | None, seed: int) -> Port:
+    if name != "sim":
+        return SerialPort(name)
+    from hbench.rig.virtual import VirtualRig  # compiles; only who simulates waits for it
+
+    physics: Plant | None = None
+    if plant is not None:
+        bench_data = experiment.files["bench"]["content"]
+        physics = parse_plant(bench_data, read_yaml(plant), str(plant))
+    return VirtualRig(experiment.bench, physics, seed)
+
+
+def _header(
+    experiment: Experiment,
+    identity: Identity,
+    port: str,
+    plant: Path | None,
+    seed: int,
+    now: datetime,
+) -> dict[str, Any]:
+    simulated = port == "sim"
+    header = {
+        "schema": "hbench.campaign/1",
+        "name": experiment.schedule.name,
+        "source": "simulated" if simulated else "real",
+        "created": now.isoformat(timespec="seconds"),
+        "software": {
+            "python": platform.python_version(),
+            **{name: version(name) for name in _PACKAGES},
+        },
+        "firmware": {
+            "id": identity.firmware,
+            "board": identity.board,
+            "protocol": PROTOCOL,
+            "dictionary": f"{dictionary_hash():08x}",
+        },
+        "port": port,
+        **experiment.files,
+        "log": {
+            "rate_hz": experiment.bench.controllers.log_rate,
+            "flags": list(FLAGS),
+            "channels": [
+                {"name": w.name, "signed": w.signed, "scale": w.scale, "unit": w.unit}
+                for w in RECORD
+            ],
+        },
+    }
+    if simulated:
+        header["seed"] = seed
+    if plant is not None:
+        header["plant"] = {"sha256": hashlib.sha256(plant.read_bytes()).hexdigest()}
+    return header

@@ -1,0 +1,139 @@
+"""The shipped files are good; a bad one is refused with file, key, value and limit."""
+
+import copy
+from pathlib import Path
+
+import pytest
+
+from hbench.config.bench import parse_bench, parse_plant
+from hbench.config.importmap import parse_import_map
+from hbench.config.loading import read_yaml
+from hbench.config.schedule import parse_schedule
+from hbench.errors import ConfigError, ExitCode
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+BENCH = read_yaml(CONFIGS / "bench-aau.yaml")
+SCHEDULE = read_yaml(CONFIGS / "stribeck.yaml")
+
+
+def changed(data: dict, key: str, value: object) -> dict:
+    data = copy.deepcopy(data)
+    *path, last = key.split(".")
+    place = data
+    for part in path:
+        place = place[int(part)] if isinstance(place, list) else place[part]
+    place[last] = value
+    return data
+
+
+def test_the_bench_of_the_source_has_its_printed_values_in_si():
+    bench = parse_bench(BENCH, "bench-aau.yaml")
+    assert bench.test_cylinder.area_piston_m2 == pytest.approx(1.25664e-3, rel=1e-5)
+    assert bench.test_cylinder.area_rod_m2 == pytest.approx(7.65763e-4, rel=1e-5)
+    assert (bench.supply.pressure, bench.supply.tank) == (1.5e7, 2e5)
+    assert bench.valve.gain == 7.43e-7
+    assert bench.controllers.piston_pressure.gain == 6.5e-5
+    assert bench.controllers.feedforward.piston == 34.0682
+    assert bench.instruments.force.tolerance == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("name", ["stribeck.yaml", "demo.yaml"])
+def test_the_shipped_schedules_are_good(name):
+    parse_schedule(read_yaml(CONFIGS / name), name)
+
+
+def test_the_shipped_import_map_is_good():
+    parse_import_map(read_yaml(CONFIGS / "tudelft.yaml"), "tudelft.yaml")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("oil.density", 870, ["oil.density", "870", "no unit", "kg/m^3"]),
+        ("oil.density", "870 bar", ["oil.density", "wrong unit"]),
+        ("oil.density", "8700 kg/m^3", ["oil.density", "at most 2000 kg/m^3"]),
+        ("supply.pressure", "-1 bar", ["supply.pressure", "at least 0 bar"]),
+        ("valve.gian", "1 V", ["unknown key 'valve.gian'"]),
+        ("test_cylinder.rod_diameter", "41 mm", ["test_cylinder", "smaller than piston"]),
+        ("limits.travel_max", "500 mm", ["travel_max", "stroke"]),
+        ("controllers.log_rate", "300 Hz", ["whole multiple"]),
+        ("sensors.adc.bits", 40, ["sensors.adc.bits"]),
+    ],
+)
+def test_a_fault_in_a_bench_file_is_named(key, value, words):
+    with pytest.raises(ConfigError) as error:
+        parse_bench(changed(BENCH, key, value), "my-bench.yaml")
+    assert error.value.exit_code == ExitCode.USAGE
+    for word in ["my-bench.yaml", *words]:
+        assert word in str(error.value)
+
+
+def test_a_missing_key_is_named():
+    data = copy.deepcopy(BENCH)
+    del data["oil"]["density"]
+    with pytest.raises(ConfigError, match=r"key 'oil.density' is missing"):
+        parse_bench(data, "b.yaml")
+
+
+def test_every_fault_of_a_file_is_told_at_once():
+    data = changed(changed(BENCH, "oil.density", "1 m"), "supply.tank", "2")
+    with pytest.raises(ConfigError) as error:
+        parse_bench(data, "b.yaml")
+    assert "oil.density" in str(error.value) and "supply.tank" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("experiments.0.kind", "stedy", ["experiments.0"]),
+        ("experiments.0.velocities", {"first": "50 mm/s", "last": "200 mm/s", "count": 15},
+         ["would not grow"]),
+        ("experiments.0.travel", {"start": "300 mm", "end": "20 mm"}, ["'start' must be less"]),
+        ("experiments.0.loads", [], ["experiments.0.loads"]),
+        ("experiments.0.loads", [500], ["no unit"]),
+        ("speed", "1 m/s", ["unknown key 'speed'"]),
+    ],
+)  # fmt: skip
+def test_a_fault_in_a_schedule_is_named(key, value, words):
+    with pytest.raises(ConfigError) as error:
+        parse_schedule(changed(SCHEDULE, key, value), "my.yaml")
+    for word in ["my.yaml", *words]:
+        assert word in str(error.value)
+
+
+def test_a_plant_file_replaces_single_keys_of_the_bench():
+    over = {"friction": {"test": {"viscous": "3000 N s/m"}}, "oil": {"bulk_modulus": "900 bar"}}
+    plant = parse_plant(BENCH, over, "plant.yaml")
+    assert plant.friction.test.viscous == 3000
+    assert plant.friction.load.viscous == parse_bench(BENCH, "b").friction.load.viscous
+    assert plant.oil.bulk_modulus == 9e7
+    assert plant.oil.density == 870
+
+
+def test_a_plant_file_may_not_touch_what_is_not_physics():
+    with pytest.raises(ConfigError, match="unknown key 'controllers'"):
+        parse_plant(BENCH, {"controllers": {}}, "plant.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a: 1\na: 2\n", ["line 2", "'a' stands twice"]),
+        ("a: [1\n", ["line 2", "not valid|,"]),
+        ("- 1\n", ["no keys"]),
+        ("a: !!python/object/apply:os.system ['true']\n", ["could not determine a constructor"]),
+        ("\x00", [":"]),
+    ],
+)
+def test_a_file_that_is_no_yaml_mapping_is_refused_with_its_line(tmp_path, text, words):
+    path = tmp_path / "x.yaml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match="x.yaml") as error:
+        read_yaml(path)
+    for word in words:
+        assert any(part in str(error.value) + error.value.hint for part in word.split("|"))
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(ConfigError, match=r"nothing\.yaml"):
+        read_yaml(tmp_path / "nothing.yaml")

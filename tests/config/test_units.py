@@ -1,0 +1,60 @@
+"""Quantities are read with their units, and nothing else is taken for one."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hbench.units import UNITS, from_si, to_si
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "si"),
+    [
+        ("150 bar", "bar", 1.5e7),
+        ("40 mm", "mm", 0.04),
+        ("40mm", "mm", 0.04),
+        ("7.43e-7 m^2/V", "m^2/V", 7.43e-7),
+        ("30 l/min", "m^3/s", 5e-4),
+        ("1.25e-5 V/(Pa s)", "V/(Pa s)", 1.25e-5),
+        ("1.25 V/(bar s)", "V/(Pa s)", 1.25e-5),
+        ("1.25 V/bar/s", "V/(Pa s)", 1.25e-5),
+        ("2331 N s/m", "N s/m", 2331.0),
+        ("2331 kg/s", "N s/m", 2331.0),
+        ("251.2 cm^3", "cm^3", 2.512e-4),
+        ("-5 kN", "N", -5000.0),
+        ("1.5 %", "%", 0.015),
+        (0.25, "%", 0.25),
+        ("100 mm/s^2", "m/s^2", 0.1),
+        ("1 psi", "bar", 6894.757293168361),
+    ],
+)
+def test_a_quantity_is_stored_in_si(text, unit, si):
+    assert to_si(text, unit) == pytest.approx(si, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "message"),
+    [
+        (150, "bar", "has no unit; write for example '150 bar'"),
+        ("150", "bar", "has no unit"),
+        ("150 mm", "bar", "wrong unit"),
+        ("150 baar", "bar", "unknown unit 'baar'"),
+        ("bar", "bar", "not a number"),
+        ("1 2 bar", "bar", "can't read|unknown"),
+        ("1 V/(Pa s", "V/(Pa s)", "not closed"),
+        ("1 Pa)", "Pa", "without"),
+        ("nan bar", "bar", "not a number"),
+        ("1e999 bar", "bar", "not a finite"),
+        (True, "bar", "not a quantity"),
+        ([1], "bar", "not a quantity"),
+        (None, "bar", "not a quantity"),
+    ],
+)
+def test_what_is_no_quantity_of_the_kind_is_refused_with_the_reason(value, unit, message):
+    with pytest.raises(ValueError, match=message):
+        to_si(value, unit)
+
+
+@given(st.floats(-1e9, 1e9), st.sampled_from(sorted(UNITS)))
+def test_reading_and_converting_back_are_inverse(number, unit):
+    assert from_si(to_si(f"{number!r} {unit}", unit), unit) == pytest.approx(number, rel=1e-12)

@@ -1,0 +1,80 @@
+"""A schedule becomes the source's runs, and what a bench can't do is refused in words."""
+
+import copy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hbench.config.bench import parse_bench
+from hbench.config.loading import read_yaml
+from hbench.config.schedule import Velocities, parse_schedule
+from hbench.errors import ConfigError
+from hbench.experiment.plan import load_pressure, plan_runs, polynomial_speeds, trials_in_a_row
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+BENCH = parse_bench(read_yaml(CONFIGS / "bench-aau.yaml"), "bench")
+STRIBECK = read_yaml(CONFIGS / "stribeck.yaml")
+
+
+def plans_of(data):
+    return plan_runs(parse_schedule(data, "s.yaml"), BENCH, "s.yaml")
+
+
+def test_the_sources_experiment_has_360_runs():
+    plans = plans_of(STRIBECK)
+    assert len(plans) == 360
+    assert len({plan.run for plan in plans}) == 360
+    assert {plan.p_lr_ref_pa for plan in plans if plan.direction == "extend"} == {15e5}
+    assert {plan.p_lr_ref_pa for plan in plans if plan.direction == "retract"} == {110e5}
+    assert {abs(plan.f_load_n) for plan in plans} == {500, 1000, 2000, 5000}
+    assert max(abs(plan.v_ref_m_s) for plan in plans) == pytest.approx(0.2)
+    assert [plan.trial for plan in plans[:6]] == [1, 2, 3, 1, 2, 3]
+
+
+def test_speeds_are_a_second_order_polynomial_between_the_ends():
+    speeds = polynomial_speeds(Velocities(first="5 mm/s", last="200 mm/s", count=15))
+    assert speeds[0] == pytest.approx(0.005)
+    assert speeds[-1] == pytest.approx(0.2)
+    np.testing.assert_allclose(np.diff(speeds, 3), 0, atol=1e-12)
+    assert np.all(np.diff(speeds, 2) > 0)
+
+
+def test_load_pressures_are_the_printed_ones():
+    assert load_pressure(BENCH, 10e3, 15e5) / 1e5 == pytest.approx(88.7, abs=0.05)
+    assert load_pressure(BENCH, 1e3, 75e5) / 1e5 == pytest.approx(53.7, abs=0.05)
+
+
+def test_the_load_opposes_the_motion_in_both_directions():
+    for plan in plans_of(STRIBECK):
+        assert plan.f_load_n * plan.v_ref_m_s > 0
+
+
+def test_a_run_starts_at_the_far_end_of_its_way():
+    for plan in plans_of(STRIBECK):
+        assert (plan.motion.x_end_m - plan.motion.x_start_m) * plan.v_ref_m_s > 0
+
+
+def test_trials_in_a_row_are_one_step_and_holes_part_them():
+    plans = plans_of(STRIBECK)
+    assert [len(step) for step in trials_in_a_row(plans)] == [3] * 120
+    assert [len(step) for step in trials_in_a_row([*plans[:1], *plans[2:5]])] == [1, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"travel": {"start": "20 mm", "end": "390 mm"}}, ["travel", "395|375", "brake"]),
+        ({"travel": {"start": "100 mm", "end": "160 mm"}}, ["steady window", "mm/s"]),
+        ({"loads": ["30 kN"]}, ["30000 N", "supply"]),
+        ({"loads": ["-5000 N"]}, ["-5000 N", "tank"]),
+        ({"velocities": ["0.39 m/s"]}, ["travel"]),
+    ],
+)
+def test_what_the_bench_cant_do_is_refused_before_anything_moves(change, words):
+    data = copy.deepcopy(STRIBECK)
+    data["experiments"] = [{**data["experiments"][0], **change}]
+    with pytest.raises(ConfigError) as error:
+        plans_of(data)
+    for word in ["s.yaml", "experiments.0", *words]:
+        assert any(part in str(error.value) for part in word.split("|"))
