@@ -1,0 +1,130 @@
+"""The virtual rig: the board's firmware against the simulated bench, behind a byte port.
+
+The firmware's host library is stepped inside the compiled plant loop by function address, so
+host, wire and control law are those of the real bench. Time is simulated: it passes only while
+the client waits for an answer. The same seed gives the same bytes.
+"""
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from hbench.config.bench import Bench, Plant
+from hbench.model.compiled import compiled
+from hbench.model.noise import new_noise
+from hbench.model.parameters import plant_parameters
+from hbench.model.plant import TICK_S, WORK_SHAPE, V, initial_state, step
+from hbench.model.scatter import new_levels, update_levels
+from hbench.model.sensors import N_CHANNELS, convert, sensed, sensor_parameters
+from hbench.rig.firmware import HostFirmware
+
+VOLTS_PER_CODE = 10.0 / 2048  # AD5724R, 12 bit, +-10 V
+_POLL_TICKS = 10  # the board's idle loop comes round about once a millisecond
+_START_PRESSURE_PA = 15e5  # of both load chambers at power-on
+
+
+def _call(builder, address, arguments, returns):
+    kinds = [argument.type for argument in arguments]
+    function = builder.inttoptr(address, ir.FunctionType(returns, kinds).as_pointer())
+    return builder.call(function, arguments)
+
+
+@intrinsic
+def _call_tick(typing, address, core, adc, dac):
+    """Call ``void tick(core, adc, dac)``; all four are addresses."""
+
+    def generate(context, builder, signature, arguments):
+        _call(builder, arguments[0], arguments[1:], ir.VoidType())
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.intp, types.intp, types.intp), generate
+
+
+@intrinsic
+def _call_poll(typing, address, core):
+    """Call ``uint32_t poll(core)``; both are addresses."""
+
+    def generate(context, builder, signature, arguments):
+        return _call(builder, arguments[0], arguments[1:], ir.IntType(32))
+
+    return types.uint32(types.intp, types.intp), generate
+
+
+@compiled
+def _advance(ticks, tick, firmware, state, levels, noise, buffers, par, sensors):
+    """Run up to ``ticks`` control ticks; stop early when the board has something to say.
+
+    ``tick`` counts from power-on; ``firmware`` holds the addresses of the tick and poll functions
+    and of the core. Returns the new ``tick``.
+    """
+    call_tick, call_poll, core = firmware
+    values, adc, dac, u, work = buffers
+    last = tick + ticks
+    while tick < last:
+        sensed(state, levels, par, values)
+        convert(values, sensors, noise, adc)
+        _call_tick(call_tick, core, adc.ctypes.data, dac.ctypes.data)
+        for valve in range(3):
+            u[valve] = dac[valve] * VOLTS_PER_CODE
+        step(state, u, levels, par, TICK_S, work)
+        update_levels(levels, state[V], noise, par)
+        tick += 1
+        if tick % _POLL_TICKS == 0 and _call_poll(call_poll, core) > 0:
+            break
+    return tick
+
+
+class VirtualRig:
+    """A board and its bench, both simulated, as a ``Port``.
+
+    ``plant`` stands in for the bench's own physics where it is given.
+    """
+
+    name = "sim"
+
+    def __init__(self, bench: Bench, plant: Plant | None = None, seed: int = 1):
+        plant = plant or bench
+        self._par = plant_parameters(plant)
+        self._sensors = sensor_parameters(plant.sensors)
+        self._noise = new_noise(seed)
+        self._levels = new_levels(self._noise, self._par)
+        self._state = initial_state(
+            self._par, 0.5 * plant.test_cylinder.stroke, _START_PRESSURE_PA, _START_PRESSURE_PA
+        )
+        self._buffers = (
+            np.zeros(N_CHANNELS),
+            np.zeros(N_CHANNELS, np.uint16),
+            np.zeros(3, np.int16),
+            np.zeros(3),
+            np.zeros(WORK_SHAPE),
+        )
+        self._board = HostFirmware(boots=1)
+        self._tick = 0
+
+    def write(self, data: bytes) -> None:
+        """Send octets to the board."""
+        self._board.receive(data)
+
+    def read(self, timeout_s: float) -> bytes:
+        """Let simulated time pass until the board says something or the timeout is over."""
+        self._tick = _advance(
+            max(1, round(timeout_s / TICK_S)),
+            self._tick,
+            self._board.addresses,
+            self._state,
+            self._levels,
+            self._noise,
+            self._buffers,
+            self._par,
+            self._sensors,
+        )
+        return self._board.transmit()
+
+    def now(self) -> float:
+        """Simulated seconds since power-on."""
+        return self._tick * TICK_S
+
+    def close(self) -> None:
+        """Switch the board off."""
+        self._board.close()
