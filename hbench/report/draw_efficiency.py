@@ -1,0 +1,60 @@
+"""Efficiency over speed, with the instruments' band and the trials' spread."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from hbench.records import EfficiencyCurve, Results
+from hbench.report import style
+from hbench.report.draw_friction import by_load, load_ranks, load_style
+from hbench.report.text import force
+
+
+def efficiency(results: Results) -> dict[str, Figure]:
+    """Draw efficiency [%] over |v| [mm/s], one figure a direction.
+
+    The band is +-sigma of the instruments (6.16 to 6.19); the bars are the standard error of the
+    trials' mean.
+    """
+    curves = [curve for curve in results.efficiency if _has_values(curve)]
+    ranks = load_ranks(curves)
+    figures = {}
+    for direction in style.DIRECTIONS:
+        chosen = [curve for curve in curves if curve.direction == direction]
+        if not chosen:
+            continue
+        figure = figures[direction] = style.new_figure(height_in=3.9)
+        axes = figure.add_subplot()
+        for curve in by_load(chosen):
+            look = load_style(curve.f_load_n, direction, ranks)
+            speed, value, band, bar = _columns(curve)
+            axes.fill_between(
+                speed, value - band, value + band, color=look["color"], alpha=0.22, linewidth=0
+            )
+            label = None if curve.f_load_n is None else force(curve.f_load_n)
+            axes.errorbar(speed, value, bar, label=label, **look, **style.POINTS)
+        axes.set(xlabel="Speed |v| (mm/s)", ylabel="Efficiency (%)")
+        style.start_at_zero(axes)
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, 0), max(high, 100))
+        style.head(axes, style.TITLES[direction], results)
+        style.legend_above(figure, axes, "Load $F_L$")
+    style.share_limits(figure.axes[0] for figure in figures.values())
+    return figures
+
+
+def has_efficiency(results: Results) -> bool:
+    """Tell whether any point has an efficiency, with at least two speeds."""
+    return any(_has_values(curve) for curve in results.efficiency)
+
+
+def _has_values(curve: EfficiencyCurve) -> bool:
+    return sum(point.efficiency is not None for point in curve.points) >= 2
+
+
+def _columns(curve: EfficiencyCurve) -> tuple[np.ndarray, ...]:
+    def column(name: str) -> np.ndarray:
+        values = [getattr(point, name) for point in curve.points]
+        return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+    percent = 100 * np.array([column(name) for name in ("efficiency", "sigma", "sigma_trials")])
+    return 1e3 * np.abs(column("v_m_s")), *percent

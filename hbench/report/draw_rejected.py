@@ -1,0 +1,42 @@
+"""The rejected runs by reason."""
+
+from collections import Counter
+
+from matplotlib.figure import Figure
+
+from hbench.records import Results
+from hbench.report import style
+
+
+def reason_counts(results: Results) -> Counter[str]:
+    """Count the codes of the reasons; a run with two reasons counts under both."""
+    return Counter(code_of(reason) for run in results.runs for reason in run.reasons)
+
+
+def code_of(reason: str) -> str:
+    """Return the code in "code: words with value and limit"."""
+    return reason.partition(":")[0].strip()
+
+
+def has_rejected(results: Results) -> bool:
+    """Tell whether any run was rejected."""
+    return not all(run.accepted for run in results.runs)
+
+
+def rejected(results: Results) -> dict[str, Figure]:
+    """Draw how many runs each reason rejected."""
+    counts = reason_counts(results).most_common()[::-1]
+    figure = style.new_figure(height_in=1.1 + 0.3 * len(counts))
+    axes = figure.add_subplot()
+    names = [style.safe(code.replace("_", " "), most=30) for code, _ in counts]
+    bars = axes.barh(range(len(counts)), [n for _, n in counts], color=style.COLOURS[0], height=0.6)
+    axes.bar_label(bars, padding=4)
+    axes.set_yticks(range(len(counts)), names)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(visible=False)
+    axes.set_xlabel("Runs rejected (count)")
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.margins(x=0.1)
+    axes.set_ylim(-0.7, len(counts) - 0.3)
+    style.head(axes, "Reasons", results)
+    return {"": figure}

@@ -1,0 +1,148 @@
+"""All figures of a campaign: what is drawn when, under which name, with which caption."""
+
+import io
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from hbench.records import Results
+from hbench.report.draw_efficiency import efficiency, has_efficiency
+from hbench.report.draw_friction import has_both_directions, has_curves, signed, stribeck
+from hbench.report.draw_pressure import friction_pressure, has_pressures
+from hbench.report.draw_rejected import has_rejected, rejected
+from hbench.report.style import RC
+
+PNG_DPI = 200
+
+
+@dataclass(frozen=True)
+class FigureKind:
+    """A row of the table of figures."""
+
+    name: str
+    section: str  # of the page
+    caption: str
+    applies: Callable[[Results], bool]
+    draw: Callable[[Results], dict[str, Figure]]  # the key tells figures of one kind apart
+    each_series: bool = False  # drawn for each kind and label by itself
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure as drawn. ``name`` is fit for a file name and unique in a campaign."""
+
+    name: str
+    section: str
+    title: str
+    caption: str
+    svg: bytes
+    png: bytes
+
+
+def draw_all(results: Results) -> tuple[Drawing, ...]:
+    """Draw every figure that applies to ``results``, in the order of the page."""
+    drawings = []
+    for kind in FIGURES:
+        for series, words in _series(results) if kind.each_series else [(results, "")]:
+            if kind.applies(series):
+                with rc_context(RC):
+                    figures = kind.draw(series)
+                    for part, figure in figures.items():
+                        name = _unique(
+                            _slug(kind.name, part, words), {drawing.name for drawing in drawings}
+                        )
+                        title = ", ".join(filter(None, (words, figure.axes[0].get_title("left"))))
+                        svg, png = render(figure)
+                        drawings.append(Drawing(name, kind.section, title, kind.caption, svg, png))
+    return tuple(drawings)
+
+
+def render(figure: Figure) -> tuple[bytes, bytes]:
+    """Return ``figure`` as SVG and PNG; the same figure gives the same bytes."""
+    svg, png = io.BytesIO(), io.BytesIO()
+    with rc_context(RC):
+        FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Creator": None})
+        figure.set_dpi(PNG_DPI)
+        FigureCanvasAgg(figure).print_png(png, metadata={"Software": None})
+    return svg.getvalue(), png.getvalue()
+
+
+def _series(results: Results) -> Iterator[tuple[Results, str]]:
+    """Yield the part of each kind and label, and words that tell it apart where there are more."""
+    found = dict.fromkeys((curve.kind, curve.label) for curve in results.curves)
+    kinds = {kind for kind, _ in found}
+    for kind, label in found:
+        part = replace(
+            results,
+            curves=tuple(c for c in results.curves if (c.kind, c.label) == (kind, label)),
+            efficiency=tuple(c for c in results.efficiency if (c.kind, c.label) == (kind, label)),
+        )
+        yield part, ", ".join(filter(None, (label, kind if len(kinds) > 1 else "")))
+
+
+def _slug(*parts: str) -> str:
+    words = re.findall(r"[a-z0-9]+", " ".join(parts).lower())
+    return "-".join(words)[:60].strip("-")
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    number, candidate = 1, name
+    while candidate in taken:
+        number += 1
+        candidate = f"{name}-{number}"
+    return candidate
+
+
+FIGURES = (
+    FigureKind(
+        name="stribeck",
+        section="friction",
+        caption="Friction over speed, both as magnitudes. Points: mean of the accepted trials with "
+        "the 95 % Student interval. Lines: the fitted law inside the measured speeds (dashed: the "
+        "fit did not converge). Hollow points: the load helps the motion. Below: measured less "
+        "fitted, side by side. Both directions share their axes.",
+        applies=has_curves,
+        draw=stribeck,
+        each_series=True,
+    ),
+    FigureKind(
+        name="friction-signed",
+        section="friction",
+        caption="Friction over velocity with their signs, after the source's figure 6.14. A colour "
+        "is one size of the load, whichever way it acts.",
+        applies=has_both_directions,
+        draw=signed,
+        each_series=True,
+    ),
+    FigureKind(
+        name="friction-pressure",
+        section="friction",
+        caption="Friction against chamber pressure, one point a pressure and direction, with the "
+        "95 % Student interval where there are two trials or more. Below: half of the band, "
+        "(F extending − F retracting) / 2, which is free of a constant error in force. "
+        "Dotted lines guide the eye.",
+        applies=has_pressures,
+        draw=friction_pressure,
+    ),
+    FigureKind(
+        name="efficiency",
+        section="efficiency",
+        caption="Efficiency over speed. Band: ±σ from the instruments' tolerances. Bars: standard "
+        "error of the trials' mean. Both directions share their axes.",
+        applies=has_efficiency,
+        draw=efficiency,
+        each_series=True,
+    ),
+    FigureKind(
+        name="rejected",
+        section="rejected",
+        caption="Rejected runs by reason; a run with two reasons counts under both.",
+        applies=has_rejected,
+        draw=rejected,
+    ),
+)

@@ -1,0 +1,112 @@
+"""How all figures look: colours, markers, sizes, and what keeps their bytes the same."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hbench.records import Direction, Results
+
+# Okabe and Ito's colours, told apart with any colour vision; their yellow is left out, since thin
+# lines in it can't be seen on white.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+QUIET = "#6b7280"
+
+DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
+TITLES = {"extend": "Extending", "retract": "Retracting"}
+
+WIDTH_IN = 5.2  # two side by side on a desktop page; the type stays legible at half this width
+
+RC = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so that it is the same everywhere
+    "font.size": 11,
+    "axes.titlesize": 12,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 11,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#374151",
+    "grid.color": "#e5e7eb",
+    "grid.linewidth": 0.8,
+    "xtick.labelsize": 10,
+    "ytick.labelsize": 10,
+    "xtick.color": "#374151",
+    "ytick.color": "#374151",
+    "legend.fontsize": 10,
+    "legend.title_fontsize": 10,
+    "legend.frameon": False,
+    "legend.handletextpad": 0.3,
+    "legend.columnspacing": 1.2,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 5.5,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "hbench",  # element names from the content, not from a random number
+    "path.simplify": False,
+}
+
+POINTS: dict[str, Any] = {
+    "linestyle": "none",
+    "capsize": 2.5,
+    "elinewidth": 1.1,
+    "markeredgewidth": 0.9,
+    "zorder": 3,
+}
+SMALL_POINTS = {**POINTS, "markersize": 4, "capsize": 0, "elinewidth": 0.9}
+
+
+def series_style(index: int, hollow: bool = False) -> dict[str, Any]:
+    """Return colour and marker of the series number ``index``: all differ up to 49."""
+    colour = COLOURS[index % len(COLOURS)]
+    marker = MARKERS[(index + index // len(COLOURS)) % len(MARKERS)]
+    face = "white" if hollow else colour
+    return {"color": colour, "marker": marker, "markerfacecolor": face}
+
+
+def new_figure(height_in: float) -> Figure:
+    """Return an empty figure of the report's width."""
+    return Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
+
+
+def head(axes: Axes, title: str, results: Results) -> None:
+    """Put the title, and on a simulated campaign's figures that they are simulated."""
+    axes.set_title(safe(title))
+    if results.provenance.source == "simulated":
+        axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
+
+
+def legend_above(figure: Figure, axes: Axes, title: str = "", columns: int = 4) -> None:
+    """Put the legend above the axes, where it covers no data; nothing where there is no entry."""
+    handles, labels = axes.get_legend_handles_labels()
+    if labels:
+        columns = min(columns, len(labels))
+        figure.legend(
+            handles, labels, title=title, ncols=columns, alignment="left", loc="outside upper left"
+        )
+
+
+def start_at_zero(axes: Axes) -> None:
+    """Let a speed or pressure begin at zero, with room for a point that lies near it."""
+    _, right = axes.get_xlim()
+    axes.set_xlim(left=-0.02 * right)
+
+
+def share_limits(axes: Iterable[Axes]) -> None:
+    """Give all axes the widest limits among them, so that figures can be compared by eye."""
+    axes = list(axes)
+    for get, set_ in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
+        limits = [getattr(one, get)() for one in axes]
+        widest = (min(low for low, _ in limits), max(high for _, high in limits))
+        for one in axes:
+            getattr(one, set_)(widest)
+
+
+def safe(text: str, most: int = 42) -> str:
+    """Make a campaign's own words fit for a figure: one line, no formula, not too long."""
+    line = " ".join(text.split())
+    line = line if len(line) <= most else line[: most - 1] + "…"
+    return line.replace("$", r"\$")

@@ -1,0 +1,202 @@
+"""Results as ``results.json`` and as CSV: SI, the unit in each column's name.
+
+The names in ``results.json`` (schema "hbench.results/1") are read by other programs and don't
+change. A number that does not exist, NaN included, is null there and an empty cell in a CSV.
+"""
+
+import csv
+import io
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from hbench.records import Curve, EfficiencyCurve, Fit, Results, ScreenedRun
+
+SCHEMA = "hbench.results/1"
+
+Row = dict[str, Any]
+
+
+def results_json(results: Results) -> str:
+    """Return the text of ``results.json``."""
+    document = {
+        "schema": SCHEMA,
+        "provenance": asdict(results.provenance),
+        "runs": [_run(run) for run in results.runs],
+        "curves": [
+            {
+                **_series(curve),
+                "specimen": asdict(curve.specimen),
+                "points": [asdict(point) for point in curve.points],
+                "fits": [_fit(fit) for fit in curve.fits],
+            }
+            for curve in results.curves
+        ],
+        "efficiency": [
+            {
+                **_series(curve),
+                "points": [
+                    {**asdict(point), "reason": point.reason or None} for point in curve.points
+                ],
+            }
+            for curve in results.efficiency
+        ],
+        "notes": results.notes,
+    }
+    return json.dumps(_plain(document), indent=1, allow_nan=False) + "\n"
+
+
+def runs_csv(results: Results) -> str:
+    """Return one row a run, rejected ones included."""
+    return _csv(_RUN_COLUMNS, map(_run, results.runs))
+
+
+def curves_csv(results: Results) -> str:
+    """Return one row a point of a friction curve."""
+    rows = []
+    for curve in results.curves:
+        for point in curve.points:
+            rows.append({**_series(curve), **asdict(point), "runs": " ".join(point.runs)})
+    return _csv(_CURVE_COLUMNS, rows)
+
+
+def fits_csv(results: Results) -> str:
+    """Return one row a fitted parameter; its unit is a column."""
+    rows = []
+    for curve in results.curves:
+        for fit in curve.fits:
+            for name, parameter in fit.parameters.items():
+                low, high = parameter.ci95 or (None, None)
+                rows.append(
+                    {
+                        **_series(curve),
+                        "law": fit.law,
+                        "parameter": name,
+                        "value": parameter.value,
+                        "unit": parameter.unit,
+                        "se": parameter.se,
+                        "ci95_low": low,
+                        "ci95_high": high,
+                        "at_bound": parameter.at_bound,
+                        "rmse_n": fit.rmse_n,
+                        "converged": fit.converged,
+                        "message": fit.message,
+                    }
+                )
+    return _csv(_FIT_COLUMNS, rows)
+
+
+def efficiency_csv(results: Results) -> str:
+    """Return one row a point of an efficiency curve."""
+    rows = [
+        {**_series(curve), **asdict(point)}
+        for curve in results.efficiency
+        for point in curve.points
+    ]
+    return _csv(_EFFICIENCY_COLUMNS, rows)
+
+
+def _series(curve: Curve | EfficiencyCurve) -> Row:
+    return {
+        "kind": curve.kind,
+        "label": curve.label,
+        "direction": curve.direction,
+        "f_load_n": curve.f_load_n,
+    }
+
+
+def _run(screened: ScreenedRun) -> Row:
+    plan, means = screened.run.plan, screened.means
+    averages = asdict(means) if means else {}
+    return {
+        "run": plan.run,
+        "kind": plan.kind,
+        "label": plan.label,
+        "direction": plan.direction,
+        "v_ref_m_s": plan.v_ref_m_s,
+        "a_ref_m_s2": plan.a_ref_m_s2,
+        "f_load_n": plan.f_load_n,
+        "p_lr_ref_pa": plan.p_lr_ref_pa,
+        "trial": plan.trial,
+        "accepted": screened.accepted,
+        "reason": "; ".join(screened.reasons) or None,
+        "reasons": screened.reasons,
+        "notes": screened.notes,
+        "v_mean_m_s": averages.get("v_m_s"),
+        **{name: averages.get(name) for name in _MEANS},
+    }
+
+
+def _fit(fit: Fit) -> Row:
+    return {
+        "law": fit.law,
+        "parameters": {name: asdict(value) for name, value in fit.parameters.items()},
+        "rmse_n": fit.rmse_n,
+        "converged": fit.converged,
+        "message": fit.message,
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Turn what JSON does not know into what it knows; NaN and infinities into null."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, bool | int | str) else str(value)
+
+
+def _csv(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: _cell(row[name]) for name in columns})
+    return text.getvalue()
+
+
+def _cell(value: Any) -> str:
+    value = _plain(value)
+    if isinstance(value, str):
+        # A spreadsheet runs a cell that begins so as a formula; an apostrophe makes it text.
+        return f"'{value}" if value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return "" if value is None else repr(value)
+
+
+_SERIES = ("kind", "label", "direction", "f_load_n")
+_MEANS = (
+    *"friction_n efficiency f_test_n f_applied_n p_tp_pa p_tr_pa".split(),
+    *"t_start_s t_stop_s n".split(),
+)
+_RUN_COLUMNS = (
+    *"run kind label direction v_ref_m_s a_ref_m_s2 f_load_n p_lr_ref_pa trial".split(),
+    *"accepted reason v_mean_m_s".split(),
+    *_MEANS,
+)
+_CURVE_COLUMNS = (
+    *_SERIES,
+    *"v_m_s friction_n ci95_n n f_test_n f_applied_n p_tp_pa p_tr_pa runs".split(),
+)
+_FIT_COLUMNS = (
+    *_SERIES,
+    *"law parameter value unit se ci95_low ci95_high at_bound rmse_n converged message".split(),
+)
+_EFFICIENCY_COLUMNS = (*_SERIES, *"v_m_s efficiency sigma sigma_trials reason".split())
+
+TABLES: dict[str, Callable[[Results], str]] = {
+    "results.json": results_json,
+    "runs.csv": runs_csv,
+    "curves.csv": curves_csv,
+    "fits.csv": fits_csv,
+    "efficiency.csv": efficiency_csv,
+}

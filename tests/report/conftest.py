@@ -1,0 +1,158 @@
+"""Made-up results: the numbers have the shape of a campaign's, and were measured by nobody."""
+
+import math
+
+import numpy as np
+import pytest
+
+from hbench.records import (
+    Curve,
+    CurvePoint,
+    EfficiencyCurve,
+    EfficiencyPoint,
+    Fit,
+    FitParameter,
+    Provenance,
+    Results,
+    Run,
+    RunPlan,
+    ScreenedRun,
+    Specimen,
+    SteadyMeans,
+)
+
+SPECIMEN = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
+T95_2DOF = 4.302653
+
+
+def tustin(v, coulomb, stiction, stribeck, viscous):
+    return (
+        np.sign(v) * (coulomb + (stiction - coulomb) * np.exp(-np.abs(v) / stribeck)) + viscous * v
+    )
+
+
+def parameter(value, unit, half=None, at_bound=None):
+    if half is None:
+        return FitParameter(value, None, None, at_bound, unit)
+    return FitParameter(value, half / 2, (value - half, value + half), at_bound, unit)
+
+
+def steady_run(name, v, load, trial, friction, reasons=(), label="", kind="steady", p_tp=5e6):
+    plan = RunPlan(
+        name, kind, trial, v, SPECIMEN, a_ref_m_s2=1.0, f_load_n=load, p_lr_ref_pa=15e5, label=label
+    )
+    run = Run(plan, t_s=np.arange(3) / 100, x_m=np.arange(3) * v / 100)
+    applied = load or 0.0
+    means = SteadyMeans(0.8, 2.3, 150, v, friction, applied + friction, applied, p_tp, 8e5, 0.8)
+    return ScreenedRun(run, tuple(reasons), None if "truncated" in " ".join(reasons) else means)
+
+
+def point(v, trials, runs, load, p_tp=5e6, p_tr=8e5):
+    mean, n = float(np.mean(trials)), len(trials)
+    ci = T95_2DOF * float(np.std(trials, ddof=1)) / math.sqrt(n) if n > 1 else None
+    f_test = load + mean
+    tests = tuple(load + f for f in trials)
+    return CurvePoint(v, mean, ci, n, f_test, load, p_tp, p_tr, tuple(trials), tests, tuple(runs))
+
+
+REJECTIONS = (
+    "off_reference: mean speed 187.3 mm/s, 12.7 mm/s from the reference; limit 2 mm/s",
+    "end_stop: within 2 mm of the end-stop inside the window",
+    "never_steady: friction drifts by 96 N over the window; limit 52 N",
+    "truncated: 412 of 1000 records",
+    "sensor_saturated: p_tp at 4095 counts for 31 samples",
+    "valve_saturated: u_t at 10 V for 44 samples",
+)
+
+
+def stribeck_results(loads=(500.0, 1000.0, 2000.0, 5000.0), speeds=15, source="simulated"):
+    """Both directions, three trials; a bad run here and there; one fit on its bound."""
+    rng = np.random.default_rng(7)
+    v_all = np.linspace(0.005, 0.2, speeds) ** 1.4 / 0.2**0.4
+    runs, curves, efficiency = [], [], []
+    for direction, sign in (("extend", 1), ("retract", -1)):
+        for rank, size in enumerate(loads):
+            load = sign * size
+            true = (300 + 0.02 * size + 25 * sign, 480 + 0.03 * size, 0.05, 1300.0)
+            points, etas = [], []
+            for i, v in enumerate(sign * v_all):
+                trials = tustin(v, *true) + rng.normal(0, 6, 3)
+                names = [f"{direction}-{rank}-{i:02d}-{trial}" for trial in (1, 2, 3)]
+                bad = len(runs) % 42 == 39
+                for trial, (name, friction) in enumerate(zip(names, trials, strict=True)):
+                    reasons = (REJECTIONS[len(runs) // 42 % 6],) if bad and trial == 2 else ()
+                    runs.append(steady_run(name, v, load, trial + 1, float(friction), reasons))
+                keep = 2 if bad else 3
+                points.append(point(v, trials[:keep], names[:keep], load))
+                eta = load / points[-1].f_test_n
+                etas.append(EfficiencyPoint(v, eta, 0.013 * eta + 0.004, 0.006))
+            at_bound = rank == 0 and sign == 1
+            grid = np.union1d(np.linspace(v_all[0], v_all[-1], 100), v_all) * sign
+            fit = Fit(
+                "tustin",
+                {
+                    "f_coulomb_n": parameter(0.0, "N", None, "lower")
+                    if at_bound
+                    else parameter(true[0], "N", 23.4),
+                    "f_stiction_n": parameter(true[1], "N", 12.3),
+                    "v_stribeck_m_s": parameter(0.05, "m/s", 0.0071),
+                    "b_viscous_n_s_m": parameter(1300.0, "N s/m", 145.0),
+                },
+                6.2,
+                True,
+                "F_C sits at its lower bound: the data does not determine it." if at_bound else "",
+                tuple((float(v), float(f)) for v, f in zip(grid, tustin(grid, *true), strict=True)),
+            )
+            curves.append(Curve("steady", direction, load, "", SPECIMEN, tuple(points), (fit,)))
+            efficiency.append(EfficiencyCurve("steady", direction, load, "", tuple(etas)))
+    provenance = Provenance(
+        "Stribeck curves, steady state",
+        source,
+        "AAU cylinder friction bench (reconstructed)",
+        "hbench-core 0.1.0 host 3f9a1c2e",
+        "2025-03-01T09:12:00+01:00",
+        "2025-03-01T10:40:12+01:00",
+        {"hbench": "0.1.0", "python": "3.12.3"},
+        {"port": "sim", "seed": 1, "plant_sha256": "9b1f" * 16},
+    )
+    notes = ("Curve retract 5000 N: one point has two trials.",)
+    return Results(provenance, tuple(runs), tuple(curves), tuple(efficiency), notes)
+
+
+def seal_results():
+    """Two seals, four pressures, both directions, one speed; three trials and one trial."""
+    rng = np.random.default_rng(3)
+    runs, curves = [], []
+    area = math.pi / 4 * 0.025**2
+    seals = {"O-ring": ((4.0, 5.6, 7.2, 8.0), 3, 0.36), "NAPN": ((3.3, 6.9, 9.8, 11.9), 1, 0.51)}
+    for label, (halves, trials, offset) in seals.items():
+        for bar, half in zip((1, 3, 5, 7), halves, strict=True):
+            load = bar * 1e5 * area
+            for direction, sign in (("extend", 1), ("retract", -1)):
+                frictions = sign * half + offset * bar + rng.normal(0, 0.3, trials)
+                names = [f"{label}-{bar}bar-{direction}-{k}" for k in range(trials)]
+                runs += [
+                    steady_run(name, sign * 0.02, load, k + 1, float(f), (), label, p_tp=bar * 1e5)
+                    for k, (name, f) in enumerate(zip(names, frictions, strict=True))
+                ]
+                one = point(sign * 0.02, frictions, names, load, bar * 1e5, None)
+                curves.append(Curve("steady", direction, load, label, SPECIMEN, (one,)))
+    provenance = Provenance(
+        "Seals of a printed cylinder", "imported", "unknown", "", "", "", {"hbench": "0.1.0"}, {}
+    )
+    return Results(provenance, tuple(runs), tuple(curves), (), ("No efficiency: no load cell.",))
+
+
+@pytest.fixture(scope="session")
+def stribeck():
+    return stribeck_results()
+
+
+@pytest.fixture(scope="session")
+def small():
+    return stribeck_results(loads=(500.0, 5000.0), speeds=5)
+
+
+@pytest.fixture(scope="session")
+def seals():
+    return seal_results()
