@@ -1,0 +1,1 @@
+"""The bench as a simulation: parameters, friction, valves, cylinders, sensors, plant."""

@@ -1,0 +1,39 @@
+"""The decorator of every compiled function of the model."""
+
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+_FOLDER = Path(__file__).parent
+
+
+def _cache_folder() -> str:
+    """Return a folder name that changes whenever a source file of the model does.
+
+    Numba inlines the functions that a function calls but checks only the caller's own file: an
+    edited friction law would leave a stale plant in the cache.
+    """
+    digest = 0
+    for source in sorted(_FOLDER.glob("*.py")):
+        digest = zlib.crc32(source.read_bytes(), digest)
+    return str(_FOLDER / "__pycache__" / f"compiled-{digest:08x}")
+
+
+_CACHE = _cache_folder()
+
+
+def compiled(function: Callable) -> Any:
+    """Compile with numba, inlined into its caller and cached on disk.
+
+    Inlining saves passing the parameters as some sixty arguments at each call. Division by zero
+    gives infinity, as in numpy.
+    """
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = _CACHE
+    try:
+        return numba.njit(cache=True, forceinline=True, error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = before

@@ -1,0 +1,55 @@
+"""Servo valves: flow through a port (2.13, 2.14, 2.17, 2.18) and the spool's dynamics (2.16)."""
+
+from math import sqrt
+from typing import TYPE_CHECKING
+
+from hbench.model.compiled import compiled
+
+if TYPE_CHECKING:
+    from hbench.model.parameters import ValveParameters
+
+REGULARISATION_PA = 1e3  # pressure drop below which an orifice turns linear
+
+
+@compiled
+def signed_root(dp: float) -> float:
+    """sign(dp) sqrt|dp| [sqrt(Pa)], smooth at zero: dp / (dp^2 + eps^2)^(1/4), eps = 1e3 Pa."""
+    return dp / sqrt(sqrt(dp * dp + REGULARISATION_PA * REGULARISATION_PA))
+
+
+@compiled
+def clamp(value: float, limit: float) -> float:
+    """Limit ``value`` to +-``limit``."""
+    return min(max(value, -limit), limit)
+
+
+@compiled
+def port_flow(
+    spool: float, p_chamber: float, p_supply: float, p_tank: float, valve: "ValveParameters"
+) -> float:
+    """Flow [m^3/s] from the valve into a chamber.
+
+    Q = k_s u root(P_s - P)  for u >= 0 (to supply),
+    Q = k_s u root(P - P_t)  for u < 0 (to tank; Q is negative).
+
+    ``spool`` u in volts; its opening ends at the valve's limit. Where the drop is negative the
+    oil runs the other way: above supply pressure out of an open chamber. Equations 2.13, 2.17
+    and 2.18 as they stand; 2.14 is ``-port_flow(-u_T, ...)``, flow out of the rod chamber.
+    """
+    opening = clamp(spool, valve.limit_v)
+    if opening >= 0.0:
+        return valve.flow_gain * opening * signed_root(p_supply - p_chamber)
+    return valve.flow_gain * opening * signed_root(p_chamber - p_tank)
+
+
+@compiled
+def spool_acceleration(
+    command: float, spool: float, rate: float, valve: "ValveParameters"
+) -> float:
+    """Second derivative [V/s^2] of the spool, in volts: 2.16 with the command limited.
+
+    w^2 (u - y) - 2 zeta w dy/dt
+    """
+    omega = valve.natural_frequency_rad_s
+    error = clamp(command, valve.limit_v) - spool
+    return omega * (omega * error - 2.0 * valve.damping * rate)
