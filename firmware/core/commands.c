@@ -1,0 +1,217 @@
+#include "commands.h"
+
+#include "numeric.h"
+
+#define LOG_REPLY_HEAD 8u /* octets of first and next */
+#define RECORDS_IN_REPLY ((HB_MAX_PAYLOAD - LOG_REPLY_HEAD) / (2u * HB_RECORD_WORDS))
+
+/* All fields were there, and nothing after them. */
+static bool whole(const hb_reader *request)
+{
+    return request->ok && request->left == 0u;
+}
+
+static hb_u16 identify(const hb_core *core, const hb_reader *request, hb_writer *reply)
+{
+    if (!whole(request)) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    hb_put_u16(reply, HB_PROTOCOL);
+    hb_put_u32(reply, HB_DICTIONARY_HASH);
+    hb_put_text16(reply, HB_FIRMWARE);
+    hb_put_text16(reply, core->hal.board);
+    hb_put_u16(reply, core->boots);
+    hb_put_u16(reply, HB_RATE_HZ);
+    hb_put_u16(reply, HB_LOG_RECORDS);
+    hb_put_u16(reply, HB_MAX_STEPS);
+    return HB_REFUSAL_NONE;
+}
+
+static hb_u16 write_settings(hb_core *core, hb_reader *request)
+{
+    const hb_u16 first = hb_get_u16(request);
+    const hb_u16 count = request->left / 4u;
+
+    if (!request->ok || request->left % 4u != 0u) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    if (core->state == HB_STATE_RUNNING) {
+        return HB_REFUSAL_BUSY;
+    }
+    if ((hb_u32)first + count > HB_SETTINGS) {
+        return HB_REFUSAL_OUT_OF_RANGE;
+    }
+    hb_reader check = *request;
+    for (hb_u16 i = 0; i < count; i++) {
+        if (!hb_finite(hb_get_f32(&check))) {
+            return HB_REFUSAL_OUT_OF_RANGE;
+        }
+    }
+    for (hb_u16 i = 0; i < count; i++) {
+        hb_settings_write(&core->settings, (hb_u16)(first + i), hb_get_f32(request));
+    }
+    hb_core_configure(core);
+    return HB_REFUSAL_NONE;
+}
+
+static hb_u16 write_step(hb_core *core, hb_reader *request)
+{
+    const hb_u16 index = hb_get_u16(request);
+    hb_step step;
+
+    step.run = hb_get_u16(request);
+    step.kind = hb_get_u16(request);
+    step.trials = hb_get_u16(request);
+    step.v_ref_m_s = hb_get_f32(request);
+    step.a_ref_m_s2 = hb_get_f32(request);
+    step.p_lr_ref_pa = hb_get_f32(request);
+    step.p_lp_ref_pa = hb_get_f32(request);
+    step.x_start_m = hb_get_f32(request);
+    step.x_end_m = hb_get_f32(request);
+    step.hold_s = hb_get_f32(request);
+    step.duration_s = hb_get_f32(request);
+    if (!whole(request)) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    if (core->state == HB_STATE_RUNNING) {
+        return HB_REFUSAL_BUSY;
+    }
+    if (!hb_step_in_range(&step) || !hb_steps_write(&core->steps, index, &step)) {
+        return HB_REFUSAL_OUT_OF_RANGE;
+    }
+    return HB_REFUSAL_NONE;
+}
+
+static hb_u16 start(hb_core *core, hb_octet sequence, hb_reader *request)
+{
+    const hb_u16 settings_crc = hb_get_u16(request);
+    const hb_u16 steps_crc = hb_get_u16(request);
+    const float *value = core->settings.value;
+
+    if (!whole(request)) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    if (core->state == HB_STATE_RUNNING) {
+        const bool again = sequence == core->start_sequence
+                        && settings_crc == core->start_settings_crc
+                        && steps_crc == core->start_steps_crc;
+        return again ? HB_REFUSAL_NONE : HB_REFUSAL_BUSY;
+    }
+    if (core->state == HB_STATE_FAULT) {
+        return HB_REFUSAL_FAULT_LATCHED;
+    }
+    if (!hb_settings_complete(&core->settings) || core->steps.count == 0u) {
+        return HB_REFUSAL_NOT_READY;
+    }
+    if (settings_crc != hb_settings_crc(&core->settings)) {
+        return HB_REFUSAL_SETTINGS_DIFFER;
+    }
+    if (steps_crc != hb_steps_crc(&core->steps)) {
+        return HB_REFUSAL_STEPS_DIFFER;
+    }
+    if (!hb_settings_in_range(&core->settings)
+        || !hb_steps_within(&core->steps, value[HB_SETTING_TRAVEL_MIN_M],
+                            value[HB_SETTING_TRAVEL_MAX_M])) {
+        return HB_REFUSAL_OUT_OF_RANGE;
+    }
+    core->start_sequence = sequence;
+    core->start_settings_crc = settings_crc;
+    core->start_steps_crc = steps_crc;
+    hb_core_start(core);
+    return HB_REFUSAL_NONE;
+}
+
+static hb_u16 stop(hb_core *core, const hb_reader *request)
+{
+    if (!whole(request)) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    if (core->state == HB_STATE_RUNNING) {
+        hb_core_halt(core, HB_STATE_IDLE, HB_FAULT_STOPPED);
+    }
+    return HB_REFUSAL_NONE;
+}
+
+static hb_u16 clear_fault(hb_core *core, const hb_reader *request)
+{
+    if (!whole(request)) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    if (core->state == HB_STATE_RUNNING) {
+        return HB_REFUSAL_BUSY;
+    }
+    if (core->state == HB_STATE_FAULT) {
+        hb_core_halt(core, HB_STATE_IDLE, HB_FAULT_NONE);
+    }
+    return HB_REFUSAL_NONE;
+}
+
+static hb_u16 status(const hb_core *core, const hb_reader *request, hb_writer *reply)
+{
+    if (!whole(request)) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    hb_put_u16(reply, core->state);
+    hb_put_u16(reply, core->schedule.phase);
+    hb_put_u16(reply, core->fault);
+    hb_put_u16(reply, core->schedule.step);
+    hb_put_u16(reply, hb_schedule_run(&core->steps, &core->schedule));
+    hb_put_u16(reply, core->schedule.runs_done);
+    hb_put_u32(reply, core->tick);
+    hb_put_u32(reply, hb_log_first(&core->log));
+    hb_put_u32(reply, core->log.next);
+    hb_put_f32(reply, core->sensors.value[HB_SENSOR_X]);
+    hb_put_f32(reply, core->sensors.velocity.v);
+    hb_put_f32(reply, core->schedule.references.v_m_s);
+    hb_put_f32(reply, core->sensors.value[HB_SENSOR_F_APPLIED]);
+    hb_put_f32(reply, core->sensors.value[HB_SENSOR_P_S]);
+    return HB_REFUSAL_NONE;
+}
+
+static hb_u16 read_log(const hb_core *core, hb_reader *request, hb_writer *reply)
+{
+    const hb_u32 asked = hb_get_u32(request);
+    const hb_u16 count = hb_get_u16(request);
+    const hb_u32 oldest = hb_log_first(&core->log);
+    const hb_u32 first = asked < oldest ? oldest : asked;
+    const hb_u16 most = count < RECORDS_IN_REPLY ? count : RECORDS_IN_REPLY;
+
+    if (!whole(request)) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    hb_put_u32(reply, first);
+    hb_put_u32(reply, core->log.next);
+    for (hb_u32 number = first; number < core->log.next && number - first < most; number++) {
+        const hb_u16 *words = hb_log_words(&core->log, number);
+        for (hb_u16 i = 0; i < HB_RECORD_WORDS; i++) {
+            hb_put_u16(reply, words[i]);
+        }
+    }
+    return HB_REFUSAL_NONE;
+}
+
+hb_u16 hb_command(hb_core *core, const hb_frame *frame, hb_writer *reply)
+{
+    hb_reader request = {frame->payload, frame->count, true};
+
+    switch (frame->type) {
+    case HB_MESSAGE_IDENTIFY:
+        return identify(core, &request, reply);
+    case HB_MESSAGE_WRITE_SETTINGS:
+        return write_settings(core, &request);
+    case HB_MESSAGE_WRITE_STEP:
+        return write_step(core, &request);
+    case HB_MESSAGE_START:
+        return start(core, frame->sequence, &request);
+    case HB_MESSAGE_STOP:
+        return stop(core, &request);
+    case HB_MESSAGE_CLEAR_FAULT:
+        return clear_fault(core, &request);
+    case HB_MESSAGE_STATUS:
+        return status(core, &request, reply);
+    case HB_MESSAGE_READ_LOG:
+        return read_log(core, &request, reply);
+    default:
+        return HB_REFUSAL_UNKNOWN_MESSAGE;
+    }
+}

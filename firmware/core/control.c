@@ -1,0 +1,53 @@
+#include "control.h"
+
+#include "numeric.h"
+
+hb_control_config hb_control_design(const hb_settings *settings)
+{
+    const float *value = settings->value;
+    const bool on = value[HB_SETTING_FEEDFORWARD_ON] != 0.0f;
+    hb_control_config config;
+
+    config.loop[HB_VALVE_T] =
+        hb_pi_design(value[HB_SETTING_VELOCITY_GAIN_V_M],
+                     value[HB_SETTING_VELOCITY_TIME_CONSTANT_S], HB_PERIOD_S);
+    config.loop[HB_VALVE_L1] = hb_pi_design(value[HB_SETTING_ROD_GAIN_V_PA_S],
+                                            value[HB_SETTING_ROD_TIME_CONSTANT_S], HB_PERIOD_S);
+    config.loop[HB_VALVE_L2] =
+        hb_pi_design(value[HB_SETTING_PISTON_GAIN_V_PA_S],
+                     value[HB_SETTING_PISTON_TIME_CONSTANT_S], HB_PERIOD_S);
+    config.feedforward[HB_VALVE_T] = 0.0f;
+    config.feedforward[HB_VALVE_L1] = on ? value[HB_SETTING_FEEDFORWARD_ROD_V_S_M] : 0.0f;
+    config.feedforward[HB_VALVE_L2] = on ? -value[HB_SETTING_FEEDFORWARD_PISTON_V_S_M] : 0.0f;
+    config.limit_v = value[HB_SETTING_VOLTAGE_LIMIT_V];
+    return config;
+}
+
+void hb_control_step(const hb_control_config *config, hb_control_state *state,
+                     const hb_references *references, const hb_sensors_state *sensors)
+{
+    const float v = sensors->velocity.v;
+    const float limit = config->limit_v;
+    float error[HB_VALVES];
+
+    error[HB_VALVE_T] = references->v_m_s - v;
+    error[HB_VALVE_L1] = references->p_lr_pa - sensors->value[HB_SENSOR_P_LR];
+    error[HB_VALVE_L2] = references->p_lp_pa - sensors->value[HB_SENSOR_P_LP];
+
+    state->saturated = false;
+    for (hb_u16 i = 0; i < HB_VALVES; i++) {
+        /* The PI may use what the feedforward leaves of the valve's range, so that their sum
+         * keeps to the limit and the PI still does not wind up. */
+        const float forward = config->feedforward[i] * v;
+        const float low = -limit - forward;
+        const float high = limit - forward;
+        const float u = hb_pi_step(&config->loop[i], &state->loop[i], error[i], low, high);
+        state->saturated = state->saturated || u <= low || u >= high;
+        state->u[i] = hb_clamp(u + forward, -limit, limit);
+    }
+}
+
+hb_i16 hb_dac_code(float volts)
+{
+    return hb_round_i16(volts * HB_DAC_CODES_PER_V, HB_DAC_MIN, HB_DAC_MAX);
+}

@@ -1,0 +1,42 @@
+/* The three loops: velocity of the test cylinder, two pressures of the load cylinder.
+ *
+ *   u_T  follows the velocity;
+ *   u_L1 feeds the load cylinder's rod side,    feedforward +C_rod v    (its oil is pushed in when
+ *        the test cylinder extends, so the valve must bring it);
+ *   u_L2 feeds the load cylinder's piston side, feedforward -C_piston v (4.28 with its sign
+ *        corrected: that oil must leave).
+ */
+#ifndef HB_CONTROL_H
+#define HB_CONTROL_H
+
+#include "config.h"
+#include "pi.h"
+#include "sensors.h"
+#include "settings.h"
+
+typedef struct {
+    float v_m_s;
+    float p_lr_pa;
+    float p_lp_pa;
+} hb_references;
+
+typedef struct {
+    hb_pi_config loop[HB_VALVES];
+    float feedforward[HB_VALVES]; /* signed, V s/m; zero where it is off */
+    float limit_v;
+} hb_control_config;
+
+typedef struct {
+    hb_pi_state loop[HB_VALVES];
+    float u[HB_VALVES]; /* commands [V], within the limit */
+    bool saturated;     /* one of them is at the limit */
+} hb_control_state;
+
+hb_control_config hb_control_design(const hb_settings *settings);
+void hb_control_step(const hb_control_config *config, hb_control_state *state,
+                     const hb_references *references, const hb_sensors_state *sensors);
+
+/* A command as the DAC's code. */
+hb_i16 hb_dac_code(float volts);
+
+#endif

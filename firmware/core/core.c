@@ -1,0 +1,175 @@
+#include "core.h"
+
+#include "commands.h"
+#include "octets.h"
+
+void hb_core_init(hb_core *core, const hb_hal *hal, hb_log_ring ring, hb_u16 boots)
+{
+    const hb_sensors_state no_sensors = {{0.0f}, {0.0f, 0.0f}, false, false};
+    const hb_schedule_state no_schedule = {HB_PHASE_NONE, 0, 0, 0, 0, {0.0f, 0.0f, 0.0f}};
+
+    core->hal = *hal;
+    core->boots = boots;
+    hb_settings_init(&core->settings);
+    core->steps.count = 0;
+    core->steps.step[0].run = 0; /* what the status shows before there is a schedule */
+    core->state = HB_STATE_IDLE;
+    core->fault = HB_FAULT_NONE;
+    core->tick = 0;
+    core->silence_ticks = 0;
+    core->sensors = no_sensors;
+    core->schedule = no_schedule;
+    hb_log_init(&core->log, ring);
+    hb_core_configure(core);
+    core->receiver.count = 0;
+    core->receiver.too_long = false;
+    core->out_count = 0;
+    core->out_sent = 0;
+}
+
+void hb_core_configure(hb_core *core)
+{
+    core->sensors_config = hb_sensors_design(&core->settings);
+    core->control_config = hb_control_design(&core->settings);
+    core->sensors.primed = false;
+    /* Divides by settings and turns them into integers, so only where they are sound. Without
+     * that nothing starts. */
+    if (hb_settings_in_range(&core->settings)) {
+        core->schedule_config = hb_schedule_design(&core->settings);
+        core->safety_config = hb_safety_design(&core->settings);
+    }
+}
+
+void hb_core_start(hb_core *core)
+{
+    const hb_control_state at_rest = {{{0.0f, 0.0f}}, {0.0f}, false};
+
+    core->control = at_rest;
+    core->fault = HB_FAULT_NONE;
+    core->silence_ticks = 0;
+    hb_schedule_start(&core->schedule, core->sensors.value[HB_SENSOR_P_LR],
+                      core->sensors.value[HB_SENSOR_P_LP]);
+    core->state = HB_STATE_RUNNING;
+}
+
+void hb_core_halt(hb_core *core, hb_u16 state, hb_u16 fault)
+{
+    if (hb_schedule_moving(&core->schedule)) {
+        hb_log_end(&core->log, false);
+    }
+    core->schedule.phase = HB_PHASE_NONE;
+    core->schedule.references.v_m_s = 0.0f;
+    core->state = state;
+    core->fault = fault;
+}
+
+/* The schedule's next tick, and the run's log begun and ended with it. */
+static void advance(hb_core *core)
+{
+    const bool moved = hb_schedule_moving(&core->schedule);
+    hb_schedule_step(&core->schedule_config, &core->steps, &core->schedule,
+                     core->sensors.value[HB_SENSOR_X]);
+    const bool moves = hb_schedule_moving(&core->schedule);
+
+    if (moves && !moved) {
+        hb_log_begin(&core->log, hb_schedule_run(&core->steps, &core->schedule),
+                     (hb_u16)core->settings.value[HB_SETTING_LOG_DIVIDER]);
+    } else if (moved && !moves) {
+        hb_log_end(&core->log, true);
+    }
+    if (core->schedule.phase == HB_PHASE_NONE) {
+        hb_core_halt(core, HB_STATE_DONE, HB_FAULT_NONE);
+    }
+}
+
+static void log_tick(hb_core *core, const hb_u16 adc[HB_SENSORS])
+{
+    hb_sample sample;
+
+    sample.adc = adc;
+    sample.u = core->control.u;
+    sample.v_m_s = core->sensors.velocity.v;
+    sample.v_ref_m_s = core->schedule.references.v_m_s;
+    sample.flags =
+        (hb_u16)((core->schedule.phase == HB_PHASE_STEADY ? HB_FLAG_AT_REFERENCE : 0)
+                 | (core->sensors.saturated ? HB_FLAG_SENSOR_SATURATED : 0)
+                 | (core->control.saturated ? HB_FLAG_VALVE_SATURATED : 0));
+    hb_log_add(&core->log, &sample);
+}
+
+void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VALVES])
+{
+    core->tick++;
+    hb_sensors_step(&core->sensors_config, &core->sensors, adc);
+
+    if (core->state == HB_STATE_RUNNING) {
+        core->silence_ticks++;
+        const hb_u16 fault =
+            hb_safety_check(&core->safety_config, &core->sensors, core->silence_ticks);
+        if (fault != HB_FAULT_NONE) {
+            hb_core_halt(core, HB_STATE_FAULT, fault);
+        } else {
+            advance(core);
+        }
+    }
+    if (core->state != HB_STATE_RUNNING) {
+        for (hb_u16 i = 0; i < HB_VALVES; i++) {
+            dac[i] = 0;
+        }
+        return;
+    }
+    hb_control_step(&core->control_config, &core->control, &core->schedule.references,
+                    &core->sensors);
+    for (hb_u16 i = 0; i < HB_VALVES; i++) {
+        dac[i] = hb_dac_code(core->control.u[i]);
+    }
+    if (hb_schedule_moving(&core->schedule)) {
+        log_tick(core, adc);
+    }
+}
+
+/* Hands the waiting reply to the UART; true when all of it has gone. */
+static bool flush(hb_core *core)
+{
+    if (core->out_sent < core->out_count) {
+        const hb_u16 accepted =
+            core->hal.uart_write(core->hal.context, &core->out[core->out_sent],
+                                 (hb_u16)(core->out_count - core->out_sent));
+        core->out_sent = (hb_u16)(core->out_sent + accepted);
+    }
+    return core->out_sent == core->out_count;
+}
+
+static void answer(hb_core *core, const hb_frame *frame)
+{
+    hb_writer reply = {&core->reply[2], HB_MAX_PAYLOAD, true};
+    hb_octet type = (hb_octet)(frame->type | HB_REPLY);
+
+    core->hal.mask_control(core->hal.context);
+    core->silence_ticks = 0;
+    const hb_u16 refusal = hb_command(core, frame, &reply);
+    core->hal.unmask_control(core->hal.context);
+
+    if (refusal != HB_REFUSAL_NONE) {
+        const hb_writer empty = {&core->reply[2], HB_MAX_PAYLOAD, true};
+        reply = empty;
+        type = HB_ERROR;
+        hb_put_u16(&reply, frame->type);
+        hb_put_u16(&reply, refusal);
+    }
+    core->out_count = hb_encode_frame(frame->sequence, type, core->reply,
+                                      (hb_u16)(HB_MAX_PAYLOAD - reply.room), core->out);
+    core->out_sent = 0;
+}
+
+void hb_core_poll(hb_core *core)
+{
+    hb_octet octet;
+    hb_frame frame;
+
+    while (flush(core) && core->hal.uart_read(core->hal.context, &octet)) {
+        if (hb_receive(&core->receiver, octet, &frame)) {
+            answer(core, &frame);
+        }
+    }
+}

@@ -1,0 +1,31 @@
+#include "filters.h"
+
+hb_velocity_config hb_velocity_design(float tau_s, float period_s)
+{
+    const hb_velocity_config config = {1.0f / (tau_s + period_s), tau_s / (tau_s + period_s)};
+    return config;
+}
+
+float hb_velocity_step(const hb_velocity_config *config, hb_velocity_state *state, float x)
+{
+    state->v = (x - state->x) * config->gain + state->v * config->decay;
+    state->x = x;
+    return state->v;
+}
+
+hb_lowpass_config hb_lowpass_design(float tau_s, float period_s)
+{
+    const hb_lowpass_config config = {period_s / (tau_s + period_s)};
+    return config;
+}
+
+float hb_lowpass_step(const hb_lowpass_config *config, float *y, float x)
+{
+    *y += config->gain * (x - *y);
+    return *y;
+}
+
+hb_u16 hb_mean_word(hb_u32 sum, hb_u16 n)
+{
+    return (hb_u16)((sum + n / 2u) / n);
+}

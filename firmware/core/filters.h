@@ -1,0 +1,35 @@
+/* The filters of the source's appendix D. */
+#ifndef HB_FILTERS_H
+#define HB_FILTERS_H
+
+#include "types.h"
+
+/* Velocity from position, equation D.11 (dot restored):
+ * v_k = (x_k - x_{k-1} + v_{k-1} tau) / (tau + T). */
+typedef struct {
+    float gain;  /* 1 / (tau + T) [1/s] */
+    float decay; /* tau / (tau + T) */
+} hb_velocity_config;
+
+typedef struct {
+    float x; /* x_{k-1} [m] */
+    float v; /* v_{k-1} [m/s] */
+} hb_velocity_state;
+
+hb_velocity_config hb_velocity_design(float tau_s, float period_s);
+float hb_velocity_step(const hb_velocity_config *config, hb_velocity_state *state, float x);
+
+/* First-order low pass, equation D.29 with K = 1:
+ * y_k = (x_k T + y_{k-1} tau) / (tau + T), computed as y_{k-1} + gain (x_k - y_{k-1}). */
+typedef struct {
+    float gain; /* T / (tau + T) */
+} hb_lowpass_config;
+
+hb_lowpass_config hb_lowpass_design(float tau_s, float period_s);
+float hb_lowpass_step(const hb_lowpass_config *config, float *y, float x);
+
+/* Mean of n words from their sum, rounded to the nearest: the FIR filter D.1, in exact integers,
+ * where it is sampled once every n ticks. */
+hb_u16 hb_mean_word(hb_u32 sum, hb_u16 n);
+
+#endif

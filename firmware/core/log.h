@@ -1,0 +1,50 @@
+/* The log: records of 16-bit words in a ring, numbered from 0 since the board's start, so that
+ * the host can ask again for any that it missed. The newest record of a run stays back until it
+ * is known whether it is the run's last; a record that is not full at the run's end is dropped. */
+#ifndef HB_LOG_H
+#define HB_LOG_H
+
+#include "config.h"
+
+typedef hb_u16 hb_log_record[HB_RECORD_WORDS];
+typedef hb_log_record hb_log_ring[HB_LOG_RECORDS];
+
+/* One tick of a run. */
+typedef struct {
+    const hb_u16 *adc; /* HB_SENSORS words */
+    const float *u;    /* HB_VALVES commands [V] */
+    float v_m_s;
+    float v_ref_m_s;
+    hb_u16 flags; /* of this tick, HB_FLAG_LAST apart */
+} hb_sample;
+
+typedef struct {
+    hb_log_record *ring;
+    hb_u32 next;    /* number of the next record */
+    hb_u16 divider; /* ticks in a record */
+
+    hb_u16 run;
+    hb_u16 index;         /* of the next record in its run */
+    hb_log_record newest; /* stays back */
+    bool held;            /* there is a newest */
+
+    hb_u16 ticks; /* summed since the last record */
+    hb_u32 word_sum[HB_SENSORS];
+    float u_sum[HB_VALVES];
+    float v_sum;
+    hb_u16 any_flags;
+    hb_u16 all_flags;
+} hb_log;
+
+void hb_log_init(hb_log *log, hb_log_ring ring);
+void hb_log_begin(hb_log *log, hb_u16 run, hb_u16 divider);
+void hb_log_add(hb_log *log, const hb_sample *sample);
+/* complete: the run came to its end, so its last record is marked. */
+void hb_log_end(hb_log *log, bool complete);
+
+/* Number of the oldest record still in the ring; log->next if there is none. */
+hb_u32 hb_log_first(const hb_log *log);
+/* The words of a record between hb_log_first and log->next. */
+const hb_u16 *hb_log_words(const hb_log *log, hb_u32 number);
+
+#endif

@@ -1,0 +1,47 @@
+/* Small functions of floats that a freestanding C99 does not have. */
+#ifndef HB_NUMERIC_H
+#define HB_NUMERIC_H
+
+#include "types.h"
+
+static inline float hb_abs(float x)
+{
+    return x < 0.0f ? -x : x;
+}
+
+static inline float hb_min(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float hb_clamp(float x, float low, float high)
+{
+    return x < low ? low : (x > high ? high : x);
+}
+
+/* The next value on the way from x to target, at most step (not negative) away from x. */
+static inline float hb_slew(float x, float target, float step)
+{
+    return hb_abs(target - x) <= step ? target : x + (target > x ? step : -step);
+}
+
+/* Neither infinite nor not-a-number. */
+static inline bool hb_finite(float x)
+{
+    return x >= -3.4e38f && x <= 3.4e38f;
+}
+
+/* The nearest integer, halves away from zero, within low..high. */
+static inline hb_i16 hb_round_i16(float x, hb_i16 low, hb_i16 high)
+{
+    const float clamped = hb_clamp(x, (float)low, (float)high);
+    return (hb_i16)(clamped + (clamped < 0.0f ? -0.5f : 0.5f));
+}
+
+/* Whole ticks in a time, rounded to the nearest. */
+static inline hb_u32 hb_ticks(float seconds, float rate_hz)
+{
+    return (hb_u32)(seconds * rate_hz + 0.5f);
+}
+
+#endif

@@ -1,0 +1,157 @@
+#include "schedule.h"
+
+#include "numeric.h"
+
+#define HB_RETURN_GAIN_1_S 5.0f
+#define HB_NEAR_M 1e-3f /* of the start, to be there ... */
+#define HB_NEAR_S 0.1f  /* ... for so long, which also bounds the mean speed to 20 mm/s */
+
+hb_schedule_config hb_schedule_design(const hb_settings *settings)
+{
+    const float *value = settings->value;
+    const float speed = value[HB_SETTING_RETURN_SPEED_M_S];
+    const float acceleration = value[HB_SETTING_ACCELERATION_M_S2];
+    hb_schedule_config config;
+
+    /* K (x_start - x) with its slope limited to a overshoots above K = 2 a / v, where the way to
+     * stop from v, v^2 / 2a, is longer than the way over which v_ref falls, v / K. */
+    config.return_gain_1_s = hb_min(HB_RETURN_GAIN_1_S, 1.5f * acceleration / speed);
+    config.return_speed_m_s = speed;
+    config.velocity_step_m_s = acceleration * HB_PERIOD_S;
+    config.pressure_step_pa = value[HB_SETTING_PRESSURE_SLEW_PA_S] * HB_PERIOD_S;
+    return config;
+}
+
+static void enter(hb_schedule_state *state, hb_u16 phase)
+{
+    state->phase = phase;
+    state->ticks = 0;
+}
+
+void hb_schedule_start(hb_schedule_state *state, float p_lr_pa, float p_lp_pa)
+{
+    state->step = 0;
+    state->trial = 0;
+    state->runs_done = 0;
+    state->references.v_m_s = 0.0f;
+    state->references.p_lr_pa = p_lr_pa;
+    state->references.p_lp_pa = p_lp_pa;
+    enter(state, HB_PHASE_RETURN);
+}
+
+static bool time_is_over(const hb_schedule_state *state, float seconds)
+{
+    return state->ticks >= hb_ticks(seconds, (float)HB_RATE_HZ);
+}
+
+static bool motion_is_over(const hb_schedule_state *state, const hb_step *step, float x_m)
+{
+    const bool passed = step->v_ref_m_s > 0.0f ? x_m >= step->x_end_m : x_m <= step->x_end_m;
+    return passed || time_is_over(state, step->duration_s);
+}
+
+static void next_trial(const hb_steps *steps, hb_schedule_state *state)
+{
+    if (state->trial + 1u < steps->step[state->step].trials) {
+        state->trial++;
+    } else if (state->step + 1u < steps->count) {
+        state->step++;
+        state->trial = 0;
+    } else {
+        enter(state, HB_PHASE_NONE);
+        return;
+    }
+    enter(state, HB_PHASE_RETURN);
+}
+
+/* Goes on to the next phase where the present one is over. */
+static void change_phase(const hb_steps *steps, hb_schedule_state *state, float x_m)
+{
+    const hb_step *step = &steps->step[state->step];
+
+    switch (state->phase) {
+    case HB_PHASE_RETURN:
+        if (time_is_over(state, HB_NEAR_S)) {
+            enter(state, HB_PHASE_HOLD);
+        }
+        break;
+    case HB_PHASE_HOLD:
+        if (state->ticks > 0u && time_is_over(state, step->hold_s)) {
+            enter(state, HB_PHASE_ACCELERATE);
+        }
+        break;
+    case HB_PHASE_ACCELERATE:
+    case HB_PHASE_STEADY:
+        if (motion_is_over(state, step, x_m)) {
+            enter(state, HB_PHASE_BRAKE);
+            state->runs_done++;
+        } else if (state->references.v_m_s == step->v_ref_m_s) {
+            state->phase = HB_PHASE_STEADY; /* its ticks count on from the start of motion */
+        }
+        break;
+    case HB_PHASE_BRAKE:
+        if (state->references.v_m_s == 0.0f) {
+            next_trial(steps, state);
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+/* Moves the velocity reference as the phase asks. loaded: the load's references are reached. */
+static void follow_phase(const hb_schedule_config *config, const hb_step *step,
+                         hb_schedule_state *state, float x_m, bool loaded)
+{
+    float *v = &state->references.v_m_s;
+    const float way = step->x_start_m - x_m;
+
+    switch (state->phase) {
+    case HB_PHASE_RETURN:
+        *v = hb_slew(*v,
+                     hb_clamp(config->return_gain_1_s * way, -config->return_speed_m_s,
+                              config->return_speed_m_s),
+                     config->velocity_step_m_s);
+        state->ticks = hb_abs(way) <= HB_NEAR_M ? state->ticks + 1u : 0u;
+        break;
+    case HB_PHASE_HOLD:
+        *v = hb_slew(*v, 0.0f, config->velocity_step_m_s);
+        if (loaded && *v == 0.0f) {
+            state->ticks++;
+        }
+        break;
+    case HB_PHASE_ACCELERATE:
+    case HB_PHASE_STEADY:
+        *v = hb_slew(*v, step->v_ref_m_s, step->a_ref_m_s2 * HB_PERIOD_S);
+        state->ticks++;
+        break;
+    default:
+        *v = hb_slew(*v, 0.0f, config->velocity_step_m_s);
+        break;
+    }
+}
+
+void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
+                      hb_schedule_state *state, float x_m)
+{
+    hb_references *references = &state->references;
+
+    change_phase(steps, state, x_m);
+
+    const hb_step *step = &steps->step[state->step];
+    references->p_lr_pa = hb_slew(references->p_lr_pa, step->p_lr_ref_pa, config->pressure_step_pa);
+    references->p_lp_pa = hb_slew(references->p_lp_pa, step->p_lp_ref_pa, config->pressure_step_pa);
+    const bool loaded =
+        references->p_lr_pa == step->p_lr_ref_pa && references->p_lp_pa == step->p_lp_ref_pa;
+    follow_phase(config, step, state, x_m, loaded);
+}
+
+bool hb_schedule_moving(const hb_schedule_state *state)
+{
+    return state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY;
+}
+
+hb_u16 hb_schedule_run(const hb_steps *steps, const hb_schedule_state *state)
+{
+    return (hb_u16)(steps->step[state->step].run + state->trial);
+}

@@ -1,0 +1,41 @@
+/* Runs the uploaded steps: each trial returns to its start, holds, accelerates, goes steadily and
+ * brakes. Gives the references of the three loops. */
+#ifndef HB_SCHEDULE_H
+#define HB_SCHEDULE_H
+
+#include "control.h"
+#include "settings.h"
+#include "steps.h"
+
+typedef struct {
+    float return_gain_1_s;    /* K of v_ref = K (x_start - x) */
+    float return_speed_m_s;   /* at most, on the way back */
+    float velocity_step_m_s;  /* of the return and the brake, in one tick */
+    float pressure_step_pa;   /* in one tick */
+} hb_schedule_config;
+
+typedef struct {
+    hb_u16 phase; /* HB_PHASE_NONE: nothing to do */
+    hb_u16 step;
+    hb_u16 trial; /* from 0 */
+    hb_u16 runs_done;
+    hb_u32 ticks; /* that count towards the phase's end */
+    hb_references references;
+} hb_schedule_state;
+
+hb_schedule_config hb_schedule_design(const hb_settings *settings);
+
+/* Begins with the first step, the load's references at the pressures that there are. */
+void hb_schedule_start(hb_schedule_state *state, float p_lr_pa, float p_lp_pa);
+
+/* One tick, before the controllers. x_m: the position. */
+void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
+                      hb_schedule_state *state, float x_m);
+
+/* The motion of a run is going on: accelerate or steady. */
+bool hb_schedule_moving(const hb_schedule_state *state);
+
+/* Number of the present run. */
+hb_u16 hb_schedule_run(const hb_steps *steps, const hb_schedule_state *state);
+
+#endif

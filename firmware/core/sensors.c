@@ -1,0 +1,43 @@
+#include "sensors.h"
+
+hb_sensors_config hb_sensors_design(const hb_settings *settings)
+{
+    const float *value = settings->value;
+    hb_sensors_config config;
+
+    for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+        config.gain[i] = value[HB_SETTING_GAIN_X + i];
+        config.offset[i] = value[HB_SETTING_OFFSET_X + i];
+    }
+    config.velocity = hb_velocity_design(value[HB_SETTING_VELOCITY_FILTER_S], HB_PERIOD_S);
+    config.pressure = hb_lowpass_design(value[HB_SETTING_PRESSURE_FILTER_S], HB_PERIOD_S);
+    return config;
+}
+
+void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
+                     const hb_u16 adc[HB_SENSORS])
+{
+    float si[HB_SENSORS];
+
+    state->saturated = false;
+    for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+        si[i] = config->offset[i] + config->gain[i] * (float)adc[i];
+        if (adc[i] == 0u || adc[i] >= HB_ADC_FULL_SCALE) {
+            state->saturated = true;
+        }
+    }
+    if (!state->primed) {
+        state->velocity.x = si[HB_SENSOR_X];
+        state->velocity.v = 0.0f;
+        for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
+            state->value[i] = si[i];
+        }
+        state->primed = true;
+    }
+    state->value[HB_SENSOR_X] = si[HB_SENSOR_X];
+    state->value[HB_SENSOR_F_APPLIED] = si[HB_SENSOR_F_APPLIED];
+    for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
+        hb_lowpass_step(&config->pressure, &state->value[i], si[i]);
+    }
+    hb_velocity_step(&config->velocity, &state->velocity, si[HB_SENSOR_X]);
+}

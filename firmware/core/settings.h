@@ -1,0 +1,22 @@
+/* What the host tells the board about the bench: one float for each setting of the dictionary. */
+#ifndef HB_SETTINGS_H
+#define HB_SETTINGS_H
+
+#include "config.h"
+
+typedef struct {
+    float value[HB_SETTINGS];
+    bool known[HB_SETTINGS];
+} hb_settings;
+
+void hb_settings_init(hb_settings *settings);
+void hb_settings_write(hb_settings *settings, hb_u16 index, float value);
+
+/* Every setting has been written. */
+bool hb_settings_complete(const hb_settings *settings);
+/* Values that a bench can be run with. */
+bool hb_settings_in_range(const hb_settings *settings);
+/* CRC-16 of all settings as they are sent, in order. */
+hb_u16 hb_settings_crc(const hb_settings *settings);
+
+#endif

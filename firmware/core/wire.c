@@ -1,0 +1,99 @@
+#include "wire.h"
+
+#include "crc.h"
+
+hb_u16 hb_cobs_encode(const hb_octet *in, hb_u16 count, hb_octet *out)
+{
+    hb_u16 code_at = 0; /* where the present block's length goes */
+    hb_u16 length = 1;
+    hb_octet code = 1;
+
+    for (hb_u16 i = 0; i < count; i++) {
+        const hb_octet octet = (hb_octet)(in[i] & 0xFFu);
+        if (octet != 0u) {
+            out[length++] = octet;
+            code++;
+        }
+        /* A full block that ends the data needs no empty one after it. */
+        if (octet == 0u || (code == 0xFFu && i + 1u < count)) {
+            out[code_at] = code;
+            code_at = length++;
+            code = 1;
+        }
+    }
+    out[code_at] = code;
+    return length;
+}
+
+hb_u16 hb_cobs_decode(const hb_octet *in, hb_u16 count, hb_octet *out)
+{
+    hb_u16 from = 0;
+    hb_u16 length = 0;
+
+    while (from < count) {
+        const hb_u16 code = (hb_u16)(in[from++] & 0xFFu);
+        if (code == 0u || from + code - 1u > count) {
+            return 0;
+        }
+        for (hb_u16 i = 1; i < code; i++) {
+            out[length++] = (hb_octet)(in[from++] & 0xFFu);
+        }
+        if (code < 0xFFu && from < count) {
+            out[length++] = 0;
+        }
+    }
+    return length;
+}
+
+/* Unpacks the collected octets; true for a sound frame. */
+static bool open_frame(hb_receiver *receiver, hb_frame *frame)
+{
+    hb_octet *plain = receiver->octets;
+    const hb_u16 count = hb_cobs_decode(plain, receiver->count, plain);
+
+    if (count < HB_FRAME_OVERHEAD || count > HB_MAX_FRAME) {
+        return false;
+    }
+    const hb_u16 crc = (hb_u16)(plain[count - 2u] | (hb_u16)((hb_u16)plain[count - 1u] << 8));
+    if (crc != hb_crc_octets(HB_CRC_START, plain, (hb_u16)(count - 2u))) {
+        return false;
+    }
+    frame->sequence = plain[0];
+    frame->type = plain[1];
+    frame->payload = &plain[2];
+    frame->count = (hb_u16)(count - HB_FRAME_OVERHEAD);
+    return true;
+}
+
+bool hb_receive(hb_receiver *receiver, hb_octet octet, hb_frame *frame)
+{
+    octet = (hb_octet)(octet & 0xFFu);
+    if (octet == 0u) {
+        const bool sound = !receiver->too_long && open_frame(receiver, frame);
+        receiver->count = 0;
+        receiver->too_long = false;
+        return sound;
+    }
+    if (receiver->count == HB_MAX_STUFFED) {
+        receiver->too_long = true;
+    } else {
+        receiver->octets[receiver->count++] = octet;
+    }
+    return false;
+}
+
+hb_u16 hb_encode_frame(hb_octet sequence, hb_octet type, hb_octet plain[HB_MAX_FRAME],
+                       hb_u16 count, hb_octet *out)
+{
+    hb_u16 length = (hb_u16)(count + 2u);
+
+    plain[0] = sequence;
+    plain[1] = type;
+    const hb_u16 crc = hb_crc_octets(HB_CRC_START, plain, length);
+    plain[length++] = (hb_octet)(crc & 0xFFu);
+    plain[length++] = (hb_octet)((crc >> 8) & 0xFFu);
+
+    const hb_u16 stuffed = hb_cobs_encode(plain, length, out);
+    out[stuffed] = 0;
+    return (hb_u16)(stuffed + 1u);
+}

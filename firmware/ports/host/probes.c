@@ -1,0 +1,100 @@
+#include "probes.h"
+
+#include "crc.h"
+#include "filters.h"
+#include "pi.h"
+#include "wire.h"
+
+#define MOST_OCTETS 1024u
+
+void hb_probe_velocity(float tau_s, float period_s, const float *x, float *v, uint32_t count)
+{
+    const hb_velocity_config config = hb_velocity_design(tau_s, period_s);
+    hb_velocity_state state = {0.0f, 0.0f};
+
+    for (uint32_t i = 0; i < count; i++) {
+        v[i] = hb_velocity_step(&config, &state, x[i]);
+    }
+}
+
+void hb_probe_lowpass(float tau_s, float period_s, const float *in, float *out, uint32_t count)
+{
+    const hb_lowpass_config config = hb_lowpass_design(tau_s, period_s);
+    float y = 0.0f;
+
+    for (uint32_t i = 0; i < count; i++) {
+        out[i] = hb_lowpass_step(&config, &y, in[i]);
+    }
+}
+
+uint32_t hb_probe_mean(uint16_t divider, const uint16_t *in, uint16_t *out, uint32_t count)
+{
+    uint32_t means = 0;
+    uint32_t sum = 0;
+
+    for (uint32_t i = 0; i < count; i++) {
+        sum += in[i];
+        if ((i + 1u) % divider == 0u) {
+            out[means++] = hb_mean_word(sum, divider);
+            sum = 0;
+        }
+    }
+    return means;
+}
+
+void hb_probe_pi(float gain, float time_constant_s, float period_s, float low, float high,
+                 float *state, const float *e, float *u, uint32_t count)
+{
+    const hb_pi_config config = hb_pi_design(gain, time_constant_s, period_s);
+    hb_pi_state pi = {state[0], state[1]};
+
+    for (uint32_t i = 0; i < count; i++) {
+        u[i] = hb_pi_step(&config, &pi, e[i], low, high);
+    }
+    state[0] = pi.u;
+    state[1] = pi.e;
+}
+
+/* Octets to the core's own width and back. */
+static void widen(const unsigned char *in, uint16_t count, hb_octet *out)
+{
+    for (uint16_t i = 0; i < count; i++) {
+        out[i] = in[i];
+    }
+}
+
+static void narrow(const hb_octet *in, uint16_t count, unsigned char *out)
+{
+    for (uint16_t i = 0; i < count; i++) {
+        out[i] = (unsigned char)in[i];
+    }
+}
+
+uint16_t hb_probe_crc(const unsigned char *octets, uint16_t count)
+{
+    hb_octet wide[MOST_OCTETS];
+
+    widen(octets, count, wide);
+    return hb_crc_octets(HB_CRC_START, wide, count);
+}
+
+uint16_t hb_probe_cobs_encode(const unsigned char *in, uint16_t count, unsigned char *out)
+{
+    hb_octet plain[MOST_OCTETS];
+    hb_octet stuffed[MOST_OCTETS + MOST_OCTETS / 254u + 1u];
+
+    widen(in, count, plain);
+    const uint16_t length = hb_cobs_encode(plain, count, stuffed);
+    narrow(stuffed, length, out);
+    return length;
+}
+
+uint16_t hb_probe_cobs_decode(const unsigned char *in, uint16_t count, unsigned char *out)
+{
+    hb_octet octets[MOST_OCTETS + MOST_OCTETS / 254u + 1u];
+
+    widen(in, count, octets);
+    const uint16_t length = hb_cobs_decode(octets, count, octets);
+    narrow(octets, length, out);
+    return length;
+}
