@@ -1,0 +1,1 @@
+"""Files: the campaign folder, DSP log formats, import of foreign logs."""

@@ -1,0 +1,86 @@
+"""Writes a file so that it is there whole or not at all."""
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import IO
+
+from hbench.errors import DataError
+
+
+def write_atomic(path: Path, data: bytes, *, overwrite: bool = True) -> None:
+    """Write ``data`` to ``path``: a temporary file beside it, flushed to disk, then renamed.
+
+    Raises ``DataError`` naming the path where the disk refuses, or where ``path`` exists and
+    ``overwrite`` is False. Then ``path`` is what it was before.
+    """
+    if not overwrite and path.exists():
+        raise DataError(f"{path}: exists already and is never overwritten")
+    part = path.with_name(f".{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with part.open("wb") as file:
+            file.write(data)
+            _flush(file)
+        os.replace(part, path)
+        _flush_folder(path.parent)
+    except OSError as error:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise _refused(path, error) from error
+
+
+def append(path: Path, data: bytes) -> None:
+    """Append ``data`` to ``path`` and flush it to disk.
+
+    Raises ``DataError``, and then takes back what was half-written, if the disk lets it.
+    """
+    length = path.stat().st_size if path.exists() else 0
+    try:
+        with path.open("ab") as file:
+            file.write(data)
+            _flush(file)
+    except OSError as error:
+        with suppress(OSError):
+            os.truncate(path, length)
+        raise _refused(path, error) from error
+
+
+def rename(path: Path, name: str) -> None:
+    """Give a file another name in its folder. Raises ``DataError``."""
+    try:
+        path.rename(path.with_name(name))
+    except OSError as error:
+        raise _refused(path, error) from error
+
+
+def truncate(path: Path, length: int) -> None:
+    """Cut a file to ``length`` bytes and flush it to disk. Raises ``DataError``."""
+    try:
+        with path.open("r+b") as file:
+            file.truncate(length)
+            _flush(file)
+    except OSError as error:
+        raise _refused(path, error) from error
+
+
+def _flush(file: IO[bytes]) -> None:
+    file.flush()
+    os.fsync(file.fileno())
+
+
+def _refused(path: Path, error: OSError) -> DataError:
+    return DataError(
+        f"{path}: can't be written: {error.strerror or error}",
+        "Check the free space and the permissions of the folder.",
+    )
+
+
+def _flush_folder(folder: Path) -> None:
+    if os.name != "posix":  # elsewhere a folder can't be opened
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

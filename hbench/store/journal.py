@@ -1,0 +1,172 @@
+"""The text of ``campaign.yaml``: an append-only journal that is valid YAML after every append.
+
+    schema: hbench.campaign/1
+    name: ...                          the header, written once
+    runs:
+    - run: '0001'                      start part, appended when a run starts
+      plan: {kind: steady, ...}
+      start: {at: '2024-05-01T12:00:00+00:00'}
+      stop: {at: ..., outcome: done, records: 812, sha256: ...}      appended when it ends
+
+A run without stop part is one during which the host crashed. A crash may also leave the last
+line half-written; it is then left out, and said so. A run made again is a second item.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from typing import Any
+
+import yaml
+
+from hbench.errors import DataError
+from hbench.records import Motion, Outcome, RunPlan, Specimen
+
+SCHEMA = "hbench.campaign/1"
+REQUIRED = ("name", "source", "created")
+
+_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_ONE_LINE = 2**30
+_RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,99}")
+_RUNS = b"\nruns:\n"
+
+
+class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):
+    """A dumper that writes a value out each time, for readers of the file: no ``*id001``."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+@dataclass(frozen=True)
+class Stop:
+    """The stop part of a run."""
+
+    at: str
+    outcome: Outcome
+    records: int
+    sha256: str  # of the log file
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One time that a run was made."""
+
+    plan: RunPlan
+    started: str
+    stop: Stop | None  # None: crashed
+    origin: Mapping[str, Any] | None = None  # of an imported run: file, lines, sha256
+
+
+@dataclass(frozen=True)
+class Journal:
+    """What ``campaign.yaml`` says."""
+
+    header: dict[str, Any]
+    entries: tuple[Entry, ...]
+    warnings: tuple[str, ...]
+
+
+def check_run_id(run: str, source: str) -> str:
+    """Return ``run`` if it can name a file inside the campaign. Raises ``DataError``."""
+    if not _RUN_ID.fullmatch(run) or run.endswith("."):
+        raise DataError(
+            f"{source}: run {run!r} can't name a file",
+            "Use letters, digits and . _ + - in a run's name.",
+        )
+    return run
+
+
+def header_text(header: Mapping[str, Any]) -> str:
+    """Return the journal's beginning. The schema is added; ``REQUIRED`` keys must be there."""
+    missing = [key for key in REQUIRED if key not in header]
+    if missing or "runs" in header:
+        raise ValueError(f"campaign header lacks {missing} or holds 'runs'")
+    return _dump({"schema": SCHEMA, **header}, flow=False) + "runs:\n"
+
+
+def start_text(plan: RunPlan, at: datetime, origin: Mapping[str, Any] | None = None) -> str:
+    """Return the start part of a run."""
+    fields = {
+        key: value
+        for key, value in asdict(plan).items()
+        if key != "run" and value is not None and value != ""
+    }
+    fields["specimen"] = {k: v for k, v in fields["specimen"].items() if v is not None}
+    lines = [f"- run: '{check_run_id(plan.run, 'campaign')}'", f"  plan: {_dump(fields)}"]
+    if origin is not None:
+        lines.append(f"  from: {_dump(dict(origin))}")
+    lines.append(f"  start: {_dump({'at': at.isoformat()})}")
+    return "\n".join(lines) + "\n"
+
+
+def stop_text(stop: Stop) -> str:
+    """Return the stop part, which goes on the item that ``start_text`` began."""
+    return f"  stop: {_dump({key: v for key, v in asdict(stop).items() if v != ''})}\n"
+
+
+def intact_length(data: bytes) -> int:
+    """Return how many bytes of a journal are whole: a torn tail is not."""
+    length = data.rfind(b"\n") + 1
+    runs = data.find(_RUNS) + len(_RUNS) - 1
+    item = data.rfind(b"\n- run:", runs, length)
+    if item >= 0 and data.find(b"\n  start:", item, length) < 0:
+        length = item + 1
+    return length
+
+
+def parse_journal(data: bytes, source: str) -> Journal:
+    """Read a journal. Raises ``DataError`` naming ``source`` and the line or run."""
+    intact = data[: intact_length(data)]
+    warnings = ()
+    if len(intact) < len(data):
+        line = intact.count(b"\n") + 1
+        warnings = (f"{source}: line {line}: half-written and left out; the host crashed there",)
+    try:
+        content = yaml.load(intact.decode("utf-8"), Loader=_Loader)
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f"line {mark.line + 1}: " if mark else ""
+        problem = getattr(error, "problem", None) or "not UTF-8"
+        raise DataError(f"{source}: {where}{problem}", "The journal is not valid YAML.") from None
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        found = content.get("schema") if isinstance(content, dict) else None
+        raise DataError(f"{source}: schema is {found!r}; expected {SCHEMA!r}")
+    missing = [key for key in REQUIRED if key not in content]
+    if missing:
+        raise DataError(f"{source}: key {missing[0]!r} is missing")
+    items = content.pop("runs", None) or []
+    entries = tuple(_entry(item, f"{source}: runs.{n}") for n, item in enumerate(items))
+    return Journal(content, entries, warnings)
+
+
+def _entry(item: Any, source: str) -> Entry:
+    try:
+        stop = item.get("stop")
+        fields = dict(item["plan"])
+        fields["specimen"] = Specimen(**fields["specimen"])
+        if "motion" in fields:
+            fields["motion"] = Motion(**fields["motion"])
+        return Entry(
+            plan=RunPlan(run=check_run_id(str(item["run"]), source), **fields),
+            started=str(item["start"]["at"]),
+            stop=None if stop is None else Stop(**stop),
+            origin=item.get("from"),
+        )
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        raise DataError(f"{source}: not a run as this program writes it: {error}") from None
+
+
+def _dump(value: Any, *, flow: bool = True) -> str:
+    """Return YAML: block style, or flow style on one line without its end."""
+    text = yaml.dump(
+        value,
+        Dumper=_Dumper,
+        default_flow_style=flow,
+        width=_ONE_LINE,
+        sort_keys=False,
+        allow_unicode=True,
+    )
+    return text.rstrip("\n") if flow else text

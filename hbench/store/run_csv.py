@@ -1,0 +1,57 @@
+"""A run in SI as a CSV file, one named column a channel: the layout of imported runs."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+
+import numpy as np
+
+from hbench.config.importmap import CHANNELS, Format
+from hbench.errors import DataError
+from hbench.records import Run, RunPlan
+from hbench.store.table import parse_table
+
+_IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
+# A logged reference counts as the plan's within this: a count of 1e-5 m/s, or 0.1 %.
+_SAME_SPEED_M_S, _SAME_SPEED = 1e-5, 1e-3
+
+
+def format_run(channels: Mapping[str, np.ndarray]) -> bytes:
+    """Return the CSV of ``channels``, each (n,), with all digits that a float has."""
+    columns = [map(repr, values.tolist()) for values in channels.values()]
+    rows = map(",".join, zip(*columns, strict=True))
+    return "\n".join((",".join(channels), *rows, "")).encode()
+
+
+def read_channels(data: bytes, source: str) -> dict[str, np.ndarray]:
+    """Return the known channels of a CSV in SI, in its order.
+
+    Raises ``DataError`` naming the line: for cells that are not numbers, for time that does not
+    rise, for a file without ``t_s`` or ``x_m``.
+    """
+    table = parse_table(data, source, Format())
+    for name in ("t_s", "x_m"):
+        table.position(name)
+    channels = {name: table.numbers(name) for name in table.names if name in CHANNELS}
+    check_time(channels["t_s"], table.first_line, source)
+    return channels
+
+
+def check_time(t_s: np.ndarray, first_line: int, source: str) -> None:
+    """Raise ``DataError`` naming the line where time does not rise."""
+    stuck = np.flatnonzero(np.diff(t_s) <= 0)
+    if len(stuck):
+        row = stuck[0] + 1
+        raise DataError(
+            f"{source}: line {first_line + row}: time goes from {t_s[row - 1]:.6g} s to "
+            f"{t_s[row]:.6g} s; expected it to rise"
+        )
+
+
+def parse_run(data: bytes, plan: RunPlan, source: str) -> Run:
+    """Return the run in a CSV in SI. Raises ``DataError``."""
+    channels = read_channels(data, source)
+    run = {name: values for name, values in channels.items() if name in _IN_RUN}
+    if (v_ref := run.get("v_ref_m_s")) is not None:
+        margin = max(_SAME_SPEED_M_S, _SAME_SPEED * abs(plan.v_ref_m_s))
+        run["at_reference"] = np.abs(v_ref - plan.v_ref_m_s) <= margin
+    return Run(plan=plan, **run)
