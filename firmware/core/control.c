@@ -37,13 +37,16 @@ void hb_control_step(const hb_control_config *config, hb_control_state *state,
     state->saturated = false;
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
         /* The PI may use what the feedforward leaves of the valve's range, so that their sum
-         * keeps to the limit and the PI still does not wind up. */
+         * keeps to the limit and nothing winds up. Zero is always allowed: a feedforward beyond
+         * the limit must not wind the PI up against it. */
         const float forward = config->feedforward[i] * v;
-        const float low = -limit - forward;
-        const float high = limit - forward;
+        const float low = hb_min(-limit - forward, 0.0f);
+        const float high = hb_max(limit - forward, 0.0f);
         const float u = hb_pi_step(&config->loop[i], &state->loop[i], error[i], low, high);
-        state->saturated = state->saturated || u <= low || u >= high;
         state->u[i] = hb_clamp(u + forward, -limit, limit);
+        if (u <= low || u >= high || state->u[i] != u + forward) {
+            state->saturated = true;
+        }
     }
 }
 

@@ -14,6 +14,11 @@ static inline float hb_min(float a, float b)
     return a < b ? a : b;
 }
 
+static inline float hb_max(float a, float b)
+{
+    return a > b ? a : b;
+}
+
 static inline float hb_clamp(float x, float low, float high)
 {
     return x < low ? low : (x > high ? high : x);

@@ -14,8 +14,12 @@ _REPLY_OCTETS = 4096  # as much as the board's queue holds
 
 @cache
 def load_library() -> ctypes.CDLL:
-    """Return the library, its functions declared. Raises ``DeviceError`` if it is not there."""
-    path = _library_path()
+    """Return the installed library. Raises ``DeviceError`` if it is not there."""
+    return open_library(_library_path())
+
+
+def open_library(path: Path) -> ctypes.CDLL:
+    """Return the library in a file, its functions declared. Raises ``DeviceError``."""
     try:
         library = ctypes.CDLL(str(path))
     except OSError as error:
