@@ -12,10 +12,9 @@ from typing import Any
 from hbench.analysis.average import curves
 from hbench.analysis.calibrate import calibrate
 from hbench.analysis.efficiency import efficiency
-from hbench.analysis.fit import fits
+from hbench.analysis.fit import fits, left_out
 from hbench.analysis.screen import screen
 from hbench.config.bench import Bench, Plant, parse_bench, parse_plant
-from hbench.config.importmap import parse_import_map
 from hbench.config.loading import read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
 from hbench.errors import ConfigError, DataError
@@ -23,16 +22,15 @@ from hbench.experiment.plan import estimate_seconds, plan_runs
 from hbench.experiment.runner import Progress, run_campaign
 from hbench.protocol.dictionary import FLAGS, PROTOCOL, RECORD, dictionary_hash
 from hbench.records import Results, RunPlan
-from hbench.report.figures import figures
-from hbench.report.page import page
-from hbench.report.tables import tables
+from hbench.report.figures import draw_all
+from hbench.report.page import page_html
+from hbench.report.tables import TABLES
 from hbench.rig.client import BoardClient, Identity
 from hbench.rig.ports import Port, SerialPort
 from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write_results
 from hbench.store.foreign import ImportSummary, import_folder
 
 _PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
-_MIN_POINTS = 4  # of a curve to be fitted: as many as Tustin has parameters
 
 
 @dataclass(frozen=True)
@@ -131,40 +129,49 @@ def import_runs(
     source: Path, folder: Path, map_file: Path | None, clock: Callable[[], datetime]
 ) -> ImportSummary:
     """Bring another bench's logs in as a campaign. Raises ``ConfigError``, ``DataError``."""
-    rules = None if map_file is None else parse_import_map(read_yaml(map_file), str(map_file))
-    return import_folder(source, folder, rules, clock)
+    return import_folder(source, folder, map_file, _software(), clock())
 
 
 def analyze(folder: Path) -> Results:
     """Screen, average and fit a campaign; write its tables to ``results/``."""
     results = _derive(load_campaign(folder))
-    write_results(folder, tables(results))
+    write_results(folder, _tables(results))
     return results
 
 
 def report(folder: Path) -> Results:
     """Analyze a campaign and write tables, figures and the page to ``results/``."""
     results = _derive(load_campaign(folder))
-    drawn = figures(results)
-    write_results(folder, {**tables(results), **drawn.files, "report.html": page(results, drawn)})
+    drawings = draw_all(results)
+    figures = {f"figures/{d.name}.svg": d.svg for d in drawings}
+    figures |= {f"figures/{d.name}.png": d.png for d in drawings}
+    page = {"report.html": page_html(results, drawings).encode()}
+    write_results(folder, _tables(results) | figures | page)
     return results
 
 
 def _derive(campaign: Campaign) -> Results:
-    bench = campaign.bench
-    runs = campaign.runs() if bench is None else (calibrate(r, bench) for r in campaign.raw_runs())
-    screened = tuple(screen(run, campaign.screening) for run in runs)
+    bench, rules = campaign.bench(), campaign.screening()
+    if campaign.imported:
+        runs = campaign.runs()
+    else:
+        runs = (calibrate(raw, bench) for raw in campaign.raw_runs())
+    screened = tuple(screen(run, rules) for run in runs)
     if not screened:
-        raise DataError(f"{campaign.folder}: holds no runs")
+        raise DataError(f"{campaign.folder}: holds no runs", "Go on with `hbench run --resume`.")
     found = tuple(replace(curve, fits=fits(curve)) for curve in curves(screened))
     instruments = None if bench is None else bench.instruments
     return Results(
-        provenance=campaign.provenance,
+        provenance=campaign.provenance(),
         runs=screened,
         curves=found,
         efficiency=tuple(efficiency(curve, instruments) for curve in found),
-        notes=campaign.notes,
+        notes=(*campaign.warnings, *left_out(found)),
     )
+
+
+def _tables(results: Results) -> dict[str, bytes]:
+    return {name: table(results).encode() for name, table in TABLES.items()}
 
 
 def _open_port(experiment: Experiment, name: str, plant: Path | None, seed: int) -> Port:
@@ -193,10 +200,7 @@ def _header(
         "name": experiment.schedule.name,
         "source": "simulated" if simulated else "real",
         "created": now.isoformat(timespec="seconds"),
-        "software": {
-            "python": platform.python_version(),
-            **{name: version(name) for name in _PACKAGES},
-        },
+        "software": _software(),
         "firmware": {
             "id": identity.firmware,
             "board": identity.board,
@@ -219,3 +223,8 @@ def _header(
     if plant is not None:
         header["plant"] = {"sha256": hashlib.sha256(plant.read_bytes()).hexdigest()}
     return header
+
+
+def _software() -> dict[str, str]:
+    packages = {name: version(name) for name in _PACKAGES}
+    return {"python": platform.python_version(), **packages}

@@ -14,9 +14,11 @@ def import_(
 
     Example: hbench import logs -o campaign --map configs/tudelft.yaml
     """
+    from datetime import datetime
+
     from hbench import workflow
 
-    summary = workflow.import_runs(source, output, map_file)
+    summary = workflow.import_runs(source, output, map_file, datetime.now().astimezone)
     for note in summary.notes:
         typer.echo(f"note: {note}", err=True)
     typer.echo(f"{output}: {summary.runs} runs from {summary.files} files")

@@ -2,12 +2,11 @@
 
 import sys
 
-import click
 import typer
 
 from hbench import __version__
 from hbench.cli import analyze, imports, init, run
-from hbench.errors import ExitCode, HbenchError
+from hbench.errors import HbenchError
 
 app = typer.Typer(
     name="hbench",
@@ -40,18 +39,11 @@ def _options(
 
 
 def main() -> None:
-    """Run the command line and exit with the code of design."""
+    """Run the command line; exit with the codes of ``ExitCode``, 130 when interrupted."""
     try:
-        code = app(standalone_mode=False)
+        app()
     except HbenchError as error:
         print(f"error: {error.message}", file=sys.stderr)
         if error.hint:
             print(f"hint: {error.hint}", file=sys.stderr)
-        code = error.exit_code
-    except click.ClickException as error:
-        error.show()
-        code = ExitCode.USAGE
-    except (KeyboardInterrupt, click.Abort):
-        print("stopped by the operator", file=sys.stderr)
-        code = 130
-    sys.exit(code or ExitCode.OK)
+        sys.exit(error.exit_code)

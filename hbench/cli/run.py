@@ -1,6 +1,6 @@
 """``hbench run``: makes the runs of a schedule on a bench or on the virtual rig."""
 
-from contextlib import contextmanager
+import sys
 from pathlib import Path
 
 import typer
@@ -20,7 +20,10 @@ def run(
 
     Example: hbench run configs/demo.yaml -o demo
     """
+    from datetime import datetime
+
     from hbench import workflow
+    from hbench.cli.progress import ProgressLine
 
     experiment = workflow.load_experiment(schedule, bench)
     estimate = workflow.estimate(experiment)
@@ -31,33 +34,21 @@ def run(
     )
     if check:
         return
-    with _progress(estimate) as report:
+    progress = ProgressLine(sys.stderr)
+    try:
         summary = workflow.measure(
-            experiment, output, port=port, plant=plant, seed=seed, resume=resume, report=report
+            experiment,
+            output,
+            port=port,
+            plant=plant,
+            seed=seed,
+            resume=resume,
+            clock=lambda: datetime.now().astimezone(),
+            report=progress,
         )
+    finally:
+        progress.close()
     typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
-
-
-@contextmanager
-def _progress(estimate):
-    """Show runs done, the current reference and the time left; plain lines off a terminal."""
-    with typer.progressbar(
-        length=estimate.runs,
-        label="runs",
-        show_pos=True,
-        file=typer.get_text_stream("stderr"),
-        item_show_func=lambda plan: plan and _reference(plan),
-    ) as bar:
-
-        def report(progress) -> None:
-            bar.update(progress.runs_done - bar.pos, progress.plan)
-
-        yield report
-        bar.update(estimate.runs - bar.pos)
-
-
-def _reference(plan) -> str:
-    return f"{1e3 * plan.v_ref_m_s:+.1f} mm/s, {plan.f_load_n:+.0f} N, trial {plan.trial}"
 
 
 def _minutes(seconds: float) -> str:

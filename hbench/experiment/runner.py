@@ -94,10 +94,11 @@ def _follow(client: BoardClient, recorder: "_Recorder", report: Callable) -> Non
             number = part.first + len(part.words)
         if state == "running":
             recorder.begin(status["run"])
-            report(recorder.progress(status))
+            if recorder.current:
+                report(recorder.progress(status))
         if state == "fault":
             raise DeviceError(
-                f"run {recorder.current}: the board stopped itself: "
+                f"run {recorder.current or status['run']}: the board stopped itself: "
                 f"{FAULTS[status['fault']]} limit",
                 "Look at the bench, then go on with --resume.",
             )
@@ -129,21 +130,25 @@ class _Recorder:
         self._clock = clock
         self._words: list[np.ndarray] = []
         self._number = 0  # of the run that is being made; 0: none
-        self._done = 0
+        self._finished: set[int] = set()
 
     @property
     def current(self) -> str:
-        """Id of the run that is being made."""
-        return self._plans[self._number].run if self._number else "(none)"
+        """Id of the run that is being made; empty between runs."""
+        return self._plans[self._number].run if self._number else ""
 
     def progress(self, status: dict) -> Progress:
         """Return where the campaign stands."""
         plan = self._plans[self._number]
-        return Progress(self._done, len(self._plans), plan, status["v_m_s"], status["f_applied_n"])
+        done, total = len(self._finished), len(self._plans)
+        return Progress(done, total, plan, status["v_m_s"], status["f_applied_n"])
 
     def begin(self, number: int) -> None:
-        """A run has started, as its status or its first record tells."""
-        if number == self._number:
+        """A run has started, as its status or its first record tells.
+
+        The board still names a run while it brakes after the last record; that starts nothing.
+        """
+        if number == self._number or number in self._finished:
             return
         if number not in self._plans:
             raise DeviceError(f"the board reports run {number}, which is not in the plan")
@@ -154,12 +159,13 @@ class _Recorder:
     def feed(self, words: np.ndarray) -> None:
         """Take records in order: (n, words of a record)."""
         edges = np.flatnonzero(np.diff(words[:, _RUN])) + 1
-        for piece in np.split(words, edges):
-            if len(piece):
-                self.begin(int(piece[0, _RUN]))
-                self._words.append(piece)
-                if piece[-1, _FLAGS] & _LAST:
-                    self.finish("done", "")
+        for piece in np.split(words, edges) if len(words) else ():
+            self.begin(int(piece[0, _RUN]))
+            if not self._number:
+                raise DeviceError(f"the board sent records of run {piece[0, _RUN]} after its last")
+            self._words.append(piece)
+            if piece[-1, _FLAGS] & _LAST:
+                self.finish("done", "")
 
     def finish(self, outcome: Outcome, why: str) -> None:
         """The run is over: its log to disk, then its stop part to the journal."""
@@ -167,9 +173,9 @@ class _Recorder:
             return
         plan = self._plans[self._number]
         words = np.concatenate(self._words) if self._words else np.zeros((0, len(RECORD)), "<u2")
+        self._finished.add(self._number)
         self._words, self._number = [], 0
         self._journal.finish_run(plan, words, outcome, why, self._clock())
-        self._done += 1
 
     def abandon(self, error: BaseException) -> None:
         """Something ended the campaign in the middle of a run."""

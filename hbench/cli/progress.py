@@ -1,0 +1,49 @@
+"""Progress: a bar that is redrawn on a terminal; off it a plain line a tenth of the way."""
+
+import time
+from typing import TextIO
+
+from hbench.experiment.runner import Progress
+
+_BAR = 24
+
+
+class ProgressLine:
+    """Shows runs done, the current reference and the wall time left."""
+
+    def __init__(self, stream: TextIO):
+        self._stream = stream
+        self._redraws = stream.isatty()
+        self._start = time.monotonic()
+        self._shown = -1  # tenths, off a terminal
+        self._width = 0
+
+    def __call__(self, progress: Progress) -> None:
+        """Show where the campaign stands."""
+        done, total, plan = progress.runs_done, progress.runs_total, progress.plan
+        reference = f"{1e3 * plan.v_ref_m_s:+.1f} mm/s, {plan.f_load_n:+.0f} N, trial {plan.trial}"
+        text = f"{done}/{total} runs, {reference}, {self._left(done, total)}"
+        if self._redraws:
+            filled = _BAR * done // total
+            self._redraw(f"[{'#' * filled}{'.' * (_BAR - filled)}] {text}")
+        elif 10 * done // total > self._shown:
+            self._shown = 10 * done // total
+            self._stream.write(text + "\n")
+            self._stream.flush()
+
+    def close(self) -> None:
+        """Clear the line, for what is printed next."""
+        if self._redraws:
+            self._redraw("")
+            self._stream.write("\r")
+
+    def _redraw(self, text: str) -> None:
+        self._stream.write("\r" + text.ljust(self._width))
+        self._stream.flush()
+        self._width = len(text)
+
+    def _left(self, done: int, total: int) -> str:
+        if not done:
+            return "time left not known yet"
+        seconds = round((time.monotonic() - self._start) * (total - done) / done)
+        return f"{seconds // 60}:{seconds % 60:02d} left"
