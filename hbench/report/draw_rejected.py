@@ -1,21 +1,10 @@
 """The rejected runs by reason."""
 
-from collections import Counter
-
 from matplotlib.figure import Figure
 
 from hbench.records import Results
 from hbench.report import style
-
-
-def reason_counts(results: Results) -> Counter[str]:
-    """Count the codes of the reasons; a run with two reasons counts under both."""
-    return Counter(code_of(reason) for run in results.runs for reason in run.reasons)
-
-
-def code_of(reason: str) -> str:
-    """Return the code in "code: words with value and limit"."""
-    return reason.partition(":")[0].strip()
+from hbench.report.reasons import reason_counts
 
 
 def has_rejected(results: Results) -> bool:

@@ -1,4 +1,4 @@
-"""Results as ``results.json`` and as CSV: SI, the unit in each column's name.
+"""Results as ``results.json`` and as CSV (SI, the unit in each name), and for a terminal.
 
 The names in ``results.json`` (schema "hbench.results/1") are read by other programs and don't
 change. A number that does not exist, NaN included, is null there and an empty cell in a CSV.
@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from hbench.records import Curve, EfficiencyCurve, Fit, Results, ScreenedRun
+from hbench.report.reasons import reason_counts
+from hbench.report.text import force, short, span
 
 SCHEMA = "hbench.results/1"
 
@@ -192,6 +194,40 @@ _FIT_COLUMNS = (
     *"law parameter value unit se ci95_low ci95_high at_bound rmse_n converged message".split(),
 )
 _EFFICIENCY_COLUMNS = (*_SERIES, *"v_m_s efficiency sigma sigma_trials reason".split())
+
+
+def summary_text(results: Results) -> str:
+    """Return what a terminal shows: runs, reasons, and a line a curve."""
+    accepted = sum(run.accepted for run in results.runs)
+    reasons = ", ".join(f"{n} {code}" for code, n in reason_counts(results).most_common())
+    rejected = f"{len(results.runs) - accepted} rejected" + (f" ({reasons})" if reasons else "")
+    rows = [["direction", "load", "speeds mm/s", "friction N", "fit"]]
+    for curve in results.curves:
+        rows.append(
+            [
+                " ".join(filter(None, (curve.label, curve.direction))),
+                force(curve.f_load_n),
+                span([1e3 * abs(point.v_m_s) for point in curve.points]),
+                span([abs(point.friction_n) for point in curve.points]),
+                "; ".join(_fit_words(fit) for fit in curve.fits) or "-",
+            ]
+        )
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    head = f"{results.provenance.name} ({results.provenance.source})"
+    counts = f"{len(results.runs)} runs: {accepted} accepted, {rejected}"
+    notes = [f"note: {note}" for note in results.notes]
+    text = "\n".join([head, counts, "", *lines, *notes])
+    return text.replace("−", "-").replace("–", " to ")  # not every terminal can show them
+
+
+def _fit_words(fit: Fit) -> str:
+    words = [
+        f"{name}={short(value.value)}" + (f" (at {value.at_bound} bound)" if value.at_bound else "")
+        for name, value in fit.parameters.items()
+    ]
+    return " ".join([fit.law, *words, *([] if fit.converged else ["NOT CONVERGED"])])
+
 
 TABLES: dict[str, Callable[[Results], str]] = {
     "results.json": results_json,

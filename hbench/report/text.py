@@ -1,6 +1,7 @@
 """How numbers are written for people: rounding by the interval, minus signs, units."""
 
 import math
+from collections.abc import Collection
 
 NONE = "–"  # what stands for a number that does not exist
 
@@ -16,7 +17,7 @@ def number(value: float | None, decimals: int = 1) -> str:
     return _minus(f"{value:.{decimals}f}")
 
 
-def significant(value: float | None, digits: int = 4) -> str:
+def significant(value: float | None, digits: int) -> str:
     """Write with significant digits and no exponent between 1e-4 and 1e7."""
     if value is None or not math.isfinite(value):
         return NONE
@@ -32,19 +33,23 @@ def with_interval(value: float | None, half_width: float | None) -> str:
     """Write ``value ± half_width``, both to the second significant digit of the half-width."""
     known = half_width is not None and math.isfinite(half_width) and half_width > 0
     if value is None or not math.isfinite(value) or not known:
-        return significant(value)
+        return significant(value, 3)
     decimals = min(max(0, 1 - math.floor(math.log10(half_width))), 6)
     return f"{number(value, decimals)} ± {number(half_width, decimals)}"
 
 
+def short(value: float | None) -> str:
+    """Write with three significant digits and no zeros at the end: 5, 1.2, 49.1, 5000."""
+    text = significant(value, 3)
+    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+
+
 def force(value_n: float | None) -> str:
     """Write a load such as ``−500 N``."""
-    if value_n is None:
-        return "not set"
-    return f"{number(value_n, 0 if abs(value_n) >= 100 else 1).removesuffix('.0')} N"
+    return "not set" if value_n is None else f"{short(value_n)} N"
 
 
-def span(values: list[float], unit: str, decimals: int = 0) -> str:
-    """Write the range of some numbers: ``5 to 200 mm/s``."""
-    low, high = number(min(values), decimals), number(max(values), decimals)
-    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+def span(values: Collection[float]) -> str:
+    """Write the range of some numbers: ``5–200``."""
+    ends = dict.fromkeys(short(end(values)) for end in (min, max))
+    return "–".join(ends)

@@ -1,0 +1,229 @@
+"""The tables of the page: records as rows of text, in the units that people think in."""
+
+import math
+from dataclasses import dataclass
+
+from hbench.records import Curve, EfficiencyCurve, Fit, FitParameter, Results, ScreenedRun
+from hbench.report.draw_pressure import bands
+from hbench.report.reasons import code_of
+from hbench.report.style import TITLES
+from hbench.report.text import force, number, significant, with_interval
+from hbench.units import from_si
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a table; ``flag`` is what a reader must not miss about it."""
+
+    text: str
+    flag: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table as the template writes it. Numeric columns are those not in ``words``."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    words: frozenset[str]
+    messages: tuple[str, ...] = ()
+
+    def is_number(self, column: int) -> bool:
+        """Tell whether to align the column as numbers."""
+        return self.head[column] not in self.words
+
+
+# How a law's parameters read on the page: words and the unit to show. Others keep their names.
+PARAMETERS = {
+    "f_coulomb_n": ("Coulomb force F_C", "N"),
+    "f_stiction_n": ("Stiction force F_stiction", "N"),
+    "v_stribeck_m_s": ("Stribeck velocity", "mm/s"),
+    "b_viscous_n_s_m": ("Viscous coefficient B", "N s/m"),
+}
+
+
+def fit_tables(results: Results) -> dict[str, Table]:
+    """Return a table of parameters for each law, with its messages below."""
+    fits = [(curve, fit) for curve in results.curves for fit in curve.fits]
+    tables = {}
+    for law in dict.fromkeys(fit.law for _, fit in fits):
+        chosen = [(curve, fit) for curve, fit in fits if fit.law == law]
+        names = list(dict.fromkeys(name for _, fit in chosen for name in fit.parameters))
+        units = {name: fit.parameters[name].unit for _, fit in chosen for name in fit.parameters}
+        heads = [_parameter_head(name, units[name]) for name in names]
+        rows = []
+        for curve, fit in chosen:
+            cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
+            rows.append((*_who(curve), *cells, _residual_cell(fit)))
+        messages = [f"{_who_text(curve)}: {fit.message}" for curve, fit in chosen if fit.message]
+        tables[law] = _table((*_WHO, *heads, "RMS residual (N)"), rows, messages)
+    return tables
+
+
+def point_table(results: Results) -> Table:
+    """Return the points of all friction curves."""
+    head = (
+        *_WHO,
+        "Velocity (mm/s)",
+        "Friction (N)",
+        "Trials",
+        "F_T (N)",
+        "F_applied (N)",
+        "p_Tp (bar)",
+        "p_Tr (bar)",
+    )
+    rows = [
+        (
+            *_who(curve),
+            number(1e3 * point.v_m_s, 2),
+            Cell(
+                with_interval(point.friction_n, point.ci95_n),
+                "" if point.ci95_n is not None else "no interval",
+            ),
+            str(point.n),
+            number(point.f_test_n),
+            number(point.f_applied_n),
+            _bar(point.p_tp_pa),
+            _bar(point.p_tr_pa),
+        )
+        for curve in results.curves
+        for point in curve.points
+    ]
+    return _table(head, rows)
+
+
+def efficiency_table(results: Results) -> Table:
+    """Return the points of all efficiency curves."""
+    rows = [
+        (
+            *_who(curve),
+            number(1e3 * point.v_m_s, 2),
+            _percent(point.efficiency),
+            _percent(point.sigma),
+            _percent(point.sigma_trials),
+            point.reason,
+        )
+        for curve in results.efficiency
+        for point in curve.points
+    ]
+    head = ("Velocity (mm/s)", "Efficiency (%)", "±σ instruments (%)", "s.e. of trials (%)")
+    return _table((*_WHO, *head, "Remark"), rows)
+
+
+def pressure_table(results: Results) -> Table:
+    """Return friction against pressure: both directions, half of the band and its middle."""
+    rows = []
+    for band in bands(results):
+        sides = [
+            with_interval(side.friction_n, side.ci95_n) if side else ""
+            for side in (band.extend, band.retract)
+        ]
+        trials = "/".join(str(side.n) if side else "0" for side in (band.extend, band.retract))
+        half = with_interval(band.half_n, band.half_ci95_n)
+        rows.append(
+            (band.label, _bar(band.p_tp_pa), *sides, half, significant(band.middle_n, 3), trials)
+        )
+    head = (
+        "Label",
+        "Pressure (bar)",
+        "Friction extending (N)",
+        "Friction retracting (N)",
+        "Half band (N)",
+        "Middle of band (N)",
+        "Trials ext./retr.",
+    )
+    return _table(head, rows)
+
+
+def rejected_table(results: Results) -> Table:
+    """Return the rejected runs, each with every reason."""
+    rows = [
+        (*_run(run), "; ".join(_reason_words(reason) for reason in run.reasons))
+        for run in results.runs
+        if not run.accepted
+    ]
+    return _table((*_RUN, "Reason"), rows)
+
+
+def remark_table(results: Results) -> Table:
+    """Return what a reader should know of accepted runs."""
+    rows = [
+        (*_run(run), "; ".join(run.notes)) for run in results.runs if run.accepted and run.notes
+    ]
+    return _table((*_RUN, "Remark"), rows)
+
+
+_WHO = ("Label", "Direction", "Load F_L (N)")
+_RUN = ("Run", *_WHO, "Reference (mm/s)", "Trial")
+_WORDS = frozenset({"Run", "Label", "Direction", "Reason", "Remark"})
+
+
+def _table(
+    head: tuple[str, ...], rows: list[tuple[str | Cell, ...]], messages: list[str] | tuple = ()
+) -> Table:
+    """Build a table; a column of labels or remarks without any is left out."""
+    cells = [tuple(c if isinstance(c, Cell) else Cell(c) for c in row) for row in rows]
+    kept = [
+        i
+        for i, name in enumerate(head)
+        if name not in ("Label", "Remark") or any(row[i].text for row in cells)
+    ]
+    return Table(
+        tuple(head[i] for i in kept),
+        tuple(tuple(row[i] for i in kept) for row in cells),
+        _WORDS,
+        tuple(messages),
+    )
+
+
+def _who(curve: Curve | EfficiencyCurve) -> tuple[str, str, str]:
+    load = force(curve.f_load_n).removesuffix(" N")
+    return curve.label, TITLES[curve.direction].lower(), load
+
+
+def _who_text(curve: Curve) -> str:
+    load = "" if curve.f_load_n is None else force(curve.f_load_n)
+    return ", ".join(filter(None, (curve.label, TITLES[curve.direction].lower(), load)))
+
+
+def _run(screened: ScreenedRun) -> tuple[str, ...]:
+    plan = screened.run.plan
+    load = force(plan.f_load_n).removesuffix(" N")
+    who = (plan.label, TITLES[plan.direction].lower(), load)
+    return plan.run, *who, number(1e3 * plan.v_ref_m_s, 1), str(plan.trial)
+
+
+def _reason_words(reason: str) -> str:
+    code = code_of(reason)
+    return reason.replace(code, code.replace("_", " "), 1)
+
+
+def _parameter_head(name: str, unit: str) -> str:
+    words, shown = PARAMETERS.get(name, (name, unit))
+    return f"{words} ({shown})"
+
+
+def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
+    if parameter is None:
+        return Cell("")
+    shown = PARAMETERS[name][1] if name in PARAMETERS else "1"
+    half = None
+    if parameter.ci95 is not None:
+        half = from_si((parameter.ci95[1] - parameter.ci95[0]) / 2, shown)
+    text = with_interval(from_si(parameter.value, shown), half)
+    if parameter.at_bound is not None:
+        return Cell(text, f"at {parameter.at_bound} bound")
+    determined = half is not None and math.isfinite(half)
+    return Cell(text, "" if determined else "not determined")
+
+
+def _residual_cell(fit: Fit) -> Cell:
+    return Cell(significant(fit.rmse_n, 3), "" if fit.converged else "not converged")
+
+
+def _bar(pressure_pa: float | None) -> str:
+    return number(None if pressure_pa is None else from_si(pressure_pa, "bar"), 2)
+
+
+def _percent(ratio: float | None) -> str:
+    return number(None if ratio is None else 100 * ratio, 1)

@@ -1,0 +1,225 @@
+"""Figures: what is drawn, with which labels, and that the bytes don't change."""
+
+import io
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from hbench.report import draw_efficiency, draw_friction, draw_pressure, draw_rejected
+from hbench.report.figures import FIGURES, draw_all
+from hbench.report.style import COLOURS, series_style
+
+UNIT = re.compile(r"\((mm/s|N|%|bar|count)\)")
+
+
+def every_figure(results):
+    for kind in FIGURES:
+        if kind.applies(results):
+            yield from kind.draw(results).values()
+
+
+def names(results):
+    return [drawing.name for drawing in draw_all(results)]
+
+
+def series(axes):
+    """The error-bar series of an axes as {label: (x, y)}."""
+    return {bars.get_label(): bars.lines[0].get_data() for bars in axes.containers if bars.lines[0]}
+
+
+def test_each_campaign_gets_the_figures_that_apply(small, seals):
+    assert names(small) == [
+        "stribeck-extend",
+        "stribeck-retract",
+        "friction-signed",
+        "efficiency-extend",
+        "efficiency-retract",
+        "rejected",
+    ]
+    assert names(seals) == ["friction-pressure"]
+    bare = replace(small, runs=(), curves=(), efficiency=())
+    assert names(bare) == []
+
+
+@pytest.mark.parametrize("name", ["stribeck", "seals"])
+def test_every_axis_says_what_it_shows_and_its_unit(name, request):
+    for figure in every_figure(request.getfixturevalue(name)):
+        assert UNIT.search(figure.axes[-1].get_xlabel())
+        for axes in figure.axes:
+            counts = axes.patches  # bars of named reasons have no vertical quantity
+            assert counts or UNIT.search(axes.get_ylabel())
+            assert axes.title.get_fontsize() >= 10
+
+
+def test_stribeck_points_are_the_records_in_mm_s_and_newton_with_their_intervals(small):
+    figure = draw_friction.stribeck(small)["retract"]
+    axes, below = figure.axes
+    drawn = series(axes)
+    assert set(drawn) == {"−500 N", "−5000 N"}
+    curve = next(c for c in small.curves if (c.direction, c.f_load_n) == ("retract", -5000.0))
+    x, y = drawn["−5000 N"]
+    assert x == pytest.approx([1000 * abs(point.v_m_s) for point in curve.points])
+    assert y == pytest.approx([-point.friction_n for point in curve.points])
+    bars = next(c for c in axes.containers if c.get_label() == "−5000 N").lines[2][0]
+    heights = [np.ptp(segment[:, 1]) / 2 for segment in bars.get_segments()]
+    assert heights == pytest.approx([point.ci95_n for point in curve.points])
+    assert len(axes.lines) - 3 * 2 == 2  # two fitted lines besides points and caps
+    assert len(below.containers) == 2
+
+
+def test_the_fitted_line_stays_inside_the_measured_speeds(small):
+    axes = draw_friction.stribeck(small)["extend"].axes[0]
+    speeds = [1000 * abs(point.v_m_s) for point in small.curves[0].points]
+    lines = [line for line in axes.lines if len(line.get_xdata()) > len(speeds)]
+    assert len(lines) == 2
+    for line in lines:
+        assert min(speeds) - 1e-9 <= line.get_xdata().min()
+        assert line.get_xdata().max() <= max(speeds) + 1e-9
+
+
+@pytest.mark.parametrize("direction,sign", [("extend", 1), ("retract", -1)])
+def test_residuals_are_measured_less_fitted(small, direction, sign):
+    figure = draw_friction.stribeck(small)[direction]
+    curve = next(c for c in small.curves if c.direction == direction and abs(c.f_load_n) == 500)
+    line = dict(curve.fits[0].line)
+    expected = [sign * (p.friction_n - line[p.v_m_s]) for p in curve.points]
+    _, residual = figure.axes[1].containers[0].lines[0].get_data()
+    assert residual == pytest.approx(expected)
+
+
+def test_both_directions_share_their_limits(small):
+    figures = draw_friction.stribeck(small)
+    for panel in (0, 1):
+        assert figures["extend"].axes[panel].get_ylim() == figures["retract"].axes[panel].get_ylim()
+        assert figures["extend"].axes[panel].get_xlim() == figures["retract"].axes[panel].get_xlim()
+
+
+def test_signed_figure_keeps_the_signs_and_one_colour_a_load(small):
+    (axes,) = draw_friction.signed(small)[""].axes
+    assert len(axes.containers) == 4
+    colours = {}
+    for bars in axes.containers:
+        x, y = bars.lines[0].get_data()
+        assert np.all(np.sign(x) == np.sign(y))
+        colours.setdefault(bars.lines[0].get_color(), set()).add(np.sign(x[0]))
+    assert list(colours.values()) == [{1.0, -1.0}, {1.0, -1.0}]
+
+
+def test_a_load_that_helps_is_hollow_and_one_that_opposes_is_filled():
+    ranks = {500.0: 0}
+    for f_load, direction, hollow in [
+        (500.0, "extend", False),
+        (-500.0, "extend", True),
+        (-500.0, "retract", False),
+        (500.0, "retract", True),
+    ]:
+        face = draw_friction.load_style(f_load, direction, ranks)["markerfacecolor"]
+        assert (face == "white") is hollow
+
+
+def test_a_curve_without_fit_or_interval_is_drawn_without_a_residual_panel(small):
+    curves = tuple(
+        replace(c, fits=(), points=tuple(replace(p, ci95_n=None) for p in c.points))
+        for c in small.curves
+    )
+    figures = draw_friction.stribeck(replace(small, curves=curves))
+    assert [len(figure.axes) for figure in figures.values()] == [1, 1]
+
+
+def test_a_fit_that_did_not_converge_is_dashed(small):
+    fit = replace(small.curves[0].fits[0], converged=False)
+    results = replace(small, curves=(replace(small.curves[0], fits=(fit,)),))
+    axes = draw_friction.stribeck(results)["extend"].axes[0]
+    assert "--" in {line.get_linestyle() for line in axes.lines}
+
+
+def test_the_efficiency_band_is_one_sigma_of_the_instruments(small):
+    axes = draw_efficiency.efficiency(small)["extend"].axes[0]
+    assert len(axes.collections) == 2 + 2  # a band and a set of bars for each load
+    point = small.efficiency[0].points[0]
+    corners = axes.collections[0].get_paths()[0].vertices
+    at_first = corners[np.isclose(corners[:, 0], 1000 * point.v_m_s)][:, 1]
+    assert at_first.min() == pytest.approx(100 * (point.efficiency - point.sigma))
+    assert at_first.max() == pytest.approx(100 * (point.efficiency + point.sigma))
+    assert axes.get_ylim() == (0, 100)
+
+
+def test_an_efficiency_that_does_not_exist_leaves_a_gap(small):
+    curve = small.efficiency[0]
+    missing = replace(curve.points[1], efficiency=None, sigma=None, sigma_trials=None, reason="low")
+    results = replace(
+        small, efficiency=(replace(curve, points=(curve.points[0], missing, *curve.points[2:])),)
+    )
+    _, y = draw_efficiency.efficiency(results)["extend"].axes[0].containers[0].lines[0].get_data()
+    assert np.isnan(y[1]) and np.isfinite(np.delete(y, 1)).all()
+
+
+def test_half_band_pairs_the_directions_and_cancels_a_common_offset(seals):
+    bands = draw_pressure.bands(seals)
+    assert [(b.label, round(b.p_tp_pa / 1e5)) for b in bands] == [
+        (label, bar) for label in ("O-ring", "NAPN") for bar in (1, 3, 5, 7)
+    ]
+    shifted = tuple(
+        replace(c, points=tuple(replace(p, friction_n=p.friction_n + 100) for p in c.points))
+        for c in seals.curves
+    )
+    for band, other in zip(bands, draw_pressure.bands(replace(seals, curves=shifted)), strict=True):
+        assert other.half_n == pytest.approx(band.half_n)
+        assert other.middle_n == pytest.approx(band.middle_n + 100)
+    one = bands[0]
+    expected = (one.extend.ci95_n**2 + one.retract.ci95_n**2) ** 0.5 / 2
+    assert one.half_ci95_n == pytest.approx(expected)
+    assert bands[-1].half_ci95_n is None  # a single trial has no interval
+
+
+def test_pressure_figure_shows_each_seal_and_direction_in_bar(seals):
+    axes, below = draw_pressure.friction_pressure(seals)[""].axes
+    drawn = series(axes)
+    assert set(drawn) == {
+        f"{seal}, {verb}" for seal in ("O-ring", "NAPN") for verb in ("extending", "retracting")
+    }
+    assert drawn["NAPN, retracting"][0] == pytest.approx([1, 3, 5, 7])
+    assert [list(bars.lines[0].get_xdata()) for bars in below.containers] == [[1, 3, 5, 7]] * 2
+
+
+def test_one_direction_alone_is_drawn_without_a_half_band(seals):
+    curves = tuple(c for c in seals.curves if c.direction == "extend")
+    axes, below = draw_pressure.friction_pressure(replace(seals, curves=curves))[""].axes
+    assert len(axes.containers) == 2 and not below.containers
+
+
+def test_rejected_bars_count_every_reason(stribeck):
+    (axes,) = draw_rejected.rejected(stribeck)[""].axes
+    assert sum(bar.get_width() for bar in axes.patches) == 8
+    assert len(axes.patches) == 6
+
+
+def test_simulated_figures_say_so_and_others_do_not(small):
+    def marks(results):
+        return {f.axes[0].get_title("right") for f in every_figure(results)}
+
+    assert marks(small) == {"simulated"}
+    assert marks(replace(small, provenance=replace(small.provenance, source="real"))) == {""}
+
+
+def test_the_same_results_give_the_same_bytes_without_a_date(small):
+    first, second = draw_all(small), draw_all(small)
+    assert [(d.svg, d.png) for d in first] == [(d.svg, d.png) for d in second]
+    assert all(b"<dc:date>" not in d.svg for d in first)
+    assert imread(io.BytesIO(first[0].png)).shape[1] == 1040
+
+
+def test_names_are_unique_and_fit_for_files_whatever_the_label(small):
+    labels = ["../../etc/passwd", "$x_{", "", "ÆØ", "a" * 300, "=1+1"]
+    curves = tuple(replace(small.curves[0], label=label) for label in labels)
+    found = names(replace(small, runs=(), curves=curves, efficiency=()))
+    assert len(found) == len(set(found)) == len(labels)
+    assert all(re.fullmatch(r"[a-z0-9-]{1,70}", name) for name in found)
+
+
+def test_every_series_of_a_large_campaign_looks_different():
+    looks = {(s["color"], s["marker"]) for s in map(series_style, range(len(COLOURS) ** 2))}
+    assert len(looks) == 49

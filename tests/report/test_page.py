@@ -1,0 +1,210 @@
+"""The page: self-contained, escaped, and honest about what it shows."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from hbench.report.figures import draw_all
+from hbench.report.page import page_html
+from hbench.report.text import force, number, short, significant, span, with_interval
+
+VOID = {"meta", "img", "br", "link", "input", "hr"}
+HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(1)>&{{7*7}}"
+
+
+class Parsed(HTMLParser):
+    """Collects tags, attributes and text; fails where tags don't nest."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.tags, self.attributes, self.words, self.open = [], [], [], []
+        self.feed(html)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += attrs
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def drawings(small):
+    return draw_all(small)
+
+
+@pytest.fixture(scope="module")
+def page(small, drawings):
+    return page_html(small, drawings)
+
+
+def test_the_page_needs_nothing_else(page):
+    parsed = Parsed(page)
+    assert not {"script", "link", "iframe", "object"} & set(parsed.tags)
+    for name, value in parsed.attributes:
+        if name in ("src", "href"):
+            assert value.startswith(("data:image/svg+xml;base64,", "#"))
+        assert not name.startswith("on")
+    assert "url(" not in page and "@import" not in page
+
+
+def test_links_of_the_page_lead_somewhere(page):
+    attributes = Parsed(page).attributes
+    ids = {value for name, value in attributes if name == "id"}
+    assert {value[1:] for name, value in attributes if name == "href"} <= ids
+
+
+def test_every_figure_is_shown_once_with_words_for_those_who_do_not_see_it(page, drawings):
+    parsed = Parsed(page)
+    assert parsed.tags.count("img") == len(drawings)
+    alts = [value for name, value in parsed.attributes if name == "alt"]
+    assert len(alts) == len(drawings) and all(len(alt) > 40 for alt in alts)
+    assert f"Figure {len(drawings)}," in parsed.text
+
+
+@pytest.mark.parametrize(
+    "source,words",
+    [("simulated", "no cylinder was"), ("imported", "Another"), ("real", "Measured")],
+)
+def test_the_banner_says_where_the_numbers_come_from(small, source, words):
+    results = replace(small, provenance=replace(small.provenance, source=source))
+    html = page_html(results, ())
+    assert re.search(rf'class="banner {source}">[^<]*{words}', html)
+
+
+def test_hostile_names_are_text_wherever_they_stand(small):
+    fit = small.curves[0].fits[0]
+    curve = replace(
+        small.curves[0],
+        label=HOSTILE,
+        fits=(
+            replace(
+                fit,
+                law=HOSTILE,
+                message=HOSTILE,
+                parameters={HOSTILE: fit.parameters["f_stiction_n"]},
+            ),
+        ),
+    )
+    run = replace(small.runs[0], reasons=(HOSTILE,))
+    run = replace(run, run=replace(run.run, plan=replace(run.run.plan, run=HOSTILE, label=HOSTILE)))
+    noted = replace(small.runs[1], notes=(HOSTILE,))
+    provenance = replace(
+        small.provenance,
+        name=HOSTILE,
+        bench=HOSTILE,
+        firmware=HOSTILE,
+        started=HOSTILE,
+        software={HOSTILE: HOSTILE},
+        details={HOSTILE: {HOSTILE: [HOSTILE]}},
+    )
+    eta = small.efficiency[0]
+    eta = replace(
+        eta, label=HOSTILE, points=(replace(eta.points[0], reason=HOSTILE), *eta.points[1:])
+    )
+    results = replace(
+        small,
+        provenance=provenance,
+        curves=(curve,),
+        runs=(run, noted),
+        efficiency=(eta,),
+        notes=(HOSTILE,),
+    )
+    html = page_html(results, draw_all(results))
+    parsed = Parsed(html)
+    assert "script" not in parsed.tags
+    assert not any(name.startswith("on") for name, _ in parsed.attributes)
+    assert html.count("<img") == len(draw_all(results))
+    assert "{{7*7}}" in parsed.text and "49}" not in parsed.text
+
+
+def test_an_active_bound_is_flagged_with_its_message(page):
+    text = Parsed(page).text
+    assert "0 at lower bound" in text
+    assert "extending, 500 N: F_C sits at its lower bound: the data does not determine it." in text
+    assert text.count("at lower bound") == 1
+
+
+def test_parameters_are_shown_with_the_half_width_of_their_interval(page):
+    text = Parsed(page).text
+    assert "50.0 ± 7.1" in text  # 0.05 m/s +- 0.0071 m/s, shown in mm/s
+    assert "1300 ± 145" in text
+    assert "Stribeck velocity (mm/s)" in text
+
+
+def test_rejected_runs_stand_with_their_reasons_and_fold_when_many(stribeck):
+    html = page_html(stribeck, ())
+    assert "off reference: mean speed 187.3 mm/s" in html
+    assert "<details open>" in html
+    many = replace(
+        stribeck, runs=tuple(replace(r, reasons=("end_stop: x",)) for r in stribeck.runs)
+    )
+    assert "<details open>" not in page_html(many, ())
+
+
+def test_a_campaign_without_a_single_good_run_still_has_a_page(small):
+    runs = tuple(replace(run, reasons=("truncated: x",), means=None) for run in small.runs)
+    results = replace(small, runs=runs, curves=(), efficiency=())
+    text = Parsed(page_html(results, draw_all(results))).text
+    assert "No run was accepted" in text
+    assert Parsed(page_html(replace(results, runs=()), ())).text
+
+
+def test_a_parameter_without_an_interval_and_a_failed_fit_are_flagged(small):
+    fit = small.curves[1].fits[0]
+    loose = replace(fit.parameters["f_stiction_n"], se=None, ci95=None)
+    fit = replace(fit, converged=False, parameters={**fit.parameters, "f_stiction_n": loose})
+    results = replace(small, curves=(replace(small.curves[1], fits=(fit,)),))
+    text = Parsed(page_html(results, ())).text
+    assert "not determined" in text and "not converged" in text
+
+
+def test_the_seals_page_tables_friction_against_pressure(seals):
+    text = Parsed(page_html(seals, draw_all(seals))).text
+    assert "Half band (N)" in text and "Middle of band (N)" in text
+    assert "chamber pressure" in text and "1–7 bar" in text
+    assert "Fitted parameters" not in text
+
+
+def test_a_full_campaign_stays_under_two_megabytes(stribeck):
+    assert len(page_html(stribeck, draw_all(stribeck)).encode()) < 2_000_000
+
+
+@pytest.mark.parametrize(
+    "value,half,text",
+    [
+        (412.34, 23.4, "412 ± 23"),
+        (0.05012, 0.0071, "0.0501 ± 0.0071"),
+        (-3.756, 0.13, "−3.76 ± 0.13"),
+        (1300.4, 145.2, "1300 ± 145"),
+        (12.3456, None, "12.3"),
+        (0.0, None, "0"),
+        (5.0, float("inf"), "5.00"),
+        (None, 1.0, "–"),
+        (float("nan"), 1.0, "–"),
+    ],
+)
+def test_a_number_is_rounded_by_its_interval(value, half, text):
+    assert with_interval(value, half) == text
+
+
+def test_numbers_read_as_people_write_them():
+    assert [short(v) for v in (5.0, 1.2, 49.087, 5000.0, 0.0, 100.0)] == [
+        "5", "1.2", "49.1", "5000", "0", "100",
+    ]  # fmt: skip
+    assert force(-500.0) == "−500 N" and force(None) == "not set"
+    assert span([5.0, 200.0]) == "5–200" and span([7.0]) == "7"
+    assert number(-0.25, 1) == "−0.2" and significant(3.2e9, 3) == "3.20e+09"

@@ -1,0 +1,174 @@
+"""Tables: the fixed shape of results.json, numbers that don't exist, and CSV read by pandas."""
+
+import io
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from hbench.records import Results
+from hbench.report.tables import (
+    curves_csv,
+    efficiency_csv,
+    fits_csv,
+    results_json,
+    runs_csv,
+    summary_text,
+)
+
+NUMBER = (int, float)
+MAYBE = (int, float, type(None))
+RUN = {
+    "run": str,
+    "kind": str,
+    "direction": str,
+    "v_ref_m_s": NUMBER,
+    "f_load_n": MAYBE,
+    "trial": int,
+    "accepted": bool,
+    "reason": (str, type(None)),
+    "v_mean_m_s": MAYBE,
+    "friction_n": MAYBE,
+    "efficiency": MAYBE,
+}
+SERIES = {"kind": str, "direction": str, "f_load_n": MAYBE, "points": list}
+POINT = {"v_m_s": NUMBER, "friction_n": NUMBER, "ci95_n": MAYBE, "n": int}
+FIT = {"law": str, "parameters": dict, "rmse_n": NUMBER, "converged": bool, "message": str}
+PARAMETER = {
+    "value": NUMBER,
+    "se": MAYBE,
+    "ci95": (list, type(None)),
+    "at_bound": (str, type(None)),
+}
+EFFICIENCY = {"v_m_s": NUMBER, "efficiency": MAYBE, "sigma": MAYBE}
+
+
+def holds(item, shape):
+    for name, kinds in shape.items():
+        assert name in item
+        assert isinstance(item[name], kinds), (name, item[name])
+
+
+def refuse_constant(name):
+    raise AssertionError(f"{name} is not JSON")
+
+
+def parsed(results):
+    return json.loads(results_json(results), parse_constant=refuse_constant)
+
+
+def read(text):
+    return pd.read_csv(io.StringIO(text), keep_default_na=True)
+
+
+def with_point(results, **changes):
+    curve = results.curves[0]
+    point = replace(curve.points[0], **changes)
+    curve = replace(curve, points=(point, *curve.points[1:]))
+    return replace(results, curves=(curve, *results.curves[1:]))
+
+
+@pytest.mark.parametrize("name", ["stribeck", "seals"])
+def test_results_json_has_the_names_and_types_that_other_programs_read(name, request):
+    results: Results = request.getfixturevalue(name)
+    document = parsed(results)
+    assert document["schema"] == "hbench.results/1"
+    assert len(document["runs"]) == len(results.runs)
+    for run in document["runs"]:
+        holds(run, RUN)
+        assert run["direction"] in ("extend", "retract")
+        assert run["accepted"] == (run["reason"] is None)
+    for curve in document["curves"]:
+        holds(curve, {**SERIES, "fits": list})
+        for point in curve["points"]:
+            holds(point, POINT)
+        for fit in curve["fits"]:
+            holds(fit, FIT)
+            for parameter in fit["parameters"].values():
+                holds(parameter, PARAMETER)
+                assert parameter["at_bound"] in (None, "lower", "upper")
+    for curve in document["efficiency"]:
+        holds(curve, SERIES)
+        for point in curve["points"]:
+            holds(point, EFFICIENCY)
+
+
+def test_tustin_parameters_carry_their_fixed_names(stribeck):
+    fit = parsed(stribeck)["curves"][0]["fits"][0]
+    assert set(fit["parameters"]) == {
+        "f_coulomb_n",
+        "f_stiction_n",
+        "v_stribeck_m_s",
+        "b_viscous_n_s_m",
+    }
+    assert fit["parameters"]["f_coulomb_n"]["at_bound"] == "lower"
+
+
+def test_a_number_that_does_not_exist_is_null_in_json_and_empty_in_csv(stribeck):
+    results = with_point(stribeck, friction_n=float("nan"), ci95_n=None, p_tr_pa=float("inf"))
+    point = parsed(results)["curves"][0]["points"][0]
+    assert point["friction_n"] is None and point["ci95_n"] is None and point["p_tr_pa"] is None
+    cells = curves_csv(results).splitlines()[1].split(",")
+    header = curves_csv(results).splitlines()[0].split(",")
+    assert [cells[header.index(n)] for n in ("friction_n", "ci95_n", "p_tr_pa")] == ["", "", ""]
+
+
+def test_a_rejected_run_without_a_window_keeps_its_reason_and_has_no_numbers(stribeck):
+    runs = [run for run in parsed(stribeck)["runs"] if "truncated" in (run["reason"] or "")]
+    assert runs
+    for run in runs:
+        assert run["friction_n"] is None and run["v_mean_m_s"] is None
+        assert run["reason"] == "; ".join(run["reasons"])
+
+
+def test_provenance_with_numpy_values_and_odd_types_becomes_json(stribeck):
+    details = {"seed": np.int64(3), "limits": np.array([1.0, np.nan]), 5: {"a": {1}}, "x": (1, 2)}
+    results = replace(stribeck, provenance=replace(stribeck.provenance, details=details))
+    got = parsed(results)["provenance"]["details"]
+    assert got == {"seed": 3, "limits": [1.0, None], "5": {"a": "{1}"}, "x": [1, 2]}
+
+
+def test_csv_numbers_come_back_exactly(stribeck):
+    points = [point for curve in stribeck.curves for point in curve.points]
+    table = read(curves_csv(stribeck))
+    assert table["friction_n"].tolist() == [point.friction_n for point in points]
+    assert table["v_m_s"].tolist() == [point.v_m_s for point in points]
+    assert table["n"].tolist() == [point.n for point in points]
+    runs = read(runs_csv(stribeck))
+    assert runs["v_ref_m_s"].tolist() == [run.run.plan.v_ref_m_s for run in stribeck.runs]
+    assert runs["accepted"].tolist() == [run.accepted for run in stribeck.runs]
+
+
+def test_fits_csv_has_a_row_for_each_parameter_and_names_the_active_bound(stribeck):
+    table = read(fits_csv(stribeck))
+    assert len(table) == 4 * len(stribeck.curves)
+    bound = table[table["at_bound"].notna()]
+    assert bound[["parameter", "at_bound", "value"]].values.tolist() == [
+        ["f_coulomb_n", "lower", 0.0]
+    ]
+    assert bound["ci95_low"].isna().all()
+
+
+def test_efficiency_csv_has_a_row_for_each_point(stribeck):
+    assert len(read(efficiency_csv(stribeck))) == sum(len(c.points) for c in stribeck.efficiency)
+
+
+@pytest.mark.parametrize("lead", ["=", "+", "-", "@", "\t", "\r"])
+def test_text_that_a_spreadsheet_would_run_is_made_text(stribeck, lead):
+    hostile = lead + 'HYPERLINK("http://x";"y"),\n"'
+    curve = replace(stribeck.curves[0], label=hostile)
+    table = read(curves_csv(replace(stribeck, curves=(curve,))))
+    assert table["label"][0].startswith("'")
+    assert table["label"][0][1:].replace("\r", "\n") == hostile.replace("\r", "\n")
+    # Negative numbers stay numbers.
+    assert read(curves_csv(stribeck))["v_m_s"].min() == pytest.approx(-0.2)
+
+
+def test_the_summary_names_counts_reasons_and_bounds_in_plain_ascii(stribeck):
+    text = summary_text(stribeck)
+    assert text.isascii()
+    assert "360 runs: 352 accepted, 8 rejected (2 off_reference" in text
+    assert "f_coulomb_n=0 (at lower bound)" in text
+    assert len([line for line in text.splitlines() if line.startswith(("extend", "retract"))]) == 8
