@@ -1,0 +1,263 @@
+"""What the board does with each request, and with each one sent twice."""
+
+import binascii
+import struct
+
+import numpy as np
+import pytest
+
+from hbench.protocol.codec import BY_NAME, pack_settings, unpack
+from hbench.protocol.dictionary import (
+    CRC_START,
+    FAULTS,
+    PROTOCOL,
+    RECORD,
+    SETTINGS,
+    STATES,
+    dictionary_hash,
+)
+
+
+def state(board):
+    status = board.status()
+    return STATES[status["state"]], FAULTS[status["fault"]]
+
+
+def test_identify_tells_dictionary_firmware_and_boots(new_board):
+    reply = unpack(BY_NAME["identify"].reply, new_board(boots=41).request("identify"))
+    assert reply == {
+        "protocol": PROTOCOL,
+        "dictionary": dictionary_hash(),
+        "firmware": "hbench-core 0.1",
+        "board": "host",
+        "boots": 41,
+        "rate_hz": 10_000,
+        "ring_records": 1024,
+        "max_steps": 128,
+    }
+
+
+def test_a_board_from_reset_is_idle_and_not_ready(new_board):
+    board = new_board()
+    assert state(board) == ("idle", "none")
+    assert board.tick() == [0, 0, 0]
+    assert board.request("start", bytes(4)) == "not_ready"
+    board.write_settings()
+    assert board.request("start", bytes(4)) == "not_ready", "there is no step"
+
+
+def test_settings_in_two_parts_count_as_all_of_them(new_board):
+    board = new_board()
+    assert board.write_settings(first=20) == b""
+    board.write_step()
+    assert board.start() == "not_ready"
+    head = struct.pack("<20f", *np.arange(20))
+    assert board.request("write_settings", struct.pack("<H", 0) + head) == b""
+    assert board.start() == "settings_differ", "the host believes in other values"
+    assert board.write_settings() == b""
+    assert board.start() == b""
+
+
+@pytest.mark.parametrize(
+    ("payload", "refusal"),
+    [
+        (b"\0", "bad_payload"),
+        (struct.pack("<Hfh", 0, 1.0, 1), "bad_payload"),
+        (struct.pack("<Hf", len(SETTINGS), 1.0), "out_of_range"),
+        (struct.pack("<Hff", len(SETTINGS) - 1, 1.0, 1.0), "out_of_range"),
+        (struct.pack("<Hff", 0, 1.0, float("nan")), "out_of_range"),
+        (struct.pack("<Hf", 0, float("inf")), "out_of_range"),
+    ],
+)
+def test_settings_that_do_not_fit_are_refused_and_change_nothing(board, payload, refusal):
+    assert board.request("write_settings", payload) == refusal
+    assert board.start() == b"", "the CRC of what the board holds is as before"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"voltage_limit_v": 10.1},
+        {"voltage_limit_v": 0.0},
+        {"velocity_filter_s": -1e-4},
+        {"travel_min_m": 0.4},
+        {"heartbeat_s": 0.0},
+        {"log_divider": 0.0},
+        {"log_divider": 65536.0},
+        {"acceleration_m_s2": 0.0},
+        {"pressure_slew_pa_s": -1.0},
+        {"travel_max_m": 0.3},  # the step ends at 0.35
+    ],
+    ids=str,
+)
+def test_settings_that_no_bench_can_run_with_do_not_start(board, change):
+    assert board.write_settings(**change) == b""
+    board.tick()
+    assert board.start() == "out_of_range"
+    assert board.write_settings() == b""
+    assert board.start() == b""
+
+
+def test_crcs_are_those_of_the_host_codec(board):
+    values = dict(zip(SETTINGS, np.linspace(-3, 70, len(SETTINGS)), strict=True))
+    octets = pack_settings(values)
+    board.request("write_settings", struct.pack("<H", 0) + octets)
+    assert board.start() == "settings_differ"
+    board.settings_crc = binascii.crc_hqx(octets, CRC_START)
+    assert board.start() == "out_of_range", "past the CRC, stopped by the values"
+
+
+def test_start_is_refused_when_the_steps_differ(board):
+    board.write_step(1, run=2)
+    board.steps_octets = board.steps_octets[:38]
+    assert board.start() == "steps_differ"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"kind": 1},
+        {"trials": 0},
+        {"run": 65535, "trials": 2},
+        {"v_ref_m_s": 0.0},
+        {"v_ref_m_s": float("nan")},
+        {"a_ref_m_s2": 0.0},
+        {"p_lr_ref_pa": -1.0},
+        {"p_lp_ref_pa": float("inf")},
+        {"hold_s": -0.1},
+        {"duration_s": 0.0},
+        {"duration_s": float("nan")},
+    ],
+    ids=str,
+)
+def test_a_step_out_of_range_is_refused(board, change):
+    assert board.write_step(1, **change) == "out_of_range"
+
+
+def test_steps_are_taken_in_order_up_to_the_limit(board):
+    assert board.write_step(2) == "out_of_range", "step 1 is missing"
+    for index in range(1, 128):
+        assert board.write_step(index, run=index + 1) == b""
+    assert board.write_step(128) == "out_of_range"
+    board.steps_octets = board.steps_octets[: 128 * 38]
+    assert board.start() == b""
+
+
+def test_the_last_step_may_come_twice_but_not_changed(board):
+    assert board.write_step(1, run=2) == b""
+    assert board.write_step(1, run=2) == b""
+    assert board.write_step(1, run=3) == "out_of_range"
+    board.write_step(0)
+    board.write_step(1, run=2)
+    assert board.start() == b""
+
+
+def test_step_zero_starts_a_new_list(board):
+    board.write_step(1, run=2)
+    assert board.write_step(0, run=7) == b""
+    assert board.start() == b""
+    assert board.status()["run"] == 7
+
+
+def test_a_running_board_takes_no_uploads_and_no_second_start(board):
+    assert board.start() == b""
+    assert board.write_settings() == "busy"
+    assert board.write_step() == "busy"
+    assert board.request("clear_fault") == "busy"
+    assert board.start() == "busy"
+    assert state(board) == ("running", "none")
+
+
+def test_start_sent_again_is_answered_and_starts_nothing_anew(board):
+    board.start()
+    board.rest(0.3, x=0.05)
+    before = board.status()
+    board.sequence -= 1  # the request of the start
+    assert board.start(again=True) == b""
+    after = board.status()
+    assert before["phase"] == after["phase"] != 1
+    assert state(board) == ("running", "none")
+
+
+def test_stop_leaves_neutral_valves_and_says_so_until_the_next_start(board):
+    board.start()
+    board.rest(0.2, x=0.05)
+    assert board.tick()[0] > 0.1, "it accelerates"
+    assert board.request("stop") == b""
+    assert board.tick() == [0, 0, 0]
+    assert state(board) == ("idle", "stopped")
+    assert board.request("stop") == b"", "again, without effect"
+    assert state(board) == ("idle", "stopped")
+    assert board.start() == b""
+    assert state(board) == ("running", "none")
+
+
+@pytest.mark.parametrize("name", ["identify", "stop", "clear_fault", "status"])
+def test_a_payload_where_none_belongs_is_refused(board, name):
+    assert board.request(name, b"\1") == "bad_payload"
+
+
+@pytest.mark.parametrize("name", ["start", "read_log", "write_step"])
+def test_a_payload_that_ends_early_is_refused(board, name):
+    assert board.request(name, b"\1\2\3") == "bad_payload"
+
+
+def test_an_unknown_message_is_refused_by_its_number(board):
+    assert board.exchange(board.frame(4, 0x7E)) == [(4, 0xFF, struct.pack("<HH", 0x7E, 1))]
+
+
+def test_status_shows_the_live_values(board):
+    board.tick()
+    status = board.status()
+    assert status["x_m"] == pytest.approx(0.05, abs=7e-6)
+    assert status["p_s_pa"] == pytest.approx(150e5, abs=400)
+    assert status["f_applied_n"] == pytest.approx(500.0, abs=1.0)
+    assert status["tick"] == 101
+
+
+@pytest.fixture
+def logged(board):
+    """A board that stands still and has logged 1500 records, 476 more than its ring holds."""
+    board.write_settings(log_divider=1, velocity_gain_v_m=1.0)
+    board.write_step(hold_s=0.0, duration_s=0.15)
+    board.start()
+    board.rest(0.5, x=0.05)
+    return board
+
+
+def test_overwritten_records_are_skipped_and_the_rest_are_contiguous(logged):
+    status = logged.status()
+    assert (status["log_first"], status["log_next"]) == (1500 - 1024, 1500)
+    first, following, words = logged.read_log(10)
+    assert (first, following) == (1500 - 1024, 1500)
+    number, rows = first, []
+    while number < following:
+        at, _, words = logged.read_log(number)
+        assert at == number
+        assert 0 < len(words) <= 8, "one frame holds eight"
+        rows.append(words)
+        number += len(words)
+    index = np.concatenate(rows)[:, [word.name for word in RECORD].index("index")]
+    assert index.tolist() == list(range(1500 - 1024, 1500)), "record n of the only run has index n"
+
+
+def test_the_log_may_be_read_again_and_in_any_part(logged):
+    first, _, once = logged.read_log(1200, count=3)
+    again = logged.read_log(1200, count=3)[2]
+    assert (first, len(once)) == (1200, 3)
+    np.testing.assert_array_equal(once, again)
+    np.testing.assert_array_equal(logged.read_log(1201, count=1)[2][0], once[1])
+
+
+def test_records_that_do_not_exist_yet_are_just_not_there(logged):
+    assert logged.read_log(1498)[2].shape == (2, 15)
+    assert logged.read_log(1500)[2].shape == (0, 15)
+    assert logged.read_log(99_999)[2].shape == (0, 15)
+    assert logged.read_log(1000, count=0)[2].shape == (0, 15)
+
+
+def test_record_numbers_go_on_from_one_schedule_to_the_next(logged):
+    assert state(logged) == ("done", "none")
+    logged.start()
+    logged.rest(0.5, x=0.05)
+    assert logged.status()["log_next"] == 3000

@@ -1,0 +1,119 @@
+"""Each limit stops the board in the tick that passes it, and the cause stays."""
+
+import pytest
+
+from hbench.protocol.dictionary import FAULTS, STATES
+
+
+@pytest.fixture
+def moving(board):
+    """A board on its way: 10 mm from its start, the valves open."""
+    board.rest(0.05, x=0.06)
+    board.start()
+    for _ in range(300):
+        commands = board.tick()
+    assert commands[0] < -0.1
+    return board
+
+
+def cause(board):
+    status = board.status()
+    return STATES[status["state"]], FAULTS[status["fault"]]
+
+
+TRIPS = [
+    ("travel", {"x": 0.0049}),
+    ("travel", {"x": 0.3951}),
+    *(("pressure", {name: 260e5}) for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")),
+    ("speed", {"x": 0.0612}),
+]
+
+
+@pytest.mark.parametrize(("fault", "change"), TRIPS, ids=str)
+def test_a_limit_passed_means_neutral_valves_at_once_and_a_latched_cause(moving, fault, change):
+    # From one tick to the next x makes v = dx / (tau + T) = 1.2 mm / 2.1 ms; a pressure comes
+    # through its filter of 0.5 ms.
+    moving.si.update(change)
+    ticks = 0
+    while any(moving.tick()):
+        ticks += 1
+        assert cause(moving) == ("running", "none")
+        assert ticks < 20
+    assert ticks == 0 or fault == "pressure"
+    assert cause(moving) == ("fault", fault)
+
+
+@pytest.mark.parametrize(("fault", "change"), TRIPS[:3], ids=str)
+def test_a_fault_stays_when_its_cause_has_gone_until_it_is_cleared(moving, fault, change):
+    before = dict(moving.si)
+    moving.si.update(change)
+    for _ in range(30):
+        moving.tick()
+    moving.si.update(before)
+    for _ in range(100):
+        assert moving.tick() == [0, 0, 0]
+    assert cause(moving) == ("fault", fault)
+    assert moving.start() == "fault_latched"
+    moving.request("stop")
+    assert cause(moving) == ("fault", fault), "a stop does not hide it"
+    assert moving.request("clear_fault") == b""
+    assert moving.request("clear_fault") == b"", "again, without effect"
+    assert cause(moving) == ("idle", "none")
+    assert moving.tick() == [0, 0, 0]
+    assert moving.start() == b""
+
+
+def test_pressure_trips_when_its_filtered_value_passes_the_limit(moving):
+    # D.29 from 60 bar towards 260 bar: 60 + 200 (1 - (5/6)^n) > 230 from n = 11 on.
+    moving.si["p_tp"] = 260e5
+    for _ in range(10):
+        assert any(moving.tick())
+    assert not any(moving.tick())
+
+
+def test_values_just_inside_the_limits_go_on(moving):
+    moving.si.update(p_tp=229e5, p_s=229e5, x=0.0607)
+    for _ in range(200):
+        moving.tick()
+    assert cause(moving) == ("running", "none")
+
+
+def test_silence_of_the_host_stops_the_board_after_the_heartbeat(board):
+    board.write_settings(heartbeat_s=0.02)
+    board.rest(0.05, x=0.06)
+    board.start()
+    for _ in range(200):
+        commands = board.tick()
+    assert any(commands)
+    assert not any(board.tick())
+    assert cause(board) == ("fault", "heartbeat")
+
+
+@pytest.mark.parametrize("octets", [b"", b"\x07\x07\x07\0", b"\0" * 9])
+def test_garbage_is_no_sign_of_life(board, octets):
+    board.write_settings(heartbeat_s=0.02)
+    board.start()
+    for _ in range(250):
+        board.exchange(octets)
+        board.tick()
+    assert cause(board) == ("fault", "heartbeat")
+
+
+def test_any_sound_frame_is_a_sign_of_life(board):
+    board.write_settings(heartbeat_s=0.02)
+    board.start()
+    for _ in range(5):
+        for _ in range(150):
+            board.tick()
+        board.exchange(board.frame(1, 0x7E))
+    assert cause(board) == ("running", "none")
+
+
+def test_silence_at_rest_is_no_fault(board):
+    board.write_settings(heartbeat_s=0.02)
+    for _ in range(500):
+        board.tick()
+    assert cause(board) == ("idle", "none")
+    assert board.start() == b""
+    board.tick()
+    assert cause(board) == ("running", "none")

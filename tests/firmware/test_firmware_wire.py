@@ -1,0 +1,111 @@
+"""Octets on the wire against the standard library and the cobs package."""
+
+import binascii
+
+import numpy as np
+import pytest
+from cobs import cobs
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hbench.protocol.dictionary import CRC_START, MAX_FRAME
+
+# Long stretches without zeros reach the block limit of 254.
+data = st.one_of(
+    st.binary(max_size=300),
+    st.lists(st.sampled_from([0, 1, 255]), max_size=600).map(bytes),
+    st.integers(250, 260).map(lambda n: b"\x01" * n),
+    st.integers(250, 260).map(lambda n: b"\x01" * n + b"\0\0"),
+)
+
+
+def test_crc_has_the_published_check_value_of_ccitt_false(probes):
+    assert probes.crc(b"123456789") == 0x29B1
+
+
+@given(octets=data)
+def test_crc_agrees_with_binascii(octets, probes):
+    assert probes.crc(octets) == binascii.crc_hqx(octets, CRC_START)
+
+
+@given(octets=data)
+@settings(max_examples=300)
+def test_stuffing_agrees_with_the_cobs_package(octets, probes):
+    stuffed = probes.cobs_encode(octets)
+    assert stuffed == cobs.encode(octets)
+    assert probes.cobs_decode(stuffed) == octets
+
+
+@given(octets=st.binary(min_size=1, max_size=300).map(lambda b: b.replace(b"\0", b"\7")))
+def test_unstuffing_refuses_what_the_cobs_package_refuses(octets, probes):
+    try:
+        expected = cobs.decode(octets)
+    except cobs.DecodeError:
+        expected = b""
+    assert probes.cobs_decode(octets) == expected
+
+
+STATUS = 0x07
+
+
+def answers(frames):
+    return [(sequence, code) for sequence, code, _ in frames]
+
+
+@pytest.mark.parametrize(
+    "garbage",
+    [
+        b"\0\0\0",
+        b"\xff" * 1000,
+        bytes(range(256)) * 3,
+        b"\x02\x07",
+        b"\x01",
+        b"\x05\x01\x01\x01\x01",
+    ],
+    ids=["zeros", "long", "all", "truncated", "single", "short"],
+)
+def test_board_finds_the_next_frame_after_garbage(board, garbage):
+    assert board.exchange(garbage + b"\0") == []
+    assert answers(board.exchange(board.frame(9, STATUS))) == [(9, STATUS | 0x80)]
+
+
+def test_random_garbage_is_never_answered(board):
+    noise = np.random.default_rng(5).integers(0, 256, (300, 40), dtype=np.uint8)
+    for octets in noise:
+        assert board.exchange(octets.tobytes() + b"\0") == []
+
+
+def test_each_flipped_bit_makes_a_frame_unheard(board):
+    frame = board.frame(9, STATUS)
+    for bit in range(8 * (len(frame) - 1)):
+        damaged = bytearray(frame)
+        damaged[bit // 8] ^= 1 << (bit % 8)
+        assert board.exchange(bytes(damaged)) == [], f"bit {bit}"
+        board.exchange(b"\0")
+
+
+def test_octets_may_come_one_by_one(board):
+    frame = board.frame(1, STATUS)
+    for octet in frame[:-1]:
+        assert board.exchange(bytes([octet])) == []
+    assert answers(board.exchange(frame[-1:])) == [(1, STATUS | 0x80)]
+
+
+def test_longest_frame_is_heard_and_a_longer_one_is_not(board):
+    longest = bytes(MAX_FRAME - 4)
+    ((_, code, payload),) = board.exchange(board.frame(1, STATUS, longest))
+    assert (code, payload) == (0xFF, bytes([STATUS, 0, 2, 0]))  # bad payload
+    assert board.exchange(board.frame(2, STATUS, longest + b"\0")) == []
+    full = b"\x55" * (MAX_FRAME - 4)
+    assert answers(board.exchange(board.frame(3, STATUS, full))) == [(3, 0xFF)]
+
+
+def test_no_reply_is_lost_when_the_line_to_the_host_is_full(board):
+    count = 90  # replies of 52 octets: more than the port's queue of 4096 holds
+    board.firmware.receive(b"".join(board.frame(n, 0x01) for n in range(count)))
+    octets = b""
+    for _ in range(3):
+        board.firmware.poll()
+        octets += board.firmware.transmit()
+    sequences = [cobs.decode(chunk)[0] for chunk in octets.split(b"\0")[:-1]]
+    assert sequences == list(range(count))
