@@ -203,10 +203,13 @@ class Board:
         words = np.frombuffer(reply[8:], "<u2").reshape(-1, len(RECORD))
         return *struct.unpack("<II", reply[:8]), words
 
+    def words(self):
+        """The converter's words for the sensors as they are."""
+        return [round((self.si[name] - OFFSET.get(name, 0.0)) / GAIN[name]) for name in SENSORS]
+
     def tick(self):
         """One tick with the sensors as they are; returns the valves' commands in volts."""
-        words = [round((self.si[name] - OFFSET.get(name, 0.0)) / GAIN[name]) for name in SENSORS]
-        return [code / 204.8 for code in self.firmware.tick(words)]
+        return [code / 204.8 for code in self.firmware.tick(self.words())]
 
     def rest(self, seconds, x):
         """Stand still at x."""
@@ -215,9 +218,9 @@ class Board:
             self.tick()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def new_board():
-    """Return boards as they come from reset, closed after the test."""
+    """Return boards as they come from reset, closed after the file."""
     boards = []
 
     def make(boots=1):

@@ -1,0 +1,96 @@
+"""The core as C: warning-free, freestanding, without what the C28x does not have."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from hbench.protocol.header import header_text
+from hbench.rig import firmware
+
+ROOT = Path(__file__).parents[2]
+CORE = ROOT / "firmware" / "core"
+HOST = ROOT / "firmware" / "ports" / "host"
+SOURCES = sorted(CORE.glob("*.c"))
+COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+STRICT = (
+    "-std=c99 -pedantic -ffreestanding -ffp-contract=off -O2 -Wall -Wextra -Wconversion "
+    "-Wsign-conversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Werror"
+).split()
+# Named once where they are declared, then forbidden.
+POISON = """
+#include <stdint.h>
+#pragma GCC poison double int8_t uint8_t int64_t uint64_t memcpy memset malloc sqrt sqrtf
+"""
+
+
+def compile_core(folder: Path, *options: str) -> list[Path]:
+    objects = []
+    for source in SOURCES:
+        objects.append(folder / f"{source.stem}.o")
+        command = [COMPILER, *STRICT, *options, "-c", source, "-o", objects[-1]]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    return objects
+
+
+def test_the_header_is_that_of_the_dictionary():
+    assert (CORE / "dictionary.h").read_text() == header_text(), (
+        "run: python -m hbench.protocol.header > firmware/core/dictionary.h"
+    )
+
+
+def test_the_core_compiles_without_a_warning_or_a_type_the_c28x_lacks(tmp_path):
+    poison = tmp_path / "poison.h"
+    poison.write_text(POISON)
+    compile_core(tmp_path, "-include", str(poison))
+
+
+def test_the_core_includes_freestanding_headers_alone():
+    for path in [*SOURCES, *CORE.glob("*.h")]:
+        for line in path.read_text().splitlines():
+            if line.startswith("#include <"):
+                assert line[10:-1] in ("limits.h", "stdbool.h", "stdint.h"), f"{path.name}: {line}"
+
+
+@pytest.mark.skipif(shutil.which("nm") is None, reason="no nm")
+def test_the_core_calls_nothing_but_itself_and_has_no_variables(tmp_path):
+    objects = compile_core(tmp_path, "-fno-stack-protector")
+    symbols = subprocess.run(
+        ["nm", "-P", *objects], capture_output=True, text=True, check=True
+    ).stdout
+    rows = [line.split() for line in symbols.splitlines() if not line.endswith(":")]
+    outside = {row[0].lstrip("_") for row in rows if row[1] == "U"}
+    inside = {row[0].lstrip("_") for row in rows if row[1] == "T"}
+    # A compiler may call these four wherever it copies a struct.
+    assert outside - inside <= {"memcpy", "memset", "memmove", "memcmp"}
+    assert not [row for row in rows if row[1] in "BbDdCc"], "mutable data"
+
+
+@pytest.fixture
+def wide_octets(tmp_path):
+    """The host library with octets of 16 bits, as they are on the C28x."""
+    library = tmp_path / "libwide.so"
+    sources = [*SOURCES, HOST / "host.c"]
+    options = ["-std=c99", "-O2", "-fPIC", "-shared", "-DHB_OCTET=unsigned short", f"-I{CORE}"]
+    subprocess.run([COMPILER, *options, *sources, "-o", library], check=True)
+    return firmware.open_library(library)
+
+
+def talk(board):
+    """A session with every kind of request; returns all that the board says."""
+    said = [board.request("identify"), board.write_settings(log_divider=7.0)]
+    said += [board.write_step(n, run=n + 1, hold_s=0.0, duration_s=0.05) for n in range(3)]
+    said += [board.start(), board.request("stop", b"\xff")]
+    board.rest(1.2, x=0.05)
+    said += [board.request("status"), board.start(), board.request("clear_fault")]
+    said += [board.request("read_log", bytes([n, 0, 0, 0, 8, 0])) for n in range(0, 200, 8)]
+    return said
+
+
+def test_sixteen_bit_octets_make_no_difference_on_the_wire(new_board, wide_octets, monkeypatch):
+    expected = talk(new_board())
+    monkeypatch.setattr(firmware, "load_library", lambda: wide_octets)
+    assert talk(new_board()) == expected
+    assert len(set(map(str, expected))) > 20, "the session must have had something to say"
