@@ -92,13 +92,13 @@ def _follow(client: BoardClient, recorder: "_Recorder", report: Callable) -> Non
             part = client.read_log(number)
             recorder.feed(part.words)
             number = part.first + len(part.words)
-        if state == "running":
+        if state in ("running", "fault"):
             recorder.begin(status["run"])
-            if recorder.current:
-                report(recorder.progress(status))
+        if recorder.current:
+            report(recorder.progress(status))
         if state == "fault":
             raise DeviceError(
-                f"run {recorder.current or status['run']}: the board stopped itself: "
+                f"run {status['run']:04d}: the board stopped itself: "
                 f"{FAULTS[status['fault']]} limit",
                 "Look at the bench, then go on with --resume.",
             )

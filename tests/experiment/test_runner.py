@@ -1,0 +1,134 @@
+"""A campaign on the virtual rig: whole, repeatable, and never lost when something goes wrong."""
+
+import pytest
+
+from hbench import workflow
+from hbench.errors import ConfigError, DeviceError, ExitCode
+from hbench.rig import virtual
+from hbench.store.campaign import load_campaign
+
+
+@pytest.fixture
+def measure(tmp_path, clock):
+    """Run a schedule into a folder of ``tmp_path``."""
+
+    def run(schedule, folder="campaign", *, seed=1, resume=False, plant=None, report=None):
+        experiment = workflow.load_experiment(schedule, None)
+        return workflow.measure(
+            experiment,
+            tmp_path / folder,
+            port="sim",
+            plant=plant,
+            seed=seed,
+            resume=resume,
+            clock=clock,
+            report=report or (lambda progress: None),
+        )
+
+    return run
+
+
+def logs(folder):
+    return {path.name: path.read_bytes() for path in sorted((folder / "runs").iterdir())}
+
+
+def test_every_run_of_the_plan_is_done_and_its_log_ends_with_the_last_record(
+    measure, short_schedule, tmp_path
+):
+    measure(short_schedule())
+    campaign = load_campaign(tmp_path / "campaign")
+    assert [(p.v_ref_m_s, p.trial) for p in campaign.plans] == [
+        (0.06, 1), (0.06, 2), (0.12, 1), (0.12, 2)
+    ]  # fmt: skip
+    assert len(campaign.entries) == 4
+    for raw in campaign.raw_runs():
+        index = [c.name for c in raw.channels].index("index")
+        flags = [c.name for c in raw.channels].index("flags")
+        last = 1 << raw.flags.index("last")
+        assert raw.outcome == "done" and not raw.warnings
+        assert raw.words[:, index].tolist() == list(range(len(raw.words)))
+        assert [bool(word & last) for word in raw.words[:, flags]] == [False] * (
+            len(raw.words) - 1
+        ) + [True]
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(
+    measure, short_schedule, tmp_path
+):
+    schedule = short_schedule(velocities=["120 mm/s"], trials=1)
+    for folder, seed in (("a", 1), ("b", 1), ("c", 2)):
+        measure(schedule, folder, seed=seed)
+    assert logs(tmp_path / "a") == logs(tmp_path / "b")
+    assert logs(tmp_path / "a") != logs(tmp_path / "c")
+
+
+def test_a_campaign_folder_is_not_overwritten(measure, short_schedule):
+    schedule = short_schedule(velocities=["120 mm/s"], trials=1)
+    measure(schedule)
+    with pytest.raises(ConfigError, match="campaign already"):
+        measure(schedule)
+
+
+def test_an_interrupted_run_is_kept_as_aborted_and_made_again_on_resume(
+    measure, short_schedule, tmp_path
+):
+    def interrupt(progress):
+        if progress.runs_done == 2 and abs(progress.v_m_s) > 0.1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        measure(short_schedule(), report=interrupt)
+    campaign = load_campaign(tmp_path / "campaign")
+    assert [e.stop.outcome for e in campaign.entries] == ["done", "done", "aborted"]
+    assert campaign.entries[-1].stop.why == "interrupted by the operator"
+    before = logs(tmp_path / "campaign")
+
+    measure(short_schedule(), resume=True)
+    campaign = load_campaign(tmp_path / "campaign")
+    assert campaign.done == {"0001", "0002", "0003", "0004"}
+    assert [e.plan.run for e in campaign.entries] == ["0001", "0002", "0003", "0003", "0004"]
+    after = logs(tmp_path / "campaign")
+    assert after["0003~1.dat"] == before["0003.dat"]
+    assert all(after[name] == before[name] for name in ("0001.dat", "0002.dat"))
+
+
+def test_a_fault_of_the_board_ends_the_campaign_with_its_cause_and_what_was_logged(
+    measure, short_schedule, tmp_path
+):
+    """The piston runs into a spacer in the cylinder, and the pressure behind it rises."""
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("test_cylinder: {stroke: 200 mm}\n")
+    schedule = short_schedule(bench={"limits": {
+        "travel_min": "5 mm", "travel_max": "395 mm", "pressure_max": "148 bar",
+        "speed_max": "400 mm/s", "heartbeat": "2 s"}})  # fmt: skip
+    with pytest.raises(DeviceError, match="run 0001: the board stopped itself: pressure") as error:
+        measure(schedule, plant=plant)
+    assert error.value.exit_code == ExitCode.DEVICE
+    (entry,) = load_campaign(tmp_path / "campaign").entries
+    assert entry.stop.outcome == "failed" and "pressure" in entry.stop.why
+    assert entry.stop.records > 50
+
+
+def test_a_lost_line_leaves_the_runs_before_it_and_what_was_pulled(
+    measure, short_schedule, tmp_path, monkeypatch
+):
+    class Cable(virtual.VirtualRig):
+        def write(self, data):
+            if self.now() > 6.0:
+                raise DeviceError("sim: the cable is out")
+            super().write(data)
+
+    monkeypatch.setattr(virtual, "VirtualRig", Cable)
+    with pytest.raises(DeviceError, match="cable"):
+        measure(short_schedule())
+    campaign = load_campaign(tmp_path / "campaign")
+    outcomes = [entry.stop.outcome for entry in campaign.entries]
+    assert outcomes[-1] == "failed" and set(outcomes[:-1]) <= {"done"}
+
+
+def test_a_hidden_plant_leaves_only_its_hash_in_the_campaign(measure, short_schedule, tmp_path):
+    plant = tmp_path / "secret.yaml"
+    plant.write_text("oil: {bulk_modulus: 654 bar}\n")
+    measure(short_schedule(velocities=["120 mm/s"], trials=1), plant=plant)
+    text = (tmp_path / "campaign" / "campaign.yaml").read_text()
+    assert "sha256" in text and "654" not in text and "secret" not in text
