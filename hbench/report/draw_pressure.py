@@ -77,16 +77,17 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
     """Draw friction of each direction, and half of the band between them, over pressure [bar]."""
     figure = style.new_figure(height_in=5.6)
     axes, below = figure.subplots(2, sharex=True, height_ratios=(3, 2))
-    found = bands(results)
-    for rank, series in enumerate(dict.fromkeys((band.kind, band.label) for band in found)):
-        members = [band for band in found if (band.kind, band.label) == series]
-        name = style.safe(series[1], most=28)
-        for direction, sign in (("extend", 1), ("retract", -1)):
+    series: dict[tuple[str, str], list[Band]] = {}
+    for band in bands(results):
+        series.setdefault((band.kind, band.label), []).append(band)
+    for direction, sign in (("extend", 1), ("retract", -1)):  # a column of the legend each
+        for rank, ((_, label), members) in enumerate(series.items()):
             sides = [(band.p_tp_pa, getattr(band, direction)) for band in members]
             rows = [(p, sign * side.friction_n, side.ci95_n) for p, side in sides if side]
+            name = ", ".join(filter(None, (label, style.TITLES[direction].lower())))
             look = style.series_style(rank, hollow=direction == "retract")
-            verb = style.TITLES[direction].lower()
-            _points(axes, rows, look, f"{name}, {verb}" if name else verb)
+            _points(axes, rows, look, style.safe(name))
+    for rank, members in enumerate(series.values()):
         rows = [(b.p_tp_pa, b.half_n, b.half_ci95_n) for b in members if b.half_n is not None]
         _points(below, rows, style.series_style(rank), None)
     axes.set_ylabel("Friction |F| (N)")
@@ -94,7 +95,7 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
     style.start_at_zero(below)
     for one in (axes, below):
         one.set_ylim(bottom=min(0, one.get_ylim()[0]))
-    style.head(axes, "Against pressure", results)
+    style.head(axes, "Friction against pressure", results)
     style.legend_above(figure, axes, columns=2)
     return {"": figure}
 

@@ -18,9 +18,9 @@ from hbench.report.figures import Drawing
 from hbench.report.text import number, span
 from hbench.units import from_si
 
-LONG_LIST = 12  # more rejected runs than this start folded
+LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 
-BANNERS = {
+_BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
     "real": "Measured on a bench that hbench ran.",
@@ -44,18 +44,17 @@ def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
                 "data": base64.b64encode(drawing.svg).decode("ascii"),
             }
         )
-    rejected = page_tables.rejected_table(results)
     return environment.from_string(source).render(
         provenance=results.provenance,
-        banner=BANNERS[results.provenance.source],
+        banner=_BANNERS[results.provenance.source],
         tiles=_tiles(results),
         figures=sections,
         fits=page_tables.fit_tables(results),
         points=page_tables.point_table(results),
         efficiency=page_tables.efficiency_table(results),
         pressure=page_tables.pressure_table(results),
-        rejected=rejected,
-        rejected_folded=len(rejected.rows) > LONG_LIST,
+        rejected=page_tables.rejected_table(results),
+        long_list=LONG_LIST,
         any_rejected=has_rejected(results),
         remarks=page_tables.remark_table(results),
         facts=_facts(results),

@@ -40,8 +40,7 @@ def with_interval(value: float | None, half_width: float | None) -> str:
 
 def short(value: float | None) -> str:
     """Write with three significant digits and no zeros at the end: 5, 1.2, 49.1, 5000."""
-    text = significant(value, 3)
-    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+    return _without_end_zeros(significant(value, 3))
 
 
 def force(value_n: float | None) -> str:
@@ -50,6 +49,11 @@ def force(value_n: float | None) -> str:
 
 
 def span(values: Collection[float]) -> str:
-    """Write the range of some numbers: ``5–200``."""
-    ends = dict.fromkeys(short(end(values)) for end in (min, max))
-    return "–".join(ends)
+    """Write the range of some numbers, no finer than three digits of the largest: ``5–200``."""
+    low, high = min(values), max(values)
+    decimals = len(significant(high, 3).partition(".")[2])
+    return "–".join(dict.fromkeys((_without_end_zeros(number(low, decimals)), short(high))))
+
+
+def _without_end_zeros(text: str) -> str:
+    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text

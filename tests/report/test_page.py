@@ -152,6 +152,7 @@ def test_rejected_runs_stand_with_their_reasons_and_fold_when_many(stribeck):
     many = replace(
         stribeck, runs=tuple(replace(r, reasons=("end_stop: x",)) for r in stribeck.runs)
     )
+    many = replace(many, notes=tuple(map(str, range(40))))
     assert "<details open>" not in page_html(many, ())
 
 
@@ -207,4 +208,6 @@ def test_numbers_read_as_people_write_them():
     ]  # fmt: skip
     assert force(-500.0) == "−500 N" and force(None) == "not set"
     assert span([5.0, 200.0]) == "5–200" and span([7.0]) == "7"
+    assert span([0.948, 7.05]) == "0.95–7.05" and span([1.14, 200.0]) == "1–200"
+    assert span([0.5, 2.0]) == "0.5–2"
     assert number(-0.25, 1) == "−0.2" and significant(3.2e9, 3) == "3.20e+09"
