@@ -30,6 +30,7 @@ CHANNELS = {
     "p_lr_ref_pa": "Pa",
     "p_lp_ref_pa": "Pa",
 }
+ALWAYS = ("t_s", "x_m")  # without these nothing can be analyzed; no gaps in them
 
 
 class Column(Section):
@@ -129,7 +130,7 @@ class ImportMap(Section):
         for name in (*self.columns, *self.constants):
             if name not in CHANNELS:
                 raise ValueError(f"unknown channel '{name}'; known are {', '.join(CHANNELS)}")
-        for name in ("t_s", "x_m"):
+        for name in ALWAYS:
             if name not in self.columns:
                 raise ValueError(f"columns.{name} is missing; nothing can be analyzed without it")
         for name, constant in self.constants.items():

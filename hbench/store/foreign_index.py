@@ -3,6 +3,7 @@
 ``bench.yaml`` beside the index, if there, tells the cylinder and all else about the bench.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ BENCH = "bench.yaml"
 _KINDS = ("steady", "ramp", "triangle", "steps", "hold", "verification")
 _REQUIRED = ("run", "file", "v_ref_m_s")
 _OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa")
+_COLUMNS = (*_REQUIRED, "kind", "trial", "label", *_OPTIONAL)
 # The source's own cylinder, 40/25/400 mm, for logs that come without a bench file.
 _REFERENCE = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 
@@ -32,18 +34,24 @@ def read_indexed(folder: Path) -> ForeignRuns:
     for name in _REQUIRED:
         index.position(name)
     bench, specimen, notes = _bench(folder)
-    runs = []
+    notes += _left_out(INDEX, [name for name in index.names if name not in _COLUMNS])
+    runs: list[ForeignRun] = []
+    lines: dict[str, int] = {}
     for row, cells in enumerate(index.rows):
         plan, name = _plan(index, row, dict(zip(index.names, cells, strict=True)), specimen)
+        if plan.run in lines:
+            raise _fault(index, row, "run", plan.run, f"stands in line {lines[plan.run]} too")
+        lines[plan.run] = index.line(row)
         file = read_source(folder, name)
-        channels = read_channels(file.data, file.name)
+        channels, others = read_channels(file.data, str(folder / name))
+        notes += _left_out(name, others)
         runs.append(ForeignRun(plan, channels, file, (2, 1 + len(channels["t_s"]))))
-    seen: dict[str, int] = {}
-    for row, run in enumerate(runs):
-        if run.plan.run in seen:
-            raise _fault(index, row, "run", run.plan.run, f"is in line {seen[run.plan.run]} too")
-        seen[run.plan.run] = index.line(row)
     return ForeignRuns(tuple(runs), notes, bench)
+
+
+def _left_out(name: str, columns: Sequence[str]) -> tuple[str, ...]:
+    known = f"{name}: unknown columns are left out: {', '.join(columns)}"
+    return (known,) if columns else ()
 
 
 def _bench(folder: Path) -> tuple[dict[str, Any] | None, Specimen, tuple[str, ...]]:

@@ -9,7 +9,7 @@ from statistics import median
 
 import numpy as np
 
-from hbench.config.importmap import CHANNELS, ImportMap, Series
+from hbench.config.importmap import ALWAYS, CHANNELS, ImportMap, Series
 from hbench.errors import ConfigError, DataError
 from hbench.records import RunPlan, Specimen
 from hbench.store.foreign_run import ForeignRun, ForeignRuns, SourceFile, read_source
@@ -63,8 +63,9 @@ def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
     partial = short = 0
     for match in _matches(folder, rules):
         file = read_source(folder, match.name)
-        channels, first_line = _read_channels(file, rules)
-        cut = _cut(channels["x_m"], file.name, rules)
+        source = str(folder / match.name)
+        channels, first_line = _read_channels(file, source, rules)
+        cut = _cut(channels["x_m"], source, rules)
         strokes += [_stroke(match, file, channels, first_line, piece) for piece in cut.pieces]
         partial, short = partial + cut.partial, short + cut.short
     if not strokes:
@@ -74,10 +75,9 @@ def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
         )
     speeds = _nominal_speeds(strokes)
     runs = tuple(
-        ForeignRun(_plan(number, stroke, rules.kind, speeds), stroke.channels, stroke.file,
-                   stroke.lines)
-        for number, stroke in enumerate(strokes, start=1)
-    )  # fmt: skip
+        ForeignRun(_plan(number, s, rules.kind, speeds), s.channels, s.file, s.lines)
+        for number, s in enumerate(strokes, start=1)
+    )
     return ForeignRuns(runs, _notes(len(runs), partial, short, rules))
 
 
@@ -120,16 +120,19 @@ def _match(name: str, series: Series, fields: dict[str, str]) -> _Match:
     )
 
 
-def _read_channels(file: SourceFile, rules: ImportMap) -> tuple[dict[str, np.ndarray], int]:
+def _read_channels(
+    file: SourceFile, source: str, rules: ImportMap
+) -> tuple[dict[str, np.ndarray], int]:
     """Return the channels of a whole file in SI, and the line of their first sample."""
-    table = parse_table(file.data, file.name, rules.format)
+    table = parse_table(file.data, source, rules.format)
     channels = {}
     for name, column in rules.columns.items():
         factor = parse_unit(column.unit).factor * column.scale
-        channels[name] = table.numbers(column.column) * factor
+        numbers = table.numbers(column.column, gaps=name not in ALWAYS)
+        channels[name] = numbers * factor
     for name, constant in rules.constants.items():
         channels[name] = np.full(len(table.rows), to_si(constant, CHANNELS[name]))
-    check_time(channels["t_s"], table.first_line, file.name)
+    check_time(channels["t_s"], table.first_line, source)
     return channels, table.first_line
 
 

@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from hbench.config.importmap import CHANNELS, Format
+from hbench.config.importmap import ALWAYS, CHANNELS, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
 from hbench.store.table import parse_table
@@ -22,18 +22,22 @@ def format_run(channels: Mapping[str, np.ndarray]) -> bytes:
     return "\n".join((",".join(channels), *rows, "")).encode()
 
 
-def read_channels(data: bytes, source: str) -> dict[str, np.ndarray]:
-    """Return the known channels of a CSV in SI, in its order.
+def read_channels(data: bytes, source: str) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
+    """Return the known channels of a CSV in SI, and the names of its other columns.
 
-    Raises ``DataError`` naming the line: for cells that are not numbers, for time that does not
-    rise, for a file without ``t_s`` or ``x_m``.
+    Empty cells are NaN. Raises ``DataError`` naming the line: for cells that are not numbers,
+    for time that does not rise, for gaps in ``t_s`` or ``x_m``, and for a file without these.
     """
     table = parse_table(data, source, Format())
-    for name in ("t_s", "x_m"):
+    for name in ALWAYS:
         table.position(name)
-    channels = {name: table.numbers(name) for name in table.names if name in CHANNELS}
+    channels = {
+        name: table.numbers(name, gaps=name not in ALWAYS)
+        for name in table.names
+        if name in CHANNELS
+    }
     check_time(channels["t_s"], table.first_line, source)
-    return channels
+    return channels, tuple(name for name in table.names if name not in CHANNELS)
 
 
 def check_time(t_s: np.ndarray, first_line: int, source: str) -> None:
@@ -49,7 +53,7 @@ def check_time(t_s: np.ndarray, first_line: int, source: str) -> None:
 
 def parse_run(data: bytes, plan: RunPlan, source: str) -> Run:
     """Return the run in a CSV in SI. Raises ``DataError``."""
-    channels = read_channels(data, source)
+    channels, _ = read_channels(data, source)
     run = {name: values for name, values in channels.items() if name in _IN_RUN}
     if (v_ref := run.get("v_ref_m_s")) is not None:
         margin = max(_SAME_SPEED_M_S, _SAME_SPEED * abs(plan.v_ref_m_s))

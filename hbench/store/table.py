@@ -9,6 +9,7 @@ from hbench.config.importmap import Format
 from hbench.errors import DataError
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
+_GAPS = ("", "nan")
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,11 @@ class Table:
             raise DataError(f"{self.source}: no column {column}; there are {width}")
         return column - 1
 
-    def numbers(self, column: int | str) -> np.ndarray:
-        """Return a column (n,) as finite floats. Raises ``DataError`` naming the line."""
+    def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
+        """Return a column (n,) as floats; with ``gaps``, NaN where a cell is empty or "nan".
+
+        Raises ``DataError`` naming the line of any other cell that is not a finite number.
+        """
         position = self.position(column)
         cells = [row[position] for row in self.rows]
         if self.decimal != ".":
@@ -47,12 +51,12 @@ class Table:
             values = np.array(cells, dtype=float)
         except ValueError:
             values = np.array([_float(cell) for cell in cells])
-        bad = np.flatnonzero(~np.isfinite(values))
-        if len(bad):
-            raise DataError(
-                f"{self.source}: line {self.line(bad[0])}: column {column}: "
-                f"found {self.rows[bad[0]][position]!r}; expected a number"
-            )
+        for row in np.flatnonzero(~np.isfinite(values)):
+            if not (gaps and cells[row].strip().lower() in _GAPS):
+                raise DataError(
+                    f"{self.source}: line {self.line(row)}: column {column}: "
+                    f"found {self.rows[row][position]!r}; expected a number"
+                )
         return values
 
 
