@@ -1,0 +1,1 @@
+"""From raw logs to friction curves, fits and efficiency: pure functions, records in and out."""

@@ -1,0 +1,149 @@
+"""From a raw log to a run in SI: words to counts to volts to units, flags, times, losses."""
+
+import numpy as np
+
+from hbench.config.bench import Bench
+from hbench.errors import DataError
+from hbench.model.sensors import sensor_gains
+from hbench.records import LogChannel, RawRun, Run
+from hbench.units import parse_unit
+
+# A log channel's name -> the field of Run it fills.
+FIELDS = {
+    "x": "x_m",
+    "v": "v_m_s",
+    "p_tp": "p_tp_pa",
+    "p_tr": "p_tr_pa",
+    "p_lp": "p_lp_pa",
+    "p_lr": "p_lr_pa",
+    "p_s": "p_s_pa",
+    "f_applied": "f_applied_n",
+    "u_t": "u_t_v",
+    "u_l1": "u_l1_v",
+    "u_l2": "u_l2_v",
+    "v_ref": "v_ref_m_s",
+}
+BOOKKEEPING = ("run", "index", "flags")
+FLAG_FIELDS = ("at_reference", "sensor_saturated", "valve_saturated")
+# Codes of the reader's warnings that leave the log's completeness in doubt.
+INCOMPLETE = ("truncated", "missing", "unreadable", "changed")
+
+_INDEX_SPAN = 1 << 16  # the index is a 16-bit word and starts again
+
+
+def calibrate(raw: RawRun, bench: Bench) -> Run:
+    """Turn a raw log into SI.
+
+    A sensor's word is ADC counts times 1/scale; SI = gain * counts + offset with the gains of
+    the bench's amplifier chain (appendix B, equation C.6). A record is the mean over the
+    interval since the last one, so it stands for the middle of that interval:
+    t = (index + 1/2) / rate. All channels share this delay.
+
+    Records of another run and records out of order are left out, and ``Run.truncated`` says so.
+    Raises ``DataError`` where the log's channels are not those of a run.
+    """
+    column = _columns(raw)
+    words, faults = _own_records(raw, column)
+    index = _unwrap(words[:, column["index"]])
+    faults += _incomplete(raw, words, column, index)
+    gains = sensor_gains(bench.sensors)
+    channels = {
+        FIELDS[channel.name]: _to_si(words[:, place], channel, gains)
+        for place, channel in enumerate(raw.channels)
+        if channel.name not in BOOKKEEPING
+    }
+    flags = words[:, column["flags"]]
+    bits = {
+        name: (flags >> raw.flags.index(name) & 1).astype(bool)
+        for name in FLAG_FIELDS
+        if name in raw.flags
+    }
+    return Run(
+        plan=raw.plan,
+        t_s=(index + 0.5) / raw.rate_hz,
+        **channels,
+        **bits,
+        missing_records=int(index[-1]) + 1 - len(index) if len(index) else 0,
+        truncated="; ".join(faults),
+        aborted=f"{raw.outcome}: {raw.why or 'no cause given'}"
+        if raw.outcome in ("aborted", "failed")
+        else "",
+    )
+
+
+def _columns(raw: RawRun) -> dict[str, int]:
+    names = [channel.name for channel in raw.channels]
+    run = raw.plan.run
+    if raw.words.ndim != 2 or raw.words.shape[1] != len(names):
+        raise DataError(
+            f"run {run}: its log holds words of shape {raw.words.shape}; "
+            f"expected {len(names)} columns, one a channel"
+        )
+    for name in ("x", *BOOKKEEPING):
+        if name not in names:
+            raise DataError(f"run {run}: its log has no channel '{name}'")
+    for name in names:
+        if name not in FIELDS and name not in BOOKKEEPING:
+            raise DataError(
+                f"run {run}: unknown log channel '{name}'; known are {', '.join(FIELDS)}"
+            )
+    return {name: place for place, name in enumerate(names)}
+
+
+def _to_si(
+    words: np.ndarray, channel: LogChannel, gains: dict[str, tuple[float, float]]
+) -> np.ndarray:
+    numbers = words.astype(np.int16) if channel.signed else words
+    values = channel.scale * numbers.astype(float)
+    if channel.unit != "count":
+        return values * parse_unit(channel.unit).factor
+    gain, offset = gains[channel.name]
+    return gain * values + offset
+
+
+def _own_records(raw: RawRun, column: dict[str, int]) -> tuple[np.ndarray, list[str]]:
+    """Return the records of this run that are in order, and what is wrong with the others."""
+    words, faults = raw.words, []
+    if not len(words):
+        return words, faults
+    numbers, counts = np.unique(words[:, column["run"]], return_counts=True)
+    if len(numbers) > 1:
+        own = numbers[np.argmax(counts)]
+        strangers = len(words) - counts.max()
+        faults.append(f"{strangers} of {len(words)} records belong to another run, left out")
+        words = words[words[:, column["run"]] == own]
+    index = words[:, column["index"]]
+    steps = np.diff(index)  # modulo 2^16, as the words are unsigned
+    backwards = np.flatnonzero((steps == 0) | (steps >= _INDEX_SPAN // 2))
+    if len(backwards):
+        last = backwards[0]
+        faults.append(
+            f"record {index[last + 1]} follows record {index[last]}: not in order, "
+            f"the last {len(words) - last - 1} records left out"
+        )
+        words = words[: last + 1]
+    return words, faults
+
+
+def _unwrap(index: np.ndarray) -> np.ndarray:
+    """Return 16-bit record numbers as ever-growing ones."""
+    if not len(index):
+        return np.zeros(0, dtype=np.int64)
+    steps = np.diff(index).astype(np.int64)
+    return int(index[0]) + np.concatenate(([0], np.cumsum(steps)))
+
+
+def _incomplete(
+    raw: RawRun, words: np.ndarray, column: dict[str, int], index: np.ndarray
+) -> list[str]:
+    """Return what tells that the log does not reach to the run's end."""
+    faults = [warning for warning in raw.warnings if warning.split(":")[0] in INCOMPLETE]
+    if raw.outcome is None:
+        faults.append("no stop part: the host ended before the run did")
+    if not len(words):
+        return [*faults, "the log holds no record"]
+    if "last" in raw.flags:
+        flags = int(words[-1, column["flags"]])
+        if not flags >> raw.flags.index("last") & 1:
+            faults.append(f"the log ends with record {index[-1]}, which is not the run's last")
+    return faults

@@ -1,0 +1,148 @@
+"""Efficiency of the cylinder (6.10) and its uncertainty (6.16 to 6.19), for both flows of power.
+
+At steady speed the fluid gives F_T v and the load takes F_applied v. Where both are positive the
+hydraulics drive and eta = F_applied / F_T, as in the source. Where both are negative the load
+drives and eta = F_T / F_applied. With opposite signs both sides feed the friction, and there is
+no efficiency to speak of.
+"""
+
+from collections.abc import Callable
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from hbench.config.bench import Instrument, Instruments
+from hbench.records import Curve, CurvePoint, EfficiencyCurve, EfficiencyPoint, Specimen
+
+# A driving force below this share of the pressure forces that it is the difference of is zero
+# to any pressure transducer.
+MIN_FORCE_SHARE = 0.01
+
+
+class Forces(NamedTuple):
+    """What an efficiency is made of, at one steady speed."""
+
+    v_m_s: float
+    f_applied_n: float
+    p_tp_pa: float
+    p_tr_pa: float | None  # None only where the rod side has no area
+    specimen: Specimen
+
+    @property
+    def piston_n(self) -> float:
+        """P_Tp A_p."""
+        return self.p_tp_pa * self.specimen.area_piston_m2
+
+    @property
+    def rod_n(self) -> float:
+        """P_Tr A_r."""
+        return 0.0 if self.p_tr_pa is None else self.p_tr_pa * self.specimen.area_rod_m2
+
+    @property
+    def f_test_n(self) -> float:
+        """F_T = P_Tp A_p - P_Tr A_r."""
+        return self.piston_n - self.rod_n
+
+
+def driver(forces: Forces) -> tuple[Literal["hydraulics", "load"] | None, str]:
+    """Return which side drives; or None and the reason why the efficiency is not defined."""
+    f_test, f_applied = forces.f_test_n, forces.f_applied_n
+    into_load, from_fluid = f_applied * forces.v_m_s, f_test * forces.v_m_s
+    least = MIN_FORCE_SHARE * (abs(forces.piston_n) + abs(forces.rod_n))
+    if into_load > 0 and from_fluid > 0:
+        side, force = "hydraulics", f_test
+    elif into_load < 0 and from_fluid < 0:
+        side, force = "load", f_applied
+    else:
+        return None, (
+            f"no flow of power through the cylinder: F_T = {f_test:.0f} N and "
+            f"F_applied = {f_applied:.0f} N both feed the friction"
+        )
+    if abs(force) <= least:
+        return None, (
+            f"driving force {force:.0f} N is zero to the pressure transducers "
+            f"(less than {least:.0f} N, 1 % of the pressure forces)"
+        )
+    return side, ""
+
+
+def efficiency_of(forces: Forces) -> float | None:
+    """Return the efficiency 6.10 for the way the power flows; None where it is not defined."""
+    side, _ = driver(forces)
+    return None if side is None else _RATIO[side](forces.f_applied_n, forces.f_test_n)
+
+
+def efficiency(curve: Curve, instruments: Instruments | None) -> EfficiencyCurve:
+    """Return the efficiency at each point of a curve.
+
+    ``sigma`` is the instruments' part (6.16); None without ``instruments`` (another bench's
+    log). ``sigma_trials`` is the standard error of the mean of the trials' efficiencies.
+    """
+    points = tuple(_point(point, curve.specimen, instruments) for point in curve.points)
+    return EfficiencyCurve(curve.kind, curve.direction, curve.f_load_n, curve.label, points)
+
+
+def instrument_sigma(forces: Forces, instruments: Instruments) -> float | None:
+    """Return the uncertainty 6.16 with the derivatives 6.17 to 6.19, or those of the inverse.
+
+    eta = F_a / F_T:  d/dF_a = 1/F_T,  d/dP_Tp = -F_a A_p / F_T^2,  d/dP_Tr = F_a A_r / F_T^2
+    eta = F_T / F_a:  d/dF_a = -F_T/F_a^2,  d/dP_Tp = A_p / F_a,  d/dP_Tr = -A_r / F_a
+    """
+    side, _ = driver(forces)
+    if side is None:
+        return None
+    f_applied, f_test = forces.f_applied_n, forces.f_test_n
+    if side == "hydraulics":
+        by_applied, by_test = 1 / f_test, -f_applied / f_test**2
+    else:
+        by_applied, by_test = -f_test / f_applied**2, 1 / f_applied
+    specimen = forces.specimen
+    parts = [
+        by_applied * _tolerance(instruments.force, f_applied),
+        by_test * specimen.area_piston_m2 * _tolerance(instruments.pressure, forces.p_tp_pa),
+    ]
+    if forces.p_tr_pa is not None:
+        delta = _tolerance(instruments.pressure, forces.p_tr_pa)
+        parts.append(by_test * specimen.area_rod_m2 * delta)
+    return float(np.sqrt(np.sum(np.square(parts))))
+
+
+def _point(
+    point: CurvePoint, specimen: Specimen, instruments: Instruments | None
+) -> EfficiencyPoint:
+    forces = Forces(point.v_m_s, point.f_applied_n, point.p_tp_pa, point.p_tr_pa, specimen)
+    side, reason = driver(forces)
+    if side is None:
+        return EfficiencyPoint(point.v_m_s, None, None, None, reason)
+    value = _RATIO[side](forces.f_applied_n, forces.f_test_n)
+    reasons = []
+    if value > 1:
+        reasons.append("above 1: friction measured along with the motion, a fault of the sensors")
+    if instruments is None:
+        reasons.append("no sigma: the tolerances of the instruments are not known")
+    return EfficiencyPoint(
+        v_m_s=point.v_m_s,
+        efficiency=value,
+        sigma=None if instruments is None else instrument_sigma(forces, instruments),
+        sigma_trials=_trials_error(point, _RATIO[side]),
+        reason="; ".join(reasons),
+    )
+
+
+def _trials_error(point: CurvePoint, ratio: Callable[[float, float], float]) -> float | None:
+    if point.n < 2:
+        return None
+    trials = zip(point.trials_n, point.trials_f_test_n, strict=True)
+    values = [ratio(f_test - friction, f_test) for friction, f_test in trials]
+    return float(np.std(values, ddof=1) / np.sqrt(point.n))
+
+
+def _tolerance(instrument: Instrument, reading: float) -> float:
+    base = abs(reading) if instrument.of == "reading" else instrument.full_scale
+    return instrument.tolerance * base
+
+
+_RATIO: dict[str, Callable[[float, float], float]] = {
+    "hydraulics": lambda f_applied, f_test: f_applied / f_test,
+    "load": lambda f_applied, f_test: f_test / f_applied,
+}
