@@ -1,0 +1,204 @@
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from hbench.config.schedule import Screening
+from hbench.errors import ConfigError, DataError
+from hbench.store.campaign import CampaignWriter, load_campaign, write_results
+from hbench.store.dsp_log import parse_words
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "campaign"
+
+
+@pytest.fixture
+def writer(folder, header):
+    return CampaignWriter.create(folder, header)
+
+
+@pytest.fixture
+def make(make_plan, at):
+    """Make one run from start to stop."""
+
+    def make(writer, words, run="0001", outcome="done", why=""):
+        writer.start_run(make_plan(run), at(1))
+        writer.finish_run(make_plan(run), words, outcome, why, at(2))
+
+    return make
+
+
+def only(folder):
+    (raw,) = load_campaign(folder).raw_runs()
+    return raw
+
+
+def test_a_run_comes_back(folder, writer, words, make_plan, make):
+    make(writer, words)
+    raw = only(folder)
+    assert raw.plan == make_plan()
+    assert raw.words.tolist() == words.tolist()
+    assert [channel.name for channel in raw.channels] == ["run", "index", "x"]
+    assert (raw.rate_hz, raw.flags, raw.outcome, raw.warnings) == (100.0, ("last",), "done", ())
+
+
+def test_log_is_on_disk_before_the_stop_part(folder, writer, words, monkeypatch, make_plan, at):
+    writer.start_run(make_plan(), at(1))
+    real = os.replace
+
+    def replace(source, target):
+        assert "stop:" not in (folder / "campaign.yaml").read_text()
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", replace)
+    writer.finish_run(make_plan(), words, "done", "", at(2))
+    assert "stop:" in (folder / "campaign.yaml").read_text()
+
+
+def test_run_without_stop_part_has_no_outcome(folder, writer, words, make_plan, at, make):
+    make(writer, words)
+    writer.start_run(make_plan("0002"), at(3))
+    campaign = load_campaign(folder)
+    crashed = list(campaign.raw_runs())[1]
+    assert crashed.outcome is None
+    assert crashed.words.shape == (0, 3)
+    assert crashed.warnings == ("missing: runs/0002.dat is not there",)
+    assert campaign.done == {"0001"}
+
+
+def test_run_made_again_counts_and_the_first_log_is_kept(folder, writer, words, make):
+    make(writer, words[:2], outcome="aborted", why="operator")
+    first = (folder / "runs" / "0001.dat").read_bytes()
+    again = CampaignWriter.resume(folder)
+    make(again, words)
+    campaign = load_campaign(folder)
+    assert [entry.stop.outcome for entry in campaign.entries] == ["aborted", "done"]
+    assert only(folder).words.tolist() == words.tolist()
+    assert (folder / "runs" / "0001~1.dat").read_bytes() == first
+    make(again, words[:3], outcome="failed", why="x")
+    assert len(list((folder / "runs").iterdir())) == 3
+
+
+def test_stopped_attempt_wins_over_a_later_crash_even_when_its_log_was_moved(
+    folder, writer, words, make_plan, at, make
+):
+    make(writer, words, outcome="failed", why="line lost")
+    again = CampaignWriter.resume(folder)
+    again.start_run(make_plan(), at(5))
+    (folder / "runs" / "0001.dat").rename(folder / "runs" / "0001~1.dat")
+    raw = only(folder)
+    assert (raw.outcome, raw.why, raw.warnings) == ("failed", "line lost", ())
+    assert raw.words.tolist() == words.tolist()
+
+
+def test_resume_after_a_tear_at_any_byte_goes_on_to_a_valid_journal(
+    folder, writer, words, make_plan, at, make
+):
+    path = folder / "campaign.yaml"
+    start = len(path.read_bytes())
+    make(writer, words)
+    text = path.read_bytes()
+    for length in range(start, len(text)):
+        path.write_bytes(text[:length])
+        CampaignWriter.resume(folder).start_run(make_plan("0002"), at(9))
+        runs = yaml.safe_load(path.read_text())["runs"]
+        assert runs[-1]["run"] == "0002"
+        assert load_campaign(folder).warnings == ()
+
+
+def test_missing_log_of_a_done_run_is_told(folder, writer, words, make):
+    make(writer, words)
+    (folder / "runs" / "0001.dat").unlink()
+    raw = only(folder)
+    assert (raw.outcome, raw.words.shape) == ("done", (0, 3))
+    assert raw.warnings == ("missing: runs/0001.dat is not there",)
+
+
+def test_changed_log_is_told(folder, writer, words, make):
+    make(writer, words)
+    path = folder / "runs" / "0001.dat"
+    path.write_bytes(path.read_bytes().replace(b"000b", b"000c"))
+    assert [w.split(":")[0] for w in only(folder).warnings] == ["changed"]
+
+
+def test_cut_log_keeps_its_whole_records(folder, writer, words, make):
+    make(writer, words)
+    path = folder / "runs" / "0001.dat"
+    path.write_bytes(path.read_bytes()[:-7])
+    raw = only(folder)
+    assert raw.words.tolist() == words[:3].tolist()
+    codes = [warning.split(":")[0] for warning in raw.warnings]
+    assert codes[0] == "changed" and set(codes[1:]) == {"truncated"}
+    assert raw.warnings[-1] == "truncated: 3 of 4 records are there"
+
+
+def test_unreadable_log_spoils_its_own_run_alone(folder, writer, words, make):
+    make(writer, words, "0001")
+    make(writer, words, "0002")
+    (folder / "runs" / "0001.dat").write_text("1651 1 0 0 2\n0001\noops\n")
+    first, second = load_campaign(folder).raw_runs()
+    assert first.words.shape == (0, 3)
+    assert "unreadable: runs/0001.dat: line 3: found 'oops'" in first.warnings[-1]
+    assert second.warnings == ()
+
+
+def test_raw_log_is_a_ccs_file_of_16_bit_words(folder, writer, words, make):
+    make(writer, words)
+    data = (folder / "runs" / "0001.dat").read_bytes()
+    assert data.startswith(b"1651 1 0 0 c\n0000\n0001\n")
+    assert parse_words(data, "")[0].tolist() == words.ravel().tolist()
+
+
+def test_campaign_is_not_written_over(folder, writer, header):
+    with pytest.raises(ConfigError, match="holds a campaign already"):
+        CampaignWriter.create(folder, header)
+
+
+def test_no_campaign_is_named(tmp_path):
+    with pytest.raises(DataError, match="campaign.yaml: No such file"):
+        load_campaign(tmp_path)
+
+
+def test_bench_and_screening_come_from_the_files_as_written(folder, header):
+    bench = yaml.safe_load((CONFIGS / "bench-aau.yaml").read_text())
+    schedule = yaml.safe_load((CONFIGS / "demo.yaml").read_text())
+    schedule["screening"] = {"min_window": "0.7 s"}
+    header["bench"] = {"file": "bench-aau.yaml", "content": bench}
+    header["schedule"] = {"file": "demo.yaml", "content": schedule}
+    CampaignWriter.create(folder, header)
+    campaign = load_campaign(folder)
+    assert campaign.bench().supply.pressure == pytest.approx(150e5)
+    assert campaign.screening() == Screening(min_window="0.7 s")
+    provenance = campaign.provenance()
+    assert provenance.bench == bench["name"]
+    assert provenance.firmware == "version core 1, board host"
+    assert provenance.details == {"port": "sim", "seed": 7}
+
+
+def test_header_without_log_layout_is_refused(folder, header):
+    del header["log"]
+    CampaignWriter.create(folder, header)
+    with pytest.raises(DataError, match="campaign.yaml: log: can't be used"):
+        list(load_campaign(folder).raw_runs())
+
+
+def test_results_lie_below_results(folder, writer):
+    write_results(folder, {"results.json": b"{}", "figures/a.png": b"png"})
+    assert (folder / "results" / "figures" / "a.png").read_bytes() == b"png"
+    with pytest.raises(ValueError, match="outside"):
+        write_results(folder, {"../campaign.yaml": b""})
+
+
+def test_finishing_another_run_than_the_one_started_is_refused(
+    folder, writer, words, make_plan, at
+):
+    writer.start_run(make_plan("0001"), at(1))
+    with pytest.raises(ValueError, match="0002"):
+        writer.finish_run(make_plan("0002"), words, "done", "", at(2))
+    assert np.array_equal(os.listdir(folder), ["campaign.yaml"])
