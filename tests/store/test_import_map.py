@@ -1,0 +1,245 @@
+"""Import by a map: other columns, units, separators, several strokes a file."""
+
+import math
+
+import numpy as np
+import pytest
+import yaml
+
+from hbench.config.importmap import parse_import_map
+from hbench.config.schedule import Screening
+from hbench.errors import ConfigError, DataError
+from hbench.store.campaign import load_campaign
+from hbench.store.foreign import import_folder
+
+BORE_M = 0.025
+
+
+def lines_of(speeds_mm_s, stroke_mm=40.0, separator="\t", turns=5):
+    """Return a log: ms, position [mm, positive inwards], bar, N; extending first."""
+    corners, times = [0.0], [0.0]
+    for turn in range(turns):
+        out = turn % 2 == 0
+        corners.append(-stroke_mm if out else 0.0)
+        times.append(times[-1] + stroke_mm / speeds_mm_s[0 if out else 1])
+    t = np.arange(0, times[-1], 0.01)
+    x = np.interp(t, times, corners)
+    force = 3e5 * math.pi / 4 * BORE_M**2 - np.where(np.gradient(x) < 0, 5.0, -7.0)
+    rows = zip(1e3 * t, x, np.full(len(t), 3.0), force, strict=True)
+    return "".join(separator.join(f"{v:.3f}" for v in row) + "\n" for row in rows)
+
+
+@pytest.fixture
+def rules():
+    return {
+        "name": "others",
+        "format": {"separator": "whitespace", "header": False},
+        "columns": {
+            "t_s": {"column": 1, "unit": "ms"},
+            "x_m": {"column": 2, "unit": "mm", "scale": -1},
+            "p_tp_pa": {"column": 3, "unit": "bar"},
+            "f_applied_n": {"column": 4, "unit": "N"},
+        },
+        "constants": {"p_tr_pa": "0 bar"},
+        "series": [
+            {
+                "label": "NBR",
+                "files": "{trial}/{pressure}bar.txt",
+                "cylinder": {"piston_diameter": "25 mm"},
+            }
+        ],
+        "cut": "reversals",
+        "min_stroke": "20 mm",
+    }
+
+
+@pytest.fixture
+def source(tmp_path):
+    folder = tmp_path / "logs"
+    for trial, speeds in ((1, (12.2, 8.04)), (2, (12.4, 8.14))):
+        (folder / str(trial)).mkdir(parents=True)
+        (folder / str(trial) / "3bar.txt").write_text(lines_of(speeds))
+    (folder / "notes.txt").write_text("not a log")
+    return folder
+
+
+@pytest.fixture
+def bring_in(source, rules, tmp_path, at):
+    def bring_in():
+        path = tmp_path / "map.yaml"
+        path.write_text(yaml.safe_dump(rules))
+        return (
+            import_folder(source, tmp_path / "out", path, {}, at(0)),
+            load_campaign(tmp_path / "out"),
+        )
+
+    return bring_in
+
+
+def test_strokes_become_runs_with_direction_trial_label_and_load(bring_in):
+    summary, campaign = bring_in()
+    # five strokes a file; the first and the last are left out
+    assert (summary.runs, summary.files) == (6, 2)
+    assert [plan.direction for plan in campaign.plans] == ["retract", "extend", "retract"] * 2
+    assert [plan.trial for plan in campaign.plans] == [1, 1, 1, 2, 2, 2]
+    area = math.pi / 4 * BORE_M**2
+    for plan in campaign.plans:
+        assert plan.label == "NBR"
+        assert plan.specimen.area_piston_m2 == pytest.approx(area)
+        assert plan.f_load_n == pytest.approx(3e5 * area)
+    assert "left out: 4 pieces before the first or after the last" in summary.notes[0]
+
+
+def test_nominal_speed_is_the_median_over_the_trials_to_two_digits(bring_in):
+    _, campaign = bring_in()
+    assert {plan.v_ref_m_s for plan in campaign.plans} == {0.012, -0.0081}
+
+
+def test_nominal_speed_of_the_map_is_taken(bring_in, rules):
+    rules["series"][0]["speed"] = "10 mm/s"
+    assert {plan.v_ref_m_s for plan in bring_in()[1].plans} == {0.01, -0.01}
+
+
+def test_friction_has_the_sign_of_the_motion(bring_in):
+    for run in bring_in()[1].runs():
+        middle = slice(len(run.t_s) // 4, 3 * len(run.t_s) // 4)
+        friction = (
+            run.p_tp_pa * run.plan.specimen.area_piston_m2
+            - run.p_tr_pa * run.plan.specimen.area_rod_m2
+            - run.f_applied_n
+        )[middle]
+        assert friction == pytest.approx(5.0 if run.plan.direction == "extend" else -7.0, abs=1e-3)
+        assert np.sign(run.x_m[-1] - run.x_m[0]) == np.sign(run.plan.v_ref_m_s)
+
+
+def test_lines_point_into_the_source_file(bring_in, source):
+    _, campaign = bring_in()
+    lines = (source / "1" / "3bar.txt").read_text().splitlines()
+    run, entry = next(iter(campaign.runs())), campaign.entries[0]
+    first, last = entry.origin["lines"]
+    assert float(lines[first - 1].split()[0]) / 1e3 == pytest.approx(run.t_s[0])
+    assert float(lines[last - 1].split()[0]) / 1e3 == pytest.approx(run.t_s[-1])
+    assert last - first + 1 == len(run.t_s)
+
+
+def test_rows_at_the_start_are_skipped_unread(bring_in, rules, source):
+    for trial in "12":
+        path = source / trial / "3bar.txt"
+        path.write_text("start up\n9 9\n" + path.read_text())
+    rules["format"]["skip_rows"] = 2
+    assert bring_in()[0].runs == 6
+
+
+def test_semicolons_decimal_commas_and_named_columns(bring_in, rules, source):
+    rules["format"] = {"separator": "semicolon", "decimal": ",", "header": True}
+    for column, name in zip(rules["columns"].values(), ["Zeit", "Weg", "p", "F"], strict=True):
+        column["column"] = name
+    for trial in "12":
+        text = lines_of((12.2, 8.04), separator=";").replace(".", ",")
+        (source / trial / "3bar.txt").write_text("Zeit;Weg;p;F\n" + text)
+    summary, campaign = bring_in()
+    assert summary.runs == 6
+    assert "2/3bar.txt is byte for byte the same as 1/3bar.txt" in summary.notes
+    assert campaign.plans[0].v_ref_m_s == pytest.approx(-0.008)
+
+
+def test_uncut_files_are_one_run_each(bring_in, rules, source):
+    rules["cut"] = "none"
+    for trial in "12":
+        (source / trial / "3bar.txt").write_text(lines_of((12.1 + 0.1 * int(trial), 8.0), turns=1))
+    summary, campaign = bring_in()
+    assert [(p.v_ref_m_s, p.trial) for p in campaign.plans] == [(0.012, 1), (0.012, 2)]
+    assert summary.notes == ()
+
+
+def test_screening_of_the_map_is_kept(bring_in, rules):
+    rules["screening"] = {"max_gap": "0.35 s"}
+    assert bring_in()[1].screening() == Screening(max_gap="0.35 s")
+
+
+def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, source):
+    rules["cut"] = "none"
+    (source / "1" / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=2))
+    with pytest.raises(DataError, match="3bar.txt: ends .* from where it began") as caught:
+        bring_in()
+    assert "cut: reversals" in caught.value.hint
+
+
+def test_bad_cell_is_named_with_file_line_and_content(bring_in, source):
+    path = source / "2" / "3bar.txt"
+    lines = path.read_text().splitlines()
+    lines[41] = "410.0 -5.0 3.0 ---"
+    path.write_text("\n".join(lines))
+    with pytest.raises(DataError, match=r"2/3bar.txt: line 42: column 4: found '---'"):
+        bring_in()
+
+
+def test_time_that_goes_back_is_named_with_its_line(bring_in, source):
+    path = source / "1" / "3bar.txt"
+    lines = path.read_text().splitlines()
+    lines[41] = lines[39]
+    path.write_text("\n".join(lines))
+    with pytest.raises(DataError, match=r"1/3bar.txt: line 42: time goes from 0.4 s to 0.39 s"):
+        bring_in()
+
+
+def test_series_without_files_is_named(bring_in, rules):
+    rules["series"][0]["files"] = "none_{pressure}.csv"
+    with pytest.raises(DataError, match="no file fits series 'NBR'"):
+        bring_in()
+
+
+def test_file_of_two_series_is_refused(bring_in, rules):
+    rules["series"].append({**rules["series"][0], "files": "1/{pressure}bar.txt"})
+    with pytest.raises(ConfigError, match="1/3bar.txt: belongs to series"):
+        bring_in()
+
+
+def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
+    rules["min_stroke"] = "60 mm"
+    with pytest.raises(DataError, match="no stroke between two reversals is as long as"):
+        bring_in()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"constants": {"p_tr_pa": "0"}}, "constants.p_tr_pa = '0': has no unit"),
+        ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa stands both in columns and in constants"),
+        ({"constants": {"p_xx_pa": "0 bar"}}, "unknown channel 'p_xx_pa'"),
+        ({"format": {"decimal": ","}}, "decimal ',' can't be told from separator comma"),
+        (
+            {"columns": {"t_s": {"column": 0, "unit": "ms"}, "x_m": {"column": 1, "unit": "mm"}}},
+            "columns.t_s.column.*greater than or equal to 1",
+        ),
+        (
+            {"columns": {"t_s": {"column": 1, "unit": "ms"}, "x_m": {"column": "x", "unit": "mm"}}},
+            "columns.x_m: 'x' is a name, but format.header is false",
+        ),
+        (
+            {"columns": {"t_s": {"column": 1, "unit": "bar"}, "x_m": {"column": 2, "unit": "mm"}}},
+            "columns.t_s: unit 'bar' is not one of s",
+        ),
+    ],
+)
+def test_map_that_cannot_work_is_refused(rules, change, message):
+    with pytest.raises(ConfigError, match=message):
+        parse_import_map({**rules, **change}, "map.yaml")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"files": "{presure}.csv"}, "only {pressure} and {trial} can stand in braces"),
+        ({"files": "{trial}/{trial}.csv"}, "a field can stand there once"),
+        ({"pressure_unit": "N"}, "is not a unit of pressure"),
+        (
+            {"cylinder": {"piston_diameter": "25 mm", "rod_diameter": "25 mm"}},
+            "rod_diameter must be smaller",
+        ),
+    ],
+)
+def test_series_that_cannot_work_is_refused(rules, change, message):
+    rules["series"][0] |= change
+    with pytest.raises(ConfigError, match=message):
+        parse_import_map(rules, "map.yaml")
