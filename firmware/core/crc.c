@@ -23,8 +23,8 @@ hb_u16 hb_crc_octets(hb_u16 crc, const hb_octet *octets, hb_u16 count)
 
 hb_u16 hb_crc_u16(hb_u16 crc, hb_u16 value)
 {
-    crc = hb_crc_octet(crc, (hb_octet)(value & 0xFFu));
-    return hb_crc_octet(crc, (hb_octet)((value >> 8) & 0xFFu));
+    crc = hb_crc_octet(crc, (hb_octet)value); /* which masks it */
+    return hb_crc_octet(crc, (hb_octet)(value >> 8));
 }
 
 hb_u16 hb_crc_f32(hb_u16 crc, float value)

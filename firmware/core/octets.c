@@ -20,7 +20,7 @@ hb_octet hb_get_octet(hb_reader *reader)
         return 0;
     }
     reader->left--;
-    return (hb_octet)(*reader->next++ & 0xFFu);
+    return *reader->next++;
 }
 
 hb_u16 hb_get_u16(hb_reader *reader)
@@ -56,8 +56,8 @@ void hb_put_octet(hb_writer *writer, hb_octet octet)
 
 void hb_put_u16(hb_writer *writer, hb_u16 value)
 {
-    hb_put_octet(writer, (hb_octet)(value & 0xFFu));
-    hb_put_octet(writer, (hb_octet)((value >> 8) & 0xFFu));
+    hb_put_octet(writer, (hb_octet)value); /* which masks it */
+    hb_put_octet(writer, (hb_octet)(value >> 8));
 }
 
 void hb_put_u32(hb_writer *writer, hb_u32 value)

@@ -1,8 +1,8 @@
 /* Types of the core, their widths checked when it is compiled.
  *
  * An octet is a value 0..255 in an unsigned char, which may be wider (16 bits on the C28x, where
- * there is no uint8_t): arithmetic on octets does not wrap at 256 by itself, so it is masked.
- * HB_OCTET widens it on a host, to test just that.
+ * there is no uint8_t) and does not wrap at 256 there. So octets are masked where they are made:
+ * in hb_receive and hb_put_octet. HB_OCTET widens it on a host, to test just that.
  */
 #ifndef HB_TYPES_H
 #define HB_TYPES_H

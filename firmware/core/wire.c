@@ -9,7 +9,7 @@ hb_u16 hb_cobs_encode(const hb_octet *in, hb_u16 count, hb_octet *out)
     hb_octet code = 1;
 
     for (hb_u16 i = 0; i < count; i++) {
-        const hb_octet octet = (hb_octet)(in[i] & 0xFFu);
+        const hb_octet octet = in[i];
         if (octet != 0u) {
             out[length++] = octet;
             code++;
@@ -31,12 +31,12 @@ hb_u16 hb_cobs_decode(const hb_octet *in, hb_u16 count, hb_octet *out)
     hb_u16 length = 0;
 
     while (from < count) {
-        const hb_u16 code = (hb_u16)(in[from++] & 0xFFu);
+        const hb_u16 code = in[from++];
         if (code == 0u || from + code - 1u > count) {
             return 0;
         }
         for (hb_u16 i = 1; i < code; i++) {
-            out[length++] = (hb_octet)(in[from++] & 0xFFu);
+            out[length++] = in[from++];
         }
         if (code < 0xFFu && from < count) {
             out[length++] = 0;
@@ -91,7 +91,7 @@ hb_u16 hb_encode_frame(hb_octet sequence, hb_octet type, hb_octet plain[HB_MAX_F
     plain[1] = type;
     const hb_u16 crc = hb_crc_octets(HB_CRC_START, plain, length);
     plain[length++] = (hb_octet)(crc & 0xFFu);
-    plain[length++] = (hb_octet)((crc >> 8) & 0xFFu);
+    plain[length++] = (hb_octet)(crc >> 8);
 
     const hb_u16 stuffed = hb_cobs_encode(plain, length, out);
     out[stuffed] = 0;

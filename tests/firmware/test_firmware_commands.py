@@ -215,6 +215,15 @@ def test_status_shows_the_live_values(board):
     assert status["tick"] == 101
 
 
+def test_a_changed_calibration_makes_no_jump_of_speed_or_pressure(board):
+    board.write_settings(gain_x=8e-6, gain_p_s=500.0)
+    board.tick()
+    status = board.status()
+    assert status["v_m_s"] == 0.0
+    assert status["x_m"] == pytest.approx(0.05 * 8 / 7, abs=8e-6)
+    assert status["p_s_pa"] == pytest.approx(150e5 * 5 / 4, abs=500)
+
+
 @pytest.fixture
 def logged(board):
     """A board that stands still and has logged 1500 records, 476 more than its ring holds."""

@@ -40,22 +40,26 @@ def test_without_feedforward_motion_alone_moves_no_load_valve(pushed):
     assert pushed(2)[1:] == [0, 0]
 
 
-def test_feedforward_beyond_the_limit_stops_at_it_and_winds_nothing_up(pushed):
+@pytest.mark.parametrize("words", [-5, 5])
+def test_feedforward_beyond_the_limit_stops_at_it_and_winds_nothing_up(pushed, words):
     assert C_PISTON * 5 * WORD_M / 1e-4 > 10.0
-    assert pushed(5, feedforward_on=1.0)[2] == -10.0
+    u_l2 = pushed(words, feedforward_on=1.0)[2]
+    assert u_l2 == pytest.approx(-10.0 if words > 0 else 10.0, abs=1.01 * DAC_STEP_V)
     assert pushed(0)[2] == pytest.approx(0.0, abs=DAC_STEP_V)
 
 
-def test_voltage_limit_holds_with_feedforward_and_error_together(board):
-    board.write_settings(feedforward_on=1.0, voltage_limit_v=4.0)
-    board.write_step(p_lp_ref_pa=10e5)
-    board.rest(0.05, x=0.1)
+@pytest.mark.parametrize("words", [-1, 1])
+@pytest.mark.parametrize("p_lp", [1e5, 200e5])
+def test_feedforward_and_error_together_use_the_whole_range_and_no_more(board, words, p_lp):
+    board.write_settings(feedforward_on=1.0, voltage_limit_v=4.0, heartbeat_s=10.0)
+    board.rest(0.05, x=0.2)
     board.start()
-    lowest = 0.0
-    for _ in range(3000):
-        board.si["x"] += 2 * WORD_M / 5
-        lowest = min(lowest, *board.tick())
-    assert lowest == pytest.approx(-4.0, abs=DAC_STEP_V)
+    board.si["p_lp"] = p_lp
+    for _ in range(5000):
+        board.si["x"] += words * WORD_M / 5
+        u = board.tick()[2]
+        assert abs(u) <= 4.0 + DAC_STEP_V / 2
+    assert u == pytest.approx(4.0 if p_lp < 40e5 else -4.0, abs=DAC_STEP_V / 2)
 
 
 @pytest.mark.parametrize(("x_start", "sign"), [(0.3, 1), (0.01, -1)])
@@ -89,6 +93,18 @@ def test_full_voltage_is_the_last_dac_code_on_either_side(board):
     board.rest(0.1, x=0.05)
     _, u_l1, u_l2 = board.tick()
     assert (u_l1, u_l2) == (2047 / 204.8, -2048 / 204.8)
+
+
+def test_each_start_is_from_neutral_valves(board):
+    board.start()
+    board.si.update(p_lr=10e5, p_lp=50e5)
+    board.rest(0.15, x=0.05)
+    assert all(board.tick()[1:])
+    board.request("stop")
+    board.si.update(p_lr=15e5, p_lp=40e5)
+    board.rest(0.05, x=0.05)
+    board.start()
+    assert board.tick() == [0, 0, 0]
 
 
 def test_loads_references_start_at_the_pressures_that_there_are(board):

@@ -26,6 +26,7 @@ TRIPS = [
     ("travel", {"x": 0.3951}),
     *(("pressure", {name: 260e5}) for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")),
     ("speed", {"x": 0.0612}),
+    ("speed", {"x": 0.0588}),
 ]
 
 

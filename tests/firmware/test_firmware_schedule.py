@@ -186,6 +186,22 @@ def test_a_record_that_is_not_full_is_left_out(board):
     assert log[-1, WORD["flags"]] & LAST
 
 
+def test_a_fast_way_back_does_not_overshoot_either(board):
+    board.write_settings(return_speed_m_s=0.38, speed_max_m_s=1.0)
+    board.write_step(duration_s=0.01, x_start_m=0.3)
+    trace, _ = run_to_the_end(board)
+    way = [s["x_m"] for s in trace if PHASES[s["phase"]] == "return"]
+    assert max(s["v_ref_m_s"] for s in trace) > 0.25
+    assert max(way) < 0.301
+
+
+def test_a_hold_of_no_length_still_waits_for_the_load(board):
+    board.write_step(p_lp_ref_pa=75e5, hold_s=0.0, duration_s=0.01)
+    trace, _ = run_to_the_end(board)
+    begin = next(s for s in trace if PHASES[s["phase"]] == "accelerate")
+    assert (begin["tick"] - trace[0]["tick"]) * T == pytest.approx(0.35, abs=0.01)
+
+
 def test_load_pressures_ramp_to_their_references_and_the_hold_waits_for_them(board):
     board.write_step(p_lr_ref_pa=35e5, p_lp_ref_pa=75e5, hold_s=0.1, duration_s=0.1)
     trace, _ = run_to_the_end(board)

@@ -98,6 +98,7 @@ def test_longest_frame_is_heard_and_a_longer_one_is_not(board):
     assert board.exchange(board.frame(2, STATUS, longest + b"\0")) == []
     full = b"\x55" * (MAX_FRAME - 4)
     assert answers(board.exchange(board.frame(3, STATUS, full))) == [(3, 0xFF)]
+    assert board.exchange(board.frame(4, STATUS, full)[:-1] + b"\x01\0") == []
 
 
 def test_no_reply_is_lost_when_the_line_to_the_host_is_full(board):
