@@ -3,6 +3,7 @@
 ``bench.yaml`` beside the index, if there, tells the cylinder and all else about the bench.
 """
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -93,8 +94,8 @@ def _number(index: Table, row: int, column: str, cell: str) -> float:
     try:
         value = float(cell)
     except ValueError:
-        value = float("nan")
-    if value - value != 0:  # not finite
+        value = math.nan
+    if not math.isfinite(value):
         raise _fault(index, row, column, cell, "expected a number")
     return value
 
