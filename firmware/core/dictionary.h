@@ -4,7 +4,7 @@
 #define HB_DICTIONARY_H
 
 #define HB_PROTOCOL 1u
-#define HB_DICTIONARY_HASH 0xDB169534UL
+#define HB_DICTIONARY_HASH 0xB8B4DC4AUL
 #define HB_REPLY 0x80u
 #define HB_ERROR 0xFFu
 #define HB_MAX_FRAME 254u
@@ -133,11 +133,11 @@ enum hb_word {
 };
 
 /* Words per SI unit, the inverse of the dictionary's scales. */
-#define HB_WORD_V_PER_SI 100000.0f
+#define HB_WORD_V_PER_SI 50000.0f
 #define HB_WORD_U_T_PER_SI 1000.0f
 #define HB_WORD_U_L1_PER_SI 1000.0f
 #define HB_WORD_U_L2_PER_SI 1000.0f
-#define HB_WORD_V_REF_PER_SI 100000.0f
+#define HB_WORD_V_REF_PER_SI 50000.0f
 
 enum hb_flag {
     HB_FLAG_AT_REFERENCE = 1,

@@ -169,11 +169,11 @@ RECORD: tuple[Word, ...] = (
     Word("index", False, 1, "1"),  # from 0 in each run
     Word("flags", False, 1, "1"),
     *(Word(name, False, 1 / 16, "count") for name in SENSORS),
-    Word("v", True, 1e-5, "m/s"),
+    Word("v", True, 2e-5, "m/s"),
     Word("u_t", True, 1e-3, "V"),
     Word("u_l1", True, 1e-3, "V"),
     Word("u_l2", True, 1e-3, "V"),
-    Word("v_ref", True, 1e-5, "m/s"),
+    Word("v_ref", True, 2e-5, "m/s"),
 )
 
 # Bits of the record's flags.

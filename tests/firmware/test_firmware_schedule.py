@@ -9,6 +9,7 @@ from hbench.protocol.dictionary import FLAGS, PHASES, RECORD, SENSORS, STATES
 
 T = 1e-4
 WORD = {word.name: number for number, word in enumerate(RECORD)}
+WORD_V_M_S = RECORD[WORD["v"]].scale
 AT_REFERENCE, SENSOR_SATURATED, VALVE_SATURATED, LAST = (1 << bit for bit in range(len(FLAGS)))
 RUN_PHASES = ["return", "hold", "accelerate", "steady", "brake"]
 
@@ -133,7 +134,7 @@ def test_logged_reference_is_the_ramp_and_the_flag_marks_its_end(campaign):
         rows = log[log[:, WORD["run"]] == run]
         t = 0.01 * (rows[:, WORD["index"]] + 1.0)
         expected = np.sign(v) * np.minimum(a * t, abs(v))
-        np.testing.assert_allclose(1e-5 * signed(rows[:, WORD["v_ref"]]), expected, atol=1.1e-5)
+        np.testing.assert_allclose(WORD_V_M_S * signed(rows[:, WORD["v_ref"]]), expected, atol=2.1e-5)
     rows = log[log[:, WORD["run"]] == 1]
     at_reference = (rows[:, WORD["flags"]] & AT_REFERENCE) > 0
     # The ramp takes 97.1 ms, so that record 10 is the first that lies wholly after it.
@@ -143,7 +144,7 @@ def test_logged_reference_is_the_ramp_and_the_flag_marks_its_end(campaign):
 def test_logged_speed_settles_at_the_reference_and_sums_up_to_the_way(campaign):
     _, log = campaign
     rows = log[log[:, WORD["run"]] == 2]
-    v, x = 1e-5 * signed(rows[:, WORD["v"]]), 7e-6 * rows[:, WORD["x"]]
+    v, x = WORD_V_M_S * signed(rows[:, WORD["v"]]), 7e-6 * rows[:, WORD["x"]]
     # 800 V/m (60 ms s + 1)/s on 50 mm/s/V leaves a pole at -40 / 3.4 = -11.8 rad/s; the ramp's
     # lag of 1.03/40 m/s has decayed to under 1 mm/s 0.3 s after it.
     assert v[-1] == pytest.approx(0.1, abs=1e-3)
