@@ -174,7 +174,7 @@ def test_records_hold_the_means_of_their_ticks(board):
     sensors = log[:, WORD["x"] : WORD["f_applied"] + 1]
     np.testing.assert_array_equal(sensors, (sums + 50) // 100)
     v_means = np.array(v).reshape(20, 100).mean(axis=1)
-    np.testing.assert_allclose(signed(log[:, WORD["v"]]), 1e5 * v_means, atol=0.6)
+    np.testing.assert_allclose(signed(log[:, WORD["v"]]), v_means / WORD_V_M_S, atol=0.6)
     u_means = np.array(u).reshape(20, 100, 3).mean(axis=1)
     logged = signed(log[:, WORD["u_t"] : WORD["u_l2"] + 1])
     np.testing.assert_allclose(logged, 1e3 * u_means, atol=0.5 + 1e3 * 5 / 2048)
