@@ -65,9 +65,7 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
         **bits,
         missing_records=int(index[-1]) + 1 - len(index) if len(index) else 0,
         truncated="; ".join(faults),
-        aborted=f"{raw.outcome}: {raw.why or 'no cause given'}"
-        if raw.outcome in ("aborted", "failed")
-        else "",
+        aborted=_stopped_early(raw),
     )
 
 
@@ -131,6 +129,12 @@ def _unwrap(index: np.ndarray) -> np.ndarray:
         return np.zeros(0, dtype=np.int64)
     steps = np.diff(index).astype(np.int64)
     return int(index[0]) + np.concatenate(([0], np.cumsum(steps)))
+
+
+def _stopped_early(raw: RawRun) -> str:
+    if raw.outcome in ("done", None):
+        return ""
+    return raw.why or f"the run is marked as {raw.outcome}, with no cause given"
 
 
 def _incomplete(

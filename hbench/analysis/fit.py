@@ -34,6 +34,7 @@ _GRID = 15  # Stribeck speeds tried for a start
 _LINE_POINTS = 121
 _ILL_CONDITIONED = 1e3
 _SINGULAR = 1e-7
+_LEAST_FORCE_N = 1e-6  # scale of a curve of zeros
 _FULL_FILM = 2.0  # Stribeck speeds; below, the viscous part does not stand alone
 
 
@@ -70,7 +71,7 @@ def fit_tustin(curve: Curve, bounds: Mapping[str, tuple[float, float]] = TABLE_6
         message = f"{len(v)} points do not determine {len(NAMES)} parameters"
         return Fit("tustin", {}, float("nan"), False, message)
     lower, upper = np.array([bounds[name] for name in NAMES]).T
-    force = max(float(np.abs(friction).max()), np.finfo(float).tiny)
+    force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
     problem = Problem(
         residual=lambda p: tustin(v, p) - friction,
         jacobian=lambda p: tustin_jacobian(v, p),

@@ -1,0 +1,93 @@
+"""Averages and Student intervals, against tables, hand numbers and simulated coverage."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.stats
+
+from hbench.analysis.average import curves, student_interval
+from hbench.analysis.screen import screen
+from hbench.analysis.student import student_factor
+
+
+@pytest.fixture
+def trial(make_run, rules):
+    """Return a function that makes a screened run with a given friction."""
+
+    def make(friction_n, number, v=0.1, run="0001", f_load_n=2000.0, label=""):
+        made = make_run(v_m_s=v, friction_n=friction_n, trial=number, f_applied_n=f_load_n)
+        return screen(replace(made, plan=replace(made.plan, run=run, label=label)), rules)
+
+    return make
+
+
+def test_student_factors_are_the_printed_ones():
+    printed = {1: 12.706, 2: 4.303, 3: 3.182, 9: 2.262, 30: 2.042}
+    for dof, factor in printed.items():
+        assert student_factor(dof) == pytest.approx(factor, abs=5e-4)
+        assert student_factor(dof) == pytest.approx(scipy.stats.t.ppf(0.975, dof), rel=1e-9)
+
+
+def test_the_interval_of_three_trials_uses_two_degrees_of_freedom():
+    # S = 10 N, so t S / sqrt(3) = 4.303 * 5.774 N.
+    assert student_interval(np.array([390.0, 400.0, 410.0])) == pytest.approx(24.84, abs=0.01)
+
+
+def test_one_trial_has_no_interval():
+    assert student_interval(np.array([400.0])) is None
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_the_interval_covers_the_truth_in_95_of_100(n):
+    rng = np.random.default_rng(n)
+    samples = 400 + 15 * rng.standard_normal((2000, n))
+    covered = [abs(s.mean() - 400) <= student_interval(s) for s in samples]
+    assert abs(np.mean(covered) - 0.95) < 0.015
+
+
+def test_a_point_averages_its_trials(trial):
+    (curve,) = curves([trial(f, i) for i, f in enumerate([390, 400, 410], start=1)])
+    (point,) = curve.points
+    assert point.friction_n == pytest.approx(400)
+    assert point.ci95_n == pytest.approx(24.84, abs=0.01)
+    assert point.n == 3
+    assert point.trials_n == pytest.approx((390, 400, 410))
+    assert point.trials_f_test_n == pytest.approx((2390, 2400, 2410))
+    assert point.f_test_n - point.f_applied_n == pytest.approx(point.friction_n)
+
+
+def test_strokes_of_one_trial_count_once(trial):
+    strokes = [trial(f, n) for n, f in ((1, 380), (1, 400), (2, 400), (3, 410), (3, 410), (3, 410))]
+    (point,) = curves(strokes)[0].points
+    assert point.trials_n == pytest.approx((390, 400, 410))
+    assert point.n == 3 and len(point.runs) == 6
+    assert point.ci95_n == pytest.approx(24.84, abs=0.01)
+
+
+def test_rejected_runs_do_not_count(trial):
+    good = [trial(f, i) for i, f in enumerate([390, 410], start=1)]
+    bad = replace(trial(900, 3), reasons=("end_stop: there",))
+    (point,) = curves([*good, bad])[0].points
+    assert point.n == 2 and point.friction_n == pytest.approx(400)
+
+
+def test_curves_are_parted_by_direction_load_and_label_and_sorted_by_speed(trial):
+    runs = [
+        trial(400, 1, v=0.1),
+        trial(400, 1, v=0.05),
+        trial(400, 1, v=-0.1),
+        trial(400, 1, v=-0.02),
+        trial(400, 1, v=0.1, f_load_n=500.0),
+        trial(400, 1, v=0.1, label="other seal"),
+    ]
+    found = curves(runs)
+    assert [(c.direction, c.f_load_n, c.label, len(c.points)) for c in found] == [
+        ("extend", 2000.0, "", 2),
+        ("retract", 2000.0, "", 2),
+        ("extend", 500.0, "", 1),
+        ("extend", 2000.0, "other seal", 1),
+    ]
+    assert [p.v_m_s for p in found[0].points] == pytest.approx([0.05, 0.1])
+    assert [p.v_m_s for p in found[1].points] == pytest.approx([-0.02, -0.1])
+    assert [p.friction_n for p in found[1].points] == pytest.approx([-400, -400])

@@ -1,0 +1,156 @@
+"""Raw logs to SI, against numbers worked out by hand from appendices B and C."""
+
+import numpy as np
+import pytest
+
+from hbench.analysis.calibrate import calibrate
+from hbench.errors import DataError
+from hbench.records import LogChannel, RawRun, RunPlan, Specimen
+
+CHANNELS = (
+    LogChannel("run", False, 1, "1"),
+    LogChannel("index", False, 1, "1"),
+    LogChannel("flags", False, 1, "1"),
+    LogChannel("x", False, 1 / 16, "count"),
+    LogChannel("p_tp", False, 1 / 16, "count"),
+    LogChannel("f_applied", False, 1 / 16, "count"),
+    LogChannel("v", True, 1e-5, "m/s"),
+    LogChannel("u_t", True, 1e-3, "V"),
+)
+FLAGS = ("at_reference", "sensor_saturated", "valve_saturated", "last")
+PLAN = RunPlan("0007", "steady", 1, 0.05, Specimen(1.25e-3, 0.75e-3, 0.4))
+
+
+def raw(n=6, **changes):
+    words = np.zeros((n, len(CHANNELS)), dtype=np.uint16)
+    words[:, 0] = 7
+    words[:, 1] = np.arange(n)
+    words[:, 3:6] = 2048 * 16
+    words[-1:, 2] = 0b1000
+    values = {"plan": PLAN, "words": words, "channels": CHANNELS, "flags": FLAGS}
+    return RawRun(**{**values, "rate_hz": 100.0, "outcome": "done", **changes})
+
+
+def test_half_scale_of_the_pressure_channel_is_118_67_bar(bench):
+    # 2048 counts = 1.5 V; 3.16 V at the converter = 10 V at the transducer = 250 bar.
+    run = calibrate(raw(), bench)
+    np.testing.assert_allclose(run.p_tp_pa, 1.5 / 3.16 * 250e5, rtol=1e-12)
+    assert run.p_tp_pa[0] / 1e5 == pytest.approx(118.67, abs=0.005)
+
+
+def test_half_scale_of_the_position_channel_is_213_6_mm(bench):
+    np.testing.assert_allclose(calibrate(raw(), bench).x_m, 1.5 / 3.16 * 0.450, rtol=1e-12)
+
+
+def test_half_scale_of_the_load_cell_is_no_force_and_each_volt_is_equation_c6(bench):
+    # Level 1.5 V = 2048 counts. C.6: 4 A E / (2 u_s k (1 + nu) K) per volt.
+    per_volt = 4 * 200e-6 * 210e9 / (2 * 10.46 * 2.1 * 1.3 * 360)
+    log = raw()
+    log.words[1, 5] = 16 * 3072  # 2.25 V
+    force = calibrate(log, bench).f_applied_n
+    assert force[0] == pytest.approx(0, abs=1e-9)
+    assert force[1] == pytest.approx(0.75 * per_volt, rel=1e-12)
+
+
+def test_sixteenths_of_a_count_are_kept(bench):
+    log = raw()
+    log.words[1, 4] += 1
+    step = np.diff(calibrate(log, bench).p_tp_pa)[0]
+    assert step == pytest.approx(3 / 4096 / 16 / 3.16 * 250e5, rel=1e-6)
+
+
+def test_signed_words_keep_their_sign(bench):
+    log = raw()
+    log.words[:, 6] = [0, 1, 0x7FFF, 0x8000, 0xFFFF, 5000]
+    np.testing.assert_allclose(
+        calibrate(log, bench).v_m_s, [0, 1e-5, 0.32767, -0.32768, -1e-5, 0.05]
+    )
+
+
+def test_flag_bits_go_to_their_names(bench):
+    log = raw()
+    log.words[:, 2] = [0b0000, 0b0001, 0b0010, 0b0100, 0b0011, 0b1101]
+    run = calibrate(log, bench)
+    assert run.at_reference.tolist() == [False, True, False, False, True, True]
+    assert run.sensor_saturated.tolist() == [False, False, True, False, True, False]
+    assert run.valve_saturated.tolist() == [False, False, False, True, False, True]
+    assert not run.truncated
+
+
+def test_a_record_stands_for_the_middle_of_its_interval(bench):
+    np.testing.assert_allclose(calibrate(raw(3), bench).t_s, [0.005, 0.015, 0.025])
+
+
+def test_the_index_runs_on_over_16_bits(bench):
+    log = raw(70000)
+    run = calibrate(log, bench)
+    np.testing.assert_allclose(np.diff(run.t_s), 0.01, rtol=1e-6)
+    assert run.missing_records == 0 and not run.truncated
+
+
+@pytest.mark.parametrize(
+    ("kept", "missing"), [([0, 1, 2, 3, 4, 5], 0), ([0, 1, 4, 5], 2), ([2, 3, 4, 5], 2)]
+)
+def test_missing_records_are_counted_and_leave_a_hole_in_time(bench, kept, missing):
+    log = raw()
+    run = calibrate(raw(words=log.words[kept]), bench)
+    assert run.missing_records == missing
+    np.testing.assert_allclose(run.t_s, (np.array(kept) + 0.5) / 100)
+
+
+def test_a_whole_log_is_neither_truncated_nor_aborted(bench):
+    run = calibrate(raw(warnings=("format: 9 leaves the notation open",)), bench)
+    assert (run.truncated, run.aborted, run.missing_records) == ("", "", 0)
+
+
+def test_a_log_without_its_last_record_is_truncated(bench):
+    run = calibrate(raw(words=raw().words[:-1]), bench)
+    assert "ends with record 4" in run.truncated
+
+
+def test_a_run_without_stop_part_is_truncated(bench):
+    assert "no stop part" in calibrate(raw(outcome=None), bench).truncated
+
+
+def test_what_the_reader_said_of_a_cut_file_is_told(bench):
+    warning = "truncated: the last line ('00') is cut off"
+    assert warning in calibrate(raw(warnings=(warning,)), bench).truncated
+
+
+def test_an_empty_log_is_truncated_and_has_no_samples(bench):
+    run = calibrate(raw(words=raw().words[:0]), bench)
+    assert "no record" in run.truncated
+    assert len(run.t_s) == 0 and run.missing_records == 0
+
+
+def test_an_aborted_run_keeps_its_cause(bench):
+    run = calibrate(raw(outcome="aborted", why="fault: travel"), bench)
+    assert run.aborted == "fault: travel"
+    assert "failed" in calibrate(raw(outcome="failed"), bench).aborted
+
+
+def test_records_of_another_run_are_left_out_and_told(bench):
+    log = raw()
+    log.words[:2, 0] = 6
+    run = calibrate(log, bench)
+    assert len(run.t_s) == 4
+    assert "2 of 6 records belong to another run" in run.truncated
+
+
+def test_records_out_of_order_are_left_out_and_told(bench):
+    log = raw()
+    log.words[:, 1] = [0, 1, 2, 2, 3, 4]
+    run = calibrate(log, bench)
+    assert len(run.t_s) == 3
+    assert "record 2 follows record 2" in run.truncated
+    assert "last 3 records left out" in run.truncated
+
+
+def test_unknown_channels_and_wrong_widths_are_refused(bench):
+    strange = (*CHANNELS[:-1], LogChannel("oil_temperature", False, 1, "K"))
+    with pytest.raises(DataError, match="oil_temperature"):
+        calibrate(raw(channels=strange), bench)
+    with pytest.raises(DataError, match="7 columns"):
+        calibrate(raw(channels=CHANNELS[:-1]), bench)
+    with pytest.raises(DataError, match="no channel 'index'"):
+        calibrate(raw(channels=(CHANNELS[0], CHANNELS[0], *CHANNELS[2:])), bench)

@@ -1,0 +1,226 @@
+"""The Tustin fit, against scipy's curve_fit, lmfit, a grid search and exact data."""
+
+import json
+import time
+
+import numpy as np
+import pytest
+from scipy.optimize import curve_fit
+
+from hbench.analysis.fit import NAMES, TABLE_6_1, fit_tustin, fits, left_out, tustin
+
+SPEEDS = np.linspace(0.005, 0.2, 15)
+TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])
+
+
+def law(v, f_c, f_s, v_s, b):
+    """Equation 3.2 written out for the other libraries."""
+    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
+
+
+def noisy(seed, sigma=3.0, truth=TRUTH):
+    return law(SPEEDS, *truth) + sigma * np.random.default_rng(seed).standard_normal(len(SPEEDS))
+
+
+def values(fit):
+    return np.array([fit.parameters[name].value for name in NAMES])
+
+
+def errors(fit):
+    return np.array([fit.parameters[name].se for name in NAMES])
+
+
+@pytest.mark.parametrize("direction", ["extend", "retract"])
+def test_exact_data_gives_its_parameters_in_both_directions(make_curve, direction):
+    fit = fit_tustin(make_curve(SPEEDS, law(SPEEDS, *TRUTH), direction))
+    np.testing.assert_allclose(values(fit), TRUTH, rtol=1e-6)
+    assert fit.rmse_n < 1e-6 and fit.converged and fit.message == ""
+    assert [fit.parameters[name].unit for name in NAMES] == ["N", "N", "m/s", "N s/m"]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_values_and_standard_errors_are_those_of_curve_fit(make_curve, seed):
+    friction = noisy(seed)
+    wide = dict.fromkeys(NAMES, (-1e6, 1e6)) | {"v_stribeck_m_s": (1e-3, 10.0)}
+    fit = fit_tustin(make_curve(SPEEDS, friction), wide)
+    expected, covariance = curve_fit(law, SPEEDS, friction, p0=TRUTH, xtol=1e-12, ftol=1e-12)
+    np.testing.assert_allclose(values(fit), expected, rtol=2e-4)
+    np.testing.assert_allclose(errors(fit), np.sqrt(np.diag(covariance)), rtol=2e-3)
+    lower, upper = np.array([fit.parameters[name].ci95 for name in NAMES]).T
+    np.testing.assert_allclose((upper - lower) / 2, 2.20099 * errors(fit), rtol=1e-5)  # 11 dof
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_within_the_bounds_of_table_6_1_it_agrees_with_lmfit(make_curve, seed):
+    lmfit = pytest.importorskip("lmfit")
+    friction = noisy(seed, sigma=1.0)
+    model = lmfit.Model(law)
+    parameters = model.make_params(**dict(zip(("f_c", "f_s", "v_s", "b"), TRUTH, strict=True)))
+    for name, key in zip(("f_c", "f_s", "v_s", "b"), NAMES, strict=True):
+        parameters[name].set(min=TABLE_6_1[key][0], max=TABLE_6_1[key][1])
+    found = model.fit(friction, parameters, v=SPEEDS, fit_kws={"xtol": 1e-12, "ftol": 1e-12})
+    fit = fit_tustin(make_curve(SPEEDS, friction))
+    np.testing.assert_allclose(values(fit), list(found.best_values.values()), rtol=1e-3)
+    np.testing.assert_allclose(errors(fit), [p.stderr for p in found.params.values()], rtol=2e-2)
+
+
+def grid_cost(friction):
+    """Least sum of squares over table 6.1: bounded linear problem at each of 301 v_s."""
+    from scipy.optimize import lsq_linear
+
+    def cost(v_s):
+        e = np.exp(-SPEEDS / v_s)
+        return 2 * lsq_linear(np.column_stack([1 - e, e, SPEEDS]), friction, (0, 1e5)).cost
+
+    return min(cost(v_s) for v_s in np.linspace(0.05, 0.2, 301))
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "truth",
+    [
+        (255, 430, 0.06, 1400),
+        (0, 616, 0.10, 1341),  # table 6.2, steady
+        (67, 566, 0.20, 0),  # table 6.5, ramp
+        (300, 535, 0.033, 2250),  # v_s below its bound
+        (500, 400, 0.10, 500),  # rising, no Stribeck minimum
+    ],
+)
+def test_no_point_of_the_bounds_fits_better(make_curve, truth, seed):
+    friction = noisy(seed, sigma=8.0, truth=truth)
+    fit = fit_tustin(make_curve(SPEEDS, friction))
+    assert fit.converged
+    assert len(SPEEDS) * fit.rmse_n**2 <= grid_cost(friction) * (1 + 1e-9)
+    for name, p in fit.parameters.items():
+        assert TABLE_6_1[name][0] <= p.value <= TABLE_6_1[name][1]
+
+
+def test_a_stribeck_speed_below_its_bound_is_flagged_in_plain_words(make_curve):
+    truth = (300, 535, 0.02, 2250)
+    fit = fit_tustin(make_curve(SPEEDS, noisy(1, sigma=2.0, truth=truth)))
+    stribeck = fit.parameters["v_stribeck_m_s"]
+    assert stribeck.at_bound == "lower" and stribeck.value == 0.05
+    assert stribeck.se is None and stribeck.ci95 is None
+    assert "v_stribeck_m_s is at its lower bound 0.05 m/s: the data would have it lower" in (
+        fit.message
+    )
+
+
+def test_other_parameters_at_a_bound_are_those_of_the_reduced_fit(make_curve):
+    friction = noisy(2, sigma=2.0, truth=(300, 535, 0.02, 2250))
+    fit = fit_tustin(make_curve(SPEEDS, friction))
+    e = np.exp(-SPEEDS / 0.05)
+    matrix = np.column_stack([1 - e, e, SPEEDS])
+    expected, rss, *_ = np.linalg.lstsq(matrix, friction, rcond=None)
+    np.testing.assert_allclose(values(fit)[[0, 1, 3]], expected, rtol=1e-6)
+    covariance = np.linalg.inv(matrix.T @ matrix) * rss[0] / (15 - 3)
+    free = ["f_coulomb_n", "f_stiction_n", "b_viscous_n_s_m"]
+    found = [fit.parameters[name].se for name in free]
+    np.testing.assert_allclose(found, np.sqrt(np.diag(covariance)), rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("truth", "name", "side"),
+    [
+        ((-200, 600, 0.1, 3000), "f_coulomb_n", "lower"),
+        ((200, 600, 0.5, 500), "v_stribeck_m_s", "upper"),
+        ((400, 600, 0.08, -400), "b_viscous_n_s_m", "lower"),
+    ],
+)
+def test_each_bound_is_found_active(make_curve, truth, name, side):
+    fit = fit_tustin(make_curve(SPEEDS, noisy(3, sigma=0.1, truth=truth)))
+    assert fit.parameters[name].at_bound == side
+    assert fit.parameters[name].value == TABLE_6_1[name][0 if side == "lower" else 1]
+    assert f"{name} is at its {side} bound" in fit.message
+
+
+def test_a_parameter_near_its_bound_but_not_drawn_to_it_is_free(make_curve):
+    truth = np.array([0.2, 600.0, 0.1, 1300.0])
+    fit = fit_tustin(make_curve(SPEEDS, law(SPEEDS, *truth)))
+    assert fit.parameters["f_coulomb_n"].at_bound is None
+    np.testing.assert_allclose(values(fit), truth, rtol=1e-4)
+
+
+def test_intervals_of_the_parameters_cover_the_truth(make_curve):
+    inside = np.zeros(4)
+    n = 150
+    for seed in range(n):
+        fit = fit_tustin(make_curve(SPEEDS, noisy(seed, sigma=1.0)))
+        for i, name in enumerate(NAMES):
+            low, high = fit.parameters[name].ci95
+            inside[i] += low <= TRUTH[i] <= high
+    assert np.all(np.abs(inside / n - 0.95) < 0.06)
+
+
+def test_a_curve_of_another_form_converges_and_its_rmse_is_the_distance_to_its_line(make_curve):
+    friction = 300 + 250 * np.exp(-((SPEEDS / 0.06) ** 1.5)) + 1200 * SPEEDS
+    fit = fit_tustin(make_curve(SPEEDS, friction))
+    line = dict(fit.line)
+    rest = friction - np.array([line[v] for v in SPEEDS])
+    assert fit.converged
+    assert fit.rmse_n == pytest.approx(np.sqrt(np.mean(rest**2)), rel=1e-9)
+    assert fit.rmse_n > 2  # it can't follow that form, and says so
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_line_is_the_law_at_the_points_and_between_them_only(make_curve, sign):
+    curve = make_curve(SPEEDS, noisy(0), "extend" if sign > 0 else "retract")
+    fit = fit_tustin(curve)
+    v, friction = np.array(fit.line).T
+    assert {point.v_m_s for point in curve.points} <= set(v.tolist())
+    assert np.abs(v).min() == SPEEDS.min() and np.abs(v).max() == SPEEDS.max()
+    np.testing.assert_allclose(friction, sign * law(np.abs(v), *values(fit)))
+    np.testing.assert_allclose(tustin(np.abs(v), values(fit)), law(np.abs(v), *values(fit)))
+
+
+def test_without_a_stribeck_part_its_speed_is_not_determined(make_curve):
+    fit = fit_tustin(make_curve(SPEEDS, 300 + 1000 * SPEEDS))
+    assert fit.parameters["v_stribeck_m_s"].se is None
+    assert "does not determine v_stribeck_m_s" in fit.message
+
+
+def test_low_speeds_alone_do_not_determine_the_viscous_part(make_curve):
+    slow = SPEEDS / 10
+    rest = np.random.default_rng(0).standard_normal(len(slow))
+    fit = fit_tustin(make_curve(slow, law(slow, *TRUTH) + rest))
+    assert "b_viscous_n_s_m" in fit.message
+
+
+def test_as_many_points_as_parameters_leave_no_standard_error(make_curve):
+    speeds = SPEEDS[[0, 3, 7, 14]]
+    fit = fit_tustin(make_curve(speeds, law(speeds, *TRUTH)))
+    assert fit.converged and "no standard errors" in fit.message
+    assert all(p.se is None and p.ci95 is None for p in fit.parameters.values())
+
+
+def test_fewer_points_than_parameters_do_not_converge_and_raise_nothing(make_curve):
+    fit = fit_tustin(make_curve(SPEEDS[:3], law(SPEEDS[:3], *TRUTH)))
+    assert not fit.converged and "3 points" in fit.message and not fit.parameters
+
+
+def test_curves_with_few_speeds_are_left_out_with_a_note(make_curve):
+    few, enough = make_curve(SPEEDS[:3], [1, 2, 3]), make_curve(SPEEDS, noisy(0))
+    assert fits(few) == () and [fit.law for fit in fits(enough)] == ["tustin"]
+    assert left_out([few, enough]) == (
+        "curve steady, extend, 2000 N: 3 speeds, not fitted; a fit needs 4",
+    )
+
+
+def test_friction_of_zero_is_no_error(make_curve):
+    fit = fit_tustin(make_curve(SPEEDS, np.zeros(15)))
+    assert fit.rmse_n == pytest.approx(0, abs=1e-12)
+
+
+def test_a_fit_is_made_of_plain_numbers(make_curve):
+    fit = fit_tustin(make_curve(SPEEDS, noisy(0)))
+    json.dumps([vars(p) for p in fit.parameters.values()] + [fit.converged, fit.rmse_n, fit.line])
+
+
+def test_a_fit_takes_a_few_milliseconds(make_curve):
+    curve = make_curve(SPEEDS, noisy(0))
+    times = []
+    for _ in range(5):
+        start = time.perf_counter()
+        fit_tustin(curve)
+        times.append(time.perf_counter() - start)
+    assert min(times) < 0.02

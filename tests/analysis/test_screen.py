@@ -1,0 +1,269 @@
+"""Each reason is given beyond its limit, and not just inside it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hbench.analysis.screen import CODES, screen
+from hbench.records import Specimen
+
+
+def codes(screened):
+    return [reason.split(":")[0] for reason in screened.reasons]
+
+
+def marked(run, flags, start_s, stop_s):
+    """Return the run with a flag set between two times."""
+    return replace(run, **{flags: (run.t_s > start_s) & (run.t_s < stop_s)})
+
+
+def without(run, lost):
+    """Return the run without some of its samples."""
+    kept = ~lost
+    names = [name for name, value in vars(run).items() if isinstance(value, np.ndarray)]
+    return replace(run, **{name: getattr(run, name)[kept] for name in names})
+
+
+# ---- clean runs ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_means_of_an_exact_run_are_its_closed_form(make_run, rules, direction):
+    run = make_run(v_m_s=direction * 0.05, friction_n=400, f_applied_n=2000, p_tr_pa=20e5)
+    means = screen(run, rules).means
+    assert means.v_m_s == pytest.approx(direction * 0.05, rel=1e-9)
+    assert means.friction_n == pytest.approx(direction * 400, rel=1e-9)
+    assert means.f_test_n == pytest.approx(2000 + direction * 400, rel=1e-9)
+    assert means.f_applied_n == pytest.approx(2000, rel=1e-9)
+    assert means.p_tp_pa == pytest.approx((2000 + direction * 400 + 1500) / 1.25e-3, rel=1e-9)
+    assert means.p_tr_pa == pytest.approx(20e5, rel=1e-9)
+
+
+def test_the_window_waits_for_time_and_for_travel(make_run, rules):
+    fast, slow = make_run(v_m_s=0.1), make_run(v_m_s=0.01, duration_s=3)
+    # At the reference from the record at 0.105 s on; then 0.3 s, or 10 mm at 10 mm/s.
+    assert screen(fast, rules).means.t_start_s == pytest.approx(0.405)
+    assert screen(slow, rules).means.t_start_s == pytest.approx(1.105)
+    assert screen(fast, rules).means.t_stop_s == pytest.approx(1.995)
+
+
+@pytest.mark.parametrize("noise", [1.0, 5.0])
+@pytest.mark.parametrize("speed", [0.005, 0.05, -0.15, -0.19])
+def test_noisy_steady_runs_are_accepted_in_more_than_99_of_100(make_run, rules, speed, noise):
+    duration = 3.6 if abs(speed) < 0.01 else 1.6
+    runs = [
+        make_run(v_m_s=speed, duration_s=duration, noise=noise, seed=seed) for seed in range(150)
+    ]
+    assert np.mean([not screen(run, rules).accepted for run in runs]) < 0.01
+
+
+# ---- off the reference ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("v_ref", "limit"),
+    [
+        (0.005, 0.0005),  # absolute
+        (0.050, 0.0015),  # 3 %
+        (0.150, 0.0045),  # 3 %: the source's limit holds above
+        (0.151, 0.0020),  # the source's
+    ],
+)
+def test_off_reference_from_its_limit_on(make_run, rules, v_ref, limit, sign):
+    duration = 4.0 if v_ref < 0.01 else 1.6
+    for part, rejected in ((0.98, False), (1.02, True), (-0.98, False), (-1.02, True)):
+        v = sign * (v_ref + part * limit)
+        run = make_run(v_m_s=v, v_ref_m_s=sign * v_ref, duration_s=duration)
+        assert ("off_reference" in codes(screen(run, rules))) == rejected
+
+
+# ---- where the piston is -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("distance_m", "rejected"), [(0.0021, False), (0.0019, True)])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_end_stop_within_its_margin(make_run, rules, direction, distance_m, rejected):
+    run = make_run(v_m_s=direction * 0.1)
+    last = 0.4 - distance_m if direction > 0 else distance_m
+    run = replace(run, x_m=run.x_m + last - run.x_m[-1])
+    assert ("end_stop" in codes(screen(run, rules))) == rejected
+
+
+def test_an_end_stop_of_unknown_place_is_not_looked_for(make_run, rules):
+    run = make_run()
+    foreign = replace(
+        run,
+        plan=replace(run.plan, specimen=Specimen(1.25e-3, 0.75e-3, None)),
+        x_m=run.x_m - 0.05,
+        at_reference=None,
+    )
+    assert screen(foreign, rules).accepted
+
+
+@pytest.mark.parametrize(("standing_s", "rejected"), [(0.05, False), (0.5, True)])
+def test_a_piston_that_stands_while_the_reference_moves_on_is_at_a_stop(
+    make_run, rules, standing_s, rejected
+):
+    run = make_run(v_m_s=0.1, wobble=lambda t: np.where(t > 2.0 - standing_s, -0.1, 0))
+    assert ("end_stop" in codes(screen(run, rules))) == rejected
+
+
+def test_stick_slip_is_not_steady_and_not_an_end_stop(make_run, rules):
+    def stick_slip(t):
+        return np.where((t > 0.5) & (t % 0.6 > 0.3), -0.01, 0.01 * (t > 0.5))
+
+    run = make_run(v_m_s=0.01, duration_s=4.2, wobble=stick_slip)
+    found = codes(screen(run, rules))
+    assert "not_steady" in found and "end_stop" not in found
+
+
+# ---- steadiness ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("part", "rejected"), [(0.93, False), (1.07, True)])
+@pytest.mark.parametrize(("v", "limit"), [(0.02, 0.002), (0.1, 0.005)])
+def test_speed_ripple_from_its_limit_on(make_run, rules, v, limit, part, rejected):
+    amplitude = part * limit * np.sqrt(2) / np.sinc(0.1) ** 2
+    run = make_run(v_m_s=v, duration_s=3.6, wobble=lambda t: amplitude * np.sin(2 * np.pi * t))
+    # Whole periods, so that the mean is the reference's.
+    run = marked(run, "at_reference", 0.1, 3.6 if v > 0.05 else 3.1)
+    assert codes(screen(run, rules)) == (["not_steady"] if rejected else [])
+
+
+@pytest.mark.parametrize(("drift_n", "rejected"), [(39, False), (41, True), (-39, False)])
+def test_friction_drift_from_its_absolute_limit_on(make_run, rules, drift_n, rejected):
+    # The window is 1.59 s long and begins at 0.405 s.
+    run = make_run(v_m_s=0.1, friction_n=300, drift_n=lambda t: drift_n * (t - 1.2) / 1.59)
+    assert codes(screen(run, rules)) == (["not_steady"] if rejected else [])
+
+
+@pytest.mark.parametrize(("drift_n", "rejected"), [(78, False), (82, True)])
+def test_friction_drift_from_its_relative_limit_on(make_run, rules, drift_n, rejected):
+    run = make_run(v_m_s=0.1, friction_n=800, drift_n=lambda t: drift_n * (t - 1.2) / 1.59)
+    assert codes(screen(run, rules)) == (["not_steady"] if rejected else [])
+
+
+# ---- the log -------------------------------------------------------------------------------------
+
+
+def test_truncated_and_aborted_tell_why(make_run, rules):
+    run = make_run(truncated="the log ends with record 17", aborted="fault: heartbeat")
+    assert screen(run, rules).reasons == (
+        "aborted: fault: heartbeat",
+        "truncated: the log ends with record 17",
+    )
+
+
+def test_a_record_missing_in_the_window_is_a_gap_and_before_it_a_note(make_run, rules):
+    run = make_run()
+    inside = without(replace(run, missing_records=1), np.abs(run.t_s - 1.0) < 0.006)
+    before = without(replace(run, missing_records=2), np.abs(run.t_s - 0.1) < 0.01)
+    assert codes(screen(inside, rules)) == ["gapped"]
+    assert screen(before, rules).accepted
+    assert "2 records are missing outside" in screen(before, rules).notes[0]
+
+
+@pytest.mark.parametrize(("gap_s", "rejected"), [(0.09, False), (0.12, True)])
+def test_a_foreign_gap_from_its_limit_on(make_run, rules, gap_s, rejected):
+    run = make_run()
+    lost = (run.t_s > 1) & (run.t_s < 1 + gap_s - 0.01)
+    foreign = replace(without(run, lost), at_reference=None)
+    assert np.diff(foreign.t_s).max() == pytest.approx(gap_s)
+    assert ("gapped" in codes(screen(foreign, rules))) == rejected
+
+
+@pytest.mark.parametrize("code", ["sensor_saturated", "valve_saturated"])
+def test_saturation_counts_within_the_window(make_run, rules, code):
+    run = make_run(v_m_s=0.1)  # window from 0.405 s
+    assert codes(screen(marked(run, code, 1.0, 1.01), rules)) == [code]
+    assert screen(marked(run, code, 0.0, 0.40), rules).accepted
+
+
+@pytest.mark.parametrize(("stop_s", "rejected"), [(0.711, False), (0.689, True)])
+def test_too_short_a_window(make_run, rules, stop_s, rejected):
+    run = marked(make_run(v_m_s=0.1), "at_reference", 0.1, stop_s)
+    screened = screen(run, rules)
+    assert codes(screened) == (["too_short"] if rejected else [])
+    assert (screened.means is None) == rejected
+
+
+def test_a_reference_that_was_never_reached_is_too_short(make_run, rules):
+    run = marked(make_run(), "at_reference", 9, 9)
+    assert "never reached" in screen(run, rules).reasons[0]
+
+
+@pytest.mark.parametrize("channel", ["p_tp_pa", "p_tr_pa", "f_applied_n"])
+def test_friction_needs_three_channels(make_run, rules, channel):
+    screened = screen(replace(make_run(), **{channel: None}), rules)
+    assert codes(screened) == ["missing_channel"]
+    assert channel in screened.reasons[0]
+    assert screened.means is None
+
+
+def test_a_cylinder_without_rod_side_needs_no_rod_pressure(make_run, rules):
+    run = make_run(v_m_s=0.1, p_tr_pa=0.0)
+    plunger = replace(run, p_tr_pa=None, plan=replace(run.plan, specimen=Specimen(1.25e-3, 0.0)))
+    assert screen(plunger, rules).means.friction_n == pytest.approx(400)
+
+
+def test_samples_without_value_are_left_out_and_told(make_run, rules):
+    run = make_run()
+    run.f_applied_n[100:103] = np.nan
+    screened = screen(run, rules)
+    assert screened.accepted
+    assert "3 of 200 samples" in screened.notes[0]
+    run.f_applied_n[100:120] = np.nan
+    assert codes(screen(replace(run, at_reference=None), rules)) == ["gapped"]
+
+
+@pytest.mark.parametrize("foreign", [True, False])
+def test_an_empty_log_is_rejected_and_raises_nothing(make_run, rules, foreign):
+    run = make_run(truncated="the log holds no record")
+    empty = without(run, np.ones(len(run.t_s), dtype=bool))
+    empty = replace(empty, at_reference=None if foreign else empty.at_reference)
+    assert codes(screen(empty, rules)) == ["truncated", "too_short"]
+
+
+def test_all_reasons_are_given_the_most_fundamental_first(make_run, rules):
+    run = make_run(
+        v_m_s=0.1,
+        v_ref_m_s=0.2,
+        aborted="fault: travel",
+        truncated="no last record",
+        valve_saturated=np.ones(200, dtype=bool),
+        drift_n=lambda t: 200 * t,
+    )
+    found = codes(screen(run, rules))
+    assert found == ["aborted", "truncated", "valve_saturated", "off_reference", "not_steady"]
+    assert found == sorted(found, key=CODES.index)
+
+
+def test_other_kinds_are_screened_for_integrity_only(make_run, rules):
+    run = make_run(wobble=lambda t: 0.05 * np.sin(5 * t))
+    ramp = replace(run, plan=replace(run.plan, kind="ramp"))
+    screened = screen(ramp, rules)
+    assert screened.accepted and screened.means is None
+    assert "only the log's integrity" in screened.notes[0]
+    assert codes(screen(replace(ramp, truncated="cut"), rules)) == ["truncated"]
+
+
+# ---- another bench's strokes ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_stroke_without_reference_is_cut_at_both_ends(make_run, rules, direction):
+    v = direction * 0.02
+
+    def ends(t):
+        return np.where(t < 0.5, v * (t / 0.5 - np.minimum(t / 0.1, 1)), 0) - np.where(
+            t > 2.5, v * np.minimum((t - 2.5) / 0.5, 1), 0
+        )
+
+    run = make_run(v_m_s=v, duration_s=3.0, wobble=ends, noise=1.0)
+    screened = screen(replace(run, at_reference=None), rules)
+    assert screened.accepted
+    assert screened.means.v_m_s == pytest.approx(v, rel=5e-3)
+    assert 0.8 < screened.means.t_start_s < 1.2
+    assert 2.2 < screened.means.t_stop_s < 2.5

@@ -1,0 +1,89 @@
+"""Speed, ripple and drift, against exact signals and against their own scatter."""
+
+import numpy as np
+import pytest
+
+from hbench.analysis.steadiness import (
+    block_speeds,
+    drift,
+    mean_speed,
+    position_noise,
+    speed_ripple,
+)
+
+T = np.arange(150) / 100
+
+
+def uneven(rng, n=150):
+    return np.cumsum(rng.uniform(0.002, 0.02, n))
+
+
+def test_mean_speed_is_the_least_squares_slope():
+    rng = np.random.default_rng(1)
+    t, x = uneven(rng), rng.standard_normal(150)
+    assert mean_speed(t, x) == pytest.approx(np.polyfit(t, x, 1)[0], rel=1e-9)
+
+
+def test_block_speeds_of_a_straight_motion_are_its_speed_for_even_and_uneven_times():
+    rng = np.random.default_rng(2)
+    for t in (T, uneven(rng), T[np.r_[0:40, 75:150]]):
+        np.testing.assert_allclose(block_speeds(t, 0.3 - 0.02 * t).v_m_s, -0.02, rtol=1e-9)
+
+
+def test_block_speeds_count_a_tenth_of_a_second_each():
+    assert len(block_speeds(T, T).v_m_s) == 14
+
+
+@pytest.mark.parametrize("even", [True, False])
+def test_position_noise_is_found_under_motion(even):
+    rng = np.random.default_rng(3)
+    t = np.arange(20000) / 100 if even else uneven(rng, 20000)
+    x = 0.05 * t + 1e-3 * np.sin(2 * t) + 2e-5 * rng.standard_normal(20000)
+    assert position_noise(t, x) == pytest.approx(2e-5, rel=0.03)
+
+
+def test_noise_of_block_speeds_is_their_scatter():
+    rng = np.random.default_rng(4)
+    t = np.arange(50000) / 100
+    speeds = block_speeds(t, 0.05 * t + 3e-5 * rng.standard_normal(len(t)))
+    assert speeds.noise_m_s == pytest.approx(np.std(speeds.v_m_s), rel=0.05)
+
+
+@pytest.mark.parametrize("n", [30, 60, 150, 400])
+def test_noise_alone_passes_a_ripple_limit_of_zero_in_all_but_some_in_a_thousand(n):
+    rng = np.random.default_rng(n)
+    t = np.arange(n) / 100
+    runs = [speed_ripple(t, 3e-5 * rng.standard_normal(n)) for _ in range(2000)]
+    over = np.mean([run.total_m_s > run.noise_m_s for run in runs])
+    assert over < 0.005
+
+
+def test_ripple_of_a_slow_oscillation_is_its_standard_deviation():
+    t = np.arange(300) / 100
+    x = 0.05 * t + 0.004 / (2 * np.pi) * np.sin(2 * np.pi * t)
+    # Speeds between neighbouring block means are 0.1 s means twice: sinc(0.1)^2 at 1 Hz.
+    expected = 0.004 / np.sqrt(2) * np.sinc(0.1) ** 2
+    assert speed_ripple(t, x).total_m_s == pytest.approx(expected, rel=0.03)
+
+
+def test_drift_of_a_straight_line_is_its_rise():
+    found = drift(T, 300 + 20 * T)
+    assert found.value == pytest.approx(20 * (T[-1] - T[0]), rel=1e-12)
+    assert found.se == pytest.approx(0, abs=1e-9)
+
+
+def test_standard_error_of_the_drift_is_its_scatter():
+    rng = np.random.default_rng(5)
+    found = [drift(T, 20 * rng.standard_normal(len(T))) for _ in range(2000)]
+    scatter = np.std([one.value for one in found])
+    assert np.mean([one.se for one in found]) == pytest.approx(scatter, rel=0.08)
+    assert abs(np.mean([one.value for one in found])) < 4 * scatter / np.sqrt(2000)
+
+
+def test_drift_is_not_moved_by_a_spike_at_the_end():
+    rng = np.random.default_rng(6)
+    y = 300 + rng.standard_normal(len(T))
+    spiked = y.copy()
+    spiked[-3:] += 2000
+    assert abs(drift(T, spiked).value - drift(T, y).value) < 1
+    assert abs(np.polyfit(T, spiked, 1)[0]) > 100  # least squares is moved
