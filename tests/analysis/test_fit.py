@@ -208,7 +208,7 @@ def test_curves_with_few_speeds_are_left_out_with_a_note(make_curve):
 
 def test_friction_of_zero_is_no_error(make_curve):
     fit = fit_tustin(make_curve(SPEEDS, np.zeros(15)))
-    assert fit.rmse_n == pytest.approx(0, abs=1e-12)
+    assert fit.converged and fit.rmse_n < 1e-6
 
 
 def test_a_fit_is_made_of_plain_numbers(make_curve):
