@@ -8,7 +8,7 @@ from hbench.model.cylinders import (
     pressure_rate,
     retracting_volumes,
 )
-from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, Z_T, initial_state
+from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, Z_T, V, X, initial_state
 from hbench.model.simulation import simulate
 
 BAR = 1e5

@@ -111,10 +111,10 @@ def test_the_run_starts_reverses_and_stops_without_cavitation(run):
 def test_steps_converge_to_scipy_on_the_same_equations(run):
     _, par, trajectory = run
     states = reference(compiled_rhs(par), trajectory.state[0], trajectory.u_v)
-    assert largest_relative_difference(trajectory, states) < 1e-3
+    assert largest_relative_difference(trajectory, states) < 2e-5
 
 
 def test_steps_converge_to_scipy_on_equations_written_out_anew(run, bench):
     law, _, trajectory = run
     states = reference(written_out_rhs(bench, law), trajectory.state[0], trajectory.u_v)
-    assert largest_relative_difference(trajectory, states) < 1e-3
+    assert largest_relative_difference(trajectory, states) < 2e-5
