@@ -54,10 +54,10 @@ def driver(forces: Forces) -> tuple[Literal["hydraulics", "load"] | None, str]:
     elif into_load < 0 and from_fluid < 0:
         side, force = "load", f_applied
     else:
-        return None, (
-            f"no flow of power through the cylinder: F_T = {f_test:.0f} N and "
-            f"F_applied = {f_applied:.0f} N both feed the friction"
-        )
+        sides = f"F_T = {f_test:.0f} N and F_applied = {f_applied:.0f} N"
+        if into_load > 0:
+            return None, f"{sides} both take power out, which no friction allows: check the sensors"
+        return None, f"no flow of power through the cylinder: {sides} both feed the friction"
     if abs(force) <= least:
         return None, (
             f"driving force {force:.0f} N is zero to the pressure transducers "

@@ -137,12 +137,13 @@ def test_records_of_another_run_are_left_out_and_told(bench):
     assert "2 of 6 records belong to another run" in run.truncated
 
 
-def test_records_out_of_order_are_left_out_and_told(bench):
+@pytest.mark.parametrize("back", [2, 1, 0])
+def test_records_out_of_order_are_left_out_and_told(bench, back):
     log = raw()
-    log.words[:, 1] = [0, 1, 2, 2, 3, 4]
+    log.words[:, 1] = [0, 1, 2, back, back + 1, back + 2]
     run = calibrate(log, bench)
     assert len(run.t_s) == 3
-    assert "record 2 follows record 2" in run.truncated
+    assert f"record {back} follows record 2" in run.truncated
     assert "last 3 records left out" in run.truncated
 
 

@@ -144,6 +144,12 @@ def test_points_without_flow_of_power_carry_a_reason(make_curve):
     assert "both feed the friction" in point.reason
 
 
+def test_forces_that_both_take_power_out_have_no_efficiency(make_curve):
+    point = efficiency(make_curve([0.1], [-2500.0]), instruments()).points[0]
+    assert point.efficiency is None
+    assert "which no friction allows" in point.reason
+
+
 def test_friction_along_with_the_motion_is_called_a_fault(make_curve):
     point = efficiency(make_curve([0.1], [-100.0]), instruments()).points[0]
     assert point.efficiency == pytest.approx(2000 / 1900)

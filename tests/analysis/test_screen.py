@@ -132,6 +132,16 @@ def test_speed_ripple_from_its_limit_on(make_run, rules, v, limit, part, rejecte
     assert codes(screen(run, rules)) == (["not_steady"] if rejected else [])
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_a_position_sensor_as_noisy_as_the_ripple_limit_does_not_look_unsteady(
+    make_run, rules, seed
+):
+    run = make_run(v_m_s=0.02)
+    noise = 6e-4 * np.random.default_rng(seed).standard_normal(len(run.x_m))
+    # 0.1 s means of ten samples: sqrt(2/10) 0.6 mm / 0.1 s = 2.7 mm/s; the limit is 2 mm/s.
+    assert "not_steady" not in codes(screen(replace(run, x_m=run.x_m + noise), rules))
+
+
 @pytest.mark.parametrize(("drift_n", "rejected"), [(39, False), (41, True), (-39, False)])
 def test_friction_drift_from_its_absolute_limit_on(make_run, rules, drift_n, rejected):
     # The window is 1.59 s long and begins at 0.405 s.
