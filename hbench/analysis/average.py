@@ -67,7 +67,7 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
         return np.array([np.mean([getattr(one.means, name) for one in trial]) for trial in trials])
 
     friction, f_test = of_trials("friction_n"), of_trials("f_test_n")
-    has_rod_side = runs[0].means.p_tr_pa is not None
+    has_rod_side = all(one.means.p_tr_pa is not None for one in runs)
     return CurvePoint(
         v_m_s=float(of_trials("v_m_s").mean()),
         friction_n=float(friction.mean()),
