@@ -1,4 +1,4 @@
-"""A normal random generator for compiled loops: deterministic, seeded, about 2 ns a number.
+"""A normal random generator for compiled loops: deterministic, seeded, a few ns a number.
 
 Five 12-bit fields of one 64-bit draw pick from 4096 normal quantiles, scaled to variance 1. The
 tails end at 3.7 standard deviations, which suits sensor noise and scatter.
