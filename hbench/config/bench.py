@@ -105,7 +105,7 @@ class EndStop(Section):
 class Adc(Section):
     """The converter behind every sensor."""
 
-    bits: int = Field(ge=8, le=16)
+    bits: int = Field(ge=8, le=12)  # a log word holds 1/16 counts
     reference: q.Voltage
     oversampling: int = Field(ge=1, le=256)  # conversions averaged in one control tick
     noise: q.NoiseVoltage  # standard deviation of one conversion, at the converter's input
