@@ -132,6 +132,14 @@ def _steadiness(
             f"not_steady: speed over 0.1 s varies by {1e3 * ripple.total_m_s:.2f} mm/s (standard "
             f"deviation); limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} mm/s noise"
         )
+    if run.v_m_s is not None:
+        swing = np.std(run.v_m_s[window], ddof=1)
+        limit = max(rules.speed_oscillation, rules.speed_oscillation_relative * abs(v_ref))
+        if swing > limit:
+            yield (
+                f"not_steady: the controller's velocity oscillates by {1e3 * swing:.2f} mm/s "
+                f"(standard deviation); limit {1e3 * limit:.2f} mm/s"
+            )
     if means is None:
         return
     change = drift(t, _test_force(run, window) - run.f_applied_n[window])

@@ -260,6 +260,12 @@ class Bench(Plant):
                 f"{self.limits.travel_min:g}, {self.limits.travel_max:g}, "
                 f"{self.test_cylinder.stroke:g} m"
             )
+        head = self.load_cylinder.stroke - self.load_cylinder.offset
+        if self.limits.travel_max > head:
+            raise ValueError(
+                f"limits.travel_max = {self.limits.travel_max:g} m lies beyond the load "
+                f"cylinder's head at {head:g} m (its stroke less its offset)"
+            )
         divider = self.controllers.rate / self.controllers.log_rate
         if abs(divider - round(divider)) > 1e-9 or divider < 1:
             raise ValueError("controllers.rate must be a whole multiple of controllers.log_rate")
@@ -274,12 +280,13 @@ def parse_bench(data: dict[str, Any], source: str) -> Bench:
 def parse_plant(bench_data: dict[str, Any], plant_data: dict[str, Any], source: str) -> Plant:
     """Lay the mapping of a plant file over that of its bench. Raises ``ConfigError``."""
     base = {key: bench_data[key] for key in Plant.model_fields}
-    return validate(Plant, _merge(base, plant_data), source)
+    return validate(Plant, merge(base, plant_data), source)
 
 
-def _merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
+def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
+    """Lay one mapping over another, key by key at every depth."""
     merged = dict(base)
     for key, value in over.items():
         both = isinstance(value, dict) and isinstance(base.get(key), dict)
-        merged[key] = _merge(base[key], value) if both else value
+        merged[key] = merge(base[key], value) if both else value
     return merged

@@ -101,7 +101,7 @@ def _steady(
     ramp_s, ramp_m = speed / a, speed**2 / (2 * a)
     settle_s = max(screening.settle_time, screening.settle_travel / speed)
     window_s = min(experiment.window, (travel.end - travel.start - ramp_m) / speed - settle_s)
-    if window_s < screening.min_window:
+    if window_s < screening.min_window + 2 / bench.controllers.log_rate:  # records are whole
         raise ConfigError(
             f"{key}: at {1e3 * speed:.4g} mm/s the travel leaves a steady window of "
             f"{max(window_s, 0):.2f} s; at least {screening.min_window:g} s is needed",

@@ -90,6 +90,8 @@ def _follow(client: BoardClient, recorder: "_Recorder", report: Callable) -> Non
         state = STATES[status["state"]]
         while number < status["log_next"]:  # first, so that a run is whole before the next begins
             part = client.read_log(number)
+            if not len(part.words):
+                raise DeviceError(f"the board holds no record {number}, which it said it has")
             recorder.feed(part.words)
             number = part.first + len(part.words)
         if state in ("running", "fault"):

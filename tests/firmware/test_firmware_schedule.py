@@ -134,7 +134,9 @@ def test_logged_reference_is_the_ramp_and_the_flag_marks_its_end(campaign):
         rows = log[log[:, WORD["run"]] == run]
         t = 0.01 * (rows[:, WORD["index"]] + 1.0)
         expected = np.sign(v) * np.minimum(a * t, abs(v))
-        np.testing.assert_allclose(WORD_V_M_S * signed(rows[:, WORD["v_ref"]]), expected, atol=2.1e-5)
+        np.testing.assert_allclose(
+            WORD_V_M_S * signed(rows[:, WORD["v_ref"]]), expected, atol=2.1e-5
+        )
     rows = log[log[:, WORD["run"]] == 1]
     at_reference = (rows[:, WORD["flags"]] & AT_REFERENCE) > 0
     # The ramp takes 97.1 ms, so that record 10 is the first that lies wholly after it.

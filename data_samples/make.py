@@ -1,0 +1,167 @@
+"""Makes the sample campaigns anew: ``python data_samples/make.py`` (simulated, half a minute).
+
+``stribeck-small`` comes from a plant other than the bench file's (``plant.yaml``); what that
+plant's steady friction truly is stands in ``stribeck-small.truth.json``. ``bad-runs`` holds one
+run for each reason of the screening, each spoilt by its own cause; ``bad-runs.truth.json`` names
+the reason.
+"""
+
+import itertools
+import json
+import math
+import shutil
+import tempfile
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from hbench import workflow
+from hbench.analysis.calibrate import calibrate
+from hbench.config.bench import Plant, merge, parse_bench, parse_plant
+from hbench.config.loading import read_yaml
+from hbench.records import Run
+from hbench.rig.client import BoardClient, LogPart
+from hbench.store.campaign import load_campaign
+
+HERE = Path(__file__).parent
+SEED = 20
+QUIET = {
+    "friction": {"test": {"scatter": 0}, "load": {"scatter": 0}},
+    "sensors": {"adc": {"noisy": False, "quantised": False}},
+}
+
+
+def true_friction(run: Run, plant: Plant) -> float:
+    """Return the test cylinder's true steady friction [N], signed, at a run's reference.
+
+    The law of the plant, written out, at the reference speed and the chamber pressures of the end
+    of ``run``, which was made without noise and scatter. (The pressures can't be had from the
+    load alone: the test chambers' common pressure creeps for many seconds after a reversal.)
+    """
+    friction, v = plant.friction.test, abs(run.plan.v_ref_m_s)
+    p_p, p_r = run.p_tp_pa[-50:].mean(), run.p_tr_pa[-50:].mean()
+    seal = friction.piston_seal * abs(p_p - p_r) + friction.rod_seal * p_r
+    decay = math.exp(-((v / friction.stribeck_velocity) ** friction.stribeck_exponent))
+    dry = friction.coulomb + seal + (friction.stiction - friction.coulomb) * decay
+    return math.copysign(dry + friction.viscous * v, run.plan.v_ref_m_s)
+
+
+def clock():
+    """Return a clock of fixed times: the files say nothing about when they were made."""
+    seconds = itertools.count()
+    return lambda: datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=next(seconds))
+
+
+def measure(experiment: workflow.Experiment, folder: Path, plant: Path, now, resume=False) -> None:
+    """Make the runs of an experiment on the virtual rig with ``plant`` behind it."""
+    workflow.measure(
+        experiment,
+        folder,
+        port="sim",
+        plant=plant,
+        seed=SEED,
+        resume=resume,
+        clock=now,
+        report=lambda progress: None,
+    )
+
+
+def make_stribeck() -> None:
+    """Measure the small Stribeck schedule on the other plant, and once more for the truth."""
+    experiment = workflow.load_experiment(HERE / "stribeck-small.yaml", None)
+    measure(experiment, HERE / "stribeck-small", HERE / "plant.yaml", clock())
+
+    quiet = merge(read_yaml(HERE / "plant.yaml"), QUIET)
+    plant = parse_plant(experiment.files["bench"]["content"], quiet, "quiet plant")
+    with tempfile.TemporaryDirectory() as scratch:
+        plant_file = Path(scratch) / "plant.yaml"
+        plant_file.write_text(json.dumps(quiet))
+        measure(experiment, Path(scratch) / "quiet", plant_file, clock())
+        campaign = load_campaign(Path(scratch) / "quiet")
+        runs = [calibrate(raw, experiment.bench) for raw in campaign.raw_runs()]
+    truth = [
+        {
+            "direction": run.plan.direction,
+            "f_load_n": run.plan.f_load_n,
+            "v_ref_m_s": run.plan.v_ref_m_s,
+            "friction_n": round(true_friction(run, plant), 3),
+        }
+        for run in runs
+        if run.plan.trial == 2
+    ]
+    _write_json("stribeck-small.truth.json", {"simulated": True, "points": truth})
+
+
+class Late(BoardClient):
+    """A host that comes late: the ring has overwritten records 104 to 119 when it asks."""
+
+    def status(self) -> dict:
+        """Return the status, but hear of those records only when they are all over."""
+        status = super().status()
+        if 104 < status["log_next"] <= 120:
+            status["log_next"] = 104
+        return status
+
+    def read_log(self, first: int) -> LogPart:
+        """Pull records; those that are gone are passed over, as the board does."""
+        return super().read_log(120 if 104 <= first < 120 else first)
+
+
+# One run a cause, in the order of bad-runs.yaml. ``plant`` and ``bench`` replace keys of the bench
+# file: for the simulated physics, and for what the board is told.
+TABLE_6_2 = {
+    "law": "tustin",
+    "coulomb": "1 N",
+    "stiction": "616 N",
+    "stribeck_velocity": "100 mm/s",
+    "viscous": "1341 N s/m",
+}
+BAD_RUNS = (
+    {"reason": "accepted"},
+    {
+        "reason": "off_reference",  # the integral part twenty times too slow
+        "bench": {"controllers": {"velocity": {"gain": "40 V/m", "time_constant": "1200 ms"}}},
+    },
+    {"reason": "end_stop", "plant": {"test_cylinder": {"stroke": "200 mm"}}},  # a spacer inside
+    {
+        "reason": "not_steady",  # the source's own fit as a static law: the loop does not hold
+        "plant": {"friction": {"test": TABLE_6_2, "load": {"viscous": "1800 N s/m"}}},
+    },
+    {"reason": "truncated", "keep_lines": 1500},  # the file was cut
+    {"reason": "gapped", "client": Late},
+    {"reason": "sensor_saturated", "plant": {"sensors": {"load_cell": {"amplifier": 1900}}}},
+    {
+        "reason": "valve_saturated",  # the load's piston side can't empty against the tank
+    },
+)
+
+
+def make_bad_runs() -> None:
+    """Measure the bad runs, each on its own rig, into one campaign."""
+    experiment = workflow.load_experiment(HERE / "bad-runs.yaml", None)
+    bench_data = experiment.files["bench"]["content"]
+    now, truth = clock(), {}
+    with tempfile.TemporaryDirectory() as scratch:
+        for plan, bad in zip(experiment.plans, BAD_RUNS, strict=True):
+            truth[plan.run] = bad["reason"]
+            plant = Path(scratch) / "plant.yaml"
+            plant.write_text(json.dumps(bad.get("plant", {})))
+            workflow.BoardClient = bad.get("client", BoardClient)
+            bench = parse_bench(merge(bench_data, bad.get("bench", {})), "bench")
+            one = replace(experiment, bench=bench, plans=(plan,))
+            measure(one, HERE / "bad-runs", plant, now, resume=plan.run != "0001")
+            if "keep_lines" in bad:
+                log = HERE / "bad-runs" / "runs" / f"{plan.run}.dat"
+                log.write_bytes(b"".join(log.read_bytes().splitlines(True)[: bad["keep_lines"]]))
+    _write_json("bad-runs.truth.json", {"simulated": True, "reasons": truth})
+
+
+def _write_json(name: str, data: dict) -> None:
+    (HERE / name).write_text(json.dumps(data, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    for name in ("stribeck-small", "bad-runs"):
+        shutil.rmtree(HERE / name, ignore_errors=True)
+    make_stribeck()
+    make_bad_runs()
