@@ -17,9 +17,10 @@ from pathlib import Path
 
 from hbench import workflow
 from hbench.analysis.calibrate import calibrate
+from hbench.analysis.screen import screen
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.config.loading import read_yaml
-from hbench.records import Run
+from hbench.records import ScreenedRun
 from hbench.rig.client import BoardClient, LogPart
 from hbench.store.campaign import load_campaign
 
@@ -31,19 +32,19 @@ QUIET = {
 }
 
 
-def true_friction(run: Run, plant: Plant) -> float:
+def true_friction(run: ScreenedRun, plant: Plant) -> float:
     """Return the test cylinder's true steady friction [N], signed, at a run's reference.
 
-    The law of the plant, written out, at the reference speed and the chamber pressures of the end
-    of ``run``, which was made without noise and scatter. (The pressures can't be had from the
-    load alone: the test chambers' common pressure creeps for many seconds after a reversal.)
+    The law of the plant, written out, at the reference speed and the mean chamber pressures of
+    ``run``, which was made without noise and scatter. (The pressures can't be had from the load
+    alone: the test chambers' common pressure creeps for many seconds after a reversal.)
     """
-    friction, v = plant.friction.test, abs(run.plan.v_ref_m_s)
-    p_p, p_r = run.p_tp_pa[-50:].mean(), run.p_tr_pa[-50:].mean()
+    friction, v_ref = plant.friction.test, run.run.plan.v_ref_m_s
+    p_p, p_r, v = run.means.p_tp_pa, run.means.p_tr_pa, abs(v_ref)
     seal = friction.piston_seal * abs(p_p - p_r) + friction.rod_seal * p_r
     decay = math.exp(-((v / friction.stribeck_velocity) ** friction.stribeck_exponent))
     dry = friction.coulomb + seal + (friction.stiction - friction.coulomb) * decay
-    return math.copysign(dry + friction.viscous * v, run.plan.v_ref_m_s)
+    return math.copysign(dry + friction.viscous * v, v_ref)
 
 
 def clock():
@@ -78,16 +79,19 @@ def make_stribeck() -> None:
         plant_file.write_text(json.dumps(quiet))
         measure(experiment, Path(scratch) / "quiet", plant_file, clock())
         campaign = load_campaign(Path(scratch) / "quiet")
-        runs = [calibrate(raw, experiment.bench) for raw in campaign.raw_runs()]
+        runs = [
+            screen(calibrate(raw, experiment.bench), campaign.screening())
+            for raw in campaign.raw_runs()
+        ]
     truth = [
         {
-            "direction": run.plan.direction,
-            "f_load_n": run.plan.f_load_n,
-            "v_ref_m_s": run.plan.v_ref_m_s,
+            "direction": run.run.plan.direction,
+            "f_load_n": run.run.plan.f_load_n,
+            "v_ref_m_s": run.run.plan.v_ref_m_s,
             "friction_n": round(true_friction(run, plant), 3),
         }
         for run in runs
-        if run.plan.trial == 2
+        if run.run.plan.trial == 2
     ]
     _write_json("stribeck-small.truth.json", {"simulated": True, "points": truth})
 

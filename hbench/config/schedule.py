@@ -63,7 +63,7 @@ class Screening(Section):
     """When a run counts. Every limit that rejects a run stands here."""
 
     settle_time: q.Duration = 0.3  # from reaching the reference to the window
-    settle_travel: q.Length = 0.01  # the window also waits for this much travel (presliding)
+    settle_travel: q.Length = 0.02  # and this much travel: about ten lengths of presliding
     min_window: q.Duration = 0.3
     high_speed: q.Speed = 0.15  # the source's limit holds above this
     high_speed_error: q.Speed = 0.002

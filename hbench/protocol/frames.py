@@ -1,8 +1,8 @@
 """Frames on the wire: [sequence][type][payload][CRC-16], COBS-stuffed, ended by a zero octet.
 
 The CRC is CRC-16/CCITT-FALSE over all before it, little-endian. (It starts from 0xFFFF; XMODEM's
-start from 0 would not see a leading zero come or go, so one flipped bit could pass.) A frame that fails its check is
-dropped without a word: the host asks again.
+start from 0 would not see a leading zero come or go, so one flipped bit could pass.) A frame that
+fails its check is dropped without a word: the host asks again.
 """
 
 import binascii
