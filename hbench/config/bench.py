@@ -266,6 +266,11 @@ class Bench(Plant):
                 f"limits.travel_max = {self.limits.travel_max:g} m lies beyond the load "
                 f"cylinder's head at {head:g} m (its stroke less its offset)"
             )
+        if self.controllers.return_speed > 0.9 * self.limits.speed_max:
+            raise ValueError(
+                f"controllers.return_speed = {self.controllers.return_speed:g} m/s is above 90 % "
+                f"of limits.speed_max = {self.limits.speed_max:g} m/s"
+            )
         divider = self.controllers.rate / self.controllers.log_rate
         if abs(divider - round(divider)) > 1e-9 or divider < 1:
             raise ValueError("controllers.rate must be a whole multiple of controllers.log_rate")

@@ -9,6 +9,8 @@ from hbench.config.schedule import Schedule, Screening, Steady, Velocities
 from hbench.errors import ConfigError
 from hbench.records import Motion, RunPlan, Specimen
 
+_LAG_S = 0.05  # of the velocity loop and its settling, to be added to the way to brake
+
 
 def polynomial_speeds(velocities: Velocities) -> np.ndarray:
     """Return v_i = a i + b i^2, i = 1..count, from ``first`` to ``last`` [m/s] (section 5.3)."""
@@ -129,7 +131,7 @@ def _steady(
 
 def _check_travel(experiment: Steady, bench: Bench, key: str) -> None:
     limits, top = bench.limits, max(_speeds(experiment))
-    brake = top**2 / (2 * bench.controllers.acceleration)
+    brake = top**2 / (2 * bench.controllers.acceleration) + _LAG_S * top
     low, high = limits.travel_min, limits.travel_max
     if experiment.direction == "extend":
         high -= brake

@@ -37,9 +37,8 @@ def port_flow(
     and 2.18 as they stand; 2.14 is ``-port_flow(-u_T, ...)``, flow out of the rod chamber.
     """
     opening = clamp(spool, valve.limit_v)
-    if opening >= 0.0:
-        return valve.flow_gain * opening * signed_root(p_supply - p_chamber)
-    return valve.flow_gain * opening * signed_root(p_chamber - p_tank)
+    drop = p_supply - p_chamber if opening >= 0.0 else p_chamber - p_tank
+    return valve.flow_gain * opening * signed_root(drop)
 
 
 @compiled

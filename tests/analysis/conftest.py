@@ -24,7 +24,7 @@ def bench():
 
 @pytest.fixture
 def rules():
-    return Screening()
+    return Screening(settle_travel="10 mm")
 
 
 @pytest.fixture

@@ -81,8 +81,8 @@ def test_quantised_words_are_whole_counts(quantised):
 
 
 def test_noise_of_a_tick_is_that_of_averaged_conversions(bench):
-    """Against 32 conversions of numpy's own noise, each rounded to a count."""
-    sensors = bench.sensors
+    """Against conversions with numpy's own noise, each rounded to a count."""
+    sensors, adc = bench.sensors, bench.sensors.adc
     par, noise = sensor_parameters(sensors), new_noise(5)
     values = np.tile(VALUES, (4000, 1)) * np.linspace(0.9, 1.1, 4000)[:, None]
     words = np.zeros((4000, 7), dtype=np.uint16)
@@ -90,10 +90,11 @@ def test_noise_of_a_tick_is_that_of_averaged_conversions(bench):
         convert(value, par, noise, word)
     truth = values * np.array(par.per_unit) + np.array(par.zero)
     rng = np.random.default_rng(0)
-    sigma = 0.7e-3 * 4096 / 3
-    brute = np.rint(truth[..., None] + rng.normal(0, sigma, (*truth.shape, 32))).mean(axis=-1)
+    sigma = adc.noise * 4096 / 3
+    conversions = rng.normal(0, sigma, (*truth.shape, adc.oversampling))
+    brute = np.rint(truth[..., None] + conversions).mean(axis=-1)
     assert (words / 16 - truth).std() == pytest.approx((brute - truth).std(), rel=0.03)
-    assert (words / 16 - truth).mean() == pytest.approx(0, abs=4 * 0.18 / np.sqrt(28_000))
+    assert (words / 16 - truth).mean() == pytest.approx(0, abs=4 * 0.1 / np.sqrt(28_000))
 
 
 def test_same_seed_same_bytes(bench):
