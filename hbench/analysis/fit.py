@@ -6,7 +6,7 @@ along with the motion stays negative):
     F(v) = F_C + (F_stiction - F_C) exp(-|v| / v_stribeck) + B |v|
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -39,22 +39,23 @@ _FULL_FILM = 2.0  # Stribeck speeds; below, the viscous part does not stand alon
 
 
 def fits(curve: Curve) -> tuple[Fit, ...]:
-    """Fit every law of ``LAWS`` to a curve; none to one that ``left_out`` names."""
-    if left_out([curve]):
+    """Fit every law of ``LAWS`` to a curve; none to one with fewer speeds than parameters."""
+    return tuple(law(curve) for law in LAWS.values()) if _speeds(curve) >= len(NAMES) else ()
+
+
+def left_out(curves: Sequence[Curve]) -> tuple[str, ...]:
+    """Return a note on the curves that ``fits`` leaves out, if there are any."""
+    few = [_speeds(curve) for curve in curves if _speeds(curve) < len(NAMES)]
+    if not few:
         return ()
-    return tuple(law(curve) for law in LAWS.values())
+    return (
+        f"{len(few)} of {len(curves)} curves have {max(few)} or fewer speeds and are not fitted; "
+        f"a fit needs {len(NAMES)}",
+    )
 
 
-def left_out(curves: Iterable[Curve]) -> tuple[str, ...]:
-    """Return a note for each curve with fewer different speeds than a law has parameters."""
-    notes = []
-    for curve in curves:
-        speeds = len({point.v_m_s for point in curve.points})
-        if speeds < len(NAMES):
-            load = "no load given" if curve.f_load_n is None else f"{curve.f_load_n:g} N"
-            name = ", ".join(filter(None, (curve.label, curve.kind, curve.direction, load)))
-            notes.append(f"curve {name}: {speeds} speeds, not fitted; a fit needs {len(NAMES)}")
-    return tuple(notes)
+def _speeds(curve: Curve) -> int:
+    return len({point.v_m_s for point in curve.points})
 
 
 def fit_tustin(curve: Curve, bounds: Mapping[str, tuple[float, float]] = TABLE_6_1) -> Fit:

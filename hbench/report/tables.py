@@ -208,7 +208,7 @@ def summary_text(results: Results) -> str:
                 " ".join(filter(None, (curve.label, curve.direction))),
                 force(curve.f_load_n),
                 span([1e3 * abs(point.v_m_s) for point in curve.points]),
-                span([abs(point.friction_n) for point in curve.points]),
+                _friction_words(curve),
                 "; ".join(_fit_words(fit) for fit in curve.fits) or "-",
             ]
         )
@@ -219,6 +219,13 @@ def summary_text(results: Results) -> str:
     notes = [f"note: {note}" for note in results.notes]
     text = "\n".join([head, counts, "", *lines, *notes])
     return text.replace("−", "-").replace("–", " to ")  # not every terminal can show them
+
+
+def _friction_words(curve: Curve) -> str:
+    if len(curve.points) != 1:
+        return span([abs(point.friction_n) for point in curve.points])
+    (point,) = curve.points
+    return short(abs(point.friction_n)) + (f" +- {short(point.ci95_n)}" if point.ci95_n else "")
 
 
 def _fit_words(fit: Fit) -> str:

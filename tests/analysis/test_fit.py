@@ -202,8 +202,9 @@ def test_curves_with_few_speeds_are_left_out_with_a_note(make_curve):
     few, enough = make_curve(SPEEDS[:3], [1, 2, 3]), make_curve(SPEEDS, noisy(0))
     assert fits(few) == () and [fit.law for fit in fits(enough)] == ["tustin"]
     assert left_out([few, enough]) == (
-        "curve steady, extend, 2000 N: 3 speeds, not fitted; a fit needs 4",
+        "1 of 2 curves have 3 or fewer speeds and are not fitted; a fit needs 4",
     )
+    assert left_out([enough]) == ()
 
 
 def test_friction_of_zero_is_no_error(make_curve):
