@@ -20,9 +20,11 @@ from hbench.analysis.calibrate import calibrate
 from hbench.analysis.screen import screen
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.config.loading import read_yaml
+from hbench.experiment.runner import run_campaign
 from hbench.records import ScreenedRun
 from hbench.rig.client import BoardClient, LogPart
-from hbench.store.campaign import load_campaign
+from hbench.rig.virtual import VirtualRig
+from hbench.store.campaign import CampaignWriter, load_campaign
 
 HERE = Path(__file__).parent
 SEED = 20
@@ -53,15 +55,15 @@ def clock():
     return lambda: datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=next(seconds))
 
 
-def measure(experiment: workflow.Experiment, folder: Path, plant: Path, now, resume=False) -> None:
-    """Make the runs of an experiment on the virtual rig with ``plant`` behind it."""
+def measure(experiment: workflow.Experiment, folder: Path, plant: Path | None, now) -> None:
+    """Make the runs of an experiment on the virtual rig, with ``plant`` behind it."""
     workflow.measure(
         experiment,
         folder,
         port="sim",
         plant=plant,
         seed=SEED,
-        resume=resume,
+        resume=False,
         clock=now,
         report=lambda progress: None,
     )
@@ -111,8 +113,8 @@ class Late(BoardClient):
         return super().read_log(120 if 104 <= first < 120 else first)
 
 
-# One run a cause, in the order of bad-runs.yaml. ``plant`` and ``bench`` replace keys of the bench
-# file: for the simulated physics, and for what the board is told.
+# One run a cause, in the order of bad-runs.yaml after its first, good run. ``plant`` and ``bench``
+# replace keys of the bench file: for the simulated physics, and for what the board is told.
 TABLE_6_2 = {
     "law": "tustin",
     "coulomb": "1 N",
@@ -121,7 +123,6 @@ TABLE_6_2 = {
     "viscous": "1341 N s/m",
 }
 BAD_RUNS = (
-    {"reason": "accepted"},
     {
         "reason": "off_reference",  # the integral part twenty times too slow
         "bench": {"controllers": {"velocity": {"gain": "40 V/m", "time_constant": "1200 ms"}}},
@@ -143,20 +144,18 @@ BAD_RUNS = (
 def make_bad_runs() -> None:
     """Measure the bad runs, each on its own rig, into one campaign."""
     experiment = workflow.load_experiment(HERE / "bad-runs.yaml", None)
-    bench_data = experiment.files["bench"]["content"]
-    now, truth = clock(), {}
-    with tempfile.TemporaryDirectory() as scratch:
-        for plan, bad in zip(experiment.plans, BAD_RUNS, strict=True):
-            truth[plan.run] = bad["reason"]
-            plant = Path(scratch) / "plant.yaml"
-            plant.write_text(json.dumps(bad.get("plant", {})))
-            workflow.BoardClient = bad.get("client", BoardClient)
-            bench = parse_bench(merge(bench_data, bad.get("bench", {})), "bench")
-            one = replace(experiment, bench=bench, plans=(plan,))
-            measure(one, HERE / "bad-runs", plant, now, resume=plan.run != "0001")
-            if "keep_lines" in bad:
-                log = HERE / "bad-runs" / "runs" / f"{plan.run}.dat"
-                log.write_bytes(b"".join(log.read_bytes().splitlines(True)[: bad["keep_lines"]]))
+    bench_data, folder, now = experiment.files["bench"]["content"], HERE / "bad-runs", clock()
+    measure(replace(experiment, plans=experiment.plans[:1]), folder, None, now)
+    for plan, bad in zip(experiment.plans[1:], BAD_RUNS, strict=True):
+        bench = parse_bench(merge(bench_data, bad.get("bench", {})), "bench")
+        rig = VirtualRig(bench, parse_plant(bench_data, bad.get("plant", {}), "plant"), SEED)
+        client, journal = bad.get("client", BoardClient)(rig), CampaignWriter.resume(folder)
+        run_campaign([plan], bench, client, journal, now, lambda progress: None)
+        if "keep_lines" in bad:
+            log = folder / "runs" / f"{plan.run}.dat"
+            log.write_bytes(b"".join(log.read_bytes().splitlines(True)[: bad["keep_lines"]]))
+    reasons = ["accepted", *(bad["reason"] for bad in BAD_RUNS)]
+    truth = {plan.run: reason for plan, reason in zip(experiment.plans, reasons, strict=True)}
     _write_json("bad-runs.truth.json", {"simulated": True, "reasons": truth})
 
 

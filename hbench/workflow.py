@@ -111,12 +111,13 @@ def measure(
         client = BoardClient(line)
         identity = client.identify()
         plans = experiment.plans
+        header = _header(experiment, identity, port, plant, seed, clock())
         if resume:
+            campaign = load_campaign(folder)
+            _refuse_another(campaign, header)
             journal = CampaignWriter.resume(folder)
-            done = load_campaign(folder).done
-            plans = tuple(plan for plan in plans if plan.run not in done)
+            plans = tuple(plan for plan in plans if plan.run not in campaign.done)
         else:
-            header = _header(experiment, identity, port, plant, seed, clock())
             journal = CampaignWriter.create(folder, header)
         start = line.now()
         run_campaign(plans, experiment.bench, client, journal, clock, report)
@@ -184,6 +185,22 @@ def _open_port(experiment: Experiment, name: str, plant: Path | None, seed: int)
         bench_data = experiment.files["bench"]["content"]
         physics = parse_plant(bench_data, read_yaml(plant), str(plant))
     return VirtualRig(experiment.bench, physics, seed)
+
+
+def _refuse_another(campaign: Campaign, header: dict[str, Any]) -> None:
+    """Raise ``ConfigError`` where a resumed campaign would mix what can't be compared."""
+    for key in ("source", "bench", "schedule", "plant", "firmware", "log"):
+        before, now = (_content(part.get(key)) for part in (campaign.header, header))
+        if before != now:
+            raise ConfigError(
+                f"{campaign.folder}: its {key} is not the present one, so it can't be resumed",
+                "Resume with what it was begun with, or begin a new campaign.",
+            )
+
+
+def _content(section: Any) -> Any:
+    """The content of a file section: its file may have been renamed."""
+    return section.get("content", section) if isinstance(section, dict) else section
 
 
 def _header(

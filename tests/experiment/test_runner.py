@@ -131,3 +131,28 @@ def test_a_hidden_plant_leaves_only_its_hash_in_the_campaign(measure, short_sche
     measure(short_schedule(velocities=["120 mm/s"], trials=1), plant=plant)
     text = (tmp_path / "campaign" / "campaign.yaml").read_text()
     assert "sha256" in text and "654" not in text and "secret" not in text
+
+
+def test_a_campaign_is_not_resumed_with_another_bench_or_plant(measure, short_schedule, tmp_path):
+    measure(short_schedule(velocities=["120 mm/s"], trials=1))
+    with pytest.raises(ConfigError, match="bench is not the present one"):
+        schedule = short_schedule(
+            bench={"oil": {"density": "860 kg/m^3"}}, velocities=["120 mm/s"], trials=1
+        )
+        measure(schedule, resume=True)
+    with pytest.raises(ConfigError, match="schedule is not the present one"):
+        measure(short_schedule(velocities=["60 mm/s"], trials=1), resume=True)
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("oil: {bulk_modulus: 654 bar}\n")
+    with pytest.raises(ConfigError, match="plant is not the present one"):
+        measure(short_schedule(velocities=["120 mm/s"], trials=1), resume=True, plant=plant)
+
+
+def test_a_finished_campaign_resumed_makes_nothing_and_changes_nothing(
+    measure, short_schedule, tmp_path
+):
+    schedule = short_schedule(velocities=["120 mm/s"], trials=1)
+    measure(schedule)
+    before = (tmp_path / "campaign" / "campaign.yaml").read_bytes()
+    assert measure(schedule, resume=True).runs == 0
+    assert (tmp_path / "campaign" / "campaign.yaml").read_bytes() == before
