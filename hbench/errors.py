@@ -43,7 +43,7 @@ class DeviceError(HbenchError):
 
 
 class DataError(HbenchError):
-    """A log or campaign that can't be read or analyzed."""
+    """A log, campaign or firmware image that can't be read or used."""
 
     exit_code = ExitCode.DATA
 

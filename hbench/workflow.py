@@ -25,6 +25,8 @@ from hbench.records import Results, RunPlan
 from hbench.report.figures import draw_all
 from hbench.report.page import page_html
 from hbench.report.tables import TABLES
+from hbench.rig import boot_rom
+from hbench.rig.boot_image import BootImage, read_boot_image
 from hbench.rig.client import BoardClient, Identity
 from hbench.rig.ports import Port, SerialPort
 from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write_results
@@ -58,6 +60,21 @@ class Measured:
 
     runs: int
     seconds: float  # on the bench's clock
+
+
+def load_image(image_file: Path) -> BootImage:
+    """Read and check a firmware image. Raises ``ConfigError``, ``DataError``."""
+    return read_boot_image(image_file)
+
+
+def flash(image: BootImage, port: str, boot_baud: int, baud: int) -> Identity:
+    """Load ``image`` into the board at ``port``; return the firmware that then answers.
+
+    Raises ``ConfigError``, ``DeviceError``.
+    """
+    if port == "sim":
+        raise ConfigError("The virtual rig has no boot ROM", "Give --port a serial device.")
+    return boot_rom.flash(image, lambda rate: SerialPort(port, rate), boot_baud, baud)
 
 
 def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:

@@ -5,7 +5,7 @@ import sys
 import typer
 
 from hbench import __version__
-from hbench.cli import analyze, imports, init, run
+from hbench.cli import analyze, flash, imports, init, run
 from hbench.errors import HbenchError
 
 app = typer.Typer(
@@ -17,6 +17,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 app.command("init")(init.init)
+app.command("flash")(flash.flash)
 app.command("run")(run.run)
 app.command("import")(imports.import_)
 app.command("analyze")(analyze.analyze)

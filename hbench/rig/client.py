@@ -35,6 +35,10 @@ class Refused(DeviceError):
         self.refusal = refusal
 
 
+class NoAnswer(DeviceError):
+    """Nothing that could be an hbench board answered."""
+
+
 @dataclass(frozen=True)
 class Identity:
     """Who answered."""
@@ -145,7 +149,7 @@ class BoardClient:
                 return unpack(message.reply, reply.payload)
             except ValueError as error:
                 raise DeviceError(f"{self.port.name}: reply to '{name}': {error}") from None
-        raise DeviceError(
+        raise NoAnswer(
             f"{self.port.name}: no answer to '{name}' in {ATTEMPTS} attempts"
             + (f"; {self._receiver.damaged} damaged frames" if self._receiver.damaged else ""),
             "Is it an hbench board, with power, and the right port?",
