@@ -43,7 +43,8 @@ bool hb_steps_write(hb_steps *steps, hb_u16 index, const hb_step *step)
         steps->count++;
         return true;
     }
-    return index + 1u == steps->count && same(&steps->step[index], step);
+    return steps->count > 0u && index == (hb_u16)(steps->count - 1u)
+        && same(&steps->step[index], step);
 }
 
 bool hb_steps_within(const hb_steps *steps, float x_min_m, float x_max_m)

@@ -17,13 +17,14 @@ def init(directory: Path = typer.Argument(help="Folder to write into.")) -> None
     from hbench.errors import ConfigError
 
     examples = files("hbench.config") / "examples"
+    contents = {name: (examples / name).read_bytes() for name in _FILES}
     taken = [name for name in _FILES if (directory / name).exists()]
     if taken:
         raise ConfigError(f"{directory / taken[0]} exists already", "Choose another folder.")
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        for name in _FILES:
-            (directory / name).write_bytes((examples / name).read_bytes())
+        for name, content in contents.items():
+            (directory / name).write_bytes(content)
     except OSError as error:
         raise ConfigError(f"{directory}: {error.strerror}") from None
     for name in _FILES:

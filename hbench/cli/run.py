@@ -8,7 +8,7 @@ import typer
 
 def run(
     schedule: Path = typer.Argument(help="Schedule file, e.g. configs/demo.yaml."),
-    output: Path = typer.Option(..., "-o", "--output", help="Campaign folder to write."),
+    output: Path = typer.Option(None, "-o", "--output", help="Campaign folder to write."),
     bench: Path = typer.Option(None, help="Bench file; by default the schedule's own."),
     port: str = typer.Option("sim", help="'sim', a serial device, or socket://host:port."),
     plant: Path = typer.Option(None, help="Physics of the virtual rig other than the bench's."),
@@ -34,6 +34,8 @@ def run(
     )
     if check:
         return
+    if output is None:
+        raise typer.BadParameter("a campaign folder is needed", param_hint="'-o'")
     progress = ProgressLine(sys.stderr)
     try:
         summary = workflow.measure(

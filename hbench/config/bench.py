@@ -69,7 +69,7 @@ class Valve(Section):
     gain: q.quantity("m^2/V", gt=0, le=1e-3)
     bandwidth: q.Frequency
     damping: q.Number
-    limit: q.Voltage
+    limit: q.quantity("V", gt=0, le=10)  # the board's converter has +-10 V
 
 
 class Friction(Section):
@@ -105,7 +105,7 @@ class EndStop(Section):
 class Adc(Section):
     """The converter behind every sensor."""
 
-    bits: int = Field(ge=8, le=12)  # a log word holds 1/16 counts
+    bits: Literal[12]  # a log word holds 1/16 counts
     reference: q.Voltage
     oversampling: int = Field(ge=1, le=256)  # conversions averaged in one control tick
     noise: q.NoiseVoltage  # standard deviation of one conversion, at the converter's input
@@ -240,8 +240,21 @@ class Limits(Section):
     travel_min: q.Position
     travel_max: q.Position
     pressure_max: q.Pressure
-    speed_max: q.Speed
-    heartbeat: q.Duration  # longest silence of the host
+    speed_max: q.quantity("mm/s", gt=0, le=0.6)  # a log word holds 0.65 m/s
+    heartbeat: q.quantity("s", ge=1, le=60)  # longest silence of the host, which asks again for 2 s
+
+
+class Programmer(Section):
+    """An outside program that flashes the board, e.g. over JTAG."""
+
+    command: tuple[str, ...] = Field(min_length=1)  # program and arguments; {image} is the file
+    timeout: q.Duration
+
+    @model_validator(mode="after")
+    def _takes_the_image(self) -> "Programmer":
+        if not any("{image}" in part for part in self.command[1:]):
+            raise ValueError("command must have {image} in one of its arguments")
+        return self
 
 
 class Bench(Plant):
@@ -251,6 +264,7 @@ class Bench(Plant):
     controllers: Controllers
     limits: Limits
     instruments: Instruments
+    programmer: Programmer | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> "Bench":

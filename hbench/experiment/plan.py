@@ -1,5 +1,6 @@
 """From a schedule to the plan: every run with its references, checked before anything moves."""
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -33,6 +34,7 @@ def plan_runs(schedule: Schedule, bench: Bench, source: str) -> tuple[RunPlan, .
     Raises ``ConfigError`` (naming ``source`` and the key) where the bench can't make a run.
     """
     plans: list[RunPlan] = []
+    trials: Counter[tuple] = Counter()
     for number, experiment in enumerate(schedule.experiments):
         key = f"{source}: experiments.{number}"
         _check_travel(experiment, bench, key)
@@ -41,13 +43,14 @@ def plan_runs(schedule: Schedule, bench: Bench, source: str) -> tuple[RunPlan, .
             _check_pressures(load, experiment.p_lr, p_lp, bench, key)
             for speed in _speeds(experiment):
                 plan = _steady(experiment, schedule.screening, float(speed), bench, key)
-                for trial in range(1, experiment.trials + 1):
-                    run = f"{len(plans) + 1:04d}"
+                reference = (experiment.kind, plan["v_ref_m_s"], load, experiment.p_lr)
+                for _ in range(experiment.trials):
+                    trials[reference] += 1  # goes on where an experiment is listed again
                     plans.append(
                         RunPlan(
-                            run=run,
+                            run=f"{len(plans) + 1:04d}",
                             kind=experiment.kind,
-                            trial=trial,
+                            trial=trials[reference],
                             f_load_n=load,
                             p_lr_ref_pa=experiment.p_lr,
                             p_lp_ref_pa=p_lp,

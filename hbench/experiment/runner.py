@@ -12,15 +12,17 @@ from datetime import datetime
 import numpy as np
 
 from hbench.config.bench import Bench
-from hbench.errors import DeviceError
+from hbench.errors import ConfigError, DeviceError
 from hbench.experiment.plan import trials_in_a_row
 from hbench.protocol.dictionary import FAULTS, FLAGS, KINDS, RECORD, STATES
 from hbench.records import Outcome, RunPlan
-from hbench.rig.client import BoardClient
+from hbench.rig.client import BoardClient, Identity
 from hbench.rig.settings import board_settings
 from hbench.store.campaign import CampaignWriter
 
-POLL_S = 0.25  # between two looks at the board; its ring holds ten seconds
+POLL_S = 0.25  # between two looks at the board
+LEAST_LOG_S = 4.0  # that its log must hold: some lost looks and their repetitions
+END_MISSING = "the end of its log is missing"
 
 _RUN, _FLAGS = (next(i for i, w in enumerate(RECORD) if w.name == n) for n in ("run", "flags"))
 _LAST = 1 << FLAGS.index("last")
@@ -44,25 +46,56 @@ def run_campaign(
     journal: CampaignWriter,
     clock: Callable[[], datetime],
     report: Callable[[Progress], None],
+    clear_fault: bool = False,
 ) -> None:
     """Make all runs of ``plans`` and journal them.
 
-    Raises ``DeviceError`` when the board faults or the line is lost; what was measured until
-    then is in the journal.
+    A latched fault of the board is cleared only with ``clear_fault``. Raises ``ConfigError``
+    where bench file and board differ, and ``DeviceError`` when the board faults or the line is
+    lost; what was measured until then is in the journal.
     """
-    max_steps = client.identify().max_steps
+    identity = client.identify()
+    _check_rates(bench, identity)
+    _check_fault(client, clear_fault)
     settings_crc = client.write_settings(board_settings(bench))
     steps = trials_in_a_row(plans)
     recorder = _Recorder(plans, journal, clock)
     try:
-        for first in range(0, len(steps), max_steps):
-            batch = [_board_step(step) for step in steps[first : first + max_steps]]
+        for first in range(0, len(steps), identity.max_steps):
+            batch = [_board_step(step) for step in steps[first : first + identity.max_steps]]
             client.start(settings_crc, client.write_steps(batch))
-            _follow(client, recorder, report)
+            _follow(client, recorder, report, identity)
     except BaseException as error:
+        _stop(client)  # first of all: what follows may fail too
         recorder.abandon(error)
-        _stop(client)
         raise
+
+
+def _check_rates(bench: Bench, identity: Identity) -> None:
+    control = bench.controllers
+    if control.rate != identity.rate_hz:
+        raise ConfigError(
+            f"controllers.rate = {control.rate:g} Hz, but the board controls at "
+            f"{identity.rate_hz} Hz"
+        )
+    held_s = identity.ring_records / control.log_rate
+    if held_s < LEAST_LOG_S:
+        raise ConfigError(
+            f"controllers.log_rate = {control.log_rate:g} Hz: the board's log would hold "
+            f"{held_s:.1f} s; at least {LEAST_LOG_S:g} s are needed to pull it in time"
+        )
+
+
+def _check_fault(client: BoardClient, clear_fault: bool) -> None:
+    status = client.status()
+    if STATES[status["state"]] != "fault":
+        return
+    if not clear_fault:
+        raise DeviceError(
+            f"the board has stopped itself: {FAULTS[status['fault']]} limit",
+            "Look at the bench, then go on with --resume, or switch the board off and on.",
+        )
+    client.clear_fault()
 
 
 def _board_step(step: Sequence[RunPlan]) -> dict[str, float]:
@@ -82,7 +115,9 @@ def _board_step(step: Sequence[RunPlan]) -> dict[str, float]:
     }
 
 
-def _follow(client: BoardClient, recorder: "_Recorder", report: Callable) -> None:
+def _follow(
+    client: BoardClient, recorder: "_Recorder", report: Callable, identity: Identity
+) -> None:
     """Watch the board through one upload, pulling records until it is done with all."""
     status = client.status()
     number = status["log_next"]  # the board was idle, so what is logged before is not ours
@@ -104,13 +139,18 @@ def _follow(client: BoardClient, recorder: "_Recorder", report: Callable) -> Non
                 f"{FAULTS[status['fault']]} limit",
                 "Look at the bench, then go on with --resume.",
             )
+        if state == "done":
+            recorder.finish("failed", END_MISSING)
+            return
         if state != "running":
-            break
+            reset = client.identify().boots != identity.boots
+            how = "was reset" if reset else "was stopped from elsewhere"
+            raise DeviceError(
+                f"run {recorder.current or 'not begun'}: the board {how}",
+                "Go on with --resume.",
+            )
         client.wait(POLL_S)
         status = client.status()
-    recorder.finish("done", "")
-    if state != "done":
-        raise DeviceError("the board's schedule was stopped from elsewhere")
 
 
 def _stop(client: BoardClient) -> None:
@@ -122,7 +162,10 @@ def _stop(client: BoardClient) -> None:
 
 
 class _Recorder:
-    """Sorts pulled records into runs and journals each at its start and its end."""
+    """Sorts pulled records into runs and journals each at its start and its end.
+
+    Only a run whose last record has come is done.
+    """
 
     def __init__(
         self, plans: Iterable[RunPlan], journal: CampaignWriter, clock: Callable[[], datetime]
@@ -154,7 +197,7 @@ class _Recorder:
             return
         if number not in self._plans:
             raise DeviceError(f"the board reports run {number}, which is not in the plan")
-        self.finish("done", "")
+        self.finish("failed", END_MISSING)
         self._number = number
         self._journal.start_run(self._plans[number], self._clock())
 

@@ -3,9 +3,14 @@
 import pytest
 
 from hbench import workflow
-from hbench.errors import ConfigError, DeviceError, ExitCode
+from hbench.errors import ConfigError, DataError, DeviceError, ExitCode
+from hbench.model.plant import V
+from hbench.protocol.codec import BY_NAME
+from hbench.protocol.frames import Frame, encode
 from hbench.rig import virtual
-from hbench.store.campaign import load_campaign
+from hbench.rig.client import BoardClient
+from hbench.rig.firmware import HostFirmware
+from hbench.store.campaign import CampaignWriter, load_campaign
 
 
 @pytest.fixture
@@ -156,3 +161,125 @@ def test_a_finished_campaign_resumed_makes_nothing_and_changes_nothing(
     before = (tmp_path / "campaign" / "campaign.yaml").read_bytes()
     assert measure(schedule, resume=True).runs == 0
     assert (tmp_path / "campaign" / "campaign.yaml").read_bytes() == before
+
+
+class Scripted(virtual.VirtualRig):
+    """A rig to which something happens once, in the middle of the first run."""
+
+    def __init__(self, *args):
+        super().__init__(*args)
+        self.happened = False
+
+    def write(self, data):
+        extends = self._state[V] > 0.05  # the way back to the start is a retraction
+        if extends and not self.happened:
+            self.happened = True
+            self.happen()
+        super().write(data)
+
+
+class PowerCycled(Scripted):
+    def happen(self):
+        self._board = HostFirmware(boots=2)
+
+
+class StoppedFromElsewhere(Scripted):
+    def happen(self):
+        stop = encode(Frame(77, BY_NAME["stop"].code, b""))
+        self._board.receive(stop)
+        self._board.poll()
+        self._board.transmit()
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"), [(PowerCycled, "was reset"), (StoppedFromElsewhere, "from elsewhere")]
+)
+def test_a_run_that_the_board_did_not_end_itself_is_failed_and_made_again(
+    measure, short_schedule, tmp_path, monkeypatch, kind, words
+):
+    with monkeypatch.context() as patch:
+        patch.setattr(virtual, "VirtualRig", kind)
+        with pytest.raises(DeviceError, match=words):
+            measure(short_schedule())
+    (entry,) = load_campaign(tmp_path / "campaign").entries
+    assert entry.stop.outcome == "failed" and words in entry.stop.why
+    measure(short_schedule(), resume=True)
+    assert load_campaign(tmp_path / "campaign").done == {"0001", "0002", "0003", "0004"}
+
+
+def test_a_resumed_trial_is_no_copy_of_one_before(measure, short_schedule, tmp_path):
+    schedule = short_schedule(velocities=["120 mm/s"])
+
+    def interrupt(progress):
+        if progress.runs_done == 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        measure(schedule, report=interrupt)
+    measure(schedule, resume=True)
+    first, second = (raw.words for raw in load_campaign(tmp_path / "campaign").raw_runs())
+    n = min(len(first), len(second))
+    assert (first[:n, 3:] != second[:n, 3:]).mean() > 0.5
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"rate": "5 kHz"}, "the board controls at 10000 Hz"),
+        ({"log_rate": "1 kHz"}, "would hold 1.0 s"),
+    ],
+)
+def test_rates_that_the_board_does_not_have_are_refused_before_anything_moves(
+    measure, short_schedule, tmp_path, change, words
+):
+    with pytest.raises(ConfigError, match=words):
+        measure(short_schedule(bench={"controllers": change}))
+    assert load_campaign(tmp_path / "campaign").entries == ()
+
+
+def test_a_full_disk_does_not_keep_the_board_from_being_stopped(
+    measure, short_schedule, monkeypatch
+):
+    stopped = []
+    monkeypatch.setattr(BoardClient, "stop", lambda client: stopped.append(True))
+
+    def full(*_):
+        assert stopped, "the log was written before the board was told to stop"
+        raise DataError("no space left on device")
+
+    def interrupt(progress):
+        monkeypatch.setattr(CampaignWriter, "finish_run", full)
+        raise KeyboardInterrupt
+
+    with pytest.raises(DataError, match="no space"):
+        measure(short_schedule(), report=interrupt)
+
+
+def test_a_latched_fault_is_cleared_by_resume_alone(measure, short_schedule, monkeypatch):
+    """The same board, with power on all the time."""
+    rigs = []
+
+    class Lasting(virtual.VirtualRig):
+        def __new__(cls, *args):
+            return rigs[0] if rigs else super().__new__(cls)
+
+        def __init__(self, *args):
+            if not rigs:
+                super().__init__(*args)
+                rigs.append(self)
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(virtual, "VirtualRig", Lasting)
+    schedule = short_schedule(velocities=["120 mm/s"], trials=1)
+
+    def fall_silent(progress):
+        rigs[0].read(3.0)
+
+    with pytest.raises(DeviceError, match="heartbeat"):
+        measure(schedule, report=fall_silent)
+    with pytest.raises(DeviceError, match="has stopped itself: heartbeat") as error:
+        measure(schedule, "another")
+    assert "--resume" in error.value.hint
+    assert measure(schedule, resume=True).runs == 1

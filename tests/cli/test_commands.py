@@ -1,0 +1,110 @@
+"""Every command as a user calls it: exit codes, what goes where, and how soon it answers."""
+
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+
+
+@pytest.fixture
+def hbench(tmp_path):
+    """Call ``hbench`` with arguments in an empty folder; returns the finished process."""
+
+    def call(*arguments):
+        command = [sys.executable, "-c", "from hbench.cli.main import main; main()"]
+        return subprocess.run(
+            [*command, *map(str, arguments)], capture_output=True, text=True, cwd=tmp_path
+        )
+
+    return call
+
+
+@pytest.mark.parametrize("command", [(), ("run",), ("import",), ("analyze",), ("report",)])
+def test_help_tells_what_a_command_does(hbench, command):
+    done = hbench(*command, "--help")
+    assert done.returncode == 0 and "Usage" in done.stdout
+    assert not command or "Example: hbench" in done.stdout
+
+
+def test_help_answers_at_once(hbench):
+    """Under 0.3 s on a quiet machine; the best of five, with room for a busy one."""
+    took = []
+    for _ in range(5):
+        start = time.perf_counter()
+        hbench("--help")
+        took.append(time.perf_counter() - start)
+    assert min(took) < 0.5
+
+
+def test_help_loads_nothing_heavy():
+    code = (
+        "import sys; import hbench.cli.main; "
+        "print([m for m in ('numpy', 'scipy', 'pandas', 'numba', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.strip() == "[]", done.stderr
+
+
+def test_check_estimates_and_writes_nothing(hbench, short_schedule, tmp_path):
+    schedule = short_schedule()
+    before = set(tmp_path.iterdir())
+    done = hbench("run", schedule, "--check")
+    assert done.returncode == 0 and not done.stdout
+    assert "4 runs" in done.stderr and "MB" in done.stderr
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_from_a_schedule_to_the_page(hbench, short_schedule, tmp_path):
+    done = hbench("run", short_schedule(), "-o", "out")
+    assert done.returncode == 0 and done.stdout.startswith("out: 4 runs")
+    assert "mm/s" in done.stderr  # progress
+    done = hbench("report", "out")
+    assert done.returncode == 0 and "4 runs: 4 accepted" in done.stdout
+    assert (tmp_path / "out" / "results" / "report.html").is_file()
+    done = hbench("analyze", "out", "--json")
+    results = json.loads(done.stdout)
+    assert results["schema"] == "hbench.results/1"
+    assert [run["accepted"] for run in results["runs"]] == [True] * 4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("fly",), 2, "fly"),
+        (("run", "nothing.yaml", "-o", "out"), 2, "nothing.yaml"),
+        (("run", "short.yaml"), 2, "-o"),
+        (("run", "short.yaml", "-o", "out", "--port", "/dev/none"), 3, "/dev/none"),
+        (("run", "short.yaml", "-o", "out", "--resume"), 4, "campaign.yaml"),
+        (("analyze", "nothing"), 4, "nothing/campaign.yaml"),
+        (("import", "nothing", "-o", "out"), 2, "nothing"),
+    ],
+)
+def test_an_error_has_its_exit_code_and_names_its_cause_on_stderr(
+    hbench, short_schedule, arguments, code, words
+):
+    short_schedule()
+    done = hbench(*arguments)
+    assert done.returncode == code, done.stderr
+    assert words in done.stderr and "Traceback" not in done.stderr
+    assert not done.stdout
+
+
+def test_a_wrong_value_names_file_key_and_limit(hbench, short_schedule):
+    done = hbench("run", short_schedule(bench={"supply": {"pressure": "2000 bar"}}), "--check")
+    assert done.returncode == 2
+    for word in ("bench.yaml", "supply.pressure", "2000 bar", "at most 1000 bar"):
+        assert word in done.stderr
+
+
+def test_init_writes_files_that_run_accepts_and_keeps_those_that_are_there(hbench, tmp_path):
+    done = hbench("init", "mine")
+    if "examples" in done.stderr:
+        pytest.skip("the examples are put in place when hbench is installed")
+    assert done.returncode == 0
+    for schedule in ("stribeck.yaml", "demo.yaml"):
+        assert hbench("run", tmp_path / "mine" / schedule, "--check").returncode == 0
+    (tmp_path / "mine" / "demo.yaml").write_text("mine")
+    assert hbench("init", "mine").returncode == 2
+    assert (tmp_path / "mine" / "demo.yaml").read_text() == "mine"
