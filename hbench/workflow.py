@@ -29,6 +29,7 @@ from hbench.rig import boot_rom
 from hbench.rig.boot_image import BootImage, read_boot_image
 from hbench.rig.client import BoardClient, Identity
 from hbench.rig.ports import Port, SerialPort
+from hbench.rig.programmer import flash_through
 from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write_results
 from hbench.store.foreign import ImportSummary, import_folder
 
@@ -72,9 +73,27 @@ def flash(image: BootImage, port: str, boot_baud: int, baud: int) -> Identity:
 
     Raises ``ConfigError``, ``DeviceError``.
     """
+    return boot_rom.flash(image, _line_to_board(port), boot_baud, baud)
+
+
+def flash_through_programmer(image_file: Path, bench_file: Path, port: str, baud: int) -> Identity:
+    """Flash with the outside programmer of a bench file; return the firmware that then answers.
+
+    Raises ``ConfigError``, ``DeviceError``.
+    """
+    programmer = parse_bench(read_yaml(bench_file), str(bench_file)).programmer
+    if programmer is None:
+        raise ConfigError(
+            f"{bench_file}: names no programmer", "Add 'programmer' with 'command' and 'timeout'."
+        )
+    line = _line_to_board(port)
+    return flash_through(programmer.command, programmer.timeout, image_file, line, baud)
+
+
+def _line_to_board(port: str) -> Callable[[int], Port]:
     if port == "sim":
-        raise ConfigError("The virtual rig has no boot ROM", "Give --port a serial device.")
-    return boot_rom.flash(image, lambda rate: SerialPort(port, rate), boot_baud, baud)
+        raise ConfigError("The virtual rig can't be flashed", "Give --port a serial device.")
+    return lambda rate: SerialPort(port, rate)
 
 
 def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:

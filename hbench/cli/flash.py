@@ -11,26 +11,33 @@ _MAX_BOOT_BAUD = 100_000  # above it the boot ROM's measurement is unreliable (T
 
 
 def flash(
-    image: Path = typer.Argument(help="Firmware for RAM, from `hex2000 -boot -sci8 -a`."),
+    image: Path = typer.Argument(help="Firmware, for RAM from `hex2000 -boot -sci8 -a`."),
     port: str = typer.Option(..., help="A serial device, or socket://host:port."),
     boot_baud: int = typer.Option(
         _BOOT_BAUD, min=1200, max=_MAX_BOOT_BAUD, help="Rate while the boot ROM loads."
     ),
     baud: int = typer.Option(BAUD, min=1200, help="Rate at which the loaded firmware talks."),
+    bench: Path = typer.Option(
+        None, help="Bench file whose 'programmer' flashes IMAGE instead of the boot ROM."
+    ),
 ) -> None:
     """Load IMAGE into a F28335's RAM through its serial boot ROM, start it and identify it.
 
-    Set the boot pins to SCI-A and reset the board first. Never run on hardware yet.
+    Set the boot pins to SCI-A and reset the board first. With --bench, the outside programmer
+    named there flashes IMAGE, the linker's output. Never run on hardware yet.
 
     Example: hbench flash firmware.txt --port /dev/ttyUSB0
     """
     from hbench import workflow
 
-    loaded = workflow.load_image(image)
-    typer.echo(
-        f"{image}: {loaded.words} words in {len(loaded.blocks)} blocks, about "
-        f"{10 * len(loaded.stream) / boot_baud:.0f} s at {boot_baud} baud",
-        err=True,
-    )
-    identity = workflow.flash(loaded, port, boot_baud, baud)
+    if bench is not None:
+        identity = workflow.flash_through_programmer(image, bench, port, baud)
+    else:
+        loaded = workflow.load_image(image)
+        typer.echo(
+            f"{image}: {loaded.words} words in {len(loaded.blocks)} blocks, about "
+            f"{10 * len(loaded.stream) / boot_baud:.0f} s at {boot_baud} baud",
+            err=True,
+        )
+        identity = workflow.flash(loaded, port, boot_baud, baud)
     typer.echo(f"{port}: firmware '{identity.firmware}' runs on board '{identity.board}'")

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from hbench.errors import DeviceError
 from hbench.rig.boot_image import BootImage
 from hbench.rig.client import BoardClient, Identity, NoAnswer
+from hbench.rig.loaded import identify_loaded
 from hbench.rig.ports import Port
 
 WINDOW = 48  # octets on the way
@@ -28,6 +29,10 @@ _ECHO_TIMEOUT_S = 1.0
 
 _RESET = "Set the boot pins GPIO87, 86, 85, 84 to 1110 (SCI-A), reset the board and try again"
 _LINE = f"{_RESET}, at a lower --boot-baud if it comes back. Nothing was sent after it."
+_SILENT_PROGRAM = (
+    "Is it hbench firmware linked for RAM, that stops the watchdog first and talks at --baud? "
+    "Where the chip is locked (CSM), writes to L0-L3 are lost in spite of the echo."
+)
 
 
 class NotInBoot(DeviceError):
@@ -49,7 +54,7 @@ def flash(
         raise _told_by_program(open_port, baud) or error from None
     finally:
         port.close()
-    return _identify(image, open_port, baud)
+    return identify_loaded(open_port(baud), image.name, image.holds_text, _SILENT_PROGRAM)
 
 
 def load(port: Port, image: BootImage) -> None:
@@ -122,29 +127,6 @@ def _compare(name: str, stream: bytes, on_the_way: range, echo: bytes) -> None:
                 f"sent 0x{stream[at]:02X}, got 0x{got:02X}",
                 f"The line is disturbed or the rate too high. {_LINE}",
             )
-
-
-def _identify(image: BootImage, open_port: Callable[[int], Port], baud: int) -> Identity:
-    port = open_port(baud)
-    try:
-        identity = BoardClient(port).identify()
-    except NoAnswer as error:
-        raise DeviceError(
-            f"{port.name}: {image.name} is loaded and was started at 0x{image.entry:06X}, but "
-            f"does not identify itself at {baud} baud ({error.message})",
-            "Is it hbench firmware linked for RAM, that stops the watchdog first and talks at "
-            "this rate? Where the chip is locked (CSM), writes to L0-L3 are lost in spite of the "
-            "echo.",
-        ) from None
-    finally:
-        port.close()
-    if not image.holds_text(identity.firmware):
-        raise DeviceError(
-            f"{port.name}: firmware '{identity.firmware}' answers, an id that does not stand in "
-            f"{image.name}: the board runs another program than the one loaded",
-            f"Is an older program in flash? {_RESET}.",
-        )
-    return identity
 
 
 def _told_by_program(open_port: Callable[[int], Port], baud: int) -> DeviceError | None:

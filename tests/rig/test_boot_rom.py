@@ -191,8 +191,7 @@ def test_a_garbled_echo_of_the_last_byte_is_left_to_the_identification():
 
 def test_no_answer_after_loading_is_told_as_such():
     error = failure(Bench(BootRom()))
-    assert "image.txt is loaded and was started at 0x008000" in error.message
-    assert f"at {PROGRAM_BAUD} baud" in error.message
+    assert "image.txt is loaded, but no firmware identifies itself" in error.message
     assert "watchdog" in error.hint
 
 
@@ -207,7 +206,7 @@ def test_a_firmware_of_another_protocol_is_refused_by_name():
 
 
 def test_the_virtual_rig_is_not_flashed():
-    with pytest.raises(ConfigError, match="no boot ROM"):
+    with pytest.raises(ConfigError, match="can't be flashed"):
         workflow.flash(IMAGE, "sim", BAUD, PROGRAM_BAUD)
 
 
