@@ -1,8 +1,8 @@
 /* The three loops: velocity of the test cylinder, two pressures of the load cylinder.
  *
  *   u_T  follows the velocity;
- *   u_L1 feeds the load cylinder's rod side,    feedforward +C_rod v    (its oil is pushed in when
- *        the test cylinder extends, so the valve must bring it);
+ *   u_L1 feeds the load cylinder's rod side,    feedforward +C_rod v    (it grows as the test
+ *        cylinder extends, and the valve must fill it);
  *   u_L2 feeds the load cylinder's piston side, feedforward -C_piston v (4.28 with its sign
  *        corrected: that oil must leave).
  */

@@ -6,7 +6,7 @@
 void hb_core_init(hb_core *core, const hb_hal *hal, hb_log_ring ring, hb_u16 boots)
 {
     const hb_sensors_state no_sensors = {{0.0f}, {0.0f, 0.0f}, false, false};
-    const hb_schedule_state no_schedule = {HB_PHASE_NONE, 0, 0, 0, 0, {0.0f, 0.0f, 0.0f}};
+    const hb_schedule_state no_schedule = {HB_PHASE_NONE, 0, 0, 0, 0, 0, {0.0f, 0.0f, 0.0f}};
 
     core->hal = *hal;
     core->boots = boots;
@@ -108,6 +108,8 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VAL
             hb_safety_check(&core->safety_config, &core->sensors, core->silence_ticks);
         if (fault != HB_FAULT_NONE) {
             hb_core_halt(core, HB_STATE_FAULT, fault);
+        } else if (hb_schedule_overdue(&core->schedule_config, &core->schedule)) {
+            hb_core_halt(core, HB_STATE_FAULT, HB_FAULT_RETURN);
         } else {
             advance(core);
         }

@@ -4,7 +4,7 @@
 #define HB_DICTIONARY_H
 
 #define HB_PROTOCOL 1u
-#define HB_DICTIONARY_HASH 0xB8B4DC4AUL
+#define HB_DICTIONARY_HASH 0x78E1E1D3UL
 #define HB_REPLY 0x80u
 #define HB_ERROR 0xFFu
 #define HB_MAX_FRAME 254u
@@ -48,7 +48,8 @@ enum hb_fault {
     HB_FAULT_TRAVEL = 2,
     HB_FAULT_PRESSURE = 3,
     HB_FAULT_SPEED = 4,
-    HB_FAULT_STOPPED = 5
+    HB_FAULT_RETURN = 5,
+    HB_FAULT_STOPPED = 6
 };
 
 enum hb_refusal {

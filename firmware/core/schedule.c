@@ -18,6 +18,12 @@ hb_schedule_config hb_schedule_design(const hb_settings *settings)
     config.return_gain_1_s = hb_min(HB_RETURN_GAIN_1_S, 1.5f * acceleration / speed);
     config.return_speed_m_s = speed;
     config.velocity_step_m_s = acceleration * HB_PERIOD_S;
+    /* Three times the whole travel at return speed, and time to creep up to the start. */
+    config.return_ticks = hb_ticks(
+        hb_min(3.0f * (value[HB_SETTING_TRAVEL_MAX_M] - value[HB_SETTING_TRAVEL_MIN_M]) / speed
+                   + 10.0f,
+               HB_MAX_TIME_S),
+        (float)HB_RATE_HZ);
     config.pressure_step_pa = value[HB_SETTING_PRESSURE_SLEW_PA_S] * HB_PERIOD_S;
     return config;
 }
@@ -26,6 +32,7 @@ static void enter(hb_schedule_state *state, hb_u16 phase)
 {
     state->phase = phase;
     state->ticks = 0;
+    state->way_ticks = 0;
 }
 
 void hb_schedule_start(hb_schedule_state *state, float p_lr_pa, float p_lp_pa)
@@ -113,6 +120,7 @@ static void follow_phase(const hb_schedule_config *config, const hb_step *step,
                               config->return_speed_m_s),
                      config->velocity_step_m_s);
         state->ticks = hb_abs(way) <= HB_NEAR_M ? state->ticks + 1u : 0u;
+        state->way_ticks++;
         break;
     case HB_PHASE_HOLD:
         *v = hb_slew(*v, 0.0f, config->velocity_step_m_s);
@@ -144,6 +152,11 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
     const bool loaded =
         references->p_lr_pa == step->p_lr_ref_pa && references->p_lp_pa == step->p_lp_ref_pa;
     follow_phase(config, step, state, x_m, loaded);
+}
+
+bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state)
+{
+    return state->phase == HB_PHASE_RETURN && state->way_ticks > config->return_ticks;
 }
 
 bool hb_schedule_moving(const hb_schedule_state *state)

@@ -12,6 +12,7 @@ typedef struct {
     float return_speed_m_s;   /* at most, on the way back */
     float velocity_step_m_s;  /* of the return and the brake, in one tick */
     float pressure_step_pa;   /* in one tick */
+    hb_u32 return_ticks;      /* that a way back may take */
 } hb_schedule_config;
 
 typedef struct {
@@ -20,6 +21,7 @@ typedef struct {
     hb_u16 trial; /* from 0 */
     hb_u16 runs_done;
     hb_u32 ticks; /* that count towards the phase's end */
+    hb_u32 way_ticks; /* since the way back began */
     hb_references references;
 } hb_schedule_state;
 
@@ -31,6 +33,9 @@ void hb_schedule_start(hb_schedule_state *state, float p_lr_pa, float p_lp_pa);
 /* One tick, before the controllers. x_m: the position. */
 void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
                       hb_schedule_state *state, float x_m);
+
+/* The way back takes far longer than it can: the piston is held, or the pump is off. */
+bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state);
 
 /* The motion of a run is going on: accelerate or steady. */
 bool hb_schedule_moving(const hb_schedule_state *state);

@@ -107,6 +107,7 @@ FAULTS = (
     "travel",
     "pressure",
     "speed",
+    "return",  # the way back to the start takes far too long
     "stopped",  # by the host, in the middle of a schedule
 )
 REFUSALS = (

@@ -118,3 +118,17 @@ def test_silence_at_rest_is_no_fault(board):
     assert board.start() == b""
     board.tick()
     assert cause(board) == ("running", "none")
+
+
+def test_a_way_back_that_does_not_arrive_ends_in_a_latched_fault(board):
+    """The piston is held: 3 x 0.39 m / (0.15 m/s) + 10 s = 17.8 s after the start."""
+    board.write_step(x_start_m=0.2)
+    assert board.start() == b""
+    seconds = 0
+    while board.status()["state"] == STATES.index("running"):
+        for _ in range(10_000):
+            codes = board.tick()
+        seconds += 1
+        assert seconds < 30
+    assert board.status()["fault"] == FAULTS.index("return")
+    assert seconds == 18 and tuple(codes) == (0, 0, 0)
