@@ -1,8 +1,8 @@
 """The flow, one function an arrow: schedule -> campaign -> results -> report."""
 
-import hashlib
 import platform
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from importlib.metadata import version
@@ -15,7 +15,7 @@ from hbench.analysis.efficiency import efficiency
 from hbench.analysis.fit import fits, left_out
 from hbench.analysis.screen import screen
 from hbench.config.bench import Bench, Plant, parse_bench, parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.loading import file_sha256, read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
 from hbench.errors import ConfigError, DataError
 from hbench.experiment.plan import estimate_seconds, plan_runs
@@ -28,12 +28,17 @@ from hbench.report.tables import TABLES
 from hbench.rig import boot_rom
 from hbench.rig.boot_image import BootImage, read_boot_image
 from hbench.rig.client import BoardClient, Identity
+from hbench.rig.find import Found, Listed, look, system_ports
+from hbench.rig.lines import open_line
 from hbench.rig.ports import Port, SerialPort
 from hbench.rig.programmer import flash_through
+from hbench.rig.serve import FlatOut, WallClock, serve
 from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write_results
 from hbench.store.foreign import ImportSummary, import_folder
 
 _PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
+_SIMULATED_BOARDS = ("host",)  # ports of the firmware that have no bench, wherever they answer
+_SHARE_OF_HEARTBEAT = 0.5  # of a rig flat out: the rest is for the client's next word
 
 
 @dataclass(frozen=True)
@@ -142,24 +147,62 @@ def measure(
     """
     if plant is not None and port != "sim":
         raise ConfigError("--plant is for the virtual rig, and --port is not 'sim'")
-    line = _open_port(experiment, port, plant, seed)
+    campaign = load_campaign(folder) if resume else None
+    line = _open_port(experiment, port, plant, _session_seed(seed, campaign))
     try:
         client = BoardClient(line)
         identity = client.identify()
         plans = experiment.plans
         header = _header(experiment, identity, port, plant, seed, clock())
-        if resume:
-            campaign = load_campaign(folder)
+        if campaign is not None:
             _refuse_another(campaign, header)
             journal = CampaignWriter.resume(folder)
             plans = tuple(plan for plan in plans if plan.run not in campaign.done)
         else:
             journal = CampaignWriter.create(folder, header)
         start = line.now()
-        run_campaign(plans, experiment.bench, client, journal, clock, report)
+        run_campaign(plans, experiment.bench, client, journal, clock, report, clear_fault=resume)
         return Measured(len(plans), line.now() - start)
     finally:
         line.close()
+
+
+def serve_rig(
+    bench_file: Path,
+    *,
+    plant: Path | None,
+    seed: int,
+    address: str | None,
+    flat_out: bool,
+    announce: Callable[[str], None],
+) -> None:
+    """Serve the virtual rig on a socket's address ``HOST:PORT``, or else a pseudo-terminal.
+
+    ``announce`` is given the name of the port once the rig is ready for clients; they come and
+    go, one at a time, until the process is interrupted. Raises ``ConfigError``, ``DeviceError``.
+    """
+    bench_data = read_yaml(bench_file)
+    bench = parse_bench(bench_data, str(bench_file))
+    rig = _virtual_rig(bench, bench_data, plant, seed)
+    try:
+        line = open_line(address)
+        try:
+            rig.read(0.0)  # compiles, before a client waits for it
+            share_s = _SHARE_OF_HEARTBEAT * bench.limits.heartbeat
+            announce(line.name)
+            serve(rig, line, FlatOut(share_s) if flat_out else WallClock(), lambda: False)
+        finally:
+            line.close()
+    finally:
+        rig.close()
+
+
+def find_boards(names: Sequence[str]) -> tuple[Found, ...]:
+    """Look for boards on the ports named, or on all that the system lists.
+
+    It opens each port, which may toggle its control lines.
+    """
+    return look([Listed(name, "") for name in names] or system_ports())
 
 
 def import_runs(
@@ -214,13 +257,25 @@ def _tables(results: Results) -> dict[str, bytes]:
 def _open_port(experiment: Experiment, name: str, plant: Path | None, seed: int) -> Port:
     if name != "sim":
         return SerialPort(name)
+    return _virtual_rig(experiment.bench, experiment.files["bench"]["content"], plant, seed)
+
+
+def _virtual_rig(bench: Bench, bench_data: dict[str, Any], plant: Path | None, seed: int) -> Port:
     from hbench.rig.virtual import VirtualRig  # compiles; only who simulates waits for it
 
     physics: Plant | None = None
     if plant is not None:
-        bench_data = experiment.files["bench"]["content"]
         physics = parse_plant(bench_data, read_yaml(plant), str(plant))
-    return VirtualRig(experiment.bench, physics, seed)
+    return VirtualRig(bench, physics, seed)
+
+
+def _session_seed(seed: int, campaign: Campaign | None) -> int:
+    """The rig's seed: another for each session, so that a resumed trial is no copy of one before.
+
+    It follows from the campaign: its seed and the number of runs that had been started.
+    """
+    started = len(campaign.entries) if campaign else 0
+    return zlib.crc32(f"{seed} {started}".encode()) if started else seed
 
 
 def _refuse_another(campaign: Campaign, header: dict[str, Any]) -> None:
@@ -247,7 +302,7 @@ def _header(
     seed: int,
     now: datetime,
 ) -> dict[str, Any]:
-    simulated = port == "sim"
+    simulated = identity.board in _SIMULATED_BOARDS
     header = {
         "schema": "hbench.campaign/1",
         "name": experiment.schedule.name,
@@ -271,10 +326,10 @@ def _header(
             ],
         },
     }
-    if simulated:
+    if port == "sim":  # a rig that is served elsewhere keeps its seed and plant to itself
         header["seed"] = seed
     if plant is not None:
-        header["plant"] = {"sha256": hashlib.sha256(plant.read_bytes()).hexdigest()}
+        header["plant"] = {"sha256": file_sha256(plant)}
     return header
 
 

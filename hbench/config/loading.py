@@ -1,5 +1,6 @@
 """Reads a YAML file into a validated section, with errors that name file, key, value and limit."""
 
+import hashlib
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -54,6 +55,11 @@ def read_yaml(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise ConfigError(f"{path}: holds no keys; expected 'key: value' lines")
     return data
+
+
+def file_sha256(path: Path) -> str:
+    """Return the hash of a file that was read before."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
