@@ -5,7 +5,7 @@ import sys
 import typer
 
 from hbench import __version__
-from hbench.cli import analyze, flash, imports, init, run
+from hbench.cli import analyze, flash, imports, init, ports, rig, run
 from hbench.errors import HbenchError
 
 app = typer.Typer(
@@ -18,6 +18,8 @@ app = typer.Typer(
 )
 app.command("init")(init.init)
 app.command("flash")(flash.flash)
+app.command("ports")(ports.ports)
+app.command("rig")(rig.rig)
 app.command("run")(run.run)
 app.command("import")(imports.import_)
 app.command("analyze")(analyze.analyze)

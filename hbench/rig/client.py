@@ -66,8 +66,9 @@ class LogPart:
 class BoardClient:
     """Talks to one board over a port. Every request may be repeated without harm."""
 
-    def __init__(self, port: Port):
+    def __init__(self, port: Port, attempts: int = ATTEMPTS):
         self.port = port
+        self._attempts = attempts
         self._receiver = Receiver()
         self._sequence = 0
 
@@ -136,7 +137,7 @@ class BoardClient:
         message = BY_NAME[name]
         self._sequence = (self._sequence + 1) % 256
         frame = encode(Frame(self._sequence, message.code, pack(message.request, values)))
-        for _ in range(ATTEMPTS):
+        for _ in range(self._attempts):
             self.port.write(frame)
             reply = self._await(message.code)
             if reply is None:
@@ -150,7 +151,7 @@ class BoardClient:
             except ValueError as error:
                 raise DeviceError(f"{self.port.name}: reply to '{name}': {error}") from None
         raise NoAnswer(
-            f"{self.port.name}: no answer to '{name}' in {ATTEMPTS} attempts"
+            f"{self.port.name}: no answer to '{name}' in {self._attempts} attempts"
             + (f"; {self._receiver.damaged} damaged frames" if self._receiver.damaged else ""),
             "Is it an hbench board, with power, and the right port?",
         )

@@ -22,6 +22,10 @@ except ImportError:  # not on Windows; pyserial raises nothing else there
 BAUD = 115_200
 
 
+class PortBusy(DeviceError):
+    """Another program has the port open."""
+
+
 class Port(Protocol):
     """A line of octets to one board."""
 
@@ -76,8 +80,12 @@ class SerialPort:
             return
 
     def _drain(self) -> None:
-        """Drop what an earlier session left on the way (USB adapters keep some of it)."""
-        while self.read(0.02):
+        """Drop what an earlier session left on the way (USB adapters keep some of it).
+
+        A device that never falls silent is left talking after half a second.
+        """
+        deadline = self.now() + 0.5
+        while self.read(0.02) and self.now() < deadline:
             pass
 
     @contextmanager
@@ -88,11 +96,12 @@ class SerialPort:
         except serial.SerialTimeoutException as error:
             raise DeviceError(f"{self.name}: the line takes no more octets ({error})") from None
         except (OSError, TermiosError, TypeError, ValueError) as error:
-            raise DeviceError(f"{self.name}: can't {action}: {error}", _hint(error)) from None
+            code = getattr(error, "errno", None)
+            kind = PortBusy if code in (errno.EAGAIN, errno.EBUSY) else DeviceError
+            raise kind(f"{self.name}: can't {action}: {error}", _hint(code)) from None
 
 
-def _hint(error: Exception) -> str:
-    code = getattr(error, "errno", None)
+def _hint(code: int | None) -> str:
     if code == errno.ENOENT:
         return "No such device; `--port sim` runs on the virtual rig."
     if code in (errno.EACCES, errno.EPERM):

@@ -3,12 +3,13 @@
 import os
 import pty
 import socket
+import termios
 import threading
 
 import pytest
 
 from hbench.errors import DeviceError, ExitCode
-from hbench.rig.ports import SerialPort
+from hbench.rig.ports import PortBusy, SerialPort
 
 
 @pytest.fixture
@@ -51,13 +52,6 @@ def test_a_missing_device_is_named():
         SerialPort("/dev/nothing-here")
     assert error.value.exit_code == ExitCode.DEVICE
     assert "--port sim" in error.value.hint
-
-
-def test_a_port_that_is_open_elsewhere_is_refused(line):
-    first = SerialPort(line[1])
-    with pytest.raises(DeviceError, match="can't open"):
-        SerialPort(line[1])
-    first.close()
 
 
 @pytest.mark.parametrize("action", ["read", "write"])
@@ -104,3 +98,92 @@ def test_a_socket_is_a_port_too():
 def test_a_name_that_is_no_url_is_a_device_error():
     with pytest.raises(DeviceError, match="nonsense://"):
         SerialPort("nonsense://x")
+
+
+def test_a_far_end_that_takes_nothing_is_a_device_error(line):
+    port = SerialPort(line[1])
+    port._serial.write_timeout = 0.05
+    with pytest.raises(DeviceError, match="takes no more octets"):
+        for _ in range(1000):
+            port.write(bytes(4096))
+
+
+def test_fewer_octets_than_a_frame_are_returned_as_they_come(line):
+    master, name = line
+    port = SerialPort(name)
+    received = []
+    for part in (b"ab", b"c"):
+        os.write(master, part)
+        received.append(port.read(1.0))
+    assert received == [b"ab", b"c"]
+
+
+def test_octets_that_another_reader_took_are_a_device_error(line, monkeypatch):
+    """What pyserial makes of two readers: the line is readable, and then there is nothing."""
+    master, name = line
+    port = SerialPort(name)
+    os.write(master, b"x")
+    monkeypatch.setattr("serial.serialposix.os.read", lambda *arguments: b"")
+    with pytest.raises(DeviceError, match="can't read: .*returned no data"):
+        port.read(0.1)
+
+
+@pytest.mark.parametrize(
+    "lost", [OSError(5, "Input/output error"), termios.error(5, "I/O"), TypeError("fileno")]
+)
+@pytest.mark.parametrize("action", ["read", "write", "close"])
+def test_whatever_pyserial_raises_for_a_lost_port_is_one_error(line, monkeypatch, lost, action):
+    def fail(*arguments):
+        raise lost
+
+    port = SerialPort(line[1])
+    monkeypatch.setattr(port._serial, action, fail)
+    if action == "close":
+        port.close()
+        return
+    with pytest.raises(DeviceError, match=f"{line[1]}: can't {action}"):
+        port.read(0.1) if action == "read" else port.write(b"x")
+
+
+def test_a_port_open_elsewhere_is_told_from_a_missing_one(line):
+    first = SerialPort(line[1])
+    with pytest.raises(PortBusy, match="can't open") as error:
+        SerialPort(line[1])
+    assert "Another program" in error.value.hint
+    first.close()
+    SerialPort(line[1]).close()
+
+
+def test_a_device_that_never_falls_silent_can_still_be_opened(line):
+    master, name = line
+    stop = threading.Event()
+
+    def talk():
+        while not stop.wait(0.002):
+            os.write(master, b"$GPGGA\r\n")
+
+    thread = threading.Thread(target=talk)
+    thread.start()
+    try:
+        port = SerialPort(name)
+        assert port.read(5.0)
+        port.close()
+    finally:
+        stop.set()
+        thread.join()
+
+
+def test_a_server_that_hangs_up_is_a_device_error():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = SerialPort(f"socket://127.0.0.1:{server.getsockname()[1]}")
+        server.accept()[0].close()
+        with pytest.raises(DeviceError, match="socket disconnected"):
+            port.read(5.0)
+        port.close()
+
+
+def test_nobody_listening_is_a_device_error():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        number = server.getsockname()[1]
+    with pytest.raises(DeviceError, match="can't open"):
+        SerialPort(f"socket://127.0.0.1:{number}")
