@@ -58,18 +58,28 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
 
 
 def _with_values(run: Run) -> tuple[Run, list[str]]:
-    """Leave out the samples in which a channel has no value, and say so."""
+    """Leave out empty channels and samples that lack what friction is made of, and say so.
+
+    A channel that is NaN throughout is one that the bench does not have.
+    """
     channels = {
         field.name: values
         for field in fields(run)
         if isinstance(values := getattr(run, field.name), np.ndarray)
     }
-    known = np.logical_and.reduce([np.isfinite(values) for values in channels.values()])
+    optional = [name for name in channels if name not in ("t_s", "x_m")]
+    empty = [name for name in optional if len(run.t_s) and np.isnan(channels[name]).all()]
+    notes = [f"{name} has no value in any sample: taken as not measured" for name in empty]
+    run = replace(run, **dict.fromkeys(empty))
+    needed = [channels[n] for n in ("t_s", "x_m", *_needed(run)) if getattr(run, n) is not None]
+    known = np.logical_and.reduce([np.isfinite(values) for values in needed])
     if known.all():
-        return run, []
-    kept = replace(run, **{name: values[known] for name, values in channels.items()})
-    return kept, [
-        f"{np.sum(~known)} of {len(known)} samples have a channel without value, left out"
+        return run, notes
+    kept = {name: values[known] for name, values in channels.items() if name not in empty}
+    words = "lack time, position or what friction is made of"
+    return replace(run, **kept), [
+        *notes,
+        f"{np.sum(~known)} of {len(known)} samples {words}, left out",
     ]
 
 
@@ -132,8 +142,8 @@ def _steadiness(
             f"not_steady: speed over 0.1 s varies by {1e3 * ripple.total_m_s:.2f} mm/s (standard "
             f"deviation); limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} mm/s noise"
         )
-    if run.v_m_s is not None:
-        swing = np.std(run.v_m_s[window], ddof=1)
+    if run.v_m_s is not None and np.isfinite(run.v_m_s[window]).sum() > 1:
+        swing = np.nanstd(run.v_m_s[window], ddof=1)
         limit = max(rules.speed_oscillation, rules.speed_oscillation_relative * abs(v_ref))
         if swing > limit:
             yield (
@@ -176,18 +186,21 @@ def _saturated(code: str, flags: np.ndarray | None, window: slice) -> Iterator[s
         yield f"{code}: in {count} of the {len(flags[window])} records of the window; limit 0"
 
 
+def _needed(run: Run) -> tuple[str, ...]:
+    """Return the channels that friction is made of; a plunger has no rod side."""
+    rod_side = ("p_tr_pa",) if run.plan.specimen.area_rod_m2 > 0 else ()
+    return "p_tp_pa", *rod_side, "f_applied_n"
+
+
 def _missing_channels(run: Run) -> list[str]:
-    needed = ["p_tp_pa", "f_applied_n"]
-    if run.plan.specimen.area_rod_m2 > 0:
-        needed.insert(1, "p_tr_pa")
-    return [name for name in needed if getattr(run, name) is None]
+    return [name for name in _needed(run) if getattr(run, name) is None]
 
 
 def _test_force(run: Run, window: slice) -> np.ndarray:
     """F_T = P_Tp A_p - P_Tr A_r."""
     specimen = run.plan.specimen
     force = run.p_tp_pa[window] * specimen.area_piston_m2
-    if run.p_tr_pa is None:
+    if "p_tr_pa" not in _needed(run):
         return force
     return force - run.p_tr_pa[window] * specimen.area_rod_m2
 
@@ -199,7 +212,7 @@ def _means(run: Run, window: slice) -> SteadyMeans:
     f_test = float(np.mean(_test_force(run, window)))
     f_applied = float(np.mean(run.f_applied_n[window]))
     p_tp = float(np.mean(run.p_tp_pa[window]))
-    p_tr = None if run.p_tr_pa is None else float(np.mean(run.p_tr_pa[window]))
+    p_tr = float(np.mean(run.p_tr_pa[window])) if "p_tr_pa" in _needed(run) else None
     return SteadyMeans(
         t_start_s=float(t[0]),
         t_stop_s=float(t[-1]),

@@ -228,6 +228,46 @@ def test_samples_without_value_are_left_out_and_told(make_run, rules):
     assert codes(screen(replace(run, at_reference=None), rules)) == ["gapped"]
 
 
+@pytest.mark.parametrize("channel", ["p_s_pa", "v_m_s", "u_l2_v", "p_lr_pa"])
+def test_an_empty_optional_channel_is_one_that_was_not_measured(make_run, rules, channel):
+    run = make_run()
+    bare = screen(run, rules)
+    screened = screen(replace(run, **{channel: np.full(len(run.t_s), np.nan)}), rules)
+    assert screened.accepted and screened.means == bare.means
+    assert getattr(screened.run, channel) is None
+    assert screened.notes == (f"{channel} has no value in any sample: taken as not measured",)
+
+
+@pytest.mark.parametrize("channel", ["p_s_pa", "v_m_s"])
+def test_a_gap_in_an_optional_channel_drops_no_sample(make_run, rules, channel):
+    run = make_run(v_m_s=0.1)
+    values = np.full(len(run.t_s), 0.1)
+    values[100:150] = np.nan
+    screened = screen(replace(run, **{channel: values}), rules)
+    assert screened.accepted and not screened.notes
+    assert screened.means == screen(run, rules).means
+    # What is known of the controller's velocity is still judged.
+    values[50:100:2] = 0.2
+    found = codes(screen(replace(run, **{channel: values}), rules))
+    assert found == (["not_steady"] if channel == "v_m_s" else [])
+
+
+def test_an_empty_needed_channel_is_missing(make_run, rules):
+    run = make_run()
+    screened = screen(replace(run, f_applied_n=np.full(len(run.t_s), np.nan)), rules)
+    assert codes(screened) == ["missing_channel"]
+    assert len(screened.run.t_s) == len(run.t_s)
+
+
+def test_a_plunger_does_not_mind_gaps_of_a_rod_pressure_that_it_has_no_area_for(make_run, rules):
+    run = make_run(v_m_s=0.1, p_tr_pa=0.0)
+    plunger = replace(run, plan=replace(run.plan, specimen=Specimen(1.25e-3, 0.0)))
+    plunger.p_tr_pa[60:160] = np.nan
+    means = screen(plunger, rules).means
+    assert means.friction_n == pytest.approx(400) and means.n == 160
+    assert means.p_tr_pa is None
+
+
 @pytest.mark.parametrize("foreign", [True, False])
 def test_an_empty_log_is_rejected_and_raises_nothing(make_run, rules, foreign):
     run = make_run(truncated="the log holds no record")
