@@ -181,11 +181,12 @@ class Fit:
 
 @dataclass(frozen=True)
 class Curve:
-    """Friction over velocity for one direction and load."""
+    """Friction over velocity for one direction, load and rod-side pressure."""
 
     kind: str
     direction: Direction
     f_load_n: float | None
+    p_lr_ref_pa: float | None
     label: str
     specimen: Specimen
     points: tuple[CurvePoint, ...]  # by rising speed
@@ -205,11 +206,12 @@ class EfficiencyPoint:
 
 @dataclass(frozen=True)
 class EfficiencyCurve:
-    """Efficiency over velocity for one direction and load."""
+    """Efficiency over velocity for one direction, load and rod-side pressure."""
 
     kind: str
     direction: Direction
     f_load_n: float | None
+    p_lr_ref_pa: float | None
     label: str
     points: tuple[EfficiencyPoint, ...]
 

@@ -12,7 +12,8 @@ from hbench.records import Curve, CurvePoint, RunPlan, ScreenedRun
 def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
     """Average the accepted runs with means into curves, in the order of their first runs.
 
-    A curve is one kind, direction, load, label and cylinder; a point is one reference speed.
+    A curve is one kind, direction, load, rod-side pressure of the load cylinder, label and test
+    cylinder; a point is one reference speed.
     The unit of the statistics is the trial: runs with the same trial number (the strokes of one
     file) are averaged first, since they share one set-up and are not independent.
     """
@@ -22,6 +23,7 @@ def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
             kind=runs[0].run.plan.kind,
             direction=runs[0].run.plan.direction,
             f_load_n=runs[0].run.plan.f_load_n,
+            p_lr_ref_pa=runs[0].run.plan.p_lr_ref_pa,
             label=runs[0].run.plan.label,
             specimen=runs[0].run.plan.specimen,
             points=tuple(
@@ -48,7 +50,8 @@ def student_interval(values: np.ndarray) -> float | None:
 
 
 def _series(plan: RunPlan) -> tuple:
-    return plan.kind, plan.direction, plan.f_load_n, plan.label, plan.specimen
+    load = plan.f_load_n, plan.p_lr_ref_pa
+    return plan.kind, plan.direction, *load, plan.label, plan.specimen
 
 
 def _grouped(

@@ -79,7 +79,14 @@ def efficiency(curve: Curve, instruments: Instruments | None) -> EfficiencyCurve
     log). ``sigma_trials`` is the standard error of the mean of the trials' efficiencies.
     """
     points = tuple(_point(point, curve.specimen, instruments) for point in curve.points)
-    return EfficiencyCurve(curve.kind, curve.direction, curve.f_load_n, curve.label, points)
+    return EfficiencyCurve(
+        kind=curve.kind,
+        direction=curve.direction,
+        f_load_n=curve.f_load_n,
+        p_lr_ref_pa=curve.p_lr_ref_pa,
+        label=curve.label,
+        points=points,
+    )
 
 
 def instrument_sigma(forces: Forces, instruments: Instruments) -> float | None:

@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 
 from hbench.records import EfficiencyCurve, Results
 from hbench.report import style
-from hbench.report.draw_friction import by_load, load_ranks, load_style
-from hbench.report.text import force
+from hbench.report.draw_friction import by_load, legend_title, load_ranks, load_style
+from hbench.report.rod_side import load_words, told_apart
 
 
 def efficiency(results: Results) -> dict[str, Figure]:
@@ -15,7 +15,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
     The band is +-sigma of the instruments (6.16 to 6.19); the bars are the standard error of the
     trials' mean.
     """
-    curves = [curve for curve in results.efficiency if _has_values(curve)]
+    curves = told_apart(curve for curve in results.efficiency if _has_values(curve))
     ranks = load_ranks(curves)
     figures = {}
     for direction in style.DIRECTIONS:
@@ -25,19 +25,19 @@ def efficiency(results: Results) -> dict[str, Figure]:
         figure = figures[direction] = style.new_figure(height_in=3.9)
         axes = figure.add_subplot()
         for curve in by_load(chosen):
-            look = load_style(curve.f_load_n, direction, ranks)
+            look = load_style(curve, ranks)
             speed, value, band, bar = _columns(curve)
             axes.fill_between(
                 speed, value - band, value + band, color=look["color"], alpha=0.22, linewidth=0
             )
-            label = None if curve.f_load_n is None else force(curve.f_load_n)
+            label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or None
             axes.errorbar(speed, value, bar, label=label, **look, **style.POINTS)
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Efficiency (%)")
         style.start_at_zero(axes)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0), max(high, 100))
         style.head(axes, style.TITLES[direction], results)
-        style.legend_above(figure, axes, "Load $F_L$")
+        style.legend_above(figure, axes, legend_title("Load $F_L$", chosen))
     style.share_limits(figure.axes[0] for figure in figures.values())
     return figures
 

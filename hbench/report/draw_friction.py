@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 
 from hbench.records import Curve, Direction, EfficiencyCurve, Fit, Results
 from hbench.report import style
-from hbench.report.text import force
+from hbench.report.rod_side import load_words, told_apart
 
 AnyCurve = TypeVar("AnyCurve", Curve, EfficiencyCurve)
+LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where it tells curves apart
 
 MIN_POINTS = 3  # fewer speeds are no curve over velocity
 _ASIDE = 0.006  # residuals of one speed stand side by side, this part of the highest speed apart
@@ -19,7 +20,7 @@ _ASIDE = 0.006  # residuals of one speed stand side by side, this part of the hi
 
 def over_velocity(results: Results) -> tuple[Curve, ...]:
     """Return the curves that have enough speeds to be drawn over velocity."""
-    return tuple(curve for curve in results.curves if len(curve.points) >= MIN_POINTS)
+    return told_apart(curve for curve in results.curves if len(curve.points) >= MIN_POINTS)
 
 
 def stribeck(results: Results) -> dict[str, Figure]:
@@ -44,10 +45,10 @@ def signed(results: Results) -> dict[str, Figure]:
     ranks = load_ranks(curves)
     named = set()
     for curve in by_load(curves):
-        key = load_key(curve.f_load_n)
-        label = force(key) if key is not None and key not in named else None
+        key = load_key(curve)
+        label = load_words(*key) or None if key not in named else None
         named.add(key)
-        look = load_style(curve.f_load_n, curve.direction, ranks)
+        look = load_style(curve, ranks)
         _fitted(axes, curve.fits, look["color"], sign=1, absolute=False)
         v, friction, interval = _columns(curve)
         axes.errorbar(1e3 * v, friction, interval, label=label, **look, **style.SMALL_POINTS)
@@ -55,7 +56,7 @@ def signed(results: Results) -> dict[str, Figure]:
         line(0, color="#374151", linewidth=0.9, zorder=1)
     axes.set(xlabel="Velocity v (mm/s), positive extends", ylabel="Friction F (N)")
     style.head(axes, "Both directions", results)
-    style.legend_above(figure, axes, "Load |$F_L$|")
+    style.legend_above(figure, axes, legend_title("Load |$F_L$|", curves))
     return {"": figure}
 
 
@@ -70,31 +71,36 @@ def has_both_directions(results: Results) -> bool:
 
 
 def by_load(curves: Iterable[AnyCurve]) -> list[AnyCurve]:
-    """Sort by the size of the load, none before all."""
-    return sorted(curves, key=lambda curve: -1 if curve.f_load_n is None else abs(curve.f_load_n))
+    """Sort by the size of the load, then by the rod-side pressure; none before all."""
+    return sorted(curves, key=lambda c: [-1 if part is None else part for part in load_key(c)])
 
 
-def load_key(f_load_n: float | None) -> float | None:
-    """Return what two curves of the same colour share: the size of the load."""
-    return None if f_load_n is None else abs(f_load_n)
+def load_key(curve: AnyCurve) -> LoadKey:
+    """Return what two curves of the same colour share: size of the load, rod-side pressure."""
+    return None if curve.f_load_n is None else abs(curve.f_load_n), curve.p_lr_ref_pa
 
 
-def load_ranks(curves: Iterable[AnyCurve]) -> dict[float | None, int]:
-    """Number the sizes of the loads, smallest first."""
-    sizes = dict.fromkeys(load_key(curve.f_load_n) for curve in by_load(curves))
-    return {size: rank for rank, size in enumerate(sizes)}
+def load_ranks(curves: Iterable[AnyCurve]) -> dict[LoadKey, int]:
+    """Number the loads, smallest first."""
+    loads = dict.fromkeys(load_key(curve) for curve in by_load(curves))
+    return {load: rank for rank, load in enumerate(loads)}
 
 
-def load_style(
-    f_load_n: float | None, direction: Direction, ranks: dict[float | None, int]
-) -> dict[str, object]:
+def load_style(curve: AnyCurve, ranks: dict[LoadKey, int]) -> dict[str, object]:
     """Return a load's colour and marker; hollow where the load helps the motion."""
-    helps = bool(f_load_n) and (f_load_n < 0) == (direction == "extend")
-    return style.series_style(ranks[load_key(f_load_n)], hollow=helps)
+    load = curve.f_load_n
+    helps = bool(load) and (load < 0) == (curve.direction == "extend")
+    return style.series_style(ranks[load_key(curve)], hollow=helps)
+
+
+def legend_title(load: str, curves: Iterable[AnyCurve]) -> str:
+    """Return the legend's title: ``load``, and the rod-side pressure where the entries name it."""
+    named = any(curve.p_lr_ref_pa is not None for curve in curves)
+    return f"{load}, rod-side pressure $P_{{Lr}}$" if named else load
 
 
 def _one_direction(
-    results: Results, direction: Direction, curves: list[Curve], ranks: dict[float | None, int]
+    results: Results, direction: Direction, curves: list[Curve], ranks: dict[LoadKey, int]
 ) -> Figure:
     fitted = any(fit.line for curve in curves for fit in curve.fits)
     figure = style.new_figure(height_in=5.4 if fitted else 3.8)
@@ -104,11 +110,11 @@ def _one_direction(
         axes, below = figure.add_subplot(), None
     sign = 1 if direction == "extend" else -1
     for rank, curve in enumerate(by_load(curves)):
-        look = load_style(curve.f_load_n, direction, ranks)
+        look = load_style(curve, ranks)
         v, friction, interval = _columns(curve)
         speed = 1e3 * np.abs(v)
         _fitted(axes, curve.fits, look["color"], sign, absolute=True)
-        label = None if curve.f_load_n is None else force(curve.f_load_n)
+        label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or None
         axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
         if below is not None and curve.fits and curve.fits[0].line:
             residual = sign * (friction - _at(curve.fits[0], v))
@@ -123,7 +129,7 @@ def _one_direction(
         below.set_ylim(-reach, reach)
     figure.axes[-1].set_xlabel("Speed |v| (mm/s)")
     style.head(axes, style.TITLES[direction], results)
-    style.legend_above(figure, axes, "Load $F_L$")
+    style.legend_above(figure, axes, legend_title("Load $F_L$", curves))
     return figure
 
 

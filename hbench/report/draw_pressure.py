@@ -50,7 +50,8 @@ def bands(results: Results) -> tuple[Band, ...]:
     for curve in results.curves:
         if len(curve.points) < MIN_POINTS:
             for order, point in enumerate(curve.points):
-                key = (curve.kind, curve.label, curve.f_load_n, order)
+                load = (curve.f_load_n, curve.p_lr_ref_pa)
+                key = (curve.kind, curve.label, load, order)
                 pairs.setdefault(key, {})[curve.direction] = point
     found = [
         Band(

@@ -3,9 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from hbench.records import Curve, EfficiencyCurve, Fit, FitParameter, Results, ScreenedRun
+from hbench.records import Curve, EfficiencyCurve, Fit, FitParameter, Results, RunPlan, ScreenedRun
 from hbench.report.draw_pressure import bands
 from hbench.report.reasons import code_of
+from hbench.report.rod_side import load_words, told_apart
 from hbench.report.style import TITLES
 from hbench.report.text import force, number, significant, with_interval
 from hbench.units import from_si
@@ -44,7 +45,7 @@ PARAMETERS = {
 
 def fit_tables(results: Results) -> dict[str, Table]:
     """Return a table of parameters for each law, with its messages below."""
-    fits = [(curve, fit) for curve in results.curves for fit in curve.fits]
+    fits = [(curve, fit) for curve in told_apart(results.curves) for fit in curve.fits]
     tables = {}
     for law in dict.fromkeys(fit.law for _, fit in fits):
         chosen = [(curve, fit) for curve, fit in fits if fit.law == law]
@@ -86,7 +87,7 @@ def point_table(results: Results) -> Table:
             _bar(point.p_tp_pa),
             _bar(point.p_tr_pa),
         )
-        for curve in results.curves
+        for curve in told_apart(results.curves)
         for point in curve.points
     ]
     return _table(head, rows)
@@ -103,7 +104,7 @@ def efficiency_table(results: Results) -> Table:
             _percent(point.sigma_trials),
             point.reason,
         )
-        for curve in results.efficiency
+        for curve in told_apart(results.efficiency)
         for point in curve.points
     ]
     head = ("Velocity (mm/s)", "Efficiency (%)", "±σ instruments (%)", "s.e. of trials (%)")
@@ -138,8 +139,8 @@ def pressure_table(results: Results) -> Table:
 def rejected_table(results: Results) -> Table:
     """Return the rejected runs, each with every reason."""
     rows = [
-        (*_run(run), "; ".join(_reason_words(reason) for reason in run.reasons))
-        for run in results.runs
+        (*_run(plan), "; ".join(_reason_words(reason) for reason in run.reasons))
+        for run, plan in _planned(results)
         if not run.accepted
     ]
     return _table((*_RUN, "Reason"), rows)
@@ -148,25 +149,28 @@ def rejected_table(results: Results) -> Table:
 def remark_table(results: Results) -> Table:
     """Return what a reader should know of accepted runs."""
     rows = [
-        (*_run(run), "; ".join(run.notes)) for run in results.runs if run.accepted and run.notes
+        (*_run(plan), "; ".join(run.notes))
+        for run, plan in _planned(results)
+        if run.accepted and run.notes
     ]
     return _table((*_RUN, "Remark"), rows)
 
 
-_WHO = ("Label", "Direction", "Load F_L (N)")
+_WHO = ("Label", "Direction", "Load F_L (N)", "P_Lr (bar)")
 _RUN = ("Run", *_WHO, "Reference (mm/s)", "Trial")
 _WORDS = frozenset({"Run", "Label", "Direction", "Reason", "Remark"})
+_WHERE_GIVEN = ("Label", "P_Lr (bar)", "Remark")
 
 
 def _table(
     head: tuple[str, ...], rows: list[tuple[str | Cell, ...]], messages: list[str] | tuple = ()
 ) -> Table:
-    """Build a table; a column of labels or remarks without any is left out."""
+    """Build a table; a column of ``_WHERE_GIVEN`` without any entry is left out."""
     cells = [tuple(c if isinstance(c, Cell) else Cell(c) for c in row) for row in rows]
     kept = [
         i
         for i, name in enumerate(head)
-        if name not in ("Label", "Remark") or any(row[i].text for row in cells)
+        if name not in _WHERE_GIVEN or any(row[i].text for row in cells)
     ]
     return Table(
         tuple(head[i] for i in kept),
@@ -176,21 +180,24 @@ def _table(
     )
 
 
-def _who(curve: Curve | EfficiencyCurve) -> tuple[str, str, str]:
+def _who(curve: Curve | EfficiencyCurve | RunPlan) -> tuple[str, str, str, str]:
     load = force(curve.f_load_n).removesuffix(" N")
-    return curve.label, TITLES[curve.direction].lower(), load
+    rod_side = "" if curve.p_lr_ref_pa is None else _bar(curve.p_lr_ref_pa)
+    return curve.label, TITLES[curve.direction].lower(), load, rod_side
 
 
 def _who_text(curve: Curve) -> str:
-    load = "" if curve.f_load_n is None else force(curve.f_load_n)
+    load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
     return ", ".join(filter(None, (curve.label, TITLES[curve.direction].lower(), load)))
 
 
-def _run(screened: ScreenedRun) -> tuple[str, ...]:
-    plan = screened.run.plan
-    load = force(plan.f_load_n).removesuffix(" N")
-    who = (plan.label, TITLES[plan.direction].lower(), load)
-    return plan.run, *who, number(1e3 * plan.v_ref_m_s, 1), str(plan.trial)
+def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:
+    plans = told_apart(run.run.plan for run in results.runs)
+    return list(zip(results.runs, plans, strict=True))
+
+
+def _run(plan: RunPlan) -> tuple[str, ...]:
+    return plan.run, *_who(plan), number(1e3 * plan.v_ref_m_s, 1), str(plan.trial)
 
 
 def _reason_words(reason: str) -> str:

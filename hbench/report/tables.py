@@ -16,7 +16,8 @@ import numpy as np
 
 from hbench.records import Curve, EfficiencyCurve, Fit, Results, ScreenedRun
 from hbench.report.reasons import reason_counts
-from hbench.report.text import force, short, span
+from hbench.report.rod_side import load_words, told_apart
+from hbench.report.text import short, span
 
 SCHEMA = "hbench.results/1"
 
@@ -108,6 +109,7 @@ def _series(curve: Curve | EfficiencyCurve) -> Row:
         "label": curve.label,
         "direction": curve.direction,
         "f_load_n": curve.f_load_n,
+        "p_lr_ref_pa": curve.p_lr_ref_pa,
     }
 
 
@@ -175,7 +177,7 @@ def _cell(value: Any) -> str:
     return "" if value is None else repr(value)
 
 
-_SERIES = ("kind", "label", "direction", "f_load_n")
+_SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa")
 _MEANS = (
     *"friction_n efficiency f_test_n f_applied_n p_tp_pa p_tr_pa".split(),
     *"t_start_s t_stop_s n".split(),
@@ -202,11 +204,11 @@ def summary_text(results: Results) -> str:
     reasons = ", ".join(f"{n} {code}" for code, n in reason_counts(results).most_common())
     rejected = f"{len(results.runs) - accepted} rejected" + (f" ({reasons})" if reasons else "")
     rows = [["direction", "load", "speeds mm/s", "friction N", "fit"]]
-    for curve in results.curves:
+    for curve in told_apart(results.curves):
         rows.append(
             [
                 " ".join(filter(None, (curve.label, curve.direction))),
-                force(curve.f_load_n),
+                load_words(curve.f_load_n, curve.p_lr_ref_pa) or "not set",
                 span([1e3 * abs(point.v_m_s) for point in curve.points]),
                 _friction_words(curve),
                 "; ".join(_fit_words(fit) for fit in curve.fits) or "-",

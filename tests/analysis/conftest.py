@@ -105,6 +105,6 @@ def make_curve():
             )
             for v, f in zip(v_m_s, friction_n, strict=True)
         )
-        return Curve("steady", direction, f_applied_n, "", SPECIMEN, points)
+        return Curve("steady", direction, f_applied_n, None, "", SPECIMEN, points)
 
     return make

@@ -7,6 +7,7 @@ import pytest
 import scipy.stats
 
 from hbench.analysis.average import curves, student_interval
+from hbench.analysis.efficiency import efficiency
 from hbench.analysis.screen import screen
 from hbench.analysis.student import student_factor
 
@@ -15,9 +16,10 @@ from hbench.analysis.student import student_factor
 def trial(make_run, rules):
     """Return a function that makes a screened run with a given friction."""
 
-    def make(friction_n, number, v=0.1, run="0001", f_load_n=2000.0, label=""):
+    def make(friction_n, number, v=0.1, run="0001", f_load_n=2000.0, label="", p_lr=None):
         made = make_run(v_m_s=v, friction_n=friction_n, trial=number, f_applied_n=f_load_n)
-        return screen(replace(made, plan=replace(made.plan, run=run, label=label)), rules)
+        plan = replace(made.plan, run=run, label=label, p_lr_ref_pa=p_lr)
+        return screen(replace(made, plan=plan), rules)
 
     return make
 
@@ -91,3 +93,10 @@ def test_curves_are_parted_by_direction_load_and_label_and_sorted_by_speed(trial
     assert [p.v_m_s for p in found[0].points] == pytest.approx([0.05, 0.1])
     assert [p.v_m_s for p in found[1].points] == pytest.approx([-0.02, -0.1])
     assert [p.friction_n for p in found[1].points] == pytest.approx([-400, -400])
+
+
+def test_rod_side_pressures_of_the_load_are_curves_of_their_own(trial):
+    found = curves([trial(f, 1, p_lr=p) for p, f in ((15e5, 400), (60e5, 600), (None, 500))])
+    assert [(c.p_lr_ref_pa, len(c.points)) for c in found] == [(15e5, 1), (60e5, 1), (None, 1)]
+    assert [c.points[0].friction_n for c in found] == pytest.approx([400, 600, 500])
+    assert [efficiency(curve, None).p_lr_ref_pa for curve in found] == [15e5, 60e5, None]

@@ -1,6 +1,7 @@
 """Made-up results: the numbers have the shape of a campaign's, and were measured by nobody."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -103,8 +104,10 @@ def stribeck_results(loads=(500.0, 1000.0, 2000.0, 5000.0), speeds=15, source="s
                 "F_C sits at its lower bound: the data does not determine it." if at_bound else "",
                 tuple((float(v), float(f)) for v, f in zip(grid, tustin(grid, *true), strict=True)),
             )
-            curves.append(Curve("steady", direction, load, "", SPECIMEN, tuple(points), (fit,)))
-            efficiency.append(EfficiencyCurve("steady", direction, load, "", tuple(etas)))
+            curves.append(
+                Curve("steady", direction, load, 15e5, "", SPECIMEN, tuple(points), (fit,))
+            )
+            efficiency.append(EfficiencyCurve("steady", direction, load, 15e5, "", tuple(etas)))
     provenance = Provenance(
         "Stribeck curves, steady state",
         source,
@@ -136,7 +139,7 @@ def seal_results():
                     for k, (name, f) in enumerate(zip(names, frictions, strict=True))
                 ]
                 one = point(sign * 0.02, frictions, names, load, bar * 1e5, None)
-                curves.append(Curve("steady", direction, load, label, SPECIMEN, (one,)))
+                curves.append(Curve("steady", direction, load, 15e5, label, SPECIMEN, (one,)))
     provenance = Provenance(
         "Seals of a printed cylinder", "imported", "unknown", "", "", "", {"hbench": "0.1.0"}, {}
     )
@@ -151,6 +154,22 @@ def stribeck():
 @pytest.fixture(scope="session")
 def small():
     return stribeck_results(loads=(500.0, 5000.0), speeds=5)
+
+
+@pytest.fixture(scope="session")
+def two_rod_sides(small):
+    """The small campaign, once more at another rod-side pressure of the load cylinder."""
+
+    def again(run):
+        plan = replace(run.run.plan, p_lr_ref_pa=60e5)
+        return replace(run, run=replace(run.run, plan=plan))
+
+    return replace(
+        small,
+        runs=small.runs + tuple(map(again, small.runs)),
+        curves=small.curves + tuple(replace(c, p_lr_ref_pa=60e5) for c in small.curves),
+        efficiency=small.efficiency + tuple(replace(c, p_lr_ref_pa=60e5) for c in small.efficiency),
+    )
 
 
 @pytest.fixture(scope="session")

@@ -108,16 +108,38 @@ def test_signed_figure_keeps_the_signs_and_one_colour_a_load(small):
     assert list(colours.values()) == [{1.0, -1.0}, {1.0, -1.0}]
 
 
-def test_a_load_that_helps_is_hollow_and_one_that_opposes_is_filled():
-    ranks = {500.0: 0}
+def test_a_load_that_helps_is_hollow_and_one_that_opposes_is_filled(small):
     for f_load, direction, hollow in [
         (500.0, "extend", False),
         (-500.0, "extend", True),
         (-500.0, "retract", False),
         (500.0, "retract", True),
     ]:
-        face = draw_friction.load_style(f_load, direction, ranks)["markerfacecolor"]
+        curve = replace(small.curves[0], f_load_n=f_load, direction=direction)
+        ranks = draw_friction.load_ranks([curve])
+        face = draw_friction.load_style(curve, ranks)["markerfacecolor"]
         assert (face == "white") is hollow
+
+
+def test_curves_of_one_load_are_told_apart_by_their_rod_side_pressure(small, two_rod_sides):
+    assert set(series(draw_friction.stribeck(small)["extend"].axes[0])) == {"500 N", "5000 N"}
+    loads = {f"{load} N, {bar} bar" for load in (500, 5000) for bar in (15, 60)}
+    for draw in (draw_friction.stribeck, draw_efficiency.efficiency):
+        figure = draw(two_rod_sides)["extend"]
+        bars = figure.axes[0].containers
+        assert {one.get_label() for one in bars} == loads
+        assert len({one.lines[0].get_color() for one in bars}) == 4
+        assert "rod-side" in figure.legends[0].get_title().get_text()
+    signed = draw_friction.signed(two_rod_sides)[""]
+    assert len({one.lines[0].get_color() for one in signed.axes[0].containers}) == 4
+
+
+def test_a_rod_side_pressure_for_each_direction_needs_no_words(small):
+    curves = tuple(
+        replace(c, p_lr_ref_pa=60e5 if c.direction == "extend" else 15e5) for c in small.curves
+    )
+    axes = draw_friction.stribeck(replace(small, curves=curves))["extend"].axes[0]
+    assert set(series(axes)) == {"500 N", "5000 N"}
 
 
 def test_a_curve_without_fit_or_interval_is_drawn_without_a_residual_panel(small):

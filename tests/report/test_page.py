@@ -180,6 +180,15 @@ def test_the_seals_page_tables_friction_against_pressure(seals):
     assert "Fitted parameters" not in text
 
 
+def test_rod_side_pressures_have_a_column_only_where_they_tell_rows_apart(small, two_rod_sides):
+    assert "P Lr (bar)" not in Parsed(page_html(small, ())).text
+    text = Parsed(page_html(two_rod_sides, ())).text
+    # Parameters, points, efficiencies and rejected runs.
+    assert text.count("P Lr (bar)") == 3 + any(not run.accepted for run in small.runs)
+    assert "60.00" in text and "15.00" in text
+    assert "extending, 500 N, 60 bar: F_C sits at its lower bound" in text
+
+
 def test_a_full_campaign_stays_under_two_megabytes(stribeck):
     assert len(page_html(stribeck, draw_all(stribeck)).encode()) < 2_000_000
 

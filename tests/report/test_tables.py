@@ -155,6 +155,15 @@ def test_efficiency_csv_has_a_row_for_each_point(stribeck):
     assert len(read(efficiency_csv(stribeck))) == sum(len(c.points) for c in stribeck.efficiency)
 
 
+def test_every_table_holds_the_rod_side_pressure_of_its_curve(two_rod_sides):
+    for key in ("curves", "efficiency"):
+        found = [curve["p_lr_ref_pa"] for curve in parsed(two_rod_sides)[key]]
+        assert found == [15e5] * 4 + [60e5] * 4
+    for table in (curves_csv, fits_csv, efficiency_csv):
+        assert set(read(table(two_rod_sides))["p_lr_ref_pa"]) == {15e5, 60e5}
+    assert "500 N, 60 bar" in summary_text(two_rod_sides)
+
+
 @pytest.mark.parametrize("lead", ["=", "+", "-", "@", "\t", "\r"])
 def test_text_that_a_spreadsheet_would_run_is_made_text(stribeck, lead):
     hostile = lead + 'HYPERLINK("http://x";"y"),\n"'
