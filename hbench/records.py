@@ -1,6 +1,6 @@
 """The products of the flow, in its order: one frozen dataclass each.
 
-    RunPlan -> RawRun -> Run -> ScreenedRun -> Curve (with Fits) -> EfficiencyCurve -> Results
+    RunPlan -> RawRun -> Run -> ScreenedRun -> Curve (with Fits) -> EfficiencyCurve, Band -> Results
 
 All quantities are SI; a field's name ends in its unit. Positive velocity extends the test
 cylinder; positive forces F_L and F_applied oppose extension.
@@ -149,6 +149,7 @@ class CurvePoint:
     f_applied_n: float
     p_tp_pa: float
     p_tr_pa: float | None
+    trials: tuple[int, ...]  # their numbers
     trials_n: tuple[float, ...]  # friction of each trial
     trials_f_test_n: tuple[float, ...]  # F_T of each trial
     runs: tuple[str, ...]
@@ -192,6 +193,11 @@ class Curve:
     points: tuple[CurvePoint, ...]  # by rising speed
     fits: tuple[Fit, ...] = ()
 
+    @property
+    def over_velocity(self) -> bool:
+        """Enough speeds for a curve over velocity; fewer are points over pressure."""
+        return len(self.points) >= 3
+
 
 @dataclass(frozen=True)
 class EfficiencyPoint:
@@ -217,6 +223,23 @@ class EfficiencyCurve:
 
 
 @dataclass(frozen=True)
+class Band:
+    """The friction band between the two directions at one pressure, from trials that have both."""
+
+    kind: str
+    label: str
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+    p_tp_pa: float  # mean of the two directions
+    half_n: float  # (F_extend - F_retract) / 2: free of a constant error in force
+    half_ci95_n: float | None  # Student's, of the trials' halves; None with fewer than two
+    middle_n: float  # (F_extend + F_retract) / 2: asymmetry, or an error of a sensor
+    n: int  # trials
+    extend: CurvePoint
+    retract: CurvePoint
+
+
+@dataclass(frozen=True)
 class Provenance:
     """What was measured by what."""
 
@@ -238,4 +261,5 @@ class Results:
     runs: tuple[ScreenedRun, ...]
     curves: tuple[Curve, ...]
     efficiency: tuple[EfficiencyCurve, ...]
+    bands: tuple[Band, ...]
     notes: tuple[str, ...]  # what was left out, and why

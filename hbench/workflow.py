@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hbench.analysis.average import curves
+from hbench.analysis.bands import bands
 from hbench.analysis.calibrate import calibrate
 from hbench.analysis.efficiency import efficiency
 from hbench.analysis.fit import fits, left_out
@@ -246,6 +247,7 @@ def _derive(campaign: Campaign) -> Results:
         runs=screened,
         curves=found,
         efficiency=tuple(efficiency(curve, instruments) for curve in found),
+        bands=bands(found),
         notes=(*campaign.warnings, *left_out(found)),
     )
 

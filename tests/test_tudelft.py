@@ -36,8 +36,7 @@ def points(results, label, direction):
 
 @pytest.mark.parametrize("label", HALF_BANDS)
 def test_half_of_the_friction_band_is_the_known_one_for_both_seals(campaign, label):
-    extend, retract = (points(campaign[1], label, d) for d in ("extend", "retract"))
-    half = [(e.friction_n - r.friction_n) / 2 for e, r in zip(extend, retract, strict=True)]
+    half = [band.half_n for band in campaign[1].bands if band.label == label]
     np.testing.assert_allclose(half, HALF_BANDS[label], atol=0.15)
 
 
@@ -47,6 +46,14 @@ def test_three_reruns_are_three_trials_with_an_interval(campaign):
             assert point.n == 3 and len(point.runs) > 20
             expected = 4.303 * np.std(point.trials_n, ddof=1) / np.sqrt(3)
             assert point.ci95_n == pytest.approx(expected, rel=1e-3)
+
+
+def test_the_band_of_three_reruns_has_the_interval_of_its_trials(campaign):
+    bands = [band for band in campaign[1].bands if band.label == "O-ring 25.7 mm"]
+    assert [round(band.p_tp_pa / 1e5) for band in bands] == [1, 3, 5, 7]
+    assert [band.n for band in bands] == [3] * 4
+    half_widths = [band.half_ci95_n for band in bands]
+    np.testing.assert_allclose(half_widths, (0.89, 1.43, 2.42, 3.09), atol=0.02)
 
 
 def test_friction_opposes_the_motion_and_single_runs_have_no_interval(campaign):

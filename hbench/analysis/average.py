@@ -80,6 +80,7 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
         f_applied_n=float(of_trials("f_applied_n").mean()),
         p_tp_pa=float(of_trials("p_tp_pa").mean()),
         p_tr_pa=float(of_trials("p_tr_pa").mean()) if has_rod_side else None,
+        trials=tuple(trial[0].run.plan.trial for trial in trials),
         trials_n=tuple(friction.tolist()),
         trials_f_test_n=tuple(f_test.tolist()),
         runs=tuple(one.run.plan.run for one in runs),

@@ -14,13 +14,12 @@ from hbench.report.rod_side import load_words, told_apart
 AnyCurve = TypeVar("AnyCurve", Curve, EfficiencyCurve)
 LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where it tells curves apart
 
-MIN_POINTS = 3  # fewer speeds are no curve over velocity
 _ASIDE = 0.006  # residuals of one speed stand side by side, this part of the highest speed apart
 
 
 def over_velocity(results: Results) -> tuple[Curve, ...]:
     """Return the curves that have enough speeds to be drawn over velocity."""
-    return told_apart(curve for curve in results.curves if len(curve.points) >= MIN_POINTS)
+    return told_apart(curve for curve in results.curves if curve.over_velocity)
 
 
 def stribeck(results: Results) -> dict[str, Figure]:

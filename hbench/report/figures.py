@@ -124,7 +124,8 @@ FIGURES = (
         section="friction",
         caption="Friction against chamber pressure, one point a pressure and direction, with the "
         "95 % Student interval where there are two trials or more. Below: half of the band, "
-        "(F extending − F retracting) / 2, which is free of a constant error in force. "
+        "(F extending − F retracting) / 2 in each trial, which is free of a constant error in "
+        "force. "
         "Dotted lines guide the eye.",
         applies=has_pressures,
         draw=friction_pressure,

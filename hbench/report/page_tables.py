@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 from hbench.records import Curve, EfficiencyCurve, Fit, FitParameter, Results, RunPlan, ScreenedRun
-from hbench.report.draw_pressure import bands
 from hbench.report.reasons import code_of
 from hbench.report.rod_side import load_words, told_apart
 from hbench.report.style import TITLES
@@ -113,25 +112,28 @@ def efficiency_table(results: Results) -> Table:
 
 def pressure_table(results: Results) -> Table:
     """Return friction against pressure: both directions, half of the band and its middle."""
-    rows = []
-    for band in bands(results):
-        sides = [
-            with_interval(side.friction_n, side.ci95_n) if side else ""
-            for side in (band.extend, band.retract)
-        ]
-        trials = "/".join(str(side.n) if side else "0" for side in (band.extend, band.retract))
-        half = with_interval(band.half_n, band.half_ci95_n)
-        rows.append(
-            (band.label, _bar(band.p_tp_pa), *sides, half, significant(band.middle_n, 3), trials)
+    rows = [
+        (
+            band.label,
+            _rod_side(band.p_lr_ref_pa),
+            _bar(band.p_tp_pa),
+            with_interval(band.extend.friction_n, band.extend.ci95_n),
+            with_interval(band.retract.friction_n, band.retract.ci95_n),
+            with_interval(band.half_n, band.half_ci95_n),
+            significant(band.middle_n, 3),
+            str(band.n),
         )
+        for band in told_apart(results.bands)
+    ]
     head = (
         "Label",
+        _ROD_SIDE,
         "Pressure (bar)",
         "Friction extending (N)",
         "Friction retracting (N)",
         "Half band (N)",
         "Middle of band (N)",
-        "Trials ext./retr.",
+        "Trials of both",
     )
     return _table(head, rows)
 
@@ -156,10 +158,11 @@ def remark_table(results: Results) -> Table:
     return _table((*_RUN, "Remark"), rows)
 
 
-_WHO = ("Label", "Direction", "Load F_L (N)", "P_Lr (bar)")
+_ROD_SIDE = "P_Lr (bar)"
+_WHO = ("Label", "Direction", "Load F_L (N)", _ROD_SIDE)
 _RUN = ("Run", *_WHO, "Reference (mm/s)", "Trial")
 _WORDS = frozenset({"Run", "Label", "Direction", "Reason", "Remark"})
-_WHERE_GIVEN = ("Label", "P_Lr (bar)", "Remark")
+_WHERE_GIVEN = ("Label", _ROD_SIDE, "Remark")
 
 
 def _table(
@@ -182,8 +185,11 @@ def _table(
 
 def _who(curve: Curve | EfficiencyCurve | RunPlan) -> tuple[str, str, str, str]:
     load = force(curve.f_load_n).removesuffix(" N")
-    rod_side = "" if curve.p_lr_ref_pa is None else _bar(curve.p_lr_ref_pa)
-    return curve.label, TITLES[curve.direction].lower(), load, rod_side
+    return curve.label, TITLES[curve.direction].lower(), load, _rod_side(curve.p_lr_ref_pa)
+
+
+def _rod_side(pressure_pa: float | None) -> str:
+    return "" if pressure_pa is None else _bar(pressure_pa)
 
 
 def _who_text(curve: Curve) -> str:

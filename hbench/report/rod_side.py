@@ -5,11 +5,11 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TypeVar
 
-from hbench.records import Curve, EfficiencyCurve, RunPlan
+from hbench.records import Band, Curve, EfficiencyCurve, RunPlan
 from hbench.report.text import force, short
 from hbench.units import from_si
 
-Series = TypeVar("Series", Curve, EfficiencyCurve, RunPlan)
+Series = TypeVar("Series", Band, Curve, EfficiencyCurve, RunPlan)
 
 
 def told_apart(series: Iterable[Series]) -> tuple[Series, ...]:
@@ -21,7 +21,8 @@ def told_apart(series: Iterable[Series]) -> tuple[Series, ...]:
     series = tuple(series)
     pressures = defaultdict(set)
     for one in series:
-        pressures[one.kind, one.label, one.direction, one.f_load_n].add(one.p_lr_ref_pa)
+        direction = None if isinstance(one, Band) else one.direction
+        pressures[one.kind, one.label, direction, one.f_load_n].add(one.p_lr_ref_pa)
     if any(len(found) > 1 for found in pressures.values()):
         return series
     return tuple(replace(one, p_lr_ref_pa=None) for one in series)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.records import Curve, EfficiencyCurve, Fit, Results, ScreenedRun
+from hbench.records import Band, Curve, EfficiencyCurve, Fit, Results, ScreenedRun
 from hbench.report.reasons import reason_counts
 from hbench.report.rod_side import load_words, told_apart
 from hbench.report.text import short, span
@@ -48,6 +48,7 @@ def results_json(results: Results) -> str:
             }
             for curve in results.efficiency
         ],
+        "bands": [_band(band) for band in results.bands],
         "notes": results.notes,
     }
     return json.dumps(_plain(document), indent=1, allow_nan=False) + "\n"
@@ -103,6 +104,11 @@ def efficiency_csv(results: Results) -> str:
     return _csv(_EFFICIENCY_COLUMNS, rows)
 
 
+def bands_csv(results: Results) -> str:
+    """Return one row a pressure that both directions were measured at."""
+    return _csv(_BAND_COLUMNS, map(_band, results.bands))
+
+
 def _series(curve: Curve | EfficiencyCurve) -> Row:
     return {
         "kind": curve.kind,
@@ -133,6 +139,10 @@ def _run(screened: ScreenedRun) -> Row:
         "v_mean_m_s": averages.get("v_m_s"),
         **{name: averages.get(name) for name in _MEANS},
     }
+
+
+def _band(band: Band) -> Row:
+    return {name: getattr(band, name) for name in _BAND_COLUMNS}
 
 
 def _fit(fit: Fit) -> Row:
@@ -195,6 +205,7 @@ _FIT_COLUMNS = (
     *_SERIES,
     *"law parameter value unit se ci95_low ci95_high at_bound rmse_n converged message".split(),
 )
+_BAND_COLUMNS = (*"kind label f_load_n p_lr_ref_pa p_tp_pa half_n half_ci95_n middle_n n".split(),)
 _EFFICIENCY_COLUMNS = (*_SERIES, *"v_m_s efficiency sigma sigma_trials reason".split())
 
 
@@ -244,4 +255,5 @@ TABLES: dict[str, Callable[[Results], str]] = {
     "curves.csv": curves_csv,
     "fits.csv": fits_csv,
     "efficiency.csv": efficiency_csv,
+    "bands.csv": bands_csv,
 }

@@ -99,6 +99,7 @@ def make_curve():
                 p_tp_pa=(f_applied_n + sign * float(f) + 20e5 * SPECIMEN.area_rod_m2)
                 / SPECIMEN.area_piston_m2,
                 p_tr_pa=20e5,
+                trials=(1,),
                 trials_n=(sign * float(f),),
                 trials_f_test_n=(f_applied_n + sign * float(f),),
                 runs=("0001",),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hbench.records import (
+    Band,
     Curve,
     CurvePoint,
     EfficiencyCurve,
@@ -53,7 +54,36 @@ def point(v, trials, runs, load, p_tp=5e6, p_tr=8e5):
     ci = T95_2DOF * float(np.std(trials, ddof=1)) / math.sqrt(n) if n > 1 else None
     f_test = load + mean
     tests = tuple(load + f for f in trials)
-    return CurvePoint(v, mean, ci, n, f_test, load, p_tp, p_tr, tuple(trials), tests, tuple(runs))
+    return CurvePoint(
+        v_m_s=v,
+        friction_n=mean,
+        ci95_n=ci,
+        n=n,
+        f_test_n=f_test,
+        f_applied_n=load,
+        p_tp_pa=p_tp,
+        p_tr_pa=p_tr,
+        trials=tuple(range(1, n + 1)),
+        trials_n=tuple(trials),
+        trials_f_test_n=tests,
+        runs=tuple(runs),
+    )
+
+
+def band(label, load, extend, retract, half_ci95_n):
+    return Band(
+        kind="steady",
+        label=label,
+        f_load_n=load,
+        p_lr_ref_pa=15e5,
+        p_tp_pa=(extend.p_tp_pa + retract.p_tp_pa) / 2,
+        half_n=(extend.friction_n - retract.friction_n) / 2,
+        half_ci95_n=half_ci95_n,
+        middle_n=(extend.friction_n + retract.friction_n) / 2,
+        n=extend.n,
+        extend=extend,
+        retract=retract,
+    )
 
 
 REJECTIONS = (
@@ -119,18 +149,19 @@ def stribeck_results(loads=(500.0, 1000.0, 2000.0, 5000.0), speeds=15, source="s
         {"port": "sim", "seed": 1, "plant_sha256": "9b1f" * 16},
     )
     notes = ("Curve retract 5000 N: one point has two trials.",)
-    return Results(provenance, tuple(runs), tuple(curves), tuple(efficiency), notes)
+    return Results(provenance, tuple(runs), tuple(curves), tuple(efficiency), (), notes)
 
 
 def seal_results():
     """Two seals, four pressures, both directions, one speed; three trials and one trial."""
     rng = np.random.default_rng(3)
-    runs, curves = [], []
+    runs, curves, bands = [], [], []
     area = math.pi / 4 * 0.025**2
     seals = {"O-ring": ((4.0, 5.6, 7.2, 8.0), 3, 0.36), "NAPN": ((3.3, 6.9, 9.8, 11.9), 1, 0.51)}
     for label, (halves, trials, offset) in seals.items():
         for bar, half in zip((1, 3, 5, 7), halves, strict=True):
             load = bar * 1e5 * area
+            sides = []
             for direction, sign in (("extend", 1), ("retract", -1)):
                 frictions = sign * half + offset * bar + rng.normal(0, 0.3, trials)
                 names = [f"{label}-{bar}bar-{direction}-{k}" for k in range(trials)]
@@ -140,10 +171,14 @@ def seal_results():
                 ]
                 one = point(sign * 0.02, frictions, names, load, bar * 1e5, None)
                 curves.append(Curve("steady", direction, load, 15e5, label, SPECIMEN, (one,)))
+                sides.append(one)
+            bands.append(band(label, load, *sides, 0.1 * bar if trials > 1 else None))
     provenance = Provenance(
         "Seals of a printed cylinder", "imported", "unknown", "", "", "", {"hbench": "0.1.0"}, {}
     )
-    return Results(provenance, tuple(runs), tuple(curves), (), ("No efficiency: no load cell.",))
+    return Results(
+        provenance, tuple(runs), tuple(curves), (), tuple(bands), ("No efficiency: no load cell.",)
+    )
 
 
 @pytest.fixture(scope="session")

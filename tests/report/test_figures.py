@@ -179,22 +179,24 @@ def test_an_efficiency_that_does_not_exist_leaves_a_gap(small):
     assert np.isnan(y[1]) and np.isfinite(np.delete(y, 1)).all()
 
 
-def test_half_band_pairs_the_directions_and_cancels_a_common_offset(seals):
-    bands = draw_pressure.bands(seals)
-    assert [(b.label, round(b.p_tp_pa / 1e5)) for b in bands] == [
-        (label, bar) for label in ("O-ring", "NAPN") for bar in (1, 3, 5, 7)
-    ]
-    shifted = tuple(
-        replace(c, points=tuple(replace(p, friction_n=p.friction_n + 100) for p in c.points))
-        for c in seals.curves
+def test_the_half_band_is_drawn_from_the_bands_with_their_intervals(seals):
+    _, below = draw_pressure.friction_pressure(seals)[""].axes
+    bars = below.containers[0]
+    oring = [band for band in seals.bands if band.label == "O-ring"]
+    assert bars.lines[0].get_ydata() == pytest.approx([band.half_n for band in oring])
+    heights = [np.ptp(segment[:, 1]) / 2 for segment in bars.lines[2][0].get_segments()]
+    assert heights == pytest.approx([0.1, 0.3, 0.5, 0.7])
+
+
+def test_pressure_series_are_told_apart_by_their_rod_side_pressure(seals):
+    again = replace(
+        seals,
+        curves=seals.curves + tuple(replace(c, p_lr_ref_pa=60e5) for c in seals.curves),
+        bands=seals.bands + tuple(replace(b, p_lr_ref_pa=60e5) for b in seals.bands),
     )
-    for band, other in zip(bands, draw_pressure.bands(replace(seals, curves=shifted)), strict=True):
-        assert other.half_n == pytest.approx(band.half_n)
-        assert other.middle_n == pytest.approx(band.middle_n + 100)
-    one = bands[0]
-    expected = (one.extend.ci95_n**2 + one.retract.ci95_n**2) ** 0.5 / 2
-    assert one.half_ci95_n == pytest.approx(expected)
-    assert bands[-1].half_ci95_n is None  # a single trial has no interval
+    axes, below = draw_pressure.friction_pressure(again)[""].axes
+    assert len(axes.containers) == 8 and "NAPN, 60 bar, extending" in series(axes)
+    assert [list(bars.lines[0].get_xdata()) for bars in below.containers] == [[1, 3, 5, 7]] * 4
 
 
 def test_pressure_figure_shows_each_seal_and_direction_in_bar(seals):
@@ -209,7 +211,8 @@ def test_pressure_figure_shows_each_seal_and_direction_in_bar(seals):
 
 def test_one_direction_alone_is_drawn_without_a_half_band(seals):
     curves = tuple(c for c in seals.curves if c.direction == "extend")
-    axes, below = draw_pressure.friction_pressure(replace(seals, curves=curves))[""].axes
+    alone = replace(seals, curves=curves, bands=())
+    axes, below = draw_pressure.friction_pressure(alone)[""].axes
     assert len(axes.containers) == 2 and not below.containers
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from hbench.records import Results
 from hbench.report.tables import (
+    bands_csv,
     curves_csv,
     efficiency_csv,
     fits_csv,
@@ -162,6 +163,16 @@ def test_every_table_holds_the_rod_side_pressure_of_its_curve(two_rod_sides):
     for table in (curves_csv, fits_csv, efficiency_csv):
         assert set(read(table(two_rod_sides))["p_lr_ref_pa"]) == {15e5, 60e5}
     assert "500 N, 60 bar" in summary_text(two_rod_sides)
+
+
+def test_bands_stand_in_json_and_csv(seals):
+    names = "kind label f_load_n p_lr_ref_pa p_tp_pa half_n half_ci95_n middle_n n".split()
+    for document, band in zip(parsed(seals)["bands"], seals.bands, strict=True):
+        assert document == {name: getattr(band, name) for name in names}
+    table = read(bands_csv(seals))
+    assert list(table) == names
+    assert table["half_n"].tolist() == [band.half_n for band in seals.bands]
+    assert table["half_ci95_n"].isna().tolist() == [False] * 4 + [True] * 4
 
 
 @pytest.mark.parametrize("lead", ["=", "+", "-", "@", "\t", "\r"])
