@@ -6,7 +6,7 @@ is never rewritten: when a run is made again, the log of the attempt before is k
 """
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
@@ -113,16 +113,14 @@ class Campaign:
 
     def bench(self) -> Bench | None:
         """Return the bench that it was made on; None where the source did not tell."""
-        section = self.header.get("bench")
-        return parse_bench(section["content"], self._source("bench")) if section else None
+        if not self.imported and not self.header.get("bench"):
+            raise DataError(f"{self._source('bench')}: is missing; counts mean nothing without it")
+        return self._parsed("bench", parse_bench)
 
     def screening(self) -> Screening:
         """Return the limits for its runs: of its schedule or import map, or the default ones."""
-        if section := self.header.get("schedule"):
-            return parse_schedule(section["content"], self._source("schedule")).screening
-        if section := self.header.get("map"):
-            return parse_import_map(section["content"], self._source("map")).screening
-        return Screening()
+        rules = self._parsed("schedule", parse_schedule) or self._parsed("map", parse_import_map)
+        return rules.screening if rules else Screening()
 
     def provenance(self) -> Provenance:
         """Return what was measured by what."""
@@ -212,6 +210,14 @@ class Campaign:
         if entry.stop is None:
             return data, ()
         return data, (f"changed: runs/{path.name} is not what was written (SHA-256 differs)",)
+
+    def _parsed(self, key: str, parse: Callable[[dict, str], Any]) -> Any:
+        """Return a section's content, checked; what is wrong with it is an error of the data."""
+        section = self.header.get(key)
+        try:
+            return parse(section["content"], self._source(key)) if section else None
+        except ConfigError as error:
+            raise DataError(error.message, error.hint) from None
 
     def _source(self, key: str) -> str:
         return f"{self.folder / JOURNAL}: {key}"

@@ -16,6 +16,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from datetime import datetime
+from math import isfinite
 from typing import Any
 
 import yaml
@@ -137,13 +138,45 @@ def parse_journal(data: bytes, source: str) -> Journal:
     missing = [key for key in REQUIRED if key not in content]
     if missing:
         raise DataError(f"{source}: key {missing[0]!r} is missing")
+    _check_header(content, source)
     items = content.pop("runs", None) or []
+    if not isinstance(items, list):
+        raise DataError(f"{source}: runs: not a list")
     entries = tuple(_entry(item, f"{source}: runs.{n}") for n, item in enumerate(items))
     return Journal(content, entries, warnings)
 
 
+def _check_header(header: dict[str, Any], source: str) -> None:
+    """Raise ``DataError`` where a section of the header is not of its kind."""
+    if header["source"] not in ("simulated", "real", "imported"):
+        raise DataError(f"{source}: source is {header['source']!r}, which no campaign has")
+    for key in ("bench", "schedule", "map", "software", "firmware", "log"):
+        section = header.get(key, {})
+        whole = isinstance(section, dict)
+        if whole and section and key in ("bench", "schedule", "map"):
+            whole = isinstance(section.get("content"), dict)
+        if not whole:
+            raise DataError(f"{source}: {key}: not a section as this program writes it")
+    if not isinstance(header.get("notes", []), list):
+        raise DataError(f"{source}: notes: not a list")
+
+
+def _check_numbers(section: Mapping[str, Any]) -> None:
+    """Raise ``ValueError`` where a value that must be a finite number is not."""
+    for key, value in section.items():
+        if key in ("kind", "label", "specimen", "motion") or value is None:
+            continue
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
+            raise ValueError(f"{key} is {value!r}, not a number")
+
+
 def _entry(item: Any, source: str) -> Entry:
     try:
+        plan = item["plan"]
+        for section in (plan, plan["specimen"], plan.get("motion") or {}):
+            _check_numbers(section)
+        if plan["v_ref_m_s"] is None or not isinstance(plan["kind"], str):
+            raise ValueError("kind or v_ref_m_s is missing")
         stop = item.get("stop")
         fields = dict(item["plan"])
         fields["specimen"] = Specimen(**fields["specimen"])
