@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import EfficiencyCurve, Results
 from hbench.report import style
-from hbench.report.draw_friction import by_load, legend_title, load_ranks, load_style
+from hbench.report.draw_friction import by_load, load_legend, load_ranks, load_style
 from hbench.report.rod_side import load_words, told_apart
 
 
@@ -37,7 +37,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0), max(high, 100))
         style.head(axes, style.TITLES[direction], results)
-        style.legend_above(figure, axes, legend_title("Load $F_L$", chosen))
+        load_legend(figure, axes, "Load $F_L$", chosen)
     style.share_limits(figure.axes[0] for figure in figures.values())
     return figures
 

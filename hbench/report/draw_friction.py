@@ -55,7 +55,7 @@ def signed(results: Results) -> dict[str, Figure]:
         line(0, color="#374151", linewidth=0.9, zorder=1)
     axes.set(xlabel="Velocity v (mm/s), positive extends", ylabel="Friction F (N)")
     style.head(axes, "Both directions", results)
-    style.legend_above(figure, axes, legend_title("Load |$F_L$|", curves))
+    load_legend(figure, axes, "Load |$F_L$|", curves)
     return {"": figure}
 
 
@@ -92,10 +92,12 @@ def load_style(curve: AnyCurve, ranks: dict[LoadKey, int]) -> dict[str, object]:
     return style.series_style(ranks[load_key(curve)], hollow=helps)
 
 
-def legend_title(load: str, curves: Iterable[AnyCurve]) -> str:
-    """Return the legend's title: ``load``, and the rod-side pressure where the entries name it."""
-    named = any(curve.p_lr_ref_pa is not None for curve in curves)
-    return f"{load}, rod-side pressure $P_{{Lr}}$" if named else load
+def load_legend(figure: Figure, axes: Axes, load: str, curves: Iterable[AnyCurve]) -> None:
+    """Put the legend above the axes, titled ``load``, and P_Lr where the entries name it."""
+    if any(curve.p_lr_ref_pa is not None for curve in curves):
+        style.legend_above(figure, axes, f"{load}, rod-side pressure $P_{{Lr}}$", columns=2)
+    else:
+        style.legend_above(figure, axes, load)
 
 
 def _one_direction(
@@ -128,7 +130,7 @@ def _one_direction(
         below.set_ylim(-reach, reach)
     figure.axes[-1].set_xlabel("Speed |v| (mm/s)")
     style.head(axes, style.TITLES[direction], results)
-    style.legend_above(figure, axes, legend_title("Load $F_L$", curves))
+    load_legend(figure, axes, "Load $F_L$", curves)
     return figure
 
 

@@ -49,7 +49,7 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
     for one in (axes, below):
         one.set_ylim(bottom=min(0, one.get_ylim()[0]))
     style.head(axes, "Friction against pressure", results)
-    style.legend_above(figure, axes, columns=2)
+    style.legend_above(figure, axes, columns=1 if told else 2)
     return {"": figure}
 
 

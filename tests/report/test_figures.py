@@ -9,7 +9,7 @@ import pytest
 from matplotlib.image import imread
 
 from hbench.report import draw_efficiency, draw_friction, draw_pressure, draw_rejected
-from hbench.report.figures import FIGURES, draw_all
+from hbench.report.figures import FIGURES, draw_all, render
 from hbench.report.style import COLOURS, series_style
 
 UNIT = re.compile(r"\((mm/s|N|%|bar|count)\)")
@@ -132,6 +132,17 @@ def test_curves_of_one_load_are_told_apart_by_their_rod_side_pressure(small, two
         assert "rod-side" in figure.legends[0].get_title().get_text()
     signed = draw_friction.signed(two_rod_sides)[""]
     assert len({one.lines[0].get_color() for one in signed.axes[0].containers}) == 4
+
+
+def test_legends_with_rod_side_pressures_stay_inside_the_figure(two_rod_sides, seals):
+    curves = [replace(c, label=f"{c.label} 25.7 mm, another batch") for c in seals.curves]
+    curves += [replace(c, p_lr_ref_pa=60e5) for c in curves]
+    over_pressure = replace(seals, curves=tuple(curves), bands=())
+    for figure in [*every_figure(two_rod_sides), *every_figure(over_pressure)]:
+        for legend in figure.legends:
+            render(figure)
+            box = legend.get_window_extent()
+            assert box.x0 >= 0 and box.x1 <= figure.bbox.width
 
 
 def test_a_rod_side_pressure_for_each_direction_needs_no_words(small):
