@@ -1,6 +1,8 @@
 """What several test rooms share: the shipped bench and a short schedule."""
 
 import copy
+import os
+import shutil
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -27,6 +29,22 @@ SHORT = {
         }
     ],
 }
+
+
+@pytest.fixture(scope="session")
+def require_tool():
+    """Return a function that gives a program's path; one that is missing skips the test.
+
+    Not in CI, which sets HBENCH_CI and installs them all: there it fails the test.
+    """
+
+    def find(name: str) -> str:
+        path = shutil.which(name)
+        if path is None:
+            (pytest.fail if os.environ.get("HBENCH_CI") else pytest.skip)(f"no {name}")
+        return path
+
+    return find
 
 
 @pytest.fixture

@@ -54,11 +54,10 @@ def test_the_core_includes_freestanding_headers_alone():
                 assert line[10:-1] in ("limits.h", "stdbool.h", "stdint.h"), f"{path.name}: {line}"
 
 
-@pytest.mark.skipif(shutil.which("nm") is None, reason="no nm")
-def test_the_core_calls_nothing_but_itself_and_has_no_variables(tmp_path):
+def test_the_core_calls_nothing_but_itself_and_has_no_variables(tmp_path, require_tool):
     objects = compile_core(tmp_path, "-fno-stack-protector")
     symbols = subprocess.run(
-        ["nm", "-P", *objects], capture_output=True, text=True, check=True
+        [require_tool("nm"), "-P", *objects], capture_output=True, text=True, check=True
     ).stdout
     rows = [line.split() for line in symbols.splitlines() if not line.endswith(":")]
     outside = {row[0].lstrip("_") for row in rows if row[1] == "U"}
