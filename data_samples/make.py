@@ -15,6 +15,8 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import numpy as np
+
 from hbench import workflow
 from hbench.analysis.calibrate import calibrate
 from hbench.analysis.screen import screen
@@ -22,7 +24,7 @@ from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.config.loading import read_yaml
 from hbench.experiment.runner import run_campaign
 from hbench.records import ScreenedRun
-from hbench.rig.client import BoardClient, LogPart
+from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign import CampaignWriter, load_campaign
 
@@ -98,19 +100,12 @@ def make_stribeck() -> None:
     _write_json("stribeck-small.truth.json", {"simulated": True, "points": truth})
 
 
-class Late(BoardClient):
-    """A host that comes late: the ring has overwritten records 104 to 119 when it asks."""
+class Losing(CampaignWriter):
+    """Writes logs that lack records 104 to 119."""
 
-    def status(self) -> dict:
-        """Return the status, but hear of those records only when they are all over."""
-        status = super().status()
-        if 104 < status["log_next"] <= 120:
-            status["log_next"] = 104
-        return status
-
-    def read_log(self, first: int) -> LogPart:
-        """Pull records; those that are gone are passed over, as the board does."""
-        return super().read_log(120 if 104 <= first < 120 else first)
+    def finish_run(self, plan, words, *rest) -> None:
+        """Write what is left of the log."""
+        super().finish_run(plan, np.delete(words, slice(104, 120), axis=0), *rest)
 
 
 # One run a cause, in the order of bad-runs.yaml after its first, good run. ``plant`` and ``bench``
@@ -133,7 +128,7 @@ BAD_RUNS = (
         "plant": {"friction": {"test": TABLE_6_2, "load": {"viscous": "1800 N s/m"}}},
     },
     {"reason": "truncated", "keep_lines": 1500},  # the file was cut
-    {"reason": "gapped", "client": Late},
+    {"reason": "gapped", "writer": Losing},
     {"reason": "sensor_saturated", "plant": {"sensors": {"load_cell": {"amplifier": 1900}}}},
     {
         "reason": "valve_saturated",  # the load's piston side can't empty against the tank
@@ -149,8 +144,8 @@ def make_bad_runs() -> None:
     for plan, bad in zip(experiment.plans[1:], BAD_RUNS, strict=True):
         bench = parse_bench(merge(bench_data, bad.get("bench", {})), "bench")
         rig = VirtualRig(bench, parse_plant(bench_data, bad.get("plant", {}), "plant"), SEED)
-        client, journal = bad.get("client", BoardClient)(rig), CampaignWriter.resume(folder)
-        run_campaign([plan], bench, client, journal, now, lambda progress: None)
+        journal = bad.get("writer", CampaignWriter).resume(folder)
+        run_campaign([plan], bench, BoardClient(rig), journal, now, lambda progress: None)
         if "keep_lines" in bad:
             log = folder / "runs" / f"{plan.run}.dat"
             log.write_bytes(b"".join(log.read_bytes().splitlines(True)[: bad["keep_lines"]]))

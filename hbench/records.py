@@ -25,13 +25,32 @@ class Specimen:
 
 
 @dataclass(frozen=True)
+class Segment:
+    """A piece of a run: v_ref goes to ``v_m_s`` at a slope and stays there."""
+
+    v_m_s: float  # signed; positive extends
+    a_m_s2: float
+    duration_s: float  # at most
+    closed: bool = False  # all valves in neutral, nothing is controlled
+
+
+@dataclass(frozen=True)
 class Motion:
-    """How the board moves in one run: where it starts, when it stops."""
+    """How the board moves in one run."""
 
     x_start_m: float
-    x_end_m: float
+    x_min_m: float  # a segment ends early where its velocity leads out of x_min..x_max
+    x_max_m: float
     hold_s: float  # at rest at x_start before the run, load on
-    duration_s: float  # at most, from the first movement
+    segments: tuple[Segment, ...]  # one cycle
+    cycles: int = 1  # at most
+    until: str = "cycles"  # or "friction", "speed_error": what must settle to end earlier
+    within: float = 0.0  # settled: relative change from cycle to cycle
+
+    @property
+    def duration_s(self) -> float:
+        """The longest that it can last."""
+        return self.cycles * sum(segment.duration_s for segment in self.segments)
 
 
 @dataclass(frozen=True)

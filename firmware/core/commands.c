@@ -24,6 +24,7 @@ static hb_u16 identify(const hb_core *core, const hb_reader *request, hb_writer 
     hb_put_u16(reply, HB_RATE_HZ);
     hb_put_u16(reply, HB_LOG_RECORDS);
     hb_put_u16(reply, HB_MAX_STEPS);
+    hb_put_u16(reply, HB_MAX_SEGMENTS);
     return HB_REFUSAL_NONE;
 }
 
@@ -54,22 +55,45 @@ static hb_u16 write_settings(hb_core *core, hb_reader *request)
     return HB_REFUSAL_NONE;
 }
 
+static hb_u16 write_segment(hb_core *core, hb_reader *request)
+{
+    const hb_u16 index = hb_get_u16(request);
+    hb_segment segment;
+
+    segment.valves = hb_get_u16(request);
+    segment.v_m_s = hb_get_f32(request);
+    segment.a_m_s2 = hb_get_f32(request);
+    segment.duration_s = hb_get_f32(request);
+    if (!whole(request)) {
+        return HB_REFUSAL_BAD_PAYLOAD;
+    }
+    if (core->state == HB_STATE_RUNNING) {
+        return HB_REFUSAL_BUSY;
+    }
+    if (!hb_segment_in_range(&segment) || !hb_segments_write(&core->steps, index, &segment)) {
+        return HB_REFUSAL_OUT_OF_RANGE;
+    }
+    return HB_REFUSAL_NONE;
+}
+
 static hb_u16 write_step(hb_core *core, hb_reader *request)
 {
     const hb_u16 index = hb_get_u16(request);
     hb_step step;
 
     step.run = hb_get_u16(request);
-    step.kind = hb_get_u16(request);
     step.trials = hb_get_u16(request);
-    step.v_ref_m_s = hb_get_f32(request);
-    step.a_ref_m_s2 = hb_get_f32(request);
+    step.segment = hb_get_u16(request);
+    step.segments = hb_get_u16(request);
+    step.cycles = hb_get_u16(request);
+    step.until = hb_get_u16(request);
+    step.within = hb_get_f32(request);
     step.p_lr_ref_pa = hb_get_f32(request);
     step.p_lp_ref_pa = hb_get_f32(request);
     step.x_start_m = hb_get_f32(request);
-    step.x_end_m = hb_get_f32(request);
+    step.x_min_m = hb_get_f32(request);
+    step.x_max_m = hb_get_f32(request);
     step.hold_s = hb_get_f32(request);
-    step.duration_s = hb_get_f32(request);
     if (!whole(request)) {
         return HB_REFUSAL_BAD_PAYLOAD;
     }
@@ -110,8 +134,8 @@ static hb_u16 start(hb_core *core, hb_octet sequence, hb_reader *request)
         return HB_REFUSAL_STEPS_DIFFER;
     }
     if (!hb_settings_in_range(&core->settings)
-        || !hb_steps_within(&core->steps, value[HB_SETTING_TRAVEL_MIN_M],
-                            value[HB_SETTING_TRAVEL_MAX_M])) {
+        || !hb_steps_sound(&core->steps, value[HB_SETTING_TRAVEL_MIN_M],
+                           value[HB_SETTING_TRAVEL_MAX_M])) {
         return HB_REFUSAL_OUT_OF_RANGE;
     }
     core->start_sequence = sequence;
@@ -155,6 +179,7 @@ static hb_u16 status(const hb_core *core, const hb_reader *request, hb_writer *r
     hb_put_u16(reply, core->schedule.phase);
     hb_put_u16(reply, core->fault);
     hb_put_u16(reply, core->schedule.step);
+    hb_put_u16(reply, core->schedule.cycle);
     hb_put_u16(reply, hb_schedule_run(&core->steps, &core->schedule));
     hb_put_u16(reply, core->schedule.runs_done);
     hb_put_u32(reply, core->tick);
@@ -199,6 +224,8 @@ hb_u16 hb_command(hb_core *core, const hb_frame *frame, hb_writer *reply)
         return identify(core, &request, reply);
     case HB_MESSAGE_WRITE_SETTINGS:
         return write_settings(core, &request);
+    case HB_MESSAGE_WRITE_SEGMENT:
+        return write_segment(core, &request);
     case HB_MESSAGE_WRITE_STEP:
         return write_step(core, &request);
     case HB_MESSAGE_START:

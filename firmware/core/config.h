@@ -11,6 +11,7 @@
 #define HB_PERIOD_S 1e-4f
 
 #define HB_MAX_STEPS 128u
+#define HB_MAX_SEGMENTS 128u
 #define HB_MAX_TIME_S 100000.0f /* so that times fit 32 bits in ticks */
 
 /* The ring takes 1024 x 15 = 15360 words of 16 bits; L4 to L7 of an F28335 have 16384.

@@ -23,6 +23,16 @@ hb_control_config hb_control_design(const hb_settings *settings)
     return config;
 }
 
+void hb_control_init(hb_control_state *state)
+{
+    for (hb_u16 i = 0; i < HB_VALVES; i++) {
+        state->loop[i].u = 0.0f;
+        state->loop[i].e = 0.0f;
+        state->u[i] = 0.0f;
+    }
+    state->saturated = false;
+}
+
 void hb_control_step(const hb_control_config *config, hb_control_state *state,
                      const hb_references *references, const hb_sensors_state *sensors)
 {

@@ -32,6 +32,8 @@ typedef struct {
     bool saturated;     /* one of them is at the limit */
 } hb_control_state;
 
+/* At rest, valves in neutral, nothing integrated. */
+void hb_control_init(hb_control_state *state);
 hb_control_config hb_control_design(const hb_settings *settings);
 void hb_control_step(const hb_control_config *config, hb_control_state *state,
                      const hb_references *references, const hb_sensors_state *sensors);

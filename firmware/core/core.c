@@ -5,20 +5,17 @@
 
 void hb_core_init(hb_core *core, const hb_hal *hal, hb_log_ring ring, hb_u16 boots)
 {
-    const hb_sensors_state no_sensors = {{0.0f}, {0.0f, 0.0f}, false, false};
-    const hb_schedule_state no_schedule = {HB_PHASE_NONE, 0, 0, 0, 0, 0, {0.0f, 0.0f, 0.0f}};
-
     core->hal = *hal;
     core->boots = boots;
     hb_settings_init(&core->settings);
-    core->steps.count = 0;
-    core->steps.step[0].run = 0; /* what the status shows before there is a schedule */
+    hb_steps_init(&core->steps);
     core->state = HB_STATE_IDLE;
     core->fault = HB_FAULT_NONE;
     core->tick = 0;
-    core->silence_ticks = 0;
-    core->sensors = no_sensors;
-    core->schedule = no_schedule;
+    hb_safety_init(&core->safety);
+    hb_sensors_init(&core->sensors);
+    hb_control_init(&core->control);
+    hb_schedule_init(&core->schedule);
     hb_log_init(&core->log, ring);
     hb_core_configure(core);
     core->receiver.count = 0;
@@ -42,20 +39,17 @@ void hb_core_configure(hb_core *core)
 
 void hb_core_start(hb_core *core)
 {
-    const hb_control_state at_rest = {{{0.0f, 0.0f}}, {0.0f}, false};
-
-    core->control = at_rest;
+    hb_control_init(&core->control);
+    hb_safety_init(&core->safety);
     core->fault = HB_FAULT_NONE;
-    core->silence_ticks = 0;
-    hb_schedule_start(&core->schedule, core->sensors.value[HB_SENSOR_P_LR],
-                      core->sensors.value[HB_SENSOR_P_LP]);
+    hb_schedule_start(&core->schedule, &core->sensors);
     core->state = HB_STATE_RUNNING;
 }
 
 void hb_core_halt(hb_core *core, hb_u16 state, hb_u16 fault)
 {
     if (hb_schedule_moving(&core->schedule)) {
-        hb_log_end(&core->log, false);
+        hb_log_end(&core->log, 0);
     }
     core->schedule.phase = HB_PHASE_NONE;
     core->schedule.references.v_m_s = 0.0f;
@@ -67,15 +61,15 @@ void hb_core_halt(hb_core *core, hb_u16 state, hb_u16 fault)
 static void advance(hb_core *core)
 {
     const bool moved = hb_schedule_moving(&core->schedule);
-    hb_schedule_step(&core->schedule_config, &core->steps, &core->schedule,
-                     core->sensors.value[HB_SENSOR_X]);
+    hb_schedule_step(&core->schedule_config, &core->steps, &core->schedule, &core->sensors);
     const bool moves = hb_schedule_moving(&core->schedule);
 
     if (moves && !moved) {
         hb_log_begin(&core->log, hb_schedule_run(&core->steps, &core->schedule),
                      (hb_u16)core->settings.value[HB_SETTING_LOG_DIVIDER]);
     } else if (moved && !moves) {
-        hb_log_end(&core->log, true);
+        hb_log_end(&core->log, (hb_u16)(core->schedule.settled ? HB_FLAG_LAST | HB_FLAG_SETTLED
+                                                               : HB_FLAG_LAST));
     }
     if (core->schedule.phase == HB_PHASE_NONE) {
         hb_core_halt(core, HB_STATE_DONE, HB_FAULT_NONE);
@@ -103,9 +97,8 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VAL
     hb_sensors_step(&core->sensors_config, &core->sensors, adc);
 
     if (core->state == HB_STATE_RUNNING) {
-        core->silence_ticks++;
-        const hb_u16 fault =
-            hb_safety_check(&core->safety_config, &core->sensors, core->silence_ticks);
+        const hb_u16 fault = hb_safety_step(&core->safety_config, &core->safety, &core->sensors,
+                                            core->schedule.references.v_m_s);
         if (fault != HB_FAULT_NONE) {
             hb_core_halt(core, HB_STATE_FAULT, fault);
         } else if (hb_schedule_overdue(&core->schedule_config, &core->schedule)) {
@@ -114,19 +107,24 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VAL
             advance(core);
         }
     }
-    if (core->state != HB_STATE_RUNNING) {
-        for (hb_u16 i = 0; i < HB_VALVES; i++) {
-            dac[i] = 0;
-        }
-        return;
+    if (core->state == HB_STATE_RUNNING && core->schedule.phase != HB_PHASE_CLOSED) {
+        hb_control_step(&core->control_config, &core->control, &core->schedule.references,
+                        &core->sensors);
+    } else {
+        hb_control_init(&core->control); /* neutral */
     }
-    hb_control_step(&core->control_config, &core->control, &core->schedule.references,
-                    &core->sensors);
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
         dac[i] = hb_dac_code(core->control.u[i]);
     }
     if (hb_schedule_moving(&core->schedule)) {
         log_tick(core, adc);
+    }
+}
+
+void hb_core_overrun(hb_core *core)
+{
+    if (core->state == HB_STATE_RUNNING) {
+        hb_core_halt(core, HB_STATE_FAULT, HB_FAULT_OVERRUN);
     }
 }
 
@@ -148,7 +146,7 @@ static void answer(hb_core *core, const hb_frame *frame)
     hb_octet type = (hb_octet)(frame->type | HB_REPLY);
 
     core->hal.mask_control(core->hal.context);
-    core->silence_ticks = 0;
+    core->safety.silence_ticks = 0;
     const hb_u16 refusal = hb_command(core, frame, &reply);
     core->hal.unmask_control(core->hal.context);
 

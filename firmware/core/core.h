@@ -1,4 +1,4 @@
-/* The firmware's core: one context, allocated by the port, and three calls (see hal.h). */
+/* The firmware's core: one context, allocated by the port, and its calls (see hal.h). */
 #ifndef HB_CORE_H
 #define HB_CORE_H
 
@@ -30,7 +30,7 @@ typedef struct {
     hb_u16 state;
     hb_u16 fault; /* latched in HB_STATE_FAULT; HB_FAULT_STOPPED also stands at rest */
     hb_u32 tick;
-    hb_u32 silence_ticks; /* since the host's last sound frame */
+    hb_safety_state safety;
     hb_sensors_state sensors;
     hb_control_state control;
     hb_schedule_state schedule;
@@ -52,6 +52,7 @@ typedef struct {
 void hb_core_init(hb_core *core, const hb_hal *hal, hb_log_ring ring, hb_u16 boots);
 void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VALVES]);
 void hb_core_poll(hb_core *core);
+void hb_core_overrun(hb_core *core);
 
 /* For the commands. */
 void hb_core_configure(hb_core *core);

@@ -6,8 +6,12 @@
  *   - calls hb_core_tick from the control interrupt, 10 000 times a second, with the converter's
  *     words in the order of the dictionary's sensors (each the mean of the tick's conversions, in
  *     1/16 of a count: 0..65520), and hands the three codes to the DAC at once;
+ *   - calls hb_core_overrun from there when that tick came late or was not over before the next
+ *     one was due; from then on the valves are neutral;
  *   - calls hb_core_poll from the idle loop, at least once a millisecond or so. It is the one
- *     place where octets come and go.
+ *     place where octets come and go;
+ *   - keeps at least 64 octets from the host until it reads them, while a reply is on its way: a
+ *     host has several requests in flight.
  *
  * hb_core_tick may interrupt hb_core_poll, never the other way round. While a request is carried
  * out the core masks the control interrupt: for some microseconds while a schedule runs, up to a

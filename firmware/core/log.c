@@ -92,12 +92,10 @@ void hb_log_add(hb_log *log, const hb_sample *sample)
     }
 }
 
-void hb_log_end(hb_log *log, bool complete)
+void hb_log_end(hb_log *log, hb_u16 flags)
 {
     if (log->held) {
-        if (complete) {
-            log->newest[HB_WORD_FLAGS] = (hb_u16)(log->newest[HB_WORD_FLAGS] | HB_FLAG_LAST);
-        }
+        log->newest[HB_WORD_FLAGS] = (hb_u16)(log->newest[HB_WORD_FLAGS] | flags);
         publish(log);
     }
 }

@@ -15,7 +15,7 @@ typedef struct {
     const float *u;    /* HB_VALVES commands [V] */
     float v_m_s;
     float v_ref_m_s;
-    hb_u16 flags; /* of this tick, HB_FLAG_LAST apart */
+    hb_u16 flags; /* of this tick */
 } hb_sample;
 
 typedef struct {
@@ -39,8 +39,8 @@ typedef struct {
 void hb_log_init(hb_log *log, hb_log_ring ring);
 void hb_log_begin(hb_log *log, hb_u16 run, hb_u16 divider);
 void hb_log_add(hb_log *log, const hb_sample *sample);
-/* complete: the run came to its end, so its last record is marked. */
-void hb_log_end(hb_log *log, bool complete);
+/* flags: for the run's last record. HB_FLAG_LAST tells that the run came to its end. */
+void hb_log_end(hb_log *log, hb_u16 flags);
 
 /* Number of the oldest record still in the ring; log->next if there is none. */
 hb_u32 hb_log_first(const hb_log *log);

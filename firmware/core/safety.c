@@ -9,27 +9,63 @@ hb_safety_config hb_safety_design(const hb_settings *settings)
 
     config.travel_min_m = value[HB_SETTING_TRAVEL_MIN_M];
     config.travel_max_m = value[HB_SETTING_TRAVEL_MAX_M];
+    config.stopping_time_s = value[HB_SETTING_STOPPING_TIME_S];
     config.pressure_max_pa = value[HB_SETTING_PRESSURE_MAX_PA];
     config.speed_max_m_s = value[HB_SETTING_SPEED_MAX_M_S];
+    config.speed_error_max_m_s = value[HB_SETTING_SPEED_ERROR_MAX_M_S];
+    config.speed_error_ticks = hb_ticks(value[HB_SETTING_SPEED_ERROR_TIME_S], (float)HB_RATE_HZ);
     config.heartbeat_ticks = hb_ticks(value[HB_SETTING_HEARTBEAT_S], (float)HB_RATE_HZ);
     return config;
 }
 
-hb_u16 hb_safety_check(const hb_safety_config *config, const hb_sensors_state *sensors,
-                       hb_u32 silence_ticks)
+void hb_safety_init(hb_safety_state *state)
+{
+    state->silence_ticks = 0;
+    state->astray_ticks = 0;
+}
+
+/* The piston is within its travel, and would be if the valves closed at this moment. */
+static bool within_travel(const hb_safety_config *config, const hb_sensors_state *sensors)
 {
     const float x = sensors->value[HB_SENSOR_X];
+    const float stop = x + sensors->velocity.v * config->stopping_time_s;
 
-    if (!(x >= config->travel_min_m && x <= config->travel_max_m)) {
-        return HB_FAULT_TRAVEL;
-    }
+    return hb_min(x, stop) >= config->travel_min_m && hb_max(x, stop) <= config->travel_max_m;
+}
+
+static bool pressures_are_low(const hb_safety_config *config, const hb_sensors_state *sensors)
+{
     for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
         if (!(sensors->value[i] <= config->pressure_max_pa)) {
-            return HB_FAULT_PRESSURE;
+            return false;
         }
     }
-    if (!(hb_abs(sensors->velocity.v) <= config->speed_max_m_s)) {
+    return true;
+}
+
+hb_u16 hb_safety_step(const hb_safety_config *config, hb_safety_state *state,
+                      const hb_sensors_state *sensors, float v_ref_m_s)
+{
+    const float v = sensors->velocity.v;
+    const bool astray = !(hb_abs(v_ref_m_s - v) <= config->speed_error_max_m_s);
+
+    state->silence_ticks++;
+    state->astray_ticks = astray ? state->astray_ticks + 1u : 0u;
+
+    if (sensors->impossible) { /* first: what follows can't be trusted then */
+        return HB_FAULT_SENSOR;
+    }
+    if (!within_travel(config, sensors)) {
+        return HB_FAULT_TRAVEL;
+    }
+    if (!pressures_are_low(config, sensors)) {
+        return HB_FAULT_PRESSURE;
+    }
+    if (!(hb_abs(v) <= config->speed_max_m_s)) {
         return HB_FAULT_SPEED;
     }
-    return silence_ticks > config->heartbeat_ticks ? HB_FAULT_HEARTBEAT : HB_FAULT_NONE;
+    if (state->astray_ticks > config->speed_error_ticks) {
+        return HB_FAULT_SPEED_ERROR;
+    }
+    return state->silence_ticks > config->heartbeat_ticks ? HB_FAULT_HEARTBEAT : HB_FAULT_NONE;
 }

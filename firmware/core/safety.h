@@ -9,16 +9,25 @@
 typedef struct {
     float travel_min_m;
     float travel_max_m;
+    float stopping_time_s; /* with closed valves the piston goes on for v times this */
     float pressure_max_pa;
     float speed_max_m_s;
+    float speed_error_max_m_s;
+    hb_u32 speed_error_ticks;
     hb_u32 heartbeat_ticks;
 } hb_safety_config;
 
-hb_safety_config hb_safety_design(const hb_settings *settings);
+typedef struct {
+    hb_u32 silence_ticks; /* since the host's last sound frame */
+    hb_u32 astray_ticks;  /* since the speed error is too large */
+} hb_safety_state;
 
-/* The fault to stop for, HB_FAULT_NONE if all is well. A value that is not a number is a fault.
- * silence_ticks: since the host's last sound frame. */
-hb_u16 hb_safety_check(const hb_safety_config *config, const hb_sensors_state *sensors,
-                       hb_u32 silence_ticks);
+hb_safety_config hb_safety_design(const hb_settings *settings);
+void hb_safety_init(hb_safety_state *state);
+
+/* One tick of a schedule: the fault to stop for, HB_FAULT_NONE if all is well. A value that is
+ * not a number is a fault. */
+hb_u16 hb_safety_step(const hb_safety_config *config, hb_safety_state *state,
+                      const hb_sensors_state *sensors, float v_ref_m_s);
 
 #endif

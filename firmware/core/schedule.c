@@ -25,6 +25,8 @@ hb_schedule_config hb_schedule_design(const hb_settings *settings)
                HB_MAX_TIME_S),
         (float)HB_RATE_HZ);
     config.pressure_step_pa = value[HB_SETTING_PRESSURE_SLEW_PA_S] * HB_PERIOD_S;
+    config.area_piston_m2 = value[HB_SETTING_AREA_PISTON_M2];
+    config.area_rod_m2 = value[HB_SETTING_AREA_ROD_M2];
     return config;
 }
 
@@ -35,15 +37,37 @@ static void enter(hb_schedule_state *state, hb_u16 phase)
     state->way_ticks = 0;
 }
 
-void hb_schedule_start(hb_schedule_state *state, float p_lr_pa, float p_lp_pa)
+void hb_schedule_init(hb_schedule_state *state)
 {
     state->step = 0;
     state->trial = 0;
+    state->cycle = 0;
+    state->segment = 0;
     state->runs_done = 0;
+    hb_settle_init(&state->settle);
+    state->settled = false;
     state->references.v_m_s = 0.0f;
-    state->references.p_lr_pa = p_lr_pa;
-    state->references.p_lp_pa = p_lp_pa;
+    state->references.p_lr_pa = 0.0f;
+    state->references.p_lp_pa = 0.0f;
+    enter(state, HB_PHASE_NONE);
+}
+
+static void load_as_measured(hb_schedule_state *state, const hb_sensors_state *sensors)
+{
+    state->references.p_lr_pa = sensors->value[HB_SENSOR_P_LR];
+    state->references.p_lp_pa = sensors->value[HB_SENSOR_P_LP];
+}
+
+void hb_schedule_start(hb_schedule_state *state, const hb_sensors_state *sensors)
+{
+    hb_schedule_init(state);
+    load_as_measured(state, sensors);
     enter(state, HB_PHASE_RETURN);
+}
+
+static const hb_segment *present_segment(const hb_steps *steps, const hb_schedule_state *state)
+{
+    return &steps->segment[steps->step[state->step].segment + state->segment];
 }
 
 static bool time_is_over(const hb_schedule_state *state, float seconds)
@@ -51,10 +75,48 @@ static bool time_is_over(const hb_schedule_state *state, float seconds)
     return state->ticks >= hb_ticks(seconds, (float)HB_RATE_HZ);
 }
 
-static bool motion_is_over(const hb_schedule_state *state, const hb_step *step, float x_m)
+static bool segment_is_over(const hb_schedule_state *state, const hb_step *step,
+                            const hb_segment *segment, float x_m)
 {
-    const bool passed = step->v_ref_m_s > 0.0f ? x_m >= step->x_end_m : x_m <= step->x_end_m;
-    return passed || time_is_over(state, step->duration_s);
+    const bool left = (segment->v_m_s > 0.0f && x_m >= step->x_max_m)
+                   || (segment->v_m_s < 0.0f && x_m <= step->x_min_m);
+    return left || time_is_over(state, segment->duration_s);
+}
+
+static void enter_segment(const hb_steps *steps, hb_schedule_state *state)
+{
+    const bool closed = present_segment(steps, state)->valves == HB_VALVES_CLOSED;
+    enter(state, closed ? HB_PHASE_CLOSED : HB_PHASE_ACCELERATE);
+}
+
+static void begin_run(const hb_steps *steps, hb_schedule_state *state)
+{
+    state->cycle = 0;
+    state->segment = 0;
+    state->settled = false;
+    hb_settle_init(&state->settle);
+    enter_segment(steps, state);
+}
+
+static void next_segment(const hb_steps *steps, hb_schedule_state *state)
+{
+    const hb_step *step = &steps->step[state->step];
+
+    if (state->segment + 1u < step->segments) {
+        state->segment++;
+        enter_segment(steps, state);
+        return;
+    }
+    state->settled = hb_settle_cycle(&state->settle, step->within)
+                  && step->until != HB_CONDITION_CYCLES;
+    if (!state->settled && state->cycle + 1u < step->cycles) {
+        state->cycle++;
+        state->segment = 0;
+        enter_segment(steps, state);
+        return;
+    }
+    state->runs_done++;
+    enter(state, HB_PHASE_BRAKE);
 }
 
 static void next_trial(const hb_steps *steps, hb_schedule_state *state)
@@ -68,6 +130,7 @@ static void next_trial(const hb_steps *steps, hb_schedule_state *state)
         enter(state, HB_PHASE_NONE);
         return;
     }
+    state->segment = 0;
     enter(state, HB_PHASE_RETURN);
 }
 
@@ -75,6 +138,7 @@ static void next_trial(const hb_steps *steps, hb_schedule_state *state)
 static void change_phase(const hb_steps *steps, hb_schedule_state *state, float x_m)
 {
     const hb_step *step = &steps->step[state->step];
+    const hb_segment *segment = present_segment(steps, state);
 
     switch (state->phase) {
     case HB_PHASE_RETURN:
@@ -84,16 +148,17 @@ static void change_phase(const hb_steps *steps, hb_schedule_state *state, float 
         break;
     case HB_PHASE_HOLD:
         if (state->ticks > 0u && time_is_over(state, step->hold_s)) {
-            enter(state, HB_PHASE_ACCELERATE);
+            begin_run(steps, state);
         }
         break;
     case HB_PHASE_ACCELERATE:
     case HB_PHASE_STEADY:
-        if (motion_is_over(state, step, x_m)) {
-            enter(state, HB_PHASE_BRAKE);
-            state->runs_done++;
-        } else if (state->references.v_m_s == step->v_ref_m_s) {
-            state->phase = HB_PHASE_STEADY; /* its ticks count on from the start of motion */
+    case HB_PHASE_CLOSED:
+        if (segment_is_over(state, step, segment, x_m)) {
+            next_segment(steps, state);
+        } else if (state->phase == HB_PHASE_ACCELERATE
+                   && state->references.v_m_s == segment->v_m_s) {
+            state->phase = HB_PHASE_STEADY; /* its ticks count on from the segment's start */
         }
         break;
     case HB_PHASE_BRAKE:
@@ -106,12 +171,28 @@ static void change_phase(const hb_steps *steps, hb_schedule_state *state, float 
     }
 }
 
+/* What the step's condition watches: friction (5.1, over a cycle inertia cancels) or the lag. */
+static float watched(const hb_schedule_config *config, const hb_step *step,
+                     const hb_schedule_state *state, const hb_sensors_state *sensors)
+{
+    const float v_ref = state->references.v_m_s;
+
+    if (step->until == HB_CONDITION_FRICTION) {
+        const float friction = config->area_piston_m2 * sensors->value[HB_SENSOR_P_TP]
+                             - config->area_rod_m2 * sensors->value[HB_SENSOR_P_TR]
+                             - sensors->value[HB_SENSOR_F_APPLIED];
+        return v_ref < 0.0f ? -friction : friction;
+    }
+    return hb_abs(v_ref - sensors->velocity.v);
+}
+
 /* Moves the velocity reference as the phase asks. loaded: the load's references are reached. */
-static void follow_phase(const hb_schedule_config *config, const hb_step *step,
+static void follow_phase(const hb_schedule_config *config, const hb_steps *steps,
                          hb_schedule_state *state, float x_m, bool loaded)
 {
     float *v = &state->references.v_m_s;
-    const float way = step->x_start_m - x_m;
+    const float way = steps->step[state->step].x_start_m - x_m;
+    const hb_segment *segment = present_segment(steps, state);
 
     switch (state->phase) {
     case HB_PHASE_RETURN:
@@ -130,7 +211,11 @@ static void follow_phase(const hb_schedule_config *config, const hb_step *step,
         break;
     case HB_PHASE_ACCELERATE:
     case HB_PHASE_STEADY:
-        *v = hb_slew(*v, step->v_ref_m_s, step->a_ref_m_s2 * HB_PERIOD_S);
+        *v = hb_slew(*v, segment->v_m_s, segment->a_m_s2 * HB_PERIOD_S);
+        state->ticks++;
+        break;
+    case HB_PHASE_CLOSED:
+        *v = 0.0f;
         state->ticks++;
         break;
     default:
@@ -140,18 +225,28 @@ static void follow_phase(const hb_schedule_config *config, const hb_step *step,
 }
 
 void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
-                      hb_schedule_state *state, float x_m)
+                      hb_schedule_state *state, const hb_sensors_state *sensors)
 {
+    const float x_m = sensors->value[HB_SENSOR_X];
     hb_references *references = &state->references;
 
     change_phase(steps, state, x_m);
 
     const hb_step *step = &steps->step[state->step];
-    references->p_lr_pa = hb_slew(references->p_lr_pa, step->p_lr_ref_pa, config->pressure_step_pa);
-    references->p_lp_pa = hb_slew(references->p_lp_pa, step->p_lp_ref_pa, config->pressure_step_pa);
+    if (state->phase == HB_PHASE_CLOSED) {
+        load_as_measured(state, sensors); /* from where control takes over again */
+    } else {
+        references->p_lr_pa =
+            hb_slew(references->p_lr_pa, step->p_lr_ref_pa, config->pressure_step_pa);
+        references->p_lp_pa =
+            hb_slew(references->p_lp_pa, step->p_lp_ref_pa, config->pressure_step_pa);
+    }
     const bool loaded =
         references->p_lr_pa == step->p_lr_ref_pa && references->p_lp_pa == step->p_lp_ref_pa;
-    follow_phase(config, step, state, x_m, loaded);
+    follow_phase(config, steps, state, x_m, loaded);
+    if (state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY) {
+        hb_settle_add(&state->settle, watched(config, step, state, sensors));
+    }
 }
 
 bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state)
@@ -161,7 +256,8 @@ bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_sta
 
 bool hb_schedule_moving(const hb_schedule_state *state)
 {
-    return state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY;
+    return state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY
+        || state->phase == HB_PHASE_CLOSED;
 }
 
 hb_u16 hb_schedule_run(const hb_steps *steps, const hb_schedule_state *state)

@@ -1,43 +1,52 @@
-/* Runs the uploaded steps: each trial returns to its start, holds, accelerates, goes steadily and
- * brakes. Gives the references of the three loops. */
+/* Runs the uploaded steps: each trial returns to its start, holds, plays its segments and brakes.
+ * Gives the references of the three loops. */
 #ifndef HB_SCHEDULE_H
 #define HB_SCHEDULE_H
 
 #include "control.h"
+#include "sensors.h"
 #include "settings.h"
+#include "settle.h"
 #include "steps.h"
 
 typedef struct {
-    float return_gain_1_s;    /* K of v_ref = K (x_start - x) */
-    float return_speed_m_s;   /* at most, on the way back */
-    float velocity_step_m_s;  /* of the return and the brake, in one tick */
-    float pressure_step_pa;   /* in one tick */
-    hb_u32 return_ticks;      /* that a way back may take */
+    float return_gain_1_s;   /* K of v_ref = K (x_start - x) */
+    float return_speed_m_s;  /* at most, on the way back */
+    float velocity_step_m_s; /* of the return and the brake, in one tick */
+    float pressure_step_pa;  /* in one tick */
+    hb_u32 return_ticks;     /* that a way back may take */
+    float area_piston_m2;    /* of the cylinder under test, for its friction */
+    float area_rod_m2;
 } hb_schedule_config;
 
 typedef struct {
     hb_u16 phase; /* HB_PHASE_NONE: nothing to do */
     hb_u16 step;
-    hb_u16 trial; /* from 0 */
+    hb_u16 trial;   /* from 0 */
+    hb_u16 cycle;   /* from 0 */
+    hb_u16 segment; /* of the step's row, from 0 */
     hb_u16 runs_done;
-    hb_u32 ticks; /* that count towards the phase's end */
+    hb_u32 ticks;     /* that count towards the end of the phase or segment */
     hb_u32 way_ticks; /* since the way back began */
+    hb_settle settle;
+    bool settled; /* the last run ended by its condition */
     hb_references references;
 } hb_schedule_state;
 
 hb_schedule_config hb_schedule_design(const hb_settings *settings);
 
+void hb_schedule_init(hb_schedule_state *state);
 /* Begins with the first step, the load's references at the pressures that there are. */
-void hb_schedule_start(hb_schedule_state *state, float p_lr_pa, float p_lp_pa);
+void hb_schedule_start(hb_schedule_state *state, const hb_sensors_state *sensors);
 
-/* One tick, before the controllers. x_m: the position. */
+/* One tick, before the controllers. */
 void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
-                      hb_schedule_state *state, float x_m);
+                      hb_schedule_state *state, const hb_sensors_state *sensors);
 
 /* The way back takes far longer than it can: the piston is held, or the pump is off. */
 bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state);
 
-/* The motion of a run is going on: accelerate or steady. */
+/* A run's segments are being played. */
 bool hb_schedule_moving(const hb_schedule_state *state);
 
 /* Number of the present run. */

@@ -14,16 +14,44 @@ hb_sensors_config hb_sensors_design(const hb_settings *settings)
     return config;
 }
 
+void hb_sensors_init(hb_sensors_state *state)
+{
+    for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+        state->value[i] = 0.0f;
+    }
+    state->velocity.x = 0.0f;
+    state->velocity.v = 0.0f;
+    state->saturated = false;
+    state->impossible = false;
+    state->impossible = false;
+    state->primed = false;
+}
+
+/* A word that says that the sensor is broken, or its wire: the position at either end of the
+ * converter's range, a pressure at the upper one (at the lower it may be zero). The load cell is
+ * in no loop and has no limit; where it saturates, the record is marked. */
+static bool impossible(hb_u16 sensor, hb_u16 word)
+{
+    if (sensor == HB_SENSOR_F_APPLIED) {
+        return false;
+    }
+    return word >= HB_ADC_FULL_SCALE || (sensor == HB_SENSOR_X && word == 0u);
+}
+
 void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
                      const hb_u16 adc[HB_SENSORS])
 {
     float si[HB_SENSORS];
 
     state->saturated = false;
+    state->impossible = false;
     for (hb_u16 i = 0; i < HB_SENSORS; i++) {
         si[i] = config->offset[i] + config->gain[i] * (float)adc[i];
         if (adc[i] == 0u || adc[i] >= HB_ADC_FULL_SCALE) {
             state->saturated = true;
+        }
+        if (impossible(i, adc[i])) {
+            state->impossible = true;
         }
     }
     if (!state->primed) {

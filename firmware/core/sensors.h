@@ -17,10 +17,12 @@ typedef struct {
     float value[HB_SENSORS];    /* SI; the five pressures are filtered (D.29) */
     hb_velocity_state velocity; /* velocity.v is the filtered velocity [m/s] (D.11) */
     bool saturated;             /* a word of this tick was at 0 or full scale */
+    bool impossible;            /* one that the loops or limits need was, and can't be */
     bool primed;                /* false: the next words are where the filters start */
 } hb_sensors_state;
 
 hb_sensors_config hb_sensors_design(const hb_settings *settings);
+void hb_sensors_init(hb_sensors_state *state);
 void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
                      const hb_u16 adc[HB_SENSORS]);
 

@@ -50,6 +50,12 @@ bool hb_settings_in_range(const hb_settings *settings)
         && value[HB_SETTING_TRAVEL_MIN_M] < value[HB_SETTING_TRAVEL_MAX_M]
         && value[HB_SETTING_PRESSURE_MAX_PA] > 0.0f
         && value[HB_SETTING_SPEED_MAX_M_S] > 0.0f
+        && value[HB_SETTING_STOPPING_TIME_S] >= 0.0f
+        && value[HB_SETTING_SPEED_ERROR_MAX_M_S] > 0.0f
+        && value[HB_SETTING_SPEED_ERROR_TIME_S] >= 0.0f
+        && value[HB_SETTING_SPEED_ERROR_TIME_S] <= HB_MAX_TIME_S
+        && value[HB_SETTING_AREA_PISTON_M2] > 0.0f
+        && value[HB_SETTING_AREA_ROD_M2] > 0.0f
         && value[HB_SETTING_HEARTBEAT_S] > 0.0f
         && value[HB_SETTING_HEARTBEAT_S] <= HB_MAX_TIME_S
         && value[HB_SETTING_LOG_DIVIDER] >= 1.0f

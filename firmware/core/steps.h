@@ -1,40 +1,57 @@
-/* The schedule as uploaded: a list of steps. */
+/* The schedule as uploaded: segments of velocity, and steps that play rows of them. */
 #ifndef HB_STEPS_H
 #define HB_STEPS_H
 
 #include "config.h"
 
+/* A piece of a run: v_ref goes to a velocity at a slope and stays there. */
+typedef struct {
+    hb_u16 valves; /* HB_VALVES_CLOSED: all in neutral, nothing is controlled */
+    float v_m_s;   /* signed; positive extends */
+    float a_m_s2;
+    float duration_s; /* at most */
+} hb_segment;
+
 /* One reference, run several times: its trials have the run numbers run, run + 1, ... */
 typedef struct {
     hb_u16 run;
-    hb_u16 kind;
     hb_u16 trials;
-    float v_ref_m_s; /* signed; positive extends */
-    float a_ref_m_s2;
+    hb_u16 segment;  /* the first of its row ... */
+    hb_u16 segments; /* ... and how many; the row is one cycle */
+    hb_u16 cycles;   /* at most */
+    hb_u16 until;    /* the condition that ends the run earlier */
+    float within;    /* relative change from cycle to cycle that counts as settled */
     float p_lr_ref_pa;
     float p_lp_ref_pa;
     float x_start_m;
-    float x_end_m;
-    float hold_s;     /* at rest at x_start, load on */
-    float duration_s; /* at most, from the start of motion */
+    float x_min_m; /* a segment also ends where its velocity leads out of x_min..x_max */
+    float x_max_m;
+    float hold_s; /* at rest at x_start, load on */
 } hb_step;
 
 typedef struct {
+    hb_segment segment[HB_MAX_SEGMENTS];
+    hb_u16 segments;
     hb_step step[HB_MAX_STEPS];
     hb_u16 count;
 } hb_steps;
 
+void hb_steps_init(hb_steps *steps);
+
 /* Values that a run can be made with, wherever the bench's limits lie. */
+bool hb_segment_in_range(const hb_segment *segment);
 bool hb_step_in_range(const hb_step *step);
 
-/* Appends a step where index is the present count; index 0 starts a new list. The last step sent
- * once more is taken without effect. False, and nothing changed, for any other index. */
+/* Append where index is the present count; a segment with index 0 starts a new schedule, a step
+ * with index 0 a new list of steps. The last one sent once more is taken without effect. False,
+ * and nothing changed, for any other index. */
+bool hb_segments_write(hb_steps *steps, hb_u16 index, const hb_segment *segment);
 bool hb_steps_write(hb_steps *steps, hb_u16 index, const hb_step *step);
 
-/* Starts and ends of all steps lie between two positions. */
-bool hb_steps_within(const hb_steps *steps, float x_min_m, float x_max_m);
+/* Every step's segments are there, and its positions lie between the two. */
+bool hb_steps_sound(const hb_steps *steps, float x_min_m, float x_max_m);
 
-/* CRC-16 of all steps' fields as they are sent, without their index. */
+/* CRC-16 of all segments' and then all steps' fields as they are sent, without their index. */
 hb_u16 hb_steps_crc(const hb_steps *steps);
 
 #endif

@@ -241,6 +241,9 @@ class Limits(Section):
     travel_max: q.Position
     pressure_max: q.Pressure
     speed_max: q.quantity("mm/s", gt=0, le=0.6)  # a log word holds 0.65 m/s
+    stopping_time: q.TimeConstant  # valves closed, the piston goes on for its speed times this
+    speed_error: q.Speed  # from the reference ...
+    speed_error_time: q.quantity("s", ge=0, le=60)  # ... for longer than this
     heartbeat: q.quantity("s", ge=1, le=60)  # longest silence of the host, which asks again for 2 s
 
 

@@ -1,6 +1,7 @@
 """Reads a YAML file into a validated section, with errors that name file, key, value and limit."""
 
 import hashlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -67,12 +68,12 @@ def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        faults = [f"{source}: {_explain(fault)}" for fault in error.errors()]
+        faults = [f"{source}: {_explain(fault, data)}" for fault in error.errors()]
         raise ConfigError("\n".join(faults), _hint(error)) from None
 
 
-def _explain(fault: dict[str, Any]) -> str:
-    key = ".".join(str(part) for part in fault["loc"]) or "(whole file)"
+def _explain(fault: dict[str, Any], data: Any) -> str:
+    key = ".".join(_keys(fault["loc"], data)) or "(whole file)"
     if fault["type"] == "extra_forbidden":
         return f"unknown key '{key}'"
     if fault["type"] == "missing":
@@ -81,6 +82,16 @@ def _explain(fault: dict[str, Any]) -> str:
     message = message[0].lower() + message[1:]
     value = fault["input"]
     return f"{key}: {message}" if isinstance(value, dict) else f"{key} = {value!r}: {message}"
+
+
+def _keys(loc: tuple[int | str, ...], data: Any) -> Iterator[str]:
+    """Yield the keys that stand in the file; pydantic adds the kind that it chose by one."""
+    for number, part in enumerate(loc):
+        there = part in data if isinstance(data, dict) else isinstance(part, int)
+        if there:
+            data = data[part]
+        if there or number == len(loc) - 1:
+            yield str(part)
 
 
 def _hint(error: ValidationError) -> str:

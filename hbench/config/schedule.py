@@ -1,62 +1,13 @@
 """The schedule file: which runs to make, and when a run counts as steady."""
 
-from typing import Any, Literal
+from typing import Any
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from hbench.config import quantity as q
+from hbench.config.experiments import Experiment
 from hbench.config.loading import validate
 from hbench.config.quantity import Section
-
-
-class Velocities(Section):
-    """Speeds v_i = a i + b i^2 (i = 1..count) from ``first`` to ``last``: dense where slow.
-
-    The source's own spacing (section 5.3 and 5.6.1).
-    """
-
-    first: q.Speed
-    last: q.Speed
-    count: int = Field(ge=2, le=100)
-
-    @model_validator(mode="after")
-    def _rises(self) -> "Velocities":
-        if not self.count * self.first <= self.last:
-            raise ValueError(
-                "steps would not grow: 'last' must be at least count * first "
-                f"= {self.count * self.first:g} m/s, or give the speeds as a list"
-            )
-        return self
-
-
-class Travel(Section):
-    """The piece of the stroke a run may use; a retracting run goes from ``end`` to ``start``."""
-
-    start: q.Position
-    end: q.Position
-
-    @model_validator(mode="after")
-    def _ordered(self) -> "Travel":
-        if not self.start < self.end:
-            raise ValueError("'start' must be less than 'end'")
-        return self
-
-
-class Steady(Section):
-    """Runs at constant velocity and load (section 5.3)."""
-
-    kind: Literal["steady"]
-    direction: Literal["extend", "retract"]
-    p_lr: q.Pressure  # reference of the load cylinder's rod side
-    loads: tuple[q.SignedForce, ...] = Field(
-        min_length=1, max_length=50
-    )  # positive opposes extension
-    velocities: Velocities | tuple[q.Speed, ...]
-    trials: int = Field(default=3, ge=1, le=20)
-    travel: Travel
-    acceleration: q.Acceleration
-    hold: q.Duration  # at rest under load before each run
-    window: q.quantity("s", gt=0.1, le=60)  # longest steady window
 
 
 class Screening(Section):
@@ -84,7 +35,7 @@ class Schedule(Section):
 
     name: str
     bench: str | None = None  # path of the bench file, from the schedule's own folder
-    experiments: tuple[Steady, ...] = Field(min_length=1, max_length=100)
+    experiments: tuple[Experiment, ...] = Field(min_length=1, max_length=100)
     screening: Screening = Screening()
 
 

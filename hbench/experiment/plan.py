@@ -1,25 +1,18 @@
 """From a schedule to the plan: every run with its references, checked before anything moves."""
 
 from collections import Counter
-from collections.abc import Sequence
-
-import numpy as np
+from collections.abc import Iterator, Sequence
+from itertools import product
 
 from hbench.config.bench import Bench
-from hbench.config.schedule import Schedule, Screening, Steady, Velocities
+from hbench.config.experiments import Loaded
+from hbench.config.schedule import Schedule
 from hbench.errors import ConfigError
-from hbench.records import Motion, RunPlan, Specimen
+from hbench.experiment.motions import Reference, references, way
+from hbench.records import RunPlan, Specimen
 
-_LAG_S = 0.05  # of the velocity loop and its settling, to be added to the way to brake
-
-
-def polynomial_speeds(velocities: Velocities) -> np.ndarray:
-    """Return v_i = a i + b i^2, i = 1..count, from ``first`` to ``last`` [m/s] (section 5.3)."""
-    n = velocities.count
-    b = (velocities.last - n * velocities.first) / (n * (n - 1))
-    a = velocities.first - b
-    i = np.arange(1, n + 1)
-    return a * i + b * i**2
+MAX_RUNS = 9999  # that a run's number has digits for
+_LAG_S = 0.05  # of the velocity loop and its settling, to be added to the way
 
 
 def load_pressure(bench: Bench, f_load_n: float, p_lr_pa: float) -> float:
@@ -29,7 +22,7 @@ def load_pressure(bench: Bench, f_load_n: float, p_lr_pa: float) -> float:
 
 
 def plan_runs(schedule: Schedule, bench: Bench, source: str) -> tuple[RunPlan, ...]:
-    """Return all runs of a schedule in order, trials in a row.
+    """Return all runs of a schedule in order.
 
     Raises ``ConfigError`` (naming ``source`` and the key) where the bench can't make a run.
     """
@@ -37,42 +30,31 @@ def plan_runs(schedule: Schedule, bench: Bench, source: str) -> tuple[RunPlan, .
     trials: Counter[tuple] = Counter()
     for number, experiment in enumerate(schedule.experiments):
         key = f"{source}: experiments.{number}"
-        _check_travel(experiment, bench, key)
+        found = references(experiment, schedule.screening, bench, key)
+        for reference in found:
+            _check_motion(reference, bench, key)
         for load in experiment.loads:
-            p_lp = load_pressure(bench, load, experiment.p_lr)
-            _check_pressures(load, experiment.p_lr, p_lp, bench, key)
-            for speed in _speeds(experiment):
-                plan = _steady(experiment, schedule.screening, float(speed), bench, key)
-                reference = (experiment.kind, plan["v_ref_m_s"], load, experiment.p_lr)
-                for _ in range(experiment.trials):
-                    trials[reference] += 1  # goes on where an experiment is listed again
-                    plans.append(
-                        RunPlan(
-                            run=f"{len(plans) + 1:04d}",
-                            kind=experiment.kind,
-                            trial=trials[reference],
-                            f_load_n=load,
-                            p_lr_ref_pa=experiment.p_lr,
-                            p_lp_ref_pa=p_lp,
-                            **plan,
-                        )
-                    )
-    if len(plans) > 9999:
-        raise ConfigError(f"{source}: {len(plans)} runs; at most 9999 fit one campaign")
+            _check_pressures(load, experiment.p_lr, bench, key)
+        for load, reference in _in_order(experiment, found):
+            same = (experiment.kind, experiment.label, reference, load, experiment.p_lr)
+            trials[same] += 1  # goes on where an experiment is listed again
+            plans.append(_plan(len(plans) + 1, experiment, reference, load, trials[same], bench))
+    if len(plans) > MAX_RUNS:
+        raise ConfigError(f"{source}: {len(plans)} runs; at most {MAX_RUNS} fit one campaign")
     return tuple(plans)
 
 
 def trials_in_a_row(plans: Sequence[RunPlan]) -> list[list[RunPlan]]:
     """Group consecutive runs that differ in nothing but their trial: one step of the board each."""
 
-    def references(plan: RunPlan) -> tuple:
-        return (plan.kind, plan.v_ref_m_s, plan.f_load_n, plan.p_lr_ref_pa, plan.motion)
+    def same(plan: RunPlan) -> tuple:
+        return (plan.kind, plan.label, plan.f_load_n, plan.p_lr_ref_pa, plan.motion)
 
     steps: list[list[RunPlan]] = []
     for plan in plans:
         before = steps[-1][-1] if steps else None
         follows = before is not None and int(plan.run) == int(before.run) + 1
-        if follows and references(plan) == references(before):
+        if follows and same(plan) == same(before):
             steps[-1].append(plan)
         else:
             steps.append([plan])
@@ -84,73 +66,63 @@ def estimate_seconds(plans: Sequence[RunPlan], bench: Bench) -> float:
     control = bench.controllers
     total, x = 0.0, None
     for plan in plans:
-        motion = plan.motion
-        way = abs(motion.x_end_m - motion.x_start_m)
-        duration = min(motion.duration_s, way / abs(plan.v_ref_m_s) + 0.2)
-        back = 0.0 if x is None else abs(x - motion.x_start_m) / control.return_speed + 1.0
-        total += back + motion.hold_s + duration
-        x = motion.x_start_m + np.sign(plan.v_ref_m_s) * min(way, duration * abs(plan.v_ref_m_s))
+        gone = way(plan.motion, control.acceleration)
+        back = 0.0 if x is None else abs(x - plan.motion.x_start_m) / control.return_speed + 1.0
+        total += back + plan.motion.hold_s + gone.seconds + 0.2
+        x = gone.x_end_m
     return total
 
 
-def _speeds(experiment: Steady) -> np.ndarray:
-    if isinstance(experiment.velocities, Velocities):
-        return polynomial_speeds(experiment.velocities)
-    return np.array(experiment.velocities)
+def _in_order(experiment: Loaded, found: Sequence[Reference]) -> Iterator[tuple[float, Reference]]:
+    """Yield each load and reference as often as there are trials, in the experiment's order."""
+    pairs = list(product(experiment.loads, found))
+    if experiment.order == "row":
+        return (pair for pair in pairs for _ in range(experiment.trials))
+    return (pair for _ in range(experiment.trials) for pair in pairs)
 
 
-def _steady(
-    experiment: Steady, screening: Screening, speed: float, bench: Bench, key: str
-) -> dict[str, object]:
-    travel, a = experiment.travel, experiment.acceleration
-    ramp_s, ramp_m = speed / a, speed**2 / (2 * a)
-    settle_s = max(screening.settle_time, screening.settle_travel / speed)
-    window_s = min(experiment.window, (travel.end - travel.start - ramp_m) / speed - settle_s)
-    if window_s < screening.min_window + 2 / bench.controllers.log_rate:  # records are whole
-        raise ConfigError(
-            f"{key}: at {1e3 * speed:.4g} mm/s the travel leaves a steady window of "
-            f"{max(window_s, 0):.2f} s; at least {screening.min_window:g} s is needed",
-            "Give more travel, a larger acceleration or a lower top speed.",
-        )
-    if speed > 0.9 * bench.limits.speed_max:
-        raise ConfigError(
-            f"{key}: {1e3 * speed:.4g} mm/s is above 90 % of limits.speed_max "
-            f"({1e3 * bench.limits.speed_max:.4g} mm/s)"
-        )
-    extends = experiment.direction == "extend"
+def _plan(
+    number: int, experiment: Loaded, reference: Reference, load: float, trial: int, bench: Bench
+) -> RunPlan:
     cylinder = bench.test_cylinder
-    return {
-        "v_ref_m_s": speed if extends else -speed,
-        "a_ref_m_s2": a,
-        "specimen": Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
-        "motion": Motion(
-            x_start_m=travel.start if extends else travel.end,
-            x_end_m=travel.end if extends else travel.start,
-            hold_s=experiment.hold,
-            duration_s=ramp_s + settle_s + window_s,
-        ),
-    }
+    return RunPlan(
+        run=f"{number:04d}",
+        kind=experiment.kind,
+        trial=trial,
+        v_ref_m_s=reference.v_ref_m_s,
+        specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
+        a_ref_m_s2=reference.a_ref_m_s2,
+        f_load_n=load,
+        p_lr_ref_pa=experiment.p_lr,
+        p_lp_ref_pa=load_pressure(bench, load, experiment.p_lr),
+        label=experiment.label,
+        motion=reference.motion,
+    )
 
 
-def _check_travel(experiment: Steady, bench: Bench, key: str) -> None:
-    limits, top = bench.limits, max(_speeds(experiment))
-    brake = top**2 / (2 * bench.controllers.acceleration) + _LAG_S * top
-    low, high = limits.travel_min, limits.travel_max
-    if experiment.direction == "extend":
-        high -= brake
-    else:
-        low += brake
-    if not (low <= experiment.travel.start and experiment.travel.end <= high):
+def _check_motion(reference: Reference, bench: Bench, key: str) -> None:
+    limits, top = bench.limits, abs(reference.v_ref_m_s)
+    if top > 0.9 * limits.speed_max:
         raise ConfigError(
-            f"{key}.travel: {1e3 * experiment.travel.start:.4g} to "
-            f"{1e3 * experiment.travel.end:.4g} mm does not lie within {1e3 * low:.4g} to "
-            f"{1e3 * high:.4g} mm (limits.travel, less {1e3 * brake:.3g} mm to brake from "
-            f"{1e3 * top:.4g} mm/s)"
+            f"{key}: {1e3 * top:.4g} mm/s is above 90 % of limits.speed_max "
+            f"({1e3 * limits.speed_max:.4g} mm/s)"
+        )
+    gone = way(reference.motion, bench.controllers.acceleration)
+    lag = _LAG_S * top
+    low = gone.x_low_m - (lag if gone.x_low_m < reference.motion.x_start_m else 0.0)
+    high = gone.x_high_m + (lag if gone.x_high_m > reference.motion.x_start_m else 0.0)
+    if not (limits.travel_min <= low and high <= limits.travel_max):
+        raise ConfigError(
+            f"{key}.travel: at up to {1e3 * top:.4g} mm/s the piston would move between "
+            f"{1e3 * low:.4g} and {1e3 * high:.4g} mm, way to brake included; limits.travel are "
+            f"{1e3 * limits.travel_min:.4g} to {1e3 * limits.travel_max:.4g} mm",
+            "Give a smaller travel or a lower speed.",
         )
 
 
-def _check_pressures(load: float, p_lr: float, p_lp: float, bench: Bench, key: str) -> None:
+def _check_pressures(load: float, p_lr: float, bench: Bench, key: str) -> None:
     low, high = bench.supply.tank, bench.supply.pressure
+    p_lp = load_pressure(bench, load, p_lr)
     for name, pressure in (("p_lr", p_lr), ("P_Lp", p_lp)):
         if not low < pressure < high:
             raise ConfigError(

@@ -13,8 +13,8 @@ import numpy as np
 
 from hbench.config.bench import Bench
 from hbench.errors import ConfigError, DeviceError
-from hbench.experiment.plan import trials_in_a_row
-from hbench.protocol.dictionary import FAULTS, FLAGS, KINDS, RECORD, STATES
+from hbench.experiment.upload import uploads
+from hbench.protocol.dictionary import FAULTS, FLAGS, RECORD, STATES
 from hbench.records import Outcome, RunPlan
 from hbench.rig.client import BoardClient, Identity
 from hbench.rig.settings import board_settings
@@ -58,12 +58,10 @@ def run_campaign(
     _check_rates(bench, identity)
     _check_fault(client, clear_fault)
     settings_crc = client.write_settings(board_settings(bench))
-    steps = trials_in_a_row(plans)
     recorder = _Recorder(plans, journal, clock)
     try:
-        for first in range(0, len(steps), identity.max_steps):
-            batch = [_board_step(step) for step in steps[first : first + identity.max_steps]]
-            client.start(settings_crc, client.write_steps(batch))
+        for upload in uploads(plans, identity):
+            client.start(settings_crc, client.write_schedule(upload.segments, upload.steps))
             _follow(client, recorder, report, identity)
     except BaseException as error:
         _stop(client)  # first of all: what follows may fail too
@@ -96,23 +94,6 @@ def _check_fault(client: BoardClient, clear_fault: bool) -> None:
             "Look at the bench, then go on with --resume, or switch the board off and on.",
         )
     client.clear_fault()
-
-
-def _board_step(step: Sequence[RunPlan]) -> dict[str, float]:
-    plan = step[0]
-    return {
-        "run": int(plan.run),
-        "kind": KINDS.index(plan.kind),
-        "trials": len(step),
-        "v_ref_m_s": plan.v_ref_m_s,
-        "a_ref_m_s2": plan.a_ref_m_s2,
-        "p_lr_ref_pa": plan.p_lr_ref_pa,
-        "p_lp_ref_pa": plan.p_lp_ref_pa,
-        "x_start_m": plan.motion.x_start_m,
-        "x_end_m": plan.motion.x_end_m,
-        "hold_s": plan.motion.hold_s,
-        "duration_s": plan.motion.duration_s,
-    }
 
 
 def _follow(

@@ -42,41 +42,58 @@ MESSAGES: tuple[Message, ...] = (
             ("rate_hz", "u16"),
             ("ring_records", "u16"),
             ("max_steps", "u16"),
+            ("max_segments", "u16"),
         ),
     ),
     Message("write_settings", 0x02, (("first", "u16"), ("values", "f32s")), ()),
+    # The schedule: steps, each of which plays a row of segments. Segments are sent first.
     Message(
-        "write_step",
+        "write_segment",
         0x03,
         (
-            ("index", "u16"),  # 0 clears the schedule first
+            ("index", "u16"),  # 0 clears the whole schedule first
+            ("valves", "u16"),
+            ("v_m_s", "f32"),  # where v_ref goes
+            ("a_m_s2", "f32"),  # at this slope
+            ("duration_s", "f32"),  # at most
+        ),
+        (),
+    ),
+    Message(
+        "write_step",
+        0x04,
+        (
+            ("index", "u16"),  # 0 clears the steps first
             ("run", "u16"),  # number of the first trial's run; the others follow
-            ("kind", "u16"),
             ("trials", "u16"),
-            ("v_ref_m_s", "f32"),
-            ("a_ref_m_s2", "f32"),
+            ("segment", "u16"),  # the first of its row
+            ("segments", "u16"),
+            ("cycles", "u16"),  # times that the row is played, at most
+            ("until", "u16"),  # what must have settled to end earlier
+            ("within", "f32"),  # settled: relative change from cycle to cycle
             ("p_lr_ref_pa", "f32"),
             ("p_lp_ref_pa", "f32"),
             ("x_start_m", "f32"),
-            ("x_end_m", "f32"),
+            ("x_min_m", "f32"),  # a segment ends where its velocity leads out of
+            ("x_max_m", "f32"),  # x_min..x_max
             ("hold_s", "f32"),
-            ("duration_s", "f32"),
         ),
         (),
     ),
     # The CRC-16s of what the board holds must equal the host's, or nothing moves.
-    Message("start", 0x04, (("settings_crc", "u16"), ("steps_crc", "u16")), ()),
-    Message("stop", 0x05, (), ()),
-    Message("clear_fault", 0x06, (), ()),
+    Message("start", 0x05, (("settings_crc", "u16"), ("steps_crc", "u16")), ()),
+    Message("stop", 0x06, (), ()),
+    Message("clear_fault", 0x07, (), ()),
     Message(
         "status",
-        0x07,
+        0x08,
         (),
         (
             ("state", "u16"),
             ("phase", "u16"),
             ("fault", "u16"),
             ("step", "u16"),
+            ("cycle", "u16"),
             ("run", "u16"),
             ("runs_done", "u16"),
             ("tick", "u32"),
@@ -91,7 +108,7 @@ MESSAGES: tuple[Message, ...] = (
     ),
     Message(
         "read_log",
-        0x08,
+        0x09,
         (("first", "u32"), ("count", "u16")),
         # first is later than asked where records were overwritten
         (("first", "u32"), ("next", "u32"), ("words", "words")),
@@ -99,14 +116,18 @@ MESSAGES: tuple[Message, ...] = (
 )
 
 STATES = ("idle", "running", "done", "fault")
-PHASES = ("none", "return", "hold", "accelerate", "steady", "brake")
-KINDS = ("steady",)
+PHASES = ("none", "return", "hold", "accelerate", "steady", "closed", "brake")
+VALVES = ("controlled", "closed")  # in a segment
+CONDITIONS = ("cycles", "friction", "speed_error")  # that end a step: "cycles" is none
 FAULTS = (
     "none",
     "heartbeat",
-    "travel",
+    "sensor",  # a converter word that the sensor can't give
+    "travel",  # left, or about to be left in spite of closed valves
     "pressure",
     "speed",
+    "speed_error",  # too far from the reference for too long
+    "overrun",  # of the control interrupt
     "return",  # the way back to the start takes far too long
     "stopped",  # by the host, in the middle of a schedule
 )
@@ -148,7 +169,12 @@ SETTINGS: tuple[str, ...] = (
     "travel_max_m",
     "pressure_max_pa",
     "speed_max_m_s",
+    "stopping_time_s",
+    "speed_error_max_m_s",
+    "speed_error_time_s",
     "heartbeat_s",
+    "area_piston_m2",
+    "area_rod_m2",
     "log_divider",
 )
 
@@ -183,6 +209,7 @@ FLAGS = (
     "sensor_saturated",  # a conversion of it was at 0 or full scale
     "valve_saturated",  # a command of it was at the voltage limit
     "last",  # the run's last record
+    "settled",  # on the last record: the step's condition was met
 )
 
 
@@ -196,7 +223,8 @@ def canonical_text() -> str:
     tables = {
         "states": STATES,
         "phases": PHASES,
-        "kinds": KINDS,
+        "valves": VALVES,
+        "conditions": CONDITIONS,
         "faults": FAULTS,
         "refusals": REFUSALS,
         "sensors": SENSORS,

@@ -49,6 +49,7 @@ class Identity:
     rate_hz: int
     ring_records: int
     max_steps: int
+    max_segments: int
 
 
 @dataclass(frozen=True)
@@ -94,13 +95,16 @@ class BoardClient:
             self._request("write_settings", first=first, values=part)
         return crc16(octets)
 
-    def write_steps(self, steps: Sequence[Mapping[str, Any]]) -> int:
+    def write_schedule(
+        self, segments: Sequence[Mapping[str, Any]], steps: Sequence[Mapping[str, Any]]
+    ) -> int:
         """Replace the board's schedule; returns its CRC for ``start``."""
         octets = b""
-        for index, step in enumerate(steps):
-            values = {"index": index, **step}
-            self._request("write_step", **values)
-            octets += pack(BY_NAME["write_step"].request, values)[2:]  # without the index
+        for request, items in (("write_segment", segments), ("write_step", steps)):
+            for index, item in enumerate(items):
+                values = {"index": index, **item}
+                self._request(request, **values)
+                octets += pack(BY_NAME[request].request, values)[2:]  # without the index
         return crc16(octets)
 
     def start(self, settings_crc: int, steps_crc: int) -> None:

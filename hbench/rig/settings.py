@@ -32,6 +32,11 @@ def board_settings(bench: Bench) -> dict[str, float]:
         "travel_max_m": limits.travel_max,
         "pressure_max_pa": limits.pressure_max,
         "speed_max_m_s": limits.speed_max,
+        "stopping_time_s": limits.stopping_time,
+        "speed_error_max_m_s": limits.speed_error,
+        "speed_error_time_s": limits.speed_error_time,
         "heartbeat_s": limits.heartbeat,
+        "area_piston_m2": bench.test_cylinder.area_piston_m2,
+        "area_rod_m2": bench.test_cylinder.area_rod_m2,
         "log_divider": control.rate / control.log_rate,
     }

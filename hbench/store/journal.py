@@ -22,7 +22,7 @@ from typing import Any
 import yaml
 
 from hbench.errors import DataError
-from hbench.records import Motion, Outcome, RunPlan, Specimen
+from hbench.records import Motion, Outcome, RunPlan, Segment, Specimen
 
 SCHEMA = "hbench.campaign/1"
 REQUIRED = ("name", "source", "created")
@@ -31,6 +31,7 @@ _Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _ONE_LINE = 2**30
 _RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,99}")
 _RUNS = b"\nruns:\n"
+_NOT_NUMBERS = ("kind", "label", "specimen", "motion", "segments", "until", "closed")
 
 
 class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):
@@ -164,7 +165,7 @@ def _check_header(header: dict[str, Any], source: str) -> None:
 def _check_numbers(section: Mapping[str, Any]) -> None:
     """Raise ``ValueError`` where a value that must be a finite number is not."""
     for key, value in section.items():
-        if key in ("kind", "label", "specimen", "motion") or value is None:
+        if key in _NOT_NUMBERS or value is None:
             continue
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
             raise ValueError(f"{key} is {value!r}, not a number")
@@ -173,7 +174,8 @@ def _check_numbers(section: Mapping[str, Any]) -> None:
 def _entry(item: Any, source: str) -> Entry:
     try:
         plan = item["plan"]
-        for section in (plan, plan["specimen"], plan.get("motion") or {}):
+        motion = plan.get("motion") or {}
+        for section in (plan, plan["specimen"], motion, *motion.get("segments", ())):
             _check_numbers(section)
         if plan["v_ref_m_s"] is None or not isinstance(plan["kind"], str):
             raise ValueError("kind or v_ref_m_s is missing")
@@ -181,7 +183,8 @@ def _entry(item: Any, source: str) -> Entry:
         fields = dict(item["plan"])
         fields["specimen"] = Specimen(**fields["specimen"])
         if "motion" in fields:
-            fields["motion"] = Motion(**fields["motion"])
+            segments = tuple(Segment(**segment) for segment in motion["segments"])
+            fields["motion"] = Motion(**{**motion, "segments": segments})
         return Entry(
             plan=RunPlan(run=check_run_id(str(item["run"]), source), **fields),
             started=str(item["start"]["at"]),

@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from hbench import workflow
-from hbench.experiment.plan import trials_in_a_row
-from hbench.experiment.runner import _board_step
+from hbench.experiment.upload import uploads
 from hbench.rig.client import BoardClient
 from hbench.rig.settings import board_settings
 from hbench.rig.virtual import VirtualRig
@@ -18,8 +17,9 @@ def test_the_rig_runs_a_hundred_times_faster_than_the_bench(benchmark):
     experiment = workflow.load_experiment(SCHEDULE, None)
     rig = VirtualRig(experiment.bench)
     client = BoardClient(rig)
-    steps = [_board_step(step) for step in trials_in_a_row(experiment.plans)]
-    client.start(client.write_settings(board_settings(experiment.bench)), client.write_steps(steps))
+    upload = next(uploads(experiment.plans, client.identify()))
+    schedule_crc = client.write_schedule(upload.segments, upload.steps)
+    client.start(client.write_settings(board_settings(experiment.bench)), schedule_crc)
 
     def run():
         end = rig.now() + SIMULATED_S

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import parse_bench
+from hbench.config.experiments import Velocities
 from hbench.config.loading import read_yaml
-from hbench.config.schedule import Velocities, parse_schedule
+from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
-from hbench.experiment.plan import load_pressure, plan_runs, polynomial_speeds, trials_in_a_row
+from hbench.experiment.motions import polynomial_speeds
+from hbench.experiment.plan import load_pressure, plan_runs, trials_in_a_row
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 BENCH = parse_bench(read_yaml(CONFIGS / "bench-aau.yaml"), "bench")
@@ -52,7 +54,9 @@ def test_the_load_opposes_the_motion_in_both_directions():
 
 def test_a_run_starts_at_the_far_end_of_its_way():
     for plan in plans_of(STRIBECK):
-        assert (plan.motion.x_end_m - plan.motion.x_start_m) * plan.v_ref_m_s > 0
+        motion = plan.motion
+        ahead = motion.x_max_m if plan.v_ref_m_s > 0 else motion.x_min_m
+        assert (ahead - motion.x_start_m) * plan.v_ref_m_s > 0
 
 
 def test_trials_in_a_row_are_one_step_and_holes_part_them():
@@ -64,7 +68,10 @@ def test_trials_in_a_row_are_one_step_and_holes_part_them():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"travel": {"start": "20 mm", "end": "350 mm"}}, ["travel", "5 to 345 mm", "brake"]),
+        (
+            {"travel": {"start": "20 mm", "end": "350 mm"}},
+            ["travel", "20 and 380 mm", "5 to 375 mm", "brake"],
+        ),
         ({"travel": {"start": "100 mm", "end": "160 mm"}}, ["steady window", "mm/s"]),
         ({"loads": ["30 kN"]}, ["30000 N", "supply"]),
         ({"loads": ["-5000 N"]}, ["-5000 N", "tank"]),

@@ -115,24 +115,32 @@ SETTING_VALUES = {
     "travel_max_m": 0.395,
     "pressure_max_pa": 230e5,
     "speed_max_m_s": 0.4,
+    "stopping_time_s": 0.01,
+    "speed_error_max_m_s": 0.2,
+    "speed_error_time_s": 5.0,
     "heartbeat_s": 2.0,
+    "area_piston_m2": 1.25664e-3,
+    "area_rod_m2": 7.65763e-4,
     "log_divider": 100.0,
 }
+SEGMENT = {"valves": 0, "v_m_s": 0.1, "a_m_s2": 1.0, "duration_s": 0.4}
 STEP = {
     "run": 1,
-    "kind": 0,
     "trials": 1,
-    "v_ref_m_s": 0.1,
-    "a_ref_m_s2": 1.0,
+    "segment": 0,
+    "segments": 1,
+    "cycles": 1,
+    "until": 0,
+    "within": 0.0,
     "p_lr_ref_pa": 15e5,
     "p_lp_ref_pa": 40e5,
     "x_start_m": 0.05,
-    "x_end_m": 0.35,
+    "x_min_m": 0.05,
+    "x_max_m": 0.35,
     "hold_s": 0.05,
-    "duration_s": 0.4,
 }
 STATUS = {
-    **dict.fromkeys(("state", "phase", "fault", "step", "run", "runs_done"), "H"),
+    **dict.fromkeys(("state", "phase", "fault", "step", "cycle", "run", "runs_done"), "H"),
     **dict.fromkeys(("tick", "log_first", "log_next"), "I"),
     **dict.fromkeys(("x_m", "v_m_s", "v_ref_m_s", "f_applied_n", "p_s_pa"), "f"),
 }
@@ -183,14 +191,32 @@ class Board:
         self.settings_crc = binascii.crc_hqx(values, CRC_START)
         return self.request("write_settings", struct.pack("<H", first) + values[4 * first :])
 
+    def write_segment(self, index=0, **changes):
+        fields = struct.pack("<H3f", *{**SEGMENT, **changes}.values())
+        before = self.segments_octets[: len(fields) * index] if index else b""
+        self.segments_octets = before + fields
+        return self.request("write_segment", struct.pack("<H", index) + fields)
+
     def write_step(self, index=0, **changes):
-        fields = struct.pack("<HHH8f", *{**STEP, **changes}.values())
+        fields = struct.pack("<6H7f", *{**STEP, **changes}.values())
         before = self.steps_octets[: len(fields) * index] if index else b""
         self.steps_octets = before + fields
         return self.request("write_step", struct.pack("<H", index) + fields)
 
+    def write_motion(self, index=0, **changes):
+        """Upload a step of one segment, the fields of both among the changes."""
+        segment = {key: changes.pop(key) for key in SEGMENT if key in changes}
+        assert self.write_segment(index, **segment) == b""
+        return self.write_step(index, segment=index, **changes)
+
+    def write_row(self, *segments, **step):
+        """Upload one step that plays a row of segments."""
+        for index, segment in enumerate(segments):
+            assert self.write_segment(index, **segment) == b""
+        return self.write_step(segments=len(segments), **step)
+
     def start(self, again=False):
-        steps_crc = binascii.crc_hqx(self.steps_octets, CRC_START)
+        steps_crc = binascii.crc_hqx(self.segments_octets + self.steps_octets, CRC_START)
         return self.request("start", struct.pack("<HH", self.settings_crc, steps_crc), again)
 
     def status(self):
@@ -234,9 +260,9 @@ def new_board():
 
 @pytest.fixture
 def board(new_board):
-    """A board that knows its bench, with one step uploaded, at rest."""
+    """A board that knows its bench, with one step of one segment uploaded, at rest."""
     board = new_board()
     assert board.write_settings() == b""
-    assert board.write_step() == b""
+    assert board.write_motion() == b""
     board.rest(0.01, x=0.05)
     return board

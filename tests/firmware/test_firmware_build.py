@@ -80,7 +80,7 @@ def wide_octets(tmp_path):
 def talk(board):
     """A session with every kind of request; returns all that the board says."""
     said = [board.request("identify"), board.write_settings(log_divider=7.0)]
-    said += [board.write_step(n, run=n + 1, hold_s=0.0, duration_s=0.05) for n in range(3)]
+    said += [board.write_motion(n, run=n + 1, hold_s=0.0, duration_s=0.05) for n in range(3)]
     said += [board.start(), board.request("stop", b"\xff")]
     board.rest(1.2, x=0.05)
     said += [board.request("status"), board.start(), board.request("clear_fault")]

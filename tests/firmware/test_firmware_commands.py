@@ -17,6 +17,9 @@ from hbench.protocol.dictionary import (
     dictionary_hash,
 )
 
+SEGMENT_OCTETS = 2 + 3 * 4
+STEP_OCTETS = 6 * 2 + 7 * 4
+
 
 def state(board):
     status = board.status()
@@ -34,6 +37,7 @@ def test_identify_tells_dictionary_firmware_and_boots(new_board):
         "rate_hz": 10_000,
         "ring_records": 1024,
         "max_steps": 128,
+        "max_segments": 128,
     }
 
 
@@ -49,7 +53,7 @@ def test_a_board_from_reset_is_idle_and_not_ready(new_board):
 def test_settings_in_two_parts_count_as_all_of_them(new_board):
     board = new_board()
     assert board.write_settings(first=20) == b""
-    board.write_step()
+    board.write_motion()
     assert board.start() == "not_ready"
     head = struct.pack("<20f", *np.arange(20))
     assert board.request("write_settings", struct.pack("<H", 0) + head) == b""
@@ -109,24 +113,45 @@ def test_crcs_are_those_of_the_host_codec(board):
 
 def test_start_is_refused_when_the_steps_differ(board):
     board.write_step(1, run=2)
-    board.steps_octets = board.steps_octets[:38]
+    board.steps_octets = board.steps_octets[:STEP_OCTETS]
+    assert board.start() == "steps_differ"
+
+
+def test_start_is_refused_when_the_segments_differ(board):
+    board.write_segment(1)
+    board.segments_octets = board.segments_octets[:SEGMENT_OCTETS]
     assert board.start() == "steps_differ"
 
 
 @pytest.mark.parametrize(
     "change",
     [
-        {"kind": 1},
-        {"trials": 0},
-        {"run": 65535, "trials": 2},
-        {"v_ref_m_s": 0.0},
-        {"v_ref_m_s": float("nan")},
-        {"a_ref_m_s2": 0.0},
-        {"p_lr_ref_pa": -1.0},
-        {"p_lp_ref_pa": float("inf")},
-        {"hold_s": -0.1},
+        {"valves": 2},
+        {"v_m_s": float("nan")},
+        {"a_m_s2": 0.0},
+        {"a_m_s2": float("inf")},
         {"duration_s": 0.0},
         {"duration_s": float("nan")},
+    ],
+    ids=str,
+)
+def test_a_segment_out_of_range_is_refused(board, change):
+    assert board.write_segment(1, **change) == "out_of_range"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"trials": 0},
+        {"segments": 0},
+        {"cycles": 0},
+        {"until": 3},
+        {"within": -0.1},
+        {"run": 65535, "trials": 2},
+        {"p_lr_ref_pa": -1.0},
+        {"p_lp_ref_pa": float("inf")},
+        {"x_max_m": float("nan")},
+        {"hold_s": -0.1},
     ],
     ids=str,
 )
@@ -139,8 +164,34 @@ def test_steps_are_taken_in_order_up_to_the_limit(board):
     for index in range(1, 128):
         assert board.write_step(index, run=index + 1) == b""
     assert board.write_step(128) == "out_of_range"
-    board.steps_octets = board.steps_octets[: 128 * 38]
+    board.steps_octets = board.steps_octets[: 128 * STEP_OCTETS]
     assert board.start() == b""
+
+
+def test_segments_are_taken_in_order_up_to_the_limit(board):
+    assert board.write_segment(2) == "out_of_range", "segment 1 is missing"
+    for index in range(1, 128):
+        assert board.write_segment(index, v_m_s=1e-3 * index) == b""
+    assert board.write_segment(128) == "out_of_range"
+
+
+def test_the_last_segment_may_come_twice_but_not_changed(board):
+    assert board.write_segment(1, v_m_s=0.2) == b""
+    assert board.write_segment(1, v_m_s=0.2) == b""
+    assert board.write_segment(1, v_m_s=0.3) == "out_of_range"
+
+
+def test_segment_zero_starts_a_new_schedule(board):
+    assert board.write_segment(0) == b""
+    assert board.request("start", bytes(4)) == "not_ready", "the steps are gone"
+
+
+@pytest.mark.parametrize(
+    "change", [{"segment": 1}, {"segments": 2}, {"segment": 65535, "segments": 65535}], ids=str
+)
+def test_a_step_whose_segments_are_not_there_can_not_be_started(board, change):
+    assert board.write_step(0, **change) == b""
+    assert board.start() == "out_of_range"
 
 
 def test_the_last_step_may_come_twice_but_not_changed(board):
@@ -163,6 +214,7 @@ def test_a_running_board_takes_no_uploads_and_no_second_start(board):
     assert board.start() == b""
     assert board.write_settings() == "busy"
     assert board.write_step() == "busy"
+    assert board.write_segment() == "busy"
     assert board.request("clear_fault") == "busy"
     assert board.start() == "busy"
     assert state(board) == ("running", "none")
@@ -197,7 +249,7 @@ def test_a_payload_where_none_belongs_is_refused(board, name):
     assert board.request(name, b"\1") == "bad_payload"
 
 
-@pytest.mark.parametrize("name", ["start", "read_log", "write_step"])
+@pytest.mark.parametrize("name", ["start", "read_log", "write_step", "write_segment"])
 def test_a_payload_that_ends_early_is_refused(board, name):
     assert board.request(name, b"\1\2\3") == "bad_payload"
 
@@ -228,7 +280,7 @@ def test_a_changed_calibration_makes_no_jump_of_speed_or_pressure(board):
 def logged(board):
     """A board that stands still and has logged 1500 records, 476 more than its ring holds."""
     board.write_settings(log_divider=1, velocity_gain_v_m=1.0)
-    board.write_step(hold_s=0.0, duration_s=0.15)
+    board.write_motion(hold_s=0.0, duration_s=0.15)
     board.start()
     board.rest(0.5, x=0.05)
     return board

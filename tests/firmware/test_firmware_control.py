@@ -64,7 +64,7 @@ def test_feedforward_and_error_together_use_the_whole_range_and_no_more(board, w
 
 @pytest.mark.parametrize(("x_start", "sign"), [(0.3, 1), (0.01, -1)])
 def test_test_valve_opens_towards_the_start_position(board, x_start, sign):
-    board.write_step(x_start_m=x_start)
+    board.write_motion(x_start_m=x_start)
     board.rest(0.02, x=0.1)
     board.start()
     board.rest(0.05, x=0.1)
@@ -75,7 +75,7 @@ def test_test_valve_opens_towards_the_start_position(board, x_start, sign):
 @pytest.mark.parametrize("difference", [-8e5, 8e5])
 def test_load_valve_lets_oil_in_where_pressure_is_missing(board, change, valve, difference):
     now = {"p_lr_ref_pa": 15e5, "p_lp_ref_pa": 40e5}[change]
-    board.write_step(**{change: now + difference})
+    board.write_motion(**{change: now + difference})
     board.start()
     board.rest(0.1, x=0.05)
     commands = board.tick()
@@ -84,7 +84,7 @@ def test_load_valve_lets_oil_in_where_pressure_is_missing(board, change, valve, 
 
 
 def test_full_voltage_is_the_last_dac_code_on_either_side(board):
-    board.write_step(p_lr_ref_pa=100e5, p_lp_ref_pa=1e5, hold_s=10.0)
+    board.write_motion(p_lr_ref_pa=100e5, p_lp_ref_pa=1e5, hold_s=10.0)
     board.write_settings(pressure_slew_pa_s=1e9, heartbeat_s=10.0)
     board.rest(0.01, x=0.05)
     board.start()
@@ -108,7 +108,7 @@ def test_each_start_is_from_neutral_valves(board):
 
 
 def test_loads_references_start_at_the_pressures_that_there_are(board):
-    board.write_step(p_lr_ref_pa=60e5, p_lp_ref_pa=90e5)
+    board.write_motion(p_lr_ref_pa=60e5, p_lp_ref_pa=90e5)
     board.start()
     commands = board.tick()
     # One tick of slew is 0.01 bar: K_c tau_c times that is 4 and 16 mV, not the whole 45 bar.

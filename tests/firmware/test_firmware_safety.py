@@ -122,7 +122,7 @@ def test_silence_at_rest_is_no_fault(board):
 
 def test_a_way_back_that_does_not_arrive_ends_in_a_latched_fault(board):
     """The piston is held: 3 x 0.39 m / (0.15 m/s) + 10 s = 17.8 s after the start."""
-    board.write_step(x_start_m=0.2)
+    board.write_motion(x_start_m=0.2)
     assert board.start() == b""
     seconds = 0
     while board.status()["state"] == STATES.index("running"):

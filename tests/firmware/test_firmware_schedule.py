@@ -10,7 +10,9 @@ from hbench.protocol.dictionary import FLAGS, PHASES, RECORD, SENSORS, STATES
 T = 1e-4
 WORD = {word.name: number for number, word in enumerate(RECORD)}
 WORD_V_M_S = RECORD[WORD["v"]].scale
-AT_REFERENCE, SENSOR_SATURATED, VALVE_SATURATED, LAST = (1 << bit for bit in range(len(FLAGS)))
+AT_REFERENCE, SENSOR_SATURATED, VALVE_SATURATED, LAST, SETTLED = (
+    1 << bit for bit in range(len(FLAGS))
+)
 RUN_PHASES = ["return", "hold", "accelerate", "steady", "brake"]
 
 
@@ -50,12 +52,12 @@ def signed(column):
 
 @pytest.fixture(scope="module")
 def campaign(new_board):
-    """Two steps of two trials: extending for 0.4 s, retracting until x_end."""
+    """Two steps of two trials: extending for 0.4 s, retracting until x_min."""
     board = new_board()
     board.write_settings()
-    board.write_step(0, run=1, trials=2, a_ref_m_s2=1.03)
-    retract = {"v_ref_m_s": -0.2, "x_start_m": 0.2, "x_end_m": 0.14, "duration_s": 5.0}
-    board.write_step(1, run=10, trials=2, a_ref_m_s2=2.0, **retract)
+    board.write_motion(0, run=1, trials=2, a_m_s2=1.03)
+    retract = {"v_m_s": -0.2, "x_start_m": 0.2, "x_min_m": 0.14, "duration_s": 5.0}
+    board.write_motion(1, run=10, trials=2, a_m_s2=2.0, **retract)
     board.rest(0.05, x=0.08)
     return run_to_the_end(board)
 
@@ -111,7 +113,7 @@ def test_motion_ends_by_time_or_by_position(campaign):
         assert ticks[-1] - ticks[0] == pytest.approx(4000, abs=40)
     for run in (10, 11):
         moving = [s for s in trace if s["run"] == run and s["phase"] in (3, 4)]
-        braking = [s for s in trace if s["run"] == run and s["phase"] == 5]
+        braking = [s for s in trace if s["run"] == run and PHASES[s["phase"]] == "brake"]
         assert moving[-1]["x_m"] > 0.14 - 1e-5
         assert braking[0]["x_m"] == pytest.approx(0.14, abs=0.2 * 20 * T)
 
@@ -158,7 +160,7 @@ def test_logged_speed_settles_at_the_reference_and_sums_up_to_the_way(campaign):
 
 
 def test_records_hold_the_means_of_their_ticks(board):
-    board.write_step(duration_s=0.2)
+    board.write_motion(duration_s=0.2)
     assert board.start() == b""
     words, v, u = [], [], []
     while board.status()["state"] == 1:
@@ -183,7 +185,7 @@ def test_records_hold_the_means_of_their_ticks(board):
 
 
 def test_a_record_that_is_not_full_is_left_out(board):
-    board.write_step(duration_s=0.1055)
+    board.write_motion(duration_s=0.1055)
     _, log = run_to_the_end(board)
     assert len(log) == 10
     assert log[-1, WORD["flags"]] & LAST
@@ -191,7 +193,7 @@ def test_a_record_that_is_not_full_is_left_out(board):
 
 def test_a_fast_way_back_does_not_overshoot_either(board):
     board.write_settings(return_speed_m_s=0.38, speed_max_m_s=1.0)
-    board.write_step(duration_s=0.01, x_start_m=0.3)
+    board.write_motion(duration_s=0.01, x_start_m=0.3)
     trace, _ = run_to_the_end(board)
     way = [s["x_m"] for s in trace if PHASES[s["phase"]] == "return"]
     assert max(s["v_ref_m_s"] for s in trace) > 0.25
@@ -199,14 +201,14 @@ def test_a_fast_way_back_does_not_overshoot_either(board):
 
 
 def test_a_hold_of_no_length_still_waits_for_the_load(board):
-    board.write_step(p_lp_ref_pa=75e5, hold_s=0.0, duration_s=0.01)
+    board.write_motion(p_lp_ref_pa=75e5, hold_s=0.0, duration_s=0.01)
     trace, _ = run_to_the_end(board)
     begin = next(s for s in trace if PHASES[s["phase"]] == "accelerate")
     assert (begin["tick"] - trace[0]["tick"]) * T == pytest.approx(0.35, abs=0.01)
 
 
 def test_load_pressures_ramp_to_their_references_and_the_hold_waits_for_them(board):
-    board.write_step(p_lr_ref_pa=35e5, p_lp_ref_pa=75e5, hold_s=0.1, duration_s=0.1)
+    board.write_motion(p_lr_ref_pa=35e5, p_lp_ref_pa=75e5, hold_s=0.1, duration_s=0.1)
     trace, _ = run_to_the_end(board)
     begin = next(s for s in trace if PHASES[s["phase"]] == "accelerate")
     # 35 bar at 100 bar/s, then the hold of 0.1 s.
@@ -222,7 +224,7 @@ def test_load_pressures_ramp_to_their_references_and_the_hold_waits_for_them(boa
 
 def test_flags_tell_of_a_saturated_sensor_and_valve(board):
     board.si["f_applied"] = 32760.0  # full scale
-    board.write_step(p_lr_ref_pa=15e5)
+    board.write_motion(p_lr_ref_pa=15e5)
     board.write_settings(voltage_limit_v=0.5)
     _, log = run_to_the_end(board)
     flags = log[:, WORD["flags"]]
@@ -253,7 +255,7 @@ def test_the_same_inputs_give_the_same_log_to_the_bit(new_board):
     for _ in range(2):
         board = new_board()
         board.write_settings()
-        board.write_step()
+        board.write_motion()
         board.rest(0.05, x=0.06)
         logs.append(run_to_the_end(board)[1].tobytes())
     assert logs[0] == logs[1]

@@ -6,22 +6,17 @@ import pytest
 from hbench.protocol.codec import BY_NAME, pack, pack_settings, unpack
 from hbench.protocol.dictionary import MAX_FRAME, MESSAGES, RECORD, SETTINGS
 
-STEP = {
-    "index": 1, "run": 0x0203, "kind": 0, "trials": 3, "v_ref_m_s": 1.0, "a_ref_m_s2": -2.0,
-    "p_lr_ref_pa": 0.0, "p_lp_ref_pa": 0.0, "x_start_m": 0.0, "x_end_m": 0.0,
-    "hold_s": 0.0, "duration_s": 0.5,
-}  # fmt: skip
+SEGMENT = {"index": 1, "valves": 0x0203, "v_m_s": 1.0, "a_m_s2": -2.0, "duration_s": 0.5}
 
 
 def test_numbers_are_little_endian_and_singles_are_ieee():
-    payload = pack(BY_NAME["write_step"].request, STEP)
-    assert payload[:8] == bytes([1, 0, 3, 2, 0, 0, 3, 0])
-    assert payload[8:16] == bytes.fromhex("0000803f 000000c0")
+    payload = pack(BY_NAME["write_segment"].request, SEGMENT)
+    assert payload == bytes([1, 0, 3, 2]) + bytes.fromhex("0000803f 000000c0 0000003f")
 
 
 def test_pack_and_unpack_are_inverse():
-    fields = BY_NAME["write_step"].request
-    assert unpack(fields, pack(fields, STEP)) == STEP
+    fields = BY_NAME["write_segment"].request
+    assert unpack(fields, pack(fields, SEGMENT)) == SEGMENT
 
 
 def test_a_tail_takes_the_rest_of_the_payload():

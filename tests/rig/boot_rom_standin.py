@@ -48,6 +48,7 @@ class Program:
             "rate_hz": 10_000,
             "ring_records": 512,
             "max_steps": 64,
+            "max_segments": 64,
         }
 
     def feed(self, octet: int, baud: int) -> bytes:

@@ -25,6 +25,7 @@ IDENTITY = {
     "rate_hz": 10000,
     "ring_records": 1024,
     "max_steps": 128,
+    "max_segments": 128,
 }
 
 

@@ -11,8 +11,7 @@ import pytest
 
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError
-from hbench.experiment.plan import trials_in_a_row
-from hbench.experiment.runner import _board_step
+from hbench.experiment.upload import uploads
 from hbench.protocol.dictionary import FAULTS, STATES
 from hbench.rig.client import BoardClient
 from hbench.rig.lines import SocketLine, open_line
@@ -98,8 +97,9 @@ def test_a_client_that_leaves_in_the_middle_of_a_run_leaves_a_bench_that_stops_i
     port = SerialPort(line.name)
     client = BoardClient(port)
     settings = board_settings(experiment.bench) | {"heartbeat_s": 0.4}
-    steps = [_board_step(step) for step in trials_in_a_row(experiment.plans)]
-    client.start(client.write_settings(settings), client.write_steps(steps))
+    upload = next(uploads(experiment.plans, client.identify()))
+    schedule_crc = client.write_schedule(upload.segments, upload.steps)
+    client.start(client.write_settings(settings), schedule_crc)
     port.close()
     left_at = rig.now()
     wait_until(lambda: rig.now() > left_at + 0.5)

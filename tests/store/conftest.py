@@ -3,7 +3,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from hbench.records import Motion, RunPlan, Specimen
+from hbench.records import Motion, RunPlan, Segment, Specimen
 
 CHANNELS = ("run", "index", "x")
 
@@ -17,7 +17,7 @@ def plan_of(run="0001", **changes):
         "a_ref_m_s2": 1.0,
         "f_load_n": -500.0,
         "p_lr_ref_pa": 1.5e6,
-        "motion": Motion(0.02, 0.37, 0.5, 1e-5),
+        "motion": Motion(0.02, 0.02, 0.37, 0.5, (Segment(0.1 + 0.2, 1.0, 1e-5),)),
     }
     return RunPlan(run, **{**fields, **changes})
 

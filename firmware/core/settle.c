@@ -1,0 +1,31 @@
+#include "settle.h"
+
+#include "numeric.h"
+
+void hb_settle_init(hb_settle *settle)
+{
+    settle->sum = 0.0f;
+    settle->ticks = 0;
+    settle->mean = 0.0f;
+    settle->calm = 0;
+    settle->compare = false;
+}
+
+void hb_settle_add(hb_settle *settle, float value)
+{
+    settle->sum += value;
+    settle->ticks++;
+}
+
+bool hb_settle_cycle(hb_settle *settle, float within)
+{
+    const float mean = settle->ticks > 0u ? settle->sum / (float)settle->ticks : 0.0f;
+    const bool calm = settle->compare && hb_abs(mean - settle->mean) <= within * hb_abs(mean);
+
+    settle->calm = calm ? (hb_u16)(settle->calm + 1u) : 0u;
+    settle->mean = mean;
+    settle->compare = true;
+    settle->sum = 0.0f;
+    settle->ticks = 0;
+    return settle->calm >= HB_CALM_CYCLES;
+}

@@ -1,0 +1,141 @@
+"""The experiments of a schedule file, one class a kind (chapter 5 of the source)."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from hbench.config import quantity as q
+from hbench.config.quantity import Section
+
+Direction = Literal["extend", "retract"]
+
+
+class Velocities(Section):
+    """Speeds v_i = a i + b i^2 (i = 1..count) from ``first`` to ``last``: dense where slow.
+
+    The source's own spacing (section 5.3 and 5.6.1).
+    """
+
+    first: q.Speed
+    last: q.Speed
+    count: int = Field(ge=2, le=100)
+
+    @model_validator(mode="after")
+    def _rises(self) -> "Velocities":
+        if not self.count * self.first <= self.last:
+            raise ValueError(
+                "steps would not grow: 'last' must be at least count * first "
+                f"= {self.count * self.first:g} m/s, or give the speeds as a list"
+            )
+        return self
+
+
+class Travel(Section):
+    """The piece of the stroke a run may use; a retracting run goes from ``end`` to ``start``."""
+
+    start: q.Position
+    end: q.Position
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "Travel":
+        if not self.start < self.end:
+            raise ValueError("'start' must be less than 'end'")
+        return self
+
+
+class Loaded(Section):
+    """What all kinds have: the load, the trials and the hold before each run."""
+
+    label: str = ""  # tells two series of one campaign apart
+    p_lr: q.Pressure  # reference of the load cylinder's rod side
+    # Of F_L; positive opposes extension.
+    loads: tuple[q.SignedForce, ...] = Field(min_length=1, max_length=50)
+    trials: int = Field(default=3, ge=1, le=20)
+    # Trials of a reference one after the other, or as passes over all references.
+    order: Literal["row", "passes"] = "row"
+    hold: q.Duration  # at rest under load before each run
+
+
+class Steady(Loaded):
+    """Runs at constant velocity and load (section 5.3)."""
+
+    kind: Literal["steady"]
+    direction: Direction
+    velocities: Velocities | tuple[q.Speed, ...]
+    travel: Travel
+    acceleration: q.Acceleration
+    window: q.quantity("s", gt=0.1, le=60)  # longest steady window
+
+
+class Ramp(Loaded):
+    """Velocity rises from rest to ``speed`` at each acceleration, or to the travel's end (5.3)."""
+
+    kind: Literal["ramp"]
+    direction: Direction
+    speed: q.Speed
+    accelerations: tuple[q.Acceleration, ...] = Field(min_length=1, max_length=20)
+    travel: Travel
+
+
+class Until(Section):
+    """Ends a triangle before its last cycle: two cycles in a row changed by at most ``within``.
+
+    The quantity is a cycle's mean: ``friction`` falls while the oil warms up; ``speed_error``,
+    the lag behind the reference, falls while trapped air leaves.
+    """
+
+    quantity: Literal["friction", "speed_error"]
+    within: q.Ratio
+
+
+class Triangle(Loaded):
+    """Velocity between +speed and -speed in straight lines, over the whole travel (section 5.2).
+
+    Its slope follows: speed^2 / (end - start). For hysteresis, and to warm up and purge the bench.
+    """
+
+    kind: Literal["triangle"]
+    speed: q.Speed
+    cycles: int = Field(ge=1, le=1000)  # at most
+    until: Until | None = None
+    travel: Travel
+    trials: int = Field(default=1, ge=1, le=20)
+
+
+class Steps(Loaded):
+    """Velocity steps (section 5.4), from the travel's end where the first level leads away from."""
+
+    kind: Literal["steps"]
+    levels: tuple[q.Velocity, ...] = Field(min_length=1, max_length=50)
+    dwell: q.quantity("s", gt=0, le=600)
+    acceleration: q.Acceleration = 100.0  # of the reference: as good as at once
+    travel: Travel
+
+
+class Stretch(Section):
+    """A piece of a velocity profile: to a velocity at a slope, then at that velocity."""
+
+    velocity: q.Velocity
+    acceleration: q.Acceleration
+    duration: q.quantity("s", gt=0, le=600)
+
+
+class Verification(Loaded):
+    """A velocity profile steady and unsteady, to verify friction models (section 5.5)."""
+
+    kind: Literal["verification"]
+    profile: tuple[Stretch, ...] = Field(min_length=1, max_length=100)
+    travel: Travel
+
+
+class Hold(Loaded):
+    """All valves closed at rest under load: chamber pressures decay by leakage alone."""
+
+    kind: Literal["hold"]
+    positions: tuple[q.Position, ...] = Field(min_length=1, max_length=50)
+    duration: q.quantity("s", gt=0, le=3600)
+
+
+Experiment = Annotated[
+    Steady | Ramp | Triangle | Steps | Verification | Hold, Field(discriminator="kind")
+]

@@ -1,0 +1,196 @@
+"""From an experiment to its references: for each, the velocity profile that the board plays."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.config.bench import Bench
+from hbench.config.experiments import (
+    Hold,
+    Loaded,
+    Ramp,
+    Steady,
+    Steps,
+    Travel,
+    Triangle,
+    Velocities,
+    Verification,
+)
+from hbench.config.schedule import Screening
+from hbench.errors import ConfigError
+from hbench.records import Motion, Segment
+
+
+@dataclass(frozen=True)
+class Reference:
+    """One motion to be run several times."""
+
+    v_ref_m_s: float  # signed; the largest of the profile
+    a_ref_m_s2: float | None
+    motion: Motion
+
+
+@dataclass(frozen=True)
+class Way:
+    """Where an ideal piston goes in one run, the final brake included."""
+
+    seconds: float
+    x_low_m: float
+    x_high_m: float
+    x_end_m: float
+
+
+def references(
+    experiment: Loaded, screening: Screening, bench: Bench, key: str
+) -> tuple[Reference, ...]:
+    """Return the experiment's references in order.
+
+    Raises ``ConfigError`` (naming ``key``) where one can't be made.
+    """
+    return tuple(_KINDS[experiment.kind](experiment, screening, bench, key))
+
+
+def polynomial_speeds(velocities: Velocities) -> np.ndarray:
+    """Return v_i = a i + b i^2, i = 1..count, from ``first`` to ``last`` [m/s] (section 5.3)."""
+    n = velocities.count
+    b = (velocities.last - n * velocities.first) / (n * (n - 1))
+    a = velocities.first - b
+    i = np.arange(1, n + 1)
+    return a * i + b * i**2
+
+
+def way(motion: Motion, brake_m_s2: float) -> Way:
+    """Return the way of a piston that follows the reference exactly."""
+    x, v, seconds, turns = motion.x_start_m, 0.0, 0.0, [motion.x_start_m]
+    for segment in motion.segments * motion.cycles:
+        end = motion.x_max_m if segment.v_m_s > 0 else motion.x_min_m
+        for a, duration in _pieces(v, segment):
+            duration = min(duration, _time_to(end - x, v, a, segment.v_m_s))
+            if a and 0 < -v / a < duration:
+                turns.append(x - v**2 / (2 * a))
+            x += v * duration + 0.5 * a * duration**2
+            v += a * duration
+            seconds += duration
+            turns.append(x)
+    x += v * abs(v) / (2 * brake_m_s2)
+    return Way(seconds, min(*turns, x), max(*turns, x), x)
+
+
+def _pieces(v: float, segment: Segment) -> Iterator[tuple[float, float]]:
+    """Yield the segment's acceleration and then its rest, each with its duration."""
+    if segment.closed:
+        yield 0.0, segment.duration_s
+        return
+    slope = min(abs(segment.v_m_s - v) / segment.a_m_s2, segment.duration_s)
+    if slope > 0:
+        yield float(np.copysign(segment.a_m_s2, segment.v_m_s - v)), slope
+    yield 0.0, segment.duration_s - slope
+
+
+def _time_to(distance: float, v: float, a: float, target: float) -> float:
+    """Return when the motion leaves over the end towards which ``target`` leads; inf if never."""
+    if target == 0.0:
+        return np.inf
+    sign = np.copysign(1.0, target)
+    distance, v, a = sign * distance, sign * v, sign * a
+    if distance <= 0:
+        return 0.0
+    if a == 0.0:
+        return distance / v if v > 0 else np.inf
+    return (-v + np.sqrt(v**2 + 2 * a * distance)) / a  # towards target, so a > 0
+
+
+def _steady(
+    experiment: Steady, screening: Screening, bench: Bench, key: str
+) -> Iterator[Reference]:
+    given = experiment.velocities
+    for speed in polynomial_speeds(given) if isinstance(given, Velocities) else given:
+        yield steady_reference(experiment, float(speed), screening, bench, key)
+
+
+def steady_reference(
+    experiment: Steady, speed: float, screening: Screening, bench: Bench, key: str
+) -> Reference:
+    """Return the reference at one speed [m/s]. Raises ``ConfigError`` without a steady window."""
+    travel, a = experiment.travel, experiment.acceleration
+    ramp_s, ramp_m = speed / a, speed**2 / (2 * a)
+    settle_s = max(screening.settle_time, screening.settle_travel / speed)
+    window_s = min(experiment.window, (travel.end - travel.start - ramp_m) / speed - settle_s)
+    if window_s < screening.min_window + 2 / bench.controllers.log_rate:  # records are whole
+        raise ConfigError(
+            f"{key}: at {1e3 * speed:.4g} mm/s the travel leaves a steady window of "
+            f"{max(window_s, 0):.2f} s; at least {screening.min_window:g} s is needed",
+            "Give more travel, a larger acceleration or a lower top speed.",
+        )
+    segment = Segment(_signed(experiment, speed), a, ramp_s + settle_s + window_s)
+    return _one_way(experiment, segment)
+
+
+def _ramp(experiment: Ramp, screening: Screening, bench: Bench, key: str) -> Iterator[Reference]:
+    for a in experiment.accelerations:
+        speed = experiment.speed
+        yield _one_way(experiment, Segment(_signed(experiment, speed), a, speed / a))
+
+
+def _signed(experiment: Steady | Ramp, speed: float) -> float:
+    return speed if experiment.direction == "extend" else -speed
+
+
+def _one_way(experiment: Steady | Ramp, segment: Segment) -> Reference:
+    motion = _motion(experiment, experiment.travel, (segment,))
+    return Reference(segment.v_m_s, segment.a_m_s2, motion)
+
+
+def _triangle(
+    experiment: Triangle, screening: Screening, bench: Bench, key: str
+) -> Iterator[Reference]:
+    v, travel = experiment.speed, experiment.travel
+    a = v**2 / (travel.end - travel.start)
+    cycle = (Segment(v, a, v / a), Segment(-v, a, 2 * v / a), Segment(0.0, a, v / a))
+    until = experiment.until
+    ending = {"until": until.quantity, "within": until.within} if until else {}
+    motion = _motion(experiment, travel, cycle, cycles=experiment.cycles, **ending)
+    yield Reference(v, a, motion)
+
+
+def _steps(experiment: Steps, screening: Screening, bench: Bench, key: str) -> Iterator[Reference]:
+    a = experiment.acceleration
+    row = tuple(Segment(level, a, experiment.dwell) for level in experiment.levels)
+    yield Reference(_largest(row), a, _motion(experiment, experiment.travel, row))
+
+
+def _verification(
+    experiment: Verification, screening: Screening, bench: Bench, key: str
+) -> Iterator[Reference]:
+    row = tuple(Segment(s.velocity, s.acceleration, s.duration) for s in experiment.profile)
+    yield Reference(_largest(row), None, _motion(experiment, experiment.travel, row))
+
+
+def _hold(experiment: Hold, screening: Screening, bench: Bench, key: str) -> Iterator[Reference]:
+    closed = Segment(0.0, bench.controllers.acceleration, experiment.duration, closed=True)
+    for x in experiment.positions:
+        yield Reference(0.0, None, Motion(x, x, x, experiment.hold, (closed,)))
+
+
+def _largest(row: tuple[Segment, ...]) -> float:
+    return max((segment.v_m_s for segment in row), key=abs)
+
+
+def _motion(
+    experiment: Loaded, travel: Travel, row: tuple[Segment, ...], **ending: object
+) -> Motion:
+    """Start at the end of the travel from which the first movement leads away."""
+    first = next((segment.v_m_s for segment in row if segment.v_m_s), 1.0)
+    x_start = travel.start if first > 0 else travel.end
+    return Motion(x_start, travel.start, travel.end, experiment.hold, row, **ending)
+
+
+_KINDS: Mapping[str, Callable[..., Iterator[Reference]]] = {
+    "steady": _steady,
+    "ramp": _ramp,
+    "triangle": _triangle,
+    "steps": _steps,
+    "verification": _verification,
+    "hold": _hold,
+}

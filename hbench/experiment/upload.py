@@ -1,0 +1,77 @@
+"""From planned runs to what the board is told: segments, steps, in batches that it can hold."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hbench.errors import ConfigError
+from hbench.experiment.plan import trials_in_a_row
+from hbench.protocol.dictionary import CONDITIONS, VALVES
+from hbench.records import RunPlan, Segment
+from hbench.rig.client import Identity
+
+
+@dataclass
+class Upload:
+    """One schedule of the board, in the dictionary's fields."""
+
+    segments: list[dict[str, Any]] = field(default_factory=list)
+    steps: list[dict[str, Any]] = field(default_factory=list)
+    _rows: dict[tuple[Segment, ...], int] = field(default_factory=dict)
+
+    def takes(self, row: tuple[Segment, ...], board: Identity) -> bool:
+        """Whether one more step that plays ``row`` has room."""
+        new = 0 if row in self._rows else len(row)
+        return len(self.steps) < board.max_steps and len(self.segments) + new <= board.max_segments
+
+    def add(self, trials: Sequence[RunPlan]) -> None:
+        """Append the step of runs that differ in their trial alone."""
+        plan = trials[0]
+        motion = plan.motion
+        if motion.segments not in self._rows:  # steps may share a row
+            self._rows[motion.segments] = len(self.segments)
+            self.segments += [_segment(segment) for segment in motion.segments]
+        self.steps.append(
+            {
+                "run": int(plan.run),
+                "trials": len(trials),
+                "segment": self._rows[motion.segments],
+                "segments": len(motion.segments),
+                "cycles": motion.cycles,
+                "until": CONDITIONS.index(motion.until),
+                "within": motion.within,
+                "p_lr_ref_pa": plan.p_lr_ref_pa,
+                "p_lp_ref_pa": plan.p_lp_ref_pa,
+                "x_start_m": motion.x_start_m,
+                "x_min_m": motion.x_min_m,
+                "x_max_m": motion.x_max_m,
+                "hold_s": motion.hold_s,
+            }
+        )
+
+
+def uploads(plans: Sequence[RunPlan], board: Identity) -> Iterator[Upload]:
+    """Yield the plan as schedules that fit the board. Raises ``ConfigError`` for a run too long."""
+    upload = Upload()
+    for trials in trials_in_a_row(plans):
+        row = trials[0].motion.segments
+        if len(row) > board.max_segments:
+            raise ConfigError(
+                f"run {trials[0].run}: its profile has {len(row)} pieces; the board takes "
+                f"{board.max_segments}"
+            )
+        if not upload.takes(row, board):
+            yield upload
+            upload = Upload()
+        upload.add(trials)
+    if upload.steps:
+        yield upload
+
+
+def _segment(segment: Segment) -> dict[str, Any]:
+    return {
+        "valves": VALVES.index("closed" if segment.closed else "controlled"),
+        "v_m_s": segment.v_m_s,
+        "a_m_s2": segment.a_m_s2,
+        "duration_s": segment.duration_s,
+    }
