@@ -20,6 +20,7 @@ except ImportError:  # not on Windows; pyserial raises nothing else there
     TermiosError = OSError
 
 BAUD = 115_200
+_CHUNK = 4096
 
 
 class PortBusy(DeviceError):
@@ -66,7 +67,10 @@ class SerialPort:
         with self._errors("read"):
             self._serial.timeout = max(timeout_s, 0.0)
             first = self._serial.read(1)
-            return first + self._serial.read(self._serial.in_waiting) if first else b""
+            if not first:
+                return b""
+            self._serial.timeout = 0  # the rest of what is there; a socket's in_waiting is 0 or 1
+            return first + self._serial.read(_CHUNK)
 
     def now(self) -> float:
         """Seconds of the monotonic clock."""

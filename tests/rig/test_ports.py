@@ -95,6 +95,16 @@ def test_a_socket_is_a_port_too():
     server.close()
 
 
+def test_what_a_socket_has_ready_comes_in_one_read():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = SerialPort(f"socket://127.0.0.1:{server.getsockname()[1]}")
+        connection, _ = server.accept()
+        with connection:
+            connection.sendall(bytes(1000))
+            assert port.read(2.0) == bytes(1000)
+        port.close()
+
+
 def test_a_name_that_is_no_url_is_a_device_error():
     with pytest.raises(DeviceError, match="nonsense://"):
         SerialPort("nonsense://x")
