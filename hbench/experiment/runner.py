@@ -23,8 +23,10 @@ from hbench.store.campaign import CampaignWriter
 POLL_S = 0.25  # between two looks at the board
 LEAST_LOG_S = 4.0  # that its log must hold: some lost looks and their repetitions
 END_MISSING = "the end of its log is missing"
+OVERRUN = "{} records were overwritten before they were pulled: the log ran over"
 
-_RUN, _FLAGS = (next(i for i, w in enumerate(RECORD) if w.name == n) for n in ("run", "flags"))
+_WORDS = [word.name for word in RECORD]
+_RUN, _INDEX, _FLAGS = (_WORDS.index(name) for name in ("run", "index", "flags"))
 _LAST = 1 << FLAGS.index("last")
 
 
@@ -52,7 +54,8 @@ def run_campaign(
 
     A latched fault of the board is cleared only with ``clear_fault``. Raises ``ConfigError``
     where bench file and board differ, and ``DeviceError`` when the board faults or the line is
-    lost; what was measured until then is in the journal.
+    lost; what was measured until then is in the journal. ``DeviceError`` too where all steps have
+    been made and some runs failed.
     """
     identity = client.identify()
     _check_rates(bench, identity)
@@ -67,6 +70,7 @@ def run_campaign(
         _stop(client)  # first of all: what follows may fail too
         recorder.abandon(error)
         raise
+    recorder.close()
 
 
 def _check_rates(bench: Bench, identity: Identity) -> None:
@@ -104,12 +108,11 @@ def _follow(
     number = status["log_next"]  # the board was idle, so what is logged before is not ours
     while True:
         state = STATES[status["state"]]
-        while number < status["log_next"]:  # first, so that a run is whole before the next begins
-            part = client.read_log(number)
-            if not len(part.words):
-                raise DeviceError(f"the board holds no record {number}, which it said it has")
+        # First, so that a run is whole before the next begins.
+        for part in client.pull(number, status["log_next"]):
+            recorder.lose(part.lost)
             recorder.feed(part.words)
-            number = part.first + len(part.words)
+        number = status["log_next"]
         if state in ("running", "fault"):
             recorder.begin(status["run"])
         if recorder.current:
@@ -145,7 +148,7 @@ def _stop(client: BoardClient) -> None:
 class _Recorder:
     """Sorts pulled records into runs and journals each at its start and its end.
 
-    Only a run whose last record has come is done.
+    Only a run of which all records have come, up to its last, is done.
     """
 
     def __init__(
@@ -156,7 +159,9 @@ class _Recorder:
         self._clock = clock
         self._words: list[np.ndarray] = []
         self._number = 0  # of the run that is being made; 0: none
-        self._finished: set[int] = set()
+        self._lost = 0  # records of that run, at most
+        self._gap = 0  # records lost right before the next one
+        self._finished: dict[int, Outcome] = {}
 
     @property
     def current(self) -> str:
@@ -182,11 +187,20 @@ class _Recorder:
         self._number = number
         self._journal.start_run(self._plans[number], self._clock())
 
+    def lose(self, count: int) -> None:
+        """The next ``count`` records are gone, whichever runs' they were."""
+        self._gap += count
+        if self._number:
+            self._lost += count
+
     def feed(self, words: np.ndarray) -> None:
         """Take records in order: (n, words of a record)."""
         edges = np.flatnonzero(np.diff(words[:, _RUN])) + 1
         for piece in np.split(words, edges) if len(words) else ():
             self.begin(int(piece[0, _RUN]))
+            if not self._words and piece[0, _INDEX]:
+                self._lost = self._gap  # it held this run's beginning
+            self._gap = 0
             if not self._number:
                 raise DeviceError(f"the board sent records of run {piece[0, _RUN]} after its last")
             self._words.append(piece)
@@ -199,8 +213,10 @@ class _Recorder:
             return
         plan = self._plans[self._number]
         words = np.concatenate(self._words) if self._words else np.zeros((0, len(RECORD)), "<u2")
-        self._finished.add(self._number)
-        self._words, self._number = [], 0
+        if self._lost and why in ("", END_MISSING):
+            outcome, why = "failed", OVERRUN.format(self._lost)
+        self._finished[self._number] = outcome
+        self._words, self._number, self._lost = [], 0, 0
         self._journal.finish_run(plan, words, outcome, why, self._clock())
 
     def abandon(self, error: BaseException) -> None:
@@ -208,3 +224,16 @@ class _Recorder:
         interrupted = not isinstance(error, Exception)
         why = "interrupted by the operator" if interrupted else str(error)
         self.finish("aborted" if interrupted else "failed", why)
+
+    def close(self) -> None:
+        """All steps have been made. Raises ``DeviceError`` if runs failed."""
+        for number in [n for n in self._plans if n not in self._finished]:
+            self.begin(number)
+            self.finish("failed", "all its records were overwritten: the log ran over")
+        failed = [plan.run for n, plan in self._plans.items() if self._finished[n] == "failed"]
+        if failed:
+            raise DeviceError(
+                f"{len(failed)} of {len(self._plans)} runs failed: {', '.join(failed)}",
+                "Make them again with --resume. Where the log ran over, a faster line (--baud) or "
+                "a lower controllers.log_rate helps.",
+            )

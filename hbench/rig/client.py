@@ -1,7 +1,9 @@
 """The host's end of the wire: requests with retransmission, typed by the dictionary."""
 
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from hbench.protocol.dictionary import (
     REFUSALS,
     REPLY,
     SETTINGS,
+    Message,
     dictionary_hash,
 )
 from hbench.protocol.frames import Frame, Receiver, crc16, encode
@@ -23,6 +26,9 @@ from hbench.rig.ports import Port
 
 REPLY_TIMEOUT_S = 0.25
 ATTEMPTS = 8
+WINDOW = 4
+"""Requests of a pull on the way. Their 48 octets fit the 64 that a board buffers while it sends."""
+
 _SETTINGS_PER_FRAME = 48
 RECORDS_PER_FRAME = (MAX_FRAME - 4 - 8) // (2 * len(RECORD))
 
@@ -56,12 +62,22 @@ class Identity:
 class LogPart:
     """Records pulled from the ring: ``words`` (n, words of a record), the first's number.
 
-    ``first`` is later than asked where records had been overwritten.
+    ``lost`` records right before them are gone: the log ran over before they were pulled.
     """
 
     first: int
-    next: int
     words: np.ndarray
+    lost: int
+
+
+@dataclass
+class _Asked:
+    """A request that has been sent, and its reply once it has come."""
+
+    message: Message
+    octets: bytes
+    sent: int = 0  # times
+    reply: Frame | None = None
 
 
 class BoardClient:
@@ -71,6 +87,7 @@ class BoardClient:
         self.port = port
         self._attempts = attempts
         self._receiver = Receiver()
+        self._arrived: deque[Frame] = deque()  # and not looked at
         self._sequence = 0
 
     def identify(self) -> Identity:
@@ -123,13 +140,36 @@ class BoardClient:
         """State, progress and live values; also the host's sign of life."""
         return self._request("status")
 
-    def read_log(self, first: int) -> LogPart:
-        """Pull the records from number ``first`` on, as many as one frame holds."""
-        reply = self._request("read_log", first=first, count=RECORDS_PER_FRAME)
-        words = reply["words"]
-        if words.size % len(RECORD):
-            raise DeviceError(f"{self.port.name}: {words.size} words are not whole records")
-        return LogPart(reply["first"], reply["next"], words.reshape(-1, len(RECORD)))
+    def pull(self, first: int, until: int, window: int = WINDOW) -> Iterator[LogPart]:
+        """Pull the records ``first`` to ``until - 1``, which the board has logged, in order.
+
+        ``window`` requests are on the way at a time, so that the line carries replies without a
+        pause. Records that were overwritten are told as ``lost``; every record asked for is in
+        one part or lost.
+        """
+        ahead = number = first  # what to ask for next; what is handed out or lost until here
+
+        def requests() -> Iterator[tuple[str, dict[str, int]]]:
+            nonlocal ahead
+            while (asked := ahead) < until:
+                ahead = min(asked + RECORDS_PER_FRAME, until)
+                yield "read_log", {"first": asked, "count": ahead - asked}
+
+        for request, reply in self._ask(requests(), window):
+            asked, end = request["first"], request["first"] + request["count"]
+            begin, words = reply["first"], self._records(reply["words"])
+            ahead = max(ahead, begin)  # what is overwritten needn't be asked for
+            if not asked <= begin <= begin + len(words) or begin + len(words) < end:
+                raise DeviceError(
+                    f"{self.port.name}: asked for the records {asked} to {end - 1}, the board "
+                    f"sent {len(words)} from {begin} on",
+                    "Was it reset?",
+                )
+            begin = min(begin, end)  # what follows is in the next replies
+            yield LogPart(begin, words[: end - begin], lost=begin - number)
+            number = end
+        if number < until:
+            yield LogPart(until, np.zeros((0, len(RECORD)), "<u2"), lost=until - number)
 
     def wait(self, seconds: float) -> None:
         """Let time pass on the port's clock; what comes in meanwhile is late and dropped."""
@@ -138,32 +178,78 @@ class BoardClient:
             self._receiver.feed(self.port.read(left))
 
     def _request(self, name: str, **values: Any) -> dict[str, Any]:
-        message = BY_NAME[name]
-        self._sequence = (self._sequence + 1) % 256
-        frame = encode(Frame(self._sequence, message.code, pack(message.request, values)))
-        for _ in range(self._attempts):
-            self.port.write(frame)
-            reply = self._await(message.code)
-            if reply is None:
-                continue
-            if reply.code == ERROR:
-                refusal = int.from_bytes(reply.payload[2:4], "little")
-                known = refusal < len(REFUSALS)
-                raise Refused(name, REFUSALS[refusal] if known else f"reason {refusal}")
-            try:
-                return unpack(message.reply, reply.payload)
-            except ValueError as error:
-                raise DeviceError(f"{self.port.name}: reply to '{name}': {error}") from None
-        raise NoAnswer(
-            f"{self.port.name}: no answer to '{name}' in {self._attempts} attempts"
-            + (f"; {self._receiver.damaged} damaged frames" if self._receiver.damaged else ""),
-            "Is it an hbench board, with power, and the right port?",
-        )
+        ((_, reply),) = self._ask([(name, values)], window=1)
+        return reply
 
-    def _await(self, code: int) -> Frame | None:
+    def _ask(
+        self, requests: Iterable[tuple[str, dict[str, Any]]], window: int
+    ) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+        """Keep ``window`` requests on the way; yield each one's values and reply, in order.
+
+        The board answers in the order in which it hears. So the reply to a later request tells
+        that an earlier one was lost, which is then sent again alone and at once. Where there is no
+        later one, the deadline tells.
+        """
+        requests = iter(requests)
+        due: deque[tuple[dict[str, Any], _Asked]] = deque()  # in the order of the requests
+        on_the_way: dict[int, _Asked] = {}  # by sequence, in the order of sending
+        while True:
+            for name, values in islice(requests, window - len(on_the_way)):
+                self._sequence = (self._sequence + 1) % 256
+                message = BY_NAME[name]
+                frame = Frame(self._sequence, message.code, pack(message.request, values))
+                due.append((values, _Asked(message, encode(frame))))
+                self._send(self._sequence, due[-1][1], on_the_way)
+            if not due:
+                return
+            reply = self._await(on_the_way)
+            lost = list(on_the_way)
+            if reply is not None:
+                lost = lost[: lost.index(reply.sequence)]
+                on_the_way.pop(reply.sequence).reply = reply
+            for sequence in lost:
+                self._send(sequence, on_the_way.pop(sequence), on_the_way)
+            while due and due[0][1].reply:
+                values, asked = due.popleft()
+                yield values, self._unpack(asked)
+
+    def _send(self, sequence: int, asked: _Asked, on_the_way: dict[int, _Asked]) -> None:
+        name = asked.message.name
+        if asked.sent == self._attempts:
+            raise NoAnswer(
+                f"{self.port.name}: no answer to '{name}' in {self._attempts} attempts"
+                + (f"; {self._receiver.damaged} damaged frames" if self._receiver.damaged else ""),
+                "Is it an hbench board, with power, and the right port?",
+            )
+        asked.sent += 1
+        on_the_way[sequence] = asked
+        self.port.write(asked.octets)
+
+    def _await(self, on_the_way: Mapping[int, _Asked]) -> Frame | None:
+        """Return the next reply to one of the requests; None where none comes in time."""
         deadline = self.port.now() + REPLY_TIMEOUT_S
-        while (left := deadline - self.port.now()) > 0:
-            for frame in self._receiver.feed(self.port.read(left)):
-                if frame.sequence == self._sequence and frame.code in (code | REPLY, ERROR):
+        while True:
+            while self._arrived:
+                frame = self._arrived.popleft()
+                asked = on_the_way.get(frame.sequence)
+                if asked and frame.code in (asked.message.code | REPLY, ERROR):
                     return frame
-        return None
+            if (left := deadline - self.port.now()) <= 0:
+                return None
+            self._arrived += self._receiver.feed(self.port.read(left))
+
+    def _unpack(self, asked: _Asked) -> dict[str, Any]:
+        name, reply = asked.message.name, asked.reply
+        if reply.code == ERROR:
+            refusal = int.from_bytes(reply.payload[2:4], "little")
+            known = refusal < len(REFUSALS)
+            raise Refused(name, REFUSALS[refusal] if known else f"reason {refusal}")
+        try:
+            return unpack(asked.message.reply, reply.payload)
+        except ValueError as error:
+            raise DeviceError(f"{self.port.name}: reply to '{name}': {error}") from None
+
+    def _records(self, words: np.ndarray) -> np.ndarray:
+        if words.size % len(RECORD):
+            raise DeviceError(f"{self.port.name}: {words.size} words are not whole records")
+        return words.reshape(-1, len(RECORD))

@@ -1,5 +1,7 @@
 """A campaign on the virtual rig: whole, repeatable, and never lost when something goes wrong."""
 
+import re
+
 import pytest
 
 from hbench import workflow
@@ -161,6 +163,47 @@ def test_a_finished_campaign_resumed_makes_nothing_and_changes_nothing(
     before = (tmp_path / "campaign" / "campaign.yaml").read_bytes()
     assert measure(schedule, resume=True).runs == 0
     assert (tmp_path / "campaign" / "campaign.yaml").read_bytes() == before
+
+
+def test_runs_of_which_the_log_ran_over_are_failed_and_made_again(
+    measure, short_schedule, tmp_path, monkeypatch
+):
+    """The host is away for longer than the ring's 10.24 s holds; the board goes on."""
+    rigs = []
+
+    class Watched(virtual.VirtualRig):
+        def __init__(self, *args):
+            super().__init__(*args)
+            rigs.append(self)
+
+    def fall_silent(progress):
+        if progress.runs_done == 1 and abs(progress.v_m_s) > 0.05 and len(away) == 0:
+            away.append(progress.plan.run)
+            while rigs[0].now() < 60.0:
+                rigs[0].read(1.0)
+
+    away = []
+    monkeypatch.setattr(virtual, "VirtualRig", Watched)
+    velocities = [f"{v} mm/s" for v in range(20, 32, 2)]
+    schedule = short_schedule(
+        bench={"limits": {"heartbeat": "60 s"}}, velocities=velocities, trials=1, window="3 s"
+    )
+    with pytest.raises(DeviceError, match="of 6 runs failed: 0002") as error:
+        measure(schedule, report=fall_silent)
+    assert "--resume" in error.value.hint
+    campaign = load_campaign(tmp_path / "campaign")
+    assert away == ["0002"]
+    failed = {e.plan.run: e.stop.why for e in campaign.entries if e.stop.outcome == "failed"}
+    assert len(failed) + len(campaign.done) == 6
+    assert re.fullmatch(r"\d+ records were overwritten .*: the log ran over", failed["0002"])
+    assert all("overwritten" in why for why in failed.values())
+    assert "all its records were overwritten: the log ran over" in failed.values()
+    for raw in campaign.raw_runs():
+        if raw.outcome == "done":
+            index = [c.name for c in raw.channels].index("index")
+            assert raw.words[:, index].tolist() == list(range(len(raw.words)))
+    measure(schedule, resume=True)
+    assert len(load_campaign(tmp_path / "campaign").done) == 6
 
 
 class Scripted(virtual.VirtualRig):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from hbench.errors import DeviceError
-from hbench.protocol.codec import BY_NAME, pack
+from hbench.protocol.codec import BY_NAME, pack, unpack
 from hbench.protocol.dictionary import ERROR, RECORD, REFUSALS, REPLY, dictionary_hash
 from hbench.protocol.frames import Frame, Receiver, encode
-from hbench.rig.client import ATTEMPTS, BoardClient, Refused
+from hbench.rig.client import ATTEMPTS, REPLY_TIMEOUT_S, WINDOW, BoardClient, Refused
 
 IDENTITY = {
     "protocol": 1,
@@ -108,15 +108,174 @@ def test_a_reply_of_the_wrong_length_is_a_device_error():
         BoardClient(line).status()
 
 
-def test_log_records_come_as_rows():
-    words = np.arange(2 * len(RECORD), dtype="<u2")
-    values = {"first": 7, "next": 9, "words": words}
-    part = BoardClient(Line(lambda f: reply(f, "read_log", values))).read_log(7)
-    assert (part.first, part.next, part.words.shape) == (7, 9, (2, len(RECORD)))
-    np.testing.assert_array_equal(part.words.ravel(), words)
+class Ring:
+    """A board's log: record n has n in all its words; those before ``oldest`` are gone."""
+
+    def __init__(self, oldest=0, following=10_000):
+        self.oldest, self.following = oldest, following
+
+    def __call__(self, frame):
+        request = unpack(BY_NAME["read_log"].request, frame.payload)
+        first = max(request["first"], self.oldest)
+        numbers = np.arange(first, min(first + request["count"], self.following))
+        values = {
+            "first": first,
+            "next": self.following,
+            "words": np.repeat(numbers % 65536, len(RECORD)),
+        }
+        return reply(frame, "read_log", values)
+
+
+def numbers(part):
+    """The numbers of a part's records, as they stand in their words."""
+    assert (part.words == part.words[:, :1]).all()
+    assert len(part.words) == 0 or part.words[0, 0] == part.first
+    return part.words[:, 0].tolist()
+
+
+@pytest.mark.parametrize("window", [1, WINDOW])
+def test_a_pull_brings_each_record_once_and_in_order(window):
+    line = Line(Ring())
+    parts = list(BoardClient(line).pull(7, 110, window))
+    assert [n for part in parts for n in numbers(part)] == list(range(7, 110))
+    assert {part.lost for part in parts} == {0}
+    assert len(line.requests) == 13  # 8 records each, 7 in the last
+    assert len({frame.sequence for frame in line.requests}) == 13
+
+
+def test_a_pull_of_nothing_asks_for_nothing():
+    line = Line(Ring())
+    assert list(BoardClient(line).pull(7, 7)) == []
+    assert line.requests == []
+
+
+class SlowLine(Line):
+    """Answers one request a look at it, and counts the octets that wait for the board."""
+
+    most_waiting = 0
+
+    def write(self, data):
+        self.inbox = getattr(self, "inbox", [])
+        self.inbox.append(data)
+        self.most_waiting = max(self.most_waiting, len(b"".join(self.inbox)))
+
+    def read(self, timeout_s):
+        while self.inbox and not self.waiting:
+            super().write(self.inbox.pop(0))
+            self.time += 0.001
+        return super().read(timeout_s)
+
+
+def test_a_pull_keeps_its_window_full_and_what_waits_for_the_board_fits_its_buffer():
+    line = SlowLine(Ring())
+    pull = BoardClient(line).pull(0, 800)
+    for _ in range(50):
+        next(pull)
+        assert len(line.inbox) == WINDOW - 1
+    assert line.most_waiting == 48 <= 64
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_a_bad_line_lost_is_asked_again_alone(seed):
+    """One frame in five is lost or damaged, half of them requests, half replies."""
+    random = np.random.default_rng(seed)
+    spoiled = 0
+
+    class BadLine(SlowLine):
+        def spoil(self, data):
+            nonlocal spoiled
+            fate = random.random()
+            if not data or fate > 0.1:
+                return data
+            spoiled += 1
+            return b"" if fate < 0.05 else bytes([data[0] ^ 1]) + data[1:]
+
+        def write(self, data):
+            super().write(self.spoil(data))
+
+        def read(self, timeout_s):
+            return self.spoil(super().read(timeout_s))
+
+    line = BadLine(Ring())
+    parts = list(BoardClient(line).pull(0, 1600))
+    assert [n for part in parts for n in numbers(part)] == list(range(1600))
+    heard = len(line.requests)
+    assert spoiled > 20
+    assert heard <= 200 + spoiled, "the board hears each once, and again for each reply lost"
+
+
+def test_a_lost_reply_costs_no_wait_while_others_follow():
+    lost = {3, 4, 11}
+
+    def answer(frame):
+        octets = Ring()(frame)
+        return b"" if len(line.requests) in lost else octets
+
+    line = SlowLine(answer)
+    parts = list(BoardClient(line).pull(0, 160))
+    assert [n for part in parts for n in numbers(part)] == list(range(160))
+    assert line.time < REPLY_TIMEOUT_S
+
+
+def test_the_last_reply_lost_is_asked_for_after_the_deadline():
+    line = Line(lambda frame: Ring()(frame) if len(line.requests) > 1 else b"")
+    (part,) = BoardClient(line).pull(0, 8)
+    assert numbers(part) == list(range(8))
+    assert REPLY_TIMEOUT_S < line.time < 2 * REPLY_TIMEOUT_S
+
+
+@pytest.mark.parametrize("oldest", [1, 8, 13, 64, 159])
+def test_overwritten_records_are_told_with_their_count(oldest):
+    parts = list(BoardClient(Line(Ring(oldest))).pull(0, 160))
+    assert sum(part.lost for part in parts) == oldest
+    assert [n for part in parts for n in numbers(part)] == list(range(oldest, 160))
+
+
+def test_a_ring_that_overtakes_the_pull_leaves_no_record_unaccounted():
+    """Records are overwritten half as fast again as they come."""
+    ring = Ring(0, 0)
+
+    def answer(frame):
+        ring.oldest += 12
+        ring.following = ring.oldest + 1024
+        return ring(frame)
+
+    at = 0
+    for part in BoardClient(Line(answer)).pull(0, 2000):
+        assert part.first == at + part.lost
+        assert len(numbers(part)) == len(part.words)
+        at = part.first + len(part.words)
+    assert at == 2000
+
+
+def test_records_that_are_all_gone_are_not_asked_for_one_by_one():
+    line = Line(Ring(oldest=5000))
+    parts = list(BoardClient(line).pull(0, 4000))
+    assert sum(part.lost for part in parts) == 4000
+    assert sum(len(part.words) for part in parts) == 0
+    assert len(line.requests) == WINDOW
+
+
+@pytest.mark.parametrize(
+    ("first", "count"), [(6, 8), (7, 7), (7, 0)], ids=["too early", "too few", "none"]
+)
+def test_records_other_than_asked_for_are_a_device_error(first, count):
+    values = {"first": first, "next": 99, "words": np.zeros(count * len(RECORD))}
+    with pytest.raises(DeviceError, match="asked for the records 7 to 14"):
+        list(BoardClient(Line(lambda f: reply(f, "read_log", values))).pull(7, 15))
 
 
 def test_words_that_are_no_whole_records_are_a_device_error():
     values = {"first": 0, "next": 1, "words": np.zeros(len(RECORD) + 1)}
     with pytest.raises(DeviceError, match="not whole records"):
-        BoardClient(Line(lambda f: reply(f, "read_log", values))).read_log(0)
+        list(BoardClient(Line(lambda f: reply(f, "read_log", values))).pull(0, 1))
+
+
+def test_a_pull_that_is_left_leaves_no_answer_for_the_next_request():
+    def answer(frame):
+        is_log = frame.code == BY_NAME["read_log"].code
+        return Ring()(frame) if is_log else reply(frame, "identify", IDENTITY)
+
+    client = BoardClient(SlowLine(answer))
+    next(client.pull(0, 800))
+    assert client.identify().firmware == "test 1"
