@@ -162,13 +162,41 @@ static void answer(hb_core *core, const hb_frame *frame)
     core->out_sent = 0;
 }
 
+static void put_text(hb_writer *writer, const char *text)
+{
+    while (*text != '\0') {
+        hb_put_octet(writer, (hb_octet)*text++);
+    }
+}
+
+/* One line for a person at a terminal. Its zero octet lets a host drop it as an unsound frame. */
+static void answer_person(hb_core *core)
+{
+    static const char state[][HB_NAME_SIZE] = HB_STATE_NAMES;
+    static const char fault[][HB_NAME_SIZE] = HB_FAULT_NAMES;
+    hb_writer line = {core->out, HB_MAX_ON_WIRE, true};
+
+    put_text(&line, HB_FIRMWARE " on ");
+    put_text(&line, core->hal.board);
+    put_text(&line, ", " HB_VERSION_TEXT ", state ");
+    put_text(&line, state[core->state]);
+    put_text(&line, ", fault ");
+    put_text(&line, fault[core->fault]);
+    put_text(&line, "\r\n");
+    hb_put_octet(&line, 0u);
+    core->out_count = (hb_u16)(HB_MAX_ON_WIRE - line.room);
+    core->out_sent = 0;
+}
+
 void hb_core_poll(hb_core *core)
 {
     hb_octet octet;
     hb_frame frame;
 
     while (flush(core) && core->hal.uart_read(core->hal.context, &octet)) {
-        if (hb_receive(&core->receiver, octet, &frame)) {
+        if (hb_receive_question(&core->receiver, octet)) {
+            answer_person(core); /* who is no host: no sign of life */
+        } else if (hb_receive(&core->receiver, octet, &frame)) {
             answer(core, &frame);
         }
     }

@@ -166,4 +166,26 @@ enum hb_flag {
     HB_FLAG_SETTLED = 16
 };
 
+/* For a person at a terminal; the names initialise char[][HB_NAME_SIZE]. */
+#define HB_VERSION_TEXT "protocol 1, dictionary C2F4F0DF"
+#define HB_NAME_SIZE 12u
+#define HB_STATE_NAMES { \
+    "idle", \
+    "running", \
+    "done", \
+    "fault" \
+}
+#define HB_FAULT_NAMES { \
+    "none", \
+    "heartbeat", \
+    "sensor", \
+    "travel", \
+    "pressure", \
+    "speed", \
+    "speed error", \
+    "overrun", \
+    "return", \
+    "stopped" \
+}
+
 #endif

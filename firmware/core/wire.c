@@ -82,6 +82,28 @@ bool hb_receive(hb_receiver *receiver, hb_octet octet, hb_frame *frame)
     return false;
 }
 
+static bool ends_line(hb_octet octet)
+{
+    return octet == 13u || octet == 10u; /* CR, LF */
+}
+
+bool hb_receive_question(hb_receiver *receiver, hb_octet octet)
+{
+    hb_u16 at = 0;
+
+    if (!ends_line((hb_octet)(octet & 0xFFu))) {
+        return false;
+    }
+    while (at < receiver->count && ends_line(receiver->octets[at])) {
+        at++;
+    }
+    if (at + 1u != receiver->count || receiver->octets[at] != '?') {
+        return false;
+    }
+    receiver->count = 0;
+    return true;
+}
+
 hb_u16 hb_encode_frame(hb_octet sequence, hb_octet type, hb_octet plain[HB_MAX_FRAME],
                        hb_u16 count, hb_octet *out)
 {

@@ -34,6 +34,13 @@ typedef struct {
 /* Takes one octet; true if it completes a sound frame, which is then in *frame. */
 bool hb_receive(hb_receiver *receiver, hb_octet octet, hb_frame *frame);
 
+/* True if the octet ends a line of '?' alone, typed since the last end mark; the line is then
+ * forgotten. The host's frames don't look so: their first octet, COBS's distance to the first
+ * zero, is at most 9, for a request without payload has 4 octets, "start" has 8, and each other one
+ * has a zero in its high octet of an index or count. So none begins with '?' (63), CR (13) or LF
+ * (10), which stands there where a terminal ended the line before with both. */
+bool hb_receive_question(hb_receiver *receiver, hb_octet octet);
+
 /* Completes a frame whose payload of count octets stands in plain from its third octet on, and
  * stuffs it into out (HB_MAX_ON_WIRE octets), end mark included. Returns the octets in out. */
 hb_u16 hb_encode_frame(hb_octet sequence, hb_octet type, hb_octet plain[HB_MAX_FRAME],

@@ -34,6 +34,13 @@ def header_text() -> str:
         "/* Words per SI unit, the inverse of the dictionary's scales. */\n"
         + _defines(*((f"HB_WORD_{name}_PER_SI", f"{per_si:.1f}f") for name, per_si in _scaled())),
         _enum("flag", ((name, 1 << bit) for bit, name in enumerate(d.FLAGS))),
+        "/* For a person at a terminal; the names initialise char[][HB_NAME_SIZE]. */\n"
+        + _defines(
+            ("HB_VERSION_TEXT", f'"protocol {d.PROTOCOL}, dictionary {d.dictionary_hash():08X}"'),
+            ("HB_NAME_SIZE", f"{max(map(len, d.STATES + d.FAULTS)) + 1}u"),
+            ("HB_STATE_NAMES", _texts(d.STATES)),
+            ("HB_FAULT_NAMES", _texts(d.FAULTS)),
+        ),
         "#endif",
     ]
     return "\n\n".join(blocks) + "\n"
@@ -45,6 +52,12 @@ def _scaled() -> Iterable[tuple[str, float]]:
 
 def _defines(*pairs: tuple[str, str]) -> str:
     return "\n".join(f"#define {name} {value}" for name, value in pairs)
+
+
+def _texts(names: Iterable[str]) -> str:
+    """Names as a C initialiser, on lines of their own."""
+    rows = ", \\\n    ".join(f'"{name.replace("_", " ")}"' for name in names)
+    return f"{{ \\\n    {rows} \\\n}}"
 
 
 def _enum(kind: str, members: Iterable[tuple[str, int]], count: str = "") -> str:

@@ -8,7 +8,17 @@ from cobs import cobs
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hbench.protocol.dictionary import CRC_START, MAX_FRAME
+from hbench.protocol.codec import pack
+from hbench.protocol.dictionary import (
+    CRC_START,
+    FAULTS,
+    MAX_FRAME,
+    MESSAGES,
+    PROTOCOL,
+    STATES,
+    dictionary_hash,
+)
+from hbench.protocol.frames import Frame, Receiver, encode
 
 # Long stretches without zeros reach the block limit of 254.
 data = st.one_of(
@@ -45,7 +55,7 @@ def test_unstuffing_refuses_what_the_cobs_package_refuses(octets, probes):
     assert probes.cobs_decode(octets) == expected
 
 
-STATUS = 0x07
+STATUS = next(message.code for message in MESSAGES if message.name == "status")
 
 
 def answers(frames):
@@ -110,3 +120,74 @@ def test_no_reply_is_lost_when_the_line_to_the_host_is_full(board):
         octets += board.firmware.transmit()
     sequences = [cobs.decode(chunk)[0] for chunk in octets.split(b"\0")[:-1]]
     assert sequences == list(range(count))
+
+
+def line_of(board):
+    """What a person at a terminal reads after '?' and Enter."""
+    version = f"protocol {PROTOCOL}, dictionary {dictionary_hash():08X}"
+    status = board.status()
+    state, fault = STATES[status["state"]], FAULTS[status["fault"]].replace("_", " ")
+    return f"hbench-core 0.1 on host, {version}, state {state}, fault {fault}\r\n\0".encode()
+
+
+def say(board, octets):
+    board.firmware.receive(octets)
+    board.firmware.poll()
+    return board.firmware.transmit()
+
+
+@pytest.mark.parametrize("enter", [b"\r", b"\n", b"\r\n"])
+def test_a_question_mark_and_enter_get_one_line_of_text(new_board, enter):
+    """Whatever the terminal's Enter sends, and again, with frames in between."""
+    board = new_board()
+    line = line_of(board)
+    assert b"state idle, fault none" in line
+    for _ in range(2):
+        assert say(board, b"?" + enter) == line
+    assert say(board, b"?") == b""
+    assert say(board, enter) == line
+    board.exchange(b"\0")
+    assert answers(board.exchange(board.frame(9, STATUS))) == [(9, STATUS | 0x80)]
+    assert say(board, b"?" + enter) == line
+
+
+def test_the_line_names_a_fault(board):
+    board.write_settings(heartbeat_s=0.1)
+    board.start()
+    board.rest(0.2, x=0.05)
+    assert b"state fault, fault heartbeat" in line_of(board)
+    assert say(board, b"?\r") == line_of(board)
+
+
+def test_a_person_is_no_sign_of_life(board):
+    board.write_settings(heartbeat_s=0.1)
+    board.start()
+    for _ in range(4):
+        board.rest(0.05, x=0.05)
+        say(board, b"?\r")
+    assert FAULTS[board.status()["fault"]] == "heartbeat"
+
+
+def test_a_host_drops_the_line_as_one_unsound_frame(new_board):
+    board = new_board()
+    receiver = Receiver()
+    assert receiver.feed(say(board, b"?\r\n")) == []
+    assert receiver.damaged == 1
+    board.firmware.receive(b"\0" + board.frame(9, STATUS))
+    board.firmware.poll()
+    assert [frame.sequence for frame in receiver.feed(board.firmware.transmit())] == [9]
+
+
+@pytest.mark.parametrize("typed", [b"\r\n", b"??\r", b"x?\r", b"?x\r", b" ?\r", b"help\r\n"])
+def test_other_lines_are_not_answered(new_board, typed):
+    assert say(new_board(), typed) == b""
+
+
+def test_no_request_begins_as_a_typed_line_does():
+    """The first octet of a frame tells where its first zero is: early, in all that a host sends."""
+    largest = {"u16": 255, "u32": 0xFFFFFFFF, "f32": 1.1}  # an index or count has a high octet 0
+    for message in MESSAGES:
+        values = {name: largest.get(kind, [1.1]) for name, kind in message.request}
+        values |= {name: 0xFFFF for name in values if name.endswith("_crc")}
+        frame = encode(Frame(1, message.code, pack(message.request, values)))
+        assert frame[0] <= 9 < ord("\n") < ord("\r") < ord("?"), message.name

@@ -8,6 +8,7 @@ import threading
 import time
 
 import pytest
+import serial
 
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError
@@ -121,6 +122,14 @@ def test_simulated_time_never_runs_ahead_of_the_wall(served):
         BoardClient(port).identify()
         assert rig.now() <= time.monotonic() - begin + 0.01
     port.close()
+
+
+def test_a_person_with_a_terminal_program_is_told_who_is_there(served):
+    _, line = served()
+    with serial.Serial(line.name, timeout=PATIENCE_S) as terminal:
+        terminal.write(b"?\r")
+        told = terminal.readline()
+    assert told.startswith(b"hbench-core ") and told.endswith(b", state idle, fault none\r\n")
 
 
 def test_a_second_client_is_turned_away_and_the_first_stays(served):
