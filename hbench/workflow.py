@@ -31,7 +31,7 @@ from hbench.rig.boot_image import BootImage, read_boot_image
 from hbench.rig.client import BoardClient, Identity
 from hbench.rig.find import Found, Listed, look, system_ports
 from hbench.rig.lines import open_line
-from hbench.rig.ports import Port, SerialPort
+from hbench.rig.ports import BAUD, Port, SerialPort
 from hbench.rig.programmer import flash_through
 from hbench.rig.serve import FlatOut, WallClock, serve
 from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write_results
@@ -140,16 +140,18 @@ def measure(
     resume: bool,
     clock: Callable[[], datetime],
     report: Callable[[Progress], None],
+    baud: int | None = None,
 ) -> Measured:
     """Make the runs on ``port`` and journal them in the campaign ``folder``.
 
+    ``baud`` is the line's rate: by default 115200, and on the virtual rig octets take no time.
     ``plant`` is the file of another plant for the virtual rig; the campaign keeps only its hash.
     Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """
     if plant is not None and port != "sim":
         raise ConfigError("--plant is for the virtual rig, and --port is not 'sim'")
     campaign = load_campaign(folder) if resume else None
-    line = _open_port(experiment, port, plant, _session_seed(seed, campaign))
+    line = _open_port(experiment, port, plant, _session_seed(seed, campaign), baud)
     try:
         client = BoardClient(line)
         identity = client.identify()
@@ -176,15 +178,18 @@ def serve_rig(
     address: str | None,
     flat_out: bool,
     announce: Callable[[str], None],
+    baud: int | None = None,
 ) -> None:
     """Serve the virtual rig on a socket's address ``HOST:PORT``, or else a pseudo-terminal.
+
+    With ``baud`` its octets take their time on the line, as a real board's do.
 
     ``announce`` is given the name of the port once the rig is ready for clients; they come and
     go, one at a time, until the process is interrupted. Raises ``ConfigError``, ``DeviceError``.
     """
     bench_data = read_yaml(bench_file)
     bench = parse_bench(bench_data, str(bench_file))
-    rig = _virtual_rig(bench, bench_data, plant, seed)
+    rig = _virtual_rig(bench, bench_data, plant, seed, baud)
     try:
         line = open_line(address)
         try:
@@ -256,19 +261,23 @@ def _tables(results: Results) -> dict[str, bytes]:
     return {name: table(results).encode() for name, table in TABLES.items()}
 
 
-def _open_port(experiment: Experiment, name: str, plant: Path | None, seed: int) -> Port:
+def _open_port(
+    experiment: Experiment, name: str, plant: Path | None, seed: int, baud: int | None
+) -> Port:
     if name != "sim":
-        return SerialPort(name)
-    return _virtual_rig(experiment.bench, experiment.files["bench"]["content"], plant, seed)
+        return SerialPort(name, baud or BAUD)
+    return _virtual_rig(experiment.bench, experiment.files["bench"]["content"], plant, seed, baud)
 
 
-def _virtual_rig(bench: Bench, bench_data: dict[str, Any], plant: Path | None, seed: int) -> Port:
+def _virtual_rig(
+    bench: Bench, bench_data: dict[str, Any], plant: Path | None, seed: int, baud: int | None
+) -> Port:
     from hbench.rig.virtual import VirtualRig  # compiles; only who simulates waits for it
 
     physics: Plant | None = None
     if plant is not None:
         physics = parse_plant(bench_data, read_yaml(plant), str(plant))
-    return VirtualRig(bench, physics, seed)
+    return VirtualRig(bench, physics, seed, baud or 0)
 
 
 def _session_seed(seed: int, campaign: Campaign | None) -> int:

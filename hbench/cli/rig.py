@@ -20,6 +20,9 @@ def rig(
     socket: str = typer.Option(
         None, metavar="HOST:PORT", help="Serve on a TCP socket, not on a pseudo-terminal."
     ),
+    baud: int = typer.Option(
+        None, min=19200, help="Pace octets as a serial line of this rate does."
+    ),
     speed: Speed = typer.Option(
         Speed.WALL,
         help="'1' follows the clock on the wall. 'max': time runs at full speed for half the "
@@ -42,6 +45,7 @@ def rig(
             plant=plant,
             seed=seed,
             address=socket,
+            baud=baud,
             flat_out=speed is Speed.MAX,
             announce=_announce,
         )

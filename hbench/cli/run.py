@@ -11,6 +11,12 @@ def run(
     output: Path = typer.Option(None, "-o", "--output", help="Campaign folder to write."),
     bench: Path = typer.Option(None, help="Bench file; by default the schedule's own."),
     port: str = typer.Option("sim", help="'sim', a serial device, or socket://host:port."),
+    baud: int = typer.Option(
+        None,
+        min=19200,
+        help="Rate of the line: of a serial device 115200 by default; the virtual rig's octets "
+        "take no time without it.",
+    ),
     plant: Path = typer.Option(None, help="Physics of the virtual rig other than the bench's."),
     seed: int = typer.Option(1, help="Seed of the virtual rig's noise and scatter."),
     check: bool = typer.Option(False, "--check", help="Check and estimate only; nothing moves."),
@@ -42,6 +48,7 @@ def run(
             experiment,
             output,
             port=port,
+            baud=baud,
             plant=plant,
             seed=seed,
             resume=resume,

@@ -28,7 +28,7 @@ def open_library(path: Path) -> ctypes.CDLL:
         ) from None
     octets = ctypes.c_char_p
     for name, result, arguments in (
-        ("create", ctypes.c_void_p, (ctypes.c_uint16,)),
+        ("create", ctypes.c_void_p, (ctypes.c_uint16, ctypes.c_uint32)),
         ("destroy", None, (ctypes.c_void_p,)),
         ("tick", None, (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)),
         ("poll", ctypes.c_uint32, (ctypes.c_void_p,)),
@@ -57,12 +57,13 @@ def _library_path() -> Path:
 class HostFirmware:
     """One board: the firmware's core with its own memory, stepped by its caller.
 
-    ``boots`` is what it reports as its number of starts.
+    ``boots`` is what it reports as its number of starts. With ``baud`` octets take their time on
+    the line, and ``poll`` must be called once each tick; with 0 they take none.
     """
 
-    def __init__(self, boots: int):
+    def __init__(self, boots: int, baud: int = 0):
         self._library = load_library()
-        self._board = self._library.hb_host_create(boots)
+        self._board = self._library.hb_host_create(boots, baud)
         if not self._board:
             raise MemoryError("no memory for the firmware's context")
 
@@ -71,8 +72,8 @@ class HostFirmware:
         """Addresses for compiled callers: of ``tick``, of ``poll``, and of the board.
 
         ``void tick(board, const uint16_t adc[7], int16_t dac[3])``,
-        ``uint32_t poll(board)``, which returns the number of octets that wait for the host.
-        They hold until ``close``.
+        ``uint32_t poll(board)``, which returns the number of octets that wait for the host, 0
+        until a frame has ended among them. They hold until ``close``.
         """
         functions = (self._library.hb_host_tick, self._library.hb_host_poll)
         tick, poll = (ctypes.cast(function, ctypes.c_void_p).value for function in functions)
@@ -89,7 +90,7 @@ class HostFirmware:
         return octets.raw[:count]
 
     def poll(self) -> int:
-        """Run the idle loop once; returns the number of octets that wait for the host."""
+        """Run the idle loop once; returns the number of octets whose frame has ended, or 0."""
         return self._library.hb_host_poll(self._board)
 
     def tick(self, adc: Sequence[int]) -> tuple[int, int, int]:

@@ -52,8 +52,8 @@ def _call_poll(typing, address, core):
 
 
 @compiled
-def _advance(ticks, tick, firmware, state, levels, noise, buffers, par, sensors):
-    """Run up to ``ticks`` control ticks; stop early when the board has something to say.
+def _advance(ticks, poll_ticks, tick, firmware, state, levels, noise, buffers, par, sensors):
+    """Run up to ``ticks`` control ticks; stop early when a frame of the board has come.
 
     ``tick`` counts from power-on; ``firmware`` holds the addresses of the tick and poll functions
     and of the core. Returns the new ``tick``.
@@ -70,7 +70,7 @@ def _advance(ticks, tick, firmware, state, levels, noise, buffers, par, sensors)
         step(state, u, levels, par, TICK_S, work)
         update_levels(levels, state[V], noise, par)
         tick += 1
-        if tick % _POLL_TICKS == 0 and _call_poll(call_poll, core) > 0:
+        if tick % poll_ticks == 0 and _call_poll(call_poll, core) > 0:
             break
     return tick
 
@@ -78,12 +78,13 @@ def _advance(ticks, tick, firmware, state, levels, noise, buffers, par, sensors)
 class VirtualRig:
     """A board and its bench, both simulated, as a ``Port``.
 
-    ``plant`` stands in for the bench's own physics where it is given.
+    ``plant`` stands in for the bench's own physics where it is given. With ``baud`` the line
+    carries baud/10 octets a second each way, in simulated time; with 0 octets take no time.
     """
 
     name = "sim"
 
-    def __init__(self, bench: Bench, plant: Plant | None = None, seed: int = 1):
+    def __init__(self, bench: Bench, plant: Plant | None = None, seed: int = 1, baud: int = 0):
         plant = plant or bench
         self._par = plant_parameters(plant)
         self._sensors = sensor_parameters(plant.sensors)
@@ -99,7 +100,8 @@ class VirtualRig:
             np.zeros(3),
             np.zeros(WORK_SHAPE),
         )
-        self._board = HostFirmware(boots=1)
+        self._board = HostFirmware(boots=1, baud=baud)
+        self._poll_ticks = 1 if baud else _POLL_TICKS
         self._tick = 0
 
     def write(self, data: bytes) -> None:
@@ -110,6 +112,7 @@ class VirtualRig:
         """Let simulated time pass until the board says something or the timeout is over."""
         self._tick = _advance(
             max(1, round(timeout_s / TICK_S)),
+            self._poll_ticks,
             self._tick,
             self._board.addresses,
             self._state,
