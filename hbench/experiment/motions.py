@@ -96,9 +96,10 @@ def _time_to(distance: float, v: float, a: float, target: float) -> float:
     distance, v, a = sign * distance, sign * v, sign * a
     if distance <= 0:
         return 0.0
-    if a == 0.0:
-        return distance / v if v > 0 else np.inf
-    return (-v + np.sqrt(v**2 + 2 * a * distance)) / a  # towards target, so a > 0
+    squared = v**2 + 2 * a * distance  # of the speed there
+    if squared < 0.0 or v <= 0.0 and a <= 0.0:
+        return np.inf
+    return 2 * distance / (v + np.sqrt(squared))  # the sooner of the two roots
 
 
 def _steady(
