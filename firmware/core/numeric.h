@@ -36,9 +36,13 @@ static inline bool hb_finite(float x)
     return x >= -3.4e38f && x <= 3.4e38f;
 }
 
-/* The nearest integer, halves away from zero, within low..high. */
+/* The nearest integer, halves away from zero, within low..high; 0 for what is not a number (a
+ * valve's neutral), whose conversion C leaves undefined. */
 static inline hb_i16 hb_round_i16(float x, hb_i16 low, hb_i16 high)
 {
+    if (x != x) {
+        return 0;
+    }
     const float clamped = hb_clamp(x, (float)low, (float)high);
     return (hb_i16)(clamped + (clamped < 0.0f ? -0.5f : 0.5f));
 }
