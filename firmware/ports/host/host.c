@@ -25,8 +25,7 @@ typedef struct {
 } direction;
 
 struct hb_host {
-    hb_core core;
-    hb_log_ring ring;
+    hb_core core;  /* its ring apart: both are more than a 16-bit compiler takes in one */
     uint32_t baud; /* 0: octets take no time */
     direction to_board;
     direction to_host;
@@ -120,19 +119,24 @@ static void no_interrupts(void *context)
 hb_host *hb_host_create(uint16_t boots, uint32_t baud)
 {
     hb_host *host = calloc(1, sizeof *host);
+    hb_log_record *ring = calloc(HB_LOG_RECORDS, sizeof *ring);
 
-    if (host != NULL) {
-        host->baud = baud;
-        open_direction(&host->to_board, QUEUE_OCTETS, baud > 0u ? RECEIVE_BUFFER : QUEUE_OCTETS);
-        open_direction(&host->to_host, TRANSMIT_FIFO, QUEUE_OCTETS);
-        const hb_hal hal = {host, "host", uart_read, uart_write, no_interrupts, no_interrupts};
-        hb_core_init(&host->core, &hal, host->ring, boots);
+    if (host == NULL || ring == NULL) {
+        free(ring);
+        free(host);
+        return NULL;
     }
+    host->baud = baud;
+    open_direction(&host->to_board, QUEUE_OCTETS, baud > 0u ? RECEIVE_BUFFER : QUEUE_OCTETS);
+    open_direction(&host->to_host, TRANSMIT_FIFO, QUEUE_OCTETS);
+    const hb_hal hal = {host, "host", uart_read, uart_write, no_interrupts, no_interrupts};
+    hb_core_init(&host->core, &hal, ring, boots);
     return host;
 }
 
 void hb_host_destroy(hb_host *host)
 {
+    free(host->core.log.ring);
     free(host);
 }
 
@@ -172,4 +176,9 @@ uint32_t hb_host_transmit(hb_host *host, unsigned char *octets, uint32_t capacit
     }
     host->frame_ended = waiting(q) > 0u;
     return given;
+}
+
+hb_core *hb_host_core(hb_host *host)
+{
+    return &host->core;
 }
