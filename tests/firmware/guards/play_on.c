@@ -1,0 +1,130 @@
+/* The places where play.c runs: a desktop, an AVR under simavr (avr.c), a fuzzer. */
+#include "play.h"
+
+#ifdef __AVR__
+
+#include <avr/io.h>
+
+/* Registers without a function of their own, on which avr.c listens. */
+bool play_more(void)
+{
+    return GPIOR2 != 0;
+}
+
+unsigned play_next(void)
+{
+    return GPIOR0;
+}
+
+void play_say(unsigned octet)
+{
+    GPIOR1 = (unsigned char)octet;
+}
+
+bool play_may_tick(void)
+{
+    return true;
+}
+
+void play_broken(const char *what)
+{
+    while (*what != '\0') {
+        play_say((unsigned char)*what++);
+    }
+    GPIOR2 = 1;
+    for (;;) {
+    }
+}
+
+int main(void)
+{
+    play();
+    GPIOR2 = 0;
+    for (;;) {
+    }
+}
+
+#else
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+void play_broken(const char *what)
+{
+    fprintf(stderr, "does not hold: %s\n", what);
+    abort();
+}
+
+#ifdef PLAY_FUZZ
+
+#define MOST_TICKS 4000u
+
+static const uint8_t *script;
+static size_t left;
+static unsigned ticks;
+
+bool play_more(void)
+{
+    return left > 0u;
+}
+
+unsigned play_next(void)
+{
+    return left > 0u ? (left--, *script++) : 0u;
+}
+
+void play_say(unsigned octet)
+{
+    (void)octet;
+}
+
+bool play_may_tick(void)
+{
+    return ticks++ < MOST_TICKS;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    script = data;
+    left = size;
+    ticks = 0;
+    play();
+    return 0;
+}
+
+#else
+
+bool play_more(void)
+{
+    const int octet = getchar();
+
+    ungetc(octet, stdin);
+    return octet != EOF;
+}
+
+unsigned play_next(void)
+{
+    const int octet = getchar();
+    return octet == EOF ? 0u : (unsigned)octet;
+}
+
+void play_say(unsigned octet)
+{
+    putchar((int)octet);
+}
+
+bool play_may_tick(void)
+{
+    return true;
+}
+
+int main(void)
+{
+    play();
+    return 0;
+}
+
+#endif
+#endif

@@ -1,0 +1,117 @@
+"""A fuzzer plays the host and the sensors; what must hold whatever comes stands in play.c."""
+
+import re
+import subprocess
+from contextlib import contextmanager
+
+import pytest
+from cobs import cobs
+
+from hbench.protocol.dictionary import CONDITIONS, MESSAGES
+
+CODES = {message.name: message.code for message in MESSAGES}
+CLANG = "-O1 -g -DPLAY_FUZZ -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all"
+LIMITS = "-seed=1 -max_len=2000 -detect_leaks=0 -timeout=10 -entropic_scale_per_exec_time=1"
+# Files that the host's octets reach, and the least part of each one's branches to be taken [%].
+REACHED = ("commands.c", "steps.c", "schedule.c", "wire.c")
+LEAST = 90
+
+
+@pytest.fixture
+def seeds(recorded_board, tmp_path):
+    """A folder of scripts, made by a host that knows what it does, for quick runs."""
+    board, folder = recorded_board, tmp_path / "corpus"
+    folder.mkdir()
+    quick = {"a_m_s2": 50.0, "duration_s": 0.01}
+
+    @contextmanager
+    def scene(name, **settings):
+        board.firmware.rows.clear()
+        board.request("stop")
+        board.request("clear_fault")
+        board.write_settings(log_divider=3.0, acceleration_m_s2=50.0, **settings)
+        board.write_motion(trials=2, hold_s=0.0, **quick)
+        board.tick()
+        yield
+        rows = (opened(row) for row in board.firmware.rows)
+        (folder / name).write_bytes(b"".join(rows))
+
+    def ticks(count):
+        for _ in range(count):
+            board.tick()
+
+    with scene("requests"):
+        for name in CODES:
+            board.request(name)
+        board.firmware.rows += [b"S\x01\x01\x00", b"S\x02\x00\x01", b"R\x03\n?\n"]
+        board.exchange(b"\x05line noise\x00")
+    with scene("runs"):
+        board.start()
+        board.start(again=True)
+        ticks(2400)
+        board.read_log(0)
+    with scene("steps"):
+        for _ in range(2):
+            board.write_motion(1, run=3, v_m_s=-0.1, hold_s=0.0, **quick)
+        board.start()
+        ticks(3600)
+    for until, name in enumerate(CONDITIONS):
+        with scene(name):
+            row = ({"v_m_s": 0.1, **quick}, {"valves": 1, **quick}, {"v_m_s": -0.1, **quick})
+            board.write_row(*row, cycles=5, until=until, within=0.5, hold_s=0.0)
+            board.start()
+            ticks(2400)
+    with scene("faults"):
+        board.start()
+        ticks(2)
+        board.firmware.rows.append(b"O")
+        board.request("clear_fault")
+        board.start()
+        board.si["x"] += 0.3
+        ticks(2)
+        board.si["x"] -= 0.3
+    # Finite settings whose product is not: the valves' commands are no numbers.
+    with scene("huge", velocity_gain_v_m=3e38, velocity_time_constant_s=1e5):
+        board.start()
+        ticks(9)
+    return folder
+
+
+def opened(row: bytes) -> bytes:
+    """A script's row; if it is a frame, with its fields in the open for the fuzzer to change."""
+    if row[:1] != b"R":
+        return row
+    try:
+        body = cobs.decode(row[2:-1])
+    except cobs.DecodeError:
+        return row
+    if body[1] == CODES["start"] and len(body) == 8:
+        return b"S" + body[:1] + b"\0\0"
+    return b"F" + body[:2] + bytes((len(body) - 4,)) + body[2:-2]
+
+
+def fuzz(limit, seeds, build, tmp_path, require_tool) -> str:
+    """Let the fuzzer run; returns what it printed."""
+    fuzzer = build(tmp_path / "fuzz", require_tool("clang"), *CLANG.split())
+    command = [fuzzer, *LIMITS.split(), limit, f"-artifact_prefix={tmp_path}/", seeds]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-5000:]
+    return done.stderr
+
+
+def test_nothing_that_comes_in_breaks_the_board(seeds, build, tmp_path, require_tool):
+    fuzz("-runs=3000", seeds, build, tmp_path, require_tool)
+
+
+@pytest.mark.slow
+def test_a_minute_breaks_nothing_and_takes_the_branches(seeds, build, run, tmp_path, require_tool):
+    said = fuzz("-max_total_time=60", seeds, build, tmp_path, require_tool)
+    print(said.splitlines()[-1])
+    program = build(tmp_path / "play", require_tool("gcc"), "--coverage")
+    for script in seeds.iterdir():
+        run(program, input=script.read_bytes())
+    text = run(require_tool("gcov"), "-b", *tmp_path.glob("*.gcda"), cwd=tmp_path).stdout.decode()
+    parts = re.findall(r"File '.*?(\w+\.c)'\n.*\n.*\nTaken at least once:([\d.]+)%", text)
+    taken = {name: float(dict(parts)[name]) for name in REACHED}
+    print("branches taken [%]:", taken)
+    assert min(taken.values()) >= LEAST

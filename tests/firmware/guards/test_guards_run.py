@@ -1,0 +1,102 @@
+"""The core run where it is not at home: int of 16 bits, sanitizers that watch every access.
+
+A session with the host library is recorded; elsewhere the board must say the same to the bit.
+"""
+
+import os
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hbench.protocol.dictionary import RECORD
+
+SANITIZERS = "-O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
+# An object may take 64 KB of RAM, which no such chip has but the emulated one (avr.c).
+AVR = "-mmcu=atmega1284p -Os -Wl,--defsym=__DATA_REGION_LENGTH__=0xFE00,--defsym=__stack=0xFFFF"
+# Like the C28x, also in octets that are no narrower than int and come with dirty upper bits.
+C28X_LIKE = ["-DHB_OCTET=unsigned short", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+
+
+def pull_log(board) -> np.ndarray:
+    _, end, records = board.read_log(0)
+    while len(records) < end:
+        records = np.vstack((records, board.read_log(len(records))[2]))
+    return records
+
+
+@pytest.fixture(scope="module")
+def session(recorded_board):
+    """Every request and most refusals, two runs to their end, a stop, a fault."""
+    board = recorded_board
+    rng = np.random.default_rng(1)
+
+    def ticks(count, speed=0.0):
+        for _ in range(count):
+            board.si["x"] += speed * 1e-4
+            board.si["p_lr"] = 1.5e6 + rng.normal(scale=1e5)
+            board.si["p_lp"] = 4.0e6 + rng.normal(scale=1e5)
+            board.tick()
+
+    board.settings_crc, board.segments_octets, board.steps_octets = 0, b"", b""
+    board.request("identify")
+    assert board.start() == "not_ready"
+    assert board.request("identify", b"?") == "bad_payload"
+    board.write_settings(log_divider=7.0, heartbeat_s=0.3, feedforward_on=1.0)
+    assert board.write_motion(trials=2, duration_s=0.2) == b""
+    ticks(3)
+    board.settings_crc ^= 1
+    assert board.start() == "settings_differ"
+    board.settings_crc ^= 1
+    board.exchange(b"\x05line noise\x00")
+    board.firmware.receive(b"?\n")
+    board.firmware.poll()
+    assert b"state idle" in board.firmware.transmit()
+    assert board.start() == board.start(again=True) == b""
+    assert board.start() == "busy"
+    for _ in range(2):
+        ticks(1600)  # on the spot, and at rest
+        board.request("status")
+        for _ in range(4):
+            ticks(500, speed=0.1)
+            board.request("status")
+        ticks(2200)  # to brake
+        board.request("status")
+        ticks(1000, speed=-0.2)
+        board.request("status")
+    assert board.start() == b""
+    ticks(100)
+    board.request("stop")
+    records = pull_log(board)
+    assert board.start() == b""
+    ticks(3200)  # without a word from the host
+    assert board.start() == "fault_latched"
+    board.request("status")
+    assert board.request("clear_fault") == b""
+    board.request("status")
+    script, said = board.firmware.script, bytes(board.firmware.said)
+    return SimpleNamespace(script=script, said=said, records=records)
+
+
+def test_the_session_has_something_to_tell(session):
+    words = dict(zip((word.name for word in RECORD), session.records.T, strict=True))
+    assert set(words["run"]) == {1, 2}
+    assert len(session.records) > 500
+    assert len(set(words["u_l1"])) > 300, "the valves must have been at work"
+
+
+def test_sanitizers_stay_silent(session, build, run, tmp_path, require_tool):
+    program = build(tmp_path / "play", require_tool("gcc"), *SANITIZERS.split())
+    quiet = os.environ | {"ASAN_OPTIONS": "detect_leaks=0"}  # it needs the right to trace
+    done = run(program, input=session.script, env=quiet)
+    assert done.stderr == b""
+    assert done.stdout == session.said
+
+
+def test_sixteen_bit_integers_make_no_difference(session, build, run, tmp_path, require_tool):
+    image = build(tmp_path / "play.elf", require_tool("avr-gcc"), *C28X_LIKE, *AVR.split())
+    require_tool("simavr")
+    source, emulator = Path(__file__).with_name("avr.c"), tmp_path / "avr"
+    run(require_tool("gcc"), "-O2", "-Wall", "-Werror", source, "-lsimavr", "-o", emulator)
+    assert run(emulator, image, input=session.script).stdout == session.said
