@@ -1,0 +1,114 @@
+/* The firmware on an emulated Cortex-M4 (QEMU, machine mps2-an386), in lock-step with a bench that
+ * is simulated outside of it: processor in the loop (PIL) on an emulated Cortex-M4.
+ *
+ * The host's protocol comes and goes on UART0. The converter's words and the DAC codes go over
+ * semihosting: the program that simulates the bench orders one tick or one round of the idle loop
+ * at a time, through the emulator's standard input, and waits for what came of it. So the control
+ * tick is called from the main loop, not from an interrupt; it can't come too late, and it never
+ * interrupts a poll. What this port shows is that the core computes the same on this processor as
+ * on the host, bit for bit, and how many instructions it takes. It shows nothing of timing.
+ *
+ * Octets from the host come in during an order of their own, which waits for all that were sent,
+ * and an order is over when all octets for the host have gone: between orders everything stands
+ * still. So the same orders give the same answers, however the emulator's threads run.
+ */
+#include "core.h"
+#include "semihost.h"
+#include "uart.h"
+
+#define MARK 0x4842u /* so that another program's output is not taken for an answer */
+
+enum { ORDER_TICK = 1, ORDER_POLL = 2, ORDER_RECEIVE = 3 };
+
+/* As on the link: little-endian, without padding. */
+typedef struct {
+    uint16_t code;
+    uint16_t adc[HB_SENSORS];
+    uint32_t uart_octets; /* that UART0 has been sent since reset */
+} order;
+
+typedef struct {
+    uint16_t mark;
+    int16_t dac[HB_VALVES];
+    uint32_t clocks; /* of the SysTick, that the order took */
+} answer;
+
+HB_ASSERT(order_has_no_padding, sizeof(order) == 2u + 2u * HB_SENSORS + 4u);
+HB_ASSERT(answer_has_no_padding, sizeof(answer) == 2u + 2u * HB_VALVES + 4u);
+
+/* Counts down at 25 MHz of emulated time. */
+#define SYSTICK_CONTROL (*(volatile uint32_t *)0xE000E010u)
+#define SYSTICK_RELOAD (*(volatile uint32_t *)0xE000E014u)
+#define SYSTICK_NOW (*(volatile uint32_t *)0xE000E018u)
+#define SYSTICK_ON_WITHOUT_INTERRUPT 5u
+#define SYSTICK_MASK 0xFFFFFFu
+
+static hb_core core;
+static hb_log_ring ring;
+
+static bool uart_read(void *context, hb_octet *octet)
+{
+    (void)context;
+    return uart_take(octet);
+}
+
+static hb_u16 uart_write(void *context, const hb_octet *octets, hb_u16 count)
+{
+    hb_u16 accepted = 0;
+
+    (void)context;
+    while (accepted < count && uart_put(octets[accepted])) {
+        accepted++;
+    }
+    return accepted;
+}
+
+/* Ticks come from the main loop, never in the middle of a poll. */
+static void no_interrupts(void *context)
+{
+    (void)context;
+}
+
+static void carry_out(const order *todo, answer *done)
+{
+    const uint32_t begin = SYSTICK_NOW;
+
+    switch (todo->code) {
+    case ORDER_TICK:
+        hb_core_tick(&core, todo->adc, done->dac);
+        break;
+    case ORDER_POLL:
+        hb_core_poll(&core);
+        break;
+    case ORDER_RECEIVE:
+        uart_await(todo->uart_octets);
+        break;
+    default:
+        break;
+    }
+    done->clocks = (begin - SYSTICK_NOW) & SYSTICK_MASK;
+    uart_flush(); /* not counted: it waits for the host */
+}
+
+int main(void)
+{
+    const hb_hal hal = {&core, "mps2", uart_read, uart_write, no_interrupts, no_interrupts};
+    const int32_t input = semihost_open_input();
+    const int32_t output = semihost_open_output();
+    order todo;
+    answer done = {MARK, {0}, 0};
+
+    SYSTICK_RELOAD = SYSTICK_MASK;
+    SYSTICK_NOW = 0; /* any write: start anew */
+    SYSTICK_CONTROL = SYSTICK_ON_WITHOUT_INTERRUPT;
+    uart_init();
+    hb_core_init(&core, &hal, ring, 1);
+
+    while (semihost_read(input, &todo, sizeof todo)) {
+        carry_out(&todo, &done);
+        if (!semihost_write(output, &done, sizeof done)) {
+            return 1;
+        }
+    }
+    return 0; /* whoever simulated the bench has gone */
+}
