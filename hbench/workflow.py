@@ -38,7 +38,7 @@ from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write
 from hbench.store.foreign import ImportSummary, import_folder
 
 _PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
-_SIMULATED_BOARDS = ("host",)  # ports of the firmware that have no bench, wherever they answer
+_SIMULATED_BOARDS = ("host", "mps2")  # ports of the firmware that never have a real bench
 _SHARE_OF_HEARTBEAT = 0.5  # of a rig flat out: the rest is for the client's next word
 
 
@@ -175,6 +175,7 @@ def serve_rig(
     *,
     plant: Path | None,
     seed: int,
+    image: Path | None,
     address: str | None,
     flat_out: bool,
     announce: Callable[[str], None],
@@ -182,14 +183,21 @@ def serve_rig(
 ) -> None:
     """Serve the virtual rig on a socket's address ``HOST:PORT``, or else a pseudo-terminal.
 
-    With ``baud`` its octets take their time on the line, as a real board's do.
+    With ``baud`` its octets take their time on the line, as a real board's do. Where there is an
+    ``image``, its firmware runs in an emulator, instead of the host's library.
 
     ``announce`` is given the name of the port once the rig is ready for clients; they come and
     go, one at a time, until the process is interrupted. Raises ``ConfigError``, ``DeviceError``.
     """
     bench_data = read_yaml(bench_file)
     bench = parse_bench(bench_data, str(bench_file))
-    rig = _virtual_rig(bench, bench_data, plant, seed, baud)
+    physics = _physics(bench_data, plant)
+    if image is None:
+        rig = _virtual_rig(bench, physics, seed, baud)
+    elif baud is None:
+        rig = _emulated_rig(image, bench, physics, seed)
+    else:
+        raise ConfigError("--baud is not for --emulate: the emulated UART has no baud rate")
     try:
         line = open_line(address)
         try:
@@ -266,18 +274,25 @@ def _open_port(
 ) -> Port:
     if name != "sim":
         return SerialPort(name, baud or BAUD)
-    return _virtual_rig(experiment.bench, experiment.files["bench"]["content"], plant, seed, baud)
+    physics = _physics(experiment.files["bench"]["content"], plant)
+    return _virtual_rig(experiment.bench, physics, seed, baud)
 
 
-def _virtual_rig(
-    bench: Bench, bench_data: dict[str, Any], plant: Path | None, seed: int, baud: int | None
-) -> Port:
+def _physics(bench_data: dict[str, Any], plant: Path | None) -> Plant | None:
+    return None if plant is None else parse_plant(bench_data, read_yaml(plant), str(plant))
+
+
+def _virtual_rig(bench: Bench, physics: Plant | None, seed: int, baud: int | None) -> Port:
     from hbench.rig.virtual import VirtualRig  # compiles; only who simulates waits for it
 
-    physics: Plant | None = None
-    if plant is not None:
-        physics = parse_plant(bench_data, read_yaml(plant), str(plant))
     return VirtualRig(bench, physics, seed, baud or 0)
+
+
+def _emulated_rig(image: Path, bench: Bench, physics: Plant | None, seed: int) -> Port:
+    from hbench.rig.emulator import EmulatedFirmware
+    from hbench.rig.stepped import SteppedRig
+
+    return SteppedRig("emulated", EmulatedFirmware(image), bench, physics, seed)
 
 
 def _session_seed(seed: int, campaign: Campaign | None) -> int:

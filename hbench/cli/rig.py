@@ -17,6 +17,11 @@ def rig(
     bench: Path = typer.Option(None, help="Bench file; by default the one that 'init' writes."),
     plant: Path = typer.Option(None, help="Physics other than the bench's."),
     seed: int = typer.Option(1, help="Seed of noise and scatter."),
+    emulate: Path = typer.Option(
+        None,
+        metavar="IMAGE",
+        help="Run the firmware's image for the Cortex-M4 in an emulator (QEMU) instead.",
+    ),
     socket: str = typer.Option(
         None, metavar="HOST:PORT", help="Serve on a TCP socket, not on a pseudo-terminal."
     ),
@@ -35,15 +40,18 @@ def rig(
 
     Example: hbench rig --socket localhost:7000
     """
+    import signal
     from importlib.resources import files
 
     from hbench import workflow
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends it as Ctrl-C does
     try:
         workflow.serve_rig(
             bench or files("hbench.config") / "examples" / "bench-aau.yaml",
             plant=plant,
             seed=seed,
+            image=emulate,
             address=socket,
             baud=baud,
             flat_out=speed is Speed.MAX,

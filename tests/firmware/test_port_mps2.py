@@ -1,0 +1,362 @@
+"""The firmware on an emulated Cortex-M4 (PIL): the host library's bits, behind the same protocol.
+
+Its time is the simulated bench's and its instructions are counted by the emulator, so nothing here
+says anything about timing on hardware.
+"""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hbench import workflow
+from hbench.errors import ConfigError, DeviceError
+from hbench.protocol.codec import BY_NAME
+from hbench.protocol.dictionary import FAULTS, FLAGS, RECORD, REPLY, STATES
+from hbench.protocol.frames import Frame, Receiver, encode
+from hbench.rig import emulator
+from hbench.rig.client import BoardClient
+from hbench.rig.emulator import EmulatedFirmware
+from hbench.rig.firmware import HostFirmware
+from hbench.rig.stepped import SteppedRig
+from hbench.store.campaign import load_campaign
+
+PORT = Path(__file__).parents[2] / "firmware" / "ports" / "mps2"
+PATIENCE_S = 60.0
+IDENTIFY = BY_NAME["identify"].code
+
+
+@pytest.fixture(scope="session")
+def build(tmp_path_factory, require_tool):
+    """Return the folder of the port's image and objects, built by its one command."""
+    require_tool("arm-none-eabi-gcc")
+    folder = tmp_path_factory.mktemp("mps2")
+    command = [require_tool("make"), "-s", "-C", PORT, f"BUILD={folder}"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture
+def image(build, tmp_path, require_tool):
+    """Return a copy of the image, whose path no other test knows; no emulator outlives the test."""
+    require_tool(emulator.PROGRAM)
+    copy = shutil.copy(build / "hbench-mps2.elf", tmp_path / "board.elf")
+    yield copy
+    for process in emulators_of(copy):
+        os.kill(process, signal.SIGKILL)
+
+
+def emulators_of(image):
+    """Ids of the processes that run an image; one that has only to be reaped has no arguments."""
+    found = []
+    for arguments in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            if str(image).encode() in arguments.read_bytes().split(b"\0")[2:5]:
+                found.append(int(arguments.parent.name))
+        except OSError:  # it has just ended
+            continue
+    return found
+
+
+@pytest.fixture
+def board(image):
+    firmware = EmulatedFirmware(image)
+    yield firmware
+    firmware.close()
+
+
+@pytest.fixture
+def experiment(short_schedule):
+    """Two trials of 120 mm/s against 2000 N."""
+    travel = {"start": "100 mm", "end": "220 mm"}
+    schedule = short_schedule(velocities=["120 mm/s"], trials=2, travel=travel, window="0.4 s")
+    return workflow.load_experiment(schedule, None)
+
+
+@pytest.fixture
+def measure(monkeypatch, experiment, tmp_path, clock):
+    """Return a function that makes the experiment's runs on a port; it returns the campaign."""
+
+    def run(port, name="campaign"):
+        monkeypatch.setattr(workflow, "_open_port", lambda *_: port)
+        workflow.measure(
+            experiment,
+            tmp_path / name,
+            port="emulated",
+            plant=None,
+            seed=1,
+            resume=False,
+            clock=clock,
+            report=lambda progress: None,
+        )
+        return load_campaign(tmp_path / name)
+
+    return run
+
+
+class Recorded:
+    """A board whose codes, octets and instructions are kept."""
+
+    def __init__(self, firmware):
+        self.firmware = firmware
+        self.codes, self.instructions, self.octets = [], [], b""
+
+    def receive(self, data):
+        self.firmware.receive(data)
+
+    def poll(self):
+        count = self.firmware.poll()
+        self._count()
+        return count
+
+    def tick(self, words):
+        self.codes.append(self.firmware.tick(words))
+        self._count()
+        return self.codes[-1]
+
+    def _count(self):
+        self.instructions.append(getattr(self.firmware, "instructions", 0))
+
+    def transmit(self):
+        octets = self.firmware.transmit()
+        self.octets += octets
+        return octets
+
+    def frames(self):
+        """What it said, under the name that all ports share here."""
+        return [
+            (frame.sequence, frame.code, frame.payload.replace(b"host", b"mps2"))
+            for frame in Receiver().feed(self.octets)
+        ]
+
+    def close(self):
+        self.firmware.close()
+
+
+class Twins:
+    """Two boards on one bench: both get the same words and octets, the first one's codes count."""
+
+    def __init__(self, first, second):
+        self.both = first, second
+
+    def receive(self, data):
+        for board in self.both:
+            board.receive(data)
+
+    def transmit(self):
+        return [board.transmit() for board in self.both][0]
+
+    def poll(self):
+        return [board.poll() for board in self.both][0]
+
+    def tick(self, words):
+        return [board.tick(words) for board in self.both][0]
+
+    def close(self):
+        for board in self.both:
+            board.close()
+
+
+def test_a_campaign_has_the_host_librarys_codes_replies_and_log_bit_for_bit(
+    image, experiment, measure
+):
+    emulated, host = Recorded(EmulatedFirmware(image)), Recorded(HostFirmware(1))
+    campaign = measure(SteppedRig("emulated", Twins(emulated, host), experiment.bench))
+
+    assert len(emulated.codes) > 20_000
+    assert emulated.codes == host.codes
+    assert emulated.frames() == host.frames()
+
+    # And all of it was a schedule that really ran: returns, load, speed, logs.
+    codes = np.array(emulated.codes)
+    assert codes[:, 0].min() < -100 < 100 < codes[:, 0].max()
+    assert all(len(np.unique(codes[:, valve])) > 50 for valve in range(3))
+    names = [word.name for word in RECORD]
+    for raw in campaign.raw_runs():
+        at_reference = raw.words[:, names.index("flags")] & 1 << FLAGS.index("at_reference") > 0
+        v = raw.words[at_reference, names.index("v")].view(np.int16) * 2e-5
+        assert raw.outcome == "done" and at_reference.sum() > 30
+        assert v.mean() == pytest.approx(0.12, abs=2e-3)
+    assert len(campaign.entries) == 2
+
+
+def test_the_same_campaign_again_takes_the_same_instructions(image, experiment, measure):
+    boards = []
+    for name in ("first", "second"):
+        boards.append(Recorded(EmulatedFirmware(image)))
+        start = time.perf_counter()
+        rig = SteppedRig("emulated", boards[-1], experiment.bench)
+        measure(rig, name)
+        print(f"{rig.now() / 1e-4 / (time.perf_counter() - start):.0f} ticks/s")
+    first, second = boards
+    assert first.codes == second.codes
+    assert first.octets == second.octets
+    assert first.instructions == second.instructions
+    assert min(first.instructions) > 0
+    print(f"{sum(first.instructions)} instructions in {len(first.codes)} ticks and their polls")
+
+
+def test_the_image_has_no_double_precision_no_heap_no_library_and_no_fused_arithmetic(
+    build, require_tool
+):
+    image = build / "hbench-mps2.elf"
+
+    def output(tool, option):
+        command = [require_tool(f"arm-none-eabi-{tool}"), option, image]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+    symbols = {line.split()[-1] for line in output("nm", "-n").splitlines()}
+    assert {"hb_core_tick", "hb_core_poll"} <= symbols
+    strange = re.compile(r"__aeabi_|__.*df|malloc|calloc|free|sbrk|printf|_impure")
+    assert not [name for name in symbols if strange.search(name)]
+    code = output("objdump", "-d")
+    assert "vmul.f32" in code
+    assert not re.search(r"\b(vfn?m[as]|vml[as])\.f32|\.f64", code)
+
+
+def test_requests_in_flight_are_answered_in_their_order(board):
+    board.receive(b"".join(encode(Frame(n, IDENTIFY, b"")) for n in range(60)))
+    board.poll()
+    frames = Receiver().feed(board.transmit())
+    assert [(f.sequence, f.code) for f in frames] == [(n, IDENTIFY | REPLY) for n in range(60)]
+
+
+def test_octets_beyond_the_queue_are_lost_and_the_next_request_is_answered(board):
+    board.receive(b"\x01" * 5000 + b"\x00")
+    assert board.poll() == 0
+    board.receive(b"\x00" + encode(Frame(7, IDENTIFY, b"")))
+    assert board.poll() > 0
+    (frame,) = Receiver().feed(board.transmit())
+    assert (frame.sequence, frame.code) == (7, IDENTIFY | REPLY)
+
+
+class CutLine:
+    """A port that takes no word any more from a moment on."""
+
+    def __init__(self, rig, cut_s):
+        self.name, self.read, self.now = rig.name, rig.read, rig.now
+        self.rig, self.cut_s = rig, cut_s
+
+    def write(self, data):
+        if self.rig.now() > self.cut_s:
+            raise DeviceError("the line is cut")
+        self.rig.write(data)
+
+    def close(self):
+        pass
+
+
+def test_a_board_whose_host_is_lost_in_a_run_stops_itself(board, experiment, measure):
+    rig = SteppedRig("emulated", board, experiment.bench)
+    with pytest.raises(DeviceError, match="cut"):
+        measure(CutLine(rig, cut_s=0.8))
+    client = BoardClient(rig)
+    rig.read(experiment.bench.limits.heartbeat + 0.1)
+    status = client.status()
+    assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("fault", "heartbeat")
+
+
+def test_an_image_that_is_not_there_is_a_configuration_error(tmp_path):
+    with pytest.raises(ConfigError, match=r"none\.elf: no such file"):
+        EmulatedFirmware(tmp_path / "none.elf")
+
+
+def test_without_the_emulator_the_error_says_how_to_install_it(build, monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(DeviceError) as caught:
+        EmulatedFirmware(build / "hbench-mps2.elf")
+    assert emulator.PROGRAM in caught.value.message
+    assert "apt install qemu-system-arm" in caught.value.hint
+
+
+def test_a_baud_rate_is_refused_since_the_emulated_uart_has_none(experiment, tmp_path):
+    with pytest.raises(ConfigError, match="--baud"):
+        workflow.serve_rig(
+            tmp_path / "bench.yaml",
+            plant=None,
+            seed=1,
+            image=tmp_path / "board.elf",
+            address="localhost:0",
+            baud=115200,
+            flat_out=False,
+            announce=print,
+        )
+
+
+def test_a_file_that_is_no_image_is_a_device_error_with_the_emulators_words(image):
+    image.write_text("not an image")
+    with pytest.raises(DeviceError, match=r"board\.elf: the emulated board has ended: .*Lockup"):
+        EmulatedFirmware(image)
+
+
+def test_another_programs_image_is_a_device_error_and_its_emulator_ends(
+    image, tmp_path, require_tool, monkeypatch
+):
+    source = tmp_path / "other.c"
+    source.write_text(
+        "void go(void) { for (;;) { } }\n"
+        '__attribute__((section(".vectors"))) void *vectors[] = {(void *)0x20001000, go};\n'
+    )
+    options = ["-mcpu=cortex-m4", "-mthumb", "-nostdlib", "-Wl,--section-start=.vectors=0"]
+    subprocess.run([require_tool("arm-none-eabi-gcc"), *options, source, "-o", image], check=True)
+    monkeypatch.setattr(emulator, "_PATIENCE_MS", 300)
+    with pytest.raises(DeviceError, match="gave no answer"):
+        EmulatedFirmware(image)
+    assert not emulators_of(image)
+
+
+@pytest.fixture
+def command(image, experiment, tmp_path):
+    """Start ``hbench rig --emulate``; return the process and the name of its port."""
+    options = ["--bench", "bench.yaml", "--emulate", str(image), "--socket", "localhost:0"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "hbench", "rig", *options],
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,  # a checkout in the working folder would be imported instead
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    yield process, process.stdout.readline().strip()
+    process.kill()
+    process.communicate()
+
+
+def test_a_campaign_over_the_served_socket_is_accepted_and_says_that_it_is_simulated(
+    command, tmp_path
+):
+    process, port = command
+    done = subprocess.run(
+        [sys.executable, "-m", "hbench", "run", "short.yaml", "--port", port, "-o", "campaign"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert done.returncode == 0, done.stderr
+    header = load_campaign(tmp_path / "campaign").header
+    assert (header["source"], header["firmware"]["board"]) == ("simulated", "mps2")
+    results = workflow.analyze(tmp_path / "campaign")
+    assert [run.accepted for run in results.runs] == [True, True]
+
+
+@pytest.mark.parametrize(
+    "ending, code", [(signal.SIGINT, 0), (signal.SIGTERM, 0), (signal.SIGKILL, -signal.SIGKILL)]
+)
+def test_the_emulator_ends_with_the_command_however_that_ends(command, image, ending, code):
+    process, _ = command
+    assert len(emulators_of(image)) == 1
+    process.send_signal(ending)
+    rest, _ = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, rest) == (code, "")
+    deadline = time.monotonic() + PATIENCE_S
+    while emulators_of(image):
+        assert time.monotonic() < deadline, "the emulator goes on"
+        time.sleep(0.05)
