@@ -2,8 +2,7 @@
 
 #include "numeric.h"
 
-#define LOG_REPLY_HEAD 8u /* octets of first and next */
-#define RECORDS_IN_REPLY ((HB_MAX_PAYLOAD - LOG_REPLY_HEAD) / (2u * HB_RECORD_WORDS))
+#define RECORD_OCTETS (2u * HB_RECORD_WORDS)
 
 /* All fields were there, and nothing after them. */
 static bool whole(const hb_reader *request)
@@ -199,14 +198,16 @@ static hb_u16 read_log(const hb_core *core, hb_reader *request, hb_writer *reply
     const hb_u16 count = hb_get_u16(request);
     const hb_u32 oldest = hb_log_first(&core->log);
     const hb_u32 first = asked < oldest ? oldest : asked;
-    const hb_u16 most = count < RECORDS_IN_REPLY ? count : RECORDS_IN_REPLY;
 
     if (!whole(request)) {
         return HB_REFUSAL_BAD_PAYLOAD;
     }
     hb_put_u32(reply, first);
     hb_put_u32(reply, core->log.next);
-    for (hb_u32 number = first; number < core->log.next && number - first < most; number++) {
+    for (hb_u32 number = first; number < core->log.next && number - first < count; number++) {
+        if (reply->room < RECORD_OCTETS) {
+            break;
+        }
         const hb_u16 *words = hb_log_words(&core->log, number);
         for (hb_u16 i = 0; i < HB_RECORD_WORDS; i++) {
             hb_put_u16(reply, words[i]);

@@ -23,7 +23,6 @@ void hb_sensors_init(hb_sensors_state *state)
     state->velocity.v = 0.0f;
     state->saturated = false;
     state->impossible = false;
-    state->impossible = false;
     state->primed = false;
 }
 
