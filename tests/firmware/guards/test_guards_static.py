@@ -1,0 +1,59 @@
+"""What can be told without running the core: a checker's findings, its size on the C28x."""
+
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+CORE = ROOT / "firmware" / "core"
+CPPCHECK = (
+    "--enable=warning,style,performance,portability --error-exitcode=1 --std=c99 --inline-suppr -q"
+)
+# Memory for program, context and log ring, in words of 16 bits. M0 and M1 are for the stack.
+L0_TO_HALF_OF_L2 = 4096 + 4096 + 2048
+HALF_OF_L2_TO_L3 = 2048 + 4096
+L4_TO_L7 = 4 * 4096
+PORTS_OWN = 1024  # its buffers and constants, beside the core's context
+
+CONTEXTS = """
+#include "core.h"
+hb_core context;
+hb_log_ring ring;
+"""
+# An ARM lays structs out as a C28x does if octets and bools have 16 bits: integers of 16 bits one
+# word, floats, longs and pointers two, on even addresses.
+LIKE_C28X = ["-DHB_OCTET=unsigned short", "-D_Bool=unsigned short"]
+# No C28x compiler runs here. A Thumb-2 core with FPU is the nearest: code in steps of 16 bits.
+STAND_INS = {
+    "arm-none-eabi-": "-mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard",
+    "avr-": "-mmcu=atmega1284p",
+}
+
+
+@pytest.mark.parametrize("platform", ["native", Path(__file__).with_name("c28x.xml")])
+def test_cppcheck_finds_nothing(platform, run, require_tool):
+    options = [*CPPCHECK.split(), f"--platform={platform}", "-I", CORE]
+    run(require_tool("cppcheck"), *options, CORE, ROOT / "firmware" / "ports" / "host")
+
+
+def test_the_log_ring_and_the_context_fit_the_ram_of_an_f28335(run, tmp_path, require_tool):
+    (tmp_path / "contexts.c").write_text(CONTEXTS)
+    options = ["-std=c99", "-ffreestanding", *LIKE_C28X, "-I", CORE, "-c", "contexts.c"]
+    run(require_tool("arm-none-eabi-gcc"), *options, cwd=tmp_path)
+    table = run(require_tool("arm-none-eabi-nm"), "-P", tmp_path / "contexts.o").stdout.decode()
+    rows = (line.split() for line in table.splitlines())
+    words = {name: int(octets, 16) // 2 for name, _, _, octets in rows}
+    print("C28x words:", words)
+    assert words["ring"] <= L4_TO_L7
+    assert words["context"] <= HALF_OF_L2_TO_L3 - PORTS_OWN
+
+
+def test_code_as_dense_as_thumb_2_fits_the_ram_too(run, tmp_path, require_tool):
+    words = {}
+    for tools, target in STAND_INS.items():
+        options = [*target.split(), "-std=c99", "-O2", "-ffreestanding", "-r", "-nostdlib"]
+        image = tmp_path / f"{tools}core.o"
+        run(require_tool(tools + "gcc"), *options, *CORE.glob("*.c"), "-o", image)
+        words[tools] = int(run(require_tool(tools + "size"), image).stdout.split()[6]) // 2
+    print("code and constants in words of 16 bits:", words)
+    assert words["arm-none-eabi-"] <= L0_TO_HALF_OF_L2
