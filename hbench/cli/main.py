@@ -1,5 +1,6 @@
 """The command line: parses, calls the workflow, prints; catches every error once."""
 
+import signal
 import sys
 
 import typer
@@ -41,8 +42,17 @@ def _options(
     pass
 
 
+def _end_as_by_ctrl_c() -> None:
+    """Let a closed terminal or a polite kill end a command in order: the bench is stopped."""
+    for name in ("SIGTERM", "SIGHUP"):  # no SIGHUP on Windows
+        number = getattr(signal, name, None)
+        if number and signal.getsignal(number) is signal.SIG_DFL:  # nohup ignores SIGHUP
+            signal.signal(number, signal.default_int_handler)
+
+
 def main() -> None:
     """Run the command line; exit with the codes of ``ExitCode``, 130 when interrupted."""
+    _end_as_by_ctrl_c()
     try:
         app()
     except HbenchError as error:

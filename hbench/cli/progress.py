@@ -1,6 +1,7 @@
 """Progress: a bar that is redrawn on a terminal; off it a plain line a tenth of the way."""
 
 import time
+from contextlib import suppress
 from typing import TextIO
 
 from hbench.experiment.runner import Progress
@@ -9,7 +10,10 @@ _BAR = 24
 
 
 class ProgressLine:
-    """Shows runs done, the current reference and the wall time left."""
+    """Shows runs done, the current reference and the wall time left.
+
+    A terminal that has gone does not end a run.
+    """
 
     def __init__(self, stream: TextIO):
         self._stream = stream
@@ -28,19 +32,22 @@ class ProgressLine:
             self._redraw(f"[{'#' * filled}{'.' * (_BAR - filled)}] {text}")
         elif 10 * done // total > self._shown:
             self._shown = 10 * done // total
-            self._stream.write(text + "\n")
-            self._stream.flush()
+            self._write(text + "\n")
 
     def close(self) -> None:
         """Clear the line, for what is printed next."""
         if self._redraws:
             self._redraw("")
-            self._stream.write("\r")
+            self._write("\r")
 
     def _redraw(self, text: str) -> None:
-        self._stream.write("\r" + text.ljust(self._width))
-        self._stream.flush()
+        self._write("\r" + text.ljust(self._width))
         self._width = len(text)
+
+    def _write(self, text: str) -> None:
+        with suppress(OSError):
+            self._stream.write(text)
+            self._stream.flush()
 
     def _left(self, done: int, total: int) -> str:
         if not done:
