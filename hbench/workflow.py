@@ -164,7 +164,7 @@ def measure(
         else:
             journal = CampaignWriter.create(folder, header)
         start = line.now()
-        run_campaign(plans, experiment.bench, client, journal, clock, report, clear_fault=resume)
+        run_campaign(plans, experiment.bench, client, journal, clock, report, resume)
         return Measured(len(plans), line.now() - start)
     finally:
         line.close()

@@ -6,6 +6,7 @@ board is told to stop; a board that can't hear that stops by its heartbeat limit
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -16,7 +17,7 @@ from hbench.errors import ConfigError, DeviceError
 from hbench.experiment.upload import uploads
 from hbench.protocol.dictionary import FAULTS, FLAGS, RECORD, STATES
 from hbench.records import Outcome, RunPlan
-from hbench.rig.client import BoardClient, Identity
+from hbench.rig.client import BoardClient, Identity, NoAnswer
 from hbench.rig.settings import board_settings
 from hbench.store.campaign import CampaignWriter
 
@@ -48,28 +49,31 @@ def run_campaign(
     journal: CampaignWriter,
     clock: Callable[[], datetime],
     report: Callable[[Progress], None],
-    clear_fault: bool = False,
+    resume: bool = False,
 ) -> None:
     """Make all runs of ``plans`` and journal them.
 
-    A latched fault of the board is cleared only with ``clear_fault``. Raises ``ConfigError``
-    where bench file and board differ, and ``DeviceError`` when the board faults or the line is
-    lost; what was measured until then is in the journal. ``DeviceError`` too where all steps have
-    been made and some runs failed.
+    A board that still runs for an earlier host, or that has stopped itself, is taken over only
+    with ``resume``. Raises ``ConfigError`` where bench file and board differ, and ``DeviceError``
+    when the board faults or the line is lost; what was measured until then is in the journal.
+    ``DeviceError`` too where all steps have been made and some runs failed.
     """
     identity = client.identify()
     _check_rates(bench, identity)
-    _check_fault(client, clear_fault)
+    _take_over(client, resume)
     settings_crc = client.write_settings(board_settings(bench))
     recorder = _Recorder(plans, journal, clock)
     try:
         for upload in uploads(plans, identity):
-            client.start(settings_crc, client.write_schedule(upload.segments, upload.steps))
-            _follow(client, recorder, report, identity)
+            schedule_crc = client.write_schedule(upload.segments, upload.steps)
+            number = client.status()["log_next"]  # the board is idle: what it holds is not ours
+            client.start(settings_crc, schedule_crc)
+            _follow(client, recorder, report, number)
     except BaseException as error:
         _stop(client)  # first of all: what follows may fail too
-        recorder.abandon(error)
-        raise
+        cause = _cause(error, client, identity, recorder.current)
+        recorder.abandon(cause)
+        raise cause from None
     recorder.close()
 
 
@@ -88,25 +92,30 @@ def _check_rates(bench: Bench, identity: Identity) -> None:
         )
 
 
-def _check_fault(client: BoardClient, clear_fault: bool) -> None:
+def _take_over(client: BoardClient, resume: bool) -> None:
+    """Bring the board to rest, whatever an earlier session left, or raise ``DeviceError``."""
     status = client.status()
-    if STATES[status["state"]] != "fault":
-        return
-    if not clear_fault:
+    state = STATES[status["state"]]
+    if state == "fault" and not resume:
         raise DeviceError(
             f"the board has stopped itself: {FAULTS[status['fault']]} limit",
             "Look at the bench, then go on with --resume, or switch the board off and on.",
         )
-    client.clear_fault()
+    if state == "running" and not resume:
+        raise DeviceError(
+            "the board is running a schedule that another host began",
+            "Go on with --resume, which stops it, or wait until it stops itself.",
+        )
+    if state == "running":
+        client.stop()
+    elif state == "fault":
+        client.clear_fault()
 
 
-def _follow(
-    client: BoardClient, recorder: "_Recorder", report: Callable, identity: Identity
-) -> None:
-    """Watch the board through one upload, pulling records until it is done with all."""
-    status = client.status()
-    number = status["log_next"]  # the board was idle, so what is logged before is not ours
+def _follow(client: BoardClient, recorder: "_Recorder", report: Callable, number: int) -> None:
+    """Watch the board through one upload, pulling records from ``number`` until it is done."""
     while True:
+        status = client.status()
         state = STATES[status["state"]]
         # First, so that a run is whole before the next begins.
         for part in client.pull(number, status["log_next"]):
@@ -127,22 +136,34 @@ def _follow(
             recorder.finish("failed", END_MISSING)
             return
         if state != "running":
-            reset = client.identify().boots != identity.boots
-            how = "was reset" if reset else "was stopped from elsewhere"
             raise DeviceError(
-                f"run {recorder.current or 'not begun'}: the board {how}",
+                f"{_where(recorder.current)}: the board was stopped from elsewhere",
                 "Go on with --resume.",
             )
         client.wait(POLL_S)
-        status = client.status()
 
 
 def _stop(client: BoardClient) -> None:
     """Ask for neutral valves; a board out of reach has its heartbeat limit for that."""
-    try:
+    with suppress(DeviceError):
         client.stop()
-    except DeviceError:
-        return
+
+
+def _cause(
+    error: BaseException, client: BoardClient, identity: Identity, run: str
+) -> BaseException:
+    """Return what ended the campaign: a reset explains whatever the board said after it."""
+    if isinstance(error, DeviceError) and not isinstance(error, NoAnswer):
+        with suppress(DeviceError):
+            if client.identify().boots != identity.boots:
+                return DeviceError(
+                    f"{_where(run)}: the board was reset", "Look at its supply, then --resume."
+                )
+    return error
+
+
+def _where(run: str) -> str:
+    return f"run {run}" if run else "between two runs"
 
 
 class _Recorder:
@@ -184,8 +205,8 @@ class _Recorder:
         if number not in self._plans:
             raise DeviceError(f"the board reports run {number}, which is not in the plan")
         self.finish("failed", END_MISSING)
-        self._number = number
         self._journal.start_run(self._plans[number], self._clock())
+        self._number = number
 
     def lose(self, count: int) -> None:
         """The next ``count`` records are gone, whichever runs' they were."""
