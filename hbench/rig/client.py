@@ -12,12 +12,14 @@ from hbench.errors import DeviceError
 from hbench.protocol.codec import BY_NAME, pack, pack_settings, unpack
 from hbench.protocol.dictionary import (
     ERROR,
+    FAULTS,
     MAX_FRAME,
     PROTOCOL,
     RECORD,
     REFUSALS,
     REPLY,
     SETTINGS,
+    STATES,
     Message,
     dictionary_hash,
 )
@@ -29,7 +31,7 @@ ATTEMPTS = 8
 WINDOW = 4
 """Requests of a pull on the way. Their 48 octets fit the 64 that a board buffers while it sends."""
 
-_SETTINGS_PER_FRAME = 48
+_SETTINGS_PER_FRAME = 12  # a short frame is the likelier to come through
 RECORDS_PER_FRAME = (MAX_FRAME - 4 - 8) // (2 * len(RECORD))
 
 
@@ -86,6 +88,7 @@ class BoardClient:
     def __init__(self, port: Port, attempts: int = ATTEMPTS):
         self.port = port
         self._attempts = attempts
+        self._records_per_reply = RECORDS_PER_FRAME
         self._receiver = Receiver()
         self._arrived: deque[Frame] = deque()  # and not looked at
         self._sequence = 0
@@ -138,21 +141,41 @@ class BoardClient:
 
     def status(self) -> dict[str, Any]:
         """State, progress and live values; also the host's sign of life."""
-        return self._request("status")
+        status = self._request("status")
+        if status["state"] >= len(STATES) or status["fault"] >= len(FAULTS):
+            raise DeviceError(
+                f"{self.port.name}: the board reports state {status['state']} and fault "
+                f"{status['fault']}, which no board has"
+            )
+        return status
 
     def pull(self, first: int, until: int, window: int = WINDOW) -> Iterator[LogPart]:
         """Pull the records ``first`` to ``until - 1``, which the board has logged, in order.
 
         ``window`` requests are on the way at a time, so that the line carries replies without a
         pause. Records that were overwritten are told as ``lost``; every record asked for is in
-        one part or lost.
+        one part or lost. On a line that damages octets, a reply is the likelier to come through
+        the shorter it is: where the attempts at one are used up, half as many records are asked
+        for at a time from then on.
         """
+        while first < until:
+            damaged = self._receiver.damaged
+            try:
+                for part in self._pull(first, until, window):
+                    yield part
+                    first = part.first + len(part.words)
+            except NoAnswer:
+                if self._records_per_reply == 1 or self._receiver.damaged == damaged:
+                    raise
+                self._records_per_reply //= 2
+
+    def _pull(self, first: int, until: int, window: int) -> Iterator[LogPart]:
         ahead = number = first  # what to ask for next; what is handed out or lost until here
 
         def requests() -> Iterator[tuple[str, dict[str, int]]]:
             nonlocal ahead
             while (asked := ahead) < until:
-                ahead = min(asked + RECORDS_PER_FRAME, until)
+                ahead = min(asked + self._records_per_reply, until)
                 yield "read_log", {"first": asked, "count": ahead - asked}
 
         for request, reply in self._ask(requests(), window):

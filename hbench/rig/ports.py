@@ -98,7 +98,9 @@ class SerialPort:
         try:
             yield
         except serial.SerialTimeoutException as error:
-            raise DeviceError(f"{self.name}: the line takes no more octets ({error})") from None
+            raise DeviceError(
+                f"{self.name}: the line takes no more octets ({error})", _hint(None)
+            ) from None
         except (OSError, TermiosError, TypeError, ValueError) as error:
             code = getattr(error, "errno", None)
             kind = PortBusy if code in (errno.EAGAIN, errno.EBUSY) else DeviceError
