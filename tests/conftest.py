@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from hbench import workflow
+
 ROOT = Path(__file__).parents[1]
 
 SHORT = {
@@ -47,6 +49,17 @@ def require_tool():
     return find
 
 
+QUICK = {  # runs of a third of a second
+    "velocities": ["80 mm/s", "120 mm/s"],
+    "trials": 2,
+    "travel": {"start": "180 mm", "end": "260 mm"},
+    "acceleration": "2 m/s^2",
+    "hold": "0.05 s",
+    "window": "0.2 s",
+}
+SCREENING = {"settle_time": "0.01 s", "settle_travel": "1 mm", "min_window": "0.12 s"}
+
+
 @pytest.fixture
 def short_schedule(tmp_path):
     """Return a function that writes the short schedule (two speeds, two trials) and its bench.
@@ -74,3 +87,24 @@ def clock():
     ticks = iter(range(10**6))
     start = datetime(2026, 1, 1, tzinfo=UTC)
     return lambda: start + timedelta(seconds=next(ticks))
+
+
+@pytest.fixture
+def quick_schedule(short_schedule):
+    """Return a function that writes a schedule of four runs of a third of a second each.
+
+    Its arguments are those of ``short_schedule``.
+    """
+
+    def write(bench: dict | None = None, **changes) -> Path:
+        path = short_schedule(bench, **(copy.deepcopy(QUICK) | changes))
+        path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | {"screening": SCREENING}))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def quick_experiment(quick_schedule):
+    """Return the quick schedule, read and checked."""
+    return workflow.load_experiment(quick_schedule(), None)

@@ -98,3 +98,17 @@ uint16_t hb_probe_cobs_decode(const unsigned char *in, uint16_t count, unsigned 
     narrow(octets, length, out);
     return length;
 }
+
+uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32_t capacity)
+{
+    const hb_log *log = &hb_host_core(host)->log;
+    uint32_t given = 0;
+
+    while (given < capacity && first + given < log->next) {
+        const hb_u16 *record = hb_log_words(log, first + given++);
+        for (hb_u16 i = 0; i < HB_RECORD_WORDS; i++) {
+            *words++ = record[i];
+        }
+    }
+    return given;
+}

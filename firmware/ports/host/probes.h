@@ -2,7 +2,7 @@
 #ifndef HB_PROBES_H
 #define HB_PROBES_H
 
-#include <stdint.h>
+#include "host.h"
 
 void hb_probe_velocity(float tau_s, float period_s, const float *x, float *v, uint32_t count);
 void hb_probe_lowpass(float tau_s, float period_s, const float *in, float *out, uint32_t count);
@@ -17,5 +17,9 @@ void hb_probe_pi(float gain, float time_constant_s, float period_s, float low, f
 uint16_t hb_probe_crc(const unsigned char *octets, uint16_t count);
 uint16_t hb_probe_cobs_encode(const unsigned char *in, uint16_t count, unsigned char *out);
 uint16_t hb_probe_cobs_decode(const unsigned char *in, uint16_t count, unsigned char *out);
+
+/* What the board holds in its log, past the wire: HB_RECORD_WORDS words each, from record number
+ * first on, at most capacity records; returns how many. */
+uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32_t capacity);
 
 #endif

@@ -1,0 +1,33 @@
+"""The link never loses a run: whatever happens to line, board and host, --resume completes."""
+
+import time
+from collections import Counter
+
+import pytest
+from fault_story import play
+from faulty_line import random_script
+
+
+def sweep(numbers, quick_experiment, tmp_path, clock):
+    injected, sessions, begin = Counter(), Counter(), time.monotonic()
+    for number in numbers:
+        script = random_script(number)
+        try:
+            story = play(script, quick_experiment, tmp_path / f"{number}", clock)
+        except BaseException as error:
+            error.add_note(f"script {number}: {script}")
+            raise
+        injected += story.injected
+        sessions[story.sessions] += 1
+    print(f"\n{len(numbers)} scripts, all complete, in {time.monotonic() - begin:.0f} s")
+    print(f"sessions needed: {dict(sorted(sessions.items()))}")
+    print(f"injected: {dict(injected)}")
+
+
+def test_no_run_is_lost_or_made_twice_under_random_faults(quick_experiment, tmp_path, clock):
+    sweep(range(12), quick_experiment, tmp_path, clock)
+
+
+@pytest.mark.slow
+def test_no_run_is_lost_or_made_twice_in_a_long_sweep(quick_experiment, tmp_path, clock):
+    sweep(range(1000, 1600), quick_experiment, tmp_path, clock)

@@ -1,0 +1,181 @@
+"""A host that is killed, interrupted or put to sleep leaves a stopped bench and a whole campaign.
+
+Real processes: ``hbench rig`` on a socket, its board's records tapped past the line, and
+``hbench run``.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fault_story import check_against_board, check_nothing_rewritten
+from faulty_line import attempts
+
+from hbench import workflow
+from hbench.protocol.dictionary import FAULTS, RECORD, STATES
+from hbench.rig.client import BoardClient
+from hbench.rig.ports import SerialPort
+from hbench.store.campaign import load_campaign
+
+PATIENCE_S = 60.0
+TAPPED_RIG = Path(__file__).parents[1] / "rig" / "tapped_rig.py"
+RUN = """
+import signal
+for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # whatever this test was started with
+    signal.signal(number, signal.SIG_DFL)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from hbench.cli.main import main
+main()
+"""
+
+
+def wait_until(holds):
+    deadline = time.monotonic() + PATIENCE_S
+    while not holds():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.01)
+
+
+class Lab:
+    """A rig that is served, and hosts that come and go."""
+
+    def __init__(self, schedule: Path, speed: str):
+        self.schedule = schedule
+        self.folder = schedule.parent / "campaign"
+        self._records = schedule.parent / "records"
+        self._processes = []
+        bench = schedule.parent / "bench.yaml"
+        rig = self._start(
+            [TAPPED_RIG, self._records, "--bench", bench, "--socket", "localhost:0"]
+            + ["--speed", speed]
+        )
+        self.port = rig.stdout.readline().strip()
+
+    def host(self) -> subprocess.Popen:
+        """Start ``hbench run``, with ``--resume`` where there is a campaign."""
+        resume = ["--resume"] if (self.folder / "campaign.yaml").exists() else []
+        return self._start(
+            ["-c", RUN, "run", self.schedule, "-o", self.folder, "--port", self.port, *resume]
+        )
+
+    def logged(self) -> np.ndarray:
+        """All records that the board has published."""
+        words = np.frombuffer(self._records.read_bytes(), "<u2")
+        return words[: len(words) // len(RECORD) * len(RECORD)].reshape(-1, len(RECORD))
+
+    def status(self) -> dict:
+        """Ask the board over a connection of its own."""
+        port = SerialPort(self.port)
+        try:
+            return BoardClient(port).status()
+        finally:
+            port.close()
+
+    def close(self) -> None:
+        for process in self._processes:
+            process.kill()
+            process.communicate()
+
+    def _start(self, arguments) -> subprocess.Popen:
+        process = subprocess.Popen(
+            [sys.executable, *map(str, arguments)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=self.schedule.parent,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        )
+        self._processes.append(process)
+        return process
+
+
+@pytest.fixture
+def lab():
+    """Return a function that starts a lab."""
+    labs = []
+
+    def start(schedule, speed="1"):
+        labs.append(Lab(schedule, speed))
+        return labs[-1]
+
+    yield start
+    for each in labs:
+        each.close()
+
+
+def kill_and_resume(lab, schedule, kills, seed):
+    """Kill hosts at random moments, then let one end; check the campaign against the board."""
+    rng = np.random.default_rng(seed)
+    before, in_the_middle = {}, 0
+    for _ in range(kills):
+        host = lab.host()
+        logged = len(lab.logged())
+        if rng.random() < 0.8:  # else it dies while it starts
+            wait_until(lambda n=logged, h=host: len(lab.logged()) > n or h.poll() is not None)
+        time.sleep(rng.uniform(0.0, 1.0))
+        host.kill()
+        in_the_middle += host.wait() == -signal.SIGKILL
+        before = check_nothing_rewritten(lab.folder, before)
+    host = lab.host()
+    _, told = host.communicate(timeout=PATIENCE_S)
+    assert host.returncode == 0, told
+    check_nothing_rewritten(lab.folder, before)
+    experiment = workflow.load_experiment(schedule, None)
+    check_against_board(lab.folder, experiment, attempts(lab.logged()))
+    return in_the_middle
+
+
+def test_a_host_killed_at_any_moment_loses_no_run(lab, quick_schedule):
+    schedule = quick_schedule(trials=6)
+    assert kill_and_resume(lab(schedule, "max"), schedule, kills=2, seed=1) > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10, 20))
+def test_hosts_killed_many_times_lose_no_run(lab, quick_schedule, seed):
+    schedule = quick_schedule(trials=20)
+    assert kill_and_resume(lab(schedule, "max"), schedule, kills=8, seed=seed) > 4
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_interrupted_host_stops_the_board_at_once(lab, quick_schedule, number):
+    lab = lab(quick_schedule())
+    host = lab.host()
+    wait_until(lambda: len(lab.logged()) > 5 or host.poll() is not None)
+    host.send_signal(number)
+    _, told = host.communicate(timeout=PATIENCE_S)
+    assert host.returncode == 130, told
+    assert "Traceback" not in told
+    status = lab.status()
+    assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("idle", "stopped")
+    time.sleep(0.5)
+    assert abs(lab.status()["x_m"] - status["x_m"]) < 0.5e-3  # at 80 mm/s it would be 40 mm
+    (*_, entry) = load_campaign(lab.folder).entries
+    assert (entry.stop.outcome, entry.stop.why) == ("aborted", "interrupted by the operator")
+
+
+def test_a_host_that_sleeps_finds_a_board_that_has_stopped_itself(lab, quick_schedule):
+    lab = lab(quick_schedule({"limits": {"heartbeat": "1 s"}}))
+    host = lab.host()
+    wait_until(lambda: len(lab.logged()) > 5 or host.poll() is not None)
+    host.send_signal(signal.SIGSTOP)
+    time.sleep(1.3)
+    logged = len(lab.logged())
+    time.sleep(0.5)
+    assert len(lab.logged()) == logged
+    host.send_signal(signal.SIGCONT)
+    _, told = host.communicate(timeout=PATIENCE_S)
+    assert host.returncode == 3
+    assert "error: run" in told and "stopped itself: heartbeat" in told and "--resume" in told
+    status = lab.status()
+    assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("fault", "heartbeat")
+    host = lab.host()
+    _, told = host.communicate(timeout=PATIENCE_S)
+    assert host.returncode == 0, told
+    assert load_campaign(lab.folder).done == {"0001", "0002", "0003", "0004"}
