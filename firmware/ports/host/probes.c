@@ -2,6 +2,7 @@
 
 #include "crc.h"
 #include "filters.h"
+#include "octets.h"
 #include "pi.h"
 #include "wire.h"
 
@@ -111,4 +112,79 @@ uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32
         }
     }
     return given;
+}
+
+uint16_t hb_probe_frame(unsigned char sequence, unsigned char type, const unsigned char *payload,
+                        uint16_t count, unsigned char *out)
+{
+    hb_octet plain[HB_MAX_FRAME];
+    hb_octet stuffed[HB_MAX_ON_WIRE];
+
+    widen(payload, count, &plain[2]);
+    const uint16_t length = hb_encode_frame(sequence, type, plain, count, stuffed);
+    narrow(stuffed, length, out);
+    return length;
+}
+
+uint16_t hb_probe_receive(const unsigned char *octets, uint16_t count, unsigned char *out)
+{
+    hb_receiver receiver;
+    hb_frame frame;
+    uint16_t found = 0;
+
+    receiver.count = 0;
+    receiver.too_long = false;
+    for (uint16_t i = 0; i < count; i++) {
+        if (hb_receive(&receiver, octets[i], &frame)) {
+            out[0] = (unsigned char)frame.sequence;
+            out[1] = (unsigned char)frame.type;
+            narrow(frame.payload, frame.count, &out[2]);
+            found = (uint16_t)(frame.count + 2u);
+        }
+    }
+    return found;
+}
+
+double hb_probe_get(char kind, const unsigned char *octets, uint16_t count)
+{
+    hb_octet wide[MOST_OCTETS];
+    hb_reader reader = {wide, count, true};
+
+    widen(octets, count, wide);
+    if (kind == 'u') {
+        return hb_get_u16(&reader);
+    }
+    return kind == 'l' ? (double)hb_get_u32(&reader) : (double)hb_get_f32(&reader);
+}
+
+static uint16_t written(const hb_octet *wide, const hb_writer *writer, unsigned char *out)
+{
+    const uint16_t count = (uint16_t)(MOST_OCTETS - writer->room);
+
+    narrow(wide, count, out);
+    return count;
+}
+
+uint16_t hb_probe_put(char kind, double value, unsigned char *out)
+{
+    hb_octet wide[MOST_OCTETS];
+    hb_writer writer = {wide, MOST_OCTETS, true};
+
+    if (kind == 'u') {
+        hb_put_u16(&writer, (hb_u16)value);
+    } else if (kind == 'l') {
+        hb_put_u32(&writer, (hb_u32)value);
+    } else {
+        hb_put_f32(&writer, (float)value);
+    }
+    return written(wide, &writer, out);
+}
+
+uint16_t hb_probe_put_text16(const char *text, unsigned char *out)
+{
+    hb_octet wide[MOST_OCTETS];
+    hb_writer writer = {wide, MOST_OCTETS, true};
+
+    hb_put_text16(&writer, text);
+    return written(wide, &writer, out);
 }

@@ -22,4 +22,15 @@ uint16_t hb_probe_cobs_decode(const unsigned char *in, uint16_t count, unsigned 
  * first on, at most capacity records; returns how many. */
 uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32_t capacity);
 
+/* A whole frame from its parts; returns the octets in out. */
+uint16_t hb_probe_frame(unsigned char sequence, unsigned char type, const unsigned char *payload,
+                        uint16_t count, unsigned char *out);
+/* Sequence, type and payload of the last frame in the octets; returns how many, 0 without one. */
+uint16_t hb_probe_receive(const unsigned char *octets, uint16_t count, unsigned char *out);
+
+/* A field of kind 'u' (u16), 'l' (u32) or 'f' (f32) from its octets, and to them. */
+double hb_probe_get(char kind, const unsigned char *octets, uint16_t count);
+uint16_t hb_probe_put(char kind, double value, unsigned char *out);
+uint16_t hb_probe_put_text16(const char *text, unsigned char *out);
+
 #endif
