@@ -33,6 +33,8 @@ WINDOW = 4
 
 _SETTINGS_PER_FRAME = 12  # a short frame is the likelier to come through
 RECORDS_PER_FRAME = (MAX_FRAME - 4 - 8) // (2 * len(RECORD))
+_HEAD = BY_NAME["identify"].reply[:4]  # protocol, dictionary, firmware, board: the same for ever
+_HEAD_OCTETS = 2 + 4 + 16 + 16
 
 
 class Refused(DeviceError):
@@ -96,13 +98,6 @@ class BoardClient:
     def identify(self) -> Identity:
         """Ask who is there; another dictionary is refused by name."""
         reply = self._request("identify")
-        if (reply["protocol"], reply["dictionary"]) != (PROTOCOL, dictionary_hash()):
-            raise DeviceError(
-                f"{self.port.name}: firmware '{reply['firmware']}' on board '{reply['board']}' "
-                f"speaks protocol {reply['protocol']}, dictionary {reply['dictionary']:08x}; "
-                f"this hbench speaks {PROTOCOL}, {dictionary_hash():08x}",
-                "Load the firmware that belongs to this version of hbench.",
-            )
         fields = Identity.__dataclass_fields__
         return Identity(**{name: value for name, value in reply.items() if name in fields})
 
@@ -267,10 +262,25 @@ class BoardClient:
             refusal = int.from_bytes(reply.payload[2:4], "little")
             known = refusal < len(REFUSALS)
             raise Refused(name, REFUSALS[refusal] if known else f"reason {refusal}")
+        if name == "identify":
+            self._refuse_stranger(reply.payload)
         try:
             return unpack(asked.message.reply, reply.payload)
         except ValueError as error:
             raise DeviceError(f"{self.port.name}: reply to '{name}': {error}") from None
+
+    def _refuse_stranger(self, identity: bytes) -> None:
+        """Raise ``DeviceError`` for another dictionary, by which all but the head may differ."""
+        if len(identity) < _HEAD_OCTETS:
+            return
+        head = unpack(_HEAD, identity[:_HEAD_OCTETS])
+        if (head["protocol"], head["dictionary"]) != (PROTOCOL, dictionary_hash()):
+            raise DeviceError(
+                f"{self.port.name}: firmware '{head['firmware']}' on board '{head['board']}' "
+                f"speaks protocol {head['protocol']}, dictionary {head['dictionary']:08x}; "
+                f"this hbench speaks {PROTOCOL}, {dictionary_hash():08x}",
+                "Load the firmware that belongs to this version of hbench.",
+            )
 
     def _records(self, words: np.ndarray) -> np.ndarray:
         if words.size % len(RECORD):

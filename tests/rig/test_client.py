@@ -9,7 +9,14 @@ from hbench.errors import DeviceError
 from hbench.protocol.codec import BY_NAME, pack, unpack
 from hbench.protocol.dictionary import ERROR, RECORD, REFUSALS, REPLY, dictionary_hash
 from hbench.protocol.frames import Frame, Receiver, encode
-from hbench.rig.client import ATTEMPTS, REPLY_TIMEOUT_S, WINDOW, BoardClient, Refused
+from hbench.rig.client import (
+    ATTEMPTS,
+    REPLY_TIMEOUT_S,
+    WINDOW,
+    BoardClient,
+    NoAnswer,
+    Refused,
+)
 
 IDENTITY = {
     "protocol": 1,
@@ -69,6 +76,16 @@ def test_another_dictionary_is_refused_by_name(change):
     client = BoardClient(Line(lambda frame: reply(frame, "identify", IDENTITY | change)))
     with pytest.raises(DeviceError, match="'test 1' on board 'paper'"):
         client.identify()
+
+
+@pytest.mark.parametrize("fields", [-1, 4, None], ids=["one less", "head alone", "more"])
+def test_another_dictionary_is_refused_by_name_however_long_its_answer(fields):
+    kept = BY_NAME["identify"].reply[:fields]
+    other = IDENTITY | {"dictionary": 0xABCD}
+    payload = pack(kept, {name: other[name] for name, _ in kept}) + b"\x09\0" * (fields is None)
+    line = Line(lambda frame: encode(Frame(frame.sequence, frame.code | REPLY, payload)))
+    with pytest.raises(DeviceError, match="'test 1' on board 'paper' .*dictionary 0000abcd"):
+        BoardClient(line).identify()
 
 
 def test_a_lost_answer_is_asked_for_again_with_the_same_sequence():
@@ -279,3 +296,24 @@ def test_a_pull_that_is_left_leaves_no_answer_for_the_next_request():
     client = BoardClient(SlowLine(answer))
     next(client.pull(0, 800))
     assert client.identify().firmware == "test 1"
+
+
+@pytest.mark.parametrize(
+    "chatter",
+    [
+        b"$GPGGA,123519,4807.038,N*47\r\n",
+        b"\0" * 40,
+        b"\x05\x01\x81\x00\x00\0",
+        bytes(range(256)),
+    ],
+    ids=["text", "zeros", "damaged frame", "every octet"],
+)
+def test_a_device_that_is_no_board_is_told_so(chatter):
+    with pytest.raises(NoAnswer, match="line: no answer to 'identify'") as error:
+        BoardClient(Line(lambda frame: chatter)).identify()
+    assert "Is it an hbench board" in error.value.hint
+
+
+def test_a_device_that_echoes_is_no_board():
+    with pytest.raises(NoAnswer):
+        BoardClient(Line(encode)).identify()
