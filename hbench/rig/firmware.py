@@ -31,6 +31,7 @@ def open_library(path: Path) -> ctypes.CDLL:
         ("create", ctypes.c_void_p, (ctypes.c_uint16, ctypes.c_uint32)),
         ("destroy", None, (ctypes.c_void_p,)),
         ("tick", None, (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)),
+        ("overrun", None, (ctypes.c_void_p,)),
         ("poll", ctypes.c_uint32, (ctypes.c_void_p,)),
         ("receive", ctypes.c_uint32, (ctypes.c_void_p, octets, ctypes.c_uint32)),
         ("transmit", ctypes.c_uint32, (ctypes.c_void_p, octets, ctypes.c_uint32)),
@@ -99,6 +100,10 @@ class HostFirmware:
         codes = (ctypes.c_int16 * 3)()
         self._library.hb_host_tick(self._board, words, codes)
         return tuple(codes)
+
+    def overrun(self) -> None:
+        """Tell the board that its control interrupt came late."""
+        self._library.hb_host_overrun(self._board)
 
     def close(self) -> None:
         """Free the board's memory; it can't be used any more."""

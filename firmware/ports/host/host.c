@@ -149,6 +149,11 @@ void hb_host_tick(hb_host *host, const uint16_t *adc, int16_t *dac)
     }
 }
 
+void hb_host_overrun(hb_host *host)
+{
+    hb_core_overrun(&host->core);
+}
+
 uint32_t hb_host_poll(hb_host *host)
 {
     hb_core_poll(&host->core);

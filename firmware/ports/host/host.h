@@ -15,6 +15,9 @@ void hb_host_destroy(hb_host *host);
 /* One control tick: seven converter words in, three DAC codes out. */
 void hb_host_tick(hb_host *host, const uint16_t *adc, int16_t *dac);
 
+/* The control interrupt came late. */
+void hb_host_overrun(hb_host *host);
+
 /* One round of the idle loop. Returns the number of octets that wait for the host, 0 until a frame
  * has ended among them. */
 uint32_t hb_host_poll(hb_host *host);
