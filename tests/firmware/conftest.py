@@ -154,6 +154,7 @@ class Board:
         self.sequence = 0
         self.si = {"x": 0.05, "p_tp": 6e6, "p_tr": 3e6, "p_lp": 4e6, "p_lr": 1.5e6, "p_s": 1.5e7}
         self.si["f_applied"] = 500.0
+        self.raw = {}  # words that come in the place of a sensor's own
 
     def exchange(self, octets):
         """Send octets; return the frames that come back: (sequence, type, payload)."""
@@ -231,7 +232,8 @@ class Board:
 
     def words(self):
         """The converter's words for the sensors as they are."""
-        return [round((self.si[name] - OFFSET.get(name, 0.0)) / GAIN[name]) for name in SENSORS]
+        words = {n: round((self.si[n] - OFFSET.get(n, 0.0)) / GAIN[n]) for n in SENSORS}
+        return list({**words, **self.raw}.values())
 
     def tick(self):
         """One tick with the sensors as they are; returns the valves' commands in volts."""

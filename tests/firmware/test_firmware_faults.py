@@ -1,0 +1,230 @@
+"""Each fault of the board to the tick: what raises it, what does not, and which comes first."""
+
+import numpy as np
+import pytest
+from kinematic import LAST, SENSOR_SATURATED, WORD, T, drive, read_all
+
+from hbench.protocol.dictionary import FAULTS, PHASES, SENSORS, STATES
+
+TOP = 65520  # 4095 counts in sixteenths
+ASTRAY_M_S = 0.050025  # between two values of a reference that moves by 0.05 mm/s a tick
+PRESSURES = [name for name in SENSORS if name.startswith("p_")]
+
+
+def cause(board):
+    status = board.status()
+    return STATES[status["state"]], FAULTS[status["fault"]]
+
+
+@pytest.fixture
+def moving(board):
+    """A board on its way back from x = 60 mm to its start, the valves open."""
+    board.rest(0.05, x=0.06)
+    board.start()
+    for _ in range(300):
+        commands = board.tick()
+    assert commands[0] < -0.1
+    return board
+
+
+# ---- sensors out of range ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "raw", [{"x": 0}, {"x": TOP}, *({name: TOP} for name in PRESSURES)], ids=str
+)
+def test_a_word_that_a_sound_sensor_can_not_give_stops_the_board_in_its_tick(moving, raw):
+    moving.raw = raw
+    assert moving.tick() == [0, 0, 0]
+    assert cause(moving) == ("fault", "sensor")
+
+
+@pytest.mark.parametrize("raw", [{"p_s": 0}, {"f_applied": 0}, {"f_applied": TOP}], ids=str)
+def test_no_pressure_and_a_load_cell_at_its_end_are_no_fault_but_in_the_record(board, raw):
+    board.start()
+    while PHASES[board.status()["phase"]] != "accelerate":
+        drive(board, 10)
+    board.raw = raw
+    drive(board, 1000)
+    assert cause(board) == ("running", "none")
+    flags = read_all(board)[:, WORD["flags"]]
+    assert len(flags) >= 9 and np.all(flags & SENSOR_SATURATED)
+
+
+# ---- travel ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stopping_time", [0.0, 0.01, 0.05])
+@pytest.mark.parametrize(("v", "limit"), [(0.3, 0.395), (-0.3, 0.005), (0.05, 0.395)])
+def test_the_board_stops_where_speed_times_stopping_time_is_left(board, v, limit, stopping_time):
+    board.write_settings(stopping_time_s=stopping_time, speed_error_max_m_s=1.0)
+    board.rest(0.05, x=limit - v * 0.2)
+    board.start()
+    for _ in range(3000):
+        board.si["x"] += v * T
+        if board.tick() == [0, 0, 0] and board.status()["state"] == STATES.index("fault"):
+            break
+    assert cause(board) == ("fault", "travel")
+    # x is told in words of 7 um, from which v ripples by 7 um / 2.1 ms = 3.3 mm/s.
+    assert limit - board.si["x"] == pytest.approx(
+        v * stopping_time, abs=7e-6 + abs(v) * T + 0.0034 * stopping_time
+    )
+
+
+# ---- speed error -------------------------------------------------------------------------------
+
+
+def held_until_the_fault(board, jerk_at=None):
+    """Hold the piston, 0.25 m from its start; returns v_ref and v as the board sees them.
+
+    At the tick ``jerk_at`` it slips by 0.7 mm.
+    """
+    board.write_settings(speed_error_max_m_s=ASTRAY_M_S, speed_error_time_s=0.02)
+    board.rest(0.05, x=0.3)
+    board.start()
+    v_ref, v, x = [], [0.0], board.words()[0]
+    commands = [0.0]
+    while len(v_ref) < 100 or any(commands):  # the first commands are less than a code
+        if len(v_ref) == jerk_at:
+            board.si["x"] -= 7e-4
+        v_ref.append(min(0.5 * T * len(v_ref), 0.15))  # 0.5 m/s^2, a tick old, towards the start
+        commands = board.tick()
+        before, x = x, board.words()[0]
+        v.append(7e-6 * (before - x) / (2e-3 + T) + v[-1] * 2e-3 / (2e-3 + T))  # D.11
+        assert len(v_ref) < 3000
+    assert cause(board) == ("fault", "speed_error")
+    return np.array(v_ref), np.array(v[1:])
+
+
+def test_a_speed_error_is_a_fault_when_it_has_lasted_longer_than_its_time(board):
+    v_ref, v = held_until_the_fault(board)
+    too_large = np.flatnonzero(v_ref - v > ASTRAY_M_S)
+    assert len(v_ref) - 1 == too_large[0] + 200, "20 ms later"
+
+
+def test_one_tick_of_a_small_speed_error_in_between_starts_its_time_anew(board):
+    v_ref, v = held_until_the_fault(board, jerk_at=1150)
+    small = np.flatnonzero(np.abs(v_ref - v) <= ASTRAY_M_S)
+    assert small[-1] >= 1150, "the slip was seen"
+    assert len(v_ref) - 1 == small[-1] + 201
+
+
+# ---- overrun -----------------------------------------------------------------------------------
+
+
+def test_an_overrun_of_the_control_interrupt_stops_the_board(moving):
+    moving.firmware.overrun()
+    assert cause(moving) == ("fault", "overrun")
+    assert moving.tick() == [0, 0, 0]
+    moving.firmware.overrun()
+    assert moving.start() == "fault_latched"
+    assert moving.request("clear_fault") == b""
+    assert cause(moving) == ("idle", "none")
+
+
+def test_an_overrun_does_not_replace_the_cause_that_is_latched(moving):
+    moving.raw = {"x": 0}
+    moving.tick()
+    moving.firmware.overrun()
+    assert cause(moving) == ("fault", "sensor")
+
+
+# ---- which comes first -------------------------------------------------------------------------
+
+LIMITS = {"heartbeat_s": 0.02, "speed_error_time_s": 0.02, "speed_error_max_m_s": ASTRAY_M_S}
+TOO_FAST = {"x": 0.30 - 2e-3}  # 2 mm in a tick are 0.95 m/s
+
+
+@pytest.mark.parametrize(
+    ("fault", "raw", "change"),
+    [
+        ("sensor", {"x": 0}, {"p_tp": 260e5}),
+        ("sensor", {"x": TOP}, {}),
+        ("sensor", {"p_tp": TOP}, TOO_FAST),
+        ("travel", {}, {"x": 0.4, "p_tp": 260e5}),
+        ("pressure", {}, {"p_tp": 260e5, **TOO_FAST}),
+        ("speed", {}, TOO_FAST),
+        ("speed_error", {}, {}),
+    ],
+    ids=str,
+)
+def test_of_faults_in_one_tick_the_one_that_explains_the_others_is_reported(
+    board, fault, raw, change
+):
+    """The piston is held so that speed error and heartbeat run out in the same tick, all others
+    are added in that tick: a dead position sensor jumps, which is a speed and a travel, too."""
+    board.write_settings(pressure_filter_s=0.0, **LIMITS)
+    board.rest(0.05, x=0.3)
+    board.start()
+    for tick in range(1202):
+        # The host speaks until both have 200 ticks left.
+        if tick <= 1001 and tick % 7 == 0 or tick == 1001:
+            board.exchange(board.frame(1, 0x7E))
+        if tick == 1201:
+            board.si.update(change)
+            board.raw = raw
+        assert any(board.tick()) == (100 < tick < 1201) or tick <= 100
+    assert cause(board) == ("fault", fault)
+
+
+def test_silence_alone_is_a_heartbeat(board):
+    board.write_settings(heartbeat_s=0.02)
+    board.start()
+    for _ in range(200):
+        drive(board, 1)
+    assert cause(board) == ("running", "none")
+    drive(board, 201)
+    assert cause(board) == ("fault", "heartbeat")
+
+
+# ---- in every phase ----------------------------------------------------------------------------
+
+
+def provoke(board, fault):
+    if fault == "overrun":
+        board.firmware.overrun()
+    elif fault == "sensor":
+        board.raw = {"x": TOP}
+    elif fault == "speed":
+        board.si["x"] += 2e-3
+
+
+@pytest.mark.parametrize("fault", ["overrun", "sensor", "speed"])
+@pytest.mark.parametrize("phase", PHASES[1:])
+def test_a_fault_stops_the_board_in_every_phase(board, phase, fault):
+    closed = {"valves": 1, "v_m_s": 0.0, "duration_s": 0.05}
+    assert board.write_row({"duration_s": 0.15}, closed, {"duration_s": 0.15}) == b""
+    board.rest(0.05, x=0.06)
+    assert board.start() == b""
+    for _ in range(20_000):
+        if PHASES[board.status()["phase"]] == phase:
+            break
+        drive(board, 1)
+    drive(board, 20)
+    assert PHASES[board.status()["phase"]] == phase
+    provoke(board, fault)
+    assert board.tick() == [0, 0, 0]
+    status = board.status()
+    assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("fault", fault)
+    assert PHASES[status["phase"]] == "none" and status["v_ref_m_s"] == 0.0
+    board.raw = {}
+    for _ in range(300):
+        assert board.tick() == [0, 0, 0]
+    assert cause(board) == ("fault", fault)
+    whole = np.any(read_all(board)[:, WORD["flags"]] & LAST)
+    assert whole == (phase == "brake"), "a run cut short has no last record"
+
+
+@pytest.mark.parametrize("state", ["idle", "done"])
+def test_there_are_no_faults_while_nothing_runs(board, state):
+    if state == "done":
+        board.write_motion(duration_s=0.01)
+        board.start()
+        drive(board, 3000)
+    assert cause(board) == (state, "none")
+    for fault in ("overrun", "sensor", "speed"):
+        provoke(board, fault)
+        board.si["x"] += 0.2
+        for _ in range(100):
+            assert board.tick() == [0, 0, 0]
+        assert cause(board) == (state, "none")

@@ -1,0 +1,220 @@
+"""Rows of segments, their cycles and what ends them, against closed forms."""
+
+import numpy as np
+import pytest
+from kinematic import (
+    AT_REFERENCE,
+    LAST,
+    SETTLED,
+    WORD,
+    WORD_V_M_S,
+    T,
+    drive,
+    read_all,
+    run_to_the_end,
+    signed,
+)
+
+from hbench.protocol.dictionary import CONDITIONS, PHASES, STATES
+
+A_P, A_R = 1.25664e-3, 7.65763e-4  # as in the settings
+
+
+def logged(log, name, scale):
+    return scale * signed(log[:, WORD[name]])
+
+
+def piecewise(row, t_s):
+    """v_ref of a row of (target, slope, duration) at the times ``t_s``, from rest, in a loop."""
+    v, begin, out = 0.0, 0.0, np.zeros_like(t_s)
+    while begin < t_s[-1]:
+        for target, a, duration in row:
+            here = (t_s > begin + 1e-9) & (t_s <= begin + duration + 1e-9)
+            reach = np.minimum(a * (t_s - begin), abs(target - v))
+            out[here] = (v + np.sign(target - v) * reach)[here]
+            v += np.sign(target - v) * min(a * duration, abs(target - v))
+            begin += duration
+    return out
+
+
+ROW = ((0.1, 1.0, 0.2), (0.04, 0.25, 0.1), (-0.1, 2.0, 0.15), (0.0, 0.5, 0.25))
+
+
+def as_segments(row):
+    return [{"v_m_s": v, "a_m_s2": a, "duration_s": seconds} for v, a, seconds in row]
+
+
+@pytest.mark.parametrize("cycles", [1, 3])
+def test_the_reference_plays_the_row_slope_by_slope_as_often_as_told(board, cycles):
+    assert board.write_row(*as_segments(ROW), cycles=cycles, x_min_m=0.02) == b""
+    trace, log = run_to_the_end(board)
+    assert len(log) == cycles * 70, "0.7 s at 100 Hz"
+    assert log[:, WORD["index"]].tolist() == list(range(len(log))), "one run"
+    t_s = 0.01 * (log[:, WORD["index"]] + 1.0)
+    expected = piecewise(ROW, t_s)
+    np.testing.assert_allclose(logged(log, "v_ref", WORD_V_M_S), expected, atol=2.5e-5)
+    flags = log[:, WORD["flags"]]
+    assert np.flatnonzero(flags & LAST).tolist() == [len(log) - 1]
+    assert not np.any(flags & SETTLED)
+    seen = {s["cycle"] for s in trace if PHASES[s["phase"]] in ("accelerate", "steady")}
+    assert seen == set(range(cycles))
+    assert trace[-1]["runs_done"] == 1
+
+
+def test_at_reference_means_that_the_segment_has_reached_its_own_speed(board):
+    board.write_row(*as_segments(ROW), x_min_m=0.02)
+    _, log = run_to_the_end(board)
+    there = np.flatnonzero(log[:, WORD["flags"]] & AT_REFERENCE)
+    # 0.1 s after its begin at 0; never, which leaves 75 mm/s; 0.0875 s after 0.3; 0.2 s after 0.45.
+    assert there.tolist() == [*range(10, 20), *range(39, 45), *range(65, 70)]
+
+
+def test_a_triangle_takes_its_whole_travel_and_comes_back_to_its_start(board):
+    """v rises to V in V/a and falls again: the way is V^2 / a there, and as much back."""
+    v, travel = 0.1, 0.02
+    a = v**2 / travel
+    row = ((v, a, v / a), (-v, a, 2 * v / a), (0.0, a, v / a))
+    board.write_row(*as_segments(row), cycles=2)
+    trace, log = run_to_the_end(board, every=10)
+    moving = [s for s in trace if PHASES[s["phase"]] in ("accelerate", "steady")]
+    x = np.array([s["x_m"] for s in moving])
+    assert len(log) == 160
+    # The PI's lag a / 40 s^-1 = 12.5 mm/s turns round within its 85 ms: about 1 mm.
+    assert x.max() - x[0] == pytest.approx(travel, abs=1.5e-3)
+    for cycle in (0, 1):
+        end = [s["x_m"] for s in moving if s["cycle"] == cycle][-1]
+        assert end == pytest.approx(x[0], abs=1.5e-3)
+    np.testing.assert_allclose(
+        np.trapezoid(logged(log, "v_ref", WORD_V_M_S), dx=0.01), 0, atol=1e-4
+    )
+
+
+def test_a_segment_that_leads_out_of_its_travel_is_cut_and_the_next_goes_on(board):
+    row = ((0.2, 2.0, 5.0), (-0.1, 2.0, 0.2))
+    board.write_row(*as_segments(row), x_max_m=0.08)
+    trace, log = run_to_the_end(board, every=5)
+    moving = [s for s in trace if PHASES[s["phase"]] in ("accelerate", "steady")]
+    v_ref = np.array([s["v_ref_m_s"] for s in moving])
+    turn = int(np.argmax(np.diff(v_ref) < 0)) + 1
+    assert moving[turn - 1]["x_m"] == pytest.approx(0.08, abs=0.2 * 10 * T)
+    assert v_ref[-1] == pytest.approx(-0.1)
+    seconds = (moving[-1]["tick"] - moving[turn]["tick"]) * T
+    assert seconds == pytest.approx(0.2, abs=1.5e-3), "the whole of the second segment"
+    assert log[-1, WORD["flags"]] & LAST
+
+
+def test_a_standing_segment_beyond_the_travel_is_not_cut(board):
+    row = ((0.2, 2.0, 5.0), (0.0, 2.0, 0.3))
+    board.write_row(*as_segments(row), x_max_m=0.08)
+    _, log = run_to_the_end(board)
+    v_ref = logged(log, "v_ref", WORD_V_M_S)
+    assert np.sum(v_ref == 0.0) == pytest.approx(20, abs=1), "0.3 s less the brake's 0.1 s"
+
+
+# ---- closed valves -----------------------------------------------------------------------------
+
+
+def test_closed_valves_stand_in_neutral_while_the_log_goes_on(board):
+    closed = {"valves": 1, "v_m_s": 0.0, "duration_s": 0.3}
+    board.write_row(closed, {"v_m_s": 0.0, "duration_s": 0.1}, p_lr_ref_pa=15e5)
+    board.start()
+    while PHASES[board.status()["phase"]] != "closed":
+        drive(board, 1)
+    for _ in range(2999):
+        board.si["p_lr"] -= 4e5 / 3000  # leakage
+        board.si["p_lp"] += 4e5 / 3000
+        assert board.tick() == [0, 0, 0]
+    assert PHASES[board.status()["phase"]] == "closed"
+    first = board.tick()
+    assert PHASES[board.status()["phase"]] == "accelerate"
+    # The references start from the pressures that there are: 1000 Pa a tick, on 16 V/MPa. From
+    # where they stood before, 4 bar away, 6.5 V would come at once.
+    assert np.abs(first).max() <= 0.02
+    for _ in range(2000):
+        drive(board, 1)
+    assert board.si["p_lr"] == pytest.approx(15e5, abs=1e5), "4 bar at 100 bar/s, and 0.16 s"
+    log = read_all(board)
+    rest = log[:30]
+    for name in ("u_t", "u_l1", "u_l2", "v_ref"):
+        assert not np.any(rest[:, WORD[name]])
+    assert not np.any(rest[:, WORD["flags"]] & AT_REFERENCE)
+    fall = 400.0 * (rest[0, WORD["p_lr"]].astype(float) - rest[29, WORD["p_lr"]])
+    assert fall == pytest.approx(4e5 * 29 / 30, rel=0.02)
+    assert len(log) == 40 and log[-1, WORD["flags"]] & LAST
+
+
+# ---- until something has settled ---------------------------------------------------------------
+
+CYCLE_TICKS = 500
+Q, SIZE, WITHIN = 0.5, 0.4, 0.01
+
+
+def cycles_until_settled(size, q, within):
+    """Cycle means m_k = 1 + size q^k, k = 0, 1, ...: the run ends with the second cycle in a row
+    for which |m_k - m_(k-1)| = size q^(k-1) (1 - q) <= within m_k."""
+    k = np.arange(1, 50)
+    calm = size * q ** (k - 1) * (1 - q) <= within * (1 + size * q**k)
+    return int(k[np.argmax(calm)]) + 2
+
+
+def play(board, until, v, within, cycles, size=SIZE, q=Q):
+    """Run one step whose watched value decays from cycle to cycle; returns its log."""
+    sign = np.sign(v)
+    step = {"cycles": cycles, "until": CONDITIONS.index(until), "within": within}
+    x_start = 0.2
+    board.write_row({"v_m_s": v, "a_m_s2": 1e4, "duration_s": CYCLE_TICKS * T},
+                    x_start_m=x_start, **step)  # fmt: skip
+    board.rest(0.05, x=x_start)
+    assert board.start() == b""
+    while PHASES[board.status()["phase"]] not in ("accelerate", "steady"):
+        drive(board, 1)
+    tick = 1  # one of the run has been
+    while STATES[board.status()["state"]] == "running" and tick < (cycles + 5) * CYCLE_TICKS:
+        value = 1 + size * q ** (tick // CYCLE_TICKS)
+        if until == "friction":
+            force = A_P * board.si["p_tp"] - A_R * board.si["p_tr"]
+            board.si["f_applied"] = force - sign * 1000.0 * value
+            drive(board, 1)
+        else:
+            board.si["x"] += (v - sign * 0.02 * value) * T
+            board.tick()
+        tick += 1
+    return read_all(board)
+
+
+@pytest.mark.parametrize("until", ["friction", "speed_error"])
+@pytest.mark.parametrize("v", [0.1, -0.1])
+def test_a_run_ends_in_the_second_cycle_in_a_row_that_changes_little(board, until, v):
+    log = play(board, until, v, WITHIN, cycles=20)
+    expected = cycles_until_settled(SIZE, Q, WITHIN)
+    assert expected == 8, "from k = 6 on"
+    assert len(log) == expected * CYCLE_TICKS // 100
+    flags = log[:, WORD["flags"]]
+    assert flags[-1] & LAST and flags[-1] & SETTLED
+    assert not np.any(flags[:-1] & (LAST | SETTLED))
+
+
+@pytest.mark.parametrize("until", ["friction", "speed_error"])
+def test_what_does_not_settle_ends_with_the_last_cycle_and_says_so(board, until):
+    log = play(board, until, 0.1, WITHIN, cycles=6)
+    assert len(log) == 6 * CYCLE_TICKS // 100
+    assert log[-1, WORD["flags"]] & LAST
+    assert not np.any(log[:, WORD["flags"]] & SETTLED)
+
+
+def test_what_is_calm_from_the_start_takes_three_cycles(board):
+    log = play(board, "friction", 0.1, 0.01, cycles=20, size=0.0)
+    assert len(log) == 3 * CYCLE_TICKS // 100
+    assert log[-1, WORD["flags"]] & SETTLED
+
+
+def test_a_run_settled_in_its_last_cycle_is_settled(board):
+    log = play(board, "friction", 0.1, WITHIN, cycles=8)
+    assert len(log) == 8 * CYCLE_TICKS // 100
+    assert log[-1, WORD["flags"]] & SETTLED
+
+
+def test_without_a_condition_calm_cycles_go_on_to_the_last(board):
+    log = play(board, "cycles", 0.1, 1.0, cycles=6)
+    assert len(log) == 6 * CYCLE_TICKS // 100
+    assert not np.any(log[:, WORD["flags"]] & SETTLED)
