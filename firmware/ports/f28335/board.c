@@ -1,0 +1,138 @@
+/* Never compiled by TI's compiler, never run on hardware. */
+#include "board.h"
+
+#include "adc.h"
+#include "boots.h"
+#include "core.h"
+#include "dac.h"
+#include "interrupts.h"
+#include "registers.h"
+#include "system.h"
+#include "uart.h"
+
+#define LATE_US 150u  /* a tick and a half since the last one: one was lost */
+/* Each of the two finds the other dead within the watchdog's time, so that the valves are neutral
+ * before the reset. The idle loop may be away for 2 ms, where "start" checks. */
+#define DEAD_US 3000u
+#define DEAD_TICKS 50u
+
+#ifdef __TMS320C28XX__
+#pragma DATA_SECTION(log_ring, "hb_log")
+#endif
+static hb_log_ring log_ring;
+static hb_core core;
+
+static volatile hb_u16 tick_us;        /* when the last tick began */
+static volatile hb_u16 ticks;          /* that have ended */
+static volatile hb_u16 ticks_serviced; /* of them, when the watchdog was last serviced */
+static volatile bool excused;          /* the next tick may come late */
+static bool at_rest;                   /* when control was masked */
+
+/* Each handler of an interrupt that has no business to come: illegal instruction, NMI, a trap. */
+static HB_INTERRUPT void unexpected(void)
+{
+    hb_board_stop();
+}
+
+static HB_INTERRUPT void receive(void)
+{
+    hb_uart_receive();
+    hb_receive_handled();
+}
+
+static HB_INTERRUPT void control(void)
+{
+    static const hb_i16 neutral[HB_VALVES] = {0, 0, 0};
+    hb_u16 words[HB_SENSORS];
+    hb_i16 codes[HB_VALVES];
+    const hb_u16 now = hb_microseconds();
+    const bool late = (hb_u16)(now - tick_us) > LATE_US;
+
+    tick_us = now;
+    if (late && !excused) {
+        hb_core_overrun(&core);
+    }
+    const bool idle_lives = (hb_u16)(ticks - ticks_serviced) < DEAD_TICKS;
+    if (!idle_lives || !hb_adc_read(words)) {
+        hb_board_stop();
+        return;
+    }
+    hb_core_tick(&core, words, codes);
+    if (!hb_dac_write(codes)) {
+        hb_board_stop();
+        return;
+    }
+    if (hb_tick_passed() && !excused) {
+        hb_core_overrun(&core);
+        (void)hb_dac_write(neutral);
+    }
+    excused = false;
+    ticks = (hb_u16)(ticks + 1u);
+    hb_control_handled();
+}
+
+static void mask_control(void *context)
+{
+    (void)context;
+    hb_mask_control();
+    at_rest = core.state != HB_STATE_RUNNING;
+}
+
+/* At rest the core may mask for longer than a tick. While it runs it may not. */
+static void unmask_control(void *context)
+{
+    (void)context;
+    if (at_rest) {
+        excused = true;
+    }
+    hb_unmask_control();
+}
+
+bool hb_board_start(void)
+{
+    const hb_hal hal = {0, "f28335", hb_uart_read, hb_uart_write, mask_control, unmask_control};
+
+    HB_DISABLE_INTERRUPTS();
+    HB_FLOAT_FLAGS();
+    hb_modules_start();
+    if (!hb_dac_start() || !hb_clock_start()) {
+        hb_dac_clear();
+        return false;
+    }
+    ticks = 0;
+    ticks_serviced = 0;
+    excused = true;
+    hb_core_init(&core, &hal, log_ring, hb_boots());
+    hb_uart_start();
+    hb_adc_start();
+    hb_interrupts_start(control, receive, unexpected);
+    hb_dac_release();
+    hb_watchdog_start();
+    hb_ticks_start();
+    tick_us = hb_microseconds();
+    HB_ENABLE_INTERRUPTS();
+    return true;
+}
+
+void hb_board_idle(void)
+{
+    hb_uart_recover();
+    hb_core_poll(&core);
+    /* Only if both live: the loop by being here, the control interrupt by its count. */
+    if (ticks != ticks_serviced) {
+        ticks_serviced = ticks;
+        hb_watchdog_service();
+    }
+    const hb_u16 since = tick_us; /* read first: a tick in between makes the time shorter */
+    if ((hb_u16)(hb_microseconds() - since) > DEAD_US) {
+        hb_board_stop();
+    }
+}
+
+void hb_board_stop(void)
+{
+    HB_DISABLE_INTERRUPTS();
+    hb_dac_clear();
+    hb_watchdog_start(); /* it may not be on yet */
+    HB_HANG();
+}

@@ -1,0 +1,33 @@
+/* Never compiled by TI's compiler, never run on hardware. */
+#include "boots.h"
+
+#include "crc.h"
+
+#define CHANCE_WORDS 256u
+
+/* Sections that startup leaves alone (the linker's command files say NOINIT). volatile: they hold
+ * what no program wrote. */
+#ifdef __TMS320C28XX__
+#pragma DATA_SECTION(hb_boots_kept, "hb_kept")
+#pragma DATA_SECTION(hb_boots_chance, "hb_kept")
+#endif
+volatile hb_u16 hb_boots_kept[2]; /* count, its complement */
+volatile hb_u16 hb_boots_chance[CHANCE_WORDS];
+
+hb_u16 hb_boots(void)
+{
+    hb_u16 count = hb_boots_kept[0];
+    const hb_u16 complement = hb_boots_kept[1];
+
+    if ((count ^ complement) == 0xFFFFu) {
+        count = (hb_u16)(count + 1u);
+    } else {
+        count = 0;
+        for (hb_u16 i = 0; i < CHANCE_WORDS; i++) {
+            count = hb_crc_u16(count, hb_boots_chance[i]);
+        }
+    }
+    hb_boots_kept[0] = count;
+    hb_boots_kept[1] = (hb_u16)~count;
+    return count;
+}

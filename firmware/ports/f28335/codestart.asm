@@ -1,0 +1,20 @@
+; Where the boot ROM jumps to: two words, a branch. The watchdog, which the ROM leaves running, is
+; off before TI's startup begins; hb_board_start turns it on again.
+; Never assembled by TI's assembler, never run.
+
+        .ref    _c_int00
+        .global hb_codestart
+
+        .sect   "codestart"
+hb_codestart:
+        LB      watchdog_off
+
+        .sect   "startup"
+watchdog_off:
+        SETC    OBJMODE                 ; C28x instructions from here on
+        CLRC    AMODE
+        EALLOW
+        MOVL    XAR4, #0x7029           ; WDCR
+        MOV     *XAR4, #0x0068
+        EDIS
+        LB      _c_int00

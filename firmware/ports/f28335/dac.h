@@ -1,0 +1,24 @@
+/* The AD5724R that drives the valves' amplifiers: 24-bit words over McBSP-A as SPI. Never compiled
+ * by TI's compiler.
+ *
+ * Channels A, B, C drive T, L1, L2 at +-10 V. Wiring: MDXA GPIO20 to SDIN, MCLKXA GPIO22 to SCLK,
+ * MFSXA GPIO23 to SYNC, LDAC low, BIN/2sCOMP low (codes are two's complement), and GPIO6 to CLR
+ * with a pull-down, which holds the outputs at 0 V from reset until hb_dac_start has run. */
+#ifndef HB_DAC_H
+#define HB_DAC_H
+
+#include "config.h"
+
+/* All outputs neutral, whatever the DAC did before; CLR stays low. Runs at any clock. False: the
+ * McBSP does not take words. */
+bool hb_dac_start(void);
+/* Lets go of CLR. */
+void hb_dac_release(void);
+
+/* False: the McBSP does not take words. */
+bool hb_dac_write(const hb_i16 codes[HB_VALVES]);
+
+/* Neutral by all ways that there are: CLR, the CLEAR command, neutral codes. */
+void hb_dac_clear(void);
+
+#endif

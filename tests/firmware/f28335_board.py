@@ -1,0 +1,68 @@
+"""The F28335 port as a library of the host, its registers a test's; and the chip as a board."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+CORE = ROOT / "firmware" / "core"
+PORT = ROOT / "firmware" / "ports" / "f28335"
+SOURCES = sorted(PORT.glob("*.c"))
+COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+REGISTERS = """
+#include "compiler.h"
+hb_u16 (*hb_read)(hb_u16);
+void (*hb_write)(hb_u16, hb_u16);
+void (*hb_write_vector)(hb_u16, hb_handler);
+void (*hb_execute)(hb_u16);
+hb_u16 hb_ier, hb_ifr;
+"""
+
+
+def build(folder: Path, *options: str, sources: list[Path]) -> Path:
+    """Compile sources of the port; the library's registers wait for a ``Chip``."""
+    registers = folder / "registers_of_the_test.c"
+    registers.write_text(REGISTERS)
+    library = folder / "libport.so"
+    command = [COMPILER, "-std=c99", "-O1", "-ffp-contract=off", "-fPIC", "-shared"]
+    command += [f"-I{CORE}", f"-I{PORT}", "-DHB_OCTET=unsigned short", *options]
+    subprocess.run([*command, *sources, registers, "-o", library], check=True)
+    return library
+
+
+class OnChip:
+    """The chip as the firmware that a test's board holds."""
+
+    def __init__(self, chip):
+        self.chip = chip
+        chip.start()
+        chip.register[0x7053] = 4  # 937500 baud, so that the tests don't wait
+
+    def receive(self, octets):
+        self.chip.hear(octets)
+
+    def poll(self):
+        quiet, said = 0, len(self.chip.said)
+        while quiet < 3 and not (self.chip.hung or self.chip.was_reset):
+            self.chip.run(500)
+            busy = self.chip.to_board or self.chip.transmit_fifo or len(self.chip.said) > said
+            quiet, said = 0 if busy else quiet + 1, len(self.chip.said)
+
+    def transmit(self):
+        said, self.chip.said = self.chip.said, b""
+        return said
+
+    def tick(self, words):
+        self.chip.convert = lambda channel: 0 if channel == 7 else words[channel] // 16
+        before = self.chip.ticks
+        while self.chip.ticks == before and not (self.chip.hung or self.chip.was_reset):
+            self.chip.run(5)
+        self.chip.run(30)  # until the words have gone out
+        codes = [word - (channel << 16) >> 4 for channel, word in enumerate(self.last_words())]
+        return [code - 4096 if code >= 2048 else code for code in codes]
+
+    def last_words(self):
+        return self.chip.dac_words[-3:]
+
+    def close(self):
+        pass

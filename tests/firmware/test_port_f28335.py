@@ -1,0 +1,273 @@
+"""The F28335 port, compiled for the host and run on a stand-in of the chip.
+
+TI's compiler has never seen it, and it has never run on hardware: these tests show what it does to
+registers as the documents describe them, no more.
+"""
+
+import ctypes
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from f28335_board import COMPILER, CORE, PORT, SOURCES, OnChip, build
+from f28335_chip import ADC_VECTOR, ILLEGAL_VECTOR, Chip
+
+from hbench.protocol.dictionary import FAULTS, STATES
+from hbench.rig import firmware
+
+NEUTRAL = [0x000000, 0x010000, 0x020000]
+pytestmark = [
+    pytest.mark.skipif(COMPILER is None, reason="no C compiler"),
+    pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning"),
+]
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    port = [source for source in SOURCES if source.name != "main.c"]
+    return build(tmp_path_factory.mktemp("f28335"), sources=[*CORE.glob("*.c"), *port])
+
+
+@pytest.fixture
+def chip(library, tmp_path):
+    """A chip of its own, as it comes from power-up; nothing that was written may be lost."""
+    chip = Chip(ctypes.CDLL(str(shutil.copy(library, tmp_path / "own.so"))))
+    yield chip
+    assert not chip.refused
+
+
+@pytest.fixture
+def board(chip, new_board, monkeypatch):
+    """A board on the chip, settings and a step uploaded, at rest."""
+    monkeypatch.setattr(firmware, "HostFirmware", lambda boots: OnChip(chip))
+    return upload(new_board())
+
+
+def upload(board):
+    board.rest(0.0002, x=0.05)
+    assert board.write_settings() == b""
+    assert board.write_motion(hold_s=0.002) == b""
+    return board
+
+
+def state(board):
+    status = board.status()
+    return STATES[status["state"]], FAULTS[status["fault"]]
+
+
+def test_the_valves_are_neutral_before_the_clock_is_touched(chip):
+    assert chip.start()
+    pll = chip.written.index((0x7021, 10))
+    before = chip.written[:pll]
+    words = [
+        (chip.written[i - 1][1] << 16) + low for i, (at, low) in enumerate(before) if at == 0x5003
+    ]
+    # CLEAR; clear to 0 V; +-10 V on all; code 0 on all; A, B, C and reference on; code 0 on all.
+    assert words == [0x1C0000, 0x190000, 0x0C0004, 0x040000, 0x100017, 0x040000]
+    assert chip.dac_words[: len(words)] == words
+    released = chip.written.index((0x6FC2, 0x40))
+    assert released > pll and chip.clear_pin == 1
+
+
+def test_start_sets_the_clocks_and_rates(chip):
+    assert chip.start()
+    register = chip.register
+    assert register[0x7021] == 10 and register[0x7011] & 0x180 == 0x100  # 30 MHz x 10 / 2
+    assert register[0x7011] & 0x48 == 0  # the oscillator is watched
+    assert (register[0x701A], register[0x701B]) == (3, 2)  # 25 MHz, 37.5 MHz
+    assert register[0x6805] == 14999  # 10 kHz at 150 MHz
+    assert (register[0x7052], register[0x7053]) == (0, 40)  # 115200
+    assert register[0x7050] == 7 and register[0x7051] == 0x23
+    assert register[0x7118] == 0x00E0 and "ADC_cal".upper() in chip.executed
+    assert register[0x5005] & 0x1800 == 0x1000 and register[0x5009] == 0x80  # SPI, 24 bits
+    assert register[0x7029] == 0x002A  # the watchdog is on
+    assert len(chip.vectors) == 128
+
+
+@pytest.mark.parametrize(("baud", "divider"), [(9600, 487), (468750, 9), (937500, 4)])
+def test_the_rate_is_the_compilers_choice(tmp_path, baud, divider):
+    uart = build(tmp_path, f"-DHB_BAUD={baud}UL", sources=[PORT / "uart.c", PORT / "system.c"])
+    chip = Chip(ctypes.CDLL(str(uart)))
+    chip.library.hb_modules_start()
+    chip.library.hb_uart_start()
+    assert chip.register[0x7052] << 8 | chip.register[0x7053] == divider
+
+
+def test_a_rate_that_the_clock_cannot_give_does_not_compile(tmp_path):
+    with pytest.raises(subprocess.CalledProcessError):
+        build(tmp_path, "-DHB_BAUD=2000000UL", sources=[PORT / "uart.c"])
+
+
+def test_codes_go_out_as_the_dacs_words(chip):
+    chip.start()
+    chip.library.hb_dac_write.restype = ctypes.c_bool
+    assert chip.library.hb_dac_write((ctypes.c_int16 * 3)(2047, -2048, -1))
+    chip.pass_time(10)
+    assert chip.dac_words[-3:] == [0x007FF0, 0x018000, 0x02FFF0]
+
+
+def test_a_word_is_the_sum_of_sixteen_conversions(board, chip):
+    rng = np.random.default_rng(7)
+    conversions = rng.integers(0, 4096, (7, 16))
+    conversions[5], conversions[6] = 4095, 0
+    taken = dict.fromkeys(range(8), 0)
+
+    def convert(channel):
+        taken[channel] += 1
+        return 999 if channel == 7 else int(conversions[channel][(taken[channel] - 1) % 16])
+
+    chip.convert = convert
+    words = (ctypes.c_uint16 * 7)()
+    chip.pass_time(100)  # the time base begins the first pass; its interrupt waits
+    chip.pass_time(2)
+    assert ADC_VECTOR in chip.pending
+    chip.library.hb_adc_read.restype = ctypes.c_bool
+    assert chip.library.hb_adc_read(words)
+    assert list(words) == conversions.sum(axis=1).tolist()
+    assert words[5] == 65520
+    assert all(count == 16 for count in taken.values())
+
+
+def test_a_run_gives_the_codes_of_the_host_build(board, chip, new_board, monkeypatch):
+    monkeypatch.undo()
+    twin = upload(new_board())
+    at_rest = [word // 16 * 16 for word in twin.words()]
+    for _ in range(20):
+        twin.firmware.tick(at_rest)
+    chip.first_said_at_tick = None
+    assert board.start() == b"" and twin.start() == b""
+    for _ in range(chip.ticks - chip.first_said_at_tick):
+        codes = twin.firmware.tick(at_rest)
+    rng = np.random.default_rng(3)
+    seen = set()
+    for _ in range(400):
+        words = [int(word) // 16 * 16 for word in at_rest + rng.normal(0, 30, 7)]
+        codes = list(twin.firmware.tick(words))
+        assert board.firmware.tick(words) == codes
+        seen.add(tuple(codes))
+    assert len(seen) > 100 and state(board) == state(twin) == ("running", "none")
+
+
+def test_requests_in_flight_are_all_answered(board, chip):
+    frames = [board.frame(n, 0x01) for n in range(12)]
+    assert sum(map(len, frames)) >= 72
+    answers = board.exchange(b"".join(frames))
+    assert [(sequence, code) for sequence, code, _ in answers] == [(n, 0x81) for n in range(12)]
+    assert b"f28335\0" in answers[0][2]
+
+
+@pytest.mark.parametrize("fault", ["receiver_stopped", "overflown"])
+def test_a_receiver_that_stopped_goes_on(board, chip, fault):
+    setattr(chip, fault, True)
+    chip.run(50)
+    assert board.request("identify")
+
+
+def test_the_ring_holds_what_comes_while_nobody_reads(board, chip):
+    frames = [board.frame(n, 0x01) for n in range(20)]
+    assert 64 < sum(map(len, frames)) < 256
+    chip.hear(b"".join(frames))
+    chip.run(2000, idle=False)
+    assert not chip.to_board and not chip.overflown
+    assert len(board.exchange(b"")) == 20
+
+
+def test_the_watchdog_is_content_while_both_live(board, chip):
+    chip.run(60_000)
+    assert not chip.was_reset
+
+
+def start(board):
+    assert board.start() == b""
+    board.rest(0.05, x=0.0505)
+    assert state(board) == ("running", "none") and board.firmware.last_words() != NEUTRAL
+
+
+def test_a_tick_that_is_not_over_before_the_next_is_a_fault(board, chip):
+    start(board)
+    chip.access_us = 0.7
+    chip.run(150)
+    chip.access_us = 0.04
+    chip.run(400)
+    assert board.firmware.last_words() == NEUTRAL
+    assert state(board) == ("fault", "overrun")
+
+
+def test_a_lost_tick_is_a_fault(board, chip):
+    start(board)
+    chip.pass_time(170)
+    chip.run(60)
+    assert board.firmware.last_words() == NEUTRAL
+    assert state(board) == ("fault", "overrun")
+
+
+def test_ticks_lost_while_start_checks_are_no_fault(board, chip, monkeypatch):
+    answer = board.firmware.poll
+
+    def check_for_long():
+        while not chip.transmit_fifo:
+            chip.run(1)
+        chip.pass_time(1000)  # as if the core had masked the control interrupt so long
+        answer()
+
+    monkeypatch.setattr(board.firmware, "poll", check_for_long)
+    before = chip.ticks
+    assert board.start() == b""
+    monkeypatch.undo()
+    assert chip.ticks > before and state(board) == ("running", "none")
+
+
+def kill(chip, what):
+    """Let something die within a tick, and two milliseconds pass."""
+    if what == "instruction":
+        chip.vectors[ILLEGAL_VECTOR]()
+    elif what == "converter":
+        chip.convert = lambda channel: setattr(chip, "adc_dead", True) or 0
+    elif what == "time base":
+        chip.pwm_dead = True
+    elif what == "mcbsp":
+        chip.mcbsp_dead = True
+    chip.run(6000, idle=what != "idle loop")
+
+
+@pytest.mark.parametrize("what", ["instruction", "converter", "time base", "idle loop"])
+def test_on_any_doubt_the_valves_are_neutral_and_the_watchdog_bites(board, chip, what):
+    start(board)
+    kill(chip, what)
+    assert chip.hung and not chip.was_reset and chip.clear_pin == 0
+    chip.pass_time(20)
+    assert chip.dac_words[-2:] == [0x1C0000, 0x040000]
+    chip.pass_time(9000)
+    assert chip.was_reset
+
+
+def test_a_dead_mcbsp_leaves_the_clear_pin(board, chip):
+    start(board)
+    kill(chip, "mcbsp")
+    assert chip.hung and chip.clear_pin == 0
+
+
+def test_without_oscillator_or_dac_the_board_does_not_start(chip):
+    chip.mcbsp_dead = True
+    assert not chip.start() and chip.clear_pin == 0
+    chip.reset()
+    chip.mcbsp_dead = False
+    chip.register[0x7011] |= 0x08
+    assert not chip.start() and chip.dac_words[-1] == 0x040000
+
+
+def test_each_start_has_another_number(chip):
+    chip.library.hb_boots.restype = ctypes.c_uint16
+    chance = (ctypes.c_uint16 * 256).in_dll(chip.library, "hb_boots_chance")
+    kept = (ctypes.c_uint16 * 2).in_dll(chip.library, "hb_boots_kept")
+    first = [chip.library.hb_boots() for _ in range(5)]
+    assert [b - a for a, b in zip(first, first[1:], strict=False)] == [1] * 4
+    powered = set()
+    for seed in range(20):
+        chance[:] = np.random.default_rng(seed).integers(0, 65536, 256).tolist()
+        kept[:] = (seed, seed)
+        powered.add(chip.library.hb_boots())
+    assert len(powered) == 20
+    kept[:] = (0xFFFF, 0)
+    assert chip.library.hb_boots() == 0

@@ -1,0 +1,104 @@
+"""The F28335 port as text: compiled as far as other compilers can, and its memory.
+
+TI's compiler and linker have never seen it.
+"""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from f28335_board import COMPILER, CORE, PORT, ROOT, SOURCES
+
+from hbench.rig.boot_image import LOADABLE
+
+STRICT = (
+    "-std=c99 -pedantic -ffreestanding -ffp-contract=off -O2 -Wall -Wextra -Wconversion "
+    "-Wsign-conversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Werror"
+).split()
+# On the C28x a bool is as wide as any other word.
+STDBOOL = "typedef unsigned short bool;\n#define true 1\n#define false 0\n"
+
+
+def check(folder: Path, compiler: str, *options: str):
+    for source in SOURCES:
+        command = [compiler, *STRICT, *options, f"-I{CORE}", "-c", source, "-o", folder / "x.o"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+
+def test_the_port_compiles_on_the_host_without_a_warning(tmp_path):
+    check(tmp_path, COMPILER)
+
+
+def test_the_port_compiles_where_int_has_16_bits(tmp_path, require_tool):
+    check(tmp_path, require_tool("avr-gcc"), "-mmcu=atmega128")
+
+
+def test_the_lines_for_tis_compiler_are_c(tmp_path):
+    """Its keywords taken away; that it takes them no test can show."""
+    keywords = ["-D__TMS320C28XX__", "-D__interrupt=", "-D__cregister="]
+    no_pointer_of_22_bits = ["-Wno-int-to-pointer-cast", "-Wno-pointer-to-int-cast"]
+    check(
+        tmp_path, COMPILER, *keywords, *no_pointer_of_22_bits, "-Wno-unknown-pragmas",
+        "-fsyntax-only",
+    )  # fmt: skip
+
+
+def test_each_file_says_that_it_was_never_compiled_or_run():
+    for path in PORT.iterdir():
+        head = re.sub(r"[\s*;]+", " ", path.read_text()[:1200])
+        assert re.search(r"[Nn]ever (compiled|linked|assembled) by TI's", head), path.name
+    state = (ROOT / "README.md").read_text().split("**State of things.**")[1].split("\n\n")[0]
+    assert "never been compiled by TI's compiler" in " ".join(state.split())
+
+
+def areas(name: str) -> dict[str, range]:
+    """Return the linker file's memory."""
+    rows = re.findall(r"(\w+)\s*: origin = (0x\w+), length = (0x\w+)", (PORT / name).read_text())
+    return {area: range(int(at, 16), int(at, 16) + int(size, 16)) for area, at, size in rows}
+
+
+@pytest.mark.parametrize("name", ["ram.cmd", "flash.cmd"])
+def test_the_linkers_areas_are_memory_of_the_chip_and_do_not_meet(name):
+    memory = [range(first, last + 1) for first, last in LOADABLE]
+    if name == "flash.cmd":  # less what stands before the entry, and the passwords
+        memory += [range(0x300000, 0x33FF80), range(0x33FFF6, 0x33FFF8)]
+    placed = areas(name)
+    for area, words in placed.items():
+        assert any(words[0] in part and words[-1] in part for part in memory), area
+    ends = sorted((words.start, words.stop) for words in placed.values())
+    assert all(stop <= start for (_, stop), (start, _) in zip(ends, ends[1:], strict=False))
+
+
+def test_from_flash_all_but_startup_runs_in_ram():
+    moved = re.findall(r"(\w+)\.obj\(\.text\)", (PORT / "flash.cmd").read_text())
+    sources = {path.stem for path in [*CORE.glob("*.c"), *SOURCES]}
+    assert sorted(moved) == sorted(sources - {"main"}), "name them all in flash.cmd"
+
+
+def test_the_data_fit_their_areas(tmp_path, require_tool):
+    """Sizes by a compiler with pointers of 32 bits, octets and bools made as wide as there."""
+    (tmp_path / "stdbool.h").write_text(STDBOOL)
+    words = {}
+    for source in SOURCES:
+        command = [require_tool("arm-none-eabi-gcc"), "-std=c99", "-ffreestanding", "-fno-common"]
+        command += ["-DHB_OCTET=unsigned short", f"-I{tmp_path}", f"-I{CORE}", "-c", source]
+        subprocess.run([*command, "-o", tmp_path / "x.o"], check=True)
+        symbols = subprocess.run(
+            [require_tool("arm-none-eabi-nm"), "-S", tmp_path / "x.o"],
+            capture_output=True, text=True, check=True,
+        ).stdout  # fmt: skip
+        for _, octets, kind, name in re.findall(r"(\w+) (\w+) (\w) (\w+)", symbols):
+            if kind in "bBdD":
+                words[f"{source.stem}.{name}"] = int(octets, 16) // 2
+    for name, count in sorted(words.items(), key=lambda row: -row[1]):
+        print(f"{name:28} {count:6} words")
+    assert words["board.log_ring"] == 15360  # 1024 records of 15 words
+    kept = sum(count for name, count in words.items() if name.startswith("boots."))
+    data = sum(words.values()) - words["board.log_ring"] - kept
+    for name in ("ram.cmd", "flash.cmd"):
+        area = areas(name)
+        assert words["board.log_ring"] <= len(area["LOG"])
+        assert kept <= len(area["KEPT"])
+        assert 4000 < data + 256 <= len(area["DATA"])  # and constants
