@@ -8,6 +8,8 @@ from pathlib import Path
 
 from hbench.errors import DeviceError
 
+POLL_TICKS = 10  # a simulated board's idle loop comes round about once a millisecond
+
 _SUFFIXES = (".so", ".dll")
 _REPLY_OCTETS = 4096  # as much as the board's queue holds
 

@@ -6,19 +6,13 @@ Where the board's tick can be called from compiled code, ``virtual.py`` is some 
 from collections.abc import Sequence
 from typing import Protocol
 
-import numpy as np
-
 from hbench.config.bench import Bench, Plant
 from hbench.model.compiled import compiled
-from hbench.model.noise import new_noise
-from hbench.model.parameters import plant_parameters
-from hbench.model.plant import TICK_S, WORK_SHAPE, V, initial_state, step
-from hbench.model.scatter import new_levels, update_levels
-from hbench.model.sensors import N_CHANNELS, convert, sensed, sensor_parameters
-
-VOLTS_PER_CODE = 10.0 / 2048  # AD5724R, 12 bit, +-10 V
-_POLL_TICKS = 10  # the board's idle loop comes round about once a millisecond
-_START_PRESSURE_PA = 15e5  # of both load chambers at power-on
+from hbench.model.plant import TICK_S, V, step
+from hbench.model.scatter import update_levels
+from hbench.model.sensors import convert, sensed
+from hbench.model.simulated_bench import VOLTS_PER_CODE, new_simulated_bench
+from hbench.rig.firmware import POLL_TICKS
 
 
 class SteppedBoard(Protocol):
@@ -41,10 +35,12 @@ class SteppedBoard(Protocol):
 
 
 @compiled
-def _next_words(first, state, levels, noise, par, sensors, buffers):
-    """Move the bench on by one tick, but for the ``first``, and convert what the sensors see."""
-    values, words, u, work = buffers
+def _next_words(first, bench):
+    """Let a tick pass, but before the ``first``, and convert what the sensors see then."""
+    words, codes, state, levels, noise, par, sensors, values, u, work = bench
     if not first:
+        for valve in range(3):
+            u[valve] = codes[valve] * VOLTS_PER_CODE
         step(state, u, levels, par, TICK_S, work)
         update_levels(levels, state[V], noise, par)
     sensed(state, levels, par, values)
@@ -60,19 +56,9 @@ class SteppedRig:
     def __init__(
         self, name: str, board: SteppedBoard, bench: Bench, plant: Plant | None = None, seed=1
     ):
-        plant = plant or bench
         self.name = name
         self._board = board
-        self._par = plant_parameters(plant)
-        self._sensors = sensor_parameters(plant.sensors)
-        self._noise = new_noise(seed)
-        self._levels = new_levels(self._noise, self._par)
-        self._state = initial_state(
-            self._par, 0.5 * plant.test_cylinder.stroke, _START_PRESSURE_PA, _START_PRESSURE_PA
-        )
-        self._words = np.zeros(N_CHANNELS, np.uint16)
-        self._u = np.zeros(3)
-        self._buffers = np.zeros(N_CHANNELS), self._words, self._u, np.zeros(WORK_SHAPE)
+        self._bench = new_simulated_bench(bench, plant, seed)
         self._tick = 0
 
     def write(self, data: bytes) -> None:
@@ -83,8 +69,10 @@ class SteppedRig:
         """Let simulated time pass until the board says something or the timeout is over."""
         last = self._tick + max(1, round(timeout_s / TICK_S))
         while self._tick < last:
-            self._run_tick()
-            if self._tick % _POLL_TICKS == 0 and self._board.poll() > 0:
+            _next_words(self._tick == 0, self._bench)
+            self._bench.codes[:] = self._board.tick(self._bench.words.tolist())
+            self._tick += 1
+            if self._tick % POLL_TICKS == 0 and self._board.poll() > 0:
                 break
         return self._board.transmit()
 
@@ -95,18 +83,3 @@ class SteppedRig:
     def close(self) -> None:
         """Switch the board off."""
         self._board.close()
-
-    def _run_tick(self) -> None:
-        _next_words(
-            self._tick == 0,
-            self._state,
-            self._levels,
-            self._noise,
-            self._par,
-            self._sensors,
-            self._buffers,
-        )
-        codes = self._board.tick(self._words.tolist())
-        for valve, code in enumerate(codes):
-            self._u[valve] = code * VOLTS_PER_CODE
-        self._tick += 1

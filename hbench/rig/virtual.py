@@ -5,23 +5,17 @@ host, wire and control law are those of the real bench. Time is simulated: it pa
 the client waits for an answer. The same seed gives the same bytes.
 """
 
-import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
 from hbench.config.bench import Bench, Plant
 from hbench.model.compiled import compiled
-from hbench.model.noise import new_noise
-from hbench.model.parameters import plant_parameters
-from hbench.model.plant import TICK_S, WORK_SHAPE, V, initial_state, step
-from hbench.model.scatter import new_levels, update_levels
-from hbench.model.sensors import N_CHANNELS, convert, sensed, sensor_parameters
-from hbench.rig.firmware import HostFirmware
-
-VOLTS_PER_CODE = 10.0 / 2048  # AD5724R, 12 bit, +-10 V
-_POLL_TICKS = 10  # the board's idle loop comes round about once a millisecond
-_START_PRESSURE_PA = 15e5  # of both load chambers at power-on
+from hbench.model.plant import TICK_S, V, step
+from hbench.model.scatter import update_levels
+from hbench.model.sensors import convert, sensed
+from hbench.model.simulated_bench import VOLTS_PER_CODE, new_simulated_bench
+from hbench.rig.firmware import POLL_TICKS, HostFirmware
 
 
 def _call(builder, address, arguments, returns):
@@ -52,21 +46,21 @@ def _call_poll(typing, address, core):
 
 
 @compiled
-def _advance(ticks, poll_ticks, tick, firmware, state, levels, noise, buffers, par, sensors):
+def _advance(ticks, poll_ticks, tick, firmware, bench):
     """Run up to ``ticks`` control ticks; stop early when a frame of the board has come.
 
     ``tick`` counts from power-on; ``firmware`` holds the addresses of the tick and poll functions
     and of the core. Returns the new ``tick``.
     """
     call_tick, call_poll, core = firmware
-    values, adc, dac, u, work = buffers
+    words, codes, state, levels, noise, par, sensors, values, u, work = bench
     last = tick + ticks
     while tick < last:
         sensed(state, levels, par, values)
-        convert(values, sensors, noise, adc)
-        _call_tick(call_tick, core, adc.ctypes.data, dac.ctypes.data)
+        convert(values, sensors, noise, words)
+        _call_tick(call_tick, core, words.ctypes.data, codes.ctypes.data)
         for valve in range(3):
-            u[valve] = dac[valve] * VOLTS_PER_CODE
+            u[valve] = codes[valve] * VOLTS_PER_CODE
         step(state, u, levels, par, TICK_S, work)
         update_levels(levels, state[V], noise, par)
         tick += 1
@@ -85,23 +79,9 @@ class VirtualRig:
     name = "sim"
 
     def __init__(self, bench: Bench, plant: Plant | None = None, seed: int = 1, baud: int = 0):
-        plant = plant or bench
-        self._par = plant_parameters(plant)
-        self._sensors = sensor_parameters(plant.sensors)
-        self._noise = new_noise(seed)
-        self._levels = new_levels(self._noise, self._par)
-        self._state = initial_state(
-            self._par, 0.5 * plant.test_cylinder.stroke, _START_PRESSURE_PA, _START_PRESSURE_PA
-        )
-        self._buffers = (
-            np.zeros(N_CHANNELS),
-            np.zeros(N_CHANNELS, np.uint16),
-            np.zeros(3, np.int16),
-            np.zeros(3),
-            np.zeros(WORK_SHAPE),
-        )
+        self._bench = new_simulated_bench(bench, plant, seed)
         self._board = HostFirmware(boots=1, baud=baud)
-        self._poll_ticks = 1 if baud else _POLL_TICKS
+        self._poll_ticks = 1 if baud else POLL_TICKS
         self._tick = 0
 
     def write(self, data: bytes) -> None:
@@ -115,12 +95,7 @@ class VirtualRig:
             self._poll_ticks,
             self._tick,
             self._board.addresses,
-            self._state,
-            self._levels,
-            self._noise,
-            self._buffers,
-            self._par,
-            self._sensors,
+            self._bench,
         )
         return self._board.transmit()
 

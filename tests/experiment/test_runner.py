@@ -214,7 +214,7 @@ class Scripted(virtual.VirtualRig):
         self.happened = False
 
     def write(self, data):
-        extends = self._state[V] > 0.05  # the way back to the start is a retraction
+        extends = self._bench.state[V] > 0.05  # the way back to the start is a retraction
         if extends and not self.happened:
             self.happened = True
             self.happen()
