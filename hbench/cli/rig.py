@@ -40,12 +40,10 @@ def rig(
 
     Example: hbench rig --socket localhost:7000
     """
-    import signal
     from importlib.resources import files
 
     from hbench import workflow
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends it as Ctrl-C does
     try:
         workflow.serve_rig(
             bench or files("hbench.config") / "examples" / "bench-aau.yaml",
