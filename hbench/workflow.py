@@ -36,6 +36,7 @@ from hbench.rig.programmer import flash_through
 from hbench.rig.serve import FlatOut, WallClock, serve
 from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write_results
 from hbench.store.foreign import ImportSummary, import_folder
+from hbench.store.hold import only_host
 
 _PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
 _SIMULATED_BOARDS = ("host", "mps2")  # ports of the firmware that never have a real bench
@@ -150,24 +151,25 @@ def measure(
     """
     if plant is not None and port != "sim":
         raise ConfigError("--plant is for the virtual rig, and --port is not 'sim'")
-    campaign = load_campaign(folder) if resume else None
-    line = _open_port(experiment, port, plant, _session_seed(seed, campaign), baud)
-    try:
-        client = BoardClient(line)
-        identity = client.identify()
-        plans = experiment.plans
-        header = _header(experiment, identity, port, plant, seed, clock())
-        if campaign is not None:
-            _refuse_another(campaign, header)
-            journal = CampaignWriter.resume(folder)
-            plans = tuple(plan for plan in plans if plan.run not in campaign.done)
-        else:
-            journal = CampaignWriter.create(folder, header)
-        start = line.now()
-        run_campaign(plans, experiment.bench, client, journal, clock, report, resume)
-        return Measured(len(plans), line.now() - start)
-    finally:
-        line.close()
+    with only_host(folder):
+        campaign = load_campaign(folder) if resume else None
+        line = _open_port(experiment, port, plant, _session_seed(seed, campaign), baud)
+        try:
+            client = BoardClient(line)
+            identity = client.identify()
+            plans = experiment.plans
+            header = _header(experiment, identity, port, plant, seed, clock())
+            if campaign is not None:
+                _refuse_another(campaign, header)
+                journal = CampaignWriter.resume(folder)
+                plans = tuple(plan for plan in plans if plan.run not in campaign.done)
+            else:
+                journal = CampaignWriter.create(folder, header)
+            start = line.now()
+            run_campaign(plans, experiment.bench, client, journal, clock, report, resume)
+            return Measured(len(plans), line.now() - start)
+        finally:
+            line.close()
 
 
 def serve_rig(
