@@ -34,11 +34,13 @@ class ProgressLine:
             self._shown = 10 * done // total
             self._write(text + "\n")
 
-    def close(self) -> None:
-        """Clear the line, for what is printed next."""
+    def close(self, last: str = "") -> None:
+        """Clear the line, for ``last`` or what is printed next."""
         if self._redraws:
             self._redraw("")
             self._write("\r")
+        if last:
+            self._write(last + "\n")
 
     def _redraw(self, text: str) -> None:
         self._write("\r" + text.ljust(self._width))

@@ -55,6 +55,9 @@ def run(
             clock=lambda: datetime.now().astimezone(),
             report=progress,
         )
+    except KeyboardInterrupt:
+        progress.close("interrupted; go on with --resume")
+        raise
     finally:
         progress.close()
     typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")

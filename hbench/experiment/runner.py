@@ -152,13 +152,23 @@ def _stop(client: BoardClient) -> None:
 def _cause(
     error: BaseException, client: BoardClient, identity: Identity, run: str
 ) -> BaseException:
-    """Return what ended the campaign: a reset explains whatever the board said after it."""
-    if isinstance(error, DeviceError) and not isinstance(error, NoAnswer):
-        with suppress(DeviceError):
-            if client.identify().boots != identity.boots:
-                return DeviceError(
-                    f"{_where(run)}: the board was reset", "Look at its supply, then --resume."
-                )
+    """Return what ended the campaign: a lost line and a reset explain whatever came of them."""
+    if not isinstance(error, DeviceError):
+        return error
+    try:
+        if isinstance(error, NoAnswer):
+            raise error
+        reset = client.identify().boots != identity.boots
+    except DeviceError:
+        return DeviceError(
+            f"{_where(run)}: the line to the board is lost: {error.message}",
+            "Without its host the board stops itself. Check power and cable, then go on with "
+            "--resume.",
+        )
+    if reset:
+        return DeviceError(
+            f"{_where(run)}: the board was reset", "Check its supply, then go on with --resume."
+        )
     return error
 
 
@@ -243,7 +253,7 @@ class _Recorder:
     def abandon(self, error: BaseException) -> None:
         """Something ended the campaign in the middle of a run."""
         interrupted = not isinstance(error, Exception)
-        why = "interrupted by the operator" if interrupted else str(error)
+        why = "interrupted by the operator" if interrupted else str(error) or type(error).__name__
         self.finish("aborted" if interrupted else "failed", why)
 
     def close(self) -> None:

@@ -72,8 +72,8 @@ def session(experiment, folder: Path, clock, story: Story) -> bool:
     except DeviceError as error:
         story.errors.append(error.message)
         return False
-    except Killed:
-        story.errors.append("killed")
+    except (Killed, KeyboardInterrupt) as end:
+        story.errors.append(type(end).__name__)
         return False
     return True
 
@@ -89,10 +89,7 @@ def mortal_disk(patch, world: World) -> None:
     def dies() -> bool:
         world.check_alive()
         kill = world.kill()
-        if kill is None or kill.write is None or kill.write != next(writes):
-            return False
-        world.die()
-        return True
+        return bool(kill) and kill.write is not None and kill.write == next(writes)
 
     def mortal_flush(file):
         before = os.fstat(file.fileno()).st_size
@@ -100,16 +97,18 @@ def mortal_disk(patch, world: World) -> None:
         if dies():
             written = os.fstat(file.fileno()).st_size - before
             os.ftruncate(file.fileno(), before + round(world.kill().part * written))
-        world.check_alive()
+            world.die()
 
     def mortal_rename(path, name):
-        if not dies() or world.kill().part > 0.5:
+        end = dies()
+        if not end or world.kill().part > 0.5:
             rename(path, name)
-        world.check_alive()
+        if end:
+            world.die()
 
     def mortal_flush_folder(folder):
-        dies()
-        world.check_alive()
+        if dies():
+            world.die()
 
     patch.setattr(atomic, "_flush", mortal_flush)
     patch.setattr(atomic, "_flush_folder", mortal_flush_folder)

@@ -151,7 +151,7 @@ def test_an_interrupted_host_stops_the_board_at_once(lab, quick_schedule, number
     host.send_signal(number)
     _, told = host.communicate(timeout=PATIENCE_S)
     assert host.returncode == 130, told
-    assert "Traceback" not in told
+    assert "interrupted; go on with --resume" in told and "Traceback" not in told
     status = lab.status()
     assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("idle", "stopped")
     time.sleep(0.5)
@@ -175,7 +175,3 @@ def test_a_host_that_sleeps_finds_a_board_that_has_stopped_itself(lab, quick_sch
     assert "error: run" in told and "stopped itself: heartbeat" in told and "--resume" in told
     status = lab.status()
     assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("fault", "heartbeat")
-    host = lab.host()
-    _, told = host.communicate(timeout=PATIENCE_S)
-    assert host.returncode == 0, told
-    assert load_campaign(lab.folder).done == {"0001", "0002", "0003", "0004"}

@@ -46,6 +46,7 @@ class Kill:
     call: int | None = None
     write: int | None = None
     part: float = 0.0  # of that write's octets that are on disk
+    politely: bool = False  # interrupted, and may clean up
 
 
 @dataclass(frozen=True)
@@ -84,12 +85,12 @@ def random_script(number: int) -> Script:
     ]
     kills = []
     for session in range(rng.integers(0, 4)):
-        if rng.random() < 0.5:
-            kills.append(Kill(session, call=int(rng.integers(1, 120))))
-        else:
-            kills.append(
-                Kill(session, write=int(rng.integers(0, 16)), part=round(float(rng.random()), 3))
-            )
+        moment = (
+            {"call": int(rng.integers(1, 120))}
+            if rng.random() < 0.5
+            else {"write": int(rng.integers(0, 16)), "part": round(float(rng.random()), 3)}
+        )
+        kills.append(Kill(session, **moment, politely=bool(rng.random() < 0.3)))
     return Script(
         seed=number,
         to_board=octets(),
@@ -185,9 +186,13 @@ class World:
         return next((kill for kill in self.script.kills if kill.session == self.session), None)
 
     def die(self) -> None:
-        """The host is killed."""
-        self.counts["kill"] += not self.dead
+        """The host is killed, or interrupted."""
+        if self.kill().politely:
+            self.counts["interrupt"] += 1
+            raise KeyboardInterrupt
+        self.counts["kill"] += 1
         self.dead = True
+        raise Killed
 
     def check_alive(self) -> None:
         """Raise ``Killed`` once the host is dead."""
@@ -251,7 +256,7 @@ class FaultyLine:
     def _use(self, call: int = 1) -> None:
         """Die, or notice that the port is gone, as the script says."""
         self._calls += call
-        if self._kill and self._kill.call == self._calls:
+        if call and self._kill and self._kill.call == self._calls:
             self._world.die()
         self._world.check_alive()
         self._lost |= self._rig.now() < self._world.gone_until_s

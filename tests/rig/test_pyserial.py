@@ -184,7 +184,7 @@ def test_a_cable_pulled_in_the_middle_of_a_run_ends_with_exit_code_3(
     puller = threading.Thread(target=lambda: (server._thread.join(), server.line.close()))
     puller.start()
     code, told = hbench(name)
-    assert code == 3 and f"error: {name}: can't " in told
+    assert code == 3 and f"the line to the board is lost: {name}: can't " in told
     puller.join()
     server.rig.close()
     campaign = load_campaign(tmp_path / "out")
