@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hbench.protocol.dictionary import RECORD
+from hbench.protocol.dictionary import CONDITIONS, FLAGS, RECORD
 
 SANITIZERS = "-O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
 # An object may take 64 KB of RAM, which no such chip has but the emulated one (avr.c).
@@ -28,7 +28,7 @@ def pull_log(board) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def session(recorded_board):
-    """Every request and most refusals, two runs to their end, a stop, a fault."""
+    """Every request and most refusals, three runs to their end, a stop, a fault."""
     board = recorded_board
     rng = np.random.default_rng(1)
 
@@ -68,6 +68,15 @@ def session(recorded_board):
     assert board.start() == b""
     ticks(100)
     board.request("stop")
+    board.rest(5.0, x=0.05)  # past 65536 ticks
+    row = ({}, {"valves": 1}, {"v_m_s": -0.1})
+    row = [{"duration_s": 0.02, **segment} for segment in row]
+    until = CONDITIONS.index("friction")
+    assert board.write_row(*row, run=3, cycles=9, until=until, within=0.5) == b""
+    assert board.start() == b""
+    for _ in range(5):
+        ticks(1000)
+        board.request("status")
     records = pull_log(board)
     assert board.start() == b""
     ticks(3200)  # without a word from the host
@@ -81,7 +90,8 @@ def session(recorded_board):
 
 def test_the_session_has_something_to_tell(session):
     words = dict(zip((word.name for word in RECORD), session.records.T, strict=True))
-    assert set(words["run"]) == {1, 2}
+    assert set(words["run"]) == {1, 2, 3}
+    assert words["flags"][-1] == 1 << FLAGS.index("last") | 1 << FLAGS.index("settled")
     assert len(session.records) > 500
     assert len(set(words["u_l1"])) > 300, "the valves must have been at work"
 
