@@ -183,7 +183,7 @@ uint32_t hb_host_transmit(hb_host *host, unsigned char *octets, uint32_t capacit
     return given;
 }
 
-hb_core *hb_host_core(hb_host *host)
+const hb_core *hb_host_core(const hb_host *host)
 {
     return &host->core;
 }

@@ -28,7 +28,7 @@ uint32_t hb_host_receive(hb_host *host, const unsigned char *octets, uint32_t co
 /* Octets for the host, at most capacity; returns how many. */
 uint32_t hb_host_transmit(hb_host *host, unsigned char *octets, uint32_t capacity);
 
-/* The core, for tests to look into and for a late tick. */
-hb_core *hb_host_core(hb_host *host);
+/* The core, for tests to look into. */
+const hb_core *hb_host_core(const hb_host *host);
 
 #endif

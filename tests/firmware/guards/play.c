@@ -20,7 +20,7 @@
 
 typedef struct {
     hb_host *host;
-    hb_core *core;
+    const hb_core *core;
     hb_receiver replies;
     unsigned char last; /* octet of the replies */
     bool cleared; /* the last octets made the board clear its fault */
@@ -174,7 +174,7 @@ static void play_late(session *s)
     const hb_u16 fault = s->core->fault;
 
     s->cleared = false;
-    hb_core_overrun(s->core);
+    hb_host_overrun(s->host);
     PLAY_CHECK(s->core->state != HB_STATE_RUNNING);
     check(s, state, fault, s->core->log.next, false);
 }
