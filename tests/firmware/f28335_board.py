@@ -36,20 +36,22 @@ class OnChip:
     def __init__(self, chip):
         self.chip = chip
         chip.start()
-        chip.register[0x7053] = 4  # 937500 baud, so that the tests don't wait
+        chip.line.register[0x7053] = 4  # 937500 baud, so that the tests don't wait
 
     def receive(self, octets):
         self.chip.hear(octets)
 
     def poll(self):
-        quiet, said = 0, len(self.chip.said)
+        quiet, said = 0, len(self.chip.line.said)
         while quiet < 3 and not (self.chip.hung or self.chip.was_reset):
             self.chip.run(500)
-            busy = self.chip.to_board or self.chip.transmit_fifo or len(self.chip.said) > said
-            quiet, said = 0 if busy else quiet + 1, len(self.chip.said)
+            busy = (
+                self.chip.line.to_board or self.chip.line.to_host or len(self.chip.line.said) > said
+            )
+            quiet, said = 0 if busy else quiet + 1, len(self.chip.line.said)
 
     def transmit(self):
-        said, self.chip.said = self.chip.said, b""
+        said, self.chip.line.said = self.chip.line.said, b""
         return said
 
     def tick(self, words):

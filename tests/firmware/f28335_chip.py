@@ -7,15 +7,18 @@ EALLOW, or to a module without clock, is lost as on the chip, and kept in ``refu
 
 import ctypes
 
+from f28335_line import Line
+
 RESET_US = 512 * 2 * 256 / 30  # the watchdog's period with its clock divided by two
 WORD_US = 24 * 4 / 37.5  # of 24 bits, at a fourth of LSPCLK
 SLOW = 20  # OSCCLK / 4 before the PLL runs, against 150 MHz
 ADC_VECTOR, SCI_VECTOR = 0x0D4A, 0x0DC0  # INT1.6 and INT9.1
 ILLEGAL_VECTOR = 0x0D26
+_SCI = range(0x7050, 0x7060)
 _PROTECTED = (range(0x6F80, 0x6FC0), range(0x7010, 0x7030), range(0x0D00, 0x0E00))
 _CLOCKED = (  # module, its clock's register and bit
     (range(0x5000, 0x5040), 0x701C, 1 << 12),
-    (range(0x7050, 0x7060), 0x701C, 1 << 10),
+    (_SCI, 0x701C, 1 << 10),
     (range(0x7100, 0x711C), 0x701C, 1 << 3),
     (range(0x6800, 0x6822), 0x701D, 1 << 0),
 )
@@ -59,9 +62,7 @@ class Chip:
         self._pass_ends_us, self.results = None, [0] * 16
         self.dac_words, self._dxr, self._shifting, self._shift_ends_us = [], None, None, 0.0
         self.clear_pin = 0  # held down by its resistor
-        self.to_board, self.receive_fifo, self.transmit_fifo, self.said = [], [], [], b""
-        self.receiver_stopped = self.overflown = self._receive_flag = False
-        self._octet_came_us = self._octet_went_us = 0.0
+        self.line = Line()
         self.first_said_at_tick = None
         self._serviced_us, self.was_reset, self._key, self._read_last = 0.0, False, 0, 0
 
@@ -100,16 +101,9 @@ class Chip:
                 return True
         return False
 
-    @property
-    def baud(self) -> float:
-        divider = (self.register[0x7052] << 8 | self.register[0x7053]) + 1
-        return 37.5e6 / 8 / divider
-
     def hear(self, octets: bytes):
         """Let octets come in on the line, one after the other from here on."""
-        if not self.to_board:
-            self._octet_came_us = self.now_us
-        self.to_board += octets
+        self.line.hear(octets, self.now_us)
         self._event_us = 0.0
 
     # Time.
@@ -128,15 +122,13 @@ class Chip:
             self.dac_words.append(self._shifting)
             self._shifting, self._dxr = self._dxr, None
             self._shift_ends_us += WORD_US * self._slowness
-        self._line()
+        if self.line.pass_time(self.now_us):
+            self.pending.add(SCI_VECTOR)
         self.was_reset |= self.register[0x7029] & 0x40 == 0 and self.now_us > due[0]
         due += [at for at in (self._next_period_us, self._pass_ends_us) if at is not None]
         if self._shifting is not None:
             due.append(self._shift_ends_us)
-        if self.to_board:
-            due.append(self._octet_came_us + 10e6 / self.baud)
-        if self.transmit_fifo:
-            due.append(self._octet_went_us + 10e6 / self.baud)
+        due += self.line.due_us()
         self._event_us = min(due)
 
     def _time_base(self):
@@ -170,26 +162,6 @@ class Chip:
         self.register[0x7119] = 1
         if rises and self.register[0x7101] & 0x0800:
             self.pending.add(ADC_VECTOR)
-
-    def _line(self):
-        if not self.register.get(0x7051, 0) & 0x20:
-            return
-        octet_us = 10e6 / self.baud
-        while self.to_board and self.now_us >= self._octet_came_us + octet_us:
-            self._octet_came_us += octet_us
-            octet = self.to_board.pop(0)
-            if self.receiver_stopped or self.overflown:
-                continue
-            if len(self.receive_fifo) == 16:
-                self.overflown = True
-                continue
-            self.receive_fifo.append(octet)
-            if not self._receive_flag and self.register[0x705B] & 0x20:
-                self._receive_flag = True
-                self.pending.add(SCI_VECTOR)
-        while self.transmit_fifo and self.now_us >= self._octet_went_us + octet_us:
-            self._octet_went_us += octet_us
-            self.said += bytes([self.transmit_fifo.pop(0)])
 
     # What the program does.
 
@@ -227,14 +199,8 @@ class Chip:
         if address == 0x5004:
             ready = self._dxr is None and not self.mcbsp_dead
             return self.register.get(address, 0) & ~2 | (2 if ready else 0)
-        if address == 0x7055:
-            return 0x80 if self.receiver_stopped else 0
-        if address == 0x7057:
-            return 0xC000 | self.receive_fifo.pop(0)  # error bits above the octet
-        if address == 0x705A:
-            return 0xE000 | len(self.transmit_fifo) << 8
-        if address == 0x705B:
-            return self.overflown << 15 | len(self.receive_fifo) << 8 | 0x21
+        if address in _SCI:
+            return self.line.read(address)
         return self.register.get(address, 0)
 
     def _write(self, address: int, value: int):
@@ -243,6 +209,11 @@ class Chip:
             return
         self.written.append((address, value))
         self._event_us = 0.0
+        if address in _SCI:
+            if address == 0x7059 and self.first_said_at_tick is None:
+                self.first_said_at_tick = self.ticks
+            self.line.write(address, value, self.now_us)
+            return
         special = {
             0x0CE1: self._acknowledge,
             0x5003: self._transmit_word,
@@ -250,9 +221,6 @@ class Chip:
             0x6FC2: lambda value: self._set_pin(1, value),
             0x6FC4: lambda value: self._set_pin(0, value),
             0x7025: self._service,
-            0x7051: self._control_sci,
-            0x7059: self._transmit_octet,
-            0x705B: self._control_receiver,
             0x7101: self._control_adc,
             0x7119: lambda value: self._clear(0x7119, value >> 4 & 1),
         }.get(address)
@@ -287,26 +255,6 @@ class Chip:
         if self._key == 0x55 and value == 0xAA:
             self._serviced_us = self.now_us
         self._key = value
-
-    def _control_sci(self, value: int):
-        self.register[0x7051] = value
-        if not value & 0x20:
-            self.receiver_stopped = False
-
-    def _transmit_octet(self, value: int):
-        if self.first_said_at_tick is None:
-            self.first_said_at_tick = self.ticks
-        assert len(self.transmit_fifo) < 16, "an octet is lost"
-        if not self.transmit_fifo:
-            self._octet_went_us = self.now_us
-        self.transmit_fifo.append(value)
-
-    def _control_receiver(self, value: int):
-        self.register[0x705B] = value
-        if value & 0x40:
-            self._receive_flag = False
-        if value & 0x4000:
-            self.overflown = False
 
     def _control_adc(self, value: int):
         self.register[0x7101] = value

@@ -77,8 +77,9 @@ def test_start_sets_the_clocks_and_rates(chip):
     assert register[0x7011] & 0x48 == 0  # the oscillator is watched
     assert (register[0x701A], register[0x701B]) == (3, 2)  # 25 MHz, 37.5 MHz
     assert register[0x6805] == 14999  # 10 kHz at 150 MHz
-    assert (register[0x7052], register[0x7053]) == (0, 40)  # 115200
-    assert register[0x7050] == 7 and register[0x7051] == 0x23
+    line = chip.line.register
+    assert (line[0x7052], line[0x7053]) == (0, 40)  # 115200
+    assert line[0x7050] == 7 and line[0x7051] == 0x23
     assert register[0x7118] == 0x00E0 and "ADC_cal".upper() in chip.executed
     assert register[0x5005] & 0x1800 == 0x1000 and register[0x5009] == 0x80  # SPI, 24 bits
     assert register[0x7029] == 0x002A  # the watchdog is on
@@ -91,7 +92,7 @@ def test_the_rate_is_the_compilers_choice(tmp_path, baud, divider):
     chip = Chip(ctypes.CDLL(str(uart)))
     chip.library.hb_modules_start()
     chip.library.hb_uart_start()
-    assert chip.register[0x7052] << 8 | chip.register[0x7053] == divider
+    assert chip.line.register[0x7052] << 8 | chip.line.register[0x7053] == divider
 
 
 def test_a_rate_that_the_clock_cannot_give_does_not_compile(tmp_path):
@@ -157,9 +158,9 @@ def test_requests_in_flight_are_all_answered(board, chip):
     assert b"f28335\0" in answers[0][2]
 
 
-@pytest.mark.parametrize("fault", ["receiver_stopped", "overflown"])
+@pytest.mark.parametrize("fault", ["stopped", "overflown"])
 def test_a_receiver_that_stopped_goes_on(board, chip, fault):
-    setattr(chip, fault, True)
+    setattr(chip.line, fault, True)
     chip.run(50)
     assert board.request("identify")
 
@@ -169,8 +170,24 @@ def test_the_ring_holds_what_comes_while_nobody_reads(board, chip):
     assert 64 < sum(map(len, frames)) < 256
     chip.hear(b"".join(frames))
     chip.run(2000, idle=False)
-    assert not chip.to_board and not chip.overflown
+    assert not chip.line.to_board and not chip.line.overflown
     assert len(board.exchange(b"")) == 20
+
+
+def services(chip):
+    return chip.written.count((0x7025, 0xAA))
+
+
+def test_the_watchdog_is_serviced_only_after_a_tick(board, chip):
+    chip.interrupts = False
+    chip.library.hb_board_idle()
+    before = services(chip)
+    for _ in range(5):
+        chip.library.hb_board_idle()
+    assert services(chip) == before
+    chip.interrupts = True
+    chip.run(120)
+    assert services(chip) > before
 
 
 def test_the_watchdog_is_content_while_both_live(board, chip):
@@ -206,7 +223,7 @@ def test_ticks_lost_while_start_checks_are_no_fault(board, chip, monkeypatch):
     answer = board.firmware.poll
 
     def check_for_long():
-        while not chip.transmit_fifo:
+        while not chip.line.to_host:
             chip.run(1)
         chip.pass_time(1000)  # as if the core had masked the control interrupt so long
         answer()

@@ -6,8 +6,8 @@
  * sensor; their sum is the mean in 1/16 of a count, exactly.
  *
  * Time: 8 x 16 x 80 ns = 10.2 us of conversions, some 15 us with the reading (reckoned, not
- * measured). 64 conversions of each, which the ADC can do in 41 us, would hold the processor as
- * long; they need DMA, which this port doesn't use. */
+ * measured). 64 conversions of each sensor take the ADC 36 us, but would hold the processor for
+ * longer than that: the sequencer keeps 16 results. They need DMA, which this port doesn't use. */
 #ifndef HB_ADC_H
 #define HB_ADC_H
 
