@@ -5,6 +5,7 @@ Real processes: ``hbench rig`` on a socket, its board's records tapped past the 
 """
 
 import os
+import pty
 import signal
 import subprocess
 import sys
@@ -25,7 +26,9 @@ from hbench.store.campaign import load_campaign
 PATIENCE_S = 120.0
 TAPPED_RIG = Path(__file__).parents[1] / "rig" / "tapped_rig.py"
 RUN = """
-import signal
+import fcntl, os, signal, termios
+if os.isatty(0):
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # whatever this test was started with
     signal.signal(number, signal.SIG_DFL)
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -56,11 +59,15 @@ class Lab:
         )
         self.port = rig.stdout.readline().strip()
 
-    def host(self) -> subprocess.Popen:
-        """Start ``hbench run``, with ``--resume`` where there is a campaign."""
+    def host(self, terminal: int | None = None) -> subprocess.Popen:
+        """Start ``hbench run``, with ``--resume`` where there is a campaign.
+
+        With ``terminal`` that is its controlling terminal, and takes what it tells.
+        """
         resume = ["--resume"] if (self.folder / "campaign.yaml").exists() else []
         return self._start(
-            ["-c", RUN, "run", self.schedule, "-o", self.folder, "--port", self.port, *resume]
+            ["-c", RUN, "run", self.schedule, "-o", self.folder, "--port", self.port, *resume],
+            terminal,
         )
 
     def logged(self) -> np.ndarray:
@@ -81,12 +88,13 @@ class Lab:
             process.kill()
             process.communicate()
 
-    def _start(self, arguments) -> subprocess.Popen:
+    def _start(self, arguments, terminal: int | None = None) -> subprocess.Popen:
         process = subprocess.Popen(
             [sys.executable, *map(str, arguments)],
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL if terminal is None else terminal,
             stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            stderr=subprocess.PIPE if terminal is None else terminal,
+            start_new_session=terminal is not None,
             text=True,
             cwd=self.schedule.parent,
             env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
@@ -143,21 +151,38 @@ def test_hosts_killed_many_times_lose_no_run(lab, quick_schedule, seed):
     assert kill_and_resume(lab(schedule, "max"), schedule, kills=8, seed=seed) > 4
 
 
-def test_an_interrupted_host_stops_the_board_at_once(lab, quick_schedule):
+def interrupted(lab, interrupt, terminal=None) -> subprocess.Popen:
+    """Start a host, wait until its bench moves, interrupt it; the bench must then stand still."""
+    host, logged = lab.host(terminal), len(lab.logged())
+    wait_until(lambda: len(lab.logged()) > logged + 5 or host.poll() is not None)
+    interrupt(host)
+    assert host.wait(PATIENCE_S) == 130
+    status = lab.status()
+    assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("idle", "stopped")
+    time.sleep(0.5)
+    assert abs(lab.status()["x_m"] - status["x_m"]) < 0.5e-3  # at 80 mm/s it would be 40 mm
+    (*_, entry) = load_campaign(lab.folder).entries
+    assert (entry.stop.outcome, entry.stop.why) == ("aborted", "interrupted by the operator")
+    return host
+
+
+def test_an_interrupted_host_and_a_closed_terminal_stop_the_board_at_once(lab, quick_schedule):
     lab = lab(quick_schedule())
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        host, logged = lab.host(), len(lab.logged())
-        wait_until(lambda h=host, n=logged: len(lab.logged()) > n + 5 or h.poll() is not None)
-        host.send_signal(number)
-        _, told = host.communicate(timeout=PATIENCE_S)
-        assert host.returncode == 130, told
+    for number in (signal.SIGINT, signal.SIGTERM):
+        host = interrupted(lab, lambda host, n=number: host.send_signal(n))
+        told = host.stderr.read()
         assert "interrupted; go on with --resume" in told and "Traceback" not in told
-        status = lab.status()
-        assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("idle", "stopped")
-        time.sleep(0.5)
-        assert abs(lab.status()["x_m"] - status["x_m"]) < 0.5e-3  # at 80 mm/s it would be 40 mm
-        (*_, entry) = load_campaign(lab.folder).entries
-        assert (entry.stop.outcome, entry.stop.why) == ("aborted", "interrupted by the operator")
+
+    window, terminal = pty.openpty()
+    shown = []
+
+    def close(host):
+        os.close(terminal)  # of this process; the host has its own
+        shown.append(os.read(window, 10_000))
+        os.close(window)
+
+    interrupted(lab, close, terminal)
+    assert b"runs" in shown[0]
 
 
 def test_a_host_that_sleeps_finds_a_board_that_has_stopped_itself(lab, quick_schedule):

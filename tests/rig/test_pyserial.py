@@ -18,7 +18,7 @@ import serial
 from hbench.cli.main import main
 from hbench.errors import DeviceError
 from hbench.rig.client import BoardClient
-from hbench.rig.lines import PtyLine
+from hbench.rig.lines import PtyLine, SocketLine
 from hbench.rig.ports import PortBusy, SerialPort
 from hbench.rig.serve import WallClock, serve
 from hbench.rig.virtual import VirtualRig
@@ -152,8 +152,8 @@ def test_a_port_that_another_program_holds_ends_with_exit_code_3(line, hbench):
 class Server:
     """A virtual rig that is served in a thread; ``meddle`` is called with each slice of time."""
 
-    def __init__(self, bench, meddle):
-        self.rig, self.line = VirtualRig(bench), PtyLine()
+    def __init__(self, bench, meddle=lambda server: None, line=None):
+        self.rig, self.line = VirtualRig(bench), line or PtyLine()
         self.rig.read(0.0)
         self._stop = threading.Event()
         self._meddle = meddle
@@ -192,9 +192,25 @@ def test_a_cable_pulled_in_the_middle_of_a_run_ends_with_exit_code_3(
     assert all(e.stop.outcome == "done" or name in e.stop.why for e in campaign.entries)
 
 
+def test_a_second_client_of_a_socket_ends_with_exit_code_3_and_the_first_stays(
+    quick_experiment, hbench
+):
+    server = Server(quick_experiment.bench, line=SocketLine("localhost:0"))
+    first = SerialPort(server.line.name)
+    client = BoardClient(first)
+    client.identify()
+    code, told = hbench(server.line.name)
+    assert code == 3 and f"error: {server.line.name}: " in told
+    assert client.identify().board == "host"
+    first.close()
+    server.stop()
+    server.line.close()
+    server.rig.close()
+
+
 def test_a_plain_second_opener_that_steals_octets_costs_no_run(quick_experiment, hbench, tmp_path):
     """It takes what it can for a while, as a terminal program on the same port does."""
-    server, stolen, over = Server(quick_experiment.bench, lambda server: None), [], []
+    server, stolen, over = Server(quick_experiment.bench), [], []
 
     def steal():
         while not (tmp_path / "out" / "runs" / "0001.dat").exists() and not over:
