@@ -65,6 +65,7 @@ class EmulatedFirmware:
             )
         except OSError as error:
             self._uart.close()
+            self._complaints.close()
             raise DeviceError(
                 f"{PROGRAM}: can't be started: {error.strerror or error}",
                 "Install QEMU, e.g. `apt install qemu-system-arm`.",
@@ -87,7 +88,8 @@ class EmulatedFirmware:
         """Send octets to the board; what finds no room in its queue (4096) is lost."""
         for first in range(0, len(data), _CHUNK):
             part = data[first : first + _CHUNK]
-            self._uart.sendall(part)
+            with suppress(ConnectionError):  # the order tells of an emulator that has ended
+                self._uart.sendall(part)
             self._sent = (self._sent + len(part)) % 2**32
             self._carry_out(_RECEIVE)
 
@@ -134,7 +136,7 @@ class EmulatedFirmware:
 
     def _listen(self) -> None:
         """Take what UART0 has sent; a reply of several frames may be more than the socket holds."""
-        with suppress(BlockingIOError):
+        with suppress(BlockingIOError, ConnectionError):
             while octets := self._uart.recv(_CHUNK, socket.MSG_DONTWAIT):
                 self._said += octets
 

@@ -264,6 +264,15 @@ def test_a_board_whose_host_is_lost_in_a_run_stops_itself(board, experiment, mea
     assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("fault", "heartbeat")
 
 
+@pytest.mark.parametrize("call", ["tick", "poll", "receive"])
+def test_an_emulator_that_is_killed_is_a_device_error_at_the_next_call(board, image, call):
+    (process,) = emulators_of(image)
+    os.kill(process, signal.SIGKILL)
+    words = {"tick": [[0] * 7], "receive": [encode(Frame(1, IDENTIFY, b""))]}
+    with pytest.raises(DeviceError, match=r"board\.elf: the emulated board has ended"):
+        getattr(board, call)(*words.get(call, []))
+
+
 def test_an_image_that_is_not_there_is_a_configuration_error(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.elf: no such file"):
         EmulatedFirmware(tmp_path / "none.elf")
