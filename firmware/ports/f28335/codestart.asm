@@ -15,6 +15,6 @@ watchdog_off:
         CLRC    AMODE
         EALLOW
         MOVL    XAR4, #0x7029           ; WDCR
-        MOV     *XAR4, #0x0068
+        MOV     *+XAR4[0], #0x0068
         EDIS
         LB      _c_int00

@@ -28,15 +28,15 @@ SECTIONS
     codestart : > BEGIN,   PAGE = 0
     startup   : > FLASH_A, PAGE = 0
 
-    program
+    program :
     {
         commands.obj(.text) control.obj(.text) core.obj(.text) crc.obj(.text) filters.obj(.text)
         log.obj(.text) octets.obj(.text) pi.obj(.text) safety.obj(.text) schedule.obj(.text)
         sensors.obj(.text) settings.obj(.text) settle.obj(.text) steps.obj(.text) wire.obj(.text)
         adc.obj(.text) board.obj(.text) boots.obj(.text) dac.obj(.text) interrupts.obj(.text)
         system.obj(.text) uart.obj(.text)
-    } LOAD = FLASH_A, RUN = PROGRAM, PAGE = 0
-      LOAD_START(_hb_load_start), RUN_START(_hb_run_start), LOAD_SIZE(_hb_load_size)
+    } LOAD = FLASH_A, RUN = PROGRAM,
+      LOAD_START(_hb_load_start), RUN_START(_hb_run_start), LOAD_SIZE(_hb_load_size), PAGE = 0
 
     .text     : > FLASH_A, PAGE = 0                 /* main.obj and the library */
     .cinit    : > FLASH_A, PAGE = 0
