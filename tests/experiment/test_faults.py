@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 from fault_story import play
-from faulty_line import random_script
+from faulty_line import Octets, Script, random_script
 
 
 def sweep(numbers, quick_experiment, tmp_path, clock):
@@ -26,6 +26,15 @@ def sweep(numbers, quick_experiment, tmp_path, clock):
 
 def test_no_run_is_lost_or_made_twice_under_random_faults(quick_experiment, tmp_path, clock):
     sweep(range(12), quick_experiment, tmp_path, clock)
+
+
+@pytest.mark.parametrize("fault", ["drop", "flip", "duplicate", "delay"])
+def test_a_line_that_hurts_one_octet_in_a_hundred_carries_a_campaign(
+    quick_experiment, tmp_path, clock, fault
+):
+    hurt = Octets(**{fault: 0.01})
+    story = play(Script(1, hurt, hurt, baud=115_200), quick_experiment, tmp_path / "c", clock)
+    assert story.injected[fault] > 50 and story.sessions <= 5, story.errors
 
 
 @pytest.mark.slow
