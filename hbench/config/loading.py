@@ -68,12 +68,25 @@ def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        faults = [f"{source}: {_explain(fault, data)}" for fault in error.errors()]
+        faults = [f"{source}: {_explain(fault, data)}" for fault in _own_faults(error)]
         raise ConfigError("\n".join(faults), _hint(error)) from None
 
 
+def _own_faults(error: ValidationError) -> list[dict[str, Any]]:
+    """Return the faults, but no list that is too short only because its items have faults."""
+    faults = error.errors()
+
+    def follows(fault: dict[str, Any]) -> bool:
+        depth = len(fault["loc"])
+        return fault["type"] == "too_short" and any(
+            len(other["loc"]) > depth and other["loc"][:depth] == fault["loc"] for other in faults
+        )
+
+    return [fault for fault in faults if not follows(fault)]
+
+
 def _explain(fault: dict[str, Any], data: Any) -> str:
-    key = ".".join(_keys(fault["loc"], data)) or "(whole file)"
+    key = ".".join(_keys(fault, data)) or "(whole file)"
     if fault["type"] == "extra_forbidden":
         return f"unknown key '{key}'"
     if fault["type"] == "missing":
@@ -84,13 +97,17 @@ def _explain(fault: dict[str, Any], data: Any) -> str:
     return f"{key}: {message}" if isinstance(value, dict) else f"{key} = {value!r}: {message}"
 
 
-def _keys(loc: tuple[int | str, ...], data: Any) -> Iterator[str]:
-    """Yield the keys that stand in the file; pydantic adds the kind that it chose by one."""
+def _keys(fault: dict[str, Any], data: Any) -> Iterator[str]:
+    """Yield the keys that stand in the file, and one that is missing there.
+
+    Pydantic adds the kind or strategy that it chose by one.
+    """
+    loc = fault["loc"]
     for number, part in enumerate(loc):
         there = part in data if isinstance(data, dict) else isinstance(part, int)
         if there:
             data = data[part]
-        if there or number == len(loc) - 1:
+        if there or (fault["type"] == "missing" and number == len(loc) - 1):
             yield str(part)
 
 
