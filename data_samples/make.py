@@ -140,7 +140,12 @@ def make_bad_runs() -> None:
     """Measure the bad runs, each on its own rig, into one campaign."""
     experiment = workflow.load_experiment(HERE / "bad-runs.yaml", None)
     bench_data, folder, now = experiment.files["bench"]["content"], HERE / "bad-runs", clock()
-    measure(replace(experiment, plans=experiment.plans[:1]), folder, None, now)
+    measure(
+        replace(experiment, plan=replace(experiment.plan, runs=experiment.plans[:1])),
+        folder,
+        None,
+        now,
+    )
     for plan, bad in zip(experiment.plans[1:], BAD_RUNS, strict=True):
         bench = parse_bench(merge(bench_data, bad.get("bench", {})), "bench")
         rig = VirtualRig(bench, parse_plant(bench_data, bad.get("plant", {}), "plant"), SEED)

@@ -19,7 +19,8 @@ from hbench.config.bench import Bench, Plant, parse_bench, parse_plant
 from hbench.config.loading import file_sha256, read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
 from hbench.errors import ConfigError, DataError
-from hbench.experiment.plan import estimate_seconds, plan_runs
+from hbench.experiment.parts import over_all_parts, parts
+from hbench.experiment.plan import Plan, estimate_seconds, plan_runs
 from hbench.experiment.runner import Progress, run_campaign
 from hbench.protocol.dictionary import FLAGS, PROTOCOL, RECORD, dictionary_hash
 from hbench.records import Results, RunPlan
@@ -49,8 +50,13 @@ class Experiment:
 
     schedule: Schedule
     bench: Bench
-    plans: tuple[RunPlan, ...]
+    plan: Plan  # before anything is measured
     files: dict[str, dict[str, Any]]  # bench, schedule: {file, content}
+
+    @property
+    def plans(self) -> tuple[RunPlan, ...]:
+        """All runs; with adaptive velocities the most that there can be."""
+        return self.plan.runs + self.plan.rest
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,7 @@ class Estimate:
     runs: int
     seconds: float  # on the bench
     bytes: int  # of raw logs
+    at_most: bool  # adaptive velocities: how many runs it takes shows while they are made
 
 
 @dataclass(frozen=True)
@@ -116,7 +123,7 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
     return Experiment(
         schedule=schedule,
         bench=bench,
-        plans=plan_runs(schedule, bench, str(schedule_file)),
+        plan=plan_runs(schedule, bench, str(schedule_file)),
         files={
             "bench": {"file": bench_file.name, "content": bench_data},
             "schedule": {"file": schedule_file.name, "content": schedule_data},
@@ -128,7 +135,8 @@ def estimate(experiment: Experiment) -> Estimate:
     """Return the runs, the time on the bench and the size of the raw logs."""
     plans, rate = experiment.plans, experiment.bench.controllers.log_rate
     words = sum(plan.motion.duration_s for plan in plans) * rate * len(RECORD)
-    return Estimate(len(plans), estimate_seconds(plans, experiment.bench), round(5 * words))
+    seconds = estimate_seconds(plans, experiment.bench)
+    return Estimate(len(plans), seconds, round(5 * words), bool(experiment.plan.rest))
 
 
 def measure(
@@ -151,23 +159,28 @@ def measure(
     """
     if plant is not None and port != "sim":
         raise ConfigError("--plant is for the virtual rig, and --port is not 'sim'")
+    bench = experiment.bench
     with only_host(folder):
         campaign = load_campaign(folder) if resume else None
         line = _open_port(experiment, port, plant, _session_seed(seed, campaign), baud)
         try:
             client = BoardClient(line)
             identity = client.identify()
-            plans = experiment.plans
             header = _header(experiment, identity, port, plant, seed, clock())
             if campaign is not None:
                 _refuse_another(campaign, header)
                 journal = CampaignWriter.resume(folder)
-                plans = tuple(plan for plan in plans if plan.run not in campaign.done)
+                done = {plan for plan in campaign.plans if plan.run in campaign.done}
             else:
                 journal = CampaignWriter.create(folder, header)
-            start = line.now()
-            run_campaign(plans, experiment.bench, client, journal, clock, report, resume)
-            return Measured(len(plans), line.now() - start)
+                done = set()
+            start, made = line.now(), 0
+            for part in parts(experiment.plan, experiment.schedule, bench, folder, done):
+                progress = over_all_parts(report, made, part)
+                first = resume and not made
+                run_campaign(part.runs, bench, client, journal, clock, progress, first)
+                made += len(part.runs)
+            return Measured(made, line.now() - start)
         finally:
             line.close()
 

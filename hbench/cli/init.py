@@ -1,14 +1,21 @@
-"""``hbench init``: writes a bench file and a schedule to edit."""
+"""``hbench init``: writes a bench file and schedules to edit."""
 
 from pathlib import Path
 
 import typer
 
-_FILES = ("bench-aau.yaml", "stribeck.yaml", "demo.yaml")
+_FILES = (
+    "bench-aau.yaml",
+    "stribeck.yaml",
+    "adaptive.yaml",
+    "dynamics.yaml",
+    "warm-up.yaml",
+    "demo.yaml",
+)
 
 
 def init(directory: Path = typer.Argument(help="Folder to write into.")) -> None:
-    """Write commented example files to edit: a bench and two schedules.
+    """Write commented example files to edit: a bench and five schedules.
 
     Example: hbench init my-bench
     """

@@ -26,7 +26,10 @@ class ProgressLine:
         """Show where the campaign stands."""
         done, total, plan = progress.runs_done, progress.runs_total, progress.plan
         reference = f"{1e3 * plan.v_ref_m_s:+.1f} mm/s, {plan.f_load_n:+.0f} N, trial {plan.trial}"
-        text = f"{done}/{total} runs, {reference}, {self._left(done, total)}"
+        if progress.at_most:
+            text = f"{done} of at most {total} runs, {reference}"
+        else:
+            text = f"{done}/{total} runs, {reference}, {self._left(done, total)}"
         if self._redraws:
             filled = _BAR * done // total
             self._redraw(f"[{'#' * filled}{'.' * (_BAR - filled)}] {text}")

@@ -33,9 +33,11 @@ def run(
 
     experiment = workflow.load_experiment(schedule, bench)
     estimate = workflow.estimate(experiment)
+    most = "at most " if estimate.at_most else ""
     typer.echo(
-        f"{experiment.schedule.name}: {len(experiment.plans)} runs, about "
-        f"{_minutes(estimate.seconds)} on the bench, {estimate.bytes / 1e6:.1f} MB of logs",
+        f"{experiment.schedule.name}: {most}{estimate.runs} runs, about "
+        f"{_minutes(estimate.seconds)} on the bench, {estimate.bytes / 1e6:.1f} MB of logs"
+        f"{'; adaptive velocities: friction decides how many' if most else ''}",
         err=True,
     )
     if check:

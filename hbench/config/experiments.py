@@ -6,28 +6,9 @@ from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
 from hbench.config.quantity import Section
+from hbench.config.velocities import Adaptive, Velocities
 
 Direction = Literal["extend", "retract"]
-
-
-class Velocities(Section):
-    """Speeds v_i = a i + b i^2 (i = 1..count) from ``first`` to ``last``: dense where slow.
-
-    The source's own spacing (section 5.3 and 5.6.1).
-    """
-
-    first: q.Speed
-    last: q.Speed
-    count: int = Field(ge=2, le=100)
-
-    @model_validator(mode="after")
-    def _rises(self) -> "Velocities":
-        if not self.count * self.first <= self.last:
-            raise ValueError(
-                "steps would not grow: 'last' must be at least count * first "
-                f"= {self.count * self.first:g} m/s, or give the speeds as a list"
-            )
-        return self
 
 
 class Travel(Section):
@@ -61,10 +42,25 @@ class Steady(Loaded):
 
     kind: Literal["steady"]
     direction: Direction
-    velocities: Velocities | tuple[q.Speed, ...]
+    velocities: Velocities
     travel: Travel
     acceleration: q.Acceleration
     window: q.quantity("s", gt=0.1, le=60)  # longest steady window
+
+    @model_validator(mode="after")
+    def _follows_friction(self) -> "Steady":
+        if isinstance(self.velocities, Adaptive):
+            if self.order == "passes":
+                raise ValueError(
+                    "order: passes does not go with adaptive velocities: a speed's trials are "
+                    "needed to choose the next speed"
+                )
+            if self.trials < 2:
+                raise ValueError(
+                    "adaptive velocities need trials: 2 or more, whose scatter tells noise from "
+                    "curvature"
+                )
+        return self
 
 
 class Ramp(Loaded):

@@ -14,11 +14,11 @@ from hbench.config.experiments import (
     Steps,
     Travel,
     Triangle,
-    Velocities,
     Verification,
 )
 from hbench.config.schedule import Screening
 from hbench.errors import ConfigError
+from hbench.experiment.speeds import speeds
 from hbench.records import Motion, Segment
 
 
@@ -44,20 +44,11 @@ class Way:
 def references(
     experiment: Loaded, screening: Screening, bench: Bench, key: str
 ) -> tuple[Reference, ...]:
-    """Return the experiment's references in order.
+    """Return the experiment's references in order; not for adaptive velocities.
 
     Raises ``ConfigError`` (naming ``key``) where one can't be made.
     """
     return tuple(_KINDS[experiment.kind](experiment, screening, bench, key))
-
-
-def polynomial_speeds(velocities: Velocities) -> np.ndarray:
-    """Return v_i = a i + b i^2, i = 1..count, from ``first`` to ``last`` [m/s] (section 5.3)."""
-    n = velocities.count
-    b = (velocities.last - n * velocities.first) / (n * (n - 1))
-    a = velocities.first - b
-    i = np.arange(1, n + 1)
-    return a * i + b * i**2
 
 
 def way(motion: Motion, brake_m_s2: float) -> Way:
@@ -105,8 +96,7 @@ def _time_to(distance: float, v: float, a: float, target: float) -> float:
 def _steady(
     experiment: Steady, screening: Screening, bench: Bench, key: str
 ) -> Iterator[Reference]:
-    given = experiment.velocities
-    for speed in polynomial_speeds(given) if isinstance(given, Velocities) else given:
+    for speed in speeds(experiment.velocities):
         yield steady_reference(experiment, float(speed), screening, bench, key)
 
 

@@ -1,18 +1,31 @@
 """From a schedule to the plan: every run with its references, checked before anything moves."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 
 from hbench.config.bench import Bench
-from hbench.config.experiments import Loaded
-from hbench.config.schedule import Schedule
+from hbench.config.experiments import Loaded, Steady
+from hbench.config.schedule import Schedule, Screening
+from hbench.config.velocities import Adaptive
 from hbench.errors import ConfigError
-from hbench.experiment.motions import Reference, references, way
+from hbench.experiment.adaptive import Measured, next_speed
+from hbench.experiment.motions import Reference, references, steady_reference, way
 from hbench.records import RunPlan, Specimen
 
 MAX_RUNS = 9999  # that a run's number has digits for
 _LAG_S = 0.05  # of the velocity loop and its settling, to be added to the way
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The runs of a schedule, as far as they are decided."""
+
+    runs: tuple[RunPlan, ...]
+    # What follows where adaptive velocities still wait for friction: the smallest steps, so the
+    # most runs that there can be.
+    rest: tuple[RunPlan, ...] = ()
 
 
 def load_pressure(bench: Bench, f_load_n: float, p_lr_pa: float) -> float:
@@ -21,27 +34,76 @@ def load_pressure(bench: Bench, f_load_n: float, p_lr_pa: float) -> float:
     return (cylinder.area_rod_m2 * p_lr_pa + f_load_n) / cylinder.area_piston_m2
 
 
-def plan_runs(schedule: Schedule, bench: Bench, source: str) -> tuple[RunPlan, ...]:
-    """Return all runs of a schedule in order.
+def plan_runs(
+    schedule: Schedule,
+    bench: Bench,
+    source: str,
+    friction: Mapping[RunPlan, float | None] | None = None,
+) -> Plan:
+    """Return the runs of a schedule in order.
 
-    Raises ``ConfigError`` (naming ``source`` and the key) where the bench can't make a run.
+    ``friction`` [N] is that of the runs made so far, None for one that was rejected; adaptive
+    velocities follow from it. The same friction gives the same plan. Raises ``ConfigError``
+    (naming ``source`` and the key) where the bench can't make a run.
     """
-    plans: list[RunPlan] = []
-    trials: Counter[tuple] = Counter()
+    planner = _Planner(bench, friction or {}, source)
     for number, experiment in enumerate(schedule.experiments):
         key = f"{source}: experiments.{number}"
+        for load in experiment.loads:
+            _check_pressures(load, experiment.p_lr, bench, key)
+        if isinstance(experiment, Steady) and isinstance(experiment.velocities, Adaptive):
+            planner.follow(experiment, experiment.velocities, schedule.screening, key)
+            continue
         found = references(experiment, schedule.screening, bench, key)
         for reference in found:
             _check_motion(reference, bench, key)
-        for load in experiment.loads:
-            _check_pressures(load, experiment.p_lr, bench, key)
         for load, reference in _in_order(experiment, found):
-            same = (experiment.kind, experiment.label, reference, load, experiment.p_lr)
-            trials[same] += 1  # goes on where an experiment is listed again
-            plans.append(_plan(len(plans) + 1, experiment, reference, load, trials[same], bench))
-    if len(plans) > MAX_RUNS:
-        raise ConfigError(f"{source}: {len(plans)} runs; at most {MAX_RUNS} fit one campaign")
-    return tuple(plans)
+            planner.add(experiment, reference, load)
+    runs = tuple(planner.runs)
+    return Plan(runs[: planner.decided], runs[planner.decided :])
+
+
+class _Planner:
+    """Numbers runs and trials; counts the runs that are decided."""
+
+    def __init__(self, bench: Bench, friction: Mapping[RunPlan, float | None], source: str):
+        self.runs: list[RunPlan] = []
+        self.decided = 0
+        self._open = False  # a speed before depends on friction that is not measured yet
+        self._bench = bench
+        self._friction = friction
+        self._source = source
+        self._trials: Counter[tuple] = Counter()
+
+    def add(self, experiment: Loaded, reference: Reference, load: float) -> RunPlan:
+        """Append the next trial of a reference."""
+        same = (experiment.kind, experiment.label, reference, load, experiment.p_lr)
+        self._trials[same] += 1  # goes on where an experiment is listed again
+        trial, number = self._trials[same], len(self.runs) + 1
+        if number > MAX_RUNS:
+            raise ConfigError(
+                f"{self._source}: more than {MAX_RUNS} runs; at most as many fit one campaign",
+                "Adaptive velocities count with their smallest steps." if self._open else "",
+            )
+        plan = _plan(number, experiment, reference, load, trial, self._bench)
+        self.runs.append(plan)
+        self.decided += not self._open
+        return plan
+
+    def follow(self, experiment: Steady, rule: Adaptive, screening: Screening, key: str) -> None:
+        """Append an adaptive experiment: what friction tells, then the smallest steps."""
+        for load in experiment.loads:
+            measured: list[Measured] = []
+            speed: float | None = rule.first
+            while speed is not None:
+                reference = steady_reference(experiment, speed, screening, self._bench, key)
+                _check_motion(reference, self._bench, key)
+                plans = [self.add(experiment, reference, load) for _ in range(experiment.trials)]
+                made = [self._friction.get(plan) for plan in plans]
+                self._open = self._open or any(plan not in self._friction for plan in plans)
+                trials = () if self._open else tuple(f for f in made if f is not None)
+                measured.append(Measured(speed, trials))
+                speed = next_speed(rule, measured)
 
 
 def trials_in_a_row(plans: Sequence[RunPlan]) -> list[list[RunPlan]]:

@@ -40,6 +40,7 @@ class Progress:
     plan: RunPlan  # the run that is being made
     v_m_s: float
     f_applied_n: float
+    at_most: bool = False  # the total is not known yet: it may become less
 
 
 def run_campaign(

@@ -54,6 +54,15 @@ def test_check_estimates_and_writes_nothing(hbench, short_schedule, tmp_path):
     assert set(tmp_path.iterdir()) == before
 
 
+def test_check_says_where_the_number_of_runs_is_not_known_beforehand(hbench, short_schedule):
+    ends = {"first": "60 mm/s", "last": "130 mm/s"}
+    steps = {"min_step": "10 mm/s", "max_step": "30 mm/s", "tolerance": "5 N"}
+    velocities = {"strategy": "adaptive", **ends, **steps}
+    done = hbench("run", short_schedule(velocities=velocities), "--check")
+    assert done.returncode == 0 and "at most 16 runs" in done.stderr
+    assert "at most" not in hbench("run", short_schedule(), "--check").stderr
+
+
 def test_from_a_schedule_to_the_page(hbench, short_schedule, tmp_path):
     done = hbench("run", short_schedule(), "-o", "out")
     assert done.returncode == 0 and done.stdout.startswith("out: 4 runs")
@@ -101,7 +110,13 @@ def test_init_writes_files_that_run_accepts_and_keeps_those_that_are_there(hbenc
     if "examples" in done.stderr:
         pytest.skip("the examples are put in place when hbench is installed")
     assert done.returncode == 0
-    for schedule in ("stribeck.yaml", "demo.yaml"):
+    for schedule in (
+        "stribeck.yaml",
+        "adaptive.yaml",
+        "dynamics.yaml",
+        "warm-up.yaml",
+        "demo.yaml",
+    ):
         assert hbench("run", tmp_path / "mine" / schedule, "--check").returncode == 0
     (tmp_path / "mine" / "demo.yaml").write_text("mine")
     assert hbench("init", "mine").returncode == 2

@@ -37,7 +37,7 @@ def test_the_bench_of_the_source_has_its_printed_values_in_si():
     assert bench.instruments.force.tolerance == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize("name", ["stribeck.yaml", "demo.yaml"])
+@pytest.mark.parametrize("name", ["stribeck.yaml", "demo.yaml", "adaptive.yaml"])
 def test_the_shipped_schedules_are_good(name):
     parse_schedule(read_yaml(CONFIGS / name), name)
 
@@ -97,6 +97,46 @@ def test_every_fault_of_a_file_is_told_at_once():
 def test_a_fault_in_a_schedule_is_named(key, value, words):
     with pytest.raises(ConfigError) as error:
         parse_schedule(changed(SCHEDULE, key, value), "my.yaml")
+    assert str(error.value).count("my.yaml") == 1  # nothing follows from it
+    for word in ["my.yaml", *words]:
+        assert word in str(error.value)
+
+
+ENDS = {"first": "5 mm/s", "last": "200 mm/s"}
+ADAPTIVE = {**ENDS, "strategy": "adaptive", "min_step": "3 mm/s", "max_step": "40 mm/s",
+            "tolerance": "2 N"}  # fmt: skip
+STRATEGIES = ["polynomial", "linear", "slope_adjusted", "adaptive"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"velocities": {**ENDS, "strategy": "cubic", "count": 9}}, ["velocities", *STRATEGIES]),
+        ({"velocities": "fast"}, ["velocities = 'fast'", *STRATEGIES]),
+        ({"velocities": []}, ["experiments.0.velocities = []"]),
+        ({"velocities": ["5 mm/s", "6 bar"]}, ["experiments.0.velocities.1 = '6 bar'"]),
+        ({"velocities": {**ENDS, "strategy": "linear"}},
+         ["key 'experiments.0.velocities.count' is missing"]),
+        ({"velocities": {**ENDS, "strategy": "slope_adjusted", "count": 9}},
+         ["key 'experiments.0.velocities.transition' is missing"]),
+        ({"velocities": {**ENDS, "strategy": "slope_adjusted", "transition": "3 mm/s", "count": 9}},
+         ["experiments.0.velocities: 'first', 'transition' and 'last' must rise"]),
+        ({"velocities": {**ADAPTIVE, "count": 9}},
+         ["unknown key 'experiments.0.velocities.count'"]),
+        ({"velocities": {**ADAPTIVE, "tolerance": "2 mm"}},
+         ["experiments.0.velocities.tolerance = '2 mm'", "N"]),
+        ({"velocities": {**ADAPTIVE, "max_step": "5 mm/s"}},
+         ["experiments.0.velocities: 'max_step'", "twice 'min_step'"]),
+        ({"velocities": ADAPTIVE, "order": "passes"}, ["experiments.0: order: passes", "adaptive"]),
+        ({"velocities": ADAPTIVE, "trials": 1}, ["experiments.0: adaptive", "trials: 2"]),
+    ],
+)  # fmt: skip
+def test_a_fault_in_velocities_is_one_line_with_the_key_as_it_stands_in_the_file(change, words):
+    data = copy.deepcopy(SCHEDULE)
+    data["experiments"][0] |= change
+    with pytest.raises(ConfigError) as error:
+        parse_schedule(data, "my.yaml")
+    assert str(error.value).count("my.yaml") == 1 and str(error.value).count("\n") == 0
     for word in ["my.yaml", *words]:
         assert word in str(error.value)
 

@@ -32,7 +32,7 @@ TRAVEL = {"start": "60 mm", "end": "330 mm"}
 
 def plans_of(*experiments):
     data = {"name": "test", "bench": "bench.yaml", "experiments": [LOAD | e for e in experiments]}
-    return plan_runs(parse_schedule(data, "s.yaml"), BENCH, "s.yaml")
+    return plan_runs(parse_schedule(data, "s.yaml"), BENCH, "s.yaml").runs
 
 
 def integrated(motion, brake, dt=1e-4):
@@ -149,14 +149,14 @@ BOARD = Identity("f", "b", 1, 10_000, 1024, max_steps=128, max_segments=128)
 
 def test_steps_share_the_rows_that_they_have_in_common():
     schedule = parse_schedule(DYNAMICS, "dynamics.yaml")
-    (upload,) = uploads(plan_runs(schedule, BENCH, "dynamics.yaml"), BOARD)
+    (upload,) = uploads(plan_runs(schedule, BENCH, "dynamics.yaml").runs, BOARD)
     # 3 accelerations in either direction, 3 triangles of 3, steps of 6, a profile of 6, a hold.
     assert len(upload.segments) == 6 + 9 + 6 + 6 + 1
     assert sum(step["trials"] for step in upload.steps) == 53
 
 
 def test_a_plan_is_cut_where_the_board_is_full():
-    plans = plan_runs(parse_schedule(read_yaml(CONFIGS / "stribeck.yaml"), "s"), BENCH, "s")
+    plans = plan_runs(parse_schedule(read_yaml(CONFIGS / "stribeck.yaml"), "s"), BENCH, "s").runs
     small = Identity("f", "b", 1, 10_000, 1024, max_steps=50, max_segments=20)
     parts = list(uploads(plans, small))
     assert max(len(part.steps) for part in parts) <= 50

@@ -3,15 +3,12 @@
 import copy
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from hbench.config.bench import parse_bench
-from hbench.config.experiments import Velocities
 from hbench.config.loading import read_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
-from hbench.experiment.motions import polynomial_speeds
 from hbench.experiment.plan import load_pressure, plan_runs, trials_in_a_row
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -20,7 +17,7 @@ STRIBECK = read_yaml(CONFIGS / "stribeck.yaml")
 
 
 def plans_of(data):
-    return plan_runs(parse_schedule(data, "s.yaml"), BENCH, "s.yaml")
+    return plan_runs(parse_schedule(data, "s.yaml"), BENCH, "s.yaml").runs
 
 
 def test_the_sources_experiment_has_360_runs():
@@ -32,14 +29,6 @@ def test_the_sources_experiment_has_360_runs():
     assert {abs(plan.f_load_n) for plan in plans} == {500, 1000, 2000, 5000}
     assert max(abs(plan.v_ref_m_s) for plan in plans) == pytest.approx(0.2)
     assert [plan.trial for plan in plans[:6]] == [1, 2, 3, 1, 2, 3]
-
-
-def test_speeds_are_a_second_order_polynomial_between_the_ends():
-    speeds = polynomial_speeds(Velocities(first="5 mm/s", last="200 mm/s", count=15))
-    assert speeds[0] == pytest.approx(0.005)
-    assert speeds[-1] == pytest.approx(0.2)
-    np.testing.assert_allclose(np.diff(speeds, 3), 0, atol=1e-12)
-    assert np.all(np.diff(speeds, 2) > 0)
 
 
 def test_load_pressures_are_the_printed_ones():
@@ -63,6 +52,33 @@ def test_trials_in_a_row_are_one_step_and_holes_part_them():
     plans = plans_of(STRIBECK)
     assert [len(step) for step in trials_in_a_row(plans)] == [3] * 120
     assert [len(step) for step in trials_in_a_row([*plans[:1], *plans[2:5]])] == [1, 1, 2]
+
+
+def test_passes_go_over_all_loads_and_speeds_before_the_next_trial():
+    data = copy.deepcopy(STRIBECK)
+    data["experiments"] = [
+        {**data["experiments"][0], "velocities": ["50 mm/s", "60 mm/s"], "order": "passes"}
+    ]
+    plans = plans_of(data)
+    assert [plan.run for plan in plans] == [f"{number:04d}" for number in range(1, 25)]
+    loads = [500, 500, 1000, 1000, 2000, 2000, 5000, 5000]
+    assert [(plan.trial, plan.f_load_n, plan.v_ref_m_s) for plan in plans] == [
+        (trial, load, speed)
+        for trial in (1, 2, 3)
+        for load, speed in zip(loads, [0.05, 0.06] * 4, strict=True)
+    ]
+    assert [len(step) for step in trials_in_a_row(plans)] == [1] * 24
+
+
+def test_trials_of_an_experiment_that_is_listed_twice_go_on_counting():
+    data = copy.deepcopy(STRIBECK)
+    first = {**data["experiments"][0], "velocities": ["50 mm/s"], "loads": ["500 N"], "trials": 2}
+    data["experiments"] = [first, {**first, "label": "another"}, {**first, "trials": 3}]
+    plans = plans_of(data)
+    assert [(plan.label, plan.trial) for plan in plans] == [
+        ("", 1), ("", 2), ("another", 1), ("another", 2), ("", 3), ("", 4), ("", 5)
+    ]  # fmt: skip
+    assert len({plan.run for plan in plans}) == 7
 
 
 @pytest.mark.parametrize(
