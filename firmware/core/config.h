@@ -23,6 +23,7 @@ HB_ASSERT(ring_fits_l4_to_l7, HB_LOG_RECORDS * HB_RECORD_WORDS <= 16384u);
 
 /* Converter words: the mean of a tick's conversions in 1/16 of an ADC count. */
 #define HB_ADC_FULL_SCALE 65520u /* 4095 counts */
+#define HB_ADC_MARGIN 256u       /* 16 counts, a converter's own offset */
 
 /* Valves, in the order of the DAC's channels: an AD5724R, 12 bits, +-10 V. */
 enum hb_valve { HB_VALVE_T = 0, HB_VALVE_L1 = 1, HB_VALVE_L2 = 2, HB_VALVES = 3 };

@@ -27,14 +27,16 @@ void hb_sensors_init(hb_sensors_state *state)
 }
 
 /* A word that says that the sensor is broken, or its wire: the position at either end of the
- * converter's range, a pressure at the upper one (at the lower it may be zero). The load cell is
- * in no loop and has no limit; where it saturates, the record is marked. */
+ * converter's range, a pressure at the upper one (at the lower it may be zero). "At" is within a
+ * margin, because a dead wire reads the converter's offset, and a mean over its noise. The load
+ * cell is in no loop and has no limit; where it saturates, the record is marked. */
 static bool impossible(hb_u16 sensor, hb_u16 word)
 {
     if (sensor == HB_SENSOR_F_APPLIED) {
         return false;
     }
-    return word >= HB_ADC_FULL_SCALE || (sensor == HB_SENSOR_X && word == 0u);
+    return word >= HB_ADC_FULL_SCALE - HB_ADC_MARGIN
+        || (sensor == HB_SENSOR_X && word <= HB_ADC_MARGIN);
 }
 
 void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,

@@ -7,6 +7,7 @@ from kinematic import LAST, SENSOR_SATURATED, WORD, T, drive, read_all
 from hbench.protocol.dictionary import FAULTS, PHASES, SENSORS, STATES
 
 TOP = 65520  # 4095 counts in sixteenths
+MARGIN = 256  # 16 counts
 ASTRAY_M_S = 0.050025  # between two values of a reference that moves by 0.05 mm/s a tick
 PRESSURES = [name for name in SENSORS if name.startswith("p_")]
 
@@ -31,12 +32,28 @@ def moving(board):
 
 
 @pytest.mark.parametrize(
-    "raw", [{"x": 0}, {"x": TOP}, *({name: TOP} for name in PRESSURES)], ids=str
+    "raw",
+    [{"x": word} for word in (0, 3, MARGIN, TOP - MARGIN, TOP)]
+    + [{name: word} for name in PRESSURES for word in (TOP - MARGIN, TOP)],
+    ids=str,
 )
 def test_a_word_that_a_sound_sensor_can_not_give_stops_the_board_in_its_tick(moving, raw):
     moving.raw = raw
     assert moving.tick() == [0, 0, 0]
     assert cause(moving) == ("fault", "sensor")
+
+
+@pytest.mark.parametrize(
+    ("raw", "fault"),
+    [({"x": MARGIN + 1}, "travel"), ({"x": TOP - MARGIN - 1}, "travel"), ({"p_s": 0}, None)]
+    + [({name: TOP - MARGIN - 1}, "pressure") for name in PRESSURES],
+    ids=str,
+)
+def test_a_word_right_beside_that_is_a_value_like_others(moving, raw, fault):
+    moving.raw = raw
+    for _ in range(50):
+        moving.tick()
+    assert cause(moving) == (("fault", fault) if fault else ("running", "none"))
 
 
 @pytest.mark.parametrize("raw", [{"p_s": 0}, {"f_applied": 0}, {"f_applied": TOP}], ids=str)

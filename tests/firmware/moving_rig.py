@@ -1,0 +1,154 @@
+"""A virtual rig in the middle of a run, to be broken and watched tick by tick until it rests."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hbench.config.bench import parse_bench
+from hbench.config.loading import read_yaml
+from hbench.experiment.plan import load_pressure
+from hbench.model.plant import P_LR, P_TP, TICK_S, V, X
+from hbench.model.sensors import CHANNELS
+from hbench.protocol.codec import BY_NAME, unpack
+from hbench.protocol.dictionary import FAULTS, PHASES, STATES
+from hbench.protocol.frames import Frame, Receiver, encode
+from hbench.rig.client import BoardClient
+from hbench.rig.settings import board_settings
+from hbench.rig.virtual import VirtualRig
+
+BENCH_FILE = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
+BENCH = parse_bench(read_yaml(BENCH_FILE), str(BENCH_FILE))
+SETTINGS = board_settings(BENCH)
+REST_M_S = 1e-4
+LONGEST_TICKS = 5000
+AFTERWARDS_TICKS = 2000
+
+
+@dataclass(frozen=True)
+class Stop:
+    """What an event came to. Ticks are control ticks of 0.1 ms."""
+
+    fault: str
+    detection_ticks: int  # from the event to the fault
+    neutral_ticks: int  # from the fault to neutral valves
+    v_m_s: float  # when the valves were told to be neutral; along the run's direction
+    way_m: float  # furthest from there on, along the run's direction
+    rest_ticks: int  # from there on
+    x_m: float  # furthest
+    p_before_pa: np.ndarray  # of the four chambers
+    p_highest_pa: np.ndarray  # of the four chambers, from neutral on
+
+
+class MovingRig(VirtualRig):
+    """The sample bench at the speed ``v`` (signed), under a load that opposes or helps it.
+
+    ``vary`` makes another plant of its parameters; ``settings`` replace some of the board's.
+    """
+
+    def __init__(self, v, f_load, p_lr, x_at, vary=None, a=2.0, travel=(0.03, 0.35), **settings):
+        super().__init__(BENCH)
+        self._par = vary(self._par) if vary else self._par
+        self._v = v
+        low, high = travel
+        row = {"segment": 0, "segments": 1, "cycles": 1, "until": 0, "within": 0.0}
+        load = {"p_lr_ref_pa": p_lr, "p_lp_ref_pa": load_pressure(BENCH, f_load, p_lr)}
+        where = {"x_start_m": low if v > 0 else high, "x_min_m": low, "x_max_m": high}
+        step = {"run": 1, "trials": 1, **row, **load, **where, "hold_s": 0.1}
+        segment = {"valves": 0, "v_m_s": v, "a_m_s2": a, "duration_s": 20.0}
+        client = BoardClient(self)
+        crc = client.write_settings({**SETTINGS, **settings})
+        client.start(crc, client.write_schedule([segment], [step]))
+        while True:
+            status = client.status()
+            assert STATES[status["state"]] == "running", FAULTS[status["fault"]]
+            moves = PHASES[status["phase"]] in ("accelerate", "steady")
+            if moves and self.along(status["x_m"] - x_at) >= 0:
+                break
+            client.wait(0.002)
+
+    def along(self, value):
+        """Return a way or speed counted along the run's direction."""
+        return float(np.copysign(1.0, self._v) * value)
+
+    @property
+    def x(self):
+        return float(self._state[X])
+
+    @property
+    def v(self):
+        return float(self._state[V])
+
+    @property
+    def par(self):
+        return self._par
+
+    @property
+    def chambers(self):
+        return self._state[P_TP : P_LR + 1].copy()
+
+    def vary(self, **changes):
+        """The plant itself breaks."""
+        self._par = self._par._replace(**changes)
+
+    def break_sensor(self, name, counts=None):
+        """A channel stands at ``counts``, or where it is; the converter's noise goes on."""
+        i = CHANNELS.index(name)
+        stands = self._buffers[1][i] / 16.0 if counts is None else float(counts)
+        gains, zeros = list(self._sensors.per_unit), list(self._sensors.zero)
+        gains[i], zeros[i] = 0.0, stands
+        self._sensors = self._sensors._replace(per_unit=tuple(gains), zero=tuple(zeros))
+
+    def overrun(self):
+        self._board.overrun()
+
+    def tick(self):
+        """One control tick; returns the DAC's codes."""
+        self.read(TICK_S)
+        return self._buffers[2].copy()
+
+    def ask(self):
+        """State and fault of the board, while no time passes; a sign of life."""
+        self._board.transmit()
+        self._board.receive(encode(Frame(77, BY_NAME["status"].code, b"")))
+        self._board.poll()
+        (frame,) = Receiver().feed(self._board.transmit())
+        status = unpack(BY_NAME["status"].reply, frame.payload)
+        return STATES[status["state"]], FAULTS[status["fault"]]
+
+    def stop(self, silent=False):
+        """From an event that has just happened until some time after; asserts that it ended.
+
+        With ``silent`` the host says nothing, so the fault's tick is the one in which the valves
+        closed, and is told by the caller's limit.
+        """
+        detected = None
+        for tick in range(1, LONGEST_TICKS):
+            before, x, v = self.chambers, self.x, self.along(self.v)
+            neutral = not np.any(self.tick())
+            if not silent and detected is None and self.ask()[0] == "fault":
+                detected = tick
+            if neutral:
+                break
+        assert neutral
+        fault = self.ask()
+        assert fault[0] == "fault"
+        furthest, rest, highest = x, 0, before
+        for after in range(1, AFTERWARDS_TICKS):
+            furthest = max(furthest, self.x, key=self.along)
+            highest = np.maximum(highest, self.chambers)
+            rest = rest if abs(self.v) < REST_M_S else after
+            assert not np.any(self.tick())
+        assert abs(self.v) < REST_M_S
+        detected = tick if silent else detected
+        return Stop(
+            fault=fault[1],
+            detection_ticks=detected,
+            neutral_ticks=tick - detected,
+            v_m_s=v,
+            way_m=self.along(furthest - x),
+            rest_ticks=rest,
+            x_m=furthest,
+            p_before_pa=before,
+            p_highest_pa=highest,
+        )
