@@ -1,0 +1,273 @@
+"""Whatever the host says and the sensors tell, in any order: the board's promises hold.
+
+A random script of requests (right, wrong, repeated), ticks, silences and overruns runs beside a
+small model of what each may do to the board's state.
+"""
+
+import binascii
+import struct
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from hypothesis.stateful import run_state_machine_as_test as run_machine
+from kinematic import T, drive
+
+from hbench.protocol.dictionary import CRC_START, FAULTS, PHASES, SENSORS, SETTINGS, STATES
+
+HEARTBEAT_TICKS = 200
+BENCH = {
+    **{"heartbeat_s": HEARTBEAT_TICKS * T, "speed_error_time_s": 0.01, "speed_error_max_m_s": 0.1},
+    **{"return_speed_m_s": 0.3, "acceleration_m_s2": 5.0, "pressure_slew_pa_s": 1e9},
+    **{"log_divider": 10.0, "travel_min_m": 0.01},
+}
+NO_BENCH = ({"heartbeat_s": 0.0}, {"travel_min_m": 0.5}, {"log_divider": 0.0})  # not startable
+SEGMENTS = st.fixed_dictionaries(
+    {
+        "valves": st.sampled_from((0, 0, 0, 1)),
+        "v_m_s": st.sampled_from((0.1, -0.1, 0.0)),
+        "a_m_s2": st.sampled_from((2.0, 1e4)),
+        "duration_s": st.sampled_from((1e-4, 0.004, 0.02)),
+    }
+)
+STEP = {
+    **{"trials": 2, "segments": 1, "cycles": 2, "until": 1, "within": 0.5, "hold_s": 0.005},
+    **{"p_lr_ref_pa": 15e5, "p_lp_ref_pa": 40e5, "x_min_m": 0.02},
+}
+# Those that the board has a reason to refuse, whatever its state.
+UNSOUND = (
+    ("write_settings", struct.pack("<Hf", len(SETTINGS), 0.0)),
+    ("write_settings", struct.pack("<Hf", 0, float("nan"))),
+    ("write_segment", struct.pack("<HH3f", 200, 0, 0.1, 1.0, 1.0)),
+    ("write_segment", struct.pack("<HH3f", 0, 7, 0.1, 1.0, 1.0)),
+    ("write_step", b"\0\0"),
+    ("start", b"\0"),
+    ("stop", b"\1"),
+    ("clear_fault", b"\1\2"),
+)
+
+
+class Machine(RuleBasedStateMachine):
+    """The board beside its model."""
+
+    make = None  # a function that returns a board from reset
+
+    def __init__(self):
+        super().__init__()
+        self.board = self.make()
+        self.state, self.fault = "idle", "none"
+        self.settings = self.segments = self.steps = None  # octets that the board holds
+        self.sound = True  # the settings
+        self.status = self.board.status()
+        self.last = None  # the last request
+        self.started = None  # sequence and payload of the start that runs
+
+    # ---- the host ----
+
+    def ask(self, name, payload, again=False):
+        reply = self.board.request(name, payload, again)
+        self.last = (name, payload, self.board.sequence)
+        return reply
+
+    def expect(self, reply, refusal):
+        assert reply == (refusal or b"")
+
+    @initialize()
+    def a_bench_and_a_run(self):
+        self.write_settings(None)
+        self.write_schedule([{"valves": 0, "v_m_s": 0.1, "a_m_s2": 2.0, "duration_s": 0.02}])
+        self.board.rest(0.01, x=0.05)
+
+    @rule(bad=st.sampled_from((None, None, None, *NO_BENCH)))
+    def write_settings(self, bad):
+        reply = self.board.write_settings(**{**BENCH, **(bad or {})})
+        self.expect(reply, "busy" if self.state == "running" else None)
+        if reply == b"":
+            self.settings, self.sound = self.board.settings_crc, bad is None
+
+    @rule(row=st.lists(SEGMENTS, min_size=1, max_size=3))
+    def write_schedule(self, row):
+        busy = "busy" if self.state == "running" else None
+        for index, segment in enumerate(row):
+            self.expect(self.board.write_segment(index, **segment), busy)
+        self.expect(self.board.write_step(**{**STEP, "segments": len(row)}), busy)
+        if not busy:
+            octets = self.board.segments_octets + self.board.steps_octets
+            self.steps = binascii.crc_hqx(octets, CRC_START)
+
+    @rule(wrong=st.sampled_from(((0, 0),) * 6 + ((1, 0), (0, 1), (0x8000, 0x8000))))
+    def start(self, wrong):
+        crcs = struct.pack("<HH", self.settings ^ wrong[0], self.steps ^ wrong[1])
+        self.judge_start(self.ask("start", crcs), crcs)
+
+    def judge_start(self, reply, crcs):
+        sent = struct.unpack("<HH", crcs)
+        request = (self.board.sequence, crcs)
+        if self.state == "running":
+            self.expect(reply, None if request == self.started else "busy")
+        elif self.state == "fault":
+            self.expect(reply, "fault_latched")
+        elif sent[0] != self.settings:
+            self.expect(reply, "settings_differ")
+        elif sent[1] != self.steps:
+            self.expect(reply, "steps_differ")
+        elif not self.sound:
+            self.expect(reply, "out_of_range")
+        else:
+            self.expect(reply, None)
+            self.state, self.fault = "running", "none"
+            self.started = request
+            self.status["runs_done"] = 0
+
+    @rule()
+    def stop(self):
+        self.expect(self.ask("stop", b""), None)
+        if self.state == "running":
+            self.state, self.fault = "idle", "stopped"
+
+    @rule()
+    def clear_fault(self):
+        self.expect(self.ask("clear_fault", b""), "busy" if self.state == "running" else None)
+        if self.state == "fault":
+            self.state, self.fault = "idle", "none"
+
+    @precondition(lambda self: self.last is not None)
+    @rule()
+    def the_last_request_comes_once_more(self):
+        name, payload, sequence = self.last
+        if name == "start":
+            before, self.board.sequence = self.board.sequence, sequence
+            self.judge_start(self.ask(name, payload, again=True), payload)
+            self.board.sequence = before
+        else:
+            getattr(self, name)()
+
+    @rule(request=st.sampled_from(UNSOUND))
+    def an_unsound_request(self, request):
+        assert self.board.request(*request) in ("bad_payload", "out_of_range", "busy")
+
+    @rule(octets=st.binary(max_size=40))
+    def noise_on_the_line(self, octets):
+        self.board.firmware.receive(octets + b"\0")
+        self.board.firmware.poll()
+        self.board.firmware.transmit()
+
+    # ---- time ----
+
+    def tick(self, act):
+        """One tick, looked at: the state that it led to, and the valves in it."""
+        commands = act()
+        before, seen = self.state, self.look()
+        if before != "running":
+            assert seen == (before, self.fault)
+        else:
+            self.state, self.fault = seen
+        if self.state != "running":
+            assert not np.any(commands)
+        return commands
+
+    def look(self):
+        status = self.board.status()
+        state, fault = STATES[status["state"]], FAULTS[status["fault"]]
+        return state, fault
+
+    @rule(ticks=st.integers(1, 1500))
+    def time_on_a_bench_that_obeys(self, ticks):
+        for tick in range(ticks):
+            if tick % 50 == 0:
+                self.tick(lambda: drive(self.board, 1))
+            else:
+                commands = drive(self.board, 1)
+                assert self.state == "running" or not np.any(commands)
+        self.tick(lambda: drive(self.board, 1))
+
+    @rule(ticks=st.integers(1, 60), name=st.sampled_from(SENSORS))
+    def time_on_a_bench_that_does_not(self, ticks, name):
+        """A sensor stands still while all else obeys."""
+        value = self.board.si[name]
+        for _ in range(ticks):
+            self.tick(lambda: drive(self.board, 1))
+            self.board.si[name] = value
+
+    @rule(words=st.lists(st.integers(0, 65535), min_size=7, max_size=7))
+    def any_words(self, words):
+        self.tick(lambda: self.board.firmware.tick(words))
+
+    @rule(name=st.sampled_from(SENSORS), word=st.sampled_from((0, 3, 65520)))
+    def a_dead_wire(self, name, word):
+        self.board.raw = {name: word}
+        for _ in range(2):
+            self.tick(self.board.tick)
+        self.board.raw = {}
+
+    @rule(x=st.floats(0.02, 0.38))
+    def somebody_moves_the_piston(self, x):
+        if self.state != "running":
+            self.board.si["x"] = x
+            for _ in range(200):  # until the filters have settled
+                assert not any(self.board.tick())
+
+    @rule(ticks=st.integers(1, 3 * HEARTBEAT_TICKS))
+    def silence(self, ticks):
+        for _ in range(ticks):
+            commands = drive(self.board, 1)
+            assert self.state == "running" or not np.any(commands)
+        if self.state == "running":
+            self.state, self.fault = self.look()
+            if ticks > HEARTBEAT_TICKS:
+                assert self.state != "running" and not np.any(commands)
+
+    @rule()
+    def overrun(self):
+        self.board.firmware.overrun()
+        if self.state == "running":
+            self.state, self.fault = "fault", "overrun"
+
+    # ---- what always holds ----
+
+    @invariant()
+    def the_status_is_that_of_the_model_and_moves_one_way(self):
+        before, self.status = self.status, self.board.status()
+        now = self.status
+        assert (STATES[now["state"]], FAULTS[now["fault"]]) == (self.state, self.fault)
+        allowed = {
+            "idle": ("none", "stopped"),
+            "running": ("none",),
+            "done": ("none",),
+            "fault": [fault for fault in FAULTS if fault not in ("none", "stopped")],
+        }
+        assert self.fault in allowed[self.state]
+        assert (PHASES[now["phase"]] == "none") == (self.state != "running")
+        assert self.state == "running" or now["v_ref_m_s"] == 0.0
+        assert now["tick"] >= before["tick"]
+        assert before["runs_done"] <= now["runs_done"] <= STEP["trials"]
+        assert before["log_next"] <= now["log_next"]
+        assert max(0, now["log_next"] - 1024) == now["log_first"]
+        assert now["cycle"] < STEP["cycles"]
+
+
+def run(new_board, examples):
+    machine = type("BoardMachine", (Machine,), {"make": staticmethod(new_board)})
+    checks = list(HealthCheck)
+    run_machine(
+        machine,
+        settings=settings(
+            max_examples=examples,
+            stateful_step_count=40,
+            deadline=None,
+            derandomize=True,
+            database=None,
+            suppress_health_check=checks,
+        ),
+    )
+
+
+def test_no_script_of_requests_sensors_and_silences_breaks_the_promises(new_board):
+    run(new_board, examples=40)
+
+
+@pytest.mark.slow
+def test_no_script_breaks_the_promises_many_more(new_board):
+    run(new_board, examples=2000)
