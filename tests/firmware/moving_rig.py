@@ -48,7 +48,8 @@ class MovingRig(VirtualRig):
 
     def __init__(self, v, f_load, p_lr, x_at, vary=None, a=2.0, travel=(0.03, 0.35), **settings):
         super().__init__(BENCH)
-        self._par = vary(self._par) if vary else self._par
+        if vary:
+            self._bench = self._bench._replace(par=vary(self.par))
         self._v = v
         low, high = travel
         row = {"segment": 0, "segments": 1, "cycles": 1, "until": 0, "within": 0.0}
@@ -73,31 +74,33 @@ class MovingRig(VirtualRig):
 
     @property
     def x(self):
-        return float(self._state[X])
+        return float(self._bench.state[X])
 
     @property
     def v(self):
-        return float(self._state[V])
+        return float(self._bench.state[V])
 
     @property
     def par(self):
-        return self._par
+        return self._bench.par
 
     @property
     def chambers(self):
-        return self._state[P_TP : P_LR + 1].copy()
+        return self._bench.state[P_TP : P_LR + 1].copy()
 
     def vary(self, **changes):
         """The plant itself breaks."""
-        self._par = self._par._replace(**changes)
+        self._bench = self._bench._replace(par=self.par._replace(**changes))
 
     def break_sensor(self, name, counts=None):
         """A channel stands at ``counts``, or where it is; the converter's noise goes on."""
         i = CHANNELS.index(name)
-        stands = self._buffers[1][i] / 16.0 if counts is None else float(counts)
-        gains, zeros = list(self._sensors.per_unit), list(self._sensors.zero)
+        stands = self._bench.words[i] / 16.0 if counts is None else float(counts)
+        sensors = self._bench.sensors
+        gains, zeros = list(sensors.per_unit), list(sensors.zero)
         gains[i], zeros[i] = 0.0, stands
-        self._sensors = self._sensors._replace(per_unit=tuple(gains), zero=tuple(zeros))
+        sensors = sensors._replace(per_unit=tuple(gains), zero=tuple(zeros))
+        self._bench = self._bench._replace(sensors=sensors)
 
     def overrun(self):
         self._board.overrun()
@@ -105,7 +108,7 @@ class MovingRig(VirtualRig):
     def tick(self):
         """One control tick; returns the DAC's codes."""
         self.read(TICK_S)
-        return self._buffers[2].copy()
+        return self._bench.codes.copy()
 
     def ask(self):
         """State and fault of the board, while no time passes; a sign of life."""
