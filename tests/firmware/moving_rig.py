@@ -46,7 +46,7 @@ class MovingRig(VirtualRig):
     ``vary`` makes another plant of its parameters; ``settings`` replace some of the board's.
     """
 
-    def __init__(self, v, f_load, p_lr, x_at, vary=None, a=2.0, travel=(0.03, 0.35), **settings):
+    def __init__(self, v, f_load, p_lr, x_at, vary=None, a=1.0, travel=(0.03, 0.35), **settings):
         super().__init__(BENCH)
         if vary:
             self._bench = self._bench._replace(par=vary(self.par))
