@@ -5,10 +5,11 @@ journal, and both are there before anything is derived. Whatever ends the campai
 board is told to stop; a board that can't hear that stops by its heartbeat limit.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -26,9 +27,22 @@ LEAST_LOG_S = 4.0  # that its log must hold: some lost looks and their repetitio
 END_MISSING = "the end of its log is missing"
 OVERRUN = "{} records were overwritten before they were pulled: the log ran over"
 
+# What the board's latched causes mean on the bench.
+FAULT_WORDS = {
+    "heartbeat": "it had not heard its host for longer than limits.heartbeat",
+    "sensor": "the position or a pressure reads what its sensor can't give; look at the wires",
+    "travel": "the piston left limits.travel, or was about to",
+    "pressure": "a pressure was above limits.pressure_max",
+    "speed": "the piston was faster than limits.speed_max",
+    "speed_error": "for limits.speed_error_time the speed was off its reference by more than "
+    "limits.speed_error",
+    "overrun": "its control interrupt came late or took too long",
+    "return": "the piston did not come back to the start of a run in time",
+}
+
 _WORDS = [word.name for word in RECORD]
 _RUN, _INDEX, _FLAGS = (_WORDS.index(name) for name in ("run", "index", "flags"))
-_LAST = 1 << FLAGS.index("last")
+_LAST, _SETTLED = (1 << FLAGS.index(name) for name in ("last", "settled"))
 
 
 @dataclass(frozen=True)
@@ -99,7 +113,7 @@ def _take_over(client: BoardClient, resume: bool) -> None:
     state = STATES[status["state"]]
     if state == "fault" and not resume:
         raise DeviceError(
-            f"the board has stopped itself: {FAULTS[status['fault']]} limit",
+            f"the board has stopped itself: {_fault(status)}",
             "Look at the bench, then go on with --resume, or switch the board off and on.",
         )
     if state == "running" and not resume:
@@ -129,8 +143,7 @@ def _follow(client: BoardClient, recorder: "_Recorder", report: Callable, number
             report(recorder.progress(status))
         if state == "fault":
             raise DeviceError(
-                f"run {status['run']:04d}: the board stopped itself: "
-                f"{FAULTS[status['fault']]} limit",
+                f"run {status['run']:04d}: the board stopped itself: {_fault(status)}",
                 "Look at the bench, then go on with --resume.",
             )
         if state == "done":
@@ -171,6 +184,24 @@ def _cause(
             f"{_where(run)}: the board was reset", "Check its supply, then go on with --resume."
         )
     return error
+
+
+def _fault(status: Mapping[str, Any]) -> str:
+    name = FAULTS[status["fault"]]
+    return f"{name}: {FAULT_WORDS[name]}"
+
+
+def _ending(plan: RunPlan, flags: int) -> str:
+    """What to say of a run that came to its end: whether what it waited for has settled."""
+    motion = plan.motion
+    if motion.until == "cycles":
+        return ""
+    quantity = motion.until.replace("_", " ")
+    if flags & _SETTLED:
+        return f"{quantity} settled within {100 * motion.within:g} %"
+    return (
+        f"{quantity} had not settled within {100 * motion.within:g} % after {motion.cycles} cycles"
+    )
 
 
 def _where(run: str) -> str:
@@ -237,7 +268,7 @@ class _Recorder:
                 raise DeviceError(f"the board sent records of run {piece[0, _RUN]} after its last")
             self._words.append(piece)
             if piece[-1, _FLAGS] & _LAST:
-                self.finish("done", "")
+                self.finish("done", _ending(self._plans[self._number], piece[-1, _FLAGS]))
 
     def finish(self, outcome: Outcome, why: str) -> None:
         """The run is over: its log to disk, then its stop part to the journal."""
@@ -245,7 +276,7 @@ class _Recorder:
             return
         plan = self._plans[self._number]
         words = np.concatenate(self._words) if self._words else np.zeros((0, len(RECORD)), "<u2")
-        if self._lost and why in ("", END_MISSING):
+        if self._lost and (outcome == "done" or why == END_MISSING):
             outcome, why = "failed", OVERRUN.format(self._lost)
         self._finished[self._number] = outcome
         self._words, self._number, self._lost = [], 0, 0

@@ -167,20 +167,10 @@ def test_a_plan_is_cut_where_the_board_is_full():
         assert all(s["segment"] + s["segments"] <= len(part.segments) for s in part.steps)
 
 
-@pytest.fixture(scope="module")
-def measured(tmp_path_factory):
-    """One run of each kind of configs/dynamics.yaml on the virtual rig, in SI."""
-    folder = tmp_path_factory.mktemp("dynamics")
-    data = copy.deepcopy(DYNAMICS)
-    kinds = {}
-    for experiment in data["experiments"]:
-        kinds.setdefault(experiment["kind"], experiment)
-        experiment |= {"trials": 1, "loads": experiment["loads"][-1:]}
-    kinds["ramp"]["accelerations"] = ["0.067 m/s^2"]
-    kinds["triangle"] |= {"speed": "150 mm/s", "cycles": 2}
-    data["experiments"] = list(kinds.values())
+def made(folder, schedule):
+    """Make a schedule's runs on the virtual rig; return the campaign."""
     (folder / "bench.yaml").write_text((CONFIGS / "bench-aau.yaml").read_text())
-    (folder / "s.yaml").write_text(yaml.safe_dump(data | {"bench": "bench.yaml"}))
+    (folder / "s.yaml").write_text(yaml.safe_dump(schedule | {"bench": "bench.yaml"}))
     workflow.measure(
         workflow.load_experiment(folder / "s.yaml", None),
         folder / "campaign",
@@ -191,7 +181,22 @@ def measured(tmp_path_factory):
         clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
         report=lambda progress: None,
     )
-    campaign = load_campaign(folder / "campaign")
+    return load_campaign(folder / "campaign")
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory):
+    """One run of each kind of configs/dynamics.yaml on the virtual rig, in SI."""
+    data = copy.deepcopy(DYNAMICS)
+    kinds = {}
+    for experiment in data["experiments"]:
+        kinds.setdefault(experiment["kind"], experiment)
+        experiment |= {"trials": 1, "loads": experiment["loads"][-1:]}
+    kinds["ramp"]["accelerations"] = ["0.067 m/s^2"]
+    kinds["triangle"] |= {"speed": "150 mm/s", "cycles": 2}
+    campaign = made(
+        tmp_path_factory.mktemp("dynamics"), data | {"experiments": list(kinds.values())}
+    )
     assert all(entry.stop.outcome == "done" for entry in campaign.entries)
     return {raw.plan.kind: calibrate(raw, campaign.bench()) for raw in campaign.raw_runs()}
 
@@ -229,3 +234,26 @@ def test_a_hold_keeps_position_and_pressures_with_closed_valves(measured):
     assert np.ptp(run.x_m) < 2e-4
     for p in (run.p_tp_pa, run.p_tr_pa, run.p_lp_pa, run.p_lr_pa):
         assert np.ptp(p) < 0.5e5 and p.mean() > 5e5
+
+
+@pytest.mark.parametrize(
+    ("within", "words"),
+    [
+        ("50 %", "friction settled within 50 %"),
+        ("0.001 %", "friction had not settled within 0.001 % after 4 cycles"),
+    ],
+)
+def test_a_warm_up_tells_whether_it_ended_because_friction_had_settled(tmp_path, within, words):
+    """The plant does not warm up: its friction is the same from cycle to cycle but for noise."""
+    experiment = LOAD | {
+        "kind": "triangle",
+        "speed": "200 mm/s",
+        "cycles": 4,
+        "travel": {"start": "150 mm", "end": "250 mm"},
+        "until": {"quantity": "friction", "within": within},
+    }
+    campaign = made(tmp_path, {"name": "warm-up", "experiments": [experiment]})
+    (entry,) = campaign.entries
+    assert (entry.stop.outcome, entry.stop.why) == ("done", words)
+    cycles = 3 if "had not" not in words else 4  # one to compare with, then two in a row
+    assert entry.stop.records == pytest.approx(100 * cycles * 4 * 0.1 / 0.2, abs=4)

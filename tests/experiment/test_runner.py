@@ -6,8 +6,10 @@ import pytest
 
 from hbench import workflow
 from hbench.errors import ConfigError, DataError, DeviceError, ExitCode
+from hbench.experiment.runner import FAULT_WORDS
 from hbench.model.plant import V
 from hbench.protocol.codec import BY_NAME
+from hbench.protocol.dictionary import FAULTS
 from hbench.protocol.frames import Frame, encode
 from hbench.rig import virtual
 from hbench.rig.client import BoardClient
@@ -326,3 +328,7 @@ def test_a_latched_fault_is_cleared_by_resume_alone(measure, short_schedule, mon
         measure(schedule, "another")
     assert "--resume" in error.value.hint
     assert measure(schedule, resume=True).runs == 1
+
+
+def test_every_fault_of_the_board_has_words():
+    assert set(FAULT_WORDS) == set(FAULTS) - {"none", "stopped"}
