@@ -280,4 +280,4 @@ def test_no_script_of_requests_sensors_and_silences_breaks_the_promises(new_boar
 
 @pytest.mark.slow
 def test_no_script_breaks_the_promises_many_more(new_board):
-    run(new_board, examples=2000)
+    run(new_board, examples=400)
