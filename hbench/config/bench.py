@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
+from hbench.config.friction import FrictionPair
 from hbench.config.loading import validate
 from hbench.config.quantity import Section
 
@@ -56,11 +57,26 @@ class Oil(Section):
     density: q.Density
 
 
+class Pump(Section):
+    """A pump with pressure compensator, relief valve and line (see model/supply.py)."""
+
+    flow: q.Flow  # at most
+    cut_off: q.Pressure  # at which it delivers nothing
+    band: q.quantity("bar", gt=0, le=1e8)  # below cut_off, over which it swivels out
+    compensator_lag: q.TimeConstant
+    swash_lag: q.TimeConstant
+    relief: q.Pressure
+    relief_gain: q.quantity("l/min/bar", ge=0, le=1e-6)
+    leakage: q.quantity("l/min/bar", ge=0, le=1e-6)
+    capacity: q.quantity("cm^3/bar", gt=0, le=1e-6)  # of line and accumulator
+
+
 class Supply(Section):
-    """Pressure source and tank."""
+    """Pressure source and tank: constant, or a pump where one is given."""
 
     pressure: q.Pressure
     tank: q.Pressure
+    pump: Pump | None = None
 
 
 class Valve(Section):
@@ -70,29 +86,6 @@ class Valve(Section):
     bandwidth: q.Frequency
     damping: q.Number
     limit: q.quantity("V", gt=0, le=10)  # the board's converter has +-10 V
-
-
-class Friction(Section):
-    """Friction of one cylinder: steady curve, presliding, seal pressure and scatter."""
-
-    law: Literal["tustin", "lugre"]
-    coulomb: q.Force
-    stiction: q.Force
-    stribeck_velocity: q.Speed
-    stribeck_exponent: q.Number = 1.0
-    viscous: q.quantity("N s/m", ge=0, le=1e7)
-    bristle_stiffness: q.quantity("N/m", gt=0, le=1e8) = 3e5
-    bristle_damping: q.quantity("N s/m", ge=0, le=1e6) = 0.0
-    piston_seal: q.quantity("N/bar", ge=0, le=1e-2) = 0.0  # per |P_p - P_r|
-    rod_seal: q.quantity("N/bar", ge=0, le=1e-2) = 0.0  # per P_r
-    scatter: q.Ratio = 0.0  # standard deviation of the level from stroke to stroke
-
-
-class FrictionPair(Section):
-    """Friction of both cylinders."""
-
-    test: Friction
-    load: Friction
 
 
 class EndStop(Section):
@@ -306,9 +299,16 @@ def parse_plant(bench_data: dict[str, Any], plant_data: dict[str, Any], source: 
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
-    """Lay one mapping over another, key by key at every depth."""
+    """Lay one mapping over another, key by key at every depth.
+
+    A section with another ``law`` replaces the one below it whole: its keys mean something else.
+    """
     merged = dict(base)
     for key, value in over.items():
-        both = isinstance(value, dict) and isinstance(base.get(key), dict)
-        merged[key] = merge(base[key], value) if both else value
+        below = base.get(key)
+        both = isinstance(value, dict) and isinstance(below, dict)
+        if both and value.get("law", below.get("law")) == below.get("law"):
+            merged[key] = merge(below, value)
+        else:
+            merged[key] = value
     return merged

@@ -41,6 +41,7 @@ class Section(BaseModel):
 Length = quantity("mm", gt=0, le=20)
 Position = quantity("mm", ge=0, le=20)
 Offset = quantity("mm", ge=-20, le=20)
+Flow = quantity("l/min", gt=0, le=1)
 Volume = quantity("cm^3", ge=0, le=1)
 Mass = quantity("kg", gt=0, le=1e5)
 Density = quantity("kg/m^3", gt=100, le=2000)

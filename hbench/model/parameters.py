@@ -7,24 +7,45 @@ would compile everything anew.
 from math import pi, sqrt
 from typing import NamedTuple
 
-from hbench.config.bench import Cylinder, EndStop, Friction, Plant, Valve
+from hbench.config.bench import Cylinder, EndStop, Plant, Pump, Supply, Valve
+from hbench.config.friction import Friction
 from hbench.model.friction import LAWS
 
 
 class FrictionParameters(NamedTuple):
-    """Friction of one cylinder; see ``friction.py`` for the formulas."""
+    """Friction of one cylinder, the keys of the bench file in SI; see ``friction.py``.
+
+    What the cylinder's law does not have stays at its default here and is not read.
+    """
 
     law: int  # code in friction.LAWS
-    coulomb_n: float
-    stiction_n: float
-    stribeck_velocity_m_s: float
-    stribeck_exponent: float
-    viscous_n_s_m: float
-    bristle_stiffness_n_m: float  # sigma_0
-    bristle_damping_n_s_m: float  # sigma_1
-    piston_seal_m2: float  # N per Pa of |P_p - P_r|
-    rod_seal_m2: float  # N per Pa of P_r
-    scatter: float  # standard deviation of the level from stroke to stroke
+    scatter: float = 0.0  # standard deviation of the level from stroke to stroke
+    viscous: float = 0.0  # B, N s/m
+    piston_seal: float = 0.0  # N per Pa of |P_p - P_r|
+    rod_seal: float = 0.0  # N per Pa of P_r
+    # Stribeck curve: Tustin, LuGre, Leuven
+    coulomb: float = 0.0  # F_C, N
+    stiction: float = 0.0  # F_stiction, N
+    stribeck_velocity: float = 1.0  # m/s
+    stribeck_exponent: float = 1.0  # delta
+    # LuGre, Leuven
+    bristle_stiffness: float = 0.0  # sigma_0, N/m
+    bristle_damping: float = 0.0  # sigma_1, N s/m
+    presliding: float = 1.0  # Delta_max, m
+    shape: float = 1.0  # n
+    elements: tuple[float, ...] = (0.0,)  # theta_i, N; compiled anew for another number
+    # Marton and Lantos: intercepts in N, slopes in N s/m
+    extend_low_force: float = 0.0
+    extend_low_slope: float = 0.0
+    extend_high_force: float = 0.0
+    extend_high_slope: float = 0.0
+    retract_low_force: float = 0.0
+    retract_low_slope: float = 0.0
+    retract_high_force: float = 0.0
+    retract_high_slope: float = 0.0
+    # pressure-based
+    stribeck_force: float = 0.0  # k1, N
+    stribeck_rate: float = 0.0  # k2, s/m
 
 
 class CylinderParameters(NamedTuple):
@@ -48,6 +69,23 @@ class ValveParameters(NamedTuple):
     limit_v: float
 
 
+class SupplyParameters(NamedTuple):
+    """Pressure source and tank; see ``supply.py`` for the formulas."""
+
+    has_pump: bool  # False: constant pressure
+    pressure_pa: float
+    tank_pa: float
+    flow_m3_s: float
+    cut_off_pa: float
+    band_pa: float
+    compensator_lag_s: float
+    swash_lag_s: float
+    relief_pa: float
+    relief_gain: float  # m^3/s per Pa
+    leakage: float  # m^3/s per Pa
+    capacity: float  # m^3 per Pa
+
+
 class EndStopParameters(NamedTuple):
     """Spring and damper of every cylinder head."""
 
@@ -63,8 +101,7 @@ class PlantParameters(NamedTuple):
     mass_test_kg: float
     mass_load_kg: float
     bulk_modulus_pa: float
-    p_supply_pa: float
-    p_tank_pa: float
+    supply: SupplyParameters
     valve: ValveParameters
     end_stop: EndStopParameters
     substeps: int  # of one control tick, as the stiffest friction law needs
@@ -73,14 +110,15 @@ class PlantParameters(NamedTuple):
 def plant_parameters(plant: Plant) -> PlantParameters:
     """Collect the parameters of a plant (or bench) file."""
     laws = (LAWS[plant.friction.test.law], LAWS[plant.friction.load.law])
+    test = _cylinder(plant.test_cylinder, plant.friction.test)
+    load = _cylinder(plant.load_cylinder, plant.friction.load)
     return PlantParameters(
-        test=_cylinder(plant.test_cylinder, plant.friction.test),
-        load=_cylinder(plant.load_cylinder, plant.friction.load),
+        test=test,
+        load=load,
         mass_test_kg=float(plant.moving_mass.test),
         mass_load_kg=float(plant.moving_mass.load),
         bulk_modulus_pa=float(plant.oil.bulk_modulus),
-        p_supply_pa=float(plant.supply.pressure),
-        p_tank_pa=float(plant.supply.tank),
+        supply=_supply(plant.supply),
         valve=_valve(plant.valve, plant.oil.density),
         end_stop=_end_stop(plant.end_stop),
         substeps=max(law.substeps for law in laws),
@@ -95,24 +133,19 @@ def _cylinder(cylinder: Cylinder, friction: Friction) -> CylinderParameters:
         dead_volume_piston_m3=float(cylinder.dead_volume_piston),
         dead_volume_rod_m3=float(cylinder.dead_volume_rod),
         offset_m=float(cylinder.offset),
-        friction=_friction(friction),
+        friction=friction_parameters(friction),
     )
 
 
-def _friction(friction: Friction) -> FrictionParameters:
-    return FrictionParameters(
-        law=LAWS[friction.law].code,
-        coulomb_n=float(friction.coulomb),
-        stiction_n=float(friction.stiction),
-        stribeck_velocity_m_s=float(friction.stribeck_velocity),
-        stribeck_exponent=float(friction.stribeck_exponent),
-        viscous_n_s_m=float(friction.viscous),
-        bristle_stiffness_n_m=float(friction.bristle_stiffness),
-        bristle_damping_n_s_m=float(friction.bristle_damping),
-        piston_seal_m2=float(friction.piston_seal),
-        rod_seal_m2=float(friction.rod_seal),
-        scatter=float(friction.scatter),
-    )
+def friction_parameters(friction: Friction) -> FrictionParameters:
+    """Collect the parameters of one cylinder's friction."""
+    values = friction.model_dump(exclude={"law"})
+    for direction in ("extend", "retract"):  # the two lines of Marton and Lantos
+        lines = values.pop(direction, None) or {}
+        values |= {f"{direction}_{name}": value for name, value in lines.items()}
+    elements = tuple(map(float, values.pop("elements", (0.0,))))
+    numbers = {name: float(value) for name, value in values.items()}
+    return FrictionParameters(law=LAWS[friction.law].code, elements=elements, **numbers)
 
 
 def _valve(valve: Valve, density: float) -> ValveParameters:
@@ -121,6 +154,13 @@ def _valve(valve: Valve, density: float) -> ValveParameters:
         natural_frequency_rad_s=2 * pi * float(valve.bandwidth),
         damping=float(valve.damping),
         limit_v=float(valve.limit),
+    )
+
+
+def _supply(supply: Supply) -> SupplyParameters:
+    values = supply.pump.model_dump() if supply.pump else dict.fromkeys(Pump.model_fields, 1.0)
+    return SupplyParameters(
+        supply.pump is not None, float(supply.pressure), float(supply.tank), *values.values()
     )
 
 

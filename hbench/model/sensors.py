@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from hbench.config.bench import LoadCell, Sensors, Transducer
-from hbench.model import supply
 from hbench.model.compiled import compiled
 from hbench.model.noise import normal
-from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, X, load_cell_force
+from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, load_cell_force
 
 if TYPE_CHECKING:
     from hbench.model.parameters import PlantParameters
@@ -90,16 +89,23 @@ def _bridge_sensitivity(cell: LoadCell) -> float:
 
 @compiled
 def sensed(
-    state: np.ndarray, levels: np.ndarray, par: "PlantParameters", values: np.ndarray
+    state: np.ndarray,
+    levels: np.ndarray,
+    par: "PlantParameters",
+    values: np.ndarray,
+    work: np.ndarray,
 ) -> None:
-    """Write what the sensors see at this moment into ``values``, SI, in ``CHANNELS`` order."""
+    """Write what the sensors see at this moment into ``values``, SI, in ``CHANNELS`` order.
+
+    ``work`` is scratch of the plant's ``new_work``.
+    """
     values[0] = state[X]
     values[1] = state[P_TP]
     values[2] = state[P_TR]
     values[3] = state[P_LP]
     values[4] = state[P_LR]
-    values[5], _ = supply.pressures(par)
-    values[6] = load_cell_force(state, levels, par)
+    values[5] = state[P_S]
+    values[6] = load_cell_force(state, levels, par, work)
 
 
 @compiled

@@ -12,7 +12,7 @@ import numpy as np
 from hbench.config.bench import Bench, Plant
 from hbench.model.noise import new_noise
 from hbench.model.parameters import PlantParameters, plant_parameters
-from hbench.model.plant import WORK_SHAPE, initial_state
+from hbench.model.plant import initial_state, new_work
 from hbench.model.scatter import new_levels
 from hbench.model.sensors import N_CHANNELS, SensorParameters, sensor_parameters
 
@@ -53,5 +53,5 @@ def new_simulated_bench(bench: Bench, plant: Plant | None, seed: int) -> Simulat
         sensors=sensor_parameters(plant.sensors),
         values=np.zeros(N_CHANNELS),
         u=np.zeros(3),
-        work=np.zeros(WORK_SHAPE),
+        work=new_work(par),
     )

@@ -4,23 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hbench.model import supply
 from hbench.model.compiled import compiled
 from hbench.model.noise import new_noise
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import (
-    N_STATES,
-    P_LP,
-    P_LR,
-    P_TP,
-    P_TR,
-    SPOOL_L1,
-    SPOOL_L2,
-    SPOOL_T,
     TICK_S,
-    WORK_SHAPE,
     V,
+    drawn_flow,
     forces,
+    new_work,
+    port_flows,
     step,
 )
 from hbench.model.scatter import new_levels, update_levels
@@ -31,7 +24,7 @@ class Trajectory:
     """A simulated motion: n commands, n + 1 samples, 100 us apart."""
 
     t_s: np.ndarray  # (n + 1,)
-    state: np.ndarray  # (n + 1, 14), columns as named in plant.py
+    state: np.ndarray  # (n + 1, states), columns as named in plant.py
     u_v: np.ndarray  # (n, 3), row i held from sample i to i + 1
     friction_test_n: np.ndarray  # (n + 1,)
     friction_load_n: np.ndarray  # (n + 1,)
@@ -42,16 +35,16 @@ class Trajectory:
 def simulate(
     par: PlantParameters, state0: np.ndarray, u_v: np.ndarray, seed: int | None = None
 ) -> Trajectory:
-    """Run the plant from ``state0`` (14,) under the commands ``u_v`` (n, 3), each held 100 us.
+    """Run the plant from ``state0`` (states,) under the commands ``u_v`` (n, 3), each held 100 us.
 
     ``seed`` turns on the scatter of friction from stroke to stroke; without it friction is
     nominal. The same seed gives the same bytes.
     """
     commands = np.ascontiguousarray(u_v, dtype=float)
-    states = np.empty((len(commands) + 1, N_STATES))
+    states = np.empty((len(commands) + 1, len(state0)))
     states[0] = state0
     outputs = np.empty((len(commands) + 1, 4))
-    _run(par, states, commands, outputs, new_noise(seed or 0), seed is not None)
+    _run(par, states, commands, outputs, new_noise(seed or 0), seed is not None, new_work(par))
     return Trajectory(np.arange(len(states)) * TICK_S, states, commands, *outputs.T)
 
 
@@ -63,29 +56,29 @@ def _run(
     outputs: np.ndarray,
     noise: np.ndarray,
     scatter: bool,
+    work: np.ndarray,
 ) -> None:
-    work = np.empty(WORK_SHAPE)
     levels = new_levels(noise, par) if scatter else np.ones(3)
-    _observe(states[0], levels, par, outputs[0])
+    _observe(states[0], levels, par, outputs[0], work[3])
     for i in range(len(commands)):
         states[i + 1] = states[i]
         step(states[i + 1], commands[i], levels, par, TICK_S, work)
         if scatter:
             update_levels(levels, states[i + 1, V], noise, par)
-        _observe(states[i + 1], levels, par, outputs[i + 1])
+        _observe(states[i + 1], levels, par, outputs[i + 1], work[3])
 
 
 @compiled
 def _observe(
-    state: np.ndarray, levels: np.ndarray, par: PlantParameters, output: np.ndarray
+    state: np.ndarray,
+    levels: np.ndarray,
+    par: PlantParameters,
+    output: np.ndarray,
+    rates: np.ndarray,
 ) -> None:
     """Write the trajectory's last four fields."""
-    moment = forces(state, levels, par)
+    moment = forces(state, levels, par, rates)
     output[0] = moment.friction_test
     output[1] = moment.friction_load
     output[2] = moment.applied
-    output[3] = supply.drawn_flow(
-        (state[SPOOL_T], state[SPOOL_L1], state[SPOOL_L2]),
-        (state[P_TP], state[P_TR], state[P_LP], state[P_LR]),
-        par,
-    )
+    output[3] = drawn_flow(state, port_flows(state, par))

@@ -1,35 +1,41 @@
-"""Hydraulic supply: constant pressures, and the flow that the valves draw from it."""
+"""Hydraulic supply: a constant pressure, or a pump whose pressure sags with what is drawn.
+
+    C_s dP_s/dt = Q_p - Q_drawn - G_l P_s - K_r max(P_s - P_relief, 0)
+
+The pump's compensator asks for Q_max (P_cut - P_s) / band, limited to 0..Q_max; the flow follows
+through two lags. C_s is the line's and the accumulator's capacity, gas volume over pressure.
+"""
 
 from typing import TYPE_CHECKING
 
 from hbench.model.compiled import compiled
-from hbench.model.valves import port_flow
 
 if TYPE_CHECKING:
-    from hbench.model.parameters import PlantParameters
+    from hbench.model.parameters import SupplyParameters
 
 
 @compiled
-def pressures(par: "PlantParameters") -> tuple[float, float]:
-    """Supply and tank pressure [Pa] at the valves; both constant."""
-    return par.p_supply_pa, par.p_tank_pa
+def pump_rates(
+    p_supply: float, command: float, flow: float, drawn: float, par: "SupplyParameters"
+) -> tuple[float, float, float]:
+    """Rates of the supply pressure [Pa/s], the compensator's command and the flow [m^3/s^2]."""
+    if not par.has_pump:
+        return 0.0, 0.0, 0.0
+    asked = par.flow_m3_s * (par.cut_off_pa - p_supply) / par.band_pa
+    asked = min(max(asked, 0.0), par.flow_m3_s)
+    relief = par.relief_gain * max(p_supply - par.relief_pa, 0.0)
+    net = flow - drawn - par.leakage * p_supply - relief
+    return (
+        net / par.capacity,
+        (asked - command) / par.compensator_lag_s,
+        (command - flow) / par.swash_lag_s,
+    )
 
 
-@compiled
-def drawn_flow(
-    spools: tuple[float, float, float],
-    chambers: tuple[float, float, float, float],
-    par: "PlantParameters",
-) -> float:
-    """Flow [m^3/s] from the supply line into the chambers that are open to it.
-
-    ``spools``: T, L1, L2 in volts. ``chambers``: P_Tp, P_Tr, P_Lp, P_Lr in Pa.
-    """
-    p_supply, p_tank = pressures(par)
-    t, l1, l2 = spools
-    p_tp, p_tr, p_lp, p_lr = chambers
-    flow = 0.0
-    for opening, pressure in ((t, p_tp), (-t, p_tr), (l2, p_lp), (l1, p_lr)):
-        if opening > 0.0:
-            flow += port_flow(opening, pressure, p_supply, p_tank, par.valve)
-    return flow
+def rest_flow(par: "SupplyParameters") -> tuple[float, float]:
+    """Supply pressure [Pa] and flow [m^3/s] in equilibrium while nothing is drawn."""
+    if not par.has_pump:
+        return par.pressure_pa, 0.0
+    slope = par.flow_m3_s / par.band_pa
+    pressure = min(par.cut_off_pa * slope / (slope + par.leakage), par.relief_pa)
+    return pressure, par.leakage * pressure

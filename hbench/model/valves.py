@@ -1,6 +1,6 @@
 """Servo valves: flow through a port (2.13, 2.14, 2.17, 2.18) and the spool's dynamics (2.16)."""
 
-from math import sqrt
+from math import copysign, sqrt
 from typing import TYPE_CHECKING
 
 from hbench.model.compiled import compiled
@@ -13,7 +13,12 @@ REGULARISATION_PA = 1e3  # pressure drop below which an orifice turns linear
 
 @compiled
 def signed_root(dp: float) -> float:
-    """sign(dp) sqrt|dp| [sqrt(Pa)], smooth at zero: dp / (dp^2 + eps^2)^(1/4), eps = 1e3 Pa."""
+    """sign(dp) sqrt|dp| [sqrt(Pa)], smooth at zero: dp / (dp^2 + eps^2)^(1/4), eps = 1e3 Pa.
+
+    Above 1e3 eps the two differ by less than 3e-7, so one root does.
+    """
+    if abs(dp) > 1e3 * REGULARISATION_PA:
+        return copysign(sqrt(abs(dp)), dp)
     return dp / sqrt(sqrt(dp * dp + REGULARISATION_PA * REGULARISATION_PA))
 
 

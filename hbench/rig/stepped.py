@@ -43,7 +43,7 @@ def _next_words(first, bench):
             u[valve] = codes[valve] * VOLTS_PER_CODE
         step(state, u, levels, par, TICK_S, work)
         update_levels(levels, state[V], noise, par)
-    sensed(state, levels, par, values)
+    sensed(state, levels, par, values, work)
     convert(values, sensors, noise, words)
 
 

@@ -56,7 +56,7 @@ def _advance(ticks, poll_ticks, tick, firmware, bench):
     words, codes, state, levels, noise, par, sensors, values, u, work = bench
     last = tick + ticks
     while tick < last:
-        sensed(state, levels, par, values)
+        sensed(state, levels, par, values, work)
         convert(values, sensors, noise, words)
         _call_tick(call_tick, core, words.ctypes.data, codes.ctypes.data)
         for valve in range(3):

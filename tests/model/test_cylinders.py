@@ -77,7 +77,7 @@ def test_heads_hold_the_piston_against_full_pressure(par):
     # the head takes the load's share: the cell carries what the test side gives
     f_test = (150 * 1.25664e-3 - 2 * 7.65763e-4) * BAR
     assert run.f_applied_n[-1] == pytest.approx(
-        f_test - par.test.friction.bristle_stiffness_n_m * end[Z_T], rel=1e-4
+        f_test - par.test.friction.bristle_stiffness * end[Z_T], rel=1e-4
     )
 
 

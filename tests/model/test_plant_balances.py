@@ -9,7 +9,6 @@ from scipy.integrate import simpson
 
 from hbench.model.friction import steady_friction
 from hbench.model.plant import (
-    N_STATES,
     P_LP,
     P_LR,
     P_TP,
@@ -25,7 +24,10 @@ from hbench.model.plant import (
     derivatives,
     initial_state,
     load_cell_force,
+    n_states,
+    new_work,
 )
+from hbench.model.plant import P_S as SUPPLY
 from hbench.model.simulation import simulate
 
 BAR = 1e5
@@ -133,19 +135,22 @@ def test_nothing_changes_in_the_closed_form_steady_state(par, v, p_lr, p_lp):
     def opening(flow, p):
         return flow / (K_S * np.sqrt(P_S - p if flow > 0 else p - P_T))
 
-    state, rate = np.zeros(N_STATES), np.empty(N_STATES)
+    state, rate = np.zeros(n_states(par)), np.empty(n_states(par))
     state[[X, V, P_TP, P_TR, P_LP, P_LR]] = 0.2, v, p_tp, p_tr, p_lp, p_lr
+    state[SUPPLY] = P_S
     u = np.array([opening(A_P * v, p_tp), opening(A_R * v, p_lr), opening(-A_P * v, p_lp)])
     state[[SPOOL_T, SPOOL_L1, SPOOL_L2]] = u
     for index, force, friction in (
         (Z_T, friction_t, par.test.friction),
         (Z_L, friction_l, par.load.friction),
     ):
-        state[index] = (force - friction.viscous_n_s_m * v) / friction.bristle_stiffness_n_m
+        state[index] = (force - friction.viscous * v) / friction.bristle_stiffness
     derivatives(state, u, level, par, rate)
     assert rate[X] == v
     assert np.abs(rate[V]) < 1e-6
     # a volt of the spool changes a pressure by some 1e7 Pa/s
     assert np.abs(rate[[P_TP, P_TR, P_LP, P_LR]]).max() < 20.0
     assert np.abs(rate[[Z_T, Z_L]]).max() < 1e-12
-    assert load_cell_force(state, level, par) == pytest.approx(f_load + friction_l, rel=1e-9)
+    assert load_cell_force(state, level, par, new_work(par)) == pytest.approx(
+        f_load + friction_l, rel=1e-9
+    )

@@ -8,7 +8,7 @@ from hbench.model.plant import P_LR, P_TP, TICK_S, V, derivatives, initial_state
 from hbench.model.simulation import simulate
 
 BAR = 1e5
-ATOL = np.array([1e-10, 1e-8, *[0.1] * 4, *[1e-8] * 3, *[1e-6] * 3, 1e-11, 1e-11])
+ATOL = np.array([1e-10, 1e-8, *[0.1] * 4, *[1e-8] * 3, *[1e-6] * 3, 0.1, 1e-9, 1e-9, 1e-11, 1e-11])
 
 
 def reference(rhs, state0, commands):
@@ -55,7 +55,7 @@ def written_out_rhs(bench, law):
         return sigma_0 * z + par.bristle_damping * z_dot + par.viscous * v, z_dot
 
     def rhs(t, y, u):
-        x, v, p_tp, p_tr, p_lp, p_lr, y_t, y_1, y_2, r_t, r_1, r_2, z_t, z_l = y
+        x, v, p_tp, p_tr, p_lp, p_lr, y_t, y_1, y_2, r_t, r_1, r_2, _, _, _, z_t, z_l = y
         if y_t >= 0:
             q_tp, q_tr = k_s * y_t * root(p_s - p_tp), k_s * y_t * root(p_tr - p_t)
         else:
@@ -78,6 +78,9 @@ def written_out_rhs(bench, law):
             omega**2 * (u[0] - y_t) - 2 * omega * r_t,
             omega**2 * (u[1] - y_1) - 2 * omega * r_1,
             omega**2 * (u[2] - y_2) - 2 * omega * r_2,
+            0.0,  # constant supply
+            0.0,
+            0.0,
             z_t_dot,
             z_l_dot,
         ]

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from hbench.model.noise import new_noise
+from hbench.model.plant import initial_state, new_work
 from hbench.model.sensors import (
     CHANNELS,
     convert,
@@ -107,8 +108,8 @@ def test_same_seed_same_bytes(bench):
 
 
 def test_sensors_see_the_state(par):
-    state = np.zeros(14)
+    state = initial_state(par, 0.1, 15 * BAR, 15 * BAR)
     state[:6] = 0.17, 0.05, 78 * BAR, 28 * BAR, 13 * BAR, 9 * BAR
     values = np.zeros(7)
-    sensed(state, np.ones(3), par, values)
+    sensed(state, np.ones(3), par, values, new_work(par))
     assert values[:6] == pytest.approx([0.17, 78 * BAR, 28 * BAR, 13 * BAR, 9 * BAR, 150 * BAR])

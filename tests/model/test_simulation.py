@@ -54,7 +54,7 @@ def test_scatter_moves_friction_by_its_standard_deviation(par, there_and_back):
     state = initial_state(par, 0.15, 15 * BAR, 20 * BAR)
     commands = there_and_back[:4000]
     dry = [
-        run.friction_test_n[-1] - par.test.friction.viscous_n_s_m * run.state[-1, V]
+        run.friction_test_n[-1] - par.test.friction.viscous * run.state[-1, V]
         for run in (simulate(par, state, commands, seed) for seed in range(80))
     ]
     spread = np.std(dry) / np.mean(dry)

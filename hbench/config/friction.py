@@ -1,0 +1,116 @@
+"""The friction of one cylinder in a bench or plant file: one class a law (section 3.2)."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from hbench.config import quantity as q
+from hbench.config.quantity import Section
+
+Viscous = q.quantity("N s/m", ge=0, le=1e7)
+Slope = q.quantity("N s/m", ge=-1e7, le=1e7)
+BristleStiffness = q.quantity("N/m", gt=0, le=1e8)
+SealFriction = q.quantity("N/bar", ge=0, le=1e-2)
+
+
+class _Friction(Section):
+    """What every law has."""
+
+    scatter: q.Ratio = 0.0  # standard deviation of the level from stroke to stroke
+
+
+class _Seals(_Friction):
+    """Terms after equation 3.7, and viscous friction."""
+
+    viscous: Viscous = 0.0
+    piston_seal: SealFriction = 0.0  # per |P_p - P_r|
+    rod_seal: SealFriction = 0.0  # per P_r
+
+
+class _Stribeck(_Seals):
+    """The steady curve of equation 3.13."""
+
+    coulomb: q.Force
+    stiction: q.Force
+    stribeck_velocity: q.Speed
+    stribeck_exponent: q.Number = 1.0
+
+
+class Tustin(_Stribeck):
+    """Equation 3.2."""
+
+    law: Literal["tustin"]
+
+
+class LuGre(_Stribeck):
+    """Equations 3.8 to 3.12."""
+
+    law: Literal["lugre"]
+    bristle_stiffness: BristleStiffness = 3e5  # sigma_0
+    bristle_damping: Viscous = 0.0  # sigma_1
+
+
+class Leuven(_Stribeck):
+    """The modified Leuven law, equations 3.14 to 3.20."""
+
+    law: Literal["leuven"]
+    elements: tuple[q.Force, ...] = Field(min_length=1, max_length=20)  # theta_i
+    presliding: q.Length  # Delta_max: deflection at which the last element slips
+    shape: q.Number = 1.0  # n
+    bristle_damping: Viscous = 0.0  # sigma_1
+
+    @model_validator(mode="after")
+    def _carries_the_stiction(self) -> "Leuven":
+        carried = sum(self.elements)
+        if carried < self.stiction:
+            raise ValueError(
+                f"elements carry {carried:g} N together, less than stiction = {self.stiction:g} N: "
+                "the steady curve would never be reached"
+            )
+        return self
+
+
+class Lines(Section):
+    """Two straight lines of friction over speed, each by its value at zero and its slope."""
+
+    low_force: q.Force
+    low_slope: Slope
+    high_force: q.Force
+    high_slope: Slope
+
+    @model_validator(mode="after")
+    def _low_line_is_higher_at_rest(self) -> "Lines":
+        if self.low_force < self.high_force or self.low_slope > self.high_slope:
+            raise ValueError(
+                "the low-speed line must begin above the other and fall below it: "
+                "low_force >= high_force and low_slope <= high_slope"
+            )
+        return self
+
+
+class MartonLantos(_Friction):
+    """Equations 3.3 to 3.6, for either direction."""
+
+    law: Literal["marton_lantos"]
+    extend: Lines
+    retract: Lines
+
+
+class PressureBased(_Seals):
+    """Equation 3.7, for both signs of velocity."""
+
+    law: Literal["pressure_based"]
+    stribeck_force: q.Force  # k1
+    stribeck_rate: q.quantity("s/m", ge=-1e4, le=100)  # k2
+
+
+Friction = Annotated[
+    Tustin | LuGre | Leuven | MartonLantos | PressureBased, Field(discriminator="law")
+]
+
+
+class FrictionPair(Section):
+    """Friction of both cylinders."""
+
+    test: Friction
+    load: Friction
