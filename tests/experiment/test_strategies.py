@@ -99,30 +99,35 @@ def test_a_strategy_without_friction_makes_the_speeds_that_it_says(strategy, tmp
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PLANTS)
 def test_runs_that_each_strategy_needs_for_the_same_uncertainty(name, tmp_path):
-    """Scatter of the fitted Stribeck velocity over seeds; it falls with the root of the runs.
+    """Scatter of the fitted Stribeck velocity over seeds; its square falls with the runs.
 
     The polynomial's 45 runs set the mark. Of 40 seeds a standard deviation is known to 11 %, a
-    ratio of two variances to 32 %.
+    ratio of two variances to 32 %. Linear steps are made again in the number that they need.
     """
-    needed = {}
-    lines = [f"{name}, {len(SEEDS)} seeds", f"{'':16}runs   mean    sd  se of fit    runs needed"]
     spread = np.sqrt(4 / (len(SEEDS) - 1))  # relative, of a ratio of two variances
-    for strategy, velocities in STRATEGIES.items():
+    print(f"{name}, {len(SEEDS)} seeds; speeds in mm/s")
+    print(f"{'':18}runs   mean     sd  se of fit  runs needed")
+
+    def scatter(label: str, velocities: dict, mark: float | None) -> tuple[float, float]:
+        """Print a row; return the scatter and the runs needed."""
         found = [
-            measured(tmp_path / strategy / str(seed), velocities, PLANTS[name], seed)
-            for seed in SEEDS
+            measured(tmp_path / label / str(seed), velocities, PLANTS[name], seed) for seed in SEEDS
         ]
         runs = np.mean([len(one.runs) for one in found])
         v_s = 1e3 * np.array([one.v_stribeck_m_s for one in found])
         sd = np.std(v_s, ddof=1)
-        if strategy == "polynomial":
-            mark = sd
         se = 1e3 * np.median([one.se_m_s for one in found if one.se_m_s is not None])
-        needed[strategy] = runs * (sd / mark) ** 2
-        error = 0.0 if strategy == "polynomial" else spread * needed[strategy]
-        lines.append(
-            f"{strategy:16}{runs:4.1f}  {v_s.mean():5.1f} {sd:5.2f} {se:10.2f} "
-            f"{needed[strategy]:8.0f} +- {error:.0f}"
-        )
-        print(*lines[-1:] if strategy != "polynomial" else lines, sep="\n", flush=True)
+        needed = runs * (sd / mark) ** 2 if mark else runs
+        row = f"{label:18}{runs:4.1f}  {v_s.mean():5.1f}  {sd:5.2f}  {se:9.2f}  {needed:6.0f}"
+        print(f"{row} +- {spread * needed:.0f}" if mark else row, flush=True)
+        return sd, needed
+
+    mark, _ = scatter("polynomial", STRATEGIES["polynomial"], None)
+    needed = {
+        strategy: scatter(strategy, STRATEGIES[strategy], mark)[1]
+        for strategy in ("linear", "slope_adjusted", "adaptive")
+    }
+    count = round(needed["linear"] / 3)
+    sd, _ = scatter(f"linear, {count}", STRATEGIES["linear"] | {"count": count}, mark)
     assert all(20 < runs < 150 for runs in needed.values()), needed
+    assert 0.6 < sd / mark < 1.6  # three standard deviations of such a ratio
