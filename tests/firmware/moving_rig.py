@@ -8,7 +8,7 @@ import numpy as np
 from hbench.config.bench import parse_bench
 from hbench.config.loading import read_yaml
 from hbench.experiment.plan import load_pressure
-from hbench.model.plant import P_LR, P_TP, TICK_S, V, X
+from hbench.model.plant import P_LR, P_S, P_TP, TICK_S, V, X
 from hbench.model.sensors import CHANNELS
 from hbench.protocol.codec import BY_NAME, unpack
 from hbench.protocol.dictionary import FAULTS, PHASES, STATES
@@ -91,6 +91,10 @@ class MovingRig(VirtualRig):
     def vary(self, **changes):
         """The plant itself breaks."""
         self._bench = self._bench._replace(par=self.par._replace(**changes))
+
+    def raise_supply(self, pressure_pa):
+        """The supply stands at another pressure from here on."""
+        self._bench.state[P_S] = pressure_pa
 
     def break_sensor(self, name, counts=None):
         """A channel stands at ``counts``, or where it is; the converter's noise goes on."""

@@ -56,7 +56,7 @@ def dead_valve(side):
 def relief_valve_stuck(side):
     """The supply rises above the limit; its transducer clips at 237 bar."""
     rig = at_speed(side)
-    rig.vary(p_supply_pa=235e5)
+    rig.raise_supply(235e5)
     return rig, rig.stop()
 
 

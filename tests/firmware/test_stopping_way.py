@@ -41,13 +41,13 @@ def with_friction(par, change):
 
 
 def viscous_alone(friction):
-    dry = ("coulomb_n", "stiction_n", "piston_seal_m2", "rod_seal_m2")
+    dry = ("coulomb", "stiction", "piston_seal", "rod_seal")
     return friction._replace(law=TUSTIN, **dict.fromkeys(dry, 0.0))
 
 
 def viscosity(factor):
     return lambda par: with_friction(
-        par, lambda friction: friction._replace(viscous_n_s_m=factor * friction.viscous_n_s_m)
+        par, lambda friction: friction._replace(viscous=factor * friction.viscous)
     )
 
 
@@ -72,7 +72,7 @@ def test_with_viscous_friction_alone_the_way_is_that_of_closing_valve_and_oil_sp
     """x = v (2 zeta / w + B / k): the oil that passes while the spool closes (the area under its
     step response), and the spring k of the chambers that takes over the force B v."""
     par = with_friction(plant_parameters(BENCH), viscous_alone)._replace(substeps=8)
-    b = par.test.friction.viscous_n_s_m + par.load.friction.viscous_n_s_m
+    b = par.test.friction.viscous + par.load.friction.viscous
     closing = 2 * par.valve.damping / par.valve.natural_frequency_rad_s
     for v in (0.2, -0.2):
         stop = stopped(v, LOADS[1], vary=lambda _: par)
@@ -88,7 +88,7 @@ def test_with_viscous_friction_alone_the_way_is_that_of_closing_valve_and_oil_sp
 def test_without_friction_and_with_valves_shut_at_once_pressure_rises_by_v_root_km():
     """The worst pressure peak: m v^2 = k x^2, so k x = v sqrt(k m) in newtons."""
     par = with_friction(plant_parameters(BENCH), viscous_alone)
-    par = with_friction(par, lambda friction: friction._replace(viscous_n_s_m=0.0))
+    par = with_friction(par, lambda friction: friction._replace(viscous=0.0))
     state = initial_state(par, 0.25, 15e5, 49e5)
     state[V] = v = 0.2
     path = simulate(par, state, np.zeros((200, 3))).state
