@@ -1,0 +1,135 @@
+"""Where a bench must hold its loops: positions, loads, speeds and both directions.
+
+The loads oppose the motion. The rod side's pressures are the source's shares of the supply
+(section 5), so that the load cylinder's piston side lies between tank and supply.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.config.bench import Bench
+from hbench.control import sampled
+from hbench.control.linearisation import OperatingPoint, linearise, state_space, steady_point
+from hbench.control.loops import LOOPS
+from hbench.control.merits import margins
+from hbench.control.sampled import TICK_S, Pi, SampledPlant
+from hbench.errors import ConfigError
+from hbench.model.parameters import PlantParameters
+from hbench.records import Check
+
+PHASE_MARGIN_DEG, GAIN_MARGIN_DB = 45.0, 6.0
+# Shares of the travel, of the force that the rod side can bring, of limits.speed_max.
+POSITIONS, LOADS, SPEEDS = (0.0, 0.5, 1.0), (0.05, 0.25, 0.45), (0.0125, 0.125, 0.5)
+ROD_PRESSURES = {1: 0.1, -1: 0.73}  # by direction, of the supply's; 15 and 110 of 150 bar
+_OMEGA = np.geomspace(0.5, 0.9 * np.pi / TICK_S, 700)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A motion under load that the bench has to hold."""
+
+    direction: int  # 1 extends, -1 retracts
+    v_m_s: float  # signed
+    f_load_n: float  # signed; opposes the motion
+    p_lr_pa: float
+
+    def point(self, par: PlantParameters, x_m: float) -> OperatingPoint:
+        """Return its steady state at a position. Raises ``ConfigError`` if there is none."""
+        return steady_point(par, x_m, self.v_m_s, self.f_load_n, self.p_lr_pa)
+
+
+@dataclass(frozen=True)
+class GridPoint:
+    """One point of the grid, ready for every candidate's margins."""
+
+    where: str
+    plant: SampledPlant
+    response: np.ndarray  # (n, 3, 3)
+
+
+def load_of(bench: Bench, share: float, direction: int) -> float:
+    """Return a load that opposes ``direction``: a share of A_r (P_s - P_t) [N]."""
+    supply = bench.supply
+    return direction * share * bench.test_cylinder.area_rod_m2 * (supply.pressure - supply.tank)
+
+
+def conditions(bench: Bench, par: PlantParameters) -> tuple[tuple[Condition, ...], tuple[str, ...]]:
+    """Return both directions, all loads and speeds, and why the bench can't reach others."""
+    reached, left_out = [], []
+    for direction, share in ROD_PRESSURES.items():
+        for load in LOADS:
+            for speed in SPEEDS:
+                condition = Condition(
+                    direction,
+                    direction * speed * bench.limits.speed_max,
+                    load_of(bench, load, direction),
+                    share * bench.supply.pressure,
+                )
+                try:
+                    condition.point(par, bench.limits.travel_min)
+                    reached.append(condition)
+                except ConfigError as error:
+                    left_out.append(error.message)
+    return tuple(reached), tuple(left_out)
+
+
+def operating_point(
+    bench: Bench, par: PlantParameters, given: Mapping[str, float]
+) -> OperatingPoint:
+    """Return the steady point at the ``given`` v_m_s, f_load_n, x_m and p_lr_pa.
+
+    What is not given is the middle of the grid, extending. Raises ``ConfigError``.
+    """
+    limits = bench.limits
+    v = given.get("v_m_s", SPEEDS[1] * limits.speed_max)
+    x = given.get("x_m", 0.5 * (limits.travel_min + limits.travel_max))
+    if v == 0.0:
+        raise ConfigError("v = 0: a valve at rest has no operating point", "Give a velocity.")
+    if not limits.travel_min <= x <= limits.travel_max:
+        raise ConfigError(
+            f"x = {1e3 * x:.4g} mm is outside limits.travel "
+            f"({1e3 * limits.travel_min:.4g} to {1e3 * limits.travel_max:.4g} mm)"
+        )
+    direction = 1 if v > 0 else -1
+    load = given.get("f_load_n", load_of(bench, LOADS[1], direction))
+    p_lr = given.get("p_lr_pa", ROD_PRESSURES[direction] * bench.supply.pressure)
+    return steady_point(par, x, v, load, p_lr)
+
+
+def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> list[GridPoint]:
+    """Return the conditions at all positions: the points at which margins are judged."""
+    limits, control = bench.limits, bench.controllers
+    points = []
+    for condition in reached:
+        for share in POSITIONS:
+            x = limits.travel_min + share * (limits.travel_max - limits.travel_min)
+            matrices = state_space(linearise(par, condition.point(par, x)), par)
+            plant = sampled.sample(*matrices, control.velocity_filter, control.pressure_filter)
+            where = f"x {1e3 * x:.0f} mm, {1e3 * condition.v_m_s:+.0f} mm/s, "
+            where += f"{condition.f_load_n:.0f} N"
+            points.append(GridPoint(where, plant, sampled.measured(plant, _OMEGA)))
+    return points
+
+
+def margin_checks(points: Sequence[GridPoint], loops: Sequence[Pi]) -> tuple[Check, ...]:
+    """Judge all loops at all points; one check a loop and margin, with its worst point."""
+    phase, gain, moduli = {}, {}, {}
+    for point in points:
+        moduli[point.where] = sampled.modulus(point.plant, loops)
+        for i, (name, *_) in enumerate(LOOPS):
+            margin = margins(_OMEGA, sampled.broken_loop(point.response, _OMEGA, loops, i))
+            phase.setdefault(name, {})[point.where] = margin.phase_deg
+            gain.setdefault(name, {})[point.where] = margin.gain_db
+    checks = []
+    for what, limit, unit, found in (
+        ("phase margin", PHASE_MARGIN_DEG, "deg", phase),
+        ("gain margin", GAIN_MARGIN_DB, "dB", gain),
+    ):
+        for name, values in found.items():
+            where, value = min(values.items(), key=lambda item: item[1])
+            checks.append(Check(f"{name}: {what}", value, limit, unit, value >= limit, where))
+    where, worst = max(moduli.items(), key=lambda item: item[1])
+    checks.append(Check("largest modulus of a digital pole", worst, 1.0, "1", worst < 1.0, where))
+    return tuple(checks)

@@ -1,0 +1,140 @@
+"""Gains for a bench: the fastest of a family of designs that keeps its margins everywhere.
+
+A design of the family is an order of the three loops, from fast to slow, and the bandwidth w of
+the fastest. Neighbouring bandwidths are apart by the ratio r: w, w/r, w/r^2, at the nominal point
+and with an ideal valve, as the source counts them (table 4.2). With G of 4.25, 4.26 and 4.29:
+
+    velocity    tau_c = d_T1/d_T0 - n_T1/n_T0, the plant's own lag, which the zero cancels
+    pressures   tau_c = 10 / bandwidth: the zero lies a decade below, where it costs 6 degrees
+    all         K_c so that the closed loop has its bandwidth
+
+w is the largest for which every loop, opened at its valve with the other two closed, keeps its
+margins at every point of a grid: positions, loads, speeds and both directions, with valve,
+filters and sampling. Of the six orders the one is proposed whose slowest loop is fastest: the
+source's order (velocity, rod, piston) suits a soft bench, a stiff one wants fast pressure loops.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+from scipy.optimize import brentq
+
+from hbench.config.bench import Bench
+from hbench.control.grid import (
+    GAIN_MARGIN_DB,
+    PHASE_MARGIN_DEG,
+    GridPoint,
+    conditions,
+    grid,
+    margin_checks,
+)
+from hbench.control.linearisation import Coefficients, OperatingPoint, linearise
+from hbench.control.loops import plants
+from hbench.control.merits import bandwidth
+from hbench.control.sampled import Pi, T
+from hbench.control.transfer import TransferFunction, pi
+from hbench.errors import ConvergenceError
+from hbench.model.parameters import plant_parameters
+from hbench.records import Check
+
+ZERO_RATIO = 10.0  # of a pressure loop's bandwidth to its zero
+_SLOWEST, _FASTEST = 1.0, 3000.0  # rad/s, between which w is sought
+_FINE = 0.02  # relative, to which w is found
+
+
+@dataclass(frozen=True)
+class Proposed:
+    """Gains and the margins that they keep."""
+
+    loops: tuple[Pi, Pi, Pi]
+    order: tuple[int, ...]  # of the loops, from fast to slow
+    bandwidths_rad_s: tuple[float, ...]  # in that order
+    feedforward: tuple[float, float]
+    checks: tuple[Check, ...]
+    points: int
+    left_out: tuple[str, ...]  # of the grid, with the reason
+
+
+def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
+    """Return gains for ``bench``, designed at ``point`` and checked over the grid.
+
+    ``ratio`` is that of neighbouring bandwidths. Raises ``ConvergenceError`` where even the
+    slowest designs of the family lack their margins.
+    """
+    par = plant_parameters(bench)
+    c = linearise(par, point)
+    reached, left_out = conditions(bench, par)
+    points = grid(bench, par, reached)
+    best, slowest, chosen = (), 0.0, None
+    for order in permutations(range(3)):
+        w = _fastest(points, c, ratio, order, beyond=slowest * ratio**2)
+        if w > 0.0:
+            best, slowest, chosen = order, w / ratio**2, family(c, w, ratio, order)
+    if chosen is None:
+        raise ConvergenceError(
+            f"{bench.name}: no gains keep {PHASE_MARGIN_DEG:g} degrees and {GAIN_MARGIN_DB:g} dB",
+            "Is the bench file right? A resonance without damping (viscous friction 0) or a slow "
+            "valve or filter leaves no margin.",
+        )
+    return Proposed(
+        chosen,
+        best,
+        (slowest * ratio**2, slowest * ratio, slowest),
+        (c.feedforward_rod, c.feedforward_piston),
+        margin_checks(points, chosen),
+        len(points),
+        left_out,
+    )
+
+
+def _fastest(
+    points: Sequence[GridPoint],
+    c: Coefficients,
+    ratio: float,
+    order: Sequence[int],
+    beyond: float,
+) -> float:
+    """Return the largest w [rad/s] with which all margins are kept; 0 if not beyond ``beyond``."""
+
+    def good(log_w: float) -> bool:
+        loops = family(c, float(np.exp(log_w)), ratio, order)
+        return all(check.holds for one in points for check in margin_checks([one], loops))
+
+    low, high = np.log(max(_SLOWEST, beyond)) + _FINE, np.log(_FASTEST)
+    if not points or not good(low):
+        return 0.0
+    while high - low > _FINE:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if good(middle) else (low, middle)
+    return float(np.exp(low))
+
+
+def family(c: Coefficients, w: float, ratio: float, order: Sequence[int]) -> tuple[Pi, Pi, Pi]:
+    """Return K_c and tau_c of the three loops; see above. ``w`` is the fastest's [rad/s]."""
+    velocity = plants(c)[T]
+    n_1, n_0 = velocity.numerator
+    _, _, d_1, d_0 = velocity.denominator
+    loops: dict[int, Pi] = {}
+    for rank, loop in enumerate(order):
+        width = w / ratio**rank
+        tau = d_1 / d_0 - n_1 / n_0 if loop == T else ZERO_RATIO / width
+        loops[loop] = (_gain(plants(c)[loop], tau, width), tau)
+    return tuple(loops[i] for i in range(3))
+
+
+def _gain(plant: TransferFunction, tau: float, width: float) -> float:
+    """Return K_c with which the closed loop has the bandwidth ``width`` [rad/s]."""
+    omega = width * np.geomspace(1e-3, 100.0, 800)
+    opened = (plant * pi(1.0, tau))(1j * omega)
+    guess = 1 / abs((plant * pi(1.0, tau))(1j * width))
+
+    def surplus(log_factor: float) -> float:
+        loop = guess * np.exp(log_factor) * opened
+        return np.log(bandwidth(omega, loop / (1 + loop)) / width)
+
+    low, high = -4.0, 2.0
+    if not surplus(low) < 0 < surplus(high):
+        return float(guess)  # a resonance makes the bandwidth jump; the margins will tell
+    return float(guess * np.exp(brentq(surplus, low, high, xtol=1e-4)))

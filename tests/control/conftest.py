@@ -1,0 +1,36 @@
+"""The shipped bench, its parameters, and the source's linear design."""
+
+from pathlib import Path
+
+import pytest
+
+from hbench.config.bench import merge, parse_bench
+from hbench.config.loading import read_yaml
+from hbench.control.linearisation import linearise
+from hbench.control.source import POINT
+from hbench.model.parameters import plant_parameters
+
+_FILE = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
+
+
+@pytest.fixture(scope="session")
+def make_bench():
+    """Return the shipped bench with some keys of its file replaced."""
+    data = read_yaml(_FILE)
+    return lambda **changes: parse_bench(merge(data, changes), "changed")
+
+
+@pytest.fixture(scope="session")
+def bench(make_bench):
+    return make_bench()
+
+
+@pytest.fixture(scope="session")
+def par(bench):
+    return plant_parameters(bench)
+
+
+@pytest.fixture(scope="session")
+def source(par):
+    """The coefficients at the source's own operating points."""
+    return linearise(par, POINT)
