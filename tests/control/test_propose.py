@@ -1,0 +1,131 @@
+"""Proposed gains: their method, and that they hold on benches other than the source's."""
+
+import numpy as np
+import pytest
+
+from hbench.control.grid import conditions, grid, margin_checks, operating_point
+from hbench.control.linearisation import linearise
+from hbench.control.loops import plants
+from hbench.control.propose import family, propose
+from hbench.control.source import LOOPS
+from hbench.control.transfer import pi
+from hbench.errors import ConvergenceError
+from hbench.experiment.verify import plants as variants
+from hbench.experiment.verify import proposal, scaled, verify, with_gains
+from hbench.model.parameters import plant_parameters
+
+STIFF = {"oil": {"bulk_modulus": "2000 bar"}}
+
+
+def quiet(progress):
+    pass
+
+
+@pytest.fixture(scope="module")
+def stiff(make_bench):
+    return make_bench(**STIFF)
+
+
+@pytest.fixture(scope="module")
+def proposed(stiff):
+    return proposal(stiff, 1.7, operating_point(stiff, plant_parameters(stiff), {}), quiet)
+
+
+def closed_bandwidth(opened):
+    """Where |L / (1 + L)| = 1/sqrt(2), from the roots of the polynomial in omega^2."""
+    closed = opened.closed
+
+    def even(polynomial):  # |p(j omega)|^2 as a polynomial in omega^2
+        p = np.poly1d(polynomial)
+        mirrored = np.poly1d([c * (-1) ** (p.order - i) for i, c in enumerate(p.coeffs)])
+        square = (p * mirrored).coeffs[::-1]  # ascending powers of s, even ones alone
+        return np.array([c * (-1) ** k for k, c in enumerate(square[::2])])[::-1]
+
+    roots = np.roots(np.polysub(2 * even(closed.numerator), even(closed.denominator)))
+    real = roots[(np.abs(roots.imag) < 1e-6 * np.abs(roots)) & (roots.real > 0)].real
+    return np.sqrt(real.min())
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
+def test_bandwidths_of_the_family_are_apart_by_the_ratio(bench, par, order):
+    c = linearise(par, operating_point(bench, par, {}))
+    loops = family(c, 150.0, 1.7, order)
+    widths = [closed_bandwidth(plants(c)[i] * pi(*loops[i])) for i in order]
+    assert widths == pytest.approx([150.0, 150.0 / 1.7, 150.0 / 1.7**2], rel=2e-3)
+
+
+def test_the_source_gains_have_no_place_on_a_stiffer_bench(stiff):
+    par = plant_parameters(stiff)
+    points = grid(stiff, par, conditions(stiff, par)[0])
+    checks = margin_checks(points, LOOPS)
+    assert not all(check.holds for check in checks)
+    assert checks[-1].value > 1.0  # unstable: the modulus of a digital pole
+    found = {check.what: check for check in verify(with_gains(stiff, LOOPS), quiet)}
+    assert not found["bench: speed ripple"].holds or not found["bench: rejected runs"].holds
+
+
+def test_a_proposal_keeps_its_margins_and_holds_the_stiffer_bench_with_the_firmware(
+    stiff, proposed
+):
+    assert proposed.holds, [check for check in proposed.closed_loop if not check.holds]
+    phase = [check.value for check in proposed.margins if "phase" in check.what]
+    gain = [check.value for check in proposed.margins if "gain" in check.what]
+    assert min(phase) >= 45 and min(gain) >= 6
+    assert min(phase) < 48 or min(gain) < 6.5  # the fastest one: a margin is used up
+    ripple = {check.what: check.value for check in proposed.closed_loop}
+    assert {what.split(":")[0] for what in ripple} == set(variants(stiff))
+
+
+def test_bandwidths_come_from_fast_to_slow(proposed):
+    widths = list(proposed.bandwidths_rad_s.values())
+    assert widths == sorted(widths, reverse=True)
+    assert set(proposed.bandwidths_rad_s) == set(proposed.gains)
+
+
+def test_the_same_bench_gets_the_same_proposal(stiff, proposed):
+    point = operating_point(stiff, plant_parameters(stiff), {})
+    assert propose(stiff, 1.7, point).loops == tuple(proposed.gains.values())
+
+
+def test_a_bench_without_damping_gets_no_proposal(make_bench):
+    bench = make_bench(
+        friction={side: {"viscous": "0 N s/m"} for side in ("test", "load")},
+        valve={"bandwidth": "2 Hz"},
+        oil={"bulk_modulus": "10000 bar"},
+        controllers={"velocity_filter": "500 ms", "pressure_filter": "500 ms"},
+    )
+    with pytest.raises(ConvergenceError, match="no gains keep 45 degrees"):
+        propose(bench, 1.7, operating_point(bench, plant_parameters(bench), {}))
+
+
+def test_what_a_bench_can_not_reach_is_left_out_with_the_reason(make_bench):
+    bench = make_bench(valve={"gain": "1.5e-7 m^2/V"})
+    reached, left_out = conditions(bench, plant_parameters(bench))
+    assert reached and left_out
+    assert all("a valve needs" in reason for reason in left_out)
+
+
+def test_a_scaled_section_changes_that_value_alone(bench):
+    changed = scaled(bench, {"oil.bulk_modulus": 1.2})
+    assert changed.oil.bulk_modulus == pytest.approx(1.2 * bench.oil.bulk_modulus)
+    assert changed.model_copy(update={"oil": bench.oil}) == bench
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"oil": {"bulk_modulus": "7000 bar"}},
+        {"moving_mass": {"test": "20 kg", "load": "20 kg"}, "oil": {"bulk_modulus": "1200 bar"}},
+        {"valve": {"bandwidth": "120 Hz"}, "supply": {"pressure": "200 bar"}},
+        {
+            side: {"piston_diameter": "32 mm", "rod_diameter": "18 mm"}
+            for side in ("test_cylinder", "load_cylinder")
+        },
+    ],
+)
+def test_proposals_hold_on_other_benches(make_bench, changes):
+    bench = make_bench(**changes)
+    found = proposal(bench, 1.7, operating_point(bench, plant_parameters(bench), {}), quiet)
+    assert found.holds, [check for check in found.closed_loop if not check.holds]
