@@ -51,7 +51,7 @@ def results_json(results: Results) -> str:
         "bands": [_band(band) for band in results.bands],
         "notes": results.notes,
     }
-    return json.dumps(_plain(document), indent=1, allow_nan=False) + "\n"
+    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
 
 
 def runs_csv(results: Results) -> str:
@@ -155,14 +155,14 @@ def _fit(fit: Fit) -> Row:
     }
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Turn what JSON does not know into what it knows; NaN and infinities into null."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, bool | int | str) else str(value)
@@ -178,7 +178,7 @@ def _csv(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
 
 
 def _cell(value: Any) -> str:
-    value = _plain(value)
+    value = plain(value)
     if isinstance(value, str):
         # A spreadsheet runs a cell that begins so as a formula; an apostrophe makes it text.
         return f"'{value}" if value.startswith(("=", "+", "-", "@", "\t", "\r")) else value

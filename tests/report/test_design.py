@@ -1,0 +1,117 @@
+"""Text, page and figures of a design, from records alone."""
+
+import json
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from hbench.records import (
+    Check,
+    ControlLoop,
+    Design,
+    LoopMerits,
+    Proposal,
+    Reproduced,
+    RootLocus,
+)
+from hbench.report.design_page import design_page
+from hbench.report.design_text import design_json, design_text
+from hbench.report.draw_control import draw_design
+
+OMEGA, T = np.geomspace(1, 1e4, 300), np.linspace(0, 0.5, 200)
+
+
+def merits(chain, poles):
+    """An integrating loop k/s closed to a first-order lag."""
+    return LoopMerits(
+        chain=chain,
+        bandwidth_rad_s=100.0,
+        phase_margin_deg=90.0,
+        gain_margin=np.inf if chain == "ideal valve" else 4.0,
+        phase_margin_rad_s=100.0,
+        gain_margin_rad_s=np.inf if chain == "ideal valve" else 500.0,
+        overshoot=0.0,
+        settling_s=np.inf,
+        digital_modulus=0.99,
+        omega_rad_s=OMEGA,
+        open_loop=100 / (1j * OMEGA),
+        t_s=T,
+        step=1 - np.exp(-100 * T),
+        digital_poles=np.array([0.99 + 0j]),
+        poles_rad_s=poles,
+        zeros_rad_s=poles if poles is None else poles[:0],
+    )
+
+
+@pytest.fixture
+def design():
+    factors = np.array([0.5, 1.0, 2.0])
+    locus = RootLocus(factors, -100.0 * factors[:, None] + 0j, np.array([0j]), np.array([]))
+    pole = np.array([-100.0 + 0j])
+    chains = (merits("ideal valve", pole), merits("valve", pole), merits("board", None))
+    loop = ControlLoop("velocity", "T", 800.0, "V/m", 0.06, chains, (locus, locus))
+    names = "x_m v_m_s p_tp_pa p_tr_pa p_lp_pa p_lr_pa u_t_v u_l1_v u_l2_v viscous_n_s_m".split()
+    checks = (Check("velocity: phase margin", 50.0, 45.0, "deg", True, "x 5 mm"),)
+    failed = (Check("bench: rejected runs", 2.0, 0.0, "runs", False, "<+200 mm/s>"),)
+    return Design(
+        bench="<b>bench</b>",
+        point=dict.fromkeys(names, 1.0),
+        coefficients={"beta": 7e7},
+        jacobian_difference=1e-9,
+        loops=(loop,),
+        feedforward=(5.7, 34.0),
+        ramp_error_m_s=1.67e-3,
+        coupled_modulus=0.999,
+        reproduced=(Reproduced("closed pole", "rad/s", "-110.76", -148.4, 0.34, False, "why"),),
+        proposal=Proposal(
+            {"velocity": (1500.0, 0.018)}, {"velocity": 200.0}, (5.0, 20.0), 1.7, 54, (), checks,
+            failed,
+        ),
+    )  # fmt: skip
+
+
+def test_the_terminal_gets_numbers_verdict_and_reasons_in_ascii(design):
+    text = design_text(design)
+    assert text.isascii()
+    assert "-110.76" in text and "-148.40" in text and "+34.00" in text and "NO" in text
+    assert text.splitlines()[-1] == "verdict: the proposal FAILS 1 of 2 checks"
+    assert "gain: 1500 V/m" in text and "time_constant: 18 ms" in text
+
+
+def test_a_margin_that_does_not_exist_is_none_and_in_json_null(design):
+    row = next(line for line in design_text(design).splitlines() if "ideal valve" in line)
+    assert "none" in row and "inf" not in row
+    numbers = json.loads(design_json(design))
+    first = numbers["loops"][0]["chains"][0]
+    assert first["gain_margin"] is None and first["settling_s"] is None
+    assert numbers["proposal"]["holds"] is False
+
+
+def test_the_page_holds_everything_and_escapes_names(design):
+    drawings = draw_design(design)
+    page = design_page(design, drawings)
+    assert "<b>bench</b>" not in page and "&lt;b&gt;bench" in page
+    assert "&lt;+200 mm/s&gt;" in page and "FAILS" in page
+    assert page.count("data:image/svg+xml") == len(drawings) == 4
+
+
+def test_every_figure_names_its_axes_with_units_and_is_the_same_twice(design):
+    first, second = draw_design(design), draw_design(design)
+    for one, two in zip(first, second, strict=True):
+        assert one.svg == two.svg and one.png == two.png
+        ET.fromstring(one.svg)
+
+
+def test_bode_tells_margins_and_marks_them_where_they_are_read(design):
+    from hbench.report.draw_control import bode, locus, pole_zero, step
+
+    figure = bode(design.loops[0])
+    gain, phase = figure.axes
+    labels = [line.get_label() for line in gain.lines]
+    assert "valve: PM 90°, GM 12.0 dB" in labels and "ideal valve: PM 90°" in labels
+    marks = [line.get_xydata()[0] for line in phase.lines if len(line.get_xydata()) == 1]
+    assert marks and all(mark == pytest.approx((100.0, -90.0), abs=0.1) for mark in marks)
+    for draw in (bode, locus, pole_zero, step):
+        axes = draw(design.loops[0]).axes[-1]
+        assert axes.get_xlabel() and axes.get_ylabel()
