@@ -2,7 +2,7 @@
 
 import platform
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from importlib.metadata import version
@@ -22,8 +22,12 @@ from hbench.errors import ConfigError, DataError
 from hbench.experiment.parts import over_all_parts, parts
 from hbench.experiment.plan import Plan, estimate_seconds, plan_runs
 from hbench.experiment.runner import Progress, run_campaign
+from hbench.model.parameters import plant_parameters
 from hbench.protocol.dictionary import FLAGS, PROTOCOL, RECORD, dictionary_hash
-from hbench.records import Results, RunPlan
+from hbench.records import Design, Results, RunPlan
+from hbench.report.design_page import design_page
+from hbench.report.design_text import design_json
+from hbench.report.draw_control import draw_design
 from hbench.report.figures import draw_all
 from hbench.report.page import page_html
 from hbench.report.tables import TABLES
@@ -35,6 +39,7 @@ from hbench.rig.lines import open_line
 from hbench.rig.ports import BAUD, Port, SerialPort
 from hbench.rig.programmer import flash_through
 from hbench.rig.serve import FlatOut, WallClock, serve
+from hbench.store.atomic import write_atomic
 from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write_results
 from hbench.store.foreign import ImportSummary, import_folder
 from hbench.store.hold import only_host
@@ -257,6 +262,54 @@ def report(folder: Path) -> Results:
     page = {"report.html": page_html(results, drawings).encode()}
     write_results(folder, _tables(results) | figures | page)
     return results
+
+
+def design(
+    bench_file: Path,
+    *,
+    point: Mapping[str, float],
+    source: bool,
+    ratio: float | None,
+    report: Callable[[Progress], None],
+) -> Design:
+    """Judge the controllers of a bench at an operating point, and propose others.
+
+    ``point`` may give v_m_s, f_load_n, x_m and p_lr_pa; the rest is the middle of the bench's
+    range. With ``source`` the source's numbers are compared, and without a ``point`` its own
+    operating point is taken. With ``ratio``, of neighbouring bandwidths, gains are proposed, and
+    checked with the firmware. Raises ``ConfigError``, ``ConvergenceError``.
+    """
+    from hbench.control.grid import operating_point  # scipy.signal; only who designs waits for it
+    from hbench.control.loops import design_at
+    from hbench.control.source import POINT, reproduce
+    from hbench.experiment.verify import proposal
+
+    bench = parse_bench(read_yaml(bench_file), str(bench_file))
+    control, par = bench.controllers, plant_parameters(bench)
+    loops = control.velocity, control.rod_pressure, control.piston_pressure
+    nominal = operating_point(bench, par, point)
+    found = design_at(
+        bench.name,
+        par,
+        POINT if source and not point else nominal,
+        [(loop.gain, loop.time_constant) for loop in loops],
+        (control.velocity_filter, control.pressure_filter),
+        reproduce(par) if source else (),
+    )
+    if ratio is None:
+        return found
+    return replace(found, proposal=proposal(bench, ratio, nominal, report))
+
+
+def write_design(folder: Path, found: Design) -> None:
+    """Write a design's figures, its numbers as JSON and its page."""
+    drawings = draw_design(found)
+    files = {f"figures/{d.name}.svg": d.svg for d in drawings}
+    files |= {f"figures/{d.name}.png": d.png for d in drawings}
+    files["design.json"] = design_json(found).encode()
+    files["design.html"] = design_page(found, drawings).encode()
+    for name, data in files.items():
+        write_atomic(folder / name, data)
 
 
 def _derive(campaign: Campaign) -> Results:

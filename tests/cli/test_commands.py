@@ -21,7 +21,9 @@ def hbench(tmp_path):
     return call
 
 
-@pytest.mark.parametrize("command", [(), ("run",), ("import",), ("analyze",), ("report",)])
+@pytest.mark.parametrize(
+    "command", [(), ("run",), ("import",), ("analyze",), ("report",), ("design",)]
+)
 def test_help_tells_what_a_command_does(hbench, command):
     done = hbench(*command, "--help")
     assert done.returncode == 0 and "Usage" in done.stdout
