@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from hbench.errors import ConfigError
 from hbench.model.cylinders import extending_volumes, retracting_volumes
-from hbench.model.friction import steady_friction, steady_parts
+from hbench.model.friction import MARTON_LANTOS, steady_friction
 from hbench.model.parameters import FrictionParameters, PlantParameters
 from hbench.model.supply import rest_flow
 
@@ -134,8 +134,13 @@ def steady_point(
 
 
 def _viscous(v_m_s: float, friction: FrictionParameters) -> float:
-    """B [N s/m] of one cylinder: the viscous part of its law over the velocity."""
-    return steady_parts(v_m_s, 0.0, 0.0, 1.0, friction)[1] / v_m_s
+    """B [N s/m] of one cylinder: the viscous part of its law.
+
+    Of Marton and Lantos's law it is the slope of the line at high speed.
+    """
+    if friction.law == MARTON_LANTOS:
+        return friction.extend_high_slope if v_m_s > 0 else friction.retract_high_slope
+    return friction.viscous
 
 
 def linearise(par: PlantParameters, point: OperatingPoint) -> Coefficients:

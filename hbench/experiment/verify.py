@@ -154,9 +154,9 @@ def schedule(bench: Bench) -> dict[str, Any]:
 
 def judge(recorded: Recorded, bench: Bench, rules: Screening, plant: str) -> Iterator[Check]:
     """Yield the checks on the runs against one plant."""
-    missing = recorded.planned - len(recorded.runs)
-    stop = recorded.stopped
-    yield Check(f"{plant}: runs not made", missing, 0, "runs", not (missing or stop), stop)
+    whole, stop = sum(not run.aborted for run in recorded.runs), recorded.stopped
+    cut = max(recorded.planned - whole, 1 if stop else 0)
+    yield Check(f"{plant}: runs cut short", cut, 0, "runs", not cut, stop)
     verdicts = [screen(run, rules) for run in recorded.runs]
     rejected = [verdict for verdict in verdicts if not verdict.accepted]
     why = f"{_where(rejected[0].run)}: {rejected[0].reasons[0]}" if rejected else ""

@@ -58,6 +58,19 @@ def test_both_linearisations_agree_on_another_bench_with_another_law(make_bench)
     assert disagreement(par, point, linearise(par, point)) < 1e-6
 
 
+def test_viscous_friction_is_that_of_the_law_at_high_speed(make_bench):
+    lines = {"low_force": "400 N", "low_slope": "-900 N s/m", "high_force": "200 N"}
+    law = {
+        "law": "marton_lantos",
+        "extend": lines | {"high_slope": "2500 N s/m"},
+        "retract": lines | {"high_slope": "1500 N s/m"},
+    }
+    bench = make_bench(friction={"test": law, "load": {"viscous": "3000 N s/m"}})
+    par = plant_parameters(bench)
+    for v, viscous in ((0.05, 5500.0), (-0.05, 4500.0)):
+        assert operating_point(bench, par, {"v_m_s": v}).viscous_n_s_m == pytest.approx(viscous)
+
+
 def test_a_wrong_coefficient_shows_in_the_disagreement(par):
     point = steady_point(par, *POINTS[0])
     right = linearise(par, point)

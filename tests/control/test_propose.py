@@ -98,6 +98,14 @@ def test_a_bench_without_damping_gets_no_proposal(make_bench):
         propose(bench, 1.7, operating_point(bench, plant_parameters(bench), {}))
 
 
+def test_a_board_that_stops_itself_speaks_against_the_gains(stiff):
+    """A speed error of 10 mm/s for 10 ms is more than the first start of a run allows."""
+    limits = stiff.limits.model_copy(update={"speed_error": 0.01, "speed_error_time": 0.01})
+    found = verify(with_gains(stiff.model_copy(update={"limits": limits}), LOOPS), quiet)
+    cut = next(check for check in found if check.what == "bench: runs cut short")
+    assert not cut.holds and cut.value >= 1 and "speed_error" in cut.where
+
+
 def test_what_a_bench_can_not_reach_is_left_out_with_the_reason(make_bench):
     bench = make_bench(valve={"gain": "1.5e-7 m^2/V"})
     reached, left_out = conditions(bench, plant_parameters(bench))
