@@ -1,0 +1,73 @@
+"""Covariances against their definitions: curve_fit, and runs left out one by one."""
+
+import numpy as np
+import pytest
+from scipy.optimize import curve_fit
+
+from hbench.analysis.intervals import (
+    bound_messages,
+    covariance,
+    covariance_over_runs,
+    fit_parameters,
+)
+
+
+def problem(seed=0, runs=6, each=20):
+    rng = np.random.default_rng(seed)
+    matrix = rng.standard_normal((runs * each, 3)) * [1.0, 1e5, 1e-5]
+    run = np.repeat(np.arange(runs), each)
+    y = matrix @ [2.0, 3e-5, 4e5] + np.repeat(rng.standard_normal(runs), each)
+    return matrix, y, run
+
+
+def solved(matrix, y):
+    return np.linalg.lstsq(matrix, y, rcond=None)[0]
+
+
+def test_the_covariance_of_independent_residuals_is_that_of_curve_fit():
+    matrix, y, _ = problem()
+    _, expected = curve_fit(lambda _, a, b, c: matrix @ [a, 1e-5 * b, 1e5 * c], 0 * y, y)
+    scale = np.array([1.0, 1e-5, 1e5])
+    found = covariance(matrix, matrix @ solved(matrix, y) - y)
+    np.testing.assert_allclose(found / np.outer(scale, scale), expected, rtol=1e-4, atol=1e-8)
+
+
+def test_the_covariance_over_runs_is_the_spread_of_fits_that_leave_a_run_out():
+    matrix, y, run = problem()
+    whole = solved(matrix, y)
+    left_out = np.array([solved(matrix[run != g], y[run != g]) for g in range(6)])
+    expected = 5 / 6 * (left_out - whole).T @ (left_out - whole)
+    found = covariance_over_runs(matrix, matrix @ whole - y, run)
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
+def test_copies_of_a_sample_do_not_narrow_the_intervals_over_runs():
+    matrix, y, run = problem()
+    residual = matrix @ solved(matrix, y) - y
+    once = covariance_over_runs(matrix, residual, run)
+    thrice = covariance_over_runs(*(np.repeat(a, 3, axis=0) for a in (matrix, residual, run)))
+    np.testing.assert_allclose(thrice, once, rtol=1e-9)
+
+
+def test_what_is_not_determined_has_no_interval_and_the_rest_has():
+    matrix, y, run = problem()
+    matrix[:, 1] = 2 * matrix[:, 2]
+    for found in (covariance(matrix, y), covariance_over_runs(matrix, y, run)):
+        assert np.isfinite(found[0, 0]) and np.isnan(found[1:, 1:]).all()
+    units = {"a": "N", "b": "m", "c": "s"}
+    parameters = fit_parameters(units, np.arange(3.0), covariance(matrix, y), 117, [None] * 3)
+    assert parameters["b"].ci95 is None and parameters["a"].se > 0
+    assert bound_messages(parameters) == ["the data does not determine b and c"]
+
+
+def test_one_run_says_nothing_about_the_scatter_of_runs():
+    matrix, y, run = problem(runs=1)
+    assert np.isnan(covariance_over_runs(matrix, y, run)).all()
+
+
+def test_an_interval_takes_students_factor_and_a_bound_has_none():
+    units = {"a": "N", "b": "m"}
+    found = fit_parameters(units, np.array([5.0, 1.0]), np.array([[4.0]]), 2, [None, "upper"])
+    assert found["a"].ci95 == pytest.approx((5 - 2 * 4.3027, 5 + 2 * 4.3027), abs=1e-3)
+    assert found["b"].se is None and found["b"].at_bound == "upper"
+    assert "b is at its upper bound 1 m" in bound_messages(found)[0]

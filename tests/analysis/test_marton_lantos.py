@@ -1,0 +1,72 @@
+"""The two lines against tangents drawn by differences, and their intervals against a draw."""
+
+import numpy as np
+import pytest
+
+from hbench.analysis.fit import NAMES, fit_tustin
+from hbench.analysis.marton_lantos import UNITS, marton_lantos
+
+SPEEDS = np.linspace(0.005, 0.2, 15)
+TRUTH = (250.0, 500.0, 0.07, 1500.0)
+V_MAX = SPEEDS[-1]
+
+
+def law(v, f_c, f_s, v_s, b):
+    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
+
+
+def found(make_curve, friction, direction="extend"):
+    curve = make_curve(SPEEDS, friction, direction)
+    return marton_lantos(curve, fit_tustin(curve))
+
+
+def values(fit):
+    return np.array([fit.parameters[name].value for name in UNITS])
+
+
+@pytest.mark.parametrize("direction", ["extend", "retract"])
+def test_the_lines_touch_the_curve_at_rest_and_at_the_largest_speed(make_curve, direction):
+    a_1, b_1, a_2, b_2, _ = values(found(make_curve, law(SPEEDS, *TRUTH), direction))
+    h = 1e-6
+    assert a_1 == pytest.approx(law(0.0, *TRUTH))
+    assert b_1 == pytest.approx((law(h, *TRUTH) - law(0.0, *TRUTH)) / h, rel=1e-4)
+    assert a_2 + b_2 * V_MAX == pytest.approx(law(V_MAX, *TRUTH))
+    assert b_2 == pytest.approx((law(V_MAX + h, *TRUTH) - law(V_MAX - h, *TRUTH)) / (2 * h))
+
+
+def test_the_lines_meet_at_the_switch_velocity(make_curve):
+    a_1, b_1, a_2, b_2, v_switch = values(found(make_curve, law(SPEEDS, *TRUTH)))
+    assert v_switch == pytest.approx((a_1 - a_2) / (b_2 - b_1))  # equation 3.6
+    assert 0 < v_switch < V_MAX
+
+
+def test_the_line_to_draw_is_signed_like_the_curve_and_bends_once(make_curve):
+    fit = found(make_curve, law(SPEEDS, *TRUTH), "retract")
+    v, friction = np.array(fit.line).T
+    assert (v < 0).all() and (friction < 0).all()
+    bends = np.abs(np.diff(np.diff(friction) / np.diff(v))) > 1e-3
+    assert bends.sum() == 1
+
+
+def test_standard_errors_are_the_scatter_of_repeated_fits(make_curve):
+    """To first order: over 400 draws a standard deviation is known to 3.5 %."""
+    rng = np.random.default_rng(3)
+    fits = [
+        found(make_curve, law(SPEEDS, *TRUTH) + rng.standard_normal(len(SPEEDS)))
+        for _ in range(400)
+    ]
+    drawn = np.array([values(fit) for fit in fits])
+    stated = np.array([[fit.parameters[name].se for name in UNITS] for fit in fits])
+    np.testing.assert_allclose(np.sqrt(np.mean(stated**2, axis=0)), drawn.std(axis=0), rtol=0.15)
+    true = values(found(make_curve, law(SPEEDS, *TRUTH)))
+    lower, upper = np.moveaxis([[f.parameters[name].ci95 for name in UNITS] for f in fits], 2, 0)
+    assert 0.92 <= np.mean((lower <= true) & (true <= upper)) <= 0.98
+
+
+def test_what_the_tustin_fit_says_against_itself_stays_said(make_curve):
+    curve = make_curve(SPEEDS, law(SPEEDS, 300, 535, 0.02, 2250))
+    tustin = fit_tustin(curve)
+    assert tustin.parameters["v_stribeck_m_s"].at_bound == "lower"
+    fit = marton_lantos(curve, tustin)
+    assert fit.message == tustin.message and "lower bound" in fit.message
+    assert set(tustin.parameters) == set(NAMES)
