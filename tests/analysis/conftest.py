@@ -1,15 +1,21 @@
-"""Runs made here from closed forms, so that nothing of the plant or the rig is needed."""
+"""Runs made here from closed forms, and runs of the virtual rig on a plant of the test's choice."""
 
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
+from other_plant import OTHER_PLANT
 
+from hbench import workflow
+from hbench.analysis.calibrate import calibrate
 from hbench.config.bench import parse_bench
 from hbench.config.loading import read_yaml
 from hbench.config.schedule import Screening
 from hbench.records import Curve, CurvePoint, Run, RunPlan, Specimen
+from hbench.store.campaign import load_campaign
 
 SPECIMEN = Specimen(area_piston_m2=1.25e-3, area_rod_m2=0.75e-3, stroke_m=0.4)
 RATE_HZ = 100.0
@@ -20,6 +26,50 @@ RAMP_S = 0.1
 def bench():
     path = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
     return parse_bench(read_yaml(path), str(path))
+
+
+@pytest.fixture
+def rig_campaign(tmp_path):
+    """Return a function that makes ``experiments`` on the virtual rig and returns the folder.
+
+    The board has the shipped bench file; the plant is another, ``friction`` replacing its test
+    cylinder's.
+    """
+
+    def measure(experiments, seed, friction=None) -> Path:
+        folder = tmp_path / f"campaign-{seed}"
+        plant = OTHER_PLANT | {
+            "friction": OTHER_PLANT["friction"] | ({"test": friction} if friction else {})
+        }
+        shipped = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
+        (tmp_path / "bench.yaml").write_text(shipped.read_text())
+        (tmp_path / "plant.yaml").write_text(yaml.safe_dump(plant))
+        schedule = {"name": "test", "bench": "bench.yaml", "experiments": experiments}
+        (tmp_path / "schedule.yaml").write_text(yaml.safe_dump(schedule))
+        workflow.measure(
+            workflow.load_experiment(tmp_path / "schedule.yaml", None),
+            folder,
+            port="sim",
+            plant=tmp_path / "plant.yaml",
+            seed=seed,
+            resume=False,
+            clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
+            report=lambda progress: None,
+        )
+        return folder
+
+    return measure
+
+
+@pytest.fixture
+def rig_runs(rig_campaign):
+    """Return a function that makes ``experiments`` on the virtual rig; it returns runs in SI."""
+
+    def measure(experiments, seed, friction=None) -> list[Run]:
+        campaign = load_campaign(rig_campaign(experiments, seed, friction))
+        return [calibrate(raw, campaign.bench()) for raw in campaign.raw_runs()]
+
+    return measure
 
 
 @pytest.fixture
