@@ -1,0 +1,74 @@
+"""A friction law driven along a logged motion: what it would have made of the same velocity.
+
+Between two samples velocity and pressures go in straight lines, in ten steps. A sample of the
+result is the mean over its interval, as the board's records are. LuGre's bristles follow the exact
+solution of their equation over a step, so that stiff ones are no trouble:
+
+    z -> z_ss + (z - z_ss) exp(-sigma_0 |v| h / F_dry),    z_ss = sign(v) F_dry / sigma_0
+
+The other laws take the explicit midpoint rule. All begin relaxed.
+"""
+
+import numpy as np
+
+from hbench.analysis.logged_motion import LoggedMotion
+from hbench.model.compiled import compiled
+from hbench.model.friction import LUGRE, friction, hold_slipped
+from hbench.model.parameters import FrictionParameters
+from hbench.model.stribeck import dry_friction
+
+_STEPS = 10  # between two samples; even
+_NOMINAL = 1.0  # level of friction
+
+
+def friction_along(motion: LoggedMotion, par: FrictionParameters) -> np.ndarray:
+    """Return the law's friction [N] at each sample (n,) of a motion, from relaxed bristles on."""
+    out = np.zeros(len(motion.v_m_s))
+    work = np.zeros((3, 2 * len(par.elements)))
+    _along(motion.dt_s, motion.v_m_s, motion.p_p_pa, motion.p_r_pa, par, work, out)
+    return out
+
+
+@compiled
+def _along(
+    dt: float,
+    v: np.ndarray,
+    p_p: np.ndarray,
+    p_r: np.ndarray,
+    par: FrictionParameters,
+    work: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    h = dt / _STEPS
+    state, trial, rates = work[0], work[1], work[2]
+    for k in range(len(v) - 1):
+        for i in range(_STEPS):
+            s = (i + 0.5) / _STEPS
+            v_now = v[k] + s * (v[k + 1] - v[k])
+            p_now = p_p[k] + s * (p_p[k + 1] - p_p[k])
+            r_now = p_r[k] + s * (p_r[k + 1] - p_r[k])
+            if par.law == LUGRE:
+                force = _lugre_step(v_now, p_now, r_now, h, state, par)
+            else:
+                friction(v_now, state, 0, p_now, r_now, _NOMINAL, par, rates)
+                for j in range(len(state)):
+                    trial[j] = state[j] + 0.5 * h * rates[j]
+                force = friction(v_now, trial, 0, p_now, r_now, _NOMINAL, par, rates)
+                for j in range(len(state)):
+                    state[j] += h * rates[j]
+                hold_slipped(state, 0, par)
+            out[k if 2 * i < _STEPS else k + 1] += force
+    for k in range(len(v)):
+        out[k] /= _STEPS if 0 < k < len(v) - 1 else _STEPS // 2
+
+
+@compiled
+def _lugre_step(
+    v: float, p_p: float, p_r: float, h: float, state: np.ndarray, par: FrictionParameters
+) -> float:
+    """Advance the bristles by ``h`` [s]; return the mean force over it."""
+    dry = dry_friction(v, p_p, p_r, _NOMINAL, par)
+    z, steady = state[0], np.sign(v) * dry / par.bristle_stiffness
+    state[0] = steady + (z - steady) * np.exp(-par.bristle_stiffness * abs(v) * h / dry)
+    elastic = par.bristle_stiffness * 0.5 * (z + state[0])
+    return elastic + par.bristle_damping * (state[0] - z) / h + par.viscous * v
