@@ -18,7 +18,12 @@ ROWS = (
     {"__main__"},
 )
 # These read parts of the program itself: the pages' templates, the model's source for its cache.
-OWN_PARTS = {"report/page.py", "report/design_page.py", "model/compiled.py"}
+OWN_PARTS = {
+    "report/page.py",
+    "report/design_page.py",
+    "report/phenomenon_page.py",
+    "model/compiled.py",
+}
 FILES = sorted(path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py")
 
 

@@ -1,0 +1,55 @@
+"""A phenomenon in words and numbers: tables for the terminal and the page, and its data."""
+
+import csv
+import io
+from collections.abc import Iterable
+
+from hbench.records import Finding, Panel, Phenomenon, WordTable
+from hbench.report.text import NONE, significant
+
+FINDINGS_HEAD = ("quantity", "unit", "simulated", "expected", "formula or source")
+
+
+def phenomenon_text(phenomenon: Phenomenon) -> str:
+    """Return the title and every table in aligned columns."""
+    parts = [phenomenon.title]
+    for table in tables(phenomenon):
+        parts.append("\n".join(_aligned(table)))
+    return "\n\n".join(parts)
+
+
+def tables(phenomenon: Phenomenon) -> tuple[WordTable, ...]:
+    """Return the phenomenon's own tables, then that of its findings."""
+    rows = tuple(_finding(finding) for finding in phenomenon.findings)
+    own = WordTable("Defining numbers", FINDINGS_HEAD, rows)
+    return (*phenomenon.tables, own) if rows else phenomenon.tables
+
+
+def panel_csv(panel: Panel) -> str:
+    """Return a panel's data: one row a point, the axes' labels with their units as header."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("series", panel.x_label, panel.y_label))
+    for line in panel.lines:
+        for x, y in zip(line.x, line.y, strict=True):
+            writer.writerow((line.label, f"{x:.8g}", f"{y:.8g}"))
+    return text.getvalue()
+
+
+def _finding(finding: Finding) -> tuple[str, ...]:
+    expected = NONE if finding.expected is None else significant(finding.expected, 5)
+    return (
+        finding.quantity,
+        finding.unit,
+        significant(finding.found, 5),
+        expected,
+        finding.note,
+    )
+
+
+def _aligned(table: WordTable) -> Iterable[str]:
+    rows = [table.head, *table.rows]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    yield table.title
+    for row in rows:
+        yield "  ".join(map(str.ljust, row, widths)).rstrip()
