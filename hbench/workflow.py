@@ -24,12 +24,15 @@ from hbench.experiment.plan import Plan, estimate_seconds, plan_runs
 from hbench.experiment.runner import Progress, run_campaign
 from hbench.model.parameters import plant_parameters
 from hbench.protocol.dictionary import FLAGS, PROTOCOL, RECORD, dictionary_hash
-from hbench.records import Design, Results, RunPlan
+from hbench.records import Design, Phenomenon, Results, RunPlan
 from hbench.report.design_page import design_page
 from hbench.report.design_text import design_json
 from hbench.report.draw_control import draw_design
+from hbench.report.draw_phenomena import draw_phenomenon
 from hbench.report.figures import draw_all
 from hbench.report.page import page_html
+from hbench.report.phenomenon_page import phenomenon_page
+from hbench.report.phenomenon_text import panel_csv
 from hbench.report.tables import TABLES
 from hbench.rig import boot_rom
 from hbench.rig.boot_image import BootImage, read_boot_image
@@ -308,6 +311,38 @@ def write_design(folder: Path, found: Design) -> None:
     files |= {f"figures/{d.name}.png": d.png for d in drawings}
     files["design.json"] = design_json(found).encode()
     files["design.html"] = design_page(found, drawings).encode()
+    _write(folder, files)
+
+
+def phenomena() -> tuple[str, ...]:
+    """Return the names of what ``simulate`` knows."""
+    from hbench.experiment.phenomena import PHENOMENA  # compiles
+
+    return tuple(PHENOMENA)
+
+
+def simulate(name: str) -> Phenomenon:
+    """Simulate a phenomenon by its name. Raises ``ConfigError``."""
+    from hbench.experiment.phenomena import PHENOMENA
+
+    if name not in PHENOMENA:
+        raise ConfigError(f"unknown phenomenon {name!r}", f"There are: {', '.join(PHENOMENA)}.")
+    return PHENOMENA[name]()
+
+
+def write_phenomenon(folder: Path, phenomenon: Phenomenon) -> None:
+    """Write a phenomenon's page, its figures, and the data of each as CSV."""
+    drawings = draw_phenomenon(phenomenon)
+    page = phenomenon_page(phenomenon, drawings, version("hbench"))
+    files = {f"{phenomenon.name}.html": page.encode()}
+    for drawing, panel in zip(drawings, phenomenon.panels, strict=True):
+        files[f"figures/{drawing.name}.svg"] = drawing.svg
+        files[f"figures/{drawing.name}.png"] = drawing.png
+        files[f"figures/{drawing.name}.csv"] = panel_csv(panel).encode()
+    _write(folder, files)
+
+
+def _write(folder: Path, files: Mapping[str, bytes]) -> None:
     for name, data in files.items():
         write_atomic(folder / name, data)
 
