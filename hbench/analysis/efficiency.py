@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from hbench.config.bench import Instrument, Instruments
+from hbench.config.sensors import Instrument, Instruments
 from hbench.records import Curve, CurvePoint, EfficiencyCurve, EfficiencyPoint, Specimen
 
 # A driving force below this share of the pressure forces that it is the difference of is zero

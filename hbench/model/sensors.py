@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from hbench.config.bench import LoadCell, Sensors, Transducer
+from hbench.config.sensors import LoadCell, Sensors, Transducer
 from hbench.model.compiled import compiled
 from hbench.model.noise import normal
 from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, load_cell_force

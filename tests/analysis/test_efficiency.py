@@ -13,7 +13,7 @@ from hbench.analysis.efficiency import (
     instrument_sigma,
 )
 from hbench.analysis.screen import screen
-from hbench.config.bench import Instruments
+from hbench.config.sensors import Instruments
 from hbench.records import Specimen
 
 SPECIMEN = Specimen(1.25e-3, 0.75e-3, 0.4)

@@ -1,0 +1,88 @@
+"""What measures: the sensors with their signal path to the converter, and their tolerances."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from hbench.config import quantity as q
+from hbench.config.quantity import Section
+
+
+class Adc(Section):
+    """The converter behind every sensor."""
+
+    bits: Literal[12]  # a log word holds 1/16 counts
+    reference: q.Voltage
+    oversampling: int = Field(ge=1, le=256)  # conversions averaged in one control tick
+    noise: q.NoiseVoltage  # standard deviation of one conversion, at the converter's input
+    quantised: bool = True
+    noisy: bool = True
+
+
+class Transducer(Section):
+    """A sensor with a 0..output signal over 0..span, through an amplifier (appendix B)."""
+
+    span: float
+    output: q.Voltage
+    amplifier: q.Number
+    offset: q.SignedVoltage = 0.0  # at the converter's input
+
+
+class PositionSensor(Transducer):
+    """The position sensor of the test cylinder."""
+
+    span: q.Length
+
+
+class PressureSensor(Transducer):
+    """One of the five pressure transducers."""
+
+    span: q.Pressure
+
+
+class LoadCell(Section):
+    """The strain-gauge bar between the cylinders (appendix C, equation C.6)."""
+
+    area: q.quantity("mm^2", gt=0, le=1)
+    youngs_modulus: q.quantity("GPa", gt=1e8, le=1e12)
+    poisson: float = Field(ge=0, lt=0.5)
+    gauge_factor: q.Number
+    bridge_supply: q.Voltage
+    amplifier: q.Number
+    level: q.Voltage  # output at zero force, at the converter's input
+
+
+class Sensors(Section):
+    """All seven measured channels."""
+
+    adc: Adc
+    position: PositionSensor
+    pressure: PressureSensor
+    load_cell: LoadCell
+
+
+class Instrument(Section):
+    """The stated tolerance of an instrument."""
+
+    tolerance: q.Ratio
+    of: Literal["reading", "full_scale"]
+    full_scale: float
+
+
+class ForceInstrument(Instrument):
+    """Tolerance of the load cell."""
+
+    full_scale: q.Force
+
+
+class PressureInstrument(Instrument):
+    """Tolerance of the pressure transducers."""
+
+    full_scale: q.Pressure
+
+
+class Instruments(Section):
+    """Tolerances for the efficiency's uncertainty (equations 6.16 to 6.19)."""
+
+    force: ForceInstrument
+    pressure: PressureInstrument
