@@ -66,7 +66,7 @@ def fit_lugre(
     if "sigma0_n_m" in unknowns:
         place = list(unknowns).index("sigma0_n_m")
         starts = [np.where(np.arange(len(start)) == place, s, start) for s in _STIFFNESSES]
-    return fit_along("lugre", motions, put, unknowns, starts)
+    return fit_along("lugre", motions, put, unknowns, [starts])
 
 
 def fit_along(
@@ -74,11 +74,11 @@ def fit_along(
     motions: Sequence[LoggedMotion],
     put: Callable[[np.ndarray], FrictionParameters],
     unknowns: Mapping[str, Unknown],
-    starts: Sequence[np.ndarray],
+    starts: Sequence[Sequence[np.ndarray]],
 ) -> Fit:
     """Fit a law of any kind along ``motions``; ``put`` makes its parameters from the unknowns.
 
-    The search begins at the best of ``starts``.
+    One search begins at the best of each group of ``starts``; the best that they find counts.
     """
     lower = np.array([u.lower for u in unknowns.values()])
     upper = np.array([u.upper for u in unknowns.values()])
@@ -100,8 +100,12 @@ def fit_along(
         return np.column_stack(columns)
 
     problem = Problem(residual, jacobian, lower, upper, size)
-    inside = [np.clip(start, lower, upper) for start in starts]
-    solution = solve(problem, [min(inside, key=lambda x: float(np.sum(residual(x) ** 2)))])
+
+    def cost(x: np.ndarray) -> float:
+        return float(np.sum(residual(x) ** 2))
+
+    inside = [[np.clip(start, lower, upper) for start in group] for group in starts]
+    solution = solve(problem, [min(group, key=cost) for group in inside])
     left = residual(solution.x)
     run = np.repeat(np.arange(len(motions)), [int(m.compared.sum()) for m in motions])
     bounds = [solution.at_bound(problem, i) for i in range(len(size))]

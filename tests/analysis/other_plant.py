@@ -83,3 +83,17 @@ STEADY = [
         ("retract", "110 bar", ["-1000 N", "-5000 N"]),
     )
 ]
+
+LEUVEN_FRICTION = {
+    "law": "leuven",
+    "coulomb": "310 N",
+    "stiction": "480 N",
+    "stribeck_velocity": "55 mm/s",
+    "viscous": "2350 N s/m",
+    "elements": ["120 N", "80 N", "400 N"],
+    "presliding": "2 mm",
+    "shape": 1.0,
+    "piston_seal": "1 N/bar",
+    "rod_seal": "0.5 N/bar",
+    "scatter": "1.5 %",
+}

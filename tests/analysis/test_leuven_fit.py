@@ -1,0 +1,118 @@
+"""Leuven's elements, in one batch and online: against a hand-made law and the rig's truth."""
+
+import numpy as np
+import pytest
+from other_plant import LEUVEN_FRICTION, OTHER_MASS_KG, REVERSALS
+
+from hbench.analysis.along import friction_along
+from hbench.analysis.leuven_fit import STEADY, fit_leuven, identify_online, steady_curve
+from hbench.analysis.logged_motion import LoggedMotion, logged_motions
+from hbench.model.friction import LEUVEN
+from hbench.model.parameters import FrictionParameters
+
+THETA = np.array([120.0, 80.0, 400.0])
+TRUTH = {
+    "theta_1_n": 120.0,
+    "theta_2_n": 80.0,
+    "theta_3_n": 400.0,
+    "f_coulomb_n": 310.0,
+    "f_stiction_n": 480.0,
+    "v_stribeck_m_s": 0.055,
+    "b_viscous_n_s_m": 2350.0,
+    "delta_max_m": 2e-3,
+}
+# Where the searches start; the seals' terms are taken as known.
+GUESS = FrictionParameters(
+    law=LEUVEN,
+    coulomb=200.0,
+    stiction=400.0,
+    stribeck_velocity=0.08,
+    viscous=3000.0,
+    piston_seal=1e-5,
+    rod_seal=0.5e-5,
+    elements=(200.0, 200.0, 200.0),
+    presliding=2e-3,
+)
+STEADY_KNOWN = GUESS._replace(
+    coulomb=310.0, stiction=480.0, stribeck_velocity=0.055, viscous=2350.0
+)
+
+
+def motion_of(v):
+    zero = np.zeros(len(v))
+    return LoggedMotion("0001", 0.01, v, zero + 40e5, zero + 20e5, zero, zero == 0)
+
+
+def by_hand(v, dt):
+    """Equations 3.14 to 3.20 with positions xi of the elements, in very short steps."""
+    limits = 2e-3 * np.arange(1, 4) / 3
+    u, xi, force = 0.0, np.zeros(3), np.zeros(len(v))
+    for k, speed in enumerate(v):
+        y = np.clip((u - xi) / limits, -1, 1)
+        f_h = THETA @ y
+        s = np.sign(speed) * (310 + 30 + 170 * np.exp(-abs(speed) / 0.055))
+        force[k] = f_h + 2350 * speed
+        if s:
+            u += dt * speed * (1 - f_h / s)
+        xi = np.clip(xi, u - limits, u + limits)
+    return force
+
+
+def test_the_law_along_a_motion_is_that_of_the_source_in_short_steps():
+    fine = np.arange(0, 4, 1e-4)
+    v = 0.04 * np.sin(2 * np.pi * 0.6 * fine) * (1 + 0.5 * np.sin(2 * np.pi * 0.2 * fine))
+    truth = STEADY_KNOWN._replace(elements=tuple(THETA))
+    found = friction_along(motion_of(v[::100]), truth)
+    expected = np.convolve(by_hand(v, 1e-4), np.ones(100) / 100, "same")[::100]
+    assert np.abs(found - expected)[1:-1].max() < 3.0  # of 550 N
+
+
+def test_the_steady_curve_is_that_of_the_source():
+    v = np.array([-0.1, 0.02])
+    expected = 310 + 20 + 10 + 170 * np.exp(-np.abs(v) / 0.055)
+    np.testing.assert_allclose(steady_curve(motion_of(v), STEADY_KNOWN), expected)
+
+
+@pytest.fixture
+def leuven_motions(rig_runs):
+    """Return a function that makes the reversals on the rig with a Leuven cylinder."""
+    return lambda seed: logged_motions(rig_runs(REVERSALS, seed, LEUVEN_FRICTION), OTHER_MASS_KG)
+
+
+def inside(fit):
+    return [p.ci95[0] <= TRUTH[name] <= p.ci95[1] for name, p in fit.parameters.items()]
+
+
+def test_the_rigs_elements_and_delta_max_are_found_from_a_delta_max_half_as_long_again(
+    leuven_motions,
+):
+    start = GUESS._replace(presliding=3e-3)
+    fit = fit_leuven(leuven_motions(0), start, (*STEADY, "delta_max_m"))
+    assert fit.converged, fit.message
+    assert fit.parameters["delta_max_m"].value == pytest.approx(2e-3, rel=0.05)
+    for name, p in fit.parameters.items():
+        assert abs(p.value - TRUTH[name]) < 4 * p.se, name
+
+
+def test_online_and_from_any_start_the_stiffness_at_reversal_is_found(leuven_motions):
+    """The elements one by one are not: within presliding the larger ones move together."""
+    motions = leuven_motions(0)
+    deflections = 2e-3 * np.arange(1, 4) / 3
+    true = np.sum(THETA / deflections)
+    for start in (150.0, 200.0, 300.0):
+        estimate = identify_online(motions, STEADY_KNOWN._replace(elements=(start,) * 3))
+        assert np.sum(estimate.theta / deflections) == pytest.approx(true, rel=0.05)
+        assert np.sqrt(estimate.error) < 0.05 * THETA.sum()
+        assert estimate.samples > 300
+
+
+def coverage(leuven_motions, seeds):
+    held = [one for s in seeds for one in inside(fit_leuven(leuven_motions(s), GUESS))]
+    print(f"Leuven: coverage {sum(held)} of {len(held)}")
+    return np.mean(held)
+
+
+@pytest.mark.slow
+def test_the_rigs_parameters_lie_in_the_95_percent_intervals_over_many_seeds(leuven_motions):
+    """40 campaigns of 8 runs, 7 parameters that go together: two standard deviations are 3 %."""
+    assert 0.90 <= coverage(leuven_motions, range(100, 140)) <= 0.985
