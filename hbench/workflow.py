@@ -1,7 +1,5 @@
 """The flow, one function an arrow: schedule -> campaign -> results -> report."""
 
-import platform
-import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -19,11 +17,12 @@ from hbench.config.bench import Bench, Plant, parse_bench, parse_plant
 from hbench.config.loading import file_sha256, read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
 from hbench.errors import ConfigError, DataError
+from hbench.experiment.header import campaign_header, refuse_another, session_seed, software
 from hbench.experiment.parts import over_all_parts, parts
 from hbench.experiment.plan import Plan, estimate_seconds, plan_runs
 from hbench.experiment.runner import Progress, run_campaign
 from hbench.model.parameters import plant_parameters
-from hbench.protocol.dictionary import FLAGS, PROTOCOL, RECORD, dictionary_hash
+from hbench.protocol.dictionary import RECORD
 from hbench.records import Design, Phenomenon, Results, RunPlan
 from hbench.report.design_page import design_page
 from hbench.report.design_text import design_json
@@ -47,8 +46,6 @@ from hbench.store.campaign import Campaign, CampaignWriter, load_campaign, write
 from hbench.store.foreign import ImportSummary, import_folder
 from hbench.store.hold import only_host
 
-_PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
-_SIMULATED_BOARDS = ("host", "mps2")  # ports of the firmware that never have a real bench
 _SHARE_OF_HEARTBEAT = 0.5  # of a rig flat out: the rest is for the client's next word
 
 
@@ -170,13 +167,19 @@ def measure(
     bench = experiment.bench
     with only_host(folder):
         campaign = load_campaign(folder) if resume else None
-        line = _open_port(experiment, port, plant, _session_seed(seed, campaign), baud)
+        line = _open_port(experiment, port, plant, session_seed(seed, campaign), baud)
         try:
             client = BoardClient(line)
             identity = client.identify()
-            header = _header(experiment, identity, port, plant, seed, clock())
+            header = campaign_header(
+                experiment.schedule.name, experiment.files, identity, bench, port, clock()
+            )
+            if port == "sim":  # a rig that is served elsewhere keeps its seed and plant to itself
+                header["seed"] = seed
+            if plant is not None:
+                header["plant"] = {"sha256": file_sha256(plant)}
             if campaign is not None:
-                _refuse_another(campaign, header)
+                refuse_another(campaign, header)
                 journal = CampaignWriter.resume(folder)
                 done = {plan for plan in campaign.plans if plan.run in campaign.done}
             else:
@@ -246,7 +249,7 @@ def import_runs(
     source: Path, folder: Path, map_file: Path | None, clock: Callable[[], datetime]
 ) -> ImportSummary:
     """Bring another bench's logs in as a campaign. Raises ``ConfigError``, ``DataError``."""
-    return import_folder(source, folder, map_file, _software(), clock())
+    return import_folder(source, folder, map_file, software(), clock())
 
 
 def analyze(folder: Path) -> Results:
@@ -396,72 +399,3 @@ def _emulated_rig(image: Path, bench: Bench, physics: Plant | None, seed: int) -
     from hbench.rig.stepped import SteppedRig
 
     return SteppedRig("emulated", EmulatedFirmware(image), bench, physics, seed)
-
-
-def _session_seed(seed: int, campaign: Campaign | None) -> int:
-    """The rig's seed: another for each session, so that a resumed trial is no copy of one before.
-
-    It follows from the campaign: its seed and the number of runs that had been started.
-    """
-    started = len(campaign.entries) if campaign else 0
-    return zlib.crc32(f"{seed} {started}".encode()) if started else seed
-
-
-def _refuse_another(campaign: Campaign, header: dict[str, Any]) -> None:
-    """Raise ``ConfigError`` where a resumed campaign would mix what can't be compared."""
-    for key in ("source", "bench", "schedule", "plant", "firmware", "log"):
-        before, now = (_content(part.get(key)) for part in (campaign.header, header))
-        if before != now:
-            raise ConfigError(
-                f"{campaign.folder}: its {key} is not the present one, so it can't be resumed",
-                "Resume with what it was begun with, or begin a new campaign.",
-            )
-
-
-def _content(section: Any) -> Any:
-    """The content of a file section: its file may have been renamed."""
-    return section.get("content", section) if isinstance(section, dict) else section
-
-
-def _header(
-    experiment: Experiment,
-    identity: Identity,
-    port: str,
-    plant: Path | None,
-    seed: int,
-    now: datetime,
-) -> dict[str, Any]:
-    simulated = identity.board in _SIMULATED_BOARDS
-    header = {
-        "schema": "hbench.campaign/1",
-        "name": experiment.schedule.name,
-        "source": "simulated" if simulated else "real",
-        "created": now.isoformat(timespec="seconds"),
-        "software": _software(),
-        "firmware": {
-            "id": identity.firmware,
-            "board": identity.board,
-            "protocol": PROTOCOL,
-            "dictionary": f"{dictionary_hash():08x}",
-        },
-        "port": port,
-        **experiment.files,
-        "log": {
-            "rate_hz": experiment.bench.controllers.log_rate,
-            "flags": list(FLAGS),
-            "channels": [
-                {"name": w.name, "signed": w.signed, "scale": w.scale, "unit": w.unit}
-                for w in RECORD
-            ],
-        },
-    }
-    if port == "sim":  # a rig that is served elsewhere keeps its seed and plant to itself
-        header["seed"] = seed
-    if plant is not None:
-        header["plant"] = {"sha256": file_sha256(plant)}
-    return header
-
-
-def _software() -> dict[str, str]:
-    packages = {name: version(name) for name in _PACKAGES}
-    return {"python": platform.python_version(), **packages}
