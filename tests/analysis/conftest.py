@@ -1,5 +1,6 @@
 """Runs made here from closed forms, and runs of the virtual rig on a plant of the test's choice."""
 
+import copy
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -33,14 +34,17 @@ def rig_campaign(tmp_path):
     """Return a function that makes ``experiments`` on the virtual rig and returns the folder.
 
     The board has the shipped bench file; the plant is another, ``friction`` replacing its test
-    cylinder's.
+    cylinder's. ``exact`` takes away the sensors' noise and the load cylinder's scatter.
     """
 
-    def measure(experiments, seed, friction=None) -> Path:
-        folder = tmp_path / f"campaign-{seed}"
-        plant = OTHER_PLANT | {
-            "friction": OTHER_PLANT["friction"] | ({"test": friction} if friction else {})
-        }
+    def measure(experiments, seed, friction=None, exact=False) -> Path:
+        folder = tmp_path / f"campaign-{len(list(tmp_path.glob('campaign-*')))}"
+        plant = copy.deepcopy(OTHER_PLANT)
+        if friction:
+            plant["friction"]["test"] = friction
+        if exact:
+            plant["friction"]["load"]["scatter"] = 0.0
+            plant["sensors"] = {"adc": {"noisy": False, "quantised": False}}
         shipped = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
         (tmp_path / "bench.yaml").write_text(shipped.read_text())
         (tmp_path / "plant.yaml").write_text(yaml.safe_dump(plant))
@@ -65,8 +69,8 @@ def rig_campaign(tmp_path):
 def rig_runs(rig_campaign):
     """Return a function that makes ``experiments`` on the virtual rig; it returns runs in SI."""
 
-    def measure(experiments, seed, friction=None) -> list[Run]:
-        campaign = load_campaign(rig_campaign(experiments, seed, friction))
+    def measure(*arguments, **options) -> list[Run]:
+        campaign = load_campaign(rig_campaign(*arguments, **options))
         return [calibrate(raw, campaign.bench()) for raw in campaign.raw_runs()]
 
     return measure

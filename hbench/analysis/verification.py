@@ -1,0 +1,120 @@
+"""Friction laws put to the test: a law's model against the measured run, and steady against ramp.
+
+A model of the bench with the identified law follows the same profile under the same controller
+(sections 5.4 and 5.5). Its log is compared with the measured one sample by sample. Samples are
+steady where the reference has been the same speed for 0.3 s, at rest where it has been zero for
+as long (friction is then whatever holds the piston, which no static law knows), else unsteady.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hbench.analysis.fit import NAMES, tustin
+from hbench.analysis.logged_motion import LoggedMotion, logged_motion
+from hbench.errors import DataError
+from hbench.records import Curve, CurvePoint, Fit, Run
+
+SETTLE_S = 0.3  # as in the steady window
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Root mean square differences, model minus measurement, over a part of the samples."""
+
+    friction_n: float
+    v_m_s: float
+    p_tp_pa: float
+    p_tr_pa: float
+    samples: int
+
+
+def unchanged(v_ref_m_s: np.ndarray, dt_s: float) -> np.ndarray:
+    """Return at which samples (n,) the reference has been the same for 0.3 s."""
+    changed = np.concatenate(([True], np.diff(v_ref_m_s) != 0))
+    last = np.maximum.accumulate(np.where(changed, np.arange(len(changed)), 0))
+    return (np.arange(len(changed)) - last) * dt_s > SETTLE_S - 0.5 * dt_s
+
+
+def model_errors(
+    measured: Sequence[Run], modelled: Sequence[Run], mass_kg: float
+) -> dict[str, Errors]:
+    """Return the errors of the ``steady``, ``unsteady`` and ``rest`` parts over all pairs of runs.
+
+    The runs have the same profile; where a segment ended a little earlier in one of them, the
+    time that both have counts. ``mass_kg`` is the test side's. Raises ``DataError``.
+    """
+    parts: dict[str, list[np.ndarray]] = {"steady": [], "unsteady": [], "rest": []}
+    for real, model in zip(measured, modelled, strict=True):
+        if real.v_ref_m_s is None or real.plan.motion != model.plan.motion:
+            raise DataError(f"run {real.plan.run}: its model has not followed the same profile")
+        n = min(len(real.t_s), len(model.t_s))
+        ours, theirs = logged_motion(real, mass_kg), logged_motion(model, mass_kg)
+        difference = (_signals(theirs, n) - _signals(ours, n)).T
+        v_ref = real.v_ref_m_s[:n]
+        held, rest = unchanged(v_ref, ours.dt_s), v_ref == 0
+        parts["steady"].append(difference[held & ~rest])
+        parts["unsteady"].append(difference[~held])
+        parts["rest"].append(difference[held & rest])
+    return {name: _rms(np.concatenate(found)) for name, found in parts.items()}
+
+
+def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndarray) -> Curve:
+    """Return friction over velocity of ramps: means of the samples between ``speeds_m_s`` (k,).
+
+    Only samples from the lowest of these speeds on, so breakaway itself is left out; bins without
+    samples are. Load, direction and cylinder are those of the steady curve ``like``.
+    """
+    v = np.concatenate([m.v_m_s for m in motions])
+    friction = np.concatenate([m.friction_n for m in motions])
+    p_p = np.concatenate([m.p_p_pa for m in motions])
+    p_r = np.concatenate([m.p_r_pa for m in motions])
+    place = np.digitize(np.abs(v), speeds_m_s)
+    sign = 1.0 if like.direction == "extend" else -1.0
+    points = []
+    for i in range(1, len(speeds_m_s)):
+        own = (place == i) & (sign * v > 0)
+        if own.any():
+            means = (float(values[own].mean()) for values in (v, friction, p_p, p_r))
+            points.append(_point(like, *means, tuple(m.run for m in motions)))
+    return replace(like, kind="ramp", points=tuple(points), fits=())
+
+
+def curve_error(fit: Fit, curve: Curve) -> float:
+    """Return the root mean square [N] of a Tustin fit's differences from a curve's points."""
+    p = np.array([fit.parameters[name].value for name in NAMES])
+    v = np.abs([point.v_m_s for point in curve.points])
+    measured = np.abs([point.friction_n for point in curve.points])
+    return float(np.sqrt(np.mean((tustin(v, p) - measured) ** 2)))
+
+
+def _signals(motion: LoggedMotion, n: int) -> np.ndarray:
+    signals = motion.friction_n, motion.v_m_s, motion.p_p_pa, motion.p_r_pa
+    return np.array([signal[:n] for signal in signals])
+
+
+def _rms(difference: np.ndarray) -> Errors:
+    if not len(difference):
+        return Errors(*[float("nan")] * 4, 0)
+    return Errors(*np.sqrt(np.mean(difference**2, axis=0)).tolist(), len(difference))
+
+
+def _point(
+    like: Curve, v: float, friction: float, p_p: float, p_r: float, runs: tuple[str, ...]
+) -> CurvePoint:
+    f_test = p_p * like.specimen.area_piston_m2 - p_r * like.specimen.area_rod_m2
+    return CurvePoint(
+        v_m_s=v,
+        friction_n=friction,
+        ci95_n=None,
+        n=len(runs),
+        f_test_n=f_test,
+        f_applied_n=f_test - friction,
+        p_tp_pa=p_p,
+        p_tr_pa=p_r,
+        trials=(),
+        trials_n=(),
+        trials_f_test_n=(),
+        runs=runs,
+    )
