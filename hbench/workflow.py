@@ -324,13 +324,16 @@ def phenomena() -> tuple[str, ...]:
     return tuple(PHENOMENA)
 
 
-def simulate(name: str) -> Phenomenon:
-    """Simulate a phenomenon by its name. Raises ``ConfigError``."""
+def simulate(name: str, bench_file: Path) -> Phenomenon:
+    """Simulate a phenomenon by its name, on a bench where it needs one.
+
+    Raises ``ConfigError``.
+    """
     from hbench.experiment.phenomena import PHENOMENA
 
     if name not in PHENOMENA:
         raise ConfigError(f"unknown phenomenon {name!r}", f"There are: {', '.join(PHENOMENA)}.")
-    return PHENOMENA[name]()
+    return PHENOMENA[name](read_yaml(bench_file))
 
 
 def write_phenomenon(folder: Path, phenomenon: Phenomenon) -> None:

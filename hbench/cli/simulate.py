@@ -7,6 +7,9 @@ import typer
 
 def simulate(
     phenomenon: str = typer.Option(None, metavar="NAME", help="Which; without it, the list."),
+    bench: Path = typer.Option(
+        None, help="Bench of 'supply' and 'instability'; by default the one that 'init' writes."
+    ),
     output: Path = typer.Option(None, "-o", "--output", help="Folder for page, figures and data."),
 ) -> None:
     """Simulate a phenomenon of friction or of the bench; print its defining numbers.
@@ -15,13 +18,16 @@ def simulate(
 
     Example: hbench simulate --phenomenon stick-slip -o stick-slip
     """
+    from importlib.resources import files
+
     from hbench import workflow
     from hbench.report.phenomenon_text import phenomenon_text
 
     if phenomenon is None:
         typer.echo("\n".join(workflow.phenomena()))
         return
-    found = workflow.simulate(phenomenon)
+    default = files("hbench.config") / "examples" / "bench-aau.yaml"
+    found = workflow.simulate(phenomenon, bench or default)
     if output is not None:
         workflow.write_phenomenon(output, found)
         typer.echo(f"{output / found.name}.html", err=True)

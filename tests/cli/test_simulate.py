@@ -2,8 +2,11 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 from hbench.experiment.phenomena import PHENOMENA
+
+BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 
 
 def hbench(*arguments):
@@ -17,7 +20,7 @@ def test_without_a_name_it_lists_what_there_is():
 
 
 def test_a_phenomenon_is_written_with_page_figures_and_data(tmp_path):
-    done = hbench("--phenomenon", "lag", "-o", tmp_path / "out")
+    done = hbench("--phenomenon", "lag", "--bench", BENCH, "-o", tmp_path / "out")
     assert done.returncode == 0 and done.stderr.strip().endswith("lag.html")
     names = {path.name for path in (tmp_path / "out").rglob("*.*")}
     parts = {

@@ -17,7 +17,7 @@ LAWS_ALONE = ("stribeck", "lag", "presliding", "stick-slip", "breakaway")
 
 @pytest.fixture(scope="module")
 def shown():
-    return {name: PHENOMENA[name]() for name in LAWS_ALONE}
+    return {name: PHENOMENA[name]({}) for name in LAWS_ALONE}
 
 
 def found(phenomenon, quantity):
