@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from other_plant import STEADY
 
+from hbench import workflow
 from hbench.analysis.fit import NAMES, fit_tustin
-from hbench.analysis.marton_lantos import UNITS, marton_lantos
+from hbench.analysis.marton_lantos import UNITS, lines, marton_lantos
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 TRUTH = (250.0, 500.0, 0.07, 1500.0)
@@ -70,3 +72,33 @@ def test_what_the_tustin_fit_says_against_itself_stays_said(make_curve):
     fit = marton_lantos(curve, tustin)
     assert fit.message == tustin.message and "lower bound" in fit.message
     assert set(tustin.parameters) == set(NAMES)
+
+
+NO_SEALS = {  # what a plant file leaves out is the bench file's, so they are set to zero
+    "law": "lugre",
+    "coulomb": "300 N",
+    "stiction": "480 N",
+    "stribeck_velocity": "60 mm/s",
+    "viscous": "2350 N s/m",
+    "bristle_stiffness": "2.6e5 N/m",
+    "piston_seal": "0 N/bar",
+    "rod_seal": "0 N/bar",
+    "scatter": "1 %",
+}
+VELOCITIES = [f"{v} mm/s" for v in (5, 10, 20, 35, 55, 80, 110, 145, 180, 195)]
+WIDE = dict.fromkeys(NAMES, (-1e5, 1e5)) | {"v_stribeck_m_s": (0.01, 1.0)}
+
+
+@pytest.mark.slow
+def test_the_rigs_lines_lie_in_the_95_percent_intervals_over_many_seeds(rig_campaign):
+    """80 curves of 5 values that go together: two standard deviations are about 4 %."""
+    inside = []
+    schedule = [experiment | {"velocities": VELOCITIES, "trials": 3} for experiment in STEADY]
+    for seed in range(100, 120):
+        for curve in workflow.analyze(rig_campaign(schedule, seed, NO_SEALS)).curves:
+            v_max = max(abs(point.v_m_s) for point in curve.points)
+            true = lines(np.array([300.0, 480.0, 0.06, 2350.0]), v_max)
+            found = marton_lantos(curve, fit_tustin(curve, WIDE)).parameters.values()
+            inside += [p.ci95[0] <= t <= p.ci95[1] for p, t in zip(found, true, strict=True)]
+    print(f"lines: coverage {sum(inside)} of {len(inside)}")
+    assert 0.90 <= np.mean(inside) <= 0.99
