@@ -134,8 +134,11 @@ def tried(
     law: str,
     speed_m_s: float,
     load_viscous_n_s_m: float | None = None,
+    start: str = "200 mm",
 ) -> Tried:
     """Run the firmware from rest to a steady speed, extending from the middle of the stroke.
+
+    From another ``start`` the piston goes there first, at the bench's return speed.
 
     With ``load_viscous_n_s_m`` the fit is in the test cylinder alone, and the load cylinder has
     300 N Coulomb and that viscous friction.
@@ -151,7 +154,7 @@ def tried(
         "loads": [f"{LOAD_N} N"],
         "velocities": [f"{speed_m_s} m/s"],
         "trials": 1,
-        "travel": {"start": "200 mm", "end": "340 mm"},
+        "travel": {"start": start, "end": "340 mm"},
         "acceleration": "1 m/s^2",
         "hold": "1 s",
         "window": "3 s",

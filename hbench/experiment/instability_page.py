@@ -163,7 +163,9 @@ def _text(needed: float, on_board: float, mass: float) -> tuple[str, ...]:
         "viscous with B_T + B_L alone. That is 2.7 to 4.7 kN s/m in the steady fits, which hold, "
         "and at most 1.4 kN s/m in the ramp fits, which don't: the source itself calls the viscous "
         "coefficients of table 6.2 corrupted. Table 6.2, steady, at 197 mm/s is at the edge: its "
-        "eigenvalue of +0.6 1/s needs longer than the stroke lasts. Stiffer bristles bring the "
+        "eigenvalue of +0.6 1/s needs longer than the stroke lasts. Eigenvalues judge small "
+        "disturbances: on the board's way back at 150 mm/s tables 6.2 and 6.3 are thrown into "
+        "a cycle, 6.4 and 6.5 are not. Stiffer bristles bring the "
         "static law back: with sigma_0 = 1e6 N/m table 6.2 is unstable again at 50 mm/s.",
         "Second, the static fit in the test cylinder alone, with a viscous load cylinder that "
         "makes up the slope: B_L from about 5 kN s/m at 50 mm/s, 7 kN s/m down to 10 mm/s for "

@@ -50,6 +50,14 @@ def test_with_lugre_the_steady_fits_hold(name, speed):
     assert fastest(PAR, FITS[name], speed, LOOPS).lugre < 0
 
 
+@pytest.mark.parametrize("name", [name for name in FITS if name.endswith("steady")])
+def test_the_way_back_at_150_mm_s_throws_6_2_and_6_3_off(name):
+    """Eigenvalues judge small disturbances; this one is large."""
+    fault = tried(DATA, FITS[name], "lugre", 0.05, start="50 mm").fault
+    assert bool(fault) == (name in ("6.2 steady", "6.3 steady"))
+    assert fastest(PAR, FITS[name], -0.15, LOOPS).lugre < 0
+
+
 @pytest.mark.parametrize("name", [name for name in FITS if name.endswith("ramp")])
 def test_with_lugre_the_ramp_fits_do_not_for_want_of_viscous_friction(name):
     assert tried(DATA, FITS[name], "lugre", 0.05).fault
