@@ -39,8 +39,8 @@ class Motion:
     """How the board moves in one run."""
 
     x_start_m: float
-    x_min_m: float  # a segment ends early where its velocity leads out of x_min..x_max
-    x_max_m: float
+    x_min_m: float  # a segment ends early below it, on its way down,
+    x_max_m: float  # and above this, on its way up
     hold_s: float  # at rest at x_start before the run, load on
     segments: tuple[Segment, ...]  # one cycle
     cycles: int = 1  # at most

@@ -20,7 +20,7 @@ from hbench.errors import ConfigError, DataError
 from hbench.experiment.header import campaign_header, refuse_another, session_seed, software
 from hbench.experiment.parts import over_all_parts, parts
 from hbench.experiment.plan import Plan, estimate_seconds, plan_runs
-from hbench.experiment.runner import Progress, run_campaign
+from hbench.experiment.runner import Progress, bring_to_rest, run_campaign
 from hbench.model.parameters import plant_parameters
 from hbench.protocol.dictionary import RECORD
 from hbench.records import Design, Phenomenon, Results, RunPlan
@@ -155,11 +155,14 @@ def measure(
     clock: Callable[[], datetime],
     report: Callable[[Progress], None],
     baud: int | None = None,
+    take_over: bool = False,
 ) -> Measured:
     """Make the runs on ``port`` and journal them in the campaign ``folder``.
 
-    ``baud`` is the line's rate: by default 115200, and on the virtual rig octets take no time.
-    ``plant`` is the file of another plant for the virtual rig; the campaign keeps only its hash.
+    A board that still runs, or that has stopped itself, is taken over only with ``take_over`` or
+    ``resume``. ``baud`` is the line's rate: by default 115200, and on the virtual rig octets take
+    no time. ``plant`` is the file of another plant for the virtual rig; the campaign keeps only its
+    hash.
     Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """
     if plant is not None and port != "sim":
@@ -171,6 +174,7 @@ def measure(
         try:
             client = BoardClient(line)
             identity = client.identify()
+            bring_to_rest(client, resume or take_over)  # before there is a folder
             header = campaign_header(
                 experiment.schedule.name, experiment.files, identity, bench, port, clock()
             )

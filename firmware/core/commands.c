@@ -50,6 +50,7 @@ static hb_u16 write_settings(hb_core *core, hb_reader *request)
     for (hb_u16 i = 0; i < count; i++) {
         hb_settings_write(&core->settings, (hb_u16)(first + i), hb_get_f32(request));
     }
+    core->started = false;
     hb_core_configure(core);
     return HB_REFUSAL_NONE;
 }
@@ -72,6 +73,7 @@ static hb_u16 write_segment(hb_core *core, hb_reader *request)
     if (!hb_segment_in_range(&segment) || !hb_segments_write(&core->steps, index, &segment)) {
         return HB_REFUSAL_OUT_OF_RANGE;
     }
+    core->started = false;
     return HB_REFUSAL_NONE;
 }
 
@@ -102,6 +104,7 @@ static hb_u16 write_step(hb_core *core, hb_reader *request)
     if (!hb_step_in_range(&step) || !hb_steps_write(&core->steps, index, &step)) {
         return HB_REFUSAL_OUT_OF_RANGE;
     }
+    core->started = false;
     return HB_REFUSAL_NONE;
 }
 
@@ -114,14 +117,18 @@ static hb_u16 start(hb_core *core, hb_octet sequence, hb_reader *request)
     if (!whole(request)) {
         return HB_REFUSAL_BAD_PAYLOAD;
     }
-    if (core->state == HB_STATE_RUNNING) {
-        const bool again = sequence == core->start_sequence
-                        && settings_crc == core->start_settings_crc
-                        && steps_crc == core->start_steps_crc;
-        return again ? HB_REFUSAL_NONE : HB_REFUSAL_BUSY;
-    }
+    const bool again = core->started && sequence == core->start_sequence
+                    && settings_crc == core->start_settings_crc
+                    && steps_crc == core->start_steps_crc;
+
     if (core->state == HB_STATE_FAULT) {
         return HB_REFUSAL_FAULT_LATCHED;
+    }
+    if (again) { /* it may be over by now, or stopped: nothing moves a second time */
+        return HB_REFUSAL_NONE;
+    }
+    if (core->state == HB_STATE_RUNNING) {
+        return HB_REFUSAL_BUSY;
     }
     if (!hb_settings_complete(&core->settings) || core->steps.count == 0u) {
         return HB_REFUSAL_NOT_READY;
@@ -137,6 +144,7 @@ static hb_u16 start(hb_core *core, hb_octet sequence, hb_reader *request)
                            value[HB_SETTING_TRAVEL_MAX_M])) {
         return HB_REFUSAL_OUT_OF_RANGE;
     }
+    core->started = true;
     core->start_sequence = sequence;
     core->start_settings_crc = settings_crc;
     core->start_steps_crc = steps_crc;
@@ -192,25 +200,54 @@ static hb_u16 status(const hb_core *core, const hb_reader *request, hb_writer *r
     return HB_REFUSAL_NONE;
 }
 
+/* Copies a record while no tick can overwrite it; false if one has. */
+static bool copy_record(const hb_core *core, hb_u32 number, hb_log_record record)
+{
+    core->hal.mask_control(core->hal.context);
+    const bool there = number >= hb_log_first(&core->log);
+    const hb_u16 *words = hb_log_words(&core->log, number);
+    for (hb_u16 i = 0; i < HB_RECORD_WORDS; i++) {
+        record[i] = words[i];
+    }
+    core->hal.unmask_control(core->hal.context);
+    return there;
+}
+
+/* The one request that is answered with ticks going on: its reply is long. Where they overwrite a
+ * record of it, it begins anew. */
 static hb_u16 read_log(const hb_core *core, hb_reader *request, hb_writer *reply)
 {
     const hb_u32 asked = hb_get_u32(request);
     const hb_u16 count = hb_get_u16(request);
-    const hb_u32 oldest = hb_log_first(&core->log);
-    const hb_u32 first = asked < oldest ? oldest : asked;
+    const hb_writer empty = *reply;
+    hb_log_record record;
+    bool whole_reply = false;
 
     if (!whole(request)) {
         return HB_REFUSAL_BAD_PAYLOAD;
     }
-    hb_put_u32(reply, first);
-    hb_put_u32(reply, core->log.next);
-    for (hb_u32 number = first; number < core->log.next && number - first < count; number++) {
-        if (reply->room < RECORD_OCTETS) {
-            break;
-        }
-        const hb_u16 *words = hb_log_words(&core->log, number);
-        for (hb_u16 i = 0; i < HB_RECORD_WORDS; i++) {
-            hb_put_u16(reply, words[i]);
+    while (!whole_reply) {
+        core->hal.mask_control(core->hal.context);
+        const hb_u32 oldest = hb_log_first(&core->log);
+        const hb_u32 next = core->log.next;
+        core->hal.unmask_control(core->hal.context);
+        const hb_u32 first = asked < oldest ? oldest : asked;
+
+        *reply = empty;
+        whole_reply = true;
+        hb_put_u32(reply, first);
+        hb_put_u32(reply, next);
+        for (hb_u32 number = first; number < next && number - first < count; number++) {
+            if (reply->room < RECORD_OCTETS) {
+                break;
+            }
+            if (!copy_record(core, number, record)) {
+                whole_reply = false;
+                break;
+            }
+            for (hb_u16 i = 0; i < HB_RECORD_WORDS; i++) {
+                hb_put_u16(reply, record[i]);
+            }
         }
     }
     return HB_REFUSAL_NONE;

@@ -18,6 +18,7 @@ void hb_core_init(hb_core *core, const hb_hal *hal, hb_log_ring ring, hb_u16 boo
     hb_schedule_init(&core->schedule);
     hb_log_init(&core->log, ring);
     hb_core_configure(core);
+    core->started = false;
     core->receiver.count = 0;
     core->receiver.too_long = false;
     core->out_count = 0;
@@ -145,10 +146,17 @@ static void answer(hb_core *core, const hb_frame *frame)
     hb_writer reply = {&core->reply[2], HB_MAX_PAYLOAD, true};
     hb_octet type = (hb_octet)(frame->type | HB_REPLY);
 
+    const bool masked = frame->type != HB_MESSAGE_READ_LOG; /* which masks record by record */
+
     core->hal.mask_control(core->hal.context);
     core->safety.silence_ticks = 0;
+    if (!masked) {
+        core->hal.unmask_control(core->hal.context);
+    }
     const hb_u16 refusal = hb_command(core, frame, &reply);
-    core->hal.unmask_control(core->hal.context);
+    if (masked) {
+        core->hal.unmask_control(core->hal.context);
+    }
 
     if (refusal != HB_REFUSAL_NONE) {
         const hb_writer empty = {&core->reply[2], HB_MAX_PAYLOAD, true};

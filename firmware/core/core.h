@@ -36,7 +36,9 @@ typedef struct {
     hb_schedule_state schedule;
     hb_log log;
 
-    /* The request that started the schedule, to know it when it is sent again. */
+    /* The request that started the schedule, to know it when it is sent again, however late:
+     * until something is uploaded. */
+    bool started;
     hb_octet start_sequence;
     hb_u16 start_settings_crc;
     hb_u16 start_steps_crc;

@@ -21,7 +21,7 @@ hb_schedule_config hb_schedule_design(const hb_settings *settings)
     /* Three times the whole travel at return speed, and time to creep up to the start. */
     config.return_ticks = hb_ticks(
         hb_min(3.0f * (value[HB_SETTING_TRAVEL_MAX_M] - value[HB_SETTING_TRAVEL_MIN_M]) / speed
-                   + 10.0f,
+                   + 10.0f + 8.0f / config.return_gain_1_s,
                HB_MAX_TIME_S),
         (float)HB_RATE_HZ);
     config.pressure_step_pa = value[HB_SETTING_PRESSURE_SLEW_PA_S] * HB_PERIOD_S;
@@ -78,8 +78,9 @@ static bool time_is_over(const hb_schedule_state *state, float seconds)
 static bool segment_is_over(const hb_schedule_state *state, const hb_step *step,
                             const hb_segment *segment, float x_m)
 {
-    const bool left = (segment->v_m_s > 0.0f && x_m >= step->x_max_m)
-                   || (segment->v_m_s < 0.0f && x_m <= step->x_min_m);
+    const float v = state->references.v_m_s;
+    const bool left = (segment->v_m_s > 0.0f && v > 0.0f && x_m >= step->x_max_m)
+                   || (segment->v_m_s < 0.0f && v < 0.0f && x_m <= step->x_min_m);
     return left || time_is_over(state, segment->duration_s);
 }
 

@@ -8,7 +8,8 @@
 #define HB_CALM_CYCLES 2u /* in a row */
 
 typedef struct {
-    float sum; /* over the present cycle */
+    float sum; /* over the present cycle ... */
+    float rest; /* ... and what its last digit could not take (Kahan) */
     hb_u32 ticks;
     float mean;   /* of the cycle before */
     hb_u16 calm;  /* cycles in a row that changed little */

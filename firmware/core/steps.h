@@ -24,8 +24,8 @@ typedef struct {
     float p_lr_ref_pa;
     float p_lp_ref_pa;
     float x_start_m;
-    float x_min_m; /* a segment also ends where its velocity leads out of x_min..x_max */
-    float x_max_m;
+    float x_min_m; /* a segment also ends below x_min on its way down, */
+    float x_max_m; /* above x_max on its way up */
     float hold_s; /* at rest at x_start, load on */
 } hb_step;
 

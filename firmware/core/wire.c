@@ -97,11 +97,13 @@ bool hb_receive_question(hb_receiver *receiver, hb_octet octet)
     while (at < receiver->count && ends_line(receiver->octets[at])) {
         at++;
     }
-    if (at + 1u != receiver->count || receiver->octets[at] != '?') {
-        return false;
+    if (at == receiver->count || receiver->octets[at] < ' ') {
+        return false; /* nothing typed, or a frame */
     }
+    const bool asked = at + 1u == receiver->count && receiver->octets[at] == '?';
     receiver->count = 0;
-    return true;
+    receiver->too_long = false;
+    return asked;
 }
 
 hb_u16 hb_encode_frame(hb_octet sequence, hb_octet type, hb_octet plain[HB_MAX_FRAME],

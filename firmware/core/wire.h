@@ -34,8 +34,8 @@ typedef struct {
 /* Takes one octet; true if it completes a sound frame, which is then in *frame. */
 bool hb_receive(hb_receiver *receiver, hb_octet octet, hb_frame *frame);
 
-/* True if the octet ends a line of '?' alone, typed since the last end mark; the line is then
- * forgotten. The host's frames don't look so: their first octet, COBS's distance to the first
+/* True if the octet ends a line of '?' alone, typed since the last end mark. Any typed line is
+ * forgotten with its end. The host's frames don't look so: their first octet, COBS's distance to the first
  * zero, is at most 9, for a request without payload has 4 octets, "start" has 8, and each other one
  * has a zero in its high octet of an index or count. So none begins with '?' (63), CR (13) or LF
  * (10), which stands there where a terminal ended the line before with both. */

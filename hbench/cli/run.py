@@ -21,6 +21,9 @@ def run(
     seed: int = typer.Option(1, help="Seed of the virtual rig's noise and scatter."),
     check: bool = typer.Option(False, "--check", help="Check and estimate only; nothing moves."),
     resume: bool = typer.Option(False, "--resume", help="Go on with an interrupted campaign."),
+    take_over: bool = typer.Option(
+        False, "--take-over", help="Clear the board's latched fault, or stop what it still runs."
+    ),
 ) -> None:
     """Run SCHEDULE and pull every run's log into a campaign folder.
 
@@ -54,6 +57,7 @@ def run(
             plant=plant,
             seed=seed,
             resume=resume,
+            take_over=take_over,
             clock=lambda: datetime.now().astimezone(),
             report=progress,
         )

@@ -153,9 +153,11 @@ class Limits(Section):
 
     travel_min: q.Position
     travel_max: q.Position
-    pressure_max: q.Pressure
+    pressure_max: q.quantity("bar", gt=0, le=1e8)
     speed_max: q.quantity("mm/s", gt=0, le=0.6)  # a log word holds 0.65 m/s
-    stopping_time: q.TimeConstant  # valves closed, the piston goes on for its speed times this
+    stopping_time: q.quantity(
+        "ms", ge=0, le=1
+    )  # valves closed, the piston goes on for its speed times this
     speed_error: q.Speed  # from the reference ...
     speed_error_time: q.quantity("s", ge=0, le=60)  # ... for longer than this
     heartbeat: q.quantity("s", ge=1, le=60)  # longest silence of the host, which asks again for 2 s
@@ -203,8 +205,10 @@ class Bench(Plant):
                 f"of limits.speed_max = {self.limits.speed_max:g} m/s"
             )
         divider = self.controllers.rate / self.controllers.log_rate
-        if abs(divider - round(divider)) > 1e-9 or divider < 1:
-            raise ValueError("controllers.rate must be a whole multiple of controllers.log_rate")
+        if abs(divider - round(divider)) > 1e-9 or not 1 <= divider <= 65535:
+            raise ValueError(
+                "controllers.rate must be a whole multiple of controllers.log_rate, up to 65535"
+            )
         return self
 
 

@@ -21,6 +21,8 @@ from hbench.errors import ConfigError
 from hbench.experiment.speeds import speeds
 from hbench.records import Motion, Segment
 
+_LONGER = 1.05  # a piece that ends at a position may take than it should
+
 
 @dataclass(frozen=True)
 class Reference:
@@ -57,13 +59,16 @@ def way(motion: Motion, brake_m_s2: float) -> Way:
     for segment in motion.segments * motion.cycles:
         end = motion.x_max_m if segment.v_m_s > 0 else motion.x_min_m
         for a, duration in _pieces(v, segment):
-            duration = min(duration, _time_to(end - x, v, a, segment.v_m_s))
+            until_end = _time_to(end - x, v, a, segment.v_m_s)
+            duration = min(duration, until_end)
             if a and 0 < -v / a < duration:
                 turns.append(x - v**2 / (2 * a))
             x += v * duration + 0.5 * a * duration**2
             v += a * duration
             seconds += duration
             turns.append(x)
+            if duration == until_end:
+                break
     x += v * abs(v) / (2 * brake_m_s2)
     return Way(seconds, min(*turns, x), max(*turns, x), x)
 
@@ -85,12 +90,15 @@ def _time_to(distance: float, v: float, a: float, target: float) -> float:
         return np.inf
     sign = np.copysign(1.0, target)
     distance, v, a = sign * distance, sign * v, sign * a
-    if distance <= 0:
+    if v > 0.0 and distance <= 0.0:
         return 0.0
     squared = v**2 + 2 * a * distance  # of the speed there
-    if squared < 0.0 or v <= 0.0 and a <= 0.0:
+    if v > 0.0:
+        return 2 * distance / (v + np.sqrt(squared)) if squared >= 0.0 else np.inf
+    if a <= 0.0:
         return np.inf
-    return 2 * distance / (v + np.sqrt(squared))  # the sooner of the two roots
+    # It turns first; where it turns beyond the end, it leaves there.
+    return (-v + np.sqrt(max(squared, 0.0))) / a
 
 
 def _steady(
@@ -138,10 +146,18 @@ def _triangle(
 ) -> Iterator[Reference]:
     v, travel = experiment.speed, experiment.travel
     a = v**2 / (travel.end - travel.start)
-    cycle = (Segment(v, a, v / a), Segment(-v, a, 2 * v / a), Segment(0.0, a, v / a))
+    # The turns are at the middle, so that nothing drifts; the times only bound the pieces.
+    cycle = (
+        Segment(v, a, _LONGER * v / a),
+        Segment(-v, a, 2 * _LONGER * v / a),
+        Segment(0.0, a, v / a),
+    )
     until = experiment.until
     ending = {"until": until.quantity, "within": until.within} if until else {}
-    motion = _motion(experiment, travel, cycle, cycles=experiment.cycles, **ending)
+    middle = 0.5 * (travel.start + travel.end)
+    motion = Motion(
+        travel.start, middle, middle, experiment.hold, cycle, cycles=experiment.cycles, **ending
+    )
     yield Reference(v, a, motion)
 
 

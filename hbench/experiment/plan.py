@@ -14,6 +14,7 @@ from hbench.experiment.adaptive import Measured, next_speed
 from hbench.experiment.motions import Reference, references, steady_reference, way
 from hbench.records import RunPlan, Specimen
 
+MIN_SLOPE_M_S2 = 1e-4  # whose step in one tick a single still takes without rounding it away
 MAX_RUNS = 9999  # that a run's number has digits for
 _LAG_S = 0.05  # of the velocity loop and its settling, to be added to the way
 
@@ -169,15 +170,27 @@ def _check_motion(reference: Reference, bench: Bench, key: str) -> None:
             f"{key}: {1e3 * top:.4g} mm/s is above 90 % of limits.speed_max "
             f"({1e3 * limits.speed_max:.4g} mm/s)"
         )
+    for segment in reference.motion.segments:
+        if segment.a_m_s2 < MIN_SLOPE_M_S2:
+            raise ConfigError(
+                f"{key}: its velocity would change by {segment.a_m_s2:.2g} m/s^2; the board's "
+                f"least slope is {MIN_SLOPE_M_S2:g} m/s^2",
+                "Give a higher speed or a smaller travel.",
+            )
     gone = way(reference.motion, bench.controllers.acceleration)
+    if gone.seconds < 2 / bench.controllers.log_rate:
+        raise ConfigError(
+            f"{key}: a run would last {gone.seconds:.3g} s; its log needs two records, "
+            f"{2 / bench.controllers.log_rate:g} s"
+        )
     lag = _LAG_S * top
     low = gone.x_low_m - (lag if gone.x_low_m < reference.motion.x_start_m else 0.0)
     high = gone.x_high_m + (lag if gone.x_high_m > reference.motion.x_start_m else 0.0)
     if not (limits.travel_min <= low and high <= limits.travel_max):
         raise ConfigError(
-            f"{key}.travel: at up to {1e3 * top:.4g} mm/s the piston would move between "
-            f"{1e3 * low:.4g} and {1e3 * high:.4g} mm, way to brake included; limits.travel are "
-            f"{1e3 * limits.travel_min:.4g} to {1e3 * limits.travel_max:.4g} mm",
+            f"{key}.{'travel' if top else 'positions'}: at up to {1e3 * top:.4g} mm/s the piston "
+            f"would move between {1e3 * low:.4g} and {1e3 * high:.4g} mm, way to brake included; "
+            f"limits.travel are {1e3 * limits.travel_min:.4g} to {1e3 * limits.travel_max:.4g} mm",
             "Give a smaller travel or a lower speed.",
         )
 

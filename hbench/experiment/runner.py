@@ -69,13 +69,14 @@ def run_campaign(
     """Make all runs of ``plans`` and journal them.
 
     A board that still runs for an earlier host, or that has stopped itself, is taken over only
-    with ``resume``. Raises ``ConfigError`` where bench file and board differ, and ``DeviceError``
-    when the board faults or the line is lost; what was measured until then is in the journal.
+    with ``resume`` (see ``bring_to_rest``). Raises ``ConfigError`` where bench file and board
+    differ, and ``DeviceError`` when the board faults or the line is lost; what was measured until
+    then is in the journal.
     ``DeviceError`` too where all steps have been made and some runs failed.
     """
     identity = client.identify()
     _check_rates(bench, identity)
-    _take_over(client, resume)
+    bring_to_rest(client, resume)
     settings_crc = client.write_settings(board_settings(bench))
     recorder = _Recorder(plans, journal, clock)
     try:
@@ -107,19 +108,19 @@ def _check_rates(bench: Bench, identity: Identity) -> None:
         )
 
 
-def _take_over(client: BoardClient, resume: bool) -> None:
-    """Bring the board to rest, whatever an earlier session left, or raise ``DeviceError``."""
+def bring_to_rest(client: BoardClient, allowed: bool) -> None:
+    """Bring the board to rest, whatever an earlier host left, or raise ``DeviceError``."""
     status = client.status()
     state = STATES[status["state"]]
-    if state == "fault" and not resume:
+    if state == "fault" and not allowed:
         raise DeviceError(
             f"the board has stopped itself: {_fault(status)}",
-            "Look at the bench, then go on with --resume, or switch the board off and on.",
+            "Look at the bench, then give --take-over, or go on with --resume.",
         )
-    if state == "running" and not resume:
+    if state == "running" and not allowed:
         raise DeviceError(
             "the board is running a schedule that another host began",
-            "Go on with --resume, which stops it, or wait until it stops itself.",
+            "Wait until it stops itself, or stop it with --take-over or --resume.",
         )
     if state == "running":
         client.stop()
@@ -188,7 +189,7 @@ def _cause(
 
 def _fault(status: Mapping[str, Any]) -> str:
     name = FAULTS[status["fault"]]
-    return f"{name}: {FAULT_WORDS[name]}"
+    return f"{name}: {FAULT_WORDS.get(name, 'a cause that this state does not have')}"
 
 
 def _ending(plan: RunPlan, flags: int) -> str:

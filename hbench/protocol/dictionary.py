@@ -74,8 +74,8 @@ MESSAGES: tuple[Message, ...] = (
             ("p_lr_ref_pa", "f32"),
             ("p_lp_ref_pa", "f32"),
             ("x_start_m", "f32"),
-            ("x_min_m", "f32"),  # a segment ends where its velocity leads out of
-            ("x_max_m", "f32"),  # x_min..x_max
+            ("x_min_m", "f32"),  # a segment ends below it on its way down,
+            ("x_max_m", "f32"),  # and above this on its way up
             ("hold_s", "f32"),
         ),
         (),

@@ -41,8 +41,8 @@ def integrated(motion, brake, dt=1e-4):
     for segment in motion.segments * motion.cycles:
         since = 0.0
         while since < segment.duration_s - dt / 2:
-            if (segment.v_m_s > 0 and x >= motion.x_max_m) or (
-                segment.v_m_s < 0 and x <= motion.x_min_m
+            if (min(segment.v_m_s, v) > 0 and x >= motion.x_max_m) or (
+                max(segment.v_m_s, v) < 0 and x <= motion.x_min_m
             ):
                 break
             before = v
@@ -126,6 +126,25 @@ def test_what_leads_beyond_the_limits_of_travel_is_refused():
         )
 
 
+@pytest.mark.parametrize(
+    ("profile", "words"),
+    [
+        (("200 mm/s", "100 m/s^2", "1 ms"), "would last 0.001 s; its log needs two records"),
+        (("0.1 mm/s", "0.01 m/s^2", "0.01 s"), "would last 0.01 s"),
+    ],
+)
+def test_a_run_too_short_for_its_log_is_refused(profile, words):
+    keys = ("velocity", "acceleration", "duration")
+    piece = dict(zip(keys, profile, strict=True))
+    with pytest.raises(ConfigError, match=words):
+        plans_of({"kind": "verification", "profile": [piece], "travel": TRAVEL})
+
+
+def test_a_triangle_too_slow_for_the_boards_numbers_is_refused():
+    with pytest.raises(ConfigError, match="least slope is 0.0001"):
+        plans_of({"kind": "triangle", "speed": "1 mm/s", "cycles": 1, "travel": TRAVEL})
+
+
 def test_a_kind_that_is_none_is_refused_with_those_that_are():
     with pytest.raises(ConfigError, match=r"experiments.0.*'creep'.*'steady', 'ramp'"):
         plans_of({"kind": "creep"})
@@ -205,7 +224,9 @@ def test_every_kind_is_run_as_long_as_its_profile_lasts(measured):
     assert set(measured) == {"ramp", "triangle", "steps", "verification", "hold"}
     for run in measured.values():
         planned = way(run.plan.motion, 1.0).seconds
-        assert len(run.t_s) == pytest.approx(100 * planned, abs=6), run.plan.kind
+        # A triangle turns where the piston is, which lags behind its reference.
+        slack = 0.02 * 100 * planned if run.plan.kind == "triangle" else 6
+        assert len(run.t_s) == pytest.approx(100 * planned, abs=slack), run.plan.kind
 
 
 @pytest.mark.parametrize("kind", ["ramp", "triangle", "verification"])
@@ -256,4 +277,4 @@ def test_a_warm_up_tells_whether_it_ended_because_friction_had_settled(tmp_path,
     (entry,) = campaign.entries
     assert (entry.stop.outcome, entry.stop.why) == ("done", words)
     cycles = 3 if "had not" not in words else 4  # one to compare with, then two in a row
-    assert entry.stop.records == pytest.approx(100 * cycles * 4 * 0.1 / 0.2, abs=4)
+    assert entry.stop.records == pytest.approx(100 * cycles * 4 * 0.1 / 0.2, rel=0.03)

@@ -21,7 +21,16 @@ from hbench.store.campaign import CampaignWriter, load_campaign
 def measure(tmp_path, clock):
     """Run a schedule into a folder of ``tmp_path``."""
 
-    def run(schedule, folder="campaign", *, seed=1, resume=False, plant=None, report=None):
+    def run(
+        schedule,
+        folder="campaign",
+        *,
+        seed=1,
+        resume=False,
+        plant=None,
+        report=None,
+        take_over=False,
+    ):
         experiment = workflow.load_experiment(schedule, None)
         return workflow.measure(
             experiment,
@@ -32,6 +41,7 @@ def measure(tmp_path, clock):
             resume=resume,
             clock=clock,
             report=report or (lambda progress: None),
+            take_over=take_over,
         )
 
     return run
@@ -300,7 +310,9 @@ def test_a_full_disk_does_not_keep_the_board_from_being_stopped(
         measure(short_schedule(), report=interrupt)
 
 
-def test_a_latched_fault_is_cleared_by_resume_alone(measure, short_schedule, monkeypatch):
+def test_a_latched_fault_is_cleared_on_request_alone(
+    measure, short_schedule, monkeypatch, tmp_path
+):
     """The same board, with power on all the time."""
     rigs = []
 
@@ -326,8 +338,12 @@ def test_a_latched_fault_is_cleared_by_resume_alone(measure, short_schedule, mon
         measure(schedule, report=fall_silent)
     with pytest.raises(DeviceError, match="has stopped itself: heartbeat") as error:
         measure(schedule, "another")
-    assert "--resume" in error.value.hint
+    assert "--resume" in error.value.hint and "--take-over" in error.value.hint
+    assert not (tmp_path / "another").exists(), "nothing was begun"
     assert measure(schedule, resume=True).runs == 1
+    with pytest.raises(DeviceError, match="heartbeat"):
+        measure(schedule, "third", report=fall_silent)
+    assert measure(schedule, "another", take_over=True).runs == 1
 
 
 def test_every_fault_of_the_board_has_words():

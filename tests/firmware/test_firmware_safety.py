@@ -121,7 +121,7 @@ def test_silence_at_rest_is_no_fault(board):
 
 
 def test_a_way_back_that_does_not_arrive_ends_in_a_latched_fault(board):
-    """The piston is held: 3 x 0.39 m / (0.15 m/s) + 10 s = 17.8 s after the start."""
+    """The piston is held: 3 x 0.39 m / (0.15 m/s) + 10 s + 8 / (5/s) = 19.4 s."""
     board.write_motion(x_start_m=0.2)
     assert board.start() == b""
     seconds = 0
@@ -131,4 +131,4 @@ def test_a_way_back_that_does_not_arrive_ends_in_a_latched_fault(board):
         seconds += 1
         assert seconds < 30
     assert board.status()["fault"] == FAULTS.index("return")
-    assert seconds == 18 and tuple(codes) == (0, 0, 0)
+    assert seconds == 20 and tuple(codes) == (0, 0, 0)

@@ -218,3 +218,43 @@ def test_without_a_condition_calm_cycles_go_on_to_the_last(board):
     log = play(board, "cycles", 0.1, 1.0, cycles=6)
     assert len(log) == 6 * CYCLE_TICKS // 100
     assert not np.any(log[:, WORD["flags"]] & SETTLED)
+
+
+def test_a_triangle_of_many_cycles_does_not_drift(new_board):
+    """Its turns are at the middle of the travel: 60 cycles over 100 mm end where they began."""
+    board = new_board()
+    board.write_settings(log_divider=50.0)
+    v, a, middle = 0.2, 0.4, 0.15
+    row = (
+        {"v_m_s": v, "a_m_s2": a, "duration_s": 1.05 * v / a},
+        {"v_m_s": -v, "a_m_s2": a, "duration_s": 2.1 * v / a},
+        {"v_m_s": 0.0, "a_m_s2": a, "duration_s": v / a},
+    )
+    edges = {"x_start_m": 0.1, "x_min_m": middle, "x_max_m": middle}
+    board.write_row(*row, cycles=60, hold_s=0.0, **edges)
+    board.rest(0.05, x=0.1)
+    assert board.start() == b""
+    turns = {}
+    while board.status()["state"] == STATES.index("running"):
+        drive(board, 100)
+        status = board.status()
+        if status["phase"] in (PHASES.index("accelerate"), PHASES.index("steady")):
+            low, high = turns.get(status["cycle"], (1.0, 0.0))
+            turns[status["cycle"]] = min(low, status["x_m"]), max(high, status["x_m"])
+    assert len(turns) == 60
+    lows, highs = zip(*turns.values(), strict=True)
+    assert max(lows[1:]) - min(lows[1:]) < 1e-3 and max(highs[1:]) - min(highs[1:]) < 1e-3
+    assert min(lows) > 0.095 and max(highs) < 0.205
+
+
+def test_a_start_that_comes_again_after_the_end_starts_nothing(board):
+    board.write_motion(duration_s=0.05, hold_s=0.0)
+    assert board.start() == b""
+    sequence = board.sequence
+    drive(board, 20_000)
+    assert STATES[board.status()["state"]] == "done"
+    board.sequence = sequence
+    assert board.start(again=True) == b""
+    assert STATES[board.status()["state"]] == "done"
+    assert board.start() == b"", "with another sequence it is another start"
+    assert STATES[board.status()["state"]] == "running"

@@ -180,7 +180,9 @@ def test_a_host_drops_the_line_as_one_unsound_frame(new_board):
 
 @pytest.mark.parametrize("typed", [b"\r\n", b"??\r", b"x?\r", b"?x\r", b" ?\r", b"help\r\n"])
 def test_other_lines_are_not_answered(new_board, typed):
-    assert say(new_board(), typed) == b""
+    board = new_board()
+    assert say(board, typed) == b""
+    assert say(board, b"?\r") == line_of(board), "and are forgotten"
 
 
 def test_no_request_begins_as_a_typed_line_does():
