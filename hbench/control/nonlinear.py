@@ -62,27 +62,40 @@ def ramp_errors(
     references = np.full((len(v_ref), 3), (0.0, p_lr_pa, p_lp_pa))
     references[:, 0] = v_ref
     state = initial_state(par, x_m, p_lr_pa, p_lp_pa)
-    outputs = _closed_loop(par, references, np.array(loops), state, np.zeros(3), new_work(par))
+    outputs = closed_loop(par, references, np.array(loops), state, np.zeros(3))
     error = v_ref - outputs[:, 0]
     return RampErrors(float(error[rest + 3 * up - 1]), float(-error[-1]))
 
 
-@compiled
-def _closed_loop(
+def closed_loop(
     par: PlantParameters,
     references: np.ndarray,
     loops: np.ndarray,
     state: np.ndarray,
     sums: np.ndarray,
-    work: np.ndarray,
 ) -> np.ndarray:
     """Run D.18 against the plant; return velocity, P_Lr and P_Lp at each tick (n, 3).
 
     ``sums`` are the integrals of the errors at the start; they and ``state`` are advanced.
     The commands end at the valves' limit; the integrators don't (the source has no anti-windup).
     """
-    outputs = np.empty((len(references), 3))
-    levels, u = np.ones(2), np.zeros(3)
+    outputs = np.empty_like(references)
+    _run(par, references, loops, state, sums, np.zeros(3), np.ones(2), new_work(par), outputs)
+    return outputs
+
+
+@compiled
+def _run(
+    par: PlantParameters,
+    references: np.ndarray,
+    loops: np.ndarray,
+    state: np.ndarray,
+    sums: np.ndarray,
+    u: np.ndarray,
+    levels: np.ndarray,
+    work: np.ndarray,
+    outputs: np.ndarray,
+) -> None:
     for k in range(len(references)):
         outputs[k, 0], outputs[k, 1], outputs[k, 2] = state[V], state[P_LR], state[P_LP]
         for i in range(3):
@@ -90,4 +103,3 @@ def _closed_loop(
             sums[i] += TICK_S * error
             u[i] = loops[i, 0] * (loops[i, 1] * error + sums[i])
         step(state, u, levels, par, TICK_S, work)
-    return outputs

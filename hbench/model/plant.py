@@ -164,8 +164,8 @@ def step(
     slope, total, trial = work[0], work[1], work[2]
     h = dt / par.substeps
     for _ in range(par.substeps):
-        trial[:] = state
-        total[:] = 0.0
+        for i in range(n_states(par)):
+            trial[i], total[i] = state[i], 0.0
         for weight, reach in ((2.0, 0.5), (3.0, 0.75), (4.0, 0.0)):
             derivatives(trial, u, levels, par, slope)
             for i in range(n_states(par)):

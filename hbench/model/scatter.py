@@ -23,7 +23,6 @@ LOWEST_LEVEL = 0.1  # friction stays passive however large the scatter
 _DIRECTION = 2  # of the stroke under way: +-1, or 0 until one is recognised
 
 
-@compiled
 def new_levels(noise: np.ndarray, par: "PlantParameters") -> np.ndarray:
     """Return the levels of a first stroke: those of both cylinders, then the direction."""
     levels = np.zeros(3)

@@ -16,16 +16,17 @@ def friction_along(v_m_s: np.ndarray, dt_s: float, par: FrictionParameters) -> n
 
     The law starts relaxed. Midpoint rule: second order in ``dt_s``.
     """
-    size = 2 * len(par.elements)
     v = np.ascontiguousarray(v_m_s, dtype=float)
-    return _along(v, dt_s, par, np.zeros(size), np.zeros(size))
+    force = np.empty(len(v))
+    _along(v, dt_s, par, np.zeros((3, 2 * len(par.elements))), force)
+    return force
 
 
 @compiled
 def _along(
-    v: np.ndarray, dt: float, par: FrictionParameters, state: np.ndarray, rates: np.ndarray
-) -> np.ndarray:
-    p, middle, force = _MEAN_PRESSURE_PA, np.empty_like(state), np.empty(len(v))
+    v: np.ndarray, dt: float, par: FrictionParameters, work: np.ndarray, force: np.ndarray
+) -> None:
+    p, state, middle, rates = _MEAN_PRESSURE_PA, work[0], work[1], work[2]
     for k in range(len(v)):
         friction(v[k], state, 0, p, p, 1.0, par, rates)
         for i in range(len(state)):
@@ -34,7 +35,6 @@ def _along(
         for i in range(len(state)):
             state[i] += dt * rates[i]
         hold_slipped(state, 0, par)
-    return force
 
 
 class Driven(NamedTuple):
@@ -64,7 +64,8 @@ def driven_mass(
     state = np.zeros(size)
     state[1], state[2::2] = v0_m_s, z0_m
     force = np.ascontiguousarray(force_n, dtype=float)
-    out = _driven(force, stiffness_n_m, mass_kg, dt_s, par, state, np.empty((4, size)))
+    out = np.empty((3, len(force)))
+    _driven(force, stiffness_n_m, mass_kg, dt_s, par, state, np.zeros((3, size)), out)
     return Driven(*out)
 
 
@@ -79,7 +80,8 @@ def _slopes(
 ) -> float:
     """Write the rates of (x, v, deflections) into ``out``; return the friction [N]."""
     p = _MEAN_PRESSURE_PA
-    out[:] = 0.0
+    for i in range(len(out)):
+        out[i] = 0.0
     against = friction(state[1], state, 2, p, p, 1.0, par, out)
     out[0] = state[1]
     out[1] = (force - stiffness * state[0] - against) / mass
@@ -95,17 +97,18 @@ def _driven(
     par: FrictionParameters,
     state: np.ndarray,
     work: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    out: np.ndarray,
+) -> None:
     slope, total, trial = work[0], work[1], work[2]
-    x, v, f = np.empty(len(force)), np.empty(len(force)), np.empty(len(force))
+    x, v, f = out[0], out[1], out[2]
     for k in range(len(force)):
         x[k], v[k] = state[0], state[1]
         f[k] = _slopes(state, force[k], stiffness, mass, par, slope)
         if k + 1 == len(force):
             break
         rise = force[k + 1] - force[k]
-        trial[:] = state
-        total[:] = 0.0
+        for i in range(len(state)):
+            trial[i], total[i] = state[i], 0.0
         for weight, at, reach in (
             (1.0, 0.0, 0.5),
             (2.0, 0.5, 0.5),
@@ -119,4 +122,3 @@ def _driven(
         for i in range(len(state)):
             state[i] += dt / 6.0 * total[i]
         hold_slipped(state, 2, par)
-    return x, v, f

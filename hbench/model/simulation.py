@@ -12,6 +12,7 @@ from hbench.model.plant import (
     V,
     drawn_flow,
     forces,
+    n_states,
     new_work,
     port_flows,
     step,
@@ -44,7 +45,9 @@ def simulate(
     states = np.empty((len(commands) + 1, len(state0)))
     states[0] = state0
     outputs = np.empty((len(commands) + 1, 4))
-    _run(par, states, commands, outputs, new_noise(seed or 0), seed is not None, new_work(par))
+    noise, scatter = new_noise(seed or 0), seed is not None
+    levels = new_levels(noise, par) if scatter else np.ones(3)
+    _run(par, states, commands, outputs, levels, noise, scatter, new_work(par))
     return Trajectory(np.arange(len(states)) * TICK_S, states, commands, *outputs.T)
 
 
@@ -54,14 +57,15 @@ def _run(
     states: np.ndarray,
     commands: np.ndarray,
     outputs: np.ndarray,
+    levels: np.ndarray,
     noise: np.ndarray,
     scatter: bool,
     work: np.ndarray,
 ) -> None:
-    levels = new_levels(noise, par) if scatter else np.ones(3)
     _observe(states[0], levels, par, outputs[0], work[3])
     for i in range(len(commands)):
-        states[i + 1] = states[i]
+        for k in range(n_states(par)):
+            states[i + 1, k] = states[i, k]
         step(states[i + 1], commands[i], levels, par, TICK_S, work)
         if scatter:
             update_levels(levels, states[i + 1, V], noise, par)

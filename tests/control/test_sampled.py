@@ -6,11 +6,10 @@ import pytest
 from hbench.control import sampled
 from hbench.control.jacobian import plant_state
 from hbench.control.linearisation import linearise, state_space, steady_point
-from hbench.control.nonlinear import _closed_loop, coulomb_viscous
+from hbench.control.nonlinear import closed_loop, coulomb_viscous
 from hbench.control.sampled import L1, L2, TICK_S, T
 from hbench.control.source import LOOPS
 from hbench.control.transfer import pi, rod_pressure_plant, valve
-from hbench.model.plant import new_work
 
 
 @pytest.fixture(scope="module")
@@ -74,8 +73,7 @@ def test_a_small_step_of_the_nonlinear_bench_is_the_linear_one(par):
     # The commands at rest stand in the sums: u = K_c (tau_c e + sum).
     gains = np.array(LOOPS)
     start = np.array([point.u_t_v, point.u_l1_v, point.u_l2_v]) / gains[:, 0]
-    state, work = plant_state(bench, point), new_work(bench)
-    outputs = _closed_loop(bench, references, gains, state, start, work)
+    outputs = closed_loop(bench, references, gains, plant_state(bench, point), start)
     plant = sampled.sample(*state_space(linearise(bench, point), bench), 0.0, 0.0)
     _, y = sampled.step(plant, LOOPS, T, count * TICK_S)
     found = (outputs[:, 0] - v) / size
