@@ -38,6 +38,8 @@ LEVEL_T, LEVEL_L = 0, 1
 
 TICK_S = 1e-4  # one control tick, the step that the friction laws' substeps refer to
 
+_FADED = 1e-100  # a state below it is 0: resting spools' denormal numbers would halve the speed
+
 
 @compiled
 def n_states(par: "PlantParameters") -> int:
@@ -173,6 +175,8 @@ def step(
                 trial[i] = state[i] + reach * h * slope[i]
         for i in range(n_states(par)):
             state[i] += h / 9.0 * total[i]
+            if abs(state[i]) < _FADED:
+                state[i] = 0.0
         hold_slipped(state, Z_T, par.test.friction)
         hold_slipped(state, Z_L, par.load.friction)
 
