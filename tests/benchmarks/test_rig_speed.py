@@ -1,6 +1,9 @@
-"""Speed of the virtual rig with the firmware in the loop, as a ratio to real time."""
+"""Speed of the virtual rig with the firmware in the loop, on one core."""
 
+import time
 from pathlib import Path
+
+import pytest
 
 from hbench import workflow
 from hbench.experiment.upload import uploads
@@ -9,11 +12,16 @@ from hbench.rig.settings import board_settings
 from hbench.rig.virtual import VirtualRig
 
 SCHEDULE = Path(__file__).parents[2] / "configs" / "stribeck.yaml"
-SIMULATED_S = 20.0
+SIMULATED_S = 5.0
+ROUNDS = 20
 
 
-def test_the_rig_runs_a_hundred_times_faster_than_the_bench(benchmark):
-    """About 200 to 250 on one quiet core of 2024; the limit leaves room for a busy one."""
+@pytest.mark.parametrize("bench", ["moving", "stopped"])
+def test_the_rig_runs_two_hundred_times_faster_than_the_bench(bench):
+    """Simulated seconds per second of CPU time, the best of some rounds.
+
+    Some 400 on one core of 2024 (``pytest -s``); the limit leaves room for a slower or busy one.
+    """
     experiment = workflow.load_experiment(SCHEDULE, None)
     rig = VirtualRig(experiment.bench)
     client = BoardClient(rig)
@@ -24,11 +32,17 @@ def test_the_rig_runs_a_hundred_times_faster_than_the_bench(benchmark):
     def run():
         end = rig.now() + SIMULATED_S
         while rig.now() < end:
-            assert client.status()["fault"] == 0
+            client.status()
             client.wait(0.25)
 
-    benchmark.pedantic(run, rounds=5, warmup_rounds=1)
-    times_real = SIMULATED_S / benchmark.stats["min"]
-    benchmark.extra_info["times real time"] = times_real
-    print(f"{times_real:.0f} simulated seconds per second")
-    assert times_real > 100
+    run()
+    if bench == "stopped":
+        client.stop()
+    best_s = float("inf")
+    for _ in range(ROUNDS):
+        before = time.process_time()
+        run()
+        best_s = min(best_s, time.process_time() - before)
+    assert (client.status()["fault"] == 0) == (bench == "moving")
+    print(f"{bench}: {SIMULATED_S / best_s:.0f} simulated seconds per second")
+    assert SIMULATED_S / best_s > 200
