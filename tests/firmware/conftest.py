@@ -11,12 +11,14 @@ from cobs import cobs
 from hbench.protocol.dictionary import (
     CRC_START,
     ERROR,
+    FAULTS,
     MESSAGES,
     RECORD,
     REFUSALS,
     REPLY,
     SENSORS,
     SETTINGS,
+    STATES,
 )
 from hbench.rig import firmware
 
@@ -224,6 +226,11 @@ class Board:
         values = struct.unpack("<" + "".join(STATUS.values()), self.request("status"))
         return dict(zip(STATUS, values, strict=True))
 
+    def cause(self):
+        """State and fault, by name."""
+        status = self.status()
+        return STATES[status["state"]], FAULTS[status["fault"]]
+
     def read_log(self, first, count=100):
         """Return the first record's number, the next number, and the words."""
         reply = self.request("read_log", struct.pack("<IH", first, count))
@@ -267,4 +274,15 @@ def board(new_board):
     assert board.write_settings() == b""
     assert board.write_motion() == b""
     board.rest(0.01, x=0.05)
+    return board
+
+
+@pytest.fixture
+def moving(board):
+    """A board on its way back from x = 60 mm to its start, the valves open."""
+    board.rest(0.05, x=0.06)
+    board.start()
+    for _ in range(300):
+        commands = board.tick()
+    assert commands[0] < -0.1
     return board

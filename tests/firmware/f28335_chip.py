@@ -33,7 +33,7 @@ class Chip:
     """The chip after a reset, with the port's ``library`` as its program."""
 
     def __init__(self, library: ctypes.CDLL):
-        self.library = library
+        self.program = library
         self._callbacks = {
             "hb_read": _READ(self._read),
             "hb_write": _WRITE(self._write),
@@ -71,14 +71,14 @@ class Chip:
     def start(self) -> bool:
         """Run the port from reset to its idle loop; codestart.asm turned the watchdog off."""
         self.register[0x7029] = 0x0068
-        return bool(self.library.hb_board_start() & 1)
+        return bool(self.program.hb_board_start() & 1)
 
     def run(self, microseconds: float, idle: bool = True):
         """Let time pass: interrupts as they come, the idle loop between them."""
         end, self._event_us = self.now_us + microseconds, 0.0
         while self.now_us < end and not (self.hung or self.was_reset):
             if not self.interrupt() and idle:
-                self.library.hb_board_idle()
+                self.program.hb_board_idle()
             self.pass_time(2.0)
 
     def interrupt(self) -> bool:

@@ -12,22 +12,6 @@ ASTRAY_M_S = 0.050025  # between two values of a reference that moves by 0.05 mm
 PRESSURES = [name for name in SENSORS if name.startswith("p_")]
 
 
-def cause(board):
-    status = board.status()
-    return STATES[status["state"]], FAULTS[status["fault"]]
-
-
-@pytest.fixture
-def moving(board):
-    """A board on its way back from x = 60 mm to its start, the valves open."""
-    board.rest(0.05, x=0.06)
-    board.start()
-    for _ in range(300):
-        commands = board.tick()
-    assert commands[0] < -0.1
-    return board
-
-
 # ---- sensors out of range ----------------------------------------------------------------------
 
 
@@ -40,7 +24,7 @@ def moving(board):
 def test_a_word_that_a_sound_sensor_can_not_give_stops_the_board_in_its_tick(moving, raw):
     moving.raw = raw
     assert moving.tick() == [0, 0, 0]
-    assert cause(moving) == ("fault", "sensor")
+    assert moving.cause() == ("fault", "sensor")
 
 
 @pytest.mark.parametrize(
@@ -53,7 +37,7 @@ def test_a_word_right_beside_that_is_a_value_like_others(moving, raw, fault):
     moving.raw = raw
     for _ in range(50):
         moving.tick()
-    assert cause(moving) == (("fault", fault) if fault else ("running", "none"))
+    assert moving.cause() == (("fault", fault) if fault else ("running", "none"))
 
 
 @pytest.mark.parametrize("raw", [{"p_s": 0}, {"f_applied": 0}, {"f_applied": TOP}], ids=str)
@@ -63,7 +47,7 @@ def test_no_pressure_and_a_load_cell_at_its_end_are_no_fault_but_in_the_record(b
         drive(board, 10)
     board.raw = raw
     drive(board, 1000)
-    assert cause(board) == ("running", "none")
+    assert board.cause() == ("running", "none")
     flags = read_all(board)[:, WORD["flags"]]
     assert len(flags) >= 9 and np.all(flags & SENSOR_SATURATED)
 
@@ -81,7 +65,7 @@ def test_the_board_stops_where_speed_times_stopping_time_is_left(board, v, limit
         board.si["x"] += v * T
         if board.tick() == [0, 0, 0] and board.status()["state"] == STATES.index("fault"):
             break
-    assert cause(board) == ("fault", "travel")
+    assert board.cause() == ("fault", "travel")
     # x is told in words of 7 um, from which v ripples by 7 um / 2.1 ms = 3.3 mm/s.
     assert limit - board.si["x"] == pytest.approx(
         v * stopping_time, abs=7e-6 + abs(v) * T + 0.0034 * stopping_time
@@ -109,7 +93,7 @@ def held_until_the_fault(board, jerk_at=None):
         before, x = x, board.words()[0]
         v.append(7e-6 * (before - x) / (2e-3 + T) + v[-1] * 2e-3 / (2e-3 + T))  # D.11
         assert len(v_ref) < 3000
-    assert cause(board) == ("fault", "speed_error")
+    assert board.cause() == ("fault", "speed_error")
     return np.array(v_ref), np.array(v[1:])
 
 
@@ -131,19 +115,19 @@ def test_one_tick_of_a_small_speed_error_in_between_starts_its_time_anew(board):
 
 def test_an_overrun_of_the_control_interrupt_stops_the_board(moving):
     moving.firmware.overrun()
-    assert cause(moving) == ("fault", "overrun")
+    assert moving.cause() == ("fault", "overrun")
     assert moving.tick() == [0, 0, 0]
     moving.firmware.overrun()
     assert moving.start() == "fault_latched"
     assert moving.request("clear_fault") == b""
-    assert cause(moving) == ("idle", "none")
+    assert moving.cause() == ("idle", "none")
 
 
 def test_an_overrun_does_not_replace_the_cause_that_is_latched(moving):
     moving.raw = {"x": 0}
     moving.tick()
     moving.firmware.overrun()
-    assert cause(moving) == ("fault", "sensor")
+    assert moving.cause() == ("fault", "sensor")
 
 
 # ---- which comes first -------------------------------------------------------------------------
@@ -181,7 +165,7 @@ def test_of_faults_in_one_tick_the_one_that_explains_the_others_is_reported(
             board.si.update(change)
             board.raw = raw
         assert any(board.tick()) == (100 < tick < 1201) or tick <= 100
-    assert cause(board) == ("fault", fault)
+    assert board.cause() == ("fault", fault)
 
 
 def test_silence_alone_is_a_heartbeat(board):
@@ -189,9 +173,9 @@ def test_silence_alone_is_a_heartbeat(board):
     board.start()
     for _ in range(200):
         drive(board, 1)
-    assert cause(board) == ("running", "none")
+    assert board.cause() == ("running", "none")
     drive(board, 201)
-    assert cause(board) == ("fault", "heartbeat")
+    assert board.cause() == ("fault", "heartbeat")
 
 
 # ---- in every phase ----------------------------------------------------------------------------
@@ -227,7 +211,7 @@ def test_a_fault_stops_the_board_in_every_phase(board, phase, fault):
     board.raw = {}
     for _ in range(300):
         assert board.tick() == [0, 0, 0]
-    assert cause(board) == ("fault", fault)
+    assert board.cause() == ("fault", fault)
     whole = np.any(read_all(board)[:, WORD["flags"]] & LAST)
     assert whole == (phase == "brake"), "a run cut short has no last record"
 
@@ -238,10 +222,10 @@ def test_there_are_no_faults_while_nothing_runs(board, state):
         board.write_motion(duration_s=0.01)
         board.start()
         drive(board, 3000)
-    assert cause(board) == (state, "none")
+    assert board.cause() == (state, "none")
     for fault in ("overrun", "sensor", "speed"):
         provoke(board, fault)
         board.si["x"] += 0.2
         for _ in range(100):
             assert board.tick() == [0, 0, 0]
-        assert cause(board) == (state, "none")
+        assert board.cause() == (state, "none")

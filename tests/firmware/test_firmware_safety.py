@@ -4,23 +4,6 @@ import pytest
 
 from hbench.protocol.dictionary import FAULTS, STATES
 
-
-@pytest.fixture
-def moving(board):
-    """A board on its way: 10 mm from its start, the valves open."""
-    board.rest(0.05, x=0.06)
-    board.start()
-    for _ in range(300):
-        commands = board.tick()
-    assert commands[0] < -0.1
-    return board
-
-
-def cause(board):
-    status = board.status()
-    return STATES[status["state"]], FAULTS[status["fault"]]
-
-
 TRIPS = [
     ("travel", {"x": 0.0049}),
     ("travel", {"x": 0.3951}),
@@ -38,10 +21,10 @@ def test_a_limit_passed_means_neutral_valves_at_once_and_a_latched_cause(moving,
     ticks = 0
     while any(moving.tick()):
         ticks += 1
-        assert cause(moving) == ("running", "none")
+        assert moving.cause() == ("running", "none")
         assert ticks < 20
     assert ticks == 0 or fault == "pressure"
-    assert cause(moving) == ("fault", fault)
+    assert moving.cause() == ("fault", fault)
 
 
 @pytest.mark.parametrize(("fault", "change"), TRIPS[:3], ids=str)
@@ -53,13 +36,13 @@ def test_a_fault_stays_when_its_cause_has_gone_until_it_is_cleared(moving, fault
     moving.si.update(before)
     for _ in range(100):
         assert moving.tick() == [0, 0, 0]
-    assert cause(moving) == ("fault", fault)
+    assert moving.cause() == ("fault", fault)
     assert moving.start() == "fault_latched"
     moving.request("stop")
-    assert cause(moving) == ("fault", fault), "a stop does not hide it"
+    assert moving.cause() == ("fault", fault), "a stop does not hide it"
     assert moving.request("clear_fault") == b""
     assert moving.request("clear_fault") == b"", "again, without effect"
-    assert cause(moving) == ("idle", "none")
+    assert moving.cause() == ("idle", "none")
     assert moving.tick() == [0, 0, 0]
     assert moving.start() == b""
 
@@ -76,7 +59,7 @@ def test_values_just_inside_the_limits_go_on(moving):
     moving.si.update(p_tp=229e5, p_s=229e5, x=0.0607)
     for _ in range(200):
         moving.tick()
-    assert cause(moving) == ("running", "none")
+    assert moving.cause() == ("running", "none")
 
 
 def test_silence_of_the_host_stops_the_board_after_the_heartbeat(board):
@@ -87,7 +70,7 @@ def test_silence_of_the_host_stops_the_board_after_the_heartbeat(board):
         commands = board.tick()
     assert any(commands)
     assert not any(board.tick())
-    assert cause(board) == ("fault", "heartbeat")
+    assert board.cause() == ("fault", "heartbeat")
 
 
 @pytest.mark.parametrize("octets", [b"", b"\x07\x07\x07\0", b"\0" * 9])
@@ -97,7 +80,7 @@ def test_garbage_is_no_sign_of_life(board, octets):
     for _ in range(250):
         board.exchange(octets)
         board.tick()
-    assert cause(board) == ("fault", "heartbeat")
+    assert board.cause() == ("fault", "heartbeat")
 
 
 def test_any_sound_frame_is_a_sign_of_life(board):
@@ -107,17 +90,17 @@ def test_any_sound_frame_is_a_sign_of_life(board):
         for _ in range(150):
             board.tick()
         board.exchange(board.frame(1, 0x7E))
-    assert cause(board) == ("running", "none")
+    assert board.cause() == ("running", "none")
 
 
 def test_silence_at_rest_is_no_fault(board):
     board.write_settings(heartbeat_s=0.02)
     for _ in range(500):
         board.tick()
-    assert cause(board) == ("idle", "none")
+    assert board.cause() == ("idle", "none")
     assert board.start() == b""
     board.tick()
-    assert cause(board) == ("running", "none")
+    assert board.cause() == ("running", "none")
 
 
 def test_a_way_back_that_does_not_arrive_ends_in_a_latched_fault(board):

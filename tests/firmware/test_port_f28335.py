@@ -90,8 +90,8 @@ def test_start_sets_the_clocks_and_rates(chip):
 def test_the_rate_is_the_compilers_choice(tmp_path, baud, divider):
     uart = build(tmp_path, f"-DHB_BAUD={baud}UL", sources=[PORT / "uart.c", PORT / "system.c"])
     chip = Chip(ctypes.CDLL(str(uart)))
-    chip.library.hb_modules_start()
-    chip.library.hb_uart_start()
+    chip.program.hb_modules_start()
+    chip.program.hb_uart_start()
     assert chip.line.register[0x7052] << 8 | chip.line.register[0x7053] == divider
 
 
@@ -102,8 +102,8 @@ def test_a_rate_that_the_clock_cannot_give_does_not_compile(tmp_path):
 
 def test_codes_go_out_as_the_dacs_words(chip):
     chip.start()
-    chip.library.hb_dac_write.restype = ctypes.c_bool
-    assert chip.library.hb_dac_write((ctypes.c_int16 * 3)(2047, -2048, -1))
+    chip.program.hb_dac_write.restype = ctypes.c_bool
+    assert chip.program.hb_dac_write((ctypes.c_int16 * 3)(2047, -2048, -1))
     chip.pass_time(10)
     assert chip.dac_words[-3:] == [0x007FF0, 0x018000, 0x02FFF0]
 
@@ -123,8 +123,8 @@ def test_a_word_is_the_sum_of_sixteen_conversions(board, chip):
     chip.pass_time(100)  # the time base begins the first pass; its interrupt waits
     chip.pass_time(2)
     assert ADC_VECTOR in chip.pending
-    chip.library.hb_adc_read.restype = ctypes.c_bool
-    assert chip.library.hb_adc_read(words)
+    chip.program.hb_adc_read.restype = ctypes.c_bool
+    assert chip.program.hb_adc_read(words)
     assert list(words) == conversions.sum(axis=1).tolist()
     assert words[5] == 65520
     assert all(count == 16 for count in taken.values())
@@ -180,10 +180,10 @@ def services(chip):
 
 def test_the_watchdog_is_serviced_only_after_a_tick(board, chip):
     chip.interrupts = False
-    chip.library.hb_board_idle()
+    chip.program.hb_board_idle()
     before = services(chip)
     for _ in range(5):
-        chip.library.hb_board_idle()
+        chip.program.hb_board_idle()
     assert services(chip) == before
     chip.interrupts = True
     chip.run(120)
@@ -275,16 +275,16 @@ def test_without_oscillator_or_dac_the_board_does_not_start(chip):
 
 
 def test_each_start_has_another_number(chip):
-    chip.library.hb_boots.restype = ctypes.c_uint16
-    chance = (ctypes.c_uint16 * 256).in_dll(chip.library, "hb_boots_chance")
-    kept = (ctypes.c_uint16 * 2).in_dll(chip.library, "hb_boots_kept")
-    first = [chip.library.hb_boots() for _ in range(5)]
+    chip.program.hb_boots.restype = ctypes.c_uint16
+    chance = (ctypes.c_uint16 * 256).in_dll(chip.program, "hb_boots_chance")
+    kept = (ctypes.c_uint16 * 2).in_dll(chip.program, "hb_boots_kept")
+    first = [chip.program.hb_boots() for _ in range(5)]
     assert [b - a for a, b in zip(first, first[1:], strict=False)] == [1] * 4
     powered = set()
     for seed in range(20):
         chance[:] = np.random.default_rng(seed).integers(0, 65536, 256).tolist()
         kept[:] = (seed, seed)
-        powered.add(chip.library.hb_boots())
+        powered.add(chip.program.hb_boots())
     assert len(powered) == 20
     kept[:] = (0xFFFF, 0)
-    assert chip.library.hb_boots() == 0
+    assert chip.program.hb_boots() == 0
