@@ -108,3 +108,24 @@ def quick_schedule(short_schedule):
 def quick_experiment(quick_schedule):
     """Return the quick schedule, read and checked."""
     return workflow.load_experiment(quick_schedule(), None)
+
+
+@pytest.fixture(scope="session")
+def on_the_rig():
+    """Return a function that makes a schedule's runs on the virtual rig and loads the campaign."""
+    from hbench import workflow
+    from hbench.store.campaign import load_campaign
+
+    def make(schedule: Path, folder: Path, **options):
+        given = {
+            "port": "sim",
+            "plant": None,
+            "seed": 1,
+            "resume": False,
+            "clock": lambda: datetime(2026, 1, 1, tzinfo=UTC),
+            "report": lambda progress: None,
+        }
+        workflow.measure(workflow.load_experiment(schedule, None), folder, **given | options)
+        return load_campaign(folder)
+
+    return make

@@ -8,7 +8,6 @@ from hbench.errors import ConfigError
 from hbench.experiment import runner
 from hbench.experiment.plan import plan_runs
 from hbench.protocol.dictionary import STATES
-from hbench.store.campaign import load_campaign
 
 ADAPTIVE = {
     "strategy": "adaptive",
@@ -27,21 +26,11 @@ def schedule(short_schedule):
 
 
 @pytest.fixture
-def measure(tmp_path, clock):
+def measure(tmp_path, clock, on_the_rig):
     """Run a schedule into a folder of ``tmp_path``; return the campaign."""
 
-    def run(schedule, folder="campaign", *, resume=False, report=lambda progress: None):
-        workflow.measure(
-            workflow.load_experiment(schedule, None),
-            tmp_path / folder,
-            port="sim",
-            plant=None,
-            seed=1,
-            resume=resume,
-            clock=clock,
-            report=report,
-        )
-        return load_campaign(tmp_path / folder)
+    def run(schedule, folder="campaign", **options):
+        return on_the_rig(schedule, tmp_path / folder, clock=clock, **options)
 
     return run
 

@@ -1,7 +1,6 @@
 """Each kind of experiment becomes the motion that its words say, on paper and on the rig."""
 
 import copy
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,6 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hbench import workflow
 from hbench.analysis.calibrate import calibrate
 from hbench.config.bench import parse_bench
 from hbench.config.loading import read_yaml
@@ -21,7 +19,6 @@ from hbench.experiment.plan import plan_runs
 from hbench.experiment.upload import uploads
 from hbench.records import Motion, Segment
 from hbench.rig.client import Identity
-from hbench.store.campaign import load_campaign
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 BENCH = parse_bench(read_yaml(CONFIGS / "bench-aau.yaml"), "bench")
@@ -186,25 +183,15 @@ def test_a_plan_is_cut_where_the_board_is_full():
         assert all(s["segment"] + s["segments"] <= len(part.segments) for s in part.steps)
 
 
-def made(folder, schedule):
-    """Make a schedule's runs on the virtual rig; return the campaign."""
-    (folder / "bench.yaml").write_text((CONFIGS / "bench-aau.yaml").read_text())
-    (folder / "s.yaml").write_text(yaml.safe_dump(schedule | {"bench": "bench.yaml"}))
-    workflow.measure(
-        workflow.load_experiment(folder / "s.yaml", None),
-        folder / "campaign",
-        port="sim",
-        plant=None,
-        seed=1,
-        resume=False,
-        clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
-        report=lambda progress: None,
-    )
-    return load_campaign(folder / "campaign")
+def written(folder, schedule):
+    """Write a schedule for the shipped bench; return its path."""
+    path = folder / "s.yaml"
+    path.write_text(yaml.safe_dump(schedule | {"bench": str(CONFIGS / "bench-aau.yaml")}))
+    return path
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory):
+def measured(tmp_path_factory, on_the_rig):
     """One run of each kind of configs/dynamics.yaml on the virtual rig, in SI."""
     data = copy.deepcopy(DYNAMICS)
     kinds = {}
@@ -213,9 +200,9 @@ def measured(tmp_path_factory):
         experiment |= {"trials": 1, "loads": experiment["loads"][-1:]}
     kinds["ramp"]["accelerations"] = ["0.067 m/s^2"]
     kinds["triangle"] |= {"speed": "150 mm/s", "cycles": 2}
-    campaign = made(
-        tmp_path_factory.mktemp("dynamics"), data | {"experiments": list(kinds.values())}
-    )
+    folder = tmp_path_factory.mktemp("dynamics")
+    schedule = written(folder, data | {"experiments": list(kinds.values())})
+    campaign = on_the_rig(schedule, folder / "campaign")
     assert all(entry.stop.outcome == "done" for entry in campaign.entries)
     return {raw.plan.kind: calibrate(raw, campaign.bench()) for raw in campaign.raw_runs()}
 
@@ -264,7 +251,9 @@ def test_a_hold_keeps_position_and_pressures_with_closed_valves(measured):
         ("0.001 %", "friction had not settled within 0.001 % after 4 cycles"),
     ],
 )
-def test_a_warm_up_tells_whether_it_ended_because_friction_had_settled(tmp_path, within, words):
+def test_a_warm_up_tells_whether_it_ended_because_friction_had_settled(
+    tmp_path, on_the_rig, within, words
+):
     """The plant does not warm up: its friction is the same from cycle to cycle but for noise."""
     experiment = LOAD | {
         "kind": "triangle",
@@ -273,7 +262,8 @@ def test_a_warm_up_tells_whether_it_ended_because_friction_had_settled(tmp_path,
         "travel": {"start": "150 mm", "end": "250 mm"},
         "until": {"quantity": "friction", "within": within},
     }
-    campaign = made(tmp_path, {"name": "warm-up", "experiments": [experiment]})
+    schedule = written(tmp_path, {"name": "warm-up", "experiments": [experiment]})
+    campaign = on_the_rig(schedule, tmp_path / "campaign")
     (entry,) = campaign.entries
     assert (entry.stop.outcome, entry.stop.why) == ("done", words)
     cycles = 3 if "had not" not in words else 4  # one to compare with, then two in a row

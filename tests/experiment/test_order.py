@@ -4,25 +4,15 @@ import pytest
 import yaml
 
 from hbench import workflow
-from hbench.store.campaign import load_campaign
 
 
 @pytest.fixture
-def analyzed(tmp_path, clock):
+def analyzed(tmp_path, clock, on_the_rig):
     """Run a schedule on the virtual rig; return the campaign and its results."""
 
     def run(schedule, folder):
-        workflow.measure(
-            workflow.load_experiment(schedule, None),
-            tmp_path / folder,
-            port="sim",
-            plant=None,
-            seed=1,
-            resume=False,
-            clock=clock,
-            report=lambda progress: None,
-        )
-        return load_campaign(tmp_path / folder), workflow.analyze(tmp_path / folder)
+        campaign = on_the_rig(schedule, tmp_path / folder, clock=clock)
+        return campaign, workflow.analyze(tmp_path / folder)
 
     return run
 

@@ -1,14 +1,11 @@
 """The shipped schedules run to their end within the shipped bench's limits, with room to spare."""
 
 import json
-from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
-from hbench import workflow
 from hbench.config.loading import read_yaml
-from hbench.store.campaign import load_campaign
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 CLOSER = {"speed_error": "30 mm/s", "stopping_time": "20 ms", "speed_max": "300 mm/s"}
@@ -16,20 +13,12 @@ CLOSER = {"speed_error": "30 mm/s", "stopping_time": "20 ms", "speed_max": "300 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["demo", "dynamics", "warm-up", "stribeck"])
-def test_no_limit_stops_a_shipped_schedule_even_when_limits_are_a_quarter_closer(name, tmp_path):
+def test_no_limit_stops_a_shipped_schedule_even_when_limits_are_a_quarter_closer(
+    name, tmp_path, on_the_rig
+):
     bench, schedule = (read_yaml(CONFIGS / f"{file}.yaml") for file in ("bench-aau", name))
     bench["limits"] |= CLOSER
     (tmp_path / "bench.yaml").write_text(json.dumps(bench))
     (tmp_path / "schedule.yaml").write_text(json.dumps(schedule | {"bench": "bench.yaml"}))
-    workflow.measure(
-        workflow.load_experiment(tmp_path / "schedule.yaml", None),
-        tmp_path / "campaign",
-        port="sim",
-        plant=None,
-        seed=1,
-        resume=False,
-        clock=lambda: datetime(2026, 1, 1, tzinfo=UTC),
-        report=lambda progress: None,
-    )
-    campaign = load_campaign(tmp_path / "campaign")
+    campaign = on_the_rig(tmp_path / "schedule.yaml", tmp_path / "campaign")
     assert {raw.outcome for raw in campaign.raw_runs()} == {"done"}
