@@ -14,8 +14,9 @@
  *     host has several requests in flight.
  *
  * hb_core_tick may interrupt hb_core_poll, never the other way round. While a request is carried
- * out the core masks the control interrupt: for some microseconds while a schedule runs, up to a
- * millisecond at rest (valves in neutral), where "start" checks what was uploaded.
+ * out the core masks the control interrupt: for some microseconds while a schedule runs ("read_log",
+ * the long one, masks record by record), up to a millisecond at rest (valves in neutral), where
+ * "start" checks what was uploaded.
  */
 #ifndef HB_HAL_H
 #define HB_HAL_H
