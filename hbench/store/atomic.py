@@ -1,6 +1,7 @@
 """Writes a file so that it is there whole or not at all."""
 
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import IO
@@ -28,6 +29,14 @@ def write_atomic(path: Path, data: bytes, *, overwrite: bool = True) -> None:
         with suppress(OSError):
             part.unlink(missing_ok=True)
         raise _refused(path, error) from error
+
+
+def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files, named by their paths below ``folder``, each whole or not at all."""
+    for name, data in files.items():
+        if not (folder / name).resolve().is_relative_to(folder.resolve()):
+            raise ValueError(f"{name!r} lies outside {folder}")
+        write_atomic(folder / name, data)
 
 
 def append(path: Path, data: bytes) -> None:

@@ -20,7 +20,7 @@ from hbench.config.schedule import Screening, parse_schedule
 from hbench.errors import ConfigError, DataError
 from hbench.records import LogChannel, Outcome, Provenance, RawRun, Run, RunPlan
 from hbench.store import journal
-from hbench.store.atomic import append, rename, truncate, write_atomic
+from hbench.store.atomic import append, rename, truncate, write_atomic, write_files
 from hbench.store.dsp_log import format_words, parse_records
 from hbench.store.journal import Entry, Stop
 from hbench.store.run_csv import parse_run
@@ -241,11 +241,7 @@ def refuse_existing(folder: Path) -> None:
 
 def write_results(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write derived files below ``results/`` of a campaign, each whole or not at all."""
-    results = folder / "results"
-    for name, data in files.items():
-        if not (results / name).resolve().is_relative_to(results.resolve()):
-            raise ValueError(f"{name!r} lies outside {results}")
-        write_atomic(results / name, data)
+    write_files(folder / "results", files)
 
 
 def _keep_earlier(path: Path) -> None:

@@ -74,7 +74,7 @@ def test_between_two_speeds_the_board_is_done(measure, schedule, monkeypatch):
         runner.run_campaign(plans, bench, client, *args, **kwargs)
         states.append(STATES[client.status()["state"]])
 
-    monkeypatch.setattr(workflow, "run_campaign", run_campaign)
+    monkeypatch.setattr(workflow.campaign, "run_campaign", run_campaign)
     campaign = measure(schedule)
     assert states == ["done"] * (len(campaign.plans) // 2)
 

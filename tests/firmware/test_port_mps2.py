@@ -86,7 +86,7 @@ def measure(monkeypatch, experiment, tmp_path, clock):
     """Return a function that makes the experiment's runs on a port; it returns the campaign."""
 
     def run(port, name="campaign"):
-        monkeypatch.setattr(workflow, "_open_port", lambda *_: port)
+        monkeypatch.setattr(workflow.campaign, "open_port", lambda *_: port)
         workflow.measure(
             experiment,
             tmp_path / name,

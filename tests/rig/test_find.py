@@ -122,10 +122,10 @@ def list_ports_info(device, description):
 @pytest.fixture
 def command(monkeypatch):
     """Return a function that runs ``hbench ports`` where a board and a busy port are there."""
-    from hbench import workflow
+    from hbench.workflow import board
 
-    monkeypatch.setattr(workflow, "system_ports", lambda: [Listed("A", "probe"), Listed("E", "")])
-    monkeypatch.setattr(workflow, "look", lambda ports: look(ports, opener))
+    monkeypatch.setattr(board, "system_ports", lambda: [Listed("A", "probe"), Listed("E", "")])
+    monkeypatch.setattr(board, "look", lambda ports: look(ports, opener))
 
     def run(*arguments):
         result = CliRunner().invoke(app, ["ports", *arguments])
@@ -155,8 +155,8 @@ def test_named_ports_are_looked_at_alone(command):
 
 
 def test_no_ports_are_said_to_be_none(command, monkeypatch):
-    from hbench import workflow
+    from hbench.workflow import board
 
-    monkeypatch.setattr(workflow, "system_ports", lambda: ())
+    monkeypatch.setattr(board, "system_ports", lambda: ())
     assert command() == "no serial ports\n"
     assert json.loads(command("--json"))["ports"] == []

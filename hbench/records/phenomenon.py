@@ -1,0 +1,60 @@
+"""What ``simulate`` shows: a phenomenon with its curves and its defining numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Line:
+    """One series of a panel, in the units of the panel's axes."""
+
+    label: str
+    x: np.ndarray  # (n,)
+    y: np.ndarray  # (n,)
+    points: bool = False  # simulated one by one, beside a line of theory
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A pair of axes with their units, and what is drawn in it."""
+
+    name: str
+    x_label: str
+    y_label: str
+    lines: tuple[Line, ...]
+    x_log: bool = False
+    y_log: bool = False
+    marks: tuple[tuple[float, str], ...] = ()  # upright lines at x, each with its words
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A number that defines a phenomenon, and what theory or the source says of it."""
+
+    quantity: str
+    unit: str
+    found: float
+    expected: float | None  # None where there is nothing to compare with
+    note: str = ""  # the formula, or where the expected number comes from
+
+
+@dataclass(frozen=True)
+class WordTable:
+    """A table as it is printed."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Phenomenon:
+    """A scripted simulation: what it shows, its curves and its defining numbers."""
+
+    name: str
+    title: str
+    text: tuple[str, ...]  # paragraphs: what is done, what comes out, why
+    panels: tuple[Panel, ...]
+    findings: tuple[Finding, ...]
+    tables: tuple[WordTable, ...] = ()

@@ -1,0 +1,43 @@
+"""The flow, one function an arrow: schedule -> campaign -> results -> report."""
+
+from hbench.workflow.board import (
+    find_boards,
+    flash,
+    flash_through_programmer,
+    load_image,
+    serve_rig,
+)
+from hbench.workflow.campaign import (
+    Estimate,
+    Experiment,
+    Measured,
+    estimate,
+    import_runs,
+    load_experiment,
+    measure,
+)
+from hbench.workflow.controllers import design, write_design
+from hbench.workflow.results import analyze, report
+from hbench.workflow.simulation import phenomena, simulate, write_phenomenon
+
+__all__ = [
+    "Estimate",
+    "Experiment",
+    "Measured",
+    "analyze",
+    "design",
+    "estimate",
+    "find_boards",
+    "flash",
+    "flash_through_programmer",
+    "import_runs",
+    "load_experiment",
+    "load_image",
+    "measure",
+    "phenomena",
+    "report",
+    "serve_rig",
+    "simulate",
+    "write_design",
+    "write_phenomenon",
+]

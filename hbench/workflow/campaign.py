@@ -1,0 +1,149 @@
+"""From a schedule to a campaign: checked, estimated, measured; or imported."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from hbench.config.bench import Bench, parse_bench
+from hbench.config.loading import file_sha256, read_yaml
+from hbench.config.schedule import Schedule, parse_schedule
+from hbench.errors import ConfigError
+from hbench.experiment.header import campaign_header, refuse_another, session_seed, software
+from hbench.experiment.parts import over_all_parts, parts
+from hbench.experiment.plan import Plan, estimate_seconds, plan_runs
+from hbench.experiment.runner import Progress, bring_to_rest, run_campaign
+from hbench.protocol.dictionary import RECORD
+from hbench.records import RunPlan
+from hbench.rig.client import BoardClient
+from hbench.store.campaign import CampaignWriter, load_campaign
+from hbench.store.foreign import ImportSummary, import_folder
+from hbench.store.hold import only_host
+from hbench.workflow.board import open_port, physics_of
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A checked schedule with its bench, as read and as written."""
+
+    schedule: Schedule
+    bench: Bench
+    plan: Plan  # before anything is measured
+    files: dict[str, dict[str, Any]]  # bench, schedule: {file, content}
+
+    @property
+    def plans(self) -> tuple[RunPlan, ...]:
+        """All runs; with adaptive velocities the most that there can be."""
+        return self.plan.runs + self.plan.rest
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a schedule will take."""
+
+    runs: int
+    seconds: float  # on the bench
+    bytes: int  # of raw logs
+    at_most: bool  # adaptive velocities: how many runs it takes shows while they are made
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What ``measure`` did."""
+
+    runs: int
+    seconds: float  # on the bench's clock
+
+
+def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
+    """Read and check a schedule and its bench. Raises ``ConfigError``."""
+    schedule_data = read_yaml(schedule_file)
+    schedule = parse_schedule(schedule_data, str(schedule_file))
+    if bench_file is None:
+        if schedule.bench is None:
+            raise ConfigError(f"{schedule_file}: names no bench", "Add 'bench: FILE' or --bench.")
+        bench_file = schedule_file.parent / schedule.bench
+    bench_data = read_yaml(bench_file)
+    bench = parse_bench(bench_data, str(bench_file))
+    return Experiment(
+        schedule=schedule,
+        bench=bench,
+        plan=plan_runs(schedule, bench, str(schedule_file)),
+        files={
+            "bench": {"file": bench_file.name, "content": bench_data},
+            "schedule": {"file": schedule_file.name, "content": schedule_data},
+        },
+    )
+
+
+def estimate(experiment: Experiment) -> Estimate:
+    """Return the runs, the time on the bench and the size of the raw logs."""
+    plans, rate = experiment.plans, experiment.bench.controllers.log_rate
+    words = sum(plan.motion.duration_s for plan in plans) * rate * len(RECORD)
+    seconds = estimate_seconds(plans, experiment.bench)
+    return Estimate(len(plans), seconds, round(5 * words), bool(experiment.plan.rest))
+
+
+def measure(
+    experiment: Experiment,
+    folder: Path,
+    *,
+    port: str,
+    plant: Path | None,
+    seed: int,
+    resume: bool,
+    clock: Callable[[], datetime],
+    report: Callable[[Progress], None],
+    baud: int | None = None,
+    take_over: bool = False,
+) -> Measured:
+    """Make the runs on ``port`` and journal them in the campaign ``folder``.
+
+    A board that still runs, or that has stopped itself, is taken over only with ``take_over`` or
+    ``resume``. ``baud`` is the line's rate: by default 115200, and on the virtual rig octets take
+    no time. ``plant`` is the file of another plant for the virtual rig; the campaign keeps only its
+    hash.
+    Raises ``ConfigError``, ``DeviceError``, ``DataError``.
+    """
+    if plant is not None and port != "sim":
+        raise ConfigError("--plant is for the virtual rig, and --port is not 'sim'")
+    bench = experiment.bench
+    with only_host(folder):
+        campaign = load_campaign(folder) if resume else None
+        physics = physics_of(experiment.files["bench"]["content"], plant)
+        line = open_port(port, bench, physics, session_seed(seed, campaign), baud)
+        try:
+            client = BoardClient(line)
+            identity = client.identify()
+            bring_to_rest(client, resume or take_over)  # before there is a folder
+            header = campaign_header(
+                experiment.schedule.name, experiment.files, identity, bench, port, clock()
+            )
+            if port == "sim":  # a rig that is served elsewhere keeps its seed and plant to itself
+                header["seed"] = seed
+            if plant is not None:
+                header["plant"] = {"sha256": file_sha256(plant)}
+            if campaign is not None:
+                refuse_another(campaign, header)
+                journal = CampaignWriter.resume(folder)
+                done = {plan for plan in campaign.plans if plan.run in campaign.done}
+            else:
+                journal = CampaignWriter.create(folder, header)
+                done = set()
+            start, made = line.now(), 0
+            for part in parts(experiment.plan, experiment.schedule, bench, folder, done):
+                progress = over_all_parts(report, made, part)
+                first = resume and not made
+                run_campaign(part.runs, bench, client, journal, clock, progress, first)
+                made += len(part.runs)
+            return Measured(made, line.now() - start)
+        finally:
+            line.close()
+
+
+def import_runs(
+    source: Path, folder: Path, map_file: Path | None, clock: Callable[[], datetime]
+) -> ImportSummary:
+    """Bring another bench's logs in as a campaign. Raises ``ConfigError``, ``DataError``."""
+    return import_folder(source, folder, map_file, software(), clock())

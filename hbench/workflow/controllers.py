@@ -1,0 +1,62 @@
+"""The controllers of a bench, judged and proposed."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from hbench.config.bench import parse_bench
+from hbench.config.loading import read_yaml
+from hbench.experiment.runner import Progress
+from hbench.model.parameters import plant_parameters
+from hbench.records import Design
+from hbench.report.design_page import design_page
+from hbench.report.design_text import design_json
+from hbench.report.draw_control import draw_design
+from hbench.store.atomic import write_files
+
+
+def design(
+    bench_file: Path,
+    *,
+    point: Mapping[str, float],
+    source: bool,
+    ratio: float | None,
+    report: Callable[[Progress], None],
+) -> Design:
+    """Judge the controllers of a bench at an operating point, and propose others.
+
+    ``point`` may give v_m_s, f_load_n, x_m and p_lr_pa; the rest is the middle of the bench's
+    range. With ``source`` the source's numbers are compared, and without a ``point`` its own
+    operating point is taken. With ``ratio``, of neighbouring bandwidths, gains are proposed, and
+    checked with the firmware. Raises ``ConfigError``, ``ConvergenceError``.
+    """
+    from hbench.control.grid import operating_point  # scipy.signal; only who designs waits for it
+    from hbench.control.loops import design_at
+    from hbench.control.source import POINT, reproduce
+    from hbench.experiment.verify import proposal
+
+    bench = parse_bench(read_yaml(bench_file), str(bench_file))
+    control, par = bench.controllers, plant_parameters(bench)
+    loops = control.velocity, control.rod_pressure, control.piston_pressure
+    nominal = operating_point(bench, par, point)
+    found = design_at(
+        bench.name,
+        par,
+        POINT if source and not point else nominal,
+        [(loop.gain, loop.time_constant) for loop in loops],
+        (control.velocity_filter, control.pressure_filter),
+        reproduce(par) if source else (),
+    )
+    if ratio is None:
+        return found
+    return replace(found, proposal=proposal(bench, ratio, nominal, report))
+
+
+def write_design(folder: Path, found: Design) -> None:
+    """Write a design's figures, its numbers as JSON and its page."""
+    drawings = draw_design(found)
+    files = {f"figures/{d.name}.svg": d.svg for d in drawings}
+    files |= {f"figures/{d.name}.png": d.png for d in drawings}
+    files["design.json"] = design_json(found).encode()
+    files["design.html"] = design_page(found, drawings).encode()
+    write_files(folder, files)
