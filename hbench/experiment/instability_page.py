@@ -63,6 +63,7 @@ def instability(bench_data: dict[str, Any]) -> Phenomenon:
         panels=(
             Panel(
                 "slope",
+                "Slope of friction, both cylinders",
                 "Speed v (mm/s)",
                 "Slope of friction (kN s/m)",
                 (
@@ -76,7 +77,8 @@ def instability(bench_data: dict[str, Any]) -> Phenomenon:
             ),
             Panel(
                 "eigenvalues",
-                "Speed v (mm/s), table 6.2 steady",
+                "Growth of a disturbance, table 6.2 steady",
+                "Speed v (mm/s)",
                 "Largest real part (1/s)",
                 (
                     Line("plant", 1e3 * fine, np.array([rate.plant for rate in swept])),
@@ -206,5 +208,6 @@ def _velocity(
         t = (run.t_s - run.t_s[0])[shown]
         lines.append(Line(name, t, 1e3 * run.v_m_s[shown]))
         reference = Line("reference", t, 1e3 * run.v_ref_m_s[shown])
-    words = {"tustin": "static", "lugre": "LuGre, sigma_0 = 1e5 N/m"}[law]
-    return Panel(panel, f"Time (s), {words}", "Velocity (mm/s)", (*lines, reference))
+    words = {"tustin": "as a static law", "lugre": "as LuGre, sigma_0 = 1e5 N/m"}[law]
+    title = f"50 mm/s with the fits {words}"
+    return Panel(panel, title, "Time (s)", "Velocity (mm/s)", (*lines, reference))

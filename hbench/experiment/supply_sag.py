@@ -123,10 +123,10 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
             "compensator swing by itself (Routh); motion damps it.",
         ),
         panels=(
-            _panel("pressure-52", runs, 0, "p_s_pa", 1e-5, "Supply pressure (bar)"),
-            _panel("pressure-197", runs, 3, "p_s_pa", 1e-5, "Supply pressure (bar)"),
-            _panel("velocity-197", runs, 3, "v_m_s", 1e3, "Velocity (mm/s)"),
-            _panel("valve-197", runs, 3, "u_t_v", 1.0, "Test valve (V)"),
+            _panel("pressure-52", "Supply", runs, 0, "p_s_pa", 1e-5, "Supply pressure (bar)"),
+            _panel("pressure-197", "Supply", runs, 3, "p_s_pa", 1e-5, "Supply pressure (bar)"),
+            _panel("velocity-197", "Piston", runs, 3, "v_m_s", 1e3, "Velocity (mm/s)"),
+            _panel("valve-197", "Valve of the test cylinder", runs, 3, "u_t_v", 1.0, "Command (V)"),
         ),
         findings=(
             Finding(
@@ -160,13 +160,19 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
 
 
 def _panel(
-    name: str, runs: dict[str, tuple[Run, ...]], index: int, channel: str, scale: float, label: str
+    name: str,
+    title: str,
+    runs: dict[str, tuple[Run, ...]],
+    index: int,
+    channel: str,
+    scale: float,
+    label: str,
 ) -> Panel:
     lines = tuple(
         Line(supply, made[index].t_s - made[index].t_s[0], scale * getattr(made[index], channel))
         for supply, made in runs.items()
     )
-    return Panel(name, f"Time (s), {REFERENCES[index][0]}", label, lines)
+    return Panel(name, f"{title} at {REFERENCES[index][0]}", "Time (s)", label, lines)
 
 
 def _schedule(references: list[tuple[str, str, str, float]]) -> dict[str, Any]:

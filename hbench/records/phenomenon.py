@@ -20,12 +20,14 @@ class Panel:
     """A pair of axes with their units, and what is drawn in it."""
 
     name: str
+    title: str
     x_label: str
     y_label: str
     lines: tuple[Line, ...]
     x_log: bool = False
     y_log: bool = False
     marks: tuple[tuple[float, str], ...] = ()  # upright lines at x, each with its words
+    names: tuple[tuple[float, float, str], ...] = ()  # words beside points (x, y)
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,13 @@ def draw_phenomenon(phenomenon: Phenomenon) -> tuple[Drawing, ...]:
     drawings = []
     for panel in phenomenon.panels:
         with rc_context(style.RC):
-            svg, png = render(draw_panel(phenomenon.title, panel))
+            svg, png = render(draw_panel(panel))
         name = f"{phenomenon.name}-{panel.name}"
-        drawings.append(Drawing(name, phenomenon.name, phenomenon.title, panel.name, svg, png))
+        drawings.append(Drawing(name, phenomenon.name, panel.title, panel.name, svg, png))
     return tuple(drawings)
 
 
-def draw_panel(title: str, panel: Panel) -> Figure:
+def draw_panel(panel: Panel) -> Figure:
     """Draw one panel; a series of points has the colour of the line before it."""
     figure = style.new_figure(height_in=3.8)
     axes = figure.add_subplot()
@@ -53,7 +53,9 @@ def draw_panel(title: str, panel: Panel) -> Figure:
             color=style.QUIET,
             fontsize=10,
         )
-    axes.set_title(title)
+    for x, y, words in panel.names:
+        axes.annotate(words, (x, y), xytext=(4, -12), textcoords="offset points", fontsize=11)
+    axes.set_title(panel.title)
     axes.set_title("simulated", loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
     style.legend_above(figure, axes, columns=2)
     return figure

@@ -19,10 +19,10 @@ def phenomenon_text(phenomenon: Phenomenon) -> str:
 
 
 def tables(phenomenon: Phenomenon) -> tuple[WordTable, ...]:
-    """Return the phenomenon's own tables, then that of its findings."""
+    """Return the table of the phenomenon's findings, then its own tables."""
     rows = tuple(_finding(finding) for finding in phenomenon.findings)
     own = WordTable("Defining numbers", FINDINGS_HEAD, rows)
-    return (*phenomenon.tables, own) if rows else phenomenon.tables
+    return (own, *phenomenon.tables) if rows else phenomenon.tables
 
 
 def panel_csv(panel: Panel) -> str:

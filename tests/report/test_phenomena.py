@@ -16,6 +16,7 @@ from hbench.report.phenomenon_text import panel_csv, phenomenon_text
 X = np.array([1.0, 2.0, 50.0])
 PANEL = Panel(
     "a",
+    "Force over speed",
     "Speed (mm/s)",
     "Force (N)",
     (Line("theory", X, X**2), Line("simulated", X, X**2 + 1, points=True), Line("other", X, X)),
@@ -34,14 +35,14 @@ SHOWN = Phenomenon(
 
 
 def test_points_share_the_colour_of_the_line_that_they_belong_to():
-    theory, simulated, other, *_ = draw_panel("T", PANEL).axes[0].lines
+    theory, simulated, other, *_ = draw_panel(PANEL).axes[0].lines
     assert simulated.get_linestyle() == "None" and theory.get_linestyle() == "-"
     assert simulated.get_color() == theory.get_color() != other.get_color()
     assert simulated.get_ydata() == pytest.approx(X**2 + 1)
 
 
 def test_axes_carry_labels_scales_and_marks():
-    axes = draw_panel("T", PANEL).axes[0]
+    axes = draw_panel(PANEL).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("Speed (mm/s)", "Force (N)")
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert [text.get_text() for text in axes.texts] == ["III"]

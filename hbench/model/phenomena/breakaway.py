@@ -55,6 +55,7 @@ def breakaway_force() -> Phenomenon:
         panels=(
             Panel(
                 "force",
+                "Breakaway over the rate of the force",
                 "Rate of the force (N/s)",
                 "Breakaway force (N)",
                 (

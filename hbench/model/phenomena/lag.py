@@ -67,9 +67,16 @@ def lag() -> Phenomenon:
             "makes its lag far shorter.",
         ),
         panels=(
-            Panel("loops", "Velocity v (mm/s)", "Friction F (N)", tuple(loops)),
+            Panel(
+                "loops",
+                "Friction around a mean speed",
+                "Velocity v (mm/s)",
+                "Friction F (N)",
+                tuple(loops),
+            ),
             Panel(
                 "width",
+                "Width of the loop over rate",
                 "Frequency (Hz)",
                 "Width of the loop (N)",
                 (

@@ -54,15 +54,18 @@ def presliding() -> Phenomenon:
     panels, findings = [], []
     for name, law in (("Leuven", leuven), ("LuGre", lugre)):
         x, force = traced(TURNS_M, law)
+        legs = np.round(np.abs(np.diff(TURNS_M)) / 1e-7).astype(int).cumsum()
+        turns = dict(zip((0, *(legs - 1)[[0, 1, 2, 4]]), "ABCDE", strict=True))
         panels.append(
             Panel(
                 name.lower(),
+                f"{name}: an inner loop",
                 "Position x (mm)",
-                f"{name}: friction F (N)",
-                (line("A B C D C E", 1e3 * x, force),),
+                "Friction F (N)",
+                (line(name, 1e3 * x, force),),
+                names=tuple((1e3 * x[i], float(force[i]), at) for i, at in turns.items()),
             )
         )
-        legs = np.round(np.abs(np.diff(TURNS_M)) / 1e-7).astype(int).cumsum()
         gap = float(force[legs[3] - 1] - force[legs[1] - 1])
         findings.append(
             Finding(
@@ -90,6 +93,7 @@ def presliding() -> Phenomenon:
     panels.append(
         Panel(
             "drift",
+            "Creep under a swinging force",
             "Cycles of force, 150 to 350 N",
             "Position (µm), from the first cycle",
             tuple(

@@ -152,19 +152,37 @@ def stick_slip() -> Phenomenon:
             "below the minimum of the Stribeck curve, because the bristles delay the falling part.",
         ),
         panels=(
-            Panel("force", "Time (s)", "Spring force (N)", (line("5 mm/s, 20 kN/m", t, force),)),
             Panel(
-                "velocity", "Time (s)", "Velocity (mm/s)", (line("5 mm/s, 20 kN/m", t, 1e3 * v),)
+                "force",
+                "The spring's force",
+                "Time (s)",
+                "Spring force (N)",
+                (line("5 mm/s, 20 kN/m", t, force),),
+            ),
+            Panel(
+                "velocity",
+                "The mass",
+                "Time (s)",
+                "Velocity (mm/s)",
+                (line("5 mm/s, 20 kN/m", t, 1e3 * v),),
             ),
             Panel(
                 "dwell",
+                "Time at rest",
                 "Mean speed (mm/s)",
                 "Dwell time (s)",
                 tuple(lines["dwell"]),
                 x_log=True,
                 y_log=True,
             ),
-            Panel("slip", "Mean speed (mm/s)", "Slip time (s)", tuple(lines["slip"]), x_log=True),
+            Panel(
+                "slip",
+                "Time of a slip",
+                "Mean speed (mm/s)",
+                "Slip time (s)",
+                tuple(lines["slip"]),
+                x_log=True,
+            ),
         ),
         findings=tuple(findings),
     )

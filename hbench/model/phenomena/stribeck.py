@@ -44,6 +44,7 @@ def stribeck() -> Phenomenon:
         panels=(
             Panel(
                 "curve",
+                "Friction over speed, at steady state",
                 "Speed |v| (mm/s)",
                 "Friction F (N)",
                 (
