@@ -6,13 +6,28 @@ drives and eta = F_T / F_applied. With opposite signs both sides feed the fricti
 no efficiency to speak of.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from hbench.config.sensors import Instrument, Instruments
-from hbench.records import Curve, CurvePoint, EfficiencyCurve, EfficiencyPoint, Specimen
+from hbench.analysis.budget import (
+    LOAD_CELL,
+    PISTON_SIDE,
+    ROD_SIDE,
+    parts_of_mean,
+    together,
+    tolerances,
+)
+from hbench.config.sensors import Instruments
+from hbench.records import (
+    Curve,
+    CurvePoint,
+    EfficiencyCurve,
+    EfficiencyPoint,
+    MeanEfficiency,
+    Specimen,
+)
 
 # A driving force below this share of the pressure forces that it is the difference of is zero
 # to any pressure transducer.
@@ -86,11 +101,12 @@ def efficiency(curve: Curve, instruments: Instruments | None) -> EfficiencyCurve
         p_lr_ref_pa=curve.p_lr_ref_pa,
         label=curve.label,
         points=points,
+        mean=_mean([point for point in points if point.efficiency is not None]),
     )
 
 
-def instrument_sigma(forces: Forces, instruments: Instruments) -> float | None:
-    """Return the uncertainty 6.16 with the derivatives 6.17 to 6.19, or those of the inverse.
+def instrument_parts(forces: Forces, instruments: Instruments) -> dict[str, float] | None:
+    """Return the parts of 6.16 with the derivatives 6.17 to 6.19, or those of the inverse.
 
     eta = F_a / F_T:  d/dF_a = 1/F_T,  d/dP_Tp = -F_a A_p / F_T^2,  d/dP_Tr = F_a A_r / F_T^2
     eta = F_T / F_a:  d/dF_a = -F_T/F_a^2,  d/dP_Tp = A_p / F_a,  d/dP_Tr = -A_r / F_a
@@ -103,15 +119,13 @@ def instrument_sigma(forces: Forces, instruments: Instruments) -> float | None:
         by_applied, by_test = 1 / f_test, -f_applied / f_test**2
     else:
         by_applied, by_test = -f_test / f_applied**2, 1 / f_applied
-    specimen = forces.specimen
-    parts = [
-        by_applied * _tolerance(instruments.force, f_applied),
-        by_test * specimen.area_piston_m2 * _tolerance(instruments.pressure, forces.p_tp_pa),
-    ]
-    if forces.p_tr_pa is not None:
-        delta = _tolerance(instruments.pressure, forces.p_tr_pa)
-        parts.append(by_test * specimen.area_rod_m2 * delta)
-    return float(np.sqrt(np.sum(np.square(parts))))
+    by = {
+        LOAD_CELL: by_applied,
+        PISTON_SIDE: by_test * forces.specimen.area_piston_m2,
+        ROD_SIDE: -by_test * forces.specimen.area_rod_m2,
+    }
+    deltas = tolerances(instruments, f_applied, forces.p_tp_pa, forces.p_tr_pa)
+    return {name: by[name] * delta for name, delta in deltas.items()}
 
 
 def _point(
@@ -127,13 +141,40 @@ def _point(
         reasons.append("above 1: friction measured along with the motion, a fault of the sensors")
     if instruments is None:
         reasons.append("no sigma: the tolerances of the instruments are not known")
+    parts = {} if instruments is None else instrument_parts(forces, instruments)
+    sigma = together(parts) if parts else None
+    sigma_trials = _trials_error(point, _RATIO[side])
     return EfficiencyPoint(
         v_m_s=point.v_m_s,
         efficiency=value,
-        sigma=None if instruments is None else instrument_sigma(forces, instruments),
-        sigma_trials=_trials_error(point, _RATIO[side]),
+        sigma=sigma,
+        sigma_trials=sigma_trials,
         reason="; ".join(reasons),
+        sigma_combined=_combined(sigma, sigma_trials),
+        parts=parts,
     )
+
+
+def _mean(points: Sequence[EfficiencyPoint]) -> MeanEfficiency | None:
+    if not points:
+        return None
+    parts = parts_of_mean([point.parts for point in points])
+    sigma = together(parts) if parts else None
+    errors = [point.sigma_trials for point in points]
+    known = None not in errors
+    sigma_trials = float(np.sqrt(np.sum(np.square(errors))) / len(errors)) if known else None
+    return MeanEfficiency(
+        efficiency=float(np.mean([point.efficiency for point in points])),
+        sigma=sigma,
+        sigma_trials=sigma_trials,
+        sigma_combined=_combined(sigma, sigma_trials),
+        parts=parts,
+        points=len(points),
+    )
+
+
+def _combined(sigma: float | None, sigma_trials: float | None) -> float | None:
+    return None if sigma is None or sigma_trials is None else float(np.hypot(sigma, sigma_trials))
 
 
 def _trials_error(point: CurvePoint, ratio: Callable[[float, float], float]) -> float | None:
@@ -142,11 +183,6 @@ def _trials_error(point: CurvePoint, ratio: Callable[[float, float], float]) -> 
     trials = zip(point.trials_n, point.trials_f_test_n, strict=True)
     values = [ratio(f_test - friction, f_test) for friction, f_test in trials]
     return float(np.std(values, ddof=1) / np.sqrt(point.n))
-
-
-def _tolerance(instrument: Instrument, reading: float) -> float:
-    base = abs(reading) if instrument.of == "reading" else instrument.full_scale
-    return instrument.tolerance * base
 
 
 _RATIO: dict[str, Callable[[float, float], float]] = {

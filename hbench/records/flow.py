@@ -172,6 +172,8 @@ class CurvePoint:
     trials_n: tuple[float, ...]  # friction of each trial
     trials_f_test_n: tuple[float, ...]  # F_T of each trial
     runs: tuple[str, ...]
+    sigma_instruments_n: float | None = None  # 6.15 for 5.1; None where they are not known
+    u95_n: float | None = None  # half-width of the 95 % interval of trials and instruments
 
 
 @dataclass(frozen=True)
@@ -227,6 +229,22 @@ class EfficiencyPoint:
     sigma: float | None  # instruments, equations 6.16 to 6.19
     sigma_trials: float | None  # standard error of the trials' mean
     reason: str = ""
+    sigma_combined: float | None = None  # both
+    # The instruments' parts of sigma by name, with their signs: an error has the same sign at
+    # all points of a campaign.
+    parts: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MeanEfficiency:
+    """The mean over the speeds of a curve, with the correlation of its points kept."""
+
+    efficiency: float
+    sigma: float | None
+    sigma_trials: float | None
+    sigma_combined: float | None
+    parts: dict[str, float]
+    points: int
 
 
 @dataclass(frozen=True)
@@ -239,6 +257,7 @@ class EfficiencyCurve:
     p_lr_ref_pa: float | None
     label: str
     points: tuple[EfficiencyPoint, ...]
+    mean: MeanEfficiency | None = None  # None where no point has an efficiency
 
 
 @dataclass(frozen=True)

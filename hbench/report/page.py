@@ -52,6 +52,7 @@ def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
         fits=page_tables.fit_tables(results),
         points=page_tables.point_table(results),
         efficiency=page_tables.efficiency_table(results),
+        budget=page_tables.budget_table(results),
         pressure=page_tables.pressure_table(results),
         rejected=page_tables.rejected_table(results),
         long_list=LONG_LIST,

@@ -67,6 +67,7 @@ def point_table(results: Results) -> Table:
         "Velocity (mm/s)",
         "Friction (N)",
         "Trials",
+        "U95 with instruments (N)",
         "F_T (N)",
         "F_applied (N)",
         "p_Tp (bar)",
@@ -81,6 +82,7 @@ def point_table(results: Results) -> Table:
                 "" if point.ci95_n is not None else "no interval",
             ),
             str(point.n),
+            "" if point.u95_n is None else significant(point.u95_n, 2),
             number(point.f_test_n),
             number(point.f_applied_n),
             _bar(point.p_tp_pa),
@@ -101,13 +103,43 @@ def efficiency_table(results: Results) -> Table:
             _percent(point.efficiency),
             _percent(point.sigma),
             _percent(point.sigma_trials),
+            _percent(point.sigma_combined),
             point.reason,
         )
         for curve in told_apart(results.efficiency)
         for point in curve.points
     ]
-    head = ("Velocity (mm/s)", "Efficiency (%)", "±σ instruments (%)", "s.e. of trials (%)")
+    head = (
+        "Velocity (mm/s)",
+        "Efficiency (%)",
+        "±σ instruments (%)",
+        "s.e. of trials (%)",
+        "σ of both (%)",
+    )
     return _table((*_WHO, *head, "Remark"), rows)
+
+
+def budget_table(results: Results) -> Table:
+    """Return each curve's mean efficiency and what its uncertainty is made of, largest first."""
+    rows = []
+    for curve in told_apart(results.efficiency):
+        if curve.mean is None or curve.mean.sigma is None:
+            continue
+        parts = {name: abs(part) for name, part in curve.mean.parts.items()}
+        if curve.mean.sigma_trials is not None:
+            parts["trials"] = curve.mean.sigma_trials
+        ranked = sorted(parts, key=lambda name: -parts[name])
+        rows.append(
+            (
+                *_who(curve),
+                str(curve.mean.points),
+                _percent(curve.mean.efficiency),
+                _percent(curve.mean.sigma_combined),
+                ", ".join(f"{name} {_percent(parts[name])}" for name in ranked),
+            )
+        )
+    head = ("Speeds", "Mean efficiency (%)", "σ (%)", "Parts of σ (%)")
+    return _table((*_WHO, *head), rows)
 
 
 def pressure_table(results: Results) -> Table:
@@ -161,8 +193,8 @@ def remark_table(results: Results) -> Table:
 _ROD_SIDE = "P_Lr (bar)"
 _WHO = ("Label", "Direction", "Load F_L (N)", _ROD_SIDE)
 _RUN = ("Run", *_WHO, "Reference (mm/s)", "Trial")
-_WORDS = frozenset({"Run", "Label", "Direction", "Reason", "Remark"})
-_WHERE_GIVEN = ("Label", _ROD_SIDE, "Remark")
+_WORDS = frozenset({"Run", "Label", "Direction", "Reason", "Remark", "Parts of σ (%)"})
+_WHERE_GIVEN = ("Label", _ROD_SIDE, "Remark", "U95 with instruments (N)")
 
 
 def _table(

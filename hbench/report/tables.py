@@ -45,6 +45,7 @@ def results_json(results: Results) -> str:
                 "points": [
                     {**asdict(point), "reason": point.reason or None} for point in curve.points
                 ],
+                "mean": asdict(curve.mean) if curve.mean else None,
             }
             for curve in results.efficiency
         ],
@@ -199,14 +200,18 @@ _RUN_COLUMNS = (
 )
 _CURVE_COLUMNS = (
     *_SERIES,
-    *"v_m_s friction_n ci95_n n f_test_n f_applied_n p_tp_pa p_tr_pa runs".split(),
+    *"v_m_s friction_n ci95_n n sigma_instruments_n u95_n".split(),
+    *"f_test_n f_applied_n p_tp_pa p_tr_pa runs".split(),
 )
 _FIT_COLUMNS = (
     *_SERIES,
     *"law parameter value unit se ci95_low ci95_high at_bound rmse_n converged message".split(),
 )
 _BAND_COLUMNS = (*"kind label f_load_n p_lr_ref_pa p_tp_pa half_n half_ci95_n middle_n n".split(),)
-_EFFICIENCY_COLUMNS = (*_SERIES, *"v_m_s efficiency sigma sigma_trials reason".split())
+_EFFICIENCY_COLUMNS = (
+    *_SERIES,
+    *"v_m_s efficiency sigma sigma_trials sigma_combined reason".split(),
+)
 
 
 def summary_text(results: Results) -> str:

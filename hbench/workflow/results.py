@@ -5,6 +5,7 @@ from pathlib import Path
 
 from hbench.analysis.average import curves
 from hbench.analysis.bands import bands
+from hbench.analysis.budget import with_instruments
 from hbench.analysis.calibrate import calibrate
 from hbench.analysis.efficiency import efficiency
 from hbench.analysis.fit import fits, left_out
@@ -44,8 +45,11 @@ def _derive(campaign: Campaign) -> Results:
     screened = tuple(screen(run, rules) for run in runs)
     if not screened:
         raise DataError(f"{campaign.folder}: holds no runs", "Go on with `hbench run --resume`.")
-    found = tuple(replace(curve, fits=fits(curve)) for curve in curves(screened))
     instruments = None if bench is None else bench.instruments
+    found = tuple(
+        with_instruments(replace(curve, fits=fits(curve)), instruments)
+        for curve in curves(screened)
+    )
     return Results(
         provenance=campaign.provenance(),
         runs=screened,

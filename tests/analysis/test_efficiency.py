@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hbench.analysis.budget import together
 from hbench.analysis.efficiency import (
     Forces,
     driver,
     efficiency,
     efficiency_of,
-    instrument_sigma,
+    instrument_parts,
 )
 from hbench.analysis.screen import screen
 from hbench.config.sensors import Instruments
@@ -32,6 +33,10 @@ def forces(v, f_applied, friction, p_tr=20e5):
     """Steady motion with a friction (positive number) against it."""
     f_test = f_applied + np.sign(v) * friction
     return Forces(v, f_applied, (f_test + p_tr * 0.75e-3) / 1.25e-3, p_tr, SPECIMEN)
+
+
+def instrument_sigma(state, tolerances):
+    return together(instrument_parts(state, tolerances))
 
 
 HYDRAULICS = forces(0.1, 2000.0, 400.0)  # eta = 2000/2400

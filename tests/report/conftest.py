@@ -14,6 +14,7 @@ from hbench.records import (
     EfficiencyPoint,
     Fit,
     FitParameter,
+    MeanEfficiency,
     Provenance,
     Results,
     Run,
@@ -116,7 +117,8 @@ def stribeck_results(loads=(500.0, 1000.0, 2000.0, 5000.0), speeds=15, source="s
                 keep = 2 if bad else 3
                 points.append(point(v, trials[:keep], names[:keep], load))
                 eta = load / points[-1].f_test_n
-                etas.append(EfficiencyPoint(v, eta, 0.013 * eta + 0.004, 0.006))
+                sigma = 0.013 * eta + 0.004
+                etas.append(EfficiencyPoint(v, eta, sigma, 0.006, "", np.hypot(sigma, 0.006)))
             at_bound = rank == 0 and sign == 1
             grid = np.union1d(np.linspace(v_all[0], v_all[-1], 100), v_all) * sign
             fit = Fit(
@@ -137,7 +139,17 @@ def stribeck_results(loads=(500.0, 1000.0, 2000.0, 5000.0), speeds=15, source="s
             curves.append(
                 Curve("steady", direction, load, 15e5, "", SPECIMEN, tuple(points), (fit,))
             )
-            efficiency.append(EfficiencyCurve("steady", direction, load, 15e5, "", tuple(etas)))
+            mean = MeanEfficiency(
+                0.8,
+                0.02,
+                0.002,
+                0.0201,
+                {"load cell": 0.01, "piston-side pressure": -0.015, "rod-side pressure": 0.005},
+                len(etas),
+            )
+            efficiency.append(
+                EfficiencyCurve("steady", direction, load, 15e5, "", tuple(etas), mean)
+            )
     provenance = Provenance(
         "Stribeck curves, steady state",
         source,

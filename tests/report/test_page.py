@@ -220,3 +220,8 @@ def test_numbers_read_as_people_write_them():
     assert span([0.948, 7.05]) == "0.95–7.05" and span([1.14, 200.0]) == "1–200"
     assert span([0.5, 2.0]) == "0.5–2"
     assert number(-0.25, 1) == "−0.2" and significant(3.2e9, 3) == "3.20e+09"
+
+
+def test_the_parts_of_an_efficiencys_uncertainty_stand_largest_first(page):
+    words = "piston-side pressure 1.5, load cell 1.0, rod-side pressure 0.5, trials 0.2"
+    assert words in Parsed(page).text
