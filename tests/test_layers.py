@@ -17,13 +17,7 @@ ROWS = (
     {"cli"},
     {"__main__"},
 )
-# These read parts of the program itself: the pages' templates, the model's source for its cache.
-OWN_PARTS = {
-    "report/page.py",
-    "report/design_page.py",
-    "report/phenomenon_page.py",
-    "model/compiled.py",
-}
+OWN_PARTS = {"model/compiled.py"}  # reads the model's own source, for its cache
 FILES = sorted(path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py")
 
 

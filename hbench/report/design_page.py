@@ -1,45 +1,35 @@
-"""The page of a design: one HTML file that needs nothing else."""
+"""The page of a design."""
 
-import base64
 from collections.abc import Iterable
-from importlib.resources import files
 
-from jinja2 import Environment, StrictUndefined
-
-from hbench.records import Design
+from hbench.records import Design, WordTable
 from hbench.report import design_text
+from hbench.report.document import Section, document
 from hbench.report.figures import Drawing
 
 
 def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
-    """Return the page with ``drawings`` inside. Every text is escaped."""
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    source = files("hbench.report").joinpath("design.html.j2").read_text(encoding="utf-8")
+    """Return the page with ``drawings`` inside."""
     found = design.proposal
-    tables = [("Loops", design_text.LOOP_HEAD, design_text.loop_rows(design))]
-    if design.reproduced:
-        rows = design_text.reproduced_rows(design.reproduced)
-        tables.append(("The source's numbers", design_text.REPRODUCED_HEAD, rows))
+    sections = []
     if found is not None:
         rows = design_text.check_rows((*found.margins, *found.closed_loop))
-        tables.append(("Checks of the proposal", design_text.CHECK_HEAD, rows))
-    return environment.from_string(source).render(
-        name=design.bench,
-        point=design_text.point_words(design),
-        chains=design_text.CHAINS,
-        facts=design_text.fact_lines(design),
-        tables=tables,
-        verdict="" if found is None else design_text.verdict(found),
-        proposal=() if found is None else design_text.proposal_lines(found),
-        gains="" if found is None else design_text.gains_yaml(found),
-        figures=[
-            {
-                "title": drawing.title,
-                "caption": drawing.caption,
-                "data": base64.b64encode(drawing.svg).decode("ascii"),
-            }
-            for drawing in drawings
-        ],
+        checks = WordTable("Checks", design_text.CHECK_HEAD, tuple(rows))
+        items, code = tuple(design_text.proposal_lines(found)), design_text.gains_yaml(found)
+        sections.append(Section("Proposal", items=items, code=code, tables=(checks,)))
+    chains = tuple(f"{name}: {words}" for name, words in design_text.CHAINS.items())
+    loops = WordTable("", design_text.LOOP_HEAD, tuple(design_text.loop_rows(design)))
+    facts = tuple(design_text.fact_lines(design))
+    sections.append(Section("Loops", items=(*chains, *facts), tables=(loops,)))
+    if design.reproduced:
+        rows = design_text.reproduced_rows(design.reproduced)
+        table = WordTable("", design_text.REPRODUCED_HEAD, tuple(rows))
+        sections.append(Section("The source's numbers", tables=(table,)))
+    sections.append(Section("Figures", drawings=tuple(drawings)))
+    return document(
+        f"{design.bench}: control loops",
+        "Computed and simulated; nothing here was measured. Operating point: "
+        f"{design_text.point_words(design)}.",
+        tuple(sections),
+        "" if found is None else design_text.verdict(found),
     )

@@ -17,7 +17,7 @@ def draw_phenomenon(phenomenon: Phenomenon) -> tuple[Drawing, ...]:
         with rc_context(style.RC):
             svg, png = render(draw_panel(panel))
         name = f"{phenomenon.name}-{panel.name}"
-        drawings.append(Drawing(name, phenomenon.name, panel.title, panel.name, svg, png))
+        drawings.append(Drawing(name, phenomenon.name, panel.title, "", svg, png))
     return tuple(drawings)
 
 

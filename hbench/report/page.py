@@ -2,16 +2,12 @@
 
 import base64
 import json
-import re
 from collections.abc import Iterable
-from importlib.resources import files
 from typing import Any
-
-from jinja2 import Environment, StrictUndefined
-from markupsafe import Markup, escape
 
 from hbench.records import Results
 from hbench.report import page_tables
+from hbench.report.document import rendered
 from hbench.report.draw_friction import has_curves, over_velocity
 from hbench.report.draw_rejected import has_rejected
 from hbench.report.figures import Drawing
@@ -29,11 +25,6 @@ _BANNERS = {
 
 def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside. Every text of the campaign is escaped."""
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["subscripts"] = _subscripts
-    source = files("hbench.report").joinpath("template.html.j2").read_text(encoding="utf-8")
     sections: dict[str, list[dict[str, str]]] = {"friction": [], "efficiency": [], "rejected": []}
     for count, drawing in enumerate(drawings, start=1):
         sections[drawing.section].append(
@@ -44,7 +35,8 @@ def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
                 "data": base64.b64encode(drawing.svg).decode("ascii"),
             }
         )
-    return environment.from_string(source).render(
+    return rendered(
+        "template.html.j2",
         provenance=results.provenance,
         banner=_BANNERS[results.provenance.source],
         tiles=_tiles(results),
@@ -96,11 +88,6 @@ def _tiles(results: Results) -> list[tuple[str, str, str]]:
 
 def _share(part: int, whole: int) -> str:
     return f"{number(100 * part / whole)} % of the runs" if whole else ""
-
-
-def _subscripts(text: str) -> Markup:
-    """Write the index of a symbol such as F_C below the line; all else is escaped."""
-    return Markup(re.sub(r"\b([AFPp])_(\w+)", r"\1<sub>\2</sub>", str(escape(text))))
 
 
 def _facts(results: Results) -> list[tuple[str, str]]:

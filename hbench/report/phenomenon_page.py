@@ -1,26 +1,21 @@
-"""The page of a phenomenon: one HTML file that needs nothing else."""
+"""The page of a phenomenon."""
 
-import base64
 from collections.abc import Iterable
-from importlib.resources import files
-
-from jinja2 import Environment, StrictUndefined
 
 from hbench.records import Phenomenon
+from hbench.report.document import Section, document
 from hbench.report.figures import Drawing
 from hbench.report.phenomenon_text import tables
 
+_SUBTITLE = (
+    "Simulated; nothing here was measured. Equation, table and figure numbers: M. Hvoldal and "
+    "C. Olesen, Friction Modelling and Parameter Estimation for Hydraulic Asymmetrical Cylinders, "
+    "Aalborg University, 2011."
+)
 
-def phenomenon_page(phenomenon: Phenomenon, drawings: Iterable[Drawing], version: str) -> str:
-    """Return the page with ``drawings`` inside. Every text is escaped."""
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    source = files("hbench.report").joinpath("phenomenon.html.j2").read_text(encoding="utf-8")
-    figures = [
-        {"title": drawing.title, "data": base64.b64encode(drawing.svg).decode("ascii")}
-        for drawing in drawings
-    ]
-    return environment.from_string(source).render(
-        phenomenon=phenomenon, tables=tables(phenomenon), figures=figures, version=version
-    )
+
+def phenomenon_page(phenomenon: Phenomenon, drawings: Iterable[Drawing]) -> str:
+    """Return the page with ``drawings`` inside."""
+    found = Section(paragraphs=phenomenon.text, drawings=tuple(drawings))
+    numbers = Section("Numbers", tables=tables(phenomenon))
+    return document(phenomenon.title, _SUBTITLE, (found, numbers))

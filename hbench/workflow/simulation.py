@@ -1,6 +1,5 @@
 """The model alone: phenomena of friction and of the bench."""
 
-from importlib.metadata import version
 from pathlib import Path
 
 from hbench.config.loading import read_yaml
@@ -34,7 +33,7 @@ def simulate(name: str, bench_file: Path) -> Phenomenon:
 def write_phenomenon(folder: Path, phenomenon: Phenomenon) -> None:
     """Write a phenomenon's page, its figures, and the data of each as CSV."""
     drawings = draw_phenomenon(phenomenon)
-    page = phenomenon_page(phenomenon, drawings, version("hbench"))
+    page = phenomenon_page(phenomenon, drawings)
     files = {f"{phenomenon.name}.html": page.encode()}
     for drawing, panel in zip(drawings, phenomenon.panels, strict=True):
         files[f"figures/{drawing.name}.svg"] = drawing.svg
