@@ -1,5 +1,6 @@
 """Errors that users see: one root, an exit code and a hint each, caught once around the app."""
 
+import copyreg
 from enum import IntEnum
 
 
@@ -28,6 +29,9 @@ class HbenchError(Exception):
         super().__init__(message)
         self.message = message
         self.hint = hint
+
+    def __reduce__(self):  # between processes: as it is, whatever a subclass is made from
+        return copyreg.__newobj__, (type(self), *self.args), self.__dict__
 
 
 class ConfigError(HbenchError):

@@ -1,6 +1,7 @@
 """``hbench run``: makes the runs of a schedule on a bench or on the virtual rig."""
 
 import sys
+from datetime import datetime
 from pathlib import Path
 
 import typer
@@ -19,6 +20,12 @@ def run(
     ),
     plant: Path = typer.Option(None, help="Physics of the virtual rig other than the bench's."),
     seed: int = typer.Option(1, help="Seed of the virtual rig's noise and scatter."),
+    campaigns: int = typer.Option(
+        None,
+        min=1,
+        help="Make this many campaigns on virtual rigs, on all cores: seeds from --seed on, each "
+        "in a folder of its seed's name in the output folder.",
+    ),
     check: bool = typer.Option(False, "--check", help="Check and estimate only; nothing moves."),
     resume: bool = typer.Option(False, "--resume", help="Go on with an interrupted campaign."),
     take_over: bool = typer.Option(
@@ -29,8 +36,6 @@ def run(
 
     Example: hbench run configs/demo.yaml -o demo
     """
-    from datetime import datetime
-
     from hbench import workflow
     from hbench.cli.progress import ProgressLine
 
@@ -48,25 +53,38 @@ def run(
     if output is None:
         raise typer.BadParameter("a campaign folder is needed", param_hint="'-o'")
     progress = ProgressLine(sys.stderr)
+    common = {"plant": plant, "resume": resume, "baud": baud, "clock": _now}
     try:
-        summary = workflow.measure(
-            experiment,
-            output,
-            port=port,
-            baud=baud,
-            plant=plant,
-            seed=seed,
-            resume=resume,
-            take_over=take_over,
-            clock=lambda: datetime.now().astimezone(),
-            report=progress,
-        )
+        if campaigns is None:
+            summary = workflow.measure(
+                experiment,
+                output,
+                port=port,
+                seed=seed,
+                take_over=take_over,
+                report=progress,
+                **common,
+            )
+        else:
+            if port != "sim":
+                raise typer.BadParameter("is for the virtual rig", param_hint="'--campaigns'")
+            summary = workflow.measure_seeds(
+                experiment,
+                output,
+                seeds=range(seed, seed + campaigns),
+                report=lambda done: typer.echo(f"{done}/{campaigns} campaigns", err=True),
+                **common,
+            )
     except KeyboardInterrupt:
         progress.close("interrupted; go on with --resume")
         raise
     finally:
         progress.close()
     typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
+
+
+def _now() -> datetime:
+    return datetime.now().astimezone()
 
 
 def _minutes(seconds: float) -> str:

@@ -18,6 +18,7 @@ from hbench.workflow.campaign import (
 )
 from hbench.workflow.controllers import design, write_design
 from hbench.workflow.results import analyze, report
+from hbench.workflow.seeds import measure_seeds
 from hbench.workflow.simulation import phenomena, simulate, write_phenomenon
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "load_experiment",
     "load_image",
     "measure",
+    "measure_seeds",
     "phenomena",
     "report",
     "serve_rig",
