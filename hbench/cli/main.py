@@ -6,7 +6,7 @@ import sys
 import typer
 
 from hbench import __version__
-from hbench.cli import analyze, design, flash, imports, init, ports, rig, run, simulate
+from hbench.cli import analyze, compare, design, flash, imports, init, ports, rig, run, simulate
 from hbench.errors import HbenchError
 
 app = typer.Typer(
@@ -25,6 +25,7 @@ app.command("run")(run.run)
 app.command("import")(imports.import_)
 app.command("analyze")(analyze.analyze)
 app.command("report")(analyze.report)
+app.command("compare")(compare.compare)
 app.command("design")(design.design)
 app.command("simulate")(simulate.simulate)
 

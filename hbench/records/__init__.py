@@ -9,6 +9,13 @@ from hbench.records.design import (
     Reproduced,
     RootLocus,
 )
+from hbench.records.differences import (
+    CampaignDifferences,
+    CurveDifference,
+    Difference,
+    FitDifference,
+    FrictionDifference,
+)
 from hbench.records.flow import (
     Band,
     Curve,
@@ -41,6 +48,11 @@ from hbench.records.phenomenon import (
 )
 
 __all__ = [
+    "CampaignDifferences",
+    "CurveDifference",
+    "Difference",
+    "FitDifference",
+    "FrictionDifference",
     "Band",
     "Check",
     "ControlLoop",

@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from hbench.records import WordTable
 from hbench.report.figures import Drawing
 
-_NUMBER = re.compile(r"[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|")
+_NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ def phenomenon_text(phenomenon: Phenomenon) -> str:
     """Return the title and every table in aligned columns."""
     parts = [phenomenon.title]
     for table in tables(phenomenon):
-        parts.append("\n".join(_aligned(table)))
+        parts.append("\n".join(aligned(table)))
     return "\n\n".join(parts)
 
 
@@ -47,7 +47,8 @@ def _finding(finding: Finding) -> tuple[str, ...]:
     )
 
 
-def _aligned(table: WordTable) -> Iterable[str]:
+def aligned(table: WordTable) -> Iterable[str]:
+    """Yield the title and the rows of a table in columns."""
     rows = [table.head, *table.rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     yield table.title

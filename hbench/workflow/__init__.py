@@ -16,6 +16,7 @@ from hbench.workflow.campaign import (
     load_experiment,
     measure,
 )
+from hbench.workflow.comparison import compare, write_comparison
 from hbench.workflow.controllers import design, write_design
 from hbench.workflow.results import analyze, report
 from hbench.workflow.seeds import measure_seeds
@@ -26,6 +27,7 @@ __all__ = [
     "Experiment",
     "Measured",
     "analyze",
+    "compare",
     "design",
     "estimate",
     "find_boards",
@@ -40,6 +42,7 @@ __all__ = [
     "report",
     "serve_rig",
     "simulate",
+    "write_comparison",
     "write_design",
     "write_phenomenon",
 ]

@@ -20,14 +20,14 @@ from hbench.store.campaign import Campaign, load_campaign, write_results
 
 def analyze(folder: Path) -> Results:
     """Screen, average and fit a campaign; write its tables to ``results/``."""
-    results = _derive(load_campaign(folder))
+    results = derive(load_campaign(folder))
     write_results(folder, _tables(results))
     return results
 
 
 def report(folder: Path) -> Results:
     """Analyze a campaign and write tables, figures and the page to ``results/``."""
-    results = _derive(load_campaign(folder))
+    results = derive(load_campaign(folder))
     drawings = draw_all(results)
     figures = {f"figures/{d.name}.svg": d.svg for d in drawings}
     figures |= {f"figures/{d.name}.png": d.png for d in drawings}
@@ -36,7 +36,8 @@ def report(folder: Path) -> Results:
     return results
 
 
-def _derive(campaign: Campaign) -> Results:
+def derive(campaign: Campaign) -> Results:
+    """Screen, average and fit a campaign; nothing is written. Raises ``DataError``."""
     bench, rules = campaign.bench(), campaign.screening()
     if campaign.imported:
         runs = campaign.runs()

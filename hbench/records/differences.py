@@ -1,0 +1,77 @@
+"""What ``compare`` finds between two campaigns, A and B. Differences are B less A, in SI."""
+
+from dataclasses import dataclass
+
+from hbench.records.flow import Curve, Direction, Provenance
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A number of both campaigns, and whether they differ in it."""
+
+    a: float
+    b: float
+    se: float | None  # standard error of b - a, of the trials
+    ci95: float | None  # half-width, of the trials alone; None where there is no scatter
+    u95: float | None  # half-width with the instruments; None where they are not known
+    p_value: float | None  # of no difference, by the trials alone
+    p_holm: float | None = None  # corrected for the number of differences of its kind
+
+    @property
+    def value(self) -> float:
+        """B less A."""
+        return self.b - self.a
+
+    @property
+    def real(self) -> bool:
+        """Told from zero: by the trials after Holm, and by the instruments where they are known."""
+        beyond = self.u95 is None or abs(self.value) > self.u95
+        return self.p_holm is not None and self.p_holm < 0.05 and beyond
+
+
+@dataclass(frozen=True)
+class FrictionDifference:
+    """|F| of both campaigns at one speed."""
+
+    v_m_s: float  # signed, that of A's point
+    friction_n: Difference
+    between: bool  # B has no point at this speed: straight between its neighbours
+
+
+@dataclass(frozen=True)
+class FitDifference:
+    """A parameter of a law fitted in both."""
+
+    law: str
+    name: str
+    unit: str
+    value: Difference
+
+
+@dataclass(frozen=True)
+class CurveDifference:
+    """Two curves of the same kind, direction and load."""
+
+    a: Curve
+    b: Curve
+    points: tuple[FrictionDifference, ...]  # where both have been, by rising speed
+    mean_n: Difference | None  # of |F| over these speeds
+    efficiency: Difference | None  # of the mean over the speeds where both have one
+    parameters: tuple[FitDifference, ...]
+
+    @property
+    def direction(self) -> Direction:
+        """Of both."""
+        return self.a.direction
+
+
+@dataclass(frozen=True)
+class CampaignDifferences:
+    """All that ``compare`` finds."""
+
+    names: tuple[str, str]  # of the folders
+    a: Provenance
+    b: Provenance
+    same_instruments: bool  # their errors are the same in both
+    curves: tuple[CurveDifference, ...]
+    notes: tuple[str, ...]  # what could not be compared, and why

@@ -1,0 +1,204 @@
+"""A comparison in words and numbers: for the terminal, as JSON, and its page."""
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict
+
+from hbench.records import (
+    CampaignDifferences,
+    Curve,
+    Difference,
+    WordTable,
+)
+from hbench.report.document import Section, document
+from hbench.report.figures import Drawing
+from hbench.report.page_tables import PARAMETERS
+from hbench.report.phenomenon_text import aligned
+from hbench.report.style import TITLES
+from hbench.report.tables import plain
+from hbench.report.text import NONE, force, number, short, significant, with_interval
+from hbench.units import from_si
+
+SCHEMA = "hbench.comparison/1"
+_REAL, _NOT = "differs", "not shown"
+
+
+def differences_text(found: CampaignDifferences) -> str:
+    """Return the tables for a terminal."""
+    parts = [f"A: {_name(found, 0)}", f"B: {_name(found, 1)}", _instruments(found), ""]
+    for table in (_means(found), _parameters(found)):
+        if table.rows:
+            parts += [*aligned(table), ""]
+    parts += [f"note: {note}" for note in found.notes]
+    text = "\n".join(parts).rstrip()
+    return text.replace("−", "-").replace("–", "-").replace("±", "+-")
+
+
+def differences_json(found: CampaignDifferences) -> str:
+    """Return the text of ``comparison.json``."""
+    document = {
+        "schema": SCHEMA,
+        "a": asdict(found.a),
+        "b": asdict(found.b),
+        "same_instruments": found.same_instruments,
+        "curves": [
+            {
+                "kind": one.a.kind,
+                "direction": one.direction,
+                "f_load_n": one.a.f_load_n,
+                "p_lr_ref_pa": one.a.p_lr_ref_pa,
+                "label_a": one.a.label,
+                "label_b": one.b.label,
+                "friction_n": _numbers(one.mean_n),
+                "efficiency": _numbers(one.efficiency),
+                "points": [
+                    {
+                        "v_m_s": point.v_m_s,
+                        "between": point.between,
+                        "friction_n": _numbers(point.friction_n),
+                    }
+                    for point in one.points
+                ],
+                "parameters": [
+                    {"law": p.law, "name": p.name, "unit": p.unit, **_numbers(p.value)}
+                    for p in one.parameters
+                ],
+            }
+            for one in found.curves
+        ],
+        "notes": found.notes,
+    }
+    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+
+
+def differences_page(found: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
+    """Return the page with ``drawings`` inside."""
+    sections = [
+        Section("What differs", tables=(_means(found),), drawings=tuple(drawings)),
+        Section("Fitted parameters", tables=(_parameters(found),)),
+        Section("Speed by speed", tables=(_points(found),)),
+        Section("How it was computed", items=(_instruments(found), *_METHOD)),
+    ]
+    if found.notes:
+        sections.append(Section("Not compared", items=found.notes))
+    return document(
+        f"{found.names[1]} against {found.names[0]}",
+        f"A: {_name(found, 0)}. B: {_name(found, 1)}. Differences are B less A.",
+        tuple(
+            section for section in sections if any(t.rows for t in section.tables) or section.items
+        ),
+        _verdict(found),
+    )
+
+
+_METHOD = (
+    "Friction as magnitude. A point is the mean of its trials; ± is the half-width of the 95 % "
+    "interval of B less A, by Welch's t for the trials alone. U95 adds the instruments.",
+    "p is the probability of a difference this large between trials of the same cylinder, "
+    "corrected after Holm for the number of differences of its kind. A difference is called real "
+    "where p is below 0.05 and the difference exceeds its U95.",
+    "Means are over the speeds of A that B has or encloses, each speed with the same weight.",
+)
+
+
+def _verdict(found: CampaignDifferences) -> str:
+    real = [one for one in found.curves if one.mean_n is not None and one.mean_n.real]
+    if not real:
+        return f"No difference of mean friction is shown in any of {len(found.curves)} curves."
+    words = "; ".join(
+        f"{_who(one.a)}: {_signed(one.mean_n)} N ({_percent(one.mean_n)})" for one in real
+    )
+    return f"Mean friction differs in {len(real)} of {len(found.curves)} curves. {words}."
+
+
+def _instruments(found: CampaignDifferences) -> str:
+    if found.same_instruments:
+        return "Same instruments: their errors are in both, and cancel where the readings agree."
+    return "Other instruments in each, or not known to be the same: the errors of both count."
+
+
+def _means(found: CampaignDifferences) -> WordTable:
+    rows = []
+    for one in found.curves:
+        for words, scale, difference in (
+            ("friction (N)", 1.0, one.mean_n),
+            ("efficiency (%)", 100.0, one.efficiency),
+        ):
+            if difference is not None:
+                rows.append((_who(one.a), words, *_cells(difference, scale)))
+    return WordTable("Means over the speeds", ("curve", "mean of", *_HEAD), tuple(rows))
+
+
+def _parameters(found: CampaignDifferences) -> WordTable:
+    rows = []
+    for one in found.curves:
+        for p in one.parameters:
+            words, unit = PARAMETERS.get(p.name, (p.name, p.unit))
+            scale = from_si(1.0, unit) if p.name in PARAMETERS else 1.0
+            rows.append((_who(one.a), p.law, f"{words} ({unit})", *_cells(p.value, scale)))
+    return WordTable("Fitted parameters", ("curve", "law", "parameter", *_HEAD), tuple(rows))
+
+
+def _points(found: CampaignDifferences) -> WordTable:
+    rows = [
+        (
+            _who(one.a),
+            number(1e3 * point.v_m_s, 1) + (" *" if point.between else ""),
+            *_cells(point.friction_n, 1.0),
+        )
+        for one in found.curves
+        for point in one.points
+    ]
+    title = "Friction (N)"
+    if any(point.between for one in found.curves for point in one.points):
+        title += "; * between two speeds of B"
+    return WordTable(title, ("curve", "speed (mm/s)", *_HEAD), tuple(rows))
+
+
+_HEAD = ("A", "B", "B - A", "U95", "p (Holm)", "verdict")
+
+
+def _cells(difference: Difference, scale: float) -> tuple[str, ...]:
+    half = None if difference.ci95 is None else scale * difference.ci95
+    u95 = None if difference.u95 is None else scale * difference.u95
+    return (
+        significant(scale * difference.a, 4),
+        significant(scale * difference.b, 4),
+        with_interval(scale * difference.value, half),
+        NONE if u95 is None else significant(u95, 2),
+        NONE if difference.p_holm is None else _p(difference.p_holm),
+        NONE if difference.p_holm is None else _REAL if difference.real else _NOT,
+    )
+
+
+def _p(value: float) -> str:
+    return "< 0.0001" if value < 1e-4 else significant(value, 2)
+
+
+def _signed(difference: Difference) -> str:
+    text = with_interval(difference.value, difference.u95 or difference.ci95)
+    return f"+{text}" if difference.value > 0 else text
+
+
+def _percent(difference: Difference) -> str:
+    if difference.a == 0:
+        return NONE
+    share = 100 * difference.value / abs(difference.a)
+    return f"{'+' if share > 0 else ''}{short(share)} %"
+
+
+def _numbers(difference: Difference | None) -> dict | None:
+    if difference is None:
+        return None
+    return {**asdict(difference), "difference": difference.value, "real": difference.real}
+
+
+def _who(curve: Curve) -> str:
+    load = "" if curve.f_load_n is None else force(curve.f_load_n)
+    kind = "" if curve.kind == "steady" else curve.kind
+    return ", ".join(filter(None, (curve.label, kind, TITLES[curve.direction].lower(), load)))
+
+
+def _name(found: CampaignDifferences, which: int) -> str:
+    own = (found.a, found.b)[which]
+    return ", ".join(filter(None, (found.names[which], own.name, own.source, own.started[:10])))

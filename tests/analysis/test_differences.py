@@ -1,0 +1,165 @@
+"""Two campaigns compared: against scipy, drawn campaigns with and without a difference."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from hbench.analysis.budget import with_instruments
+from hbench.analysis.differences import differences, welch
+from hbench.analysis.efficiency import efficiency
+from hbench.analysis.fit import fit_tustin
+from hbench.analysis.holm import holm
+from hbench.config.sensors import Instruments
+from hbench.records import FitParameter, Provenance, Results
+
+SPEEDS = np.array([0.005, 0.02, 0.05, 0.1, 0.19])
+INSTRUMENTS = Instruments.model_validate(
+    {
+        "force": {"tolerance": "1.0 %", "of": "reading", "full_scale": "12 kN"},
+        "pressure": {"tolerance": "0.8 %", "of": "reading", "full_scale": "250 bar"},
+    }
+)
+
+
+@pytest.fixture
+def campaign(make_curve):
+    """Return a function that draws a campaign's trials around friction over speed."""
+
+    def draw(seed, level=1.0, *, speeds=SPEEDS, trials=3, scatter=6.0, directions=("extend",)):
+        rng = np.random.default_rng(seed)
+        curves = []
+        for direction in directions:
+            sign = 1.0 if direction == "extend" else -1.0
+            f_load = sign * 2000.0
+            friction = level * (350 + 200 * np.exp(-((speeds / 0.06) ** 1.4)) + 1100 * speeds)
+            made = make_curve(speeds, friction, direction, f_load)
+            points = []
+            for point in made.points:
+                drawn = point.friction_n + rng.normal(0, scatter, trials)
+                f_test = point.f_applied_n + drawn
+                points.append(
+                    replace(
+                        point,
+                        n=trials,
+                        friction_n=float(drawn.mean()),
+                        f_test_n=float(f_test.mean()),
+                        trials=tuple(range(1, trials + 1)),
+                        trials_n=tuple(drawn.tolist()),
+                        trials_f_test_n=tuple(f_test.tolist()),
+                    )
+                )
+            curves.append(with_instruments(replace(made, points=tuple(points)), INSTRUMENTS))
+        etas = tuple(efficiency(curve, INSTRUMENTS) for curve in curves)
+        provenance = Provenance("drawn", "simulated", "", "", "", "")
+        return Results(provenance, (), tuple(curves), etas, (), ())
+
+    return draw
+
+
+def compared(a, b, same=True, known=(INSTRUMENTS, INSTRUMENTS)):
+    return differences(a, b, known, same)
+
+
+def test_a_point_is_compared_as_scipys_welch_test_does(campaign):
+    a, b = campaign(1), campaign(2, 1.05)
+    (found,), notes = compared(a, b)
+    assert notes == ()
+    for point, ours, theirs in zip(
+        found.points, a.curves[0].points, b.curves[0].points, strict=True
+    ):
+        peer = stats.ttest_ind(theirs.trials_n, ours.trials_n, equal_var=False)
+        interval = peer.confidence_interval()
+        d = point.friction_n
+        assert d.p_value == pytest.approx(peer.pvalue)
+        assert d.value - d.ci95 == pytest.approx(interval.low)
+        assert d.value + d.ci95 == pytest.approx(interval.high)
+    p_values = [point.friction_n.p_value for point in found.points]
+    assert [point.friction_n.p_holm for point in found.points] == pytest.approx(holm(p_values))
+
+
+def test_holms_values_by_hand():
+    assert holm([0.01, 0.04, 0.03, 0.5]) == pytest.approx([0.04, 0.09, 0.09, 0.5])
+    assert holm([0.9, 0.8]) == pytest.approx([1.0, 1.0])
+
+
+@pytest.mark.parametrize("direction", ["extend", "retract"])
+def test_higher_friction_is_a_positive_difference_in_both_directions(campaign, direction):
+    (found,), _ = compared(
+        campaign(1, directions=(direction,)), campaign(2, 1.2, directions=(direction,))
+    )
+    assert found.mean_n.value > 0 and found.mean_n.real
+    assert found.efficiency.value < 0 and found.efficiency.real
+    assert all(point.friction_n.value > 0 for point in found.points)
+
+
+def test_the_means_interval_holds_the_truth_in_95_percent_and_rarely_cries_wolf(campaign):
+    held = wolf = 0
+    for seed in range(300):
+        (found,), _ = compared(campaign(2 * seed), campaign(2 * seed + 1))
+        held += abs(found.mean_n.value) <= found.mean_n.ci95
+        wolf += any(point.friction_n.real for point in found.points)
+    assert 0.92 < held / 300 < 0.98
+    assert wolf / 300 < 0.08  # of 300 drawn with 5 %
+
+
+def test_the_same_instruments_cancel_where_readings_agree_and_others_do_not(campaign):
+    a, b = campaign(1, scatter=1.0), campaign(2, 1.001, scatter=1.0)
+    (same,), _ = compared(a, b, same=True)
+    (other,), _ = compared(a, b, same=False)
+    of_one = a.curves[0].points[0].sigma_instruments_n
+    assert same.mean_n.u95 < 1.2 * same.mean_n.ci95
+    assert other.mean_n.u95 == pytest.approx(1.96 * np.sqrt(2) * of_one, rel=0.1)
+    assert other.mean_n.p_holm == same.mean_n.p_holm
+
+
+def test_unknown_instruments_leave_the_trials_alone(campaign):
+    (found,), _ = compared(campaign(1), campaign(2, 1.2), known=(None, INSTRUMENTS))
+    assert found.mean_n.u95 is None and found.mean_n.real
+
+
+def test_between_bs_speeds_it_is_compared_on_a_straight_line_and_beyond_them_not(campaign):
+    a = campaign(1, speeds=np.array([0.02, 0.06, 0.19]), scatter=1e-9)
+    b = campaign(2, speeds=np.array([0.02, 0.05, 0.08]), scatter=1e-9)
+    (found,), _ = compared(a, b)
+    assert [round(point.v_m_s, 3) for point in found.points] == [0.02, 0.06]
+    assert [point.between for point in found.points] == [False, True]
+    low, high = (b.curves[0].points[i].friction_n for i in (1, 2))
+    assert found.points[1].friction_n.b == pytest.approx(low + (high - low) / 3)
+
+
+def test_one_trial_gives_a_difference_without_an_interval(campaign):
+    (found,), _ = compared(campaign(1, trials=1), campaign(2, 1.5, trials=1))
+    assert found.mean_n.value > 0
+    assert found.mean_n.ci95 is None and not found.mean_n.real
+
+
+def test_curves_without_a_rival_are_named(campaign):
+    a, b = campaign(1, directions=("extend", "retract")), campaign(2)
+    found, notes = compared(a, b)
+    assert len(found) == 1
+    assert notes == ("steady retract -2000 N: only in A",)
+
+
+def test_parameters_at_a_bound_are_not_tested_and_others_are(campaign):
+    def fitted(results, f_c, at_bound):
+        value = FitParameter(f_c, 5.0, (f_c - 11.0, f_c + 11.0), at_bound, "N")
+        (curve,) = results.curves
+        fit = replace(fit_tustin(curve), parameters={"f_coulomb_n": value})
+        return replace(results, curves=(replace(curve, fits=(fit,)),))
+
+    a = fitted(campaign(1), 300.0, None)
+    (found,), _ = compared(a, fitted(campaign(2), 340.0, None))
+    (p,) = found.parameters
+    assert p.value.ci95 == pytest.approx(11.0 * np.sqrt(2)) and p.value.real
+    (bound,), _ = compared(a, fitted(campaign(2), 340.0, "lower"))
+    assert bound.parameters[0].value.p_value is None
+
+
+def test_welch_of_a_weighted_sum_is_that_of_each_mean_by_hand():
+    trials = [1.0, 2.0, 3.0], [2.0, 4.0]
+    se, dof = welch([(0.5, trials[0]), (-1.0, trials[1])])
+    parts = 0.25 * 1.0 / 3, 2.0 / 2
+    assert se == pytest.approx(np.sqrt(sum(parts)))
+    assert dof == pytest.approx(sum(parts) ** 2 / (parts[0] ** 2 / 2 + parts[1] ** 2))

@@ -1,0 +1,44 @@
+"""``hbench compare`` on the sample campaigns."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+from hbench.cli.main import app
+from hbench.errors import DataError
+
+SAMPLE = Path(__file__).parents[2] / "data_samples" / "stribeck-small"
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["compare", *map(str, arguments)])
+
+
+def test_a_campaign_does_not_differ_from_its_copy(tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(SAMPLE, copy)
+    result = run(SAMPLE, copy, "--json", "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert found["same_instruments"] is True and len(found["curves"]) == 4
+    for curve in found["curves"]:
+        assert curve["friction_n"]["difference"] == 0.0
+        assert curve["friction_n"]["real"] is False and curve["friction_n"]["ci95"] > 0
+    assert (tmp_path / "out" / "comparison.html").exists()
+    assert json.loads((tmp_path / "out" / "comparison.json").read_text()) == found
+
+
+def test_campaigns_without_a_common_curve_are_refused_with_what_each_has(tmp_path):
+    other = tmp_path / "other"
+    shutil.copytree(SAMPLE, other)
+    journal = other / "campaign.yaml"
+    text = journal.read_text()
+    changed = re.sub(r"f_load_n: (-?)(\d+)", r"f_load_n: \g<1>1\2", text)
+    assert changed != text
+    journal.write_text(changed)
+    error = run(SAMPLE, other).exception
+    assert isinstance(error, DataError)
+    assert "no curves in common" in error.message and "only in B" in error.message

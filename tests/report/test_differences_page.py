@@ -1,0 +1,67 @@
+"""The page, the figures and the JSON of a comparison."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hbench.records import CampaignDifferences, CurveDifference, Difference, FrictionDifference
+from hbench.report.differences_text import differences_json, differences_page, differences_text
+from hbench.report.draw_differences import draw_differences, draw_pair
+
+
+@pytest.fixture(scope="module")
+def found(small):
+    curve = small.curves[0]
+    points = tuple(
+        FrictionDifference(p.v_m_s, Difference(400.0, 440.0, 4.0, 12.0, 15.0, 1e-3, 0.004), i == 1)
+        for i, p in enumerate(curve.points)
+    )
+    same = FrictionDifference(0.3, Difference(400.0, 401.0, 4.0, 12.0, 15.0, 0.8, 1.0), False)
+    mean = Difference(400.0, 440.0, 2.0, 5.0, 8.0, 1e-6, 1e-6)
+    one = CurveDifference(curve, curve, (*points, same), mean, None, ())
+    names = "before", "<after>"
+    provenance = small.provenance
+    return CampaignDifferences(names, provenance, provenance, True, (one,), ("retract: only in A",))
+
+
+def test_the_verdict_stands_first_with_the_interval_of_trials_and_instruments(found):
+    page = differences_page(found, draw_differences(found))
+    assert "Mean friction differs in 1 of 1 curves. extending, 500 N: +40.0 ± 8.0 N" in page
+    assert "&lt;after&gt; against before" in page
+    assert "retract: only in A" in page
+
+
+def test_no_difference_is_said_to_be_not_shown_and_not_to_be_none(found):
+    (one,) = found.curves
+    none = replace(one, mean_n=replace(one.mean_n, p_holm=0.3))
+    page = differences_page(replace(found, curves=(none,)), ())
+    assert "No difference of mean friction is shown in any of 1 curves" in page
+
+
+def test_the_terminal_gets_the_same_numbers_in_ascii(found):
+    text = differences_text(found)
+    assert text.isascii()
+    assert "40.0 +- 5.0" in text and "differs" in text and "note: retract: only in A" in text
+
+
+def test_json_holds_every_difference_with_its_sign_and_verdict(found):
+    document = json.loads(differences_json(found))
+    (curve,) = document["curves"]
+    assert document["schema"] == "hbench.comparison/1"
+    assert curve["friction_n"]["difference"] == 40.0 and curve["friction_n"]["real"] is True
+    assert [point["friction_n"]["real"] for point in curve["points"]] == [True] * 5 + [False]
+    assert [point["between"] for point in curve["points"]][:2] == [False, True]
+    assert curve["efficiency"] is None
+
+
+def test_a_figure_fills_the_points_that_differ_and_is_the_same_twice(found):
+    axes = draw_pair(found.curves[0], found).axes[1]
+    faces = {
+        line.get_markerfacecolor(): line.get_ydata() for line in axes.lines if len(line.get_xdata())
+    }
+    np.testing.assert_allclose(faces["#000000"], 40.0)
+    np.testing.assert_allclose(faces["white"], 1.0)
+    assert "B − A" in axes.get_ylabel()
+    assert draw_differences(found) == draw_differences(found)
