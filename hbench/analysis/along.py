@@ -1,7 +1,10 @@
 """A friction law driven along a logged motion: what it would have made of the same velocity.
 
-Between two samples velocity and pressures go in straight lines, in ten steps. A sample of the
-result is the mean over its interval, as the board's records are. LuGre's bristles follow the exact
+A sample is the mean over its interval, as the board's records are. Within an interval, in ten
+steps, velocity and pressures are parabolas that have this mean and, at either end, the mean of both
+neighbours: so the bristles have gone as far as the piston. (Straight lines from one sample to the
+next are off by a dt^2/8 at acceleration a: some um after a reversal at 100 Hz, which took 30 N s/m
+from a sigma_1 of 100 N s/m beside a sigma_0 of 2.6e5 N/m.) LuGre's bristles follow the exact
 solution of their equation over a step, so that stiff ones are no trouble:
 
     z -> z_ss + (z - z_ss) exp(-sigma_0 |v| h / F_dry),    z_ss = sign(v) F_dry / sigma_0
@@ -17,7 +20,7 @@ from hbench.model.friction import LUGRE, friction, hold_slipped
 from hbench.model.parameters import FrictionParameters
 from hbench.model.stribeck import dry_friction
 
-_STEPS = 10  # between two samples; even
+_STEPS = 10  # of an interval
 _NOMINAL = 1.0  # level of friction
 
 
@@ -39,14 +42,15 @@ def _along(
     work: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    h = dt / _STEPS
+    h, last = dt / _STEPS, len(v) - 1
     state, trial, rates = work[0], work[1], work[2]
-    for k in range(len(v) - 1):
+    for k in range(len(v)):
+        before, after = max(k - 1, 0), min(k + 1, last)
         for i in range(_STEPS):
             s = (i + 0.5) / _STEPS
-            v_now = v[k] + s * (v[k + 1] - v[k])
-            p_now = p_p[k] + s * (p_p[k + 1] - p_p[k])
-            r_now = p_r[k] + s * (p_r[k + 1] - p_r[k])
+            v_now = _within(v[before], v[k], v[after], s)
+            p_now = _within(p_p[before], p_p[k], p_p[after], s)
+            r_now = _within(p_r[before], p_r[k], p_r[after], s)
             if par.law == LUGRE:
                 force = _lugre_step(v_now, p_now, r_now, h, state, par)
             else:
@@ -57,9 +61,14 @@ def _along(
                 for j in range(len(state)):
                     state[j] += h * rates[j]
                 hold_slipped(state, 0, par)
-            out[k if 2 * i < _STEPS else k + 1] += force
-    for k in range(len(v)):
-        out[k] /= _STEPS if 0 < k < len(v) - 1 else _STEPS // 2
+            out[k] += force / _STEPS
+
+
+@compiled
+def _within(before: float, mean: float, after: float, s: float) -> float:
+    """Value at a part ``s`` of an interval, from its mean and those of its neighbours."""
+    first, final = 0.5 * (before + mean), 0.5 * (mean + after)
+    return first + s * (final - first + 6.0 * (1.0 - s) * (mean - 0.5 * (first + final)))
 
 
 @compiled

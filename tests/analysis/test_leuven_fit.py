@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from other_plant import LEUVEN_FRICTION, OTHER_MASS_KG, REVERSALS
+from scipy.stats import t as student
 
 from hbench.analysis.along import friction_along
 from hbench.analysis.leuven_fit import STEADY, fit_leuven, identify_online, steady_curve
@@ -90,8 +91,9 @@ def test_the_rigs_elements_and_delta_max_are_found_from_a_delta_max_half_as_long
     fit = fit_leuven(leuven_motions(0), start, (*STEADY, "delta_max_m"))
     assert fit.converged, fit.message
     assert fit.parameters["delta_max_m"].value == pytest.approx(2e-3, rel=0.05)
+    limit = student.ppf(1 - 0.005 / len(TRUTH), 7)  # all at once in 99 % of campaigns of 8 runs
     for name, p in fit.parameters.items():
-        assert abs(p.value - TRUTH[name]) < 4 * p.se, name
+        assert abs(p.value - TRUTH[name]) < limit * p.se, name
 
 
 def test_online_and_from_any_start_the_stiffness_at_reversal_is_found(leuven_motions):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from other_plant import OTHER_MASS_KG, REVERSALS
+from other_plant import OTHER_MASS_KG, OTHER_PLANT, REVERSALS
 from scipy.integrate import solve_ivp
 from scipy.optimize import curve_fit
 
@@ -50,6 +50,11 @@ def swing(seconds=6.0, peak=0.08, slow=0.4):
     ), lambda t: peak * np.sin(2 * np.pi * slow * t) * (1 + 0.5 * np.sin(2 * np.pi * 0.17 * t))
 
 
+def means(t, v_of):
+    """Of a velocity, over the sampling intervals."""
+    return np.mean([v_of(t + (k + 0.5) / 50 * DT - DT / 2) for k in range(50)], axis=0)
+
+
 def solved(t, v_of, sigma0, sigma1, f_c, f_s, v_s, b, seal=0.0):
     """Equations 3.8 to 3.12 by scipy, as means over the sampling intervals."""
 
@@ -78,9 +83,19 @@ def test_the_law_along_a_motion_is_that_of_an_ode_solver():
     par = parameters()
     seal = 1e-5 * 20e5 + 0.5e-5 * 20e5
     expected = solved(t, v_of, *[TRUTH[n] for n in list(UNKNOWNS)[:6]], seal)
-    found = friction_along(motion_of(v_of(t), 0 * t), par)[1:-1]
+    found = friction_along(motion_of(means(t, v_of), 0 * t), par)[1:-1]
     assert np.abs(found - expected).max() < 2.0
     assert np.sqrt(np.mean((found - expected) ** 2)) < 0.5  # of 600 N
+
+
+def test_bristles_that_can_not_slip_have_gone_as_far_as_the_piston():
+    """v = A sin^2(w t), x = A t/2 - A sin(2 w t)/(4 w); at most 0.6 m/s^2."""
+    t, peak, w = np.arange(0.0, 2.0, DT), 0.1, 2 * np.pi
+    quiet = {name: 0.0 for name in TRUTH} | {"sigma0_n_m": 1e5}
+    par = parameters(**quiet | {"f_coulomb_n": 1e12, "f_stiction_n": 1e12})
+    found_m = friction_along(motion_of(means(t, lambda s: peak * np.sin(w * s) ** 2), 0 * t), par)
+    expected_m = means(t, lambda s: peak * s / 2 - peak * np.sin(2 * w * s) / (4 * w))
+    assert np.abs(found_m / 1e5 - expected_m)[1:-1].max() < 0.5e-6
 
 
 def test_stiff_bristles_are_the_steady_curve():
@@ -129,15 +144,20 @@ def test_a_micro_damping_that_the_data_would_have_negative_is_said_to_be_at_its_
 
 def coverage(bench, rig_runs, seeds):
     """Print and return the share of the 95 % intervals that hold the plant's parameter."""
-    inside = []
+    inside, damping = [], []
     for seed in seeds:
         motions = logged_motions(rig_runs(REVERSALS, seed), OTHER_MASS_KG)
         fit = fit_lugre(motions, friction_parameters(bench.friction.test))
         assert fit.converged, fit.message
+        damping.append(fit.parameters["sigma1_n_s_m"].value)
         inside += [
             p.ci95[0] <= TRUTH[name] <= p.ci95[1] for name, p in fit.parameters.items() if p.ci95
         ]
     print(f"LuGre: coverage {sum(inside)} of {len(inside)}")
+    print(
+        f"sigma1: mean {np.mean(damping):.0f}, "
+        f"standard error {np.std(damping, ddof=1) / np.sqrt(len(damping)):.0f} N s/m"
+    )
     return np.mean(inside)
 
 
@@ -151,6 +171,16 @@ def test_the_rigs_bristle_stiffness_is_found_within_two_percent(bench, rig_runs)
     sigma0 = fit.parameters["sigma0_n_m"]
     assert sigma0.value == pytest.approx(2.6e5, rel=0.02) and sigma0.se < 5e3
     assert fit.rmse_n < 12  # the level's scatter of 1.5 % of 500 N, and no more than that
+
+
+def test_without_noise_and_scatter_the_rigs_bristle_damping_is_found_within_five_percent(
+    bench, rig_runs
+):
+    friction = OTHER_PLANT["friction"]["test"] | {"scatter": 0.0}
+    motions = logged_motions(rig_runs(REVERSALS, 1, friction, exact=True), OTHER_MASS_KG)
+    fit = fit_lugre(motions, friction_parameters(bench.friction.test))
+    assert fit.parameters["sigma1_n_s_m"].value == pytest.approx(TRUTH["sigma1_n_s_m"], rel=0.05)
+    assert fit.parameters["sigma0_n_m"].value == pytest.approx(TRUTH["sigma0_n_m"], rel=1e-3)
 
 
 @pytest.mark.slow
