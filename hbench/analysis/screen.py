@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 import numpy as np
 
 from hbench.analysis.efficiency import Forces, efficiency_of
+from hbench.analysis.screen_motion import motion_notes, motion_reasons
 from hbench.analysis.steadiness import drift, mean_speed, speed_ripple
 from hbench.analysis.window import at_reference, stands_still, steady_window, window_length_s
 from hbench.config.schedule import Screening
@@ -19,6 +20,7 @@ CODES = (
     "gapped",
     "sensor_saturated",
     "too_short",
+    "incomplete",
     "end_stop",
     "valve_saturated",
     "off_reference",
@@ -34,27 +36,30 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
 
     The window starts ``settle_time`` and ``settle_travel`` after the reference was reached. The
     limits are those of ``rules``; see ``CODES`` for the reasons. Runs of another kind than
-    ``steady`` are screened for their integrity only, and a note says so.
+    ``steady`` have rules of their own (``screen_motion``) and no steady window.
     """
     run, notes = _with_values(run)
     if run.plan.kind != "steady":
-        note = f"{run.plan.kind} run: only the log's integrity was screened; it is not averaged"
-        return ScreenedRun(run, tuple(_integrity(run, slice(0, None), rules)), None, (*notes, note))
+        reasons = [*_integrity(run, slice(0, None), rules), *motion_reasons(run, rules)]
+        return ScreenedRun(run, _in_order(reasons), None, (*notes, *motion_notes(run)))
     part = at_reference(run)
     window = steady_window(run, part, rules)
     long_enough = window_length_s(run, window) >= rules.min_window - 1e-9
-    means = _means(run, window) if long_enough and not _missing_channels(run) else None
+    means = window_means(run, window) if long_enough and not _missing_channels(run) else None
     reasons = [*_integrity(run, window if long_enough else part, rules)]
     if not long_enough:
         reasons.append(_too_short(run, part, window, rules))
     reasons += _motion(run, part, window if long_enough else part, rules)
     if long_enough:
         reasons += _steadiness(run, window, means, rules)
-    reasons.sort(key=lambda reason: CODES.index(reason.split(":")[0]))
     lost = run.missing_records
     if lost and not any(reason.startswith("gapped") for reason in reasons):
         notes.append(f"{lost} records are missing outside the steady window")
-    return ScreenedRun(run, tuple(reasons), means, tuple(notes))
+    return ScreenedRun(run, _in_order(reasons), means, tuple(notes))
+
+
+def _in_order(reasons: list[str]) -> tuple[str, ...]:
+    return tuple(sorted(reasons, key=lambda reason: CODES.index(reason.split(":")[0])))
 
 
 def _with_values(run: Run) -> tuple[Run, list[str]]:
@@ -89,7 +94,9 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
         yield f"aborted: {run.aborted}"
     if run.truncated:
         yield f"truncated: {run.truncated}"
-    missing = _missing_channels(run) if run.plan.kind == "steady" else []
+    missing = _missing_channels(run)
+    if run.plan.kind == "hold":
+        missing = [name for name in missing if name != "f_applied_n"]
     if missing:
         yield f"missing_channel: friction needs {' and '.join(missing)}"
     steps = np.diff(run.t_s[window])
@@ -129,7 +136,7 @@ def _steadiness(
     """Reasons that lie in the speed and in the friction over the window."""
     t, x, v_ref = run.t_s[window], run.x_m[window], run.plan.v_ref_m_s
     v = mean_speed(t, x)
-    limit = _speed_limit(v_ref, rules)
+    limit = rules.speed_limit(v_ref)
     if abs(v - v_ref) > limit:
         yield (
             f"off_reference: mean speed {1e3 * v:.2f} mm/s is {1e3 * abs(v - v_ref):.2f} mm/s "
@@ -152,20 +159,13 @@ def _steadiness(
             )
     if means is None:
         return
-    change = drift(t, _test_force(run, window) - run.f_applied_n[window])
+    change = drift(t, test_force(run, window) - run.f_applied_n[window])
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
     if abs(change.value) > limit + _SURE * change.se:
         yield (
             f"not_steady: friction drifts by {change.value:+.1f} N (standard error "
             f"{change.se:.1f} N) over the window; limit {limit:.1f} N"
         )
-
-
-def _speed_limit(v_ref_m_s: float, rules: Screening) -> float:
-    speed = abs(v_ref_m_s)
-    if speed > rules.high_speed:
-        return rules.high_speed_error
-    return max(rules.low_speed_error, rules.low_speed_error_relative * speed)
 
 
 def _too_short(run: Run, part: slice, window: slice, rules: Screening) -> str:
@@ -196,8 +196,8 @@ def _missing_channels(run: Run) -> list[str]:
     return [name for name in _needed(run) if getattr(run, name) is None]
 
 
-def _test_force(run: Run, window: slice) -> np.ndarray:
-    """F_T = P_Tp A_p - P_Tr A_r."""
+def test_force(run: Run, window: slice) -> np.ndarray:
+    """Return F_T = P_Tp A_p - P_Tr A_r."""
     specimen = run.plan.specimen
     force = run.p_tp_pa[window] * specimen.area_piston_m2
     if "p_tr_pa" not in _needed(run):
@@ -205,11 +205,11 @@ def _test_force(run: Run, window: slice) -> np.ndarray:
     return force - run.p_tr_pa[window] * specimen.area_rod_m2
 
 
-def _means(run: Run, window: slice) -> SteadyMeans:
-    """Average the window: friction by 5.1, which is 2.12 without the acceleration's mean."""
+def window_means(run: Run, window: slice) -> SteadyMeans:
+    """Average a window of steady speed: friction by 5.1, which is 2.12 without acceleration."""
     t = run.t_s[window]
     v = mean_speed(t, run.x_m[window])
-    f_test = float(np.mean(_test_force(run, window)))
+    f_test = float(np.mean(test_force(run, window)))
     f_applied = float(np.mean(run.f_applied_n[window]))
     p_tp = float(np.mean(run.p_tp_pa[window]))
     p_tr = float(np.mean(run.p_tr_pa[window])) if "p_tr_pa" in _needed(run) else None

@@ -28,6 +28,17 @@ class Screening(Section):
     friction_drift_relative: q.Ratio = 0.10  # ... the larger of the two
     end_stop_margin: q.Length = 0.002
     max_gap: q.Duration = 0.1  # longest step between two samples of a foreign log
+    # Runs that are not steady: speed over 0.1 s against its reference, root mean square ...
+    tracking_error: q.Speed = 0.005
+    tracking_error_relative: q.Ratio = 0.05  # ... of the top speed; the larger of the two
+    rest_travel: q.Length = 0.0005  # that a hold may move
+
+    def speed_limit(self, v_ref_m_s: float) -> float:
+        """Return how far a mean speed may be off its reference [m/s]."""
+        speed = abs(v_ref_m_s)
+        if speed > self.high_speed:
+            return self.high_speed_error
+        return max(self.low_speed_error, self.low_speed_error_relative * speed)
 
 
 class Schedule(Section):

@@ -290,15 +290,6 @@ def test_all_reasons_are_given_the_most_fundamental_first(make_run, rules):
     assert found == sorted(found, key=CODES.index)
 
 
-def test_other_kinds_are_screened_for_integrity_only(make_run, rules):
-    run = make_run(wobble=lambda t: 0.05 * np.sin(5 * t))
-    ramp = replace(run, plan=replace(run.plan, kind="ramp"))
-    screened = screen(ramp, rules)
-    assert screened.accepted and screened.means is None
-    assert "only the log's integrity" in screened.notes[0]
-    assert codes(screen(replace(ramp, truncated="cut"), rules)) == ["truncated"]
-
-
 # ---- another bench's strokes ---------------------------------------------------------------------
 
 
