@@ -102,6 +102,7 @@ def efficiency(curve: Curve, instruments: Instruments | None) -> EfficiencyCurve
         label=curve.label,
         points=points,
         mean=_mean([point for point in points if point.efficiency is not None]),
+        a_ref_m_s2=curve.a_ref_m_s2,
     )
 
 

@@ -31,13 +31,24 @@ from hbench.records.flow import (
     Outcome,
     Provenance,
     RawRun,
-    Results,
     Run,
     RunPlan,
     ScreenedRun,
     Segment,
     Specimen,
     SteadyMeans,
+)
+from hbench.records.motions import (
+    Comparison,
+    Decay,
+    Leakage,
+    LeakCoefficient,
+    Level,
+    Loop,
+    LoopWidth,
+    Motions,
+    Series,
+    Surface,
 )
 from hbench.records.phenomenon import (
     Finding,
@@ -46,6 +57,7 @@ from hbench.records.phenomenon import (
     Phenomenon,
     WordTable,
 )
+from hbench.records.results import Results
 
 __all__ = [
     "CampaignDifferences",
@@ -55,9 +67,11 @@ __all__ = [
     "FrictionDifference",
     "Band",
     "Check",
+    "Comparison",
     "ControlLoop",
     "Curve",
     "CurvePoint",
+    "Decay",
     "Design",
     "Direction",
     "EfficiencyCurve",
@@ -65,11 +79,17 @@ __all__ = [
     "Finding",
     "Fit",
     "FitParameter",
+    "LeakCoefficient",
+    "Leakage",
+    "Level",
     "Line",
     "LogChannel",
+    "Loop",
     "LoopMerits",
     "MeanEfficiency",
+    "LoopWidth",
     "Motion",
+    "Motions",
     "Outcome",
     "Panel",
     "Phenomenon",
@@ -83,7 +103,9 @@ __all__ = [
     "RunPlan",
     "ScreenedRun",
     "Segment",
+    "Series",
     "Specimen",
     "SteadyMeans",
+    "Surface",
     "WordTable",
 ]

@@ -213,6 +213,7 @@ class Curve:
     specimen: Specimen
     points: tuple[CurvePoint, ...]  # by rising speed
     fits: tuple[Fit, ...] = ()
+    a_ref_m_s2: float | None = None  # of a ramp
 
     @property
     def over_velocity(self) -> bool:
@@ -258,6 +259,7 @@ class EfficiencyCurve:
     label: str
     points: tuple[EfficiencyPoint, ...]
     mean: MeanEfficiency | None = None  # None where no point has an efficiency
+    a_ref_m_s2: float | None = None  # of a ramp
 
 
 @dataclass(frozen=True)
@@ -289,15 +291,3 @@ class Provenance:
     stopped: str
     software: dict[str, str] = field(default_factory=dict)
     details: dict[str, Any] = field(default_factory=dict)  # port, seed, plant's hash, source files
-
-
-@dataclass(frozen=True)
-class Results:
-    """All that ``analyze`` derives from a campaign."""
-
-    provenance: Provenance
-    runs: tuple[ScreenedRun, ...]
-    curves: tuple[Curve, ...]
-    efficiency: tuple[EfficiencyCurve, ...]
-    bands: tuple[Band, ...]
-    notes: tuple[str, ...]  # what was left out, and why

@@ -1,0 +1,60 @@
+"""Friction as a surface over velocity and load, from steady curves at three loads or more."""
+
+from collections import defaultdict
+from collections.abc import Iterable
+
+import numpy as np
+
+from hbench.records import Curve, Surface
+
+_LEAST = 3  # loads, and speeds
+
+
+def surfaces(curves: Iterable[Curve]) -> tuple[Surface, ...]:
+    """Return a surface for each label, direction and rod-side pressure of the steady curves.
+
+    Its speeds are those of the curve with the fewest, as far as all loads have them; between its
+    own points a curve is straight. Nothing is extrapolated.
+    """
+    groups: dict[tuple, list[Curve]] = defaultdict(list)
+    for curve in curves:
+        if curve.kind == "steady" and curve.f_load_n is not None and curve.over_velocity:
+            key = curve.label, curve.direction, curve.p_lr_ref_pa, curve.specimen
+            groups[key].append(curve)
+    found = []
+    for (label, direction, p_lr, _), group in groups.items():
+        group = sorted(group, key=lambda curve: curve.f_load_n)
+        v = _common(group)
+        if len(group) >= _LEAST and len(v) >= _LEAST:
+            rows = [_row(curve, v) for curve in group]
+            found.append(
+                Surface(
+                    label=label,
+                    direction=direction,
+                    p_lr_ref_pa=p_lr,
+                    v_m_s=tuple(v.tolist()),
+                    f_load_n=tuple(curve.f_load_n for curve in group),
+                    friction_n=tuple(tuple(friction.tolist()) for friction, _ in rows),
+                    ci95_n=tuple(
+                        tuple(float(c) if np.isfinite(c) else None for c in interval)
+                        for _, interval in rows
+                    ),
+                )
+            )
+    return tuple(found)
+
+
+def _common(group: list[Curve]) -> np.ndarray:
+    speeds = [np.abs([point.v_m_s for point in curve.points]) for curve in group]
+    low, high = max(v.min() for v in speeds), min(v.max() for v in speeds)
+    fewest = min(speeds, key=len)
+    inside = fewest[(fewest > low) & (fewest < high)]
+    return np.unique([low, *inside, high]) if high > low else np.zeros(0)
+
+
+def _row(curve: Curve, v_m_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    v = np.abs([point.v_m_s for point in curve.points])
+    sign = 1.0 if curve.direction == "extend" else -1.0
+    friction = sign * np.array([point.friction_n for point in curve.points])
+    interval = [np.nan if point.ci95_n is None else point.ci95_n for point in curve.points]
+    return np.interp(v_m_s, v, friction), np.interp(v_m_s, v, interval)

@@ -1,0 +1,146 @@
+"""What runs with changing velocity, and runs at rest, tell. All quantities are SI."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from hbench.records.flow import Direction
+
+
+@dataclass(frozen=True)
+class Series:
+    """What the runs that are averaged together share."""
+
+    label: str
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Friction's difference between groups of runs over a range of speeds, tested.
+
+    The unit is the trial: its mean friction over the range.
+    """
+
+    what: Literal["acceleration", "steady"]  # ramps among themselves; a ramp against steady runs
+    series: Series
+    direction: Direction
+    a_m_s2: tuple[float, ...]  # of the ramps, rising
+    v_low_m_s: float  # magnitudes
+    v_high_m_s: float
+    effect_n: float  # |F| at the largest acceleration less the smallest; or ramp less steady
+    ci95_n: float | None  # half-width; None where there is no scatter to judge by
+    p_value: float | None  # of no difference at all
+    p_holm: float | None  # after Holm, over all tests of the same ``what``
+    n: int  # trials
+    message: str = ""
+    kind: str = "ramp"
+
+
+@dataclass(frozen=True)
+class LoopWidth:
+    """Width of a loop over velocity at one velocity."""
+
+    v_m_s: float  # signed
+    width_n: float  # |F| while |v| rises less |F| while it falls
+    ci95_n: float | None
+    board_n: float | None  # the same over the controller's own, filtered velocity
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Hysteresis of one triangle: means over cycles and trials."""
+
+    series: Series
+    v_top_m_s: float
+    a_m_s2: float | None
+    cycles: int  # that were averaged
+    trials: int
+    unit: Literal["trial", "cycle"]  # what the intervals count
+    area_j: float  # energy per cycle: integral of F dx around the loop
+    area_ci95_j: float | None
+    widths: tuple[LoopWidth, ...]
+    trace: tuple[tuple[float, float, float], ...]  # x_m, v_m_s, friction_n, mean over cycles
+    runs: tuple[str, ...]
+    kind: str = "triangle"
+
+
+@dataclass(frozen=True)
+class Level:
+    """One step of the reference: friction before, after, and on its way."""
+
+    series: Series
+    number: int  # of the level in its run, from 1
+    v_from_m_s: float
+    v_to_m_s: float
+    before_n: float | None  # settled friction of the level before; None after rest
+    after_n: float
+    after_ci95_n: float | None
+    overshoot_n: float | None  # beyond after_n, the way friction changes; None: not above noise
+    settling_s: float | None  # until friction stays near after_n; None: no swing above noise
+    n: int  # trials
+    runs: tuple[str, ...]
+    kind: str = "steps"
+
+
+@dataclass(frozen=True)
+class LeakCoefficient:
+    """One laminar leak [m^3/(s Pa)], conditional on bulk modulus and volumes of the bench file."""
+
+    name: Literal["across_piston", "piston_side_out", "rod_side_out"]
+    value: float | None  # None: the runs don't determine it
+    se: float | None
+    ci95: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Leakage:
+    """Leakage of the test cylinder with all valves closed."""
+
+    label: str
+    coefficients: tuple[LeakCoefficient, ...]
+    decays: tuple["Decay", ...]
+    bulk_modulus_pa: float
+    message: str
+    kind: str = "hold"
+
+
+@dataclass(frozen=True)
+class Decay:
+    """What one hold's pressures did."""
+
+    run: str
+    series: Series
+    p_p_pa: float  # means
+    p_r_pa: float
+    rate_p_pa_s: float  # slopes
+    rate_r_pa_s: float
+    out_p_m3_s: (
+        float  # oil that left the piston side: V/beta times the loss, less what it displaced
+    )
+    out_r_m3_s: float
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Friction over velocity and load, on the speeds and the loads that were measured."""
+
+    label: str
+    direction: Direction
+    p_lr_ref_pa: float | None
+    v_m_s: tuple[float, ...]  # magnitudes, rising
+    f_load_n: tuple[float, ...]  # signed, rising
+    friction_n: tuple[tuple[float, ...], ...]  # magnitudes, a row a load
+    ci95_n: tuple[tuple[float | None, ...], ...]
+    kind: str = "steady"
+
+
+@dataclass(frozen=True)
+class Motions:
+    """All of it."""
+
+    comparisons: tuple[Comparison, ...] = ()
+    loops: tuple[Loop, ...] = ()
+    levels: tuple[Level, ...] = ()
+    leakages: tuple[Leakage, ...] = ()
+    surfaces: tuple[Surface, ...] = ()

@@ -1,0 +1,140 @@
+"""Leakage from pressure decay, against another model's decay and the rig, which has no leak."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from hbench.analysis.leakage import NAMES, leakage
+from hbench.analysis.screen import screen
+from hbench.config.schedule import Screening
+from hbench.records import Run, RunPlan, ScreenedRun, Specimen
+
+BETA = 9.1e8  # the oil's; the bench file is given the same
+TRUE = {"across_piston": 4e-14, "piston_side_out": 1.2e-14, "rod_side_out": 2.5e-14}
+SMALL = {name: leak / 20 for name, leak in TRUE.items()}  # pressures hardly fall
+X_M = 0.15
+STARTS_BAR = ((60.0, 20.0), (30.0, 85.0), (110.0, 100.0))
+RATE_HZ, DURATION_S = 100, 6.0
+
+
+@pytest.fixture
+def stiff(bench):
+    return bench.model_copy(update={"oil": bench.oil.model_copy(update={"bulk_modulus": BETA})})
+
+
+def hold(bench, start_bar, number, rng, leaks=TRUE, creep_m_s=0.0, noise_pa=300.0):
+    """Solve the chambers' equations with a general solver and log them with noise."""
+    cylinder = bench.test_cylinder
+    a_p, a_r = cylinder.area_piston_m2, cylinder.area_rod_m2
+
+    def rates(t, p):
+        x = X_M + creep_m_s * t
+        across = leaks["across_piston"] * (p[0] - p[1])
+        out_p, out_r = leaks["piston_side_out"] * p[0], leaks["rod_side_out"] * p[1]
+        v_p = cylinder.dead_volume_piston + a_p * x
+        v_r = cylinder.dead_volume_rod + a_r * (cylinder.stroke - x)
+        return [
+            BETA / v_p * (-across - out_p - a_p * creep_m_s),
+            BETA / v_r * (across - out_r + a_r * creep_m_s),
+        ]
+
+    t = (np.arange(round(DURATION_S * RATE_HZ)) + 0.5) / RATE_HZ
+    start = [bar * 1e5 for bar in start_bar]
+    p = solve_ivp(rates, (0, DURATION_S), start, t_eval=t, rtol=1e-10, atol=1.0).y
+    p = p + noise_pa * rng.standard_normal(p.shape)
+    plan = RunPlan(
+        f"{number:04d}", "hold", 1, 0.0, Specimen(a_p, a_r, cylinder.stroke), f_load_n=0.0
+    )
+    x = X_M + creep_m_s * t + 1e-6 * rng.standard_normal(len(t))
+    return ScreenedRun(Run(plan, t, x, p_tp_pa=p[0], p_tr_pa=p[1]), (), None)
+
+
+def holds(bench, seed, starts=STARTS_BAR, trials=3, **options):
+    rng = np.random.default_rng(seed)
+    pairs = [start for start in starts for _ in range(trials)]
+    return [hold(bench, start, i, rng, **options) for i, start in enumerate(pairs)]
+
+
+def found_in(screened, bench):
+    (found,) = leakage(screened, bench)
+    return {one.name: one for one in found.coefficients}, found
+
+
+@pytest.mark.parametrize("creep_m_s", [0.0, 5e-6], ids=["at rest", "creeping"])
+def test_the_leaks_of_another_model_are_found_within_one_percent(stiff, creep_m_s):
+    leaks, found = found_in(holds(stiff, 1, creep_m_s=creep_m_s), stiff)
+    assert set(leaks) == set(NAMES)
+    for name, one in leaks.items():
+        assert one.value == pytest.approx(TRUE[name], rel=0.01)
+    assert len(found.decays) == 9 and found.decays[0].rate_p_pa_s < 0
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say(stiff):
+    hits = []
+    for seed in range(40):
+        leaks, _ = found_in(holds(stiff, seed, noise_pa=3000.0), stiff)
+        hits += [one.ci95[0] <= TRUE[name] <= one.ci95[1] for name, one in leaks.items()]
+    assert 0.88 < np.mean(hits) < 1.0, np.mean(hits)
+
+
+def test_without_leaks_the_intervals_hold_zero_as_often_as_they_say(stiff):
+    hits, tight = [], dict.fromkeys(TRUE, 0.0)
+    for seed in range(40):
+        leaks, _ = found_in(holds(stiff, seed, leaks=tight, trials=2), stiff)
+        hits += [one.ci95[0] <= 0 <= one.ci95[1] for one in leaks.values()]
+    assert 0.88 < np.mean(hits) < 1.0, np.mean(hits)
+
+
+def test_the_oil_that_left_a_side_is_what_the_leaks_took(stiff):
+    _, found = found_in(holds(stiff, 4, leaks=SMALL, noise_pa=0.0), stiff)
+    for decay in found.decays[::3]:
+        across = SMALL["across_piston"] * (decay.p_p_pa - decay.p_r_pa)
+        out = across + SMALL["piston_side_out"] * decay.p_p_pa
+        back = -across + SMALL["rod_side_out"] * decay.p_r_pa
+        assert decay.out_p_m3_s == pytest.approx(out, rel=0.03)
+        assert decay.out_r_m3_s == pytest.approx(back, rel=0.03)
+
+
+def test_a_wrong_bulk_modulus_scales_all_leaks_and_the_message_says_so(stiff):
+    runs = holds(stiff, 5)
+    wrong = stiff.model_copy(
+        update={"oil": stiff.oil.model_copy(update={"bulk_modulus": 2 * BETA})}
+    )
+    right, _ = found_in(runs, stiff)
+    half, found = found_in(runs, wrong)
+    for name in NAMES:
+        assert half[name].value == pytest.approx(right[name].value / 2, rel=1e-3)
+    assert "bulk modulus" in found.message and "beta / V" in found.message
+
+
+def test_holds_at_one_load_do_not_tell_three_leaks_apart_and_say_so(stiff):
+    leaks, found = found_in(holds(stiff, 6, starts=STARTS_BAR[:1], leaks=SMALL), stiff)
+    assert all(one.value is None and one.ci95 is None for one in leaks.values())
+    assert "do not tell across_piston and piston_side_out and rod_side_out apart" in found.message
+
+
+def test_one_hold_has_no_interval_and_a_rejected_one_is_not_used(stiff):
+    runs = holds(stiff, 7, trials=1)
+    assert leakage([replace(run, reasons=("aborted: x",)) for run in runs], stiff) == ()
+    leaks, found = found_in(runs[:1], stiff)
+    assert all(one.ci95 is None for one in leaks.values()) and "no interval" in found.message
+
+
+def test_on_the_rig_which_has_no_leak_the_intervals_hold_zero(rig_runs, bench):
+    experiment = {
+        "kind": "hold",
+        "p_lr": "15 bar",
+        "loads": ["500 N", "3000 N", "6000 N"],
+        "positions": ["120 mm", "250 mm"],
+        "duration": "3 s",
+        "trials": 2,
+        "hold": "0.6 s",
+    }
+    screened = [screen(run, Screening()) for run in rig_runs([experiment], 2)]
+    assert all(one.accepted for one in screened)
+    leaks, _ = found_in(screened, bench)
+    for one in leaks.values():
+        assert one.ci95[0] < 0 < one.ci95[1]
+        assert one.ci95[1] < 1e-3 * TRUE["across_piston"], "and are tight"
