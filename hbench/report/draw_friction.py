@@ -18,8 +18,9 @@ _ASIDE = 0.006  # residuals of one speed stand side by side, this part of the hi
 
 
 def over_velocity(results: Results) -> tuple[Curve, ...]:
-    """Return the curves that have enough speeds to be drawn over velocity."""
-    return told_apart(curve for curve in results.curves if curve.over_velocity)
+    """Return the steady curves that have enough speeds to be drawn over velocity."""
+    chosen = (curve for curve in results.curves if curve.kind == "steady")
+    return told_apart(curve for curve in chosen if curve.over_velocity)
 
 
 def stribeck(results: Results) -> dict[str, Figure]:
@@ -49,7 +50,7 @@ def signed(results: Results) -> dict[str, Figure]:
         named.add(key)
         look = load_style(curve, ranks)
         _fitted(axes, curve.fits, look["color"], sign=1, absolute=False)
-        v, friction, interval = _columns(curve)
+        v, friction, interval = style.columns(curve)
         axes.errorbar(1e3 * v, friction, interval, label=label, **look, **style.SMALL_POINTS)
     for line in (axes.axhline, axes.axvline):
         line(0, color="#374151", linewidth=0.9, zorder=1)
@@ -112,7 +113,7 @@ def _one_direction(
     sign = 1 if direction == "extend" else -1
     for rank, curve in enumerate(by_load(curves)):
         look = load_style(curve, ranks)
-        v, friction, interval = _columns(curve)
+        v, friction, interval = style.columns(curve)
         speed = 1e3 * np.abs(v)
         _fitted(axes, curve.fits, look["color"], sign, absolute=True)
         label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or None
@@ -132,16 +133,6 @@ def _one_direction(
     style.head(axes, style.TITLES[direction], results)
     load_legend(figure, axes, "Load $F_L$", curves)
     return figure
-
-
-def _columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    points = curve.points
-    interval = [np.nan if point.ci95_n is None else point.ci95_n for point in points]
-    return (
-        np.array([point.v_m_s for point in points], dtype=float),
-        np.array([point.friction_n for point in points], dtype=float),
-        np.array(interval, dtype=float),
-    )
 
 
 def _fitted(axes: Axes, fits: tuple[Fit, ...], colour: str, sign: int, absolute: bool) -> None:

@@ -54,7 +54,8 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
 
 
 def _over_pressure(results: Results) -> Iterator[tuple[Series, Curve]]:
-    for curve in told_apart(curve for curve in results.curves if not curve.over_velocity):
+    chosen = (curve for curve in results.curves if curve.kind == "steady")
+    for curve in told_apart(curve for curve in chosen if not curve.over_velocity):
         yield (curve.kind, curve.label, curve.p_lr_ref_pa), curve
 
 

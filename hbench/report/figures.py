@@ -13,7 +13,18 @@ from matplotlib.figure import Figure
 from hbench.records import Results
 from hbench.report.draw_efficiency import efficiency, has_efficiency
 from hbench.report.draw_friction import has_both_directions, has_curves, signed, stribeck
+from hbench.report.draw_motions import (
+    has_leakage,
+    has_levels,
+    has_loops,
+    has_surfaces,
+    leakage,
+    levels,
+    loops,
+    surfaces,
+)
 from hbench.report.draw_pressure import friction_pressure, has_pressures
+from hbench.report.draw_ramps import comparisons, has_comparisons, has_ramps, ramps
 from hbench.report.draw_rejected import has_rejected, rejected
 from hbench.report.style import RC
 
@@ -29,7 +40,7 @@ class FigureKind:
     caption: str
     applies: Callable[[Results], bool]
     draw: Callable[[Results], dict[str, Figure]]  # the key tells figures of one kind apart
-    each_series: bool = False  # drawn for each kind and label by itself
+    each_series: bool = False  # drawn for the steady runs of each label by itself
 
 
 @dataclass(frozen=True)
@@ -73,16 +84,15 @@ def render(figure: Figure) -> tuple[bytes, bytes]:
 
 
 def _series(results: Results) -> Iterator[tuple[Results, str]]:
-    """Yield the part of each kind and label, and words that tell it apart where there are more."""
-    found = dict.fromkeys((curve.kind, curve.label) for curve in results.curves)
-    kinds = {kind for kind, _ in found}
-    for kind, label in found:
+    """Yield the steady part of each label, and the label."""
+    for label in dict.fromkeys(curve.label for curve in results.curves if curve.kind == "steady"):
+        chosen = "steady", label
         part = replace(
             results,
-            curves=tuple(c for c in results.curves if (c.kind, c.label) == (kind, label)),
-            efficiency=tuple(c for c in results.efficiency if (c.kind, c.label) == (kind, label)),
+            curves=tuple(c for c in results.curves if (c.kind, c.label) == chosen),
+            efficiency=tuple(c for c in results.efficiency if (c.kind, c.label) == chosen),
         )
-        yield part, ", ".join(filter(None, (label, kind if len(kinds) > 1 else "")))
+        yield part, label
 
 
 def _slug(*parts: str) -> str:
@@ -129,6 +139,55 @@ FIGURES = (
         "Dotted lines guide the eye.",
         applies=has_pressures,
         draw=friction_pressure,
+    ),
+    FigureKind(
+        name="surface",
+        section="friction",
+        caption="Friction over speed and load, steady runs. Dots: what was measured; the colour "
+        "between them is straight from dot to dot.",
+        applies=has_surfaces,
+        draw=surfaces,
+    ),
+    FigureKind(
+        name="ramps",
+        section="ramps",
+        caption="Ramps of each acceleration, and steady runs and levels of steps where there are "
+        "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
+        "interval of the trials. Lines: Tustin's law fitted to the ramp from breakaway on.",
+        applies=has_ramps,
+        draw=ramps,
+    ),
+    FigureKind(
+        name="differences",
+        section="ramps",
+        caption="Differences of friction over a range of speeds, with 95 % intervals; the unit is "
+        "the trial. Filled: a difference that stands after the correction for the number of tests.",
+        applies=has_comparisons,
+        draw=comparisons,
+    ),
+    FigureKind(
+        name="hysteresis",
+        section="hysteresis",
+        caption="Friction over velocity and over position, the mean of all cycles but the first. "
+        "The velocity is the position's own derivative, without a filter's lag.",
+        applies=has_loops,
+        draw=loops,
+    ),
+    FigureKind(
+        name="steps",
+        section="steps",
+        caption="Settled friction of each level, in the order of the levels. Lines: how far "
+        "friction went beyond on its way, where that stands above the noise.",
+        applies=has_levels,
+        draw=levels,
+    ),
+    FigureKind(
+        name="leakage",
+        section="leakage",
+        caption="Oil that left either chamber of the test cylinder, from the decay of its pressure "
+        "and the bench file's bulk modulus and volumes. A point is a hold; negative: oil came in.",
+        applies=has_leakage,
+        draw=leakage,
     ),
     FigureKind(
         name="efficiency",

@@ -2,11 +2,12 @@
 
 import base64
 import json
+from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
 from hbench.records import Results
-from hbench.report import page_tables
+from hbench.report import page_motions, page_tables
 from hbench.report.document import rendered
 from hbench.report.draw_friction import has_curves, over_velocity
 from hbench.report.draw_rejected import has_rejected
@@ -14,6 +15,7 @@ from hbench.report.figures import Drawing
 from hbench.report.text import number, span
 from hbench.units import from_si
 
+_SECTIONS = "friction ramps hysteresis steps leakage efficiency rejected".split()
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 
 _BANNERS = {
@@ -25,7 +27,7 @@ _BANNERS = {
 
 def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside. Every text of the campaign is escaped."""
-    sections: dict[str, list[dict[str, str]]] = {"friction": [], "efficiency": [], "rejected": []}
+    sections: dict[str, list[dict[str, str]]] = {name: [] for name in _SECTIONS}
     for count, drawing in enumerate(drawings, start=1):
         sections[drawing.section].append(
             {
@@ -46,6 +48,12 @@ def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
         efficiency=page_tables.efficiency_table(results),
         budget=page_tables.budget_table(results),
         pressure=page_tables.pressure_table(results),
+        steady=any(curve.kind == "steady" for curve in results.curves),
+        comparisons=page_motions.comparison_table(results),
+        loops=page_motions.loop_table(results),
+        levels=page_motions.level_table(results),
+        leaks=page_motions.leak_table(results),
+        surfaces=results.motions.surfaces,
         rejected=page_tables.rejected_table(results),
         long_list=LONG_LIST,
         any_rejected=has_rejected(results),
@@ -64,12 +72,17 @@ def _tiles(results: Results) -> list[tuple[str, str, str]]:
         (str(accepted), "accepted", _share(accepted, made)),
         (str(made - accepted), "rejected", "reasons below" if accepted < made else ""),
     ]
-    points = [point for curve in results.curves for point in curve.points]
+    curves = [curve for curve in results.curves if curve.kind == "steady"]
+    points = [point for curve in curves for point in curve.points]
+    kinds = Counter(run.run.plan.kind for run in results.runs if run.run.plan.kind != "steady")
+    if kinds:
+        words = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        tiles.append((str(kinds.total()), "not steady", words))
     if not points:
         return tiles
     tiles.append((span([1e3 * abs(point.v_m_s) for point in points]), "mm/s", "speeds"))
-    loads = {abs(curve.f_load_n) for curve in results.curves if curve.f_load_n is not None}
-    directions = {curve.direction for curve in results.curves}
+    loads = {abs(curve.f_load_n) for curve in curves if curve.f_load_n is not None}
+    directions = {curve.direction for curve in curves}
     both = "both directions" if len(directions) == 2 else "one direction"
     if loads:
         count = "1 load" if len(loads) == 1 else f"{len(loads)} loads"
@@ -100,7 +113,7 @@ def _facts(results: Results) -> list[tuple[str, str]]:
         ("Started", provenance.started),
         ("Stopped", provenance.stopped),
     ]
-    for specimen in dict.fromkeys(curve.specimen for curve in results.curves):
+    for specimen in dict.fromkeys(run.run.plan.specimen for run in results.runs if run.accepted):
         areas = (1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2)
         words = f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²"
         if specimen.stroke_m is not None:

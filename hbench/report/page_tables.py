@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from hbench.records import Curve, EfficiencyCurve, Fit, FitParameter, Results, RunPlan, ScreenedRun
 from hbench.report.reasons import code_of
-from hbench.report.rod_side import load_words, told_apart
+from hbench.report.rod_side import kind_words, load_words, told_apart
 from hbench.report.style import TITLES
 from hbench.report.text import force, number, significant, with_interval
 from hbench.units import from_si
@@ -56,7 +56,7 @@ def fit_tables(results: Results) -> dict[str, Table]:
             cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
             rows.append((*_who(curve), *cells, _residual_cell(fit)))
         messages = [f"{_who_text(curve)}: {fit.message}" for curve, fit in chosen if fit.message]
-        tables[law] = _table((*_WHO, *heads, "RMS residual (N)"), rows, messages)
+        tables[law] = table((*_WHO, *heads, "RMS residual (N)"), rows, messages)
     return tables
 
 
@@ -91,7 +91,7 @@ def point_table(results: Results) -> Table:
         for curve in told_apart(results.curves)
         for point in curve.points
     ]
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def efficiency_table(results: Results) -> Table:
@@ -116,7 +116,7 @@ def efficiency_table(results: Results) -> Table:
         "s.e. of trials (%)",
         "σ of both (%)",
     )
-    return _table((*_WHO, *head, "Remark"), rows)
+    return table((*_WHO, *head, "Remark"), rows)
 
 
 def budget_table(results: Results) -> Table:
@@ -139,7 +139,7 @@ def budget_table(results: Results) -> Table:
             )
         )
     head = ("Speeds", "Mean efficiency (%)", "σ (%)", "Parts of σ (%)")
-    return _table((*_WHO, *head), rows)
+    return table((*_WHO, *head), rows)
 
 
 def pressure_table(results: Results) -> Table:
@@ -167,7 +167,7 @@ def pressure_table(results: Results) -> Table:
         "Middle of band (N)",
         "Trials of both",
     )
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def rejected_table(results: Results) -> Table:
@@ -177,7 +177,7 @@ def rejected_table(results: Results) -> Table:
         for run, plan in _planned(results)
         if not run.accepted
     ]
-    return _table((*_RUN, "Reason"), rows)
+    return table((*_RUN, "Reason"), rows)
 
 
 def remark_table(results: Results) -> Table:
@@ -187,20 +187,26 @@ def remark_table(results: Results) -> Table:
         for run, plan in _planned(results)
         if run.accepted and run.notes
     ]
-    return _table((*_RUN, "Remark"), rows)
+    return table((*_RUN, "Remark"), rows)
 
 
 _ROD_SIDE = "P_Lr (bar)"
-_WHO = ("Label", "Direction", "Load F_L (N)", _ROD_SIDE)
+_WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
 _RUN = ("Run", *_WHO, "Reference (mm/s)", "Trial")
-_WORDS = frozenset({"Run", "Label", "Direction", "Reason", "Remark", "Parts of σ (%)"})
-_WHERE_GIVEN = ("Label", _ROD_SIDE, "Remark", "U95 with instruments (N)")
+_WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark", "Parts of σ (%)"})
+_WHERE_GIVEN = ("Label", "Kind", _ROD_SIDE, "Remark", "U95 with instruments (N)")
 
 
-def _table(
-    head: tuple[str, ...], rows: list[tuple[str | Cell, ...]], messages: list[str] | tuple = ()
+def table(
+    head: tuple[str, ...],
+    rows: list[tuple[str | Cell, ...]],
+    messages: list[str] | tuple = (),
+    words: tuple[str, ...] = (),
 ) -> Table:
-    """Build a table; a column of ``_WHERE_GIVEN`` without any entry is left out."""
+    """Build a table; a column of ``_WHERE_GIVEN`` without any entry is left out.
+
+    Columns in ``words`` hold no numbers.
+    """
     cells = [tuple(c if isinstance(c, Cell) else Cell(c) for c in row) for row in rows]
     kept = [
         i
@@ -210,14 +216,15 @@ def _table(
     return Table(
         tuple(head[i] for i in kept),
         tuple(tuple(row[i] for i in kept) for row in cells),
-        _WORDS,
+        _WORDS | set(words),
         tuple(messages),
     )
 
 
-def _who(curve: Curve | EfficiencyCurve | RunPlan) -> tuple[str, str, str, str]:
+def _who(curve: Curve | EfficiencyCurve | RunPlan) -> tuple[str, ...]:
     load = force(curve.f_load_n).removesuffix(" N")
-    return curve.label, TITLES[curve.direction].lower(), load, _rod_side(curve.p_lr_ref_pa)
+    direction = TITLES[curve.direction].lower()
+    return curve.label, kind_words(curve), direction, load, _rod_side(curve.p_lr_ref_pa)
 
 
 def _rod_side(pressure_pa: float | None) -> str:
@@ -226,7 +233,8 @@ def _rod_side(pressure_pa: float | None) -> str:
 
 def _who_text(curve: Curve) -> str:
     load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
-    return ", ".join(filter(None, (curve.label, TITLES[curve.direction].lower(), load)))
+    words = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
+    return ", ".join(filter(None, words))
 
 
 def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:

@@ -22,7 +22,9 @@ def told_apart(series: Iterable[Series]) -> tuple[Series, ...]:
     pressures = defaultdict(set)
     for one in series:
         direction = None if isinstance(one, Band) else one.direction
-        pressures[one.kind, one.label, direction, one.f_load_n].add(one.p_lr_ref_pa)
+        acceleration = getattr(one, "a_ref_m_s2", None)
+        key = one.kind, one.label, direction, one.f_load_n, acceleration
+        pressures[key].add(one.p_lr_ref_pa)
     if any(len(found) > 1 for found in pressures.values()):
         return series
     return tuple(replace(one, p_lr_ref_pa=None) for one in series)
@@ -34,3 +36,10 @@ def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:
     if p_lr_ref_pa is not None:
         words.append(f"{short(from_si(p_lr_ref_pa, 'bar'))} bar")
     return ", ".join(words)
+
+
+def kind_words(one: Curve | EfficiencyCurve | RunPlan) -> str:
+    """Write what is not a steady run, such as ``ramp 0.1 m/s²``; empty for a steady one."""
+    if one.kind == "ramp" and one.a_ref_m_s2 is not None:
+        return f"ramp {short(one.a_ref_m_s2)} m/s²"
+    return "" if one.kind == "steady" else one.kind

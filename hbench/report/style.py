@@ -3,10 +3,11 @@
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Direction, Results
+from hbench.records import Curve, Direction, Results
 
 # Okabe and Ito's colours, told apart with any colour vision; their yellow is left out, since thin
 # lines in it can't be seen on white.
@@ -103,6 +104,17 @@ def share_limits(axes: Iterable[Axes]) -> None:
         widest = (min(low for low, _ in limits), max(high for _, high in limits))
         for one in axes:
             getattr(one, set_)(widest)
+
+
+def columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a curve's velocities, frictions and half-widths of intervals (nan: none)."""
+    points = curve.points
+    interval = [np.nan if point.ci95_n is None else point.ci95_n for point in points]
+    return (
+        np.array([point.v_m_s for point in points], dtype=float),
+        np.array([point.friction_n for point in points], dtype=float),
+        np.array(interval, dtype=float),
+    )
 
 
 def safe(text: str, most: int = 42) -> str:

@@ -8,6 +8,7 @@ import csv
 import io
 import json
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
@@ -15,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from hbench.records import Band, Curve, EfficiencyCurve, Fit, Results, ScreenedRun
+from hbench.report.motion_rows import motion_lines, motions_json
 from hbench.report.reasons import reason_counts
-from hbench.report.rod_side import load_words, told_apart
+from hbench.report.rod_side import kind_words, load_words, told_apart
 from hbench.report.text import short, span
 
 SCHEMA = "hbench.results/1"
@@ -50,6 +52,7 @@ def results_json(results: Results) -> str:
             for curve in results.efficiency
         ],
         "bands": [_band(band) for band in results.bands],
+        **motions_json(results.motions),
         "notes": results.notes,
     }
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
@@ -57,7 +60,7 @@ def results_json(results: Results) -> str:
 
 def runs_csv(results: Results) -> str:
     """Return one row a run, rejected ones included."""
-    return _csv(_RUN_COLUMNS, map(_run, results.runs))
+    return csv_text(_RUN_COLUMNS, map(_run, results.runs))
 
 
 def curves_csv(results: Results) -> str:
@@ -66,7 +69,7 @@ def curves_csv(results: Results) -> str:
     for curve in results.curves:
         for point in curve.points:
             rows.append({**_series(curve), **asdict(point), "runs": " ".join(point.runs)})
-    return _csv(_CURVE_COLUMNS, rows)
+    return csv_text(_CURVE_COLUMNS, rows)
 
 
 def fits_csv(results: Results) -> str:
@@ -92,7 +95,7 @@ def fits_csv(results: Results) -> str:
                         "message": fit.message,
                     }
                 )
-    return _csv(_FIT_COLUMNS, rows)
+    return csv_text(_FIT_COLUMNS, rows)
 
 
 def efficiency_csv(results: Results) -> str:
@@ -102,12 +105,12 @@ def efficiency_csv(results: Results) -> str:
         for curve in results.efficiency
         for point in curve.points
     ]
-    return _csv(_EFFICIENCY_COLUMNS, rows)
+    return csv_text(_EFFICIENCY_COLUMNS, rows)
 
 
 def bands_csv(results: Results) -> str:
     """Return one row a pressure that both directions were measured at."""
-    return _csv(_BAND_COLUMNS, map(_band, results.bands))
+    return csv_text(_BAND_COLUMNS, map(_band, results.bands))
 
 
 def _series(curve: Curve | EfficiencyCurve) -> Row:
@@ -117,6 +120,7 @@ def _series(curve: Curve | EfficiencyCurve) -> Row:
         "direction": curve.direction,
         "f_load_n": curve.f_load_n,
         "p_lr_ref_pa": curve.p_lr_ref_pa,
+        "a_ref_m_s2": curve.a_ref_m_s2,
     }
 
 
@@ -169,7 +173,8 @@ def plain(value: Any) -> Any:
     return value if value is None or isinstance(value, bool | int | str) else str(value)
 
 
-def _csv(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
+def csv_text(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
+    """Return rows as CSV, with these of their columns."""
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
@@ -188,7 +193,7 @@ def _cell(value: Any) -> str:
     return "" if value is None else repr(value)
 
 
-_SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa")
+_SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
 _MEANS = (
     *"friction_n efficiency f_test_n f_applied_n p_tp_pa p_tr_pa".split(),
     *"t_start_s t_stop_s n".split(),
@@ -219,11 +224,14 @@ def summary_text(results: Results) -> str:
     accepted = sum(run.accepted for run in results.runs)
     reasons = ", ".join(f"{n} {code}" for code, n in reason_counts(results).most_common())
     rejected = f"{len(results.runs) - accepted} rejected" + (f" ({reasons})" if reasons else "")
+    kinds = Counter(run.run.plan.kind for run in results.runs)
+    several = len(kinds) > 1 or "steady" not in kinds
+    of_kinds = " (" + ", ".join(f"{n} {kind}" for kind, n in kinds.items()) + ")" if several else ""
     rows = [["direction", "load", "speeds mm/s", "friction N", "fit"]]
     for curve in told_apart(results.curves):
         rows.append(
             [
-                " ".join(filter(None, (curve.label, curve.direction))),
+                " ".join(filter(None, (curve.label, kind_words(curve), curve.direction))),
                 load_words(curve.f_load_n, curve.p_lr_ref_pa) or "not set",
                 span([1e3 * abs(point.v_m_s) for point in curve.points]),
                 _friction_words(curve),
@@ -233,10 +241,13 @@ def summary_text(results: Results) -> str:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
     head = f"{results.provenance.name} ({results.provenance.source})"
-    counts = f"{len(results.runs)} runs: {accepted} accepted, {rejected}"
+    counts = f"{len(results.runs)} runs{of_kinds}: {accepted} accepted, {rejected}"
     notes = [f"note: {note}" for note in results.notes]
-    text = "\n".join([head, counts, "", *lines, *notes])
-    return text.replace("−", "-").replace("–", " to ")  # not every terminal can show them
+    table = ["", *lines] if results.curves else []
+    moving = motion_lines(results.motions)
+    text = "\n".join([head, counts, *table, *([""] if moving else []), *moving, *notes])
+    text = text.replace("−", "-").replace("²", "^2")
+    return text.replace("–", " to ")  # not every terminal can show them
 
 
 def _friction_words(curve: Curve) -> str:

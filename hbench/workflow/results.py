@@ -7,12 +7,20 @@ from hbench.analysis.average import curves
 from hbench.analysis.bands import bands
 from hbench.analysis.budget import with_instruments
 from hbench.analysis.calibrate import calibrate
+from hbench.analysis.compare import comparisons
 from hbench.analysis.efficiency import efficiency
 from hbench.analysis.fit import fits, left_out
+from hbench.analysis.hysteresis import hysteresis
+from hbench.analysis.leakage import leakage
+from hbench.analysis.levels import level_runs, levels
+from hbench.analysis.ramps import ramp_curves, slid
 from hbench.analysis.screen import screen
+from hbench.analysis.surface import surfaces
+from hbench.config.bench import Bench
 from hbench.errors import DataError
-from hbench.records import Results
+from hbench.records import Curve, Motions, Results, ScreenedRun
 from hbench.report.figures import draw_all
+from hbench.report.motion_tables import MOTION_TABLES
 from hbench.report.page import page_html
 from hbench.report.tables import TABLES
 from hbench.store.campaign import Campaign, load_campaign, write_results
@@ -47,19 +55,48 @@ def derive(campaign: Campaign) -> Results:
     if not screened:
         raise DataError(f"{campaign.folder}: holds no runs", "Go on with `hbench run --resume`.")
     instruments = None if bench is None else bench.instruments
-    found = tuple(
+    steady = tuple(
         with_instruments(replace(curve, fits=fits(curve)), instruments)
         for curve in curves(screened)
     )
+    moving, motions, notes = _motions(screened, steady, bench)
+    found = (*steady, *(with_instruments(curve, instruments) for curve in moving))
     return Results(
         provenance=campaign.provenance(),
         runs=screened,
         curves=found,
         efficiency=tuple(efficiency(curve, instruments) for curve in found),
-        bands=bands(found),
-        notes=(*campaign.warnings, *left_out(found)),
+        bands=bands(steady),
+        notes=(*campaign.warnings, *left_out(steady), *notes),
+        motions=motions,
     )
 
 
+def _motions(
+    screened: tuple[ScreenedRun, ...], steady: tuple[Curve, ...], bench: Bench | None
+) -> tuple[tuple[Curve, ...], Motions, tuple[str, ...]]:
+    """Return the curves of ramps and steps, what all moving and resting runs tell, and notes."""
+    mass_kg = 0.0 if bench is None else bench.moving_mass.test
+    ramps, notes = ramp_curves(screened, mass_kg)
+    ramps = tuple(replace(curve, fits=fits(slid(curve))) for curve in ramps)
+    loops, of_loops = hysteresis(screened, mass_kg)
+    kinds = {one.run.plan.kind for one in screened if one.accepted}
+    if bench is None and kinds & {"ramp", "triangle", "steps"}:
+        of_loops += (
+            "the test side's mass is not known: friction of moving runs holds its inertia",
+        )
+    if bench is None and "hold" in kinds:
+        of_loops += ("leakage needs a bench file: volumes and bulk modulus are not known",)
+    motions = Motions(
+        comparisons=comparisons((*steady, *map(slid, ramps))),
+        loops=loops,
+        levels=levels(screened, mass_kg),
+        leakages=() if bench is None else leakage(screened, bench),
+        surfaces=surfaces(steady),
+    )
+    return ramps + curves(level_runs(screened)), motions, (*notes, *of_loops)
+
+
 def _tables(results: Results) -> dict[str, bytes]:
-    return {name: table(results).encode() for name, table in TABLES.items()}
+    tables = TABLES | MOTION_TABLES
+    return {name: table(results).encode() for name, table in tables.items()}

@@ -1,0 +1,214 @@
+"""What moving and resting runs tell: rows, lines, figures and the page, from made-up records."""
+
+import csv
+import io
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hbench.records import (
+    Comparison,
+    Decay,
+    Leakage,
+    LeakCoefficient,
+    Level,
+    Loop,
+    LoopWidth,
+    Motions,
+    Series,
+    Surface,
+)
+from hbench.report import draw_motions, draw_ramps
+from hbench.report.figures import draw_all
+from hbench.report.motion_tables import MOTION_TABLES
+from hbench.report.page import page_html
+from hbench.report.tables import results_json, summary_text
+
+SERIES = Series("seal A", 500.0, 15e5)
+PHASE = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+
+
+def comparison(what, effect, p_holm, ci95_n=4.0):
+    a = (0.03, 0.1) if what == "acceleration" else (0.1,)
+    half = p_holm and p_holm / 2
+    message = "" if p_holm else "one trial: there is no scatter"
+    return Comparison(
+        what, SERIES, "extend", a, 0.01, 0.09, effect, ci95_n, half, p_holm, 6, message
+    )
+
+
+MOTIONS = Motions(
+    comparisons=(
+        comparison("acceleration", 12.0, 0.004),
+        comparison("acceleration", -2.0, 0.6),
+        comparison("steady", 1.5, 0.9),
+    ),
+    loops=(
+        Loop(
+            SERIES,
+            0.1,
+            0.05,
+            2,
+            1,
+            "cycle",
+            175.9,
+            0.27,
+            (LoopWidth(-0.05, -17.6, 1.9, -17.2), LoopWidth(0.05, 32.7, None, None)),
+            tuple(
+                (0.2 + 0.1 * np.sin(p), 0.1 * np.cos(p), 400 * np.sign(np.cos(p))) for p in PHASE
+            ),
+            ("0001",),
+        ),
+    ),
+    levels=(
+        Level(SERIES, 1, 0.0, 0.05, None, 402.0, 3.0, None, None, 3, ("0002",)),
+        Level(SERIES, 2, 0.05, 0.1, 402.0, 428.0, None, 65.8, 0.3, 3, ("0002",)),
+    ),
+    leakages=(
+        Leakage(
+            "",
+            (
+                LeakCoefficient("across_piston", 4e-14, 1e-15, (3.7e-14, 4.3e-14)),
+                LeakCoefficient("piston_side_out", 1e-16, 1e-15, (-2e-15, 2.2e-15)),
+                LeakCoefficient("rod_side_out", None, None, None),
+            ),
+            (Decay("0003", SERIES, 45e5, 60e5, -100.0, 50.0, 3e-10, -2e-10),),
+            7e7,
+            "conditional on the bench file's bulk modulus",
+        ),
+    ),
+    surfaces=(
+        Surface(
+            "",
+            "extend",
+            15e5,
+            (0.01, 0.05, 0.2),
+            (500.0, 1000.0, 5000.0),
+            ((400.0, 380.0, 500.0), (410.0, 390.0, 520.0), (450.0, 440.0, 600.0)),
+            ((5.0, None, 4.0),) * 3,
+        ),
+    ),
+)
+
+
+@pytest.fixture
+def moving(small):
+    """The small campaign with its steady curves, ramps beside, and all that moves."""
+    ramps = tuple(
+        replace(curve, kind="ramp", a_ref_m_s2=a) for curve in small.curves for a in (0.03, 0.1)
+    )
+    return replace(small, curves=small.curves + ramps, motions=MOTIONS)
+
+
+def rows(name, results):
+    return list(csv.DictReader(io.StringIO(MOTION_TABLES[name](results))))
+
+
+def test_every_csv_has_the_records_in_si(moving):
+    made = {name: rows(name, moving) for name in MOTION_TABLES}
+    counts = {name: len(found) for name, found in made.items()}
+    assert counts == {
+        "comparisons.csv": 3,
+        "loops.csv": 2,
+        "loop_traces.csv": 60,
+        "levels.csv": 2,
+        "leakage.csv": 3,
+        "decays.csv": 1,
+        "surface.csv": 9,
+    }
+    assert made["comparisons.csv"][0]["a_m_s2"] == "0.03 0.1"
+    assert float(made["loops.csv"][0]["width_n"]) == -17.6
+    assert made["loops.csv"][1]["ci95_n"] == "" and made["loops.csv"][1]["label"] == "seal A"
+    assert made["levels.csv"][0]["before_n"] == ""
+    assert made["leakage.csv"][2]["value_m3_s_pa"] == ""
+    assert float(made["surface.csv"][8]["friction_n"]) == 600.0
+    assert float(made["surface.csv"][8]["f_load_n"]) == 5000.0
+
+
+def test_without_any_the_csvs_have_their_heads_alone(small):
+    for name in MOTION_TABLES:
+        assert rows(name, small) == []
+
+
+def test_results_json_has_them_with_the_series_keys_of_curves(moving):
+    document = json.loads(results_json(moving))
+    assert {"kind", "label", "f_load_n", "p_lr_ref_pa"} <= document["comparisons"][0].keys()
+    assert document["loops"][0]["widths"][0]["board_n"] == -17.2
+    assert document["leakage"][0]["coefficients"][2]["value"] is None
+    assert document["leakage"][0]["decays"][0]["f_load_n"] == 500.0
+    assert document["surfaces"][0]["friction_n"][2] == [450.0, 440.0, 600.0]
+    assert document["levels"][1]["overshoot_n"] == 65.8
+    assert [c["a_ref_m_s2"] for c in document["curves"] if c["kind"] == "ramp"][:2] == [0.03, 0.1]
+
+
+def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
+    text = summary_text(moving)
+    assert text.isascii()
+    for line in (
+        "ramps' acceleration: 1 of 2 comparisons differ (p < 0.05 after Holm); largest effect "
+        "+12.0 +- 4.0 N, p 0.0040 (seal A, 500 N, extend, 10 to 90 mm/s)",
+        "ramp against steady: 0 of 1 comparisons differ",
+        "+175.90 +- 0.27 J a cycle; width -17.6 +- 1.9 N at -50, +32.7 N at 50 mm/s",
+        "steps: 2 levels, friction overshoots by up to 65.8 N, settled after 0.3 s",
+        "leakage (1 holds) across the piston: 4.0e-14 +- 3.0e-15 m^3/(s Pa)",
+        "out of the piston side: 1.0e-16 +- 2.1e-15 m^3/(s Pa), the interval holds 0",
+        "out of the rod side: not determined",
+        "friction over velocity and load (extend): 3 loads 500 to 5000 N, 3 speeds",
+        "ramp 0.1 m/s^2 extend",
+    ):
+        assert line in text
+
+
+def test_untested_comparisons_say_why(small):
+    untested = replace(MOTIONS, comparisons=(comparison("acceleration", 3.0, None, None),))
+    text = summary_text(replace(small, motions=untested))
+    assert "ramps' acceleration: not tested, one trial: there is no scatter" in text
+
+
+def test_ramps_stand_on_one_figure_with_the_steady_points_of_their_load(moving):
+    figures = draw_ramps.ramps(moving)
+    assert len(figures) == 4
+    axes = figures["Extending-500 N"].axes[0]
+    drawn = {bars.get_label(): bars.lines[0].get_data() for bars in axes.containers}
+    assert list(drawn) == ["steady", "ramp 0.03 m/s²", "ramp 0.1 m/s²"]
+    steady = next(c for c in moving.curves if (c.direction, c.f_load_n) == ("extend", 500.0))
+    assert drawn["steady"][0] == pytest.approx([1e3 * p.v_m_s for p in steady.points])
+    assert drawn["ramp 0.1 m/s²"][1] == pytest.approx([p.friction_n for p in steady.points])
+    back = draw_ramps.ramps(moving)["Retracting-−500 N"].axes[0].containers[0]
+    assert (back.lines[0].get_ydata() > 0).all()
+
+
+def test_differences_that_stand_are_filled_and_others_hollow(moving):
+    axes = draw_ramps.comparisons(moving)["acceleration"].axes[0]
+    faces = [bars.lines[0].get_markerfacecolor() for bars in axes.containers]
+    effects = [bars.lines[0].get_xdata()[0] for bars in axes.containers]
+    assert effects == [12.0, -2.0] and faces[0] != "white" and faces[1] == "white"
+
+
+def test_the_surface_shows_the_measured_points_and_the_loop_its_trace(moving):
+    (surface,) = draw_motions.surfaces(moving).values()
+    x, y = surface.axes[0].lines[0].get_data()
+    assert sorted(set(x)) == pytest.approx([10.0, 50.0, 200.0]) and set(y) == {0.5, 1.0, 5.0}
+    (loop,) = draw_motions.loops(moving).values()
+    rising, falling = (line.get_ydata() for line in loop.axes[0].lines[:2])
+    assert (np.isnan(rising) ^ np.isnan(falling)).all()
+
+
+def test_the_page_has_a_section_for_each_and_a_bare_campaign_has_none(moving, small):
+    page = page_html(moving, draw_all(moving))
+    for word in ("ramps", "hysteresis", "steps", "leakage"):
+        assert f'<h2 id="{word}">' in page and f'href="#{word}"' in page
+    assert "differs" in page and "not determined" in page and "bulk modulus" in page
+    bare = page_html(small, draw_all(small))
+    assert not any(f'<h2 id="{word}">' in bare for word in ("ramps", "hysteresis", "leakage"))
+
+
+def test_a_campaign_without_steady_runs_shows_what_it_has(moving):
+    ramps = tuple(curve for curve in moving.curves if curve.kind == "ramp")
+    only = replace(moving, curves=ramps, efficiency=(), bands=())
+    page = page_html(only, draw_all(only))
+    assert "No steady run was accepted" in page and '<h2 id="ramps">' in page
+    nothing = replace(only, curves=())
+    assert summary_text(nothing).splitlines()[3].startswith("ramps' acceleration")
