@@ -20,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 from scipy import stats
 
+from hbench.analysis.holm import holm
 from hbench.analysis.student import student_factor
 from hbench.records import Comparison, Curve, Series
 
@@ -45,16 +46,6 @@ def comparisons(curves: Iterable[Curve]) -> tuple[Comparison, ...]:
                 if other.kind == "steady":
                     steady += _steady(ramp, other)
     return (*_corrected(accelerations), *_corrected(steady))
-
-
-def holm(p_values: Sequence[float]) -> np.ndarray:
-    """Return p values corrected for their number: max over k <= i of (m - k + 1) p_(k), up to 1."""
-    p = np.asarray(p_values, dtype=float)
-    order = np.argsort(p)
-    grown = np.maximum.accumulate((len(p) - np.arange(len(p))) * p[order])
-    corrected = np.empty(len(p))
-    corrected[order] = np.minimum(grown, 1.0)
-    return corrected
 
 
 def _accelerations(ramps: list[Curve]) -> Iterable[Comparison]:

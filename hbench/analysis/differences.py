@@ -86,7 +86,7 @@ def differences(
 
 
 def _key(curve: Curve | EfficiencyCurve, labels: bool) -> tuple:
-    own = curve.kind, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
+    own = curve.kind, curve.direction, curve.f_load_n, curve.p_lr_ref_pa, curve.a_ref_m_s2
     return (*own, curve.label) if labels else own
 
 

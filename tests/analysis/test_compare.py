@@ -8,19 +8,12 @@ from other_plant import OTHER_MASS_KG, OTHER_PLANT
 from scipy import stats
 
 from hbench.analysis.average import curves
-from hbench.analysis.compare import comparisons, holm
+from hbench.analysis.compare import comparisons
 from hbench.analysis.ramps import ramp_curves, slid
 from hbench.analysis.screen import screen
 from hbench.config.schedule import Screening
 
 SPEEDS = np.linspace(0.02, 0.18, 17)
-
-
-def test_holms_correction_gives_its_published_example_and_never_falls():
-    # p.adjust(c(0.01, 0.02, 0.03, 0.04, 0.05), "holm") of R
-    found = holm([0.03, 0.01, 0.05, 0.02, 0.04])
-    assert found == pytest.approx([0.09, 0.05, 0.09, 0.08, 0.09])
-    assert holm([0.9, 0.8]) == pytest.approx([1.0, 1.0]) and len(holm([])) == 0
 
 
 @pytest.fixture
