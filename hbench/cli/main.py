@@ -6,7 +6,19 @@ import sys
 import typer
 
 from hbench import __version__
-from hbench.cli import analyze, compare, design, flash, imports, init, ports, rig, run, simulate
+from hbench.cli import (
+    analyze,
+    compare,
+    design,
+    export,
+    flash,
+    imports,
+    init,
+    ports,
+    rig,
+    run,
+    simulate,
+)
 from hbench.errors import HbenchError
 
 app = typer.Typer(
@@ -23,6 +35,7 @@ app.command("ports")(ports.ports)
 app.command("rig")(rig.rig)
 app.command("run")(run.run)
 app.command("import")(imports.import_)
+app.command("export")(export.export)
 app.command("analyze")(analyze.analyze)
 app.command("report")(analyze.report)
 app.command("compare")(compare.compare)

@@ -18,6 +18,7 @@ from hbench.workflow.campaign import (
 )
 from hbench.workflow.comparison import compare, write_comparison
 from hbench.workflow.controllers import design, write_design
+from hbench.workflow.export import export
 from hbench.workflow.results import analyze, report
 from hbench.workflow.seeds import measure_seeds
 from hbench.workflow.simulation import phenomena, simulate, write_phenomenon
@@ -30,6 +31,7 @@ __all__ = [
     "compare",
     "design",
     "estimate",
+    "export",
     "find_boards",
     "flash",
     "flash_through_programmer",

@@ -1,0 +1,28 @@
+"""A campaign's runs and curves for other programs."""
+
+from pathlib import Path
+
+from hbench.store.atomic import write_atomic
+from hbench.store.campaign import load_campaign
+from hbench.store.export import FORMATS
+from hbench.store.modelica import modelica_tables
+from hbench.workflow.results import derive
+
+
+def export(folder: Path, destination: Path, kind: str) -> int:
+    """Write a campaign's runs in SI, or its curves for Modelica; return how many files.
+
+    Every run is there, with the reason if it was rejected. Raises ``ConfigError``, ``DataError``.
+    """
+    campaign = load_campaign(folder)
+    results = derive(campaign)
+    if kind == "modelica":
+        write_atomic(destination / "friction.txt", modelica_tables(results.curves))
+        return 1
+    runs = ((one.run, "; ".join(one.reasons)) for one in results.runs)
+    bench = (campaign.header.get("bench") or {}).get("content")
+    count = 0
+    for name, data in FORMATS[kind](runs, bench):
+        write_atomic(destination / name, data)
+        count += 1
+    return count

@@ -1,0 +1,107 @@
+"""Exports read back by what reads them: import, pandas, scipy, and Modelica's table format."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from hbench import workflow
+from hbench.cli.main import app
+from hbench.store.campaign import load_campaign
+
+SAMPLES = Path(__file__).parents[2] / "data_samples"
+
+
+def exported(kind, folder, sample="stribeck-small"):
+    arguments = ["export", str(SAMPLES / sample), "--format", kind, "-o", str(folder)]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    return folder
+
+
+@pytest.fixture(scope="module")
+def results():
+    campaign = load_campaign(SAMPLES / "stribeck-small")
+    return workflow.results.derive(campaign)
+
+
+def test_an_exported_campaign_comes_back_by_import_with_the_same_curves(tmp_path, results):
+    folder = exported("csv", tmp_path / "csv")
+    again = tmp_path / "again"
+    assert CliRunner().invoke(app, ["import", str(folder), "-o", str(again)]).exit_code == 0
+    found = workflow.analyze(again)
+    assert [len(curve.points) for curve in found.curves] == [len(c.points) for c in results.curves]
+    for ours, theirs in zip(results.curves, found.curves, strict=True):
+        assert (ours.direction, ours.f_load_n) == (theirs.direction, theirs.f_load_n)
+        for p, q in zip(ours.points, theirs.points, strict=True):
+            # The window begins within a few samples: the reference counts as reached within 0.1 %.
+            assert abs(q.friction_n - p.friction_n) < 0.1 * p.ci95_n
+            assert q.ci95_n == pytest.approx(p.ci95_n, rel=0.2)
+
+
+def test_rejected_runs_are_exported_with_their_reasons(tmp_path):
+    import pandas as pd
+
+    index = pd.read_csv(exported("csv", tmp_path, "bad-runs") / "runs.csv", dtype={"run": str})
+    rejected = index[~index.accepted]
+    assert len(rejected) > 3
+    assert rejected.reason.str.contains("end_stop|off_reference|truncated").any()
+    assert all((tmp_path / name).exists() for name in index.file)
+
+
+def test_parquet_holds_the_same_samples(tmp_path, results):
+    pd = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    folder = exported("parquet", tmp_path)
+    index = pd.read_parquet(folder / "runs.parquet")
+    assert list(index.run) == [one.run.plan.run for one in results.runs]
+    run = results.runs[7].run
+    table = pd.read_parquet(folder / index.file[7])
+    np.testing.assert_array_equal(table.p_tp_pa, run.p_tp_pa)
+    np.testing.assert_array_equal(table.t_s, run.t_s)
+    assert set(table.run) == {run.plan.run}
+
+
+def test_parquet_without_its_package_is_refused_with_what_to_install(tmp_path, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    arguments = ["export", str(SAMPLES / "stribeck-small"), "--format", "parquet"]
+    error = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "p")]).exception
+    assert "pyarrow" in error.message and "pip install" in error.hint
+
+
+def test_the_matlab_file_is_a_struct_array_of_runs(tmp_path, results):
+    from scipy.io import loadmat
+
+    folder = exported("mat", tmp_path)
+    runs = loadmat(folder / "campaign.mat", squeeze_me=True, struct_as_record=False)["runs"]
+    assert len(runs) == len(results.runs)
+    run = results.runs[3].run
+    assert runs[3].run == run.plan.run and runs[3].f_load_n == run.plan.f_load_n
+    np.testing.assert_array_equal(runs[3].log.f_applied_n, run.f_applied_n)
+    assert runs[3].log.t_s.shape == run.t_s.shape
+
+
+def test_the_modelica_file_has_a_table_for_each_curve_and_fit(tmp_path, results):
+    text = (exported("modelica", tmp_path) / "friction.txt").read_text()
+    assert text.startswith("#1\n")
+    tables = re.findall(r"^double (\w+)\((\d+),3\)\n((?:  \S+ \S+ \S+\n)+)", text, re.MULTILINE)
+    assert len(tables) == sum(1 + sum(bool(fit.line) for fit in c.fits) for c in results.curves)
+    assert len({name for name, _, _ in tables}) == len(tables)
+    for name, rows, body in tables:
+        values = np.array([line.split() for line in body.splitlines()], dtype=float)
+        assert len(values) == int(rows)
+        assert (np.diff(values[:, 0]) > 0).all(), name
+    name, _, body = tables[0]
+    assert name == "measured_extend_1000N"
+    points = results.curves[0].points
+    read = np.array([line.split() for line in body.splitlines()], dtype=float)
+    np.testing.assert_array_equal(read[:, 1], [p.friction_n for p in points])
+
+
+def test_an_export_is_told_in_one_line(tmp_path):
+    arguments = ["export", str(SAMPLES / "stribeck-small"), "--format", "mat", "-o", str(tmp_path)]
+    assert CliRunner().invoke(app, arguments).stdout == f"{tmp_path}: 1 file\n"
