@@ -5,6 +5,10 @@ the law's friction with the measured one, as for LuGre. The recursive estimate t
 hysteresis force F_h = F - B v (sigma_1 neglected) in 3.15, where it tells how far the elements go:
 in presliding. While the piston slides, F_h is the steady curve whatever the elements are; there
 they move as their estimate says, and nothing is learnt.
+
+There a log tells F_h at the deflections that it reaches (``hysteresis_at``), a sum in which all
+elements that don't slip yet move together. The elements one by one are for the batch fit, which
+uses sliding too.
 """
 
 from collections.abc import Sequence
@@ -28,6 +32,7 @@ _SHAPES = {
 }
 STEADY = ("f_coulomb_n", "f_stiction_n", "v_stribeck_m_s", "b_viscous_n_s_m")
 _SIZE_N = 100.0  # of an element
+_P0 = 1e4
 # Tried for a start: multiples of the elements, multiples of Delta_max, and n.
 _FACTORS, _SPANS, _EXPONENTS = (0.6, 1.0, 1.6), (0.5, 0.7, 1.0, 1.4, 2.0), (0.7, 1.0, 1.6)
 
@@ -40,9 +45,11 @@ def fit_leuven(
     """Fit all elements (non-negative) and what ``names`` tells; the rest stays as in ``known``.
 
     ``names`` are of LuGre's ``UNKNOWNS`` (without sigma_0), or ``delta_max_m`` and ``n``.
-    ``known.elements`` gives their number, and where the search starts. Delta_max and n have several
-    minima, so the search is made from several of them. Intervals are over whole
-    runs, as for LuGre.
+    ``known.elements`` gives their number, and where the search starts. Delta_max and n are the
+    user's, unless they are among ``names``; intervals hold on condition of those that are given.
+    They have several minima, so the search is made from several of them. To choose between given
+    ones, compare the friction of runs that were held out. Intervals are over whole runs, as for
+    LuGre.
     """
     law = known._replace(law=LAWS["leuven"].code)
     n = len(law.elements)
@@ -64,18 +71,24 @@ def fit_leuven(
 
 
 def identify_online(
-    motions: Sequence[LoggedMotion],
-    known: FrictionParameters,
-    forgetting: float = 1.0,
-    p0: float = 100.0,
+    motions: Sequence[LoggedMotion], known: FrictionParameters, forgetting: float = 1.0
 ) -> Estimate:
-    """Estimate the elements by recursive least squares, sample by sample, from ``known`` on.
+    """Estimate the elements by recursive least squares, sample by sample, from nothing on.
 
-    ``known`` gives the steady curve, N, Delta_max, n and the first elements; ``p0`` is the
-    diagonal of the initial P: the squared ratio of their uncertainty to the noise of F_h.
+    All begin at zero, with P = 1e4 I: as if they were known to 100 times the noise of F_h, so the
+    start weighs nothing. ``known`` gives the steady curve, Delta_max, n, and by its elements their
+    number. With ``forgetting`` lambda the last 1/(1 - lambda) samples count; a log has some 80
+    a run in presliding.
+
+    ``P`` times the mean square of the errors is no covariance of the elements: the samples of a run
+    go together, and the way of the deflections while the piston slides depends on the estimate.
+    On the virtual rig with another plant (three elements, 8 campaigns of 8 runs) such standard
+    errors are 2 to 5 N, and single elements are off by 10 to 230 N. ``hysteresis_at`` is low by 2 %
+    before the first slips and by 1 % at half of Delta_max; from campaign to campaign it scatters by
+    0.3 % and 0.1 %.
     """
     limits = np.array([slip_deflection(i, known) for i in range(len(known.elements))])
-    estimate = Estimate(np.array(known.elements), p0 * np.eye(len(limits)))
+    estimate = Estimate(np.zeros(len(limits)), _P0 * np.eye(len(limits)))
     for motion in motions:
         measured = motion.friction_n - known.viscous * motion.v_m_s
         steady = steady_curve(motion, known)
@@ -92,6 +105,15 @@ def identify_online(
             if motion.compared[k] and not sliding:
                 estimate = update(estimate, deflection / limits, float(measured[k]), forgetting)
     return estimate
+
+
+def hysteresis_at(deflection_m: float, theta_n: np.ndarray, known: FrictionParameters) -> float:
+    """Return F_h [N] at a deflection from rest, sum of theta_i min(z / Delta_i, 1) (3.17 to 3.20).
+
+    ``theta_n`` is (N,); ``known`` gives Delta_max.
+    """
+    limits = np.array([slip_deflection(i, known) for i in range(len(theta_n))])
+    return float(theta_n @ np.minimum(deflection_m / limits, 1.0))
 
 
 def steady_curve(motion: LoggedMotion, par: FrictionParameters) -> np.ndarray:

@@ -6,7 +6,13 @@ from other_plant import LEUVEN_FRICTION, OTHER_MASS_KG, REVERSALS
 from scipy.stats import t as student
 
 from hbench.analysis.along import friction_along
-from hbench.analysis.leuven_fit import STEADY, fit_leuven, identify_online, steady_curve
+from hbench.analysis.leuven_fit import (
+    STEADY,
+    fit_leuven,
+    hysteresis_at,
+    identify_online,
+    steady_curve,
+)
 from hbench.analysis.logged_motion import LoggedMotion, logged_motions
 from hbench.model.friction import LEUVEN
 from hbench.model.parameters import FrictionParameters
@@ -96,16 +102,68 @@ def test_the_rigs_elements_and_delta_max_are_found_from_a_delta_max_half_as_long
         assert abs(p.value - TRUTH[name]) < limit * p.se, name
 
 
-def test_online_and_from_any_start_the_stiffness_at_reversal_is_found(leuven_motions):
-    """The elements one by one are not: within presliding the larger ones move together."""
+EXCITED_M = (0.3e-3, 1.0e-3, 1.3e-3)
+
+
+def online(motions, forgetting=1.0):
+    """The recursive estimate, and its hysteresis force beside the true elements'."""
+    estimate = identify_online(motions, STEADY_KNOWN, forgetting)
+    found = [hysteresis_at(z, estimate.theta, STEADY_KNOWN) for z in EXCITED_M]
+    return estimate, np.array(found) / [by_elements(z) for z in EXCITED_M]
+
+
+def by_elements(z):
+    return 120 * min(z / (2e-3 / 3), 1) + 80 * min(z / (4e-3 / 3), 1) + 400 * min(z / 2e-3, 1)
+
+
+def test_online_the_hysteresis_force_is_found_but_not_the_elements_one_by_one(leuven_motions):
+    for seed in range(3):
+        estimate, ratio = online(leuven_motions(seed))
+        assert ratio == pytest.approx([1, 1, 1], abs=0.03)
+        assert ratio[1:] == pytest.approx([1, 1], abs=0.015)
+        said = np.sqrt(estimate.error * np.diag(estimate.p))
+        assert np.abs(estimate.theta - THETA).max() > 10 * said.max()
+
+
+def test_online_where_it_begins_is_where_further_passes_stay(leuven_motions):
+    """Sliding deflects by the estimate itself: as long as that changes, so does what is learnt."""
     motions = leuven_motions(0)
-    deflections = 2e-3 * np.arange(1, 4) / 3
-    true = np.sum(THETA / deflections)
-    for start in (150.0, 200.0, 300.0):
-        estimate = identify_online(motions, STEADY_KNOWN._replace(elements=(start,) * 3))
-        assert np.sum(estimate.theta / deflections) == pytest.approx(true, rel=0.05)
-        assert np.sqrt(estimate.error) < 0.05 * THETA.sum()
-        assert estimate.samples > 300
+    _, first = online(motions)
+    _, again = online((*motions, *motions, *motions))
+    assert first == pytest.approx(again, abs=2e-3)
+
+
+def test_forgetting_follows_elements_that_soften_between_two_campaigns(rig_runs):
+    motions = []
+    for seed, factor in ((0, 1.0), (20, 0.85)):
+        changed = LEUVEN_FRICTION | {"elements": [f"{factor * theta} N" for theta in THETA]}
+        motions += logged_motions(rig_runs(REVERSALS, seed, changed), OTHER_MASS_KG)
+    _, following = online(motions, forgetting=0.99)
+    _, mean = online(motions)
+    assert following == pytest.approx([0.85, 0.85, 0.85], abs=0.03)
+    assert (mean[1:] > 0.88).all() and (mean < 0.93).all()
+
+
+@pytest.mark.slow
+def test_held_out_runs_tell_the_right_delta_max_from_a_wrong_one(leuven_motions):
+    train, held_out = leuven_motions(0), leuven_motions(1)
+    rmse = {}
+    for given in (1.4e-3, 2e-3, 2.8e-3):
+        fit = fit_leuven(train, GUESS._replace(presliding=given))
+        value = [fit.parameters[name].value for name in list(TRUTH)[:7]]
+        coulomb, stiction, stribeck, viscous = value[3:]
+        law = STEADY_KNOWN._replace(
+            elements=tuple(value[:3]),
+            presliding=given,
+            coulomb=coulomb,
+            stiction=stiction,
+            stribeck_velocity=stribeck,
+            viscous=viscous,
+        )
+        errors = [(friction_along(m, law) - m.friction_n)[m.compared] for m in held_out]
+        rmse[given] = np.sqrt(np.mean(np.concatenate(errors) ** 2))
+    print("Leuven: rmse [N] of held-out runs by Delta_max [m]:", rmse)
+    assert min(rmse, key=rmse.get) == 2e-3
 
 
 def coverage(leuven_motions, seeds):
