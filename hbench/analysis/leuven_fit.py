@@ -41,15 +41,16 @@ def fit_leuven(
     motions: Sequence[LoggedMotion],
     known: FrictionParameters,
     names: Sequence[str] = STEADY,
+    spans: Sequence[float] = _SPANS,
 ) -> Fit:
     """Fit all elements (non-negative) and what ``names`` tells; the rest stays as in ``known``.
 
     ``names`` are of LuGre's ``UNKNOWNS`` (without sigma_0), or ``delta_max_m`` and ``n``.
     ``known.elements`` gives their number, and where the search starts. Delta_max and n are the
     user's, unless they are among ``names``; intervals hold on condition of those that are given.
-    They have several minima, so the search is made from several of them. To choose between given
-    ones, compare the friction of runs that were held out. Intervals are over whole runs, as for
-    LuGre.
+    They have several minima, so the search is made from several of them, Delta_max at ``spans``
+    times the known. To choose between given ones, compare the friction of runs that were held out.
+    Intervals are over whole runs, as for LuGre.
     """
     law = known._replace(law=LAWS["leuven"].code)
     n = len(law.elements)
@@ -60,7 +61,7 @@ def fit_leuven(
         values = {u.field: float(v) for u, v in zip(others.values(), x[n:], strict=True)}
         return law._replace(elements=tuple(x[:n].tolist()), **values)
 
-    spans = _SPANS if "delta_max_m" in others else (1.0,)
+    spans = spans if "delta_max_m" in others else (1.0,)
     shapes = _EXPONENTS if "n" in others else (law.shape,)
     starts = []
     for span, shape in product(spans, shapes):

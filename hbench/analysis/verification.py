@@ -6,28 +6,19 @@ steady where the reference has been the same speed for 0.3 s, at rest where it h
 as long (friction is then whatever holds the piston, which no static law knows), else unsteady.
 """
 
+from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from hbench.analysis.fit import NAMES, tustin
 from hbench.analysis.logged_motion import LoggedMotion, logged_motion
 from hbench.errors import DataError
-from hbench.records import Curve, CurvePoint, Fit, Run
+from hbench.records import Curve, CurvePoint, Fit, ModelErrors, Run
+from hbench.records.identification import PARTS
 
 SETTLE_S = 0.3  # as in the steady window
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Root mean square differences, model minus measurement, over a part of the samples."""
-
-    friction_n: float
-    v_m_s: float
-    p_tp_pa: float
-    p_tr_pa: float
-    samples: int
 
 
 def unchanged(v_ref_m_s: np.ndarray, dt_s: float) -> np.ndarray:
@@ -39,25 +30,45 @@ def unchanged(v_ref_m_s: np.ndarray, dt_s: float) -> np.ndarray:
 
 def model_errors(
     measured: Sequence[Run], modelled: Sequence[Run], mass_kg: float
-) -> dict[str, Errors]:
+) -> dict[str, ModelErrors]:
     """Return the errors of the ``steady``, ``unsteady`` and ``rest`` parts over all pairs of runs.
 
     The runs have the same profile; where a segment ended a little earlier in one of them, the
     time that both have counts. ``mass_kg`` is the test side's. Raises ``DataError``.
     """
-    parts: dict[str, list[np.ndarray]] = {"steady": [], "unsteady": [], "rest": []}
+    parts = _Parts()
     for real, model in zip(measured, modelled, strict=True):
         if real.v_ref_m_s is None or real.plan.motion != model.plan.motion:
             raise DataError(f"run {real.plan.run}: its model has not followed the same profile")
         n = min(len(real.t_s), len(model.t_s))
         ours, theirs = logged_motion(real, mass_kg), logged_motion(model, mass_kg)
-        difference = (_signals(theirs, n) - _signals(ours, n)).T
-        v_ref = real.v_ref_m_s[:n]
-        held, rest = unchanged(v_ref, ours.dt_s), v_ref == 0
-        parts["steady"].append(difference[held & ~rest])
-        parts["unsteady"].append(difference[~held])
-        parts["rest"].append(difference[held & rest])
-    return {name: _rms(np.concatenate(found)) for name, found in parts.items()}
+        parts.add(real.v_ref_m_s[:n], ours.dt_s, _signals(theirs, n) - _signals(ours, n))
+    return parts.rms()
+
+
+def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErrors]:
+    """Return how far a trial lies from what is expected of all, by the same parts.
+
+    Each of n trials of a profile counts ``sqrt(n / (n - 1))`` times as far from the trials' mean
+    as it is: so a model that is their expectation would err. One that repeats how each trial
+    begins may err less. Empty where no profile was run twice. ``mass_kg`` is the test side's.
+    Raises ``DataError``.
+    """
+    profiles: dict[tuple, list[Run]] = defaultdict(list)
+    for run in measured:
+        plan = run.plan
+        profiles[plan.motion, plan.label, plan.f_load_n, plan.p_lr_ref_pa].append(run)
+    parts = _Parts()
+    for runs in profiles.values():
+        if len(runs) < 2 or any(run.v_ref_m_s is None for run in runs):
+            continue
+        n = min(len(run.t_s) for run in runs)
+        motions = [logged_motion(run, mass_kg) for run in runs]
+        signals = np.array([_signals(motion, n) for motion in motions])
+        factor = np.sqrt(len(runs) / (len(runs) - 1))
+        for run, motion, own in zip(runs, motions, signals, strict=True):
+            parts.add(run.v_ref_m_s[:n], motion.dt_s, factor * (own - signals.mean(axis=0)))
+    return parts.rms() if parts else {}
 
 
 def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndarray) -> Curve:
@@ -94,10 +105,23 @@ def _signals(motion: LoggedMotion, n: int) -> np.ndarray:
     return np.array([signal[:n] for signal in signals])
 
 
-def _rms(difference: np.ndarray) -> Errors:
-    if not len(difference):
-        return Errors(*[float("nan")] * 4, 0)
-    return Errors(*np.sqrt(np.mean(difference**2, axis=0)).tolist(), len(difference))
+class _Parts(dict[str, list[np.ndarray]]):
+    """Differences (n, 4) of the four signals, part by part of the profile."""
+
+    def add(self, v_ref_m_s: np.ndarray, dt_s: float, difference: np.ndarray) -> None:
+        """Sort one run's differences (4, n)."""
+        held, rest = unchanged(v_ref_m_s, dt_s), v_ref_m_s == 0
+        for name, part in zip(PARTS, (held & ~rest, ~held, held & rest), strict=True):
+            self.setdefault(name, []).append(difference.T[part])
+
+    def rms(self) -> dict[str, ModelErrors]:
+        """Return the root mean square of each part, nan where it has no samples."""
+        found = {}
+        for name, pieces in self.items():
+            d = np.concatenate(pieces)
+            means = np.sqrt(np.mean(d**2, axis=0)).tolist() if len(d) else [float("nan")] * 4
+            found[name] = ModelErrors(*means, samples=len(d))
+        return found
 
 
 def _point(

@@ -12,6 +12,7 @@ from hbench.cli import (
     design,
     export,
     flash,
+    identify,
     imports,
     init,
     ports,
@@ -39,6 +40,7 @@ app.command("export")(export.export)
 app.command("analyze")(analyze.analyze)
 app.command("report")(analyze.report)
 app.command("compare")(compare.compare)
+app.command("identify")(identify.identify)
 app.command("design")(design.design)
 app.command("simulate")(simulate.simulate)
 

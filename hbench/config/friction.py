@@ -1,10 +1,11 @@
 """The friction of one cylinder in a bench or plant file: one class a law (section 3.2)."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
+from hbench.config.loading import validate
 from hbench.config.quantity import Section
 
 Viscous = q.quantity("N s/m", ge=0, le=1e7)
@@ -114,3 +115,12 @@ class FrictionPair(Section):
 
     test: Friction
     load: Friction
+
+
+class _One(Section):
+    friction: Friction
+
+
+def parse_friction(data: dict[str, Any], source: str) -> Friction:
+    """Check the mapping of one cylinder's friction. Raises ``ConfigError``."""
+    return validate(_One, {"friction": data}, source).friction

@@ -1,6 +1,6 @@
 """The firmware in closed loop with a simulated bench, without a campaign on disk."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
@@ -58,9 +58,20 @@ def record(
     ``plant`` stands in for the bench's own physics. Raises ``ConfigError`` where the bench can't
     make them; a board that stops itself is told in the result.
     """
+    plans = plan_runs(parse_schedule(dict(schedule), "design"), bench, "design").runs
+    return record_plans(bench, plans, plant, report, seed)
+
+
+def record_plans(
+    bench: Bench,
+    plans: Sequence[RunPlan],
+    plant: Plant | None = None,
+    report: Callable[[Progress], None] = lambda progress: None,
+    seed: int = 1,
+) -> Recorded:
+    """Make runs that are planned already, as ``record`` does."""
     from hbench.rig.virtual import VirtualRig  # compiles
 
-    plans = plan_runs(parse_schedule(dict(schedule), "design"), bench, "design").runs
     rig, kept = VirtualRig(bench, plant, seed), _Kept(bench)
     try:
         clock = datetime.fromtimestamp(0, UTC)

@@ -1,4 +1,4 @@
-"""The products of hbench: of the flow, of ``design`` and of ``simulate``."""
+"""The products of hbench: of the flow, of ``identify``, of ``design`` and of ``simulate``."""
 
 from hbench.records.design import (
     Check,
@@ -38,6 +38,14 @@ from hbench.records.flow import (
     Specimen,
     SteadyMeans,
 )
+from hbench.records.identification import (
+    Followed,
+    Identification,
+    IdentifiedLaw,
+    ModelErrors,
+    RampComparison,
+    Trace,
+)
 from hbench.records.motions import (
     Comparison,
     Decay,
@@ -60,25 +68,28 @@ from hbench.records.phenomenon import (
 from hbench.records.results import Results
 
 __all__ = [
-    "CampaignDifferences",
-    "CurveDifference",
-    "Difference",
-    "FitDifference",
-    "FrictionDifference",
     "Band",
+    "CampaignDifferences",
     "Check",
     "Comparison",
     "ControlLoop",
     "Curve",
+    "CurveDifference",
     "CurvePoint",
     "Decay",
     "Design",
+    "Difference",
     "Direction",
     "EfficiencyCurve",
     "EfficiencyPoint",
     "Finding",
     "Fit",
+    "FitDifference",
     "FitParameter",
+    "Followed",
+    "FrictionDifference",
+    "Identification",
+    "IdentifiedLaw",
     "LeakCoefficient",
     "Leakage",
     "Level",
@@ -86,8 +97,9 @@ __all__ = [
     "LogChannel",
     "Loop",
     "LoopMerits",
-    "MeanEfficiency",
     "LoopWidth",
+    "MeanEfficiency",
+    "ModelErrors",
     "Motion",
     "Motions",
     "Outcome",
@@ -95,6 +107,7 @@ __all__ = [
     "Phenomenon",
     "Proposal",
     "Provenance",
+    "RampComparison",
     "RawRun",
     "Reproduced",
     "Results",
@@ -107,5 +120,6 @@ __all__ = [
     "Specimen",
     "SteadyMeans",
     "Surface",
+    "Trace",
     "WordTable",
 ]

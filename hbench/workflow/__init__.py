@@ -19,6 +19,7 @@ from hbench.workflow.campaign import (
 from hbench.workflow.comparison import compare, write_comparison
 from hbench.workflow.controllers import design, write_design
 from hbench.workflow.export import export
+from hbench.workflow.identification import identify, write_identification
 from hbench.workflow.results import analyze, report
 from hbench.workflow.seeds import measure_seeds
 from hbench.workflow.simulation import phenomena, simulate, write_phenomenon
@@ -35,6 +36,7 @@ __all__ = [
     "find_boards",
     "flash",
     "flash_through_programmer",
+    "identify",
     "import_runs",
     "load_experiment",
     "load_image",
@@ -46,5 +48,6 @@ __all__ = [
     "simulate",
     "write_comparison",
     "write_design",
+    "write_identification",
     "write_phenomenon",
 ]

@@ -22,7 +22,7 @@ def hbench(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "command", [(), ("run",), ("import",), ("analyze",), ("report",), ("design",)]
+    "command", [(), ("run",), ("import",), ("analyze",), ("report",), ("design",), ("identify",)]
 )
 def test_help_tells_what_a_command_does(hbench, command):
     done = hbench(*command, "--help")

@@ -166,9 +166,10 @@ BOARD = Identity("f", "b", 1, 10_000, 1024, max_steps=128, max_segments=128)
 def test_steps_share_the_rows_that_they_have_in_common():
     schedule = parse_schedule(DYNAMICS, "dynamics.yaml")
     (upload,) = uploads(plan_runs(schedule, BENCH, "dynamics.yaml").runs, BOARD)
-    # 3 accelerations in either direction, 3 triangles of 3, steps of 6, a profile of 6, a hold.
-    assert len(upload.segments) == 6 + 9 + 6 + 6 + 1
-    assert sum(step["trials"] for step in upload.steps) == 53
+    # 6 speeds and 3 accelerations in either direction, 5 triangles of 3, steps of 6, a profile of
+    # 6, a hold.
+    assert len(upload.segments) == 12 + 6 + 15 + 6 + 6 + 1
+    assert sum(step["trials"] for step in upload.steps) == 113
 
 
 def test_a_plan_is_cut_where_the_board_is_full():
@@ -208,7 +209,7 @@ def measured(tmp_path_factory, on_the_rig):
 
 
 def test_every_kind_is_run_as_long_as_its_profile_lasts(measured):
-    assert set(measured) == {"ramp", "triangle", "steps", "verification", "hold"}
+    assert set(measured) == {"steady", "ramp", "triangle", "steps", "verification", "hold"}
     for run in measured.values():
         planned = way(run.plan.motion, 1.0).seconds
         # A triangle turns where the piston is, which lags behind its reference.

@@ -1,0 +1,85 @@
+"""What ``identify`` finds out: friction laws of the test cylinder, put to the test. In SI."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from hbench.records.flow import Direction, Fit, Provenance
+
+PARTS = ("steady", "unsteady", "rest")  # of a verification run
+
+
+@dataclass(frozen=True)
+class ModelErrors:
+    """Root mean square differences from the measurement over a part of the samples."""
+
+    friction_n: float
+    v_m_s: float
+    p_tp_pa: float
+    p_tr_pa: float
+    samples: int
+
+
+@dataclass(frozen=True)
+class IdentifiedLaw:
+    """One friction law: what was found, or why there is nothing."""
+
+    law: str
+    fit: Fit | None  # None with a reason
+    reason: str = ""
+    section: dict[str, Any] = field(default_factory=dict)  # of a bench file, as it is written
+    runs: tuple[str, ...] = ()  # that it was identified from
+    errors: dict[str, ModelErrors] = field(default_factory=dict)  # by ``PARTS``; empty: not tried
+    not_verified: str = ""  # why there are no errors, or not those of all runs
+
+
+@dataclass(frozen=True)
+class RampComparison:
+    """Tustin fits of a steady curve and of ramps, each on its own data and on the other's."""
+
+    direction: Direction
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+    a_ref_m_s2: float
+    steady_on_steady_n: float  # root mean square errors
+    steady_on_ramp_n: float
+    ramp_on_steady_n: float
+    ramp_on_ramp_n: float
+    runs: tuple[str, ...]  # ramps
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Friction and velocity over time."""
+
+    t_s: np.ndarray  # (n,)
+    v_m_s: np.ndarray  # (n,)
+    friction_n: np.ndarray  # (n,)
+
+
+@dataclass(frozen=True)
+class Followed:
+    """One verification run, as measured and as the models followed its profile."""
+
+    run: str
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+    measured: Trace
+    modelled: dict[str, Trace]  # by law
+
+
+@dataclass(frozen=True)
+class Identification:
+    """The friction laws that a campaign tells, and how well each does in a model of the bench."""
+
+    provenance: Provenance
+    laws: tuple[IdentifiedLaw, ...]
+    ramps: tuple[RampComparison, ...]
+    no_ramps: str  # why ``ramps`` is empty
+    verification_runs: tuple[str, ...]
+    scatter: dict[str, ModelErrors]  # between the trials of a verification run, by ``PARTS``
+    not_verified: str  # why nothing verified the laws; empty if something did
+    followed: tuple[Followed, ...]  # the first trial of each profile and load
+    left_out: tuple[str, ...]  # runs that took no part, each with its reason
+    notes: tuple[str, ...]

@@ -1,0 +1,120 @@
+"""Friction laws from a campaign, verified in a model of its bench."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from hbench.analysis.logged_motion import LoggedMotion, logged_motion
+from hbench.errors import DataError
+from hbench.experiment.runner import Progress
+from hbench.records import Identification, Run, ScreenedRun
+from hbench.report.draw_identification import draw_identification
+from hbench.report.identification_page import identification_page
+from hbench.report.identification_text import identification_json
+from hbench.report.overlay import overlay_yaml
+from hbench.store.atomic import write_files
+from hbench.store.campaign import Campaign, load_campaign
+from hbench.workflow.results import derive
+
+_ADD = "configs/dynamics.yaml has all that is needed; `hbench init DIR` writes it."
+_NOTES = (
+    "The load cylinder's friction is not identified: the model keeps the bench file's.",
+    "The models have no scatter from stroke to stroke and no noise of the sensors.",
+)
+
+
+def identify(folder: Path, report: Callable[[Progress], None]) -> Identification:
+    """Identify the test cylinder's friction laws, and verify each on the verification runs.
+
+    Verification runs take no part in the identification. Raises ``DataError``.
+    """
+    from hbench.analysis.identify import identify_laws  # these compile; only who identifies waits
+    from hbench.analysis.ramp_fits import compare_fits
+    from hbench.analysis.verification import trial_scatter
+    from hbench.experiment.law_verification import Verified, verify_laws
+
+    campaign = load_campaign(folder)
+    bench = campaign.bench()
+    if bench is None:
+        raise DataError(
+            f"{folder}: tells no bench, whose moving mass and physics identification needs",
+            "Lay a bench file 'bench.yaml' beside the logs and import them again.",
+        )
+    results = derive(campaign)
+    usable, left_out = _usable(results.runs, bench.moving_mass.test)
+    steady = [curve for curve in results.curves if curve.kind == "steady"]
+    along = [motion for run, motion in usable if run.plan.kind in ("triangle", "ramp")]
+    laws = identify_laws(steady, along)
+    if not any(law.fit for law in laws):
+        reasons = "; ".join(f"{law.law}: {law.reason}" for law in laws)
+        raise DataError(f"{folder}: no friction law can be identified. {reasons}", _ADD)
+    ramps = compare_fits(results.curves)
+    measured = [run for run, _ in usable if run.plan.kind == "verification"]
+    not_verified = _not_verified(measured)
+    if not_verified:
+        verified, scatter = Verified(laws, ()), {}
+    else:
+        verified = verify_laws(_bench_data(campaign), laws, measured, campaign.plans, report)
+        scatter = trial_scatter(measured, bench.moving_mass.test)
+    return Identification(
+        provenance=results.provenance,
+        laws=verified.laws,
+        ramps=ramps,
+        no_ramps="" if ramps else "no ramp has the direction, load and p_lr of a steady curve",
+        verification_runs=() if not_verified else tuple(run.plan.run for run in measured),
+        scatter=scatter,
+        not_verified=not_verified,
+        followed=verified.followed,
+        left_out=left_out,
+        notes=(*_NOTES, *campaign.warnings),
+    )
+
+
+def write_identification(folder: Path, found: Identification) -> None:
+    """Write the page, its figures, the numbers as JSON and a plant file for each law."""
+    drawings = draw_identification(found)
+    files = {f"figures/{d.name}.svg": d.svg for d in drawings}
+    files |= {f"figures/{d.name}.png": d.png for d in drawings}
+    for law in found.laws:
+        if law.fit is not None:
+            files[f"{law.law}.yaml"] = overlay_yaml(found, law).encode()
+    files["identification.json"] = identification_json(found).encode()
+    files["identification.html"] = identification_page(found, drawings).encode()
+    write_files(folder, files)
+
+
+def _usable(
+    screened: Sequence[ScreenedRun], mass_kg: float
+) -> tuple[list[tuple[Run, LoggedMotion]], tuple[str, ...]]:
+    """Return the runs other than steady ones with their motions, and the runs left out."""
+    usable, left_out = [], []
+    for one in screened:
+        plan = one.run.plan
+        reason = "; ".join(one.reasons)
+        if plan.kind in ("ramp", "triangle", "verification") and one.accepted:
+            try:
+                usable.append((one.run, logged_motion(one.run, mass_kg)))
+            except DataError as error:
+                reason = error.message.partition(": ")[2]
+        elif plan.kind == "steps" and one.accepted:
+            reason = "its velocity jumps, faster than a log can follow"
+        if reason:
+            left_out.append(f"{plan.run} ({plan.kind}): {reason}")
+    return usable, tuple(left_out)
+
+
+def _not_verified(measured: Sequence[Run]) -> str:
+    if not measured:
+        return (
+            "nothing verified these laws: the campaign has no usable run of kind 'verification'. "
+            "Add the experiment of that kind from configs/dynamics.yaml to the schedule"
+        )
+    if any(run.plan.motion is None or run.v_ref_m_s is None for run in measured):
+        return (
+            "nothing verified these laws: the campaign does not tell the profile that its "
+            "verification runs followed (imported logs don't)"
+        )
+    return ""
+
+
+def _bench_data(campaign: Campaign) -> dict:
+    return campaign.header["bench"]["content"]
