@@ -15,7 +15,7 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from hbench.config.bench import parse_bench
+from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.loading import read_yaml
 from hbench.model.compiled import compiled
 from hbench.model.parameters import plant_parameters
@@ -117,6 +117,42 @@ def test_the_plant_takes_at_most_1_3_times_the_time_of_plain_c(par, start, plant
     ns = 1e9 / len(u)
     print(f"plant {plant_s * ns:.0f} ns a tick, C {c_s * ns:.0f} ns: ratio {plant_s / c_s:.2f}")
     assert plant_s < 1.3 * c_s
+
+
+# Of the test cylinder; the load cylinder keeps its LuGre law.
+STRIBECK = {"coulomb": "80 N", "stiction": "450 N", "stribeck_velocity": "60 mm/s"}
+LINES = {"low_force": "450 N", "low_slope": "-2 kN s/m", "high_force": "250 N"}
+LINES |= {"high_slope": "2 kN s/m"}
+FRICTION = {
+    "tustin": STRIBECK,
+    "marton_lantos": {"extend": LINES, "retract": LINES},
+    "pressure_based": {"stribeck_force": "370 N", "stribeck_rate": "-16 s/m"},
+    "lugre": STRIBECK | {"bristle_stiffness": "3e5 N/m"},
+    "leuven": STRIBECK | {"elements": ["100 N", "100 N", "400 N"], "presliding": "2 mm"},
+}
+
+
+def test_a_law_with_a_memory_takes_less_than_half_of_tustins_time():
+    """Static laws are stiff at rest and take 8 steps a tick; those with bristles take one."""
+    bench, levels = read_yaml(BENCH), np.ones(2)
+    u = commands(10_000)
+    runs, substeps = [], []
+    for law, keys in FRICTION.items():
+        own = {"friction": {"test": {"law": law, "viscous": "2500 N s/m"} | keys}}
+        if law == "marton_lantos":
+            del own["friction"]["test"]["viscous"]
+        par = plant_parameters(parse_plant(bench, own, law))
+        start, work = initial_state(par, 0.1, 15e5, 20e5), new_work(par)
+        runs.append(lambda p=par, s=start, w=work: advance(s.copy(), u, levels, p, w))
+        substeps.append(par.substeps)
+        runs[-1]()
+    seconds = best_seconds(*runs)
+    ratios = dict(zip(FRICTION, np.array(seconds) / seconds[0], strict=True))
+    for (law, ratio), one, steps in zip(ratios.items(), seconds, substeps, strict=True):
+        ns = 1e9 * one / len(u)
+        print(f"{law:15}{ns:6.0f} ns a tick, {ns / steps:5.0f} a step: {ratio:.2f} of tustin's")
+    assert ratios["lugre"] < 0.5 and ratios["leuven"] < 0.5
+    assert all(0.5 < ratios[law] < 1.5 for law in ("marton_lantos", "pressure_based"))
 
 
 @pytest.fixture(scope="module")
