@@ -73,12 +73,12 @@ def _of_comparisons(found: tuple[Comparison, ...]) -> Iterator[str]:
             if chosen:
                 yield f"{words}: not tested, {chosen[0].message}"
             continue
-        largest = max(tested, key=lambda one: abs(one.effect_n))
-        p = significant(largest.p_holm, 2)
+        clearest = min(tested, key=lambda one: (one.p_holm, -abs(one.effect_n)))
+        p = significant(clearest.p_holm, 2)
         yield (
             f"{words}: {sum(map(differs, tested))} of {len(tested)} comparisons differ "
-            f"(p < {SIGNIFICANT:g} after Holm); largest effect "
-            f"{_signed(largest.effect_n, largest.ci95_n)} N, p {p} ({comparison_words(largest)})"
+            f"(p < {SIGNIFICANT:g} after Holm); the clearest: "
+            f"{_signed(clearest.effect_n, clearest.ci95_n)} N, p {p} ({comparison_words(clearest)})"
         )
 
 

@@ -25,6 +25,11 @@ from hbench.report.page import page_html
 from hbench.report.tables import TABLES
 from hbench.store.campaign import Campaign, load_campaign, write_results
 
+_SHARED_STROKES = (
+    "the points of a ramp's curve share their strokes: the intervals of its fitted parameters tell "
+    "how well the law fits them, and leave out the scatter from stroke to stroke"
+)
+
 
 def analyze(folder: Path) -> Results:
     """Screen, average and fit a campaign; write its tables to ``results/``."""
@@ -79,6 +84,8 @@ def _motions(
     mass_kg = 0.0 if bench is None else bench.moving_mass.test
     ramps, notes = ramp_curves(screened, mass_kg)
     ramps = tuple(replace(curve, fits=fits(slid(curve))) for curve in ramps)
+    if any(curve.fits for curve in ramps):
+        notes += (_SHARED_STROKES,)
     loops, of_loops = hysteresis(screened, mass_kg)
     kinds = {one.run.plan.kind for one in screened if one.accepted}
     if bench is None and kinds & {"ramp", "triangle", "steps"}:

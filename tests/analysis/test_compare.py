@@ -122,3 +122,36 @@ def test_on_the_rig_ramps_of_a_lagging_friction_differ_and_those_of_a_stiff_one_
     assert min(one.p_holm for one in found["soft"]) < 0.01
     for one in found["stiff"]:
         assert abs(one.effect_n) < 10
+
+
+STRAIGHT = {
+    "law": "tustin",
+    "coulomb": "330 N",
+    "stiction": "330 N",
+    "stribeck_velocity": "60 mm/s",
+    "viscous": "2400 N s/m",
+    "scatter": "1.5 %",
+}
+
+
+@pytest.mark.slow
+def test_on_the_rig_a_friction_without_memory_is_said_to_have_one_as_rarely_as_chance(rig_runs):
+    """40 campaigns; friction has no memory, and its level scatters by 5 N from stroke to stroke."""
+    claimed, held, corrected, on_law = [], [], [], []
+    for seed in range(40):
+        screened = [screen(run, Screening()) for run in rig_runs([RAMPS], seed, STRAIGHT)]
+        ramps, _ = ramp_curves(screened, OTHER_MASS_KG)
+        found = comparisons(slid(curve) for curve in ramps)
+        claimed += [one.p_value < 0.05 for one in found]
+        held += [abs(one.effect_n) <= one.ci95_n for one in found]
+        for point in (point for curve in ramps for point in slid(curve).points):
+            truth = 330 + 2400 * point.v_m_s
+            on_law.append(abs(point.friction_n - truth) <= point.ci95_n)
+        corrected.append(min(one.p_holm for one in found) < 0.05)
+    print(
+        f"{sum(claimed)} of {len(claimed)} tests below p = 0.05, {sum(corrected)} of 40 campaigns "
+        f"after Holm; intervals hold 0 in {100 * np.mean(held):.0f} %, "
+        f"those of {len(on_law)} points of the curves hold the law in {100 * np.mean(on_law):.0f} %"
+    )
+    assert 0.88 < np.mean(on_law) < 1.0 and 0.88 < np.mean(held) <= 1.0
+    assert stats.binomtest(sum(corrected), 40, 0.05).pvalue > 0.001

@@ -2,7 +2,6 @@
 
 import copy
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,6 @@ from hbench.config.friction import parse_friction
 from hbench.config.loading import read_yaml
 from hbench.errors import DataError
 from hbench.experiment.closed_loop import record_plans
-from hbench.experiment.law_verification import verify_laws
 from hbench.report.identification_text import identification_json, identification_text
 from hbench.workflow.results import derive
 
@@ -173,18 +171,6 @@ def test_the_written_file_is_the_model_that_was_verified(written, found, measure
     again = model_errors(runs, modelled, bench.moving_mass.test)
     for part, errors in law(found, "lugre").errors.items():
         assert again[part].friction_n == pytest.approx(errors.friction_n, rel=1e-3), part
-
-
-def test_a_law_that_stops_the_models_board_says_so_and_has_no_errors(found, measured):
-    """Friction that falls by 300 kN s/m: the piston shoots away."""
-    section = {"law": "pressure_based", "stribeck_force": "3 kN", "stribeck_rate": "-100 s/m"}
-    unstable = replace(law(found, "pressure_based"), section=section, errors={})
-    runs = [one.run for one in derive(measured).runs if one.run.plan.kind == "verification"]
-    verified = verify_laws(measured.header["bench"]["content"], [unstable], runs, measured.plans)
-    (told,) = verified.laws
-    assert not told.errors and "board stopped itself after 0 of 2 runs" in told.not_verified
-    assert "limits.speed_max" in told.not_verified
-    assert all(not one.modelled for one in verified.followed)
 
 
 def test_hbench_run_takes_the_written_file_as_plant(written, tmp_path, quick_schedule, on_the_rig):

@@ -155,7 +155,7 @@ def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
     text = summary_text(moving)
     assert text.isascii()
     for line in (
-        "ramps' acceleration: 1 of 2 comparisons differ (p < 0.05 after Holm); largest effect "
+        "ramps' acceleration: 1 of 2 comparisons differ (p < 0.05 after Holm); the clearest: "
         "+12.0 +- 4.0 N, p 0.0040 (seal A, 500 N, extend, 10 to 90 mm/s)",
         "ramp against steady: 0 of 1 comparisons differ",
         "+175.90 +- 0.27 J a cycle; width -17.6 +- 1.9 N at -50, +32.7 N at 50 mm/s",
