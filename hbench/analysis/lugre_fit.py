@@ -99,7 +99,7 @@ def fit_along(
         ]
         return np.column_stack(columns)
 
-    problem = Problem(residual, jacobian, lower, upper, size)
+    problem = Problem(residual, lower, upper, size, jacobian)
 
     def cost(x: np.ndarray) -> float:
         return float(np.sum(residual(x) ** 2))
