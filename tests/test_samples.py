@@ -66,7 +66,7 @@ def test_fits_of_a_plant_of_another_form_stay_close_to_its_friction(sample):
     """The plant's Stribeck exponent is 1.6; Tustin's law has 1."""
     results = workflow.analyze(sample("stribeck-small"))
     for curve in results.curves:
-        (fit,) = curve.fits
+        fit = curve.fits[0]
         assert fit.converged
         largest = max(abs(point.friction_n) for point in curve.points)
         assert 0 < fit.rmse_n < 0.03 * largest

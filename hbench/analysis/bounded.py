@@ -16,7 +16,7 @@ import numpy as np
 Function = Callable[[np.ndarray], np.ndarray]
 
 _COMPLEX_STEP = 1e-30  # exact for any small one
-_COSINE = 1e-10  # between the residuals and the columns of J: none left
+_COSINE = 1e-10  # between the residuals and the columns of J: nothing left
 # Where no step lowers the cost, by rounding or at a kink of the law, the search has converged if
 _STALLED = 0.03  # the slope promises less than a thousandth of the cost (this cosine's square),
 _NEGLIGIBLE = 1e-7  # or the full step is this part of the parameters' sizes.
@@ -78,19 +78,22 @@ def solve(problem: Problem, starts: Sequence[np.ndarray]) -> Solution:
     return min(found, key=lambda solution: cost(problem, solution.x))
 
 
-def descend(problem: Problem, start: np.ndarray, fixed: Sequence[int] = ()) -> Solution:
+def descend(
+    problem: Problem, start: np.ndarray, fixed: Sequence[int] = (), cosine: float = _COSINE
+) -> Solution:
     """Search from ``start``; parameters whose numbers are ``fixed`` stay as they are.
 
-    Where no parameter can move there is nothing to find, and the search has converged.
+    ``cosine`` between the residuals and the columns of J is as good as none. Where no parameter
+    can move there is nothing to find, and the search has converged.
     """
     movable = np.ones(len(start), dtype=bool)
     movable[list(fixed)] = False
     x = np.where(movable, np.clip(start, problem.lower, problem.upper), start)
     with np.errstate(all="ignore"):
-        return _descend(problem, x, movable)
+        return _descend(problem, x, movable, cosine)
 
 
-def _descend(problem: Problem, x: np.ndarray, movable: np.ndarray) -> Solution:
+def _descend(problem: Problem, x: np.ndarray, movable: np.ndarray, enough: float) -> Solution:
     residual = problem.residual(x)
     least, damping = float(residual @ residual), _FIRST_DAMPING
     free, longest, cosine = movable, np.zeros(len(x)), np.inf
@@ -101,7 +104,7 @@ def _descend(problem: Problem, x: np.ndarray, movable: np.ndarray) -> Solution:
         gradient = residual @ jacobian
         free = movable & ~_held(problem, x, gradient)
         cosine = _cosine(gradient[free], lengths[free], least)
-        if cosine <= _COSINE:
+        if cosine <= enough:
             return Solution(x, free, True)
         weight = np.where(longest > 0, longest, 1.0)[free]
         moved = False

@@ -1,56 +1,67 @@
-"""Friction laws fitted to curves: bounded least squares, with what the data does not determine.
+"""Friction laws fitted to curves, one by one or all at once, and what the data does not determine.
 
-The Tustin law (3.2) on magnitudes, so that both directions give positive parameters (a friction
-along with the motion stays negative):
-
-    F(v) = F_C + (F_stiction - F_C) exp(-|v| / v_stribeck) + B |v|
+Least squares of the trials' means within bounds, each weighed by the scatter of the trials, with a
+robust loss if asked for. The 95 % interval is that of the profile likelihood: in simulations it
+covers the truth where bounds are active, which the linearised one does not.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.bounded import Problem, Solution, solve
+from hbench.analysis.bootstrap import (
+    drawn_means,
+    drawn_residuals,
+    leveraged,
+    own_freedom,
+    percentile_intervals,
+)
+from hbench.analysis.bounded import Problem, Solution, cost, descend, solve
+from hbench.analysis.fit_messages import BEYOND, beyond_messages, bound_messages, disagreements
+from hbench.analysis.information import Information, identification_messages
+from hbench.analysis.intervals import covariance
+from hbench.analysis.law import Law
+from hbench.analysis.marton_lantos import TWO_LINES
+from hbench.analysis.pressure_fit import PRESSURE_BASED
+from hbench.analysis.profile import profile_interval
+from hbench.analysis.robust import robust
+from hbench.analysis.sample import Sample, sample, sign
 from hbench.analysis.student import student_factor
+from hbench.analysis.tustin import TUSTIN
+from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, FitParameter
 
-UNITS = {
-    "f_coulomb_n": "N",
-    "f_stiction_n": "N",
-    "v_stribeck_m_s": "m/s",
-    "b_viscous_n_s_m": "N s/m",
-}
-NAMES = tuple(UNITS)
+# Laws of one curve, and of the points of all loads and directions at once.
+LAWS: Mapping[str, Law] = {law.name: law for law in (TUSTIN, TWO_LINES)}
+JOINT_LAWS: Mapping[str, Law] = {PRESSURE_BASED.name: PRESSURE_BASED}
 
-# The source's bounds. It warns that they were set after seeing its data.
-TABLE_6_1: Mapping[str, tuple[float, float]] = {
-    "f_coulomb_n": (0.0, 1e5),
-    "f_stiction_n": (0.0, 1e5),
-    "v_stribeck_m_s": (0.05, 0.2),
-    "b_viscous_n_s_m": (0.0, 1e5),
-}
-
-_GRID = 15  # Stribeck speeds tried for a start
 _LINE_POINTS = 121
-_ILL_CONDITIONED = 1e3
-_SINGULAR = 1e-7
+_DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
 _LEAST_FORCE_N = 1e-6  # scale of a curve of zeros
-_FULL_FILM = 2.0  # Stribeck speeds; below, the viscous part does not stand alone
+_LEAST_SPEEDS = 4
+_ROUNDING = 1e-9  # of friction
+_SEED = 1  # of the bootstrap: the same campaign gives the same intervals
+
+Ends = tuple[float, float] | None
 
 
-def fits(curve: Curve) -> tuple[Fit, ...]:
-    """Fit every law of ``LAWS`` to a curve; none to one with fewer speeds than parameters."""
-    return tuple(law(curve) for law in LAWS.values()) if _speeds(curve) >= len(NAMES) else ()
+def fits(curve: Curve, how: Fitting | None = None) -> tuple[Fit, ...]:
+    """Fit the laws of one curve that ``how`` names; none to one with fewer than four speeds."""
+    how = how or Fitting()
+    if _speeds(curve) < _LEAST_SPEEDS:
+        return ()
+    return tuple(fit_law(LAWS[name], [curve], how) for name in how.laws if name in LAWS)
 
 
 def left_out(curves: Sequence[Curve]) -> tuple[str, ...]:
     """Return a note on the curves that ``fits`` leaves out, if there are any."""
-    few = [_speeds(curve) for curve in curves if _speeds(curve) < len(NAMES)]
+    few = [_speeds(curve) for curve in curves if _speeds(curve) < _LEAST_SPEEDS]
     if not few:
         return ()
     return (
         f"{len(few)} of {len(curves)} curves have {max(few)} or fewer speeds and are not fitted; "
-        f"a fit needs {len(NAMES)}",
+        f"a fit needs {_LEAST_SPEEDS}",
     )
 
 
@@ -58,164 +69,223 @@ def _speeds(curve: Curve) -> int:
     return len({point.v_m_s for point in curve.points})
 
 
-def fit_tustin(curve: Curve, bounds: Mapping[str, tuple[float, float]] = TABLE_6_1) -> Fit:
-    """Fit the Tustin law (3.2) to a curve's points, all with the same weight.
+def fit_tustin(curve: Curve, bounds: Mapping[str, tuple[float, float]] | None = None) -> Fit:
+    """Fit the Tustin law (3.2) to a curve; within the bounds of table 6.1 if none are given."""
+    return fit_law(TUSTIN, [curve], Fitting(), bounds)
 
-    Standard errors come from the Jacobian of the parameters off their bounds, with
-    s^2 = RSS / (n - p); intervals from Student's t with n - p degrees of freedom, p being the
-    number of these parameters. ``rmse_n`` is sqrt(RSS / n). What the data does not determine
-    has neither, and the message says so.
+
+def fit_pressure_based(curves: Sequence[Curve], k2_s_m: tuple[float, float] | None = None) -> Fit:
+    """Fit equation 3.7 to the points of all ``curves`` at once."""
+    return fit_law(PRESSURE_BASED, curves, Fitting(), k2_s_m and {"k2_s_m": k2_s_m})
+
+
+def fit_law(
+    law: Law,
+    curves: Sequence[Curve],
+    how: Fitting,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+) -> Fit:
+    """Fit a law to the points of one curve or more; ``bounds`` replace those of ``how``.
+
+    Points without a pressure that the law needs are left out. Standard errors come from the
+    Jacobian of the parameters off their bounds, with s^2 = RSS / (n - p), p being the number of
+    these; intervals from Student's t with n - p degrees of freedom. ``rmse_n`` is
+    sqrt(RSS / n), not weighted. What the data does not determine has neither, and the message
+    says so.
     """
-    v = np.abs([point.v_m_s for point in curve.points])
-    friction = _sign(curve) * np.array([point.friction_n for point in curve.points])
-    if len(v) < len(NAMES):
-        message = f"{len(v)} points do not determine {len(NAMES)} parameters"
-        return Fit("tustin", {}, float("nan"), False, message)
-    lower, upper = np.array([bounds[name] for name in NAMES]).T
-    force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
-    problem = Problem(
-        residual=lambda p: tustin(v, p) - friction,
-        jacobian=lambda p: tustin_jacobian(v, p),
-        lower=lower,
-        upper=upper,
-        scale=np.array([force, force, upper[2], force / v.max()]),
-    )
-    solution = solve(problem, _starts(v, friction, lower, upper))
-    rss = float(np.sum(problem.residual(solution.x) ** 2))
-    se, condition = _standard_errors(problem, solution, rss, len(v))
-    parameters = _parameters(problem, solution, se, len(v))
+    data = sample(curves, how.weights)
+    if law.name == PRESSURE_BASED.name:
+        data = data.part(np.isfinite(data.inputs).all(axis=0))
+    n, p = len(data.friction_n), len(law.names)
+    if len(np.unique(data.inputs, axis=1).T) < p:
+        with_what = "points with both pressures" if law.name == PRESSURE_BASED.name else "points"
+        message = f"{n} {with_what} do not determine {p} parameters"
+        return Fit(law.name, {}, float("nan"), False, message)
+    problem, solution, weights = estimate(law, data, how, bounds or {})
+    freedom = n - int(solution.free.sum())
+    worth = _Worth(problem, solution, freedom)
+    found = {"linearised": worth.linearised(), "profile": worth.profile()}
+    if how.bootstrap and freedom > 0:
+        found["bootstrap"] = _bootstrap(law, data, problem, solution, weights, how.bootstrap)
+    parameters = _parameters(law, problem, solution, worth, found)
+    residual = law.model(data.inputs, solution.x) - data.friction_n
     messages = [] if solution.converged else ["the search for the best fit did not converge"]
-    messages += _bound_messages(parameters)
-    messages += _identification_messages(parameters, v, condition)
+    messages += bound_messages(parameters) + disagreements(parameters)
+    if freedom <= 0:
+        messages.append("as many parameters as points: no standard errors")
+    else:
+        seen = Information(
+            law, solution.x, worth.jacobian, worth.variance, problem.scale, data.inputs
+        )
+        widths = [np.nan if ends is None else ends[1] - ends[0] for ends in found["profile"]]
+        messages += identification_messages(seen, worth.factor, np.array(widths) / 2)
+        messages += beyond_messages(seen, worth.factor) if len(curves) == 1 else []
+    line, beyond = _lines(law, curves, data, solution.x)
     return Fit(
-        law="tustin",
+        law=law.name,
         parameters=parameters,
-        rmse_n=float(np.sqrt(rss / len(v))),
+        rmse_n=float(np.sqrt(np.mean(residual**2))),
         converged=solution.converged,
         message="; ".join(messages),
-        line=_line(curve, v, solution.x),
+        line=line,
+        beyond=beyond,
     )
 
 
-def tustin(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return F_C + (F_s - F_C) exp(-v / v_s) + B v [N] for speeds >= 0; p in ``NAMES`` order."""
-    f_c, f_s, v_s, b = p
-    return f_c + (f_s - f_c) * np.exp(-v_m_s / v_s) + b * v_m_s
+class Estimate(NamedTuple):
+    """A law's problem, its solution, and what weight (n,) a robust loss left to the points."""
+
+    problem: Problem
+    solution: Solution
+    weights: np.ndarray
 
 
-def tustin_jacobian(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the derivatives (n, 4) of ``tustin`` by its parameters."""
-    f_c, f_s, v_s, _ = p
-    e = np.exp(-v_m_s / v_s)
-    return np.column_stack([1 - e, e, (f_s - f_c) * e * v_m_s / v_s**2, v_m_s])
+def estimate(
+    law: Law,
+    data: Sample,
+    how: Fitting,
+    bounds: Mapping[str, tuple[float, float]],
+    start: np.ndarray | None = None,
+) -> Estimate:
+    """Estimate a law's parameters from points; ``bounds`` replace those of ``how``.
 
-
-def _starts(
-    v: np.ndarray, friction: np.ndarray, lower: np.ndarray, upper: np.ndarray
-) -> list[np.ndarray]:
-    """Return a start for each minimum over v_s of the best fit of the three linear parameters."""
-    grid = np.geomspace(lower[2], upper[2], _GRID)
-    found, costs = [], []
-    for v_s in grid:
-        e = np.exp(-v / v_s)
-        linear, *_ = np.linalg.lstsq(np.column_stack([1 - e, e, v]), friction, rcond=None)
-        p = np.clip([linear[0], linear[1], v_s, linear[2]], lower, upper)
-        found.append(p)
-        costs.append(np.sum((tustin(v, p) - friction) ** 2))
-    padded = np.array([np.inf, *costs, np.inf])
-    minima = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])
-    return [found[i] for i in np.flatnonzero(minima)]
-
-
-def _standard_errors(
-    problem: Problem, solution: Solution, rss: float, n: int
-) -> tuple[np.ndarray, float]:
-    """Return standard errors, nan where not determined, and the condition of the free part.
-
-    Columns are scaled by the parameters' sizes first. A direction with no singular value to
-    speak of is not determined, and neither is a parameter with a part in it.
+    The search begins at ``start``, or where the law's own starts are. With a robust loss the
+    problem is that of the pseudo-values, which has the same solution.
     """
-    free, scale = solution.free, problem.scale
-    se = np.full(len(scale), np.nan)
-    dof = n - int(free.sum())
-    if not free.any():
-        return se, 1.0
-    jacobian = problem.jacobian(solution.x)[:, free] * scale[free]
-    _, s, vt = np.linalg.svd(jacobian, full_matrices=False)
-    known = s > _SINGULAR * s[0]
-    condition = float(s[0] / s[-1]) if known.all() else np.inf
-    if dof > 0:
-        variance = np.sum((vt[known].T / s[known]) ** 2, axis=1) * rss / dof
-        undetermined = np.any(np.abs(vt[~known]) > 1e-3, axis=0)
-        se[free] = np.where(undetermined, np.nan, np.sqrt(variance) * scale[free])
-    return se, condition
+    inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
+    own = {name: value for name, value in how.bounds if name in law.names}
+    lower, upper = law.limits(inputs, {**own, **bounds})
+    force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
+    problem = Problem(
+        residual=lambda p: (law.model(inputs, p) - friction) / sigma,
+        lower=lower,
+        upper=upper,
+        scale=law.scale(inputs, force),
+        jacobian=lambda p: law.jacobian(inputs, p) / sigma[:, None],
+    )
+    starts = law.starts(inputs, friction, lower, upper) if start is None else [start]
+    solution = solve(problem, starts)
+    if how.loss == "linear":
+        return Estimate(problem, solution, np.ones(len(friction)))
+    found = robust(problem, solution, how.loss)
+    return Estimate(found.problem, found.solution, found.weights)
+
+
+class _Worth:
+    """Linearised and profile intervals of a solution."""
+
+    def __init__(self, problem: Problem, solution: Solution, freedom: int):
+        self.problem, self.solution = problem, solution
+        free = solution.free
+        self.jacobian = problem.derivatives(solution.x)
+        self.factor = student_factor(freedom) if freedom > 0 else np.nan
+        self.variance = cost(problem, solution.x) / freedom if freedom > 0 else np.nan
+        self.spread = np.full((len(free), len(free)), np.nan)
+        residual = problem.residual(solution.x)
+        self.spread[np.ix_(free, free)] = covariance(self.jacobian[:, free], residual)
+        self.se = np.sqrt(np.diag(self.spread))
+
+    def linearised(self) -> list[Ends]:
+        half = self.factor * self.se
+        return [
+            (float(x - h), float(x + h)) if np.isfinite(h) else None
+            for x, h in zip(self.solution.x, half, strict=True)
+        ]
+
+    def profile(self) -> list[Ends]:
+        """Return the profile's intervals; none where neither end is set by the data."""
+        level = self.factor**2 * self.variance
+        rest = cost(self.problem, self.solution.x)
+        if not rest > _ROUNDING**2 * cost(self.problem, np.zeros_like(self.se)):
+            return self.linearised()  # an exact fit: what is left is rounding
+        return [self._profile(i, level) for i in range(len(self.se))]
+
+    def _profile(self, i: int, level: float) -> Ends:
+        if self.solution.free[i] and not np.isfinite(self.se[i]):
+            return None
+        along = np.where(self.solution.free, self.spread[:, i], 0.0) / self.se[i]
+        low, high = profile_interval(self.problem, self.solution, i, level, self.factor * along)
+        by_data = (self.problem.lower[i] < low, high < self.problem.upper[i])
+        return (low, high) if any(by_data) and np.isfinite([low, high]).all() else None
+
+
+def _bootstrap(
+    law: Law,
+    data: Sample,
+    problem: Problem,
+    solution: Solution,
+    weights: np.ndarray,
+    count: int,
+) -> list[Ends]:
+    """Refit drawn campaigns from the solution on; the weights stay those of the fit."""
+    rng = np.random.default_rng(_SEED)
+    sigma = data.sigma / np.sqrt(weights)
+    fitted = law.model(data.inputs, solution.x)
+    jacobian = law.jacobian(data.inputs, solution.x) / sigma[:, None]
+    freedom = np.full(len(solution.x), len(fitted) - float(solution.free.sum()))
+    drawn = drawn_means(data.trials_n, count, rng)
+    if drawn is None:
+        scaled = leveraged((data.friction_n - fitted) / sigma, jacobian[:, solution.free])
+        drawn = drawn_residuals(fitted, scaled, sigma, count, rng)
+    else:
+        counts = np.array([len(own) for own in data.trials_n])
+        freedom[solution.free] = own_freedom(jacobian[:, solution.free], counts)
+
+    def refit(friction: np.ndarray) -> np.ndarray:
+        again = problem._replace(
+            residual=lambda p: (law.model(data.inputs, p) - friction) / sigma,
+            jacobian=lambda p: law.jacobian(data.inputs, p) / sigma[:, None],
+        )
+        return descend(again, solution.x, (), 1e-4).x
+
+    ends = percentile_intervals(refit, drawn, freedom)
+    return [(float(low), float(high)) for low, high in ends.T]
 
 
 def _parameters(
-    problem: Problem, solution: Solution, se: np.ndarray, n: int
+    law: Law,
+    problem: Problem,
+    solution: Solution,
+    worth: _Worth,
+    found: Mapping[str, Sequence[Ends]],
 ) -> dict[str, FitParameter]:
-    dof = n - int(solution.free.sum())
-    t = student_factor(dof) if dof > 0 else np.nan
-    found = {}
-    for i, name in enumerate(NAMES):
-        value, error = float(solution.x[i]), float(se[i])
-        known = np.isfinite(error)
-        found[name] = FitParameter(
-            value=value,
-            se=error if known else None,
-            ci95=(value - t * error, value + t * error) if known else None,
+    parameters = {}
+    for i, (name, unit) in enumerate(law.units.items()):
+        intervals = {method: ends[i] for method, ends in found.items()}
+        known = bool(np.isfinite(worth.factor * worth.se[i])) and intervals["profile"] is not None
+        parameters[name] = FitParameter(
+            value=float(solution.x[i]),
+            se=float(worth.se[i]) if known else None,
+            ci95=intervals["profile"],
             at_bound=solution.at_bound(problem, i),
-            unit=UNITS[name],
+            unit=unit,
+            intervals=intervals,
+            disagree=_disagree([ends for ends in intervals.values() if ends is not None]),
         )
-    return found
+    return parameters
 
 
-def _bound_messages(parameters: dict[str, FitParameter]) -> list[str]:
-    return [
-        f"{name} is at its {p.at_bound} bound {p.value:g} {p.unit}: the data would have it "
-        f"{'lower' if p.at_bound == 'lower' else 'higher'}; its value is the bound's, and the "
-        "other parameters depend on it"
-        for name, p in parameters.items()
-        if p.at_bound
-    ]
+def _disagree(intervals: Sequence[tuple[float, float]]) -> bool:
+    if len(intervals) < 2:
+        return False
+    low, high = np.array(intervals).T
+    width = float(np.median(high - low))
+    return bool(max(np.ptp(low), np.ptp(high)) > _DISAGREE * width / 2)
 
 
-def _identification_messages(
-    parameters: dict[str, FitParameter], v: np.ndarray, condition: float
-) -> list[str]:
-    free = {name: p for name, p in parameters.items() if not p.at_bound}
-    unknown = [name for name, p in free.items() if p.se is None]
-    viscous, v_s = parameters["b_viscous_n_s_m"], parameters["v_stribeck_m_s"].value
-    messages = []
-    if len(free) == len(v):
-        messages.append("as many parameters as points: no standard errors")
-    elif unknown:
-        messages.append(f"the data does not determine {' and '.join(unknown)}")
-    elif condition > _ILL_CONDITIONED:
-        messages.append(
-            f"ill-conditioned (condition number {condition:.1g}): the parameters can't be told "
-            "apart well, only the curve as a whole is known"
-        )
-    if viscous.ci95 is not None and viscous.ci95[0] <= 0:
-        messages.append("the velocities do not determine b_viscous_n_s_m: its interval holds 0")
-    elif viscous.at_bound is None and v.max() < _FULL_FILM * v_s:
-        messages.append(
-            f"b_viscous_n_s_m rests on speeds up to {v.max():.3g} m/s, where the Stribeck part "
-            f"(v_stribeck_m_s = {v_s:.3g} m/s) still falls; do not extrapolate"
-        )
-    return messages
+def _lines(law: Law, curves: Sequence[Curve], data: Sample, x: np.ndarray) -> tuple[tuple, tuple]:
+    """Return the line inside the measured speeds, and those below and above them."""
+    if len(curves) > 1 or law.name in JOINT_LAWS:
+        return (), ()
+    v = data.inputs[0]
+    low, high = v.min(), v.max()
 
+    def line(speeds: np.ndarray) -> tuple[tuple[float, float], ...]:
+        inputs = np.repeat(data.inputs[:, :1], len(speeds), axis=1)
+        inputs[0] = speeds
+        one, friction = sign(curves[0]), law.model(inputs, x)
+        return tuple(zip((one * speeds).tolist(), (one * friction).tolist(), strict=True))
 
-def _sign(curve: Curve) -> float:
-    return 1.0 if curve.direction == "extend" else -1.0
-
-
-def _line(curve: Curve, v: np.ndarray, p: np.ndarray) -> tuple[tuple[float, float], ...]:
-    sign = _sign(curve)
-    speeds = np.union1d(v, np.linspace(v.min(), v.max(), _LINE_POINTS))
-    return tuple(zip((sign * speeds).tolist(), (sign * tustin(speeds, p)).tolist(), strict=True))
-
-
-LAWS: dict[str, Callable[[Curve], Fit]] = {
-    "tustin": fit_tustin,
-}
+    inside = line(np.union1d(v, np.linspace(low, high, _LINE_POINTS)))
+    below, above = np.linspace(0.0, low, 9), np.linspace(high, BEYOND * high, 9)
+    return inside, tuple(line(part) for part in (below, above))

@@ -15,13 +15,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
-from hbench.analysis.fit import NAMES, fit_tustin
+from hbench.analysis.fit import fit_pressure_based, fit_tustin
 from hbench.analysis.friction_section import friction_section
 from hbench.analysis.leuven_fit import STEADY, fit_leuven
 from hbench.analysis.logged_motion import LoggedMotion
 from hbench.analysis.lugre_fit import UNKNOWNS, fit_lugre
 from hbench.analysis.marton_lantos import marton_lantos
-from hbench.analysis.pressure_fit import fit_pressure_based
+from hbench.analysis.tustin import NAMES
 from hbench.config.friction import parse_friction
 from hbench.errors import ConfigError, DataError
 from hbench.model.friction import LAWS

@@ -1,4 +1,10 @@
-"""The two lines of Marton and Lantos from a Tustin fit: tangents at rest and at the largest speed.
+"""The two lines of Marton and Lantos (3.3): fitted to a curve, and from a Tustin fit.
+
+Fitted (``TWO_LINES``), they meet at the switch velocity, which is a parameter like the slopes:
+
+    F = a_1 + b_1 min(|v|, v_SW) + b_2 max(|v| - v_SW, 0),    a_2 = a_1 + (b_1 - b_2) v_SW
+
+From a Tustin fit, as the source does it, they are tangents at rest and at the largest speed:
 
     F_d1 = a_1 + b_1 |v|    a_1 = F_stiction,            b_1 = B - D / v_s               (3.4)
     F_d2 = a_2 + b_2 |v|    a_2 = F_C + D e (1 + w),     b_2 = B - D e / v_s             (3.5)
@@ -10,8 +16,10 @@ value at v_max. v_SW depends on v_s and v_max alone.
 
 import numpy as np
 
-from hbench.analysis.fit import NAMES, tustin_jacobian
+from hbench.analysis.bounded import complex_step
 from hbench.analysis.intervals import covariance, fit_parameters
+from hbench.analysis.law import Law
+from hbench.analysis.tustin import NAMES, tustin_jacobian
 from hbench.records import Curve, Fit
 
 UNITS = {
@@ -21,7 +29,46 @@ UNITS = {
     "high_slope_n_s_m": "N s/m",
     "v_switch_m_s": "m/s",
 }
-_STEP = 1e-20  # of the complex-step derivative, which is exact for any small one
+
+
+def two_lines(speed_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Return friction [N] at speeds >= 0; p = a_1, b_1, b_2, v_SW."""
+    a_1, b_1, b_2, v_switch = p
+    low = np.minimum(speed_m_s, v_switch)
+    return a_1 + b_1 * low + b_2 * (speed_m_s - low)
+
+
+def _basis(inputs: np.ndarray, v_switch: float) -> np.ndarray:
+    low = np.minimum(inputs[0], v_switch)
+    return np.column_stack([np.ones(len(low)), low, inputs[0] - low])
+
+
+def _jacobian(inputs: np.ndarray, p: np.ndarray) -> np.ndarray:
+    _, b_1, b_2, v_switch = p
+    return np.column_stack([_basis(inputs, v_switch), np.where(inputs[0] > v_switch, b_1 - b_2, 0)])
+
+
+def _between(inputs: np.ndarray) -> dict[str, tuple[float, float]]:
+    """Bound v_SW so that two speeds or more lie on each line."""
+    speeds = np.unique(inputs[0])
+    return {"v_switch_m_s": (float(speeds[1]), float(speeds[-2]))}
+
+
+def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
+    v_max = inputs[0].max()
+    return np.array([force, force / v_max, force / v_max, v_max])
+
+
+TWO_LINES = Law(
+    name="marton_lantos",
+    units={name: unit for name, unit in UNITS.items() if name != "high_force_n"},
+    model=lambda inputs, p: two_lines(inputs[0], p),
+    jacobian=_jacobian,
+    basis=_basis,
+    nonlinear="v_switch_m_s",
+    bounds=_between,
+    scale=_scale,
+)
 
 
 def marton_lantos(curve: Curve, tustin: Fit) -> Fit:
@@ -35,9 +82,7 @@ def marton_lantos(curve: Curve, tustin: Fit) -> Fit:
     free = np.array([tustin.parameters[name].at_bound is None for name in NAMES])
     v_max = float(v.max())
     values = lines(p, v_max)
-    slopes = np.column_stack(
-        [np.imag(lines(p + 1j * _STEP * direction, v_max)) / _STEP for direction in np.eye(4)]
-    )[:, free]
+    slopes = complex_step(lambda p: lines(p, v_max), p)[:, free]
     jacobian = tustin_jacobian(v, p)[:, free]
     # Only the residuals' sum of squares counts, and the Tustin fit knows it.
     own = covariance(jacobian, np.full(len(v), tustin.rmse_n))

@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.analysis.fit import NAMES, tustin
 from hbench.analysis.logged_motion import LoggedMotion, logged_motion
+from hbench.analysis.tustin import NAMES, tustin
 from hbench.errors import DataError
 from hbench.records import Curve, CurvePoint, Fit, ModelErrors, Run
 from hbench.records.identification import PARTS

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import typer
 
+_FIT = typer.Option(None, help="Fit file: laws, bounds, weights, loss, bootstrap.")
+
 
 def analyze(
     campaign: Path = typer.Argument(help="Campaign folder."),
+    fit: Path | None = _FIT,
     as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
 ) -> None:
     """Screen, average and fit CAMPAIGN; write its results folder.
@@ -15,11 +18,12 @@ def analyze(
     """
     from hbench import workflow
 
-    typer.echo(_result(workflow.analyze(campaign), as_json))
+    typer.echo(_result(workflow.analyze(campaign, fit), as_json))
 
 
 def report(
     campaign: Path = typer.Argument(help="Campaign folder."),
+    fit: Path | None = _FIT,
     as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
 ) -> None:
     """Analyze CAMPAIGN and write results/report.html with figures and tables.
@@ -28,7 +32,7 @@ def report(
     """
     from hbench import workflow
 
-    results = workflow.report(campaign)
+    results = workflow.report(campaign, fit)
     typer.echo(f"{campaign / 'results' / 'report.html'}", err=True)
     typer.echo(_result(results, as_json))
 

@@ -11,11 +11,12 @@ _FILES = (
     "dynamics.yaml",
     "warm-up.yaml",
     "demo.yaml",
+    "fit.yaml",
 )
 
 
 def init(directory: Path = typer.Argument(help="Folder to write into.")) -> None:
-    """Write commented example files to edit: a bench and five schedules.
+    """Write commented example files to edit: a bench, five schedules and a fit file.
 
     Example: hbench init my-bench
     """

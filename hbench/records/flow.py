@@ -178,13 +178,19 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class FitParameter:
-    """One fitted number. ``se`` and ``ci95`` are None where the data does not determine it."""
+    """One fitted number. ``se`` and ``ci95`` are None where the data does not determine it.
+
+    At an active bound there is no standard error, and ``ci95`` begins or ends at the bound.
+    """
 
     value: float
     se: float | None
     ci95: tuple[float, float] | None
     at_bound: Literal["lower", "upper"] | None
     unit: str
+    # 95 % intervals by method: linearised, profile (which ``ci95`` is), bootstrap if asked for.
+    intervals: dict[str, tuple[float, float] | None] = field(default_factory=dict)
+    disagree: bool = False  # whether these differ by much
 
 
 @dataclass(frozen=True)
@@ -199,6 +205,27 @@ class Fit:
     # The law at (v_m_s, friction_n), signed like the curve's points: the speed of each point,
     # and enough between for a smooth line. Nothing outside the measured speeds.
     line: tuple[tuple[float, float], ...] = ()
+    # The same outside of them: down to rest, and somewhat above. Extrapolated, not measured.
+    beyond: tuple[tuple[tuple[float, float], ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """How well a law predicts speeds that were left out of its fit."""
+
+    law: str
+    rmse_n: float
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Laws by their error at speeds left out, the best first."""
+
+    laws: tuple[HeldOut, ...]
+    difference_n2: float  # mean square error of the second, less that of the first
+    difference_se_n2: float  # its standard error
+    told_apart: bool  # whether its 95 % interval is above zero
+    speeds: int  # left out, one at a time
 
 
 @dataclass(frozen=True)
@@ -214,11 +241,24 @@ class Curve:
     points: tuple[CurvePoint, ...]  # by rising speed
     fits: tuple[Fit, ...] = ()
     a_ref_m_s2: float | None = None  # of a ramp
+    selection: Selection | None = None  # None with fewer than two laws or seven speeds
 
     @property
     def over_velocity(self) -> bool:
         """Enough speeds for a curve over velocity; fewer are points over pressure."""
         return len(self.points) >= 3
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """Laws with pressure in them, fitted to all curves of a kind and label at once."""
+
+    kind: str
+    label: str
+    curves: int
+    points: int
+    fits: tuple[Fit, ...]
+    selection: Selection | None  # with the laws that have parameters for each curve
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from hbench.records.flow import Band, Curve, EfficiencyCurve, Provenance, ScreenedRun
+from hbench.records.flow import Band, Curve, EfficiencyCurve, JointFit, Provenance, ScreenedRun
 from hbench.records.motions import Motions
 
 
@@ -17,3 +17,4 @@ class Results:
     bands: tuple[Band, ...]
     notes: tuple[str, ...]  # what was left out, and why
     motions: Motions = Motions()
+    joint_fits: tuple[JointFit, ...] = ()

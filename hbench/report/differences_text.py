@@ -12,7 +12,7 @@ from hbench.records import (
 )
 from hbench.report.document import Section, document
 from hbench.report.figures import Drawing
-from hbench.report.page_tables import PARAMETERS
+from hbench.report.fit_tables import PARAMETERS
 from hbench.report.phenomenon_text import aligned
 from hbench.report.style import TITLES
 from hbench.report.tables import plain

@@ -14,6 +14,7 @@ from hbench.report.rod_side import load_words, told_apart
 AnyCurve = TypeVar("AnyCurve", Curve, EfficiencyCurve)
 LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where it tells curves apart
 
+_EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
 _ASIDE = 0.006  # residuals of one speed stand side by side, this part of the highest speed apart
 
 
@@ -54,7 +55,7 @@ def signed(results: Results) -> dict[str, Figure]:
         axes.errorbar(1e3 * v, friction, interval, label=label, **look, **style.SMALL_POINTS)
     for line in (axes.axhline, axes.axvline):
         line(0, color="#374151", linewidth=0.9, zorder=1)
-    axes.set(xlabel="Velocity v (mm/s), positive extends", ylabel="Friction F (N)")
+    axes.set(xlabel=_along("Velocity v (mm/s), positive extends", curves), ylabel="Friction F (N)")
     style.head(axes, "Both directions", results)
     load_legend(figure, axes, "Load |$F_L$|", curves)
     return {"": figure}
@@ -129,19 +130,28 @@ def _one_direction(
         below.set_ylabel("Measured\n− fitted (N)")
         reach = max(abs(limit) for limit in below.get_ylim())
         below.set_ylim(-reach, reach)
-    figure.axes[-1].set_xlabel("Speed |v| (mm/s)")
+    figure.axes[-1].set_xlabel(_along("Speed |v| (mm/s)", curves))
     style.head(axes, style.TITLES[direction], results)
     load_legend(figure, axes, "Load $F_L$", curves)
     return figure
 
 
 def _fitted(axes: Axes, fits: tuple[Fit, ...], colour: str, sign: int, absolute: bool) -> None:
-    for fit in fits:
-        if fit.line:
-            v, friction = np.array(fit.line, dtype=float).T
-            speed = np.abs(v) if absolute else v
-            dashes = "-" if fit.converged else "--"
-            axes.plot(1e3 * speed, sign * friction, color=colour, linestyle=dashes, zorder=2)
+    """Draw the first law: a line inside the measured speeds, dots where it is extrapolated."""
+    for fit in fits[:1]:
+        inside = {"linestyle": "-" if fit.converged else "--", "zorder": 2}
+        parts = [(fit.line, inside), *((part, _EXTRAPOLATED) for part in fit.beyond)]
+        for line, look in parts:
+            if line:
+                v, friction = np.array(line, dtype=float).T
+                speed = np.abs(v) if absolute else v
+                axes.plot(1e3 * speed, sign * friction, color=colour, **look)
+
+
+def _along(words: str, curves: Iterable[Curve]) -> str:
+    """Return the words under the speeds, with a warning where lines are extrapolated."""
+    beyond = any(fit.beyond for curve in curves for fit in curve.fits[:1])
+    return words + ("\ndotted: extrapolated, nothing was measured there" if beyond else "")
 
 
 def _at(fit: Fit, v_m_s: np.ndarray) -> np.ndarray:

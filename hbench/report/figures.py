@@ -113,9 +113,10 @@ FIGURES = (
         name="stribeck",
         section="friction",
         caption="Friction over speed, both as magnitudes. Points: mean of the accepted trials with "
-        "the 95 % Student interval. Lines: the fitted law inside the measured speeds (dashed: the "
-        "fit did not converge). Hollow points: the load helps the motion. Below: measured less "
-        "fitted, side by side. Both directions share their axes.",
+        "the 95 % Student interval. Lines: the first fitted law inside the measured speeds "
+        "(dashed: the fit did not converge); dotted: extrapolated, nothing was measured there. "
+        "Hollow points: the load helps the motion. Below: measured less fitted, side by side. Both "
+        "directions share their axes.",
         applies=has_curves,
         draw=stribeck,
         each_series=True,

@@ -12,6 +12,7 @@ from hbench.report.document import rendered
 from hbench.report.draw_friction import has_curves, over_velocity
 from hbench.report.draw_rejected import has_rejected
 from hbench.report.figures import Drawing
+from hbench.report.fit_tables import fit_tables, selection_table
 from hbench.report.text import number, span
 from hbench.units import from_si
 
@@ -43,7 +44,8 @@ def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
         banner=_BANNERS[results.provenance.source],
         tiles=_tiles(results),
         figures=sections,
-        fits=page_tables.fit_tables(results),
+        fits=fit_tables(results),
+        selection=selection_table(results),
         points=page_tables.point_table(results),
         efficiency=page_tables.efficiency_table(results),
         budget=page_tables.budget_table(results),

@@ -1,9 +1,8 @@
 """The tables of the page: records as rows of text, in the units that people think in."""
 
-import math
 from dataclasses import dataclass
 
-from hbench.records import Curve, EfficiencyCurve, Fit, FitParameter, Results, RunPlan, ScreenedRun
+from hbench.records import Curve, EfficiencyCurve, Results, RunPlan, ScreenedRun
 from hbench.report.reasons import code_of
 from hbench.report.rod_side import kind_words, load_words, told_apart
 from hbench.report.style import TITLES
@@ -33,37 +32,10 @@ class Table:
         return self.head[column] not in self.words
 
 
-# How a law's parameters read on the page: words and the unit to show. Others keep their names.
-PARAMETERS = {
-    "f_coulomb_n": ("Coulomb force F_C", "N"),
-    "f_stiction_n": ("Stiction force F_stiction", "N"),
-    "v_stribeck_m_s": ("Stribeck velocity", "mm/s"),
-    "b_viscous_n_s_m": ("Viscous coefficient B", "N s/m"),
-}
-
-
-def fit_tables(results: Results) -> dict[str, Table]:
-    """Return a table of parameters for each law, with its messages below."""
-    fits = [(curve, fit) for curve in told_apart(results.curves) for fit in curve.fits]
-    tables = {}
-    for law in dict.fromkeys(fit.law for _, fit in fits):
-        chosen = [(curve, fit) for curve, fit in fits if fit.law == law]
-        names = list(dict.fromkeys(name for _, fit in chosen for name in fit.parameters))
-        units = {name: fit.parameters[name].unit for _, fit in chosen for name in fit.parameters}
-        heads = [_parameter_head(name, units[name]) for name in names]
-        rows = []
-        for curve, fit in chosen:
-            cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
-            rows.append((*_who(curve), *cells, _residual_cell(fit)))
-        messages = [f"{_who_text(curve)}: {fit.message}" for curve, fit in chosen if fit.message]
-        tables[law] = table((*_WHO, *heads, "RMS residual (N)"), rows, messages)
-    return tables
-
-
 def point_table(results: Results) -> Table:
     """Return the points of all friction curves."""
     head = (
-        *_WHO,
+        *WHO,
         "Velocity (mm/s)",
         "Friction (N)",
         "Trials",
@@ -75,7 +47,7 @@ def point_table(results: Results) -> Table:
     )
     rows = [
         (
-            *_who(curve),
+            *who(curve),
             number(1e3 * point.v_m_s, 2),
             Cell(
                 with_interval(point.friction_n, point.ci95_n),
@@ -98,7 +70,7 @@ def efficiency_table(results: Results) -> Table:
     """Return the points of all efficiency curves."""
     rows = [
         (
-            *_who(curve),
+            *who(curve),
             number(1e3 * point.v_m_s, 2),
             _percent(point.efficiency),
             _percent(point.sigma),
@@ -116,7 +88,7 @@ def efficiency_table(results: Results) -> Table:
         "s.e. of trials (%)",
         "σ of both (%)",
     )
-    return table((*_WHO, *head, "Remark"), rows)
+    return table((*WHO, *head, "Remark"), rows)
 
 
 def budget_table(results: Results) -> Table:
@@ -131,7 +103,7 @@ def budget_table(results: Results) -> Table:
         ranked = sorted(parts, key=lambda name: -parts[name])
         rows.append(
             (
-                *_who(curve),
+                *who(curve),
                 str(curve.mean.points),
                 _percent(curve.mean.efficiency),
                 _percent(curve.mean.sigma_combined),
@@ -139,7 +111,7 @@ def budget_table(results: Results) -> Table:
             )
         )
     head = ("Speeds", "Mean efficiency (%)", "σ (%)", "Parts of σ (%)")
-    return table((*_WHO, *head), rows)
+    return table((*WHO, *head), rows)
 
 
 def pressure_table(results: Results) -> Table:
@@ -191,8 +163,8 @@ def remark_table(results: Results) -> Table:
 
 
 _ROD_SIDE = "P_Lr (bar)"
-_WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
-_RUN = ("Run", *_WHO, "Reference (mm/s)", "Trial")
+WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
+_RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
 _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark", "Parts of σ (%)"})
 _WHERE_GIVEN = ("Label", "Kind", _ROD_SIDE, "Remark", "U95 with instruments (N)")
 
@@ -221,7 +193,8 @@ def table(
     )
 
 
-def _who(curve: Curve | EfficiencyCurve | RunPlan) -> tuple[str, ...]:
+def who(curve: Curve | EfficiencyCurve | RunPlan) -> tuple[str, ...]:
+    """Return what tells a curve from others, in the columns ``WHO``."""
     load = force(curve.f_load_n).removesuffix(" N")
     direction = TITLES[curve.direction].lower()
     return curve.label, kind_words(curve), direction, load, _rod_side(curve.p_lr_ref_pa)
@@ -231,7 +204,8 @@ def _rod_side(pressure_pa: float | None) -> str:
     return "" if pressure_pa is None else _bar(pressure_pa)
 
 
-def _who_text(curve: Curve) -> str:
+def who_text(curve: Curve) -> str:
+    """Return the same as words."""
     load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
     words = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
     return ", ".join(filter(None, words))
@@ -243,35 +217,12 @@ def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:
 
 
 def _run(plan: RunPlan) -> tuple[str, ...]:
-    return plan.run, *_who(plan), number(1e3 * plan.v_ref_m_s, 1), str(plan.trial)
+    return plan.run, *who(plan), number(1e3 * plan.v_ref_m_s, 1), str(plan.trial)
 
 
 def _reason_words(reason: str) -> str:
     code = code_of(reason)
     return reason.replace(code, code.replace("_", " "), 1)
-
-
-def _parameter_head(name: str, unit: str) -> str:
-    words, shown = PARAMETERS.get(name, (name, unit))
-    return f"{words} ({shown})"
-
-
-def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
-    if parameter is None:
-        return Cell("")
-    shown = PARAMETERS[name][1] if name in PARAMETERS else "1"
-    half = None
-    if parameter.ci95 is not None:
-        half = from_si((parameter.ci95[1] - parameter.ci95[0]) / 2, shown)
-    text = with_interval(from_si(parameter.value, shown), half)
-    if parameter.at_bound is not None:
-        return Cell(text, f"at {parameter.at_bound} bound")
-    determined = half is not None and math.isfinite(half)
-    return Cell(text, "" if determined else "not determined")
-
-
-def _residual_cell(fit: Fit) -> Cell:
-    return Cell(significant(fit.rmse_n, 3), "" if fit.converged else "not converged")
 
 
 def _bar(pressure_pa: float | None) -> str:

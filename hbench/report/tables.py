@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.records import Band, Curve, EfficiencyCurve, Fit, Results, ScreenedRun
+from hbench.records import Band, Curve, EfficiencyCurve, Fit, JointFit, Results, ScreenedRun
 from hbench.report.motion_rows import motion_lines, motions_json
 from hbench.report.reasons import reason_counts
 from hbench.report.rod_side import kind_words, load_words, told_apart
@@ -38,8 +38,20 @@ def results_json(results: Results) -> str:
                 "specimen": asdict(curve.specimen),
                 "points": [asdict(point) for point in curve.points],
                 "fits": [_fit(fit) for fit in curve.fits],
+                "selection": curve.selection and asdict(curve.selection),
             }
             for curve in results.curves
+        ],
+        "joint_fits": [
+            {
+                "kind": joint.kind,
+                "label": joint.label,
+                "curves": joint.curves,
+                "points": joint.points,
+                "fits": [_fit(fit) for fit in joint.fits],
+                "selection": joint.selection and asdict(joint.selection),
+            }
+            for joint in results.joint_fits
         ],
         "efficiency": [
             {
@@ -73,29 +85,44 @@ def curves_csv(results: Results) -> str:
 
 
 def fits_csv(results: Results) -> str:
-    """Return one row a fitted parameter; its unit is a column."""
-    rows = []
-    for curve in results.curves:
-        for fit in curve.fits:
-            for name, parameter in fit.parameters.items():
-                low, high = parameter.ci95 or (None, None)
-                rows.append(
-                    {
-                        **_series(curve),
-                        "law": fit.law,
-                        "parameter": name,
-                        "value": parameter.value,
-                        "unit": parameter.unit,
-                        "se": parameter.se,
-                        "ci95_low": low,
-                        "ci95_high": high,
-                        "at_bound": parameter.at_bound,
-                        "rmse_n": fit.rmse_n,
-                        "converged": fit.converged,
-                        "message": fit.message,
-                    }
-                )
+    """Return one row a fitted parameter; its unit is a column.
+
+    A law of all loads has no direction and no load.
+    """
+    rows = [
+        row
+        for curve in results.curves
+        for fit in curve.fits
+        for row in _fit_rows(_series(curve), fit)
+    ]
+    for joint in results.joint_fits:
+        series = dict.fromkeys(_SERIES) | {"kind": joint.kind, "label": joint.label}
+        rows += [row for fit in joint.fits for row in _fit_rows(series, fit)]
     return csv_text(_FIT_COLUMNS, rows)
+
+
+def _fit_rows(series: Row, fit: Fit) -> list[Row]:
+    rows = []
+    for name, parameter in fit.parameters.items():
+        low, high = parameter.ci95 or (None, None)
+        rows.append(
+            {
+                **series,
+                "law": fit.law,
+                "parameter": name,
+                "value": parameter.value,
+                "unit": parameter.unit,
+                "se": parameter.se,
+                "ci95_low": low,
+                "ci95_high": high,
+                "at_bound": parameter.at_bound,
+                "disagree": parameter.disagree,
+                "rmse_n": fit.rmse_n,
+                "converged": fit.converged,
+                "message": fit.message,
+            }
+        )
+    return rows
 
 
 def efficiency_csv(results: Results) -> str:
@@ -210,7 +237,8 @@ _CURVE_COLUMNS = (
 )
 _FIT_COLUMNS = (
     *_SERIES,
-    *"law parameter value unit se ci95_low ci95_high at_bound rmse_n converged message".split(),
+    *"law parameter value unit se ci95_low ci95_high at_bound disagree rmse_n".split(),
+    *"converged message".split(),
 )
 _BAND_COLUMNS = (*"kind label f_load_n p_lr_ref_pa p_tp_pa half_n half_ci95_n middle_n n".split(),)
 _EFFICIENCY_COLUMNS = (
@@ -235,7 +263,7 @@ def summary_text(results: Results) -> str:
                 load_words(curve.f_load_n, curve.p_lr_ref_pa) or "not set",
                 span([1e3 * abs(point.v_m_s) for point in curve.points]),
                 _friction_words(curve),
-                "; ".join(_fit_words(fit) for fit in curve.fits) or "-",
+                "; ".join(_fit_words(fit) for fit in curve.fits[:1]) or "-",
             ]
         )
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -243,6 +271,7 @@ def summary_text(results: Results) -> str:
     head = f"{results.provenance.name} ({results.provenance.source})"
     counts = f"{len(results.runs)} runs{of_kinds}: {accepted} accepted, {rejected}"
     notes = [f"note: {note}" for note in results.notes]
+    lines += [_joint_words(joint) for joint in results.joint_fits]
     table = ["", *lines] if results.curves else []
     moving = motion_lines(results.motions)
     text = "\n".join([head, counts, *table, *([""] if moving else []), *moving, *notes])
@@ -255,6 +284,11 @@ def _friction_words(curve: Curve) -> str:
         return span([abs(point.friction_n) for point in curve.points])
     (point,) = curve.points
     return short(abs(point.friction_n)) + (f" +- {short(point.ci95_n)}" if point.ci95_n else "")
+
+
+def _joint_words(joint: JointFit) -> str:
+    label = f"{joint.label}: " if joint.label else ""
+    return f"{label}all {joint.curves} curves at once: " + "; ".join(map(_fit_words, joint.fits))
 
 
 def _fit_words(fit: Fit) -> str:

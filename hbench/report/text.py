@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection
 
+_SYMMETRIC = 0.05  # of the half-width
 NONE = "–"  # what stands for a number that does not exist
 
 
@@ -36,6 +37,18 @@ def with_interval(value: float | None, half_width: float | None) -> str:
         return significant(value, 3)
     decimals = min(max(0, 1 - math.floor(math.log10(half_width))), 6)
     return f"{number(value, decimals)} ± {number(half_width, decimals)}"
+
+
+def with_ends(value: float | None, low: float, high: float) -> str:
+    """Write ``value (low to high)``, to the second significant digit of half of their distance.
+
+    If the value lies in the middle of them, it is written with this half.
+    """
+    half = (high - low) / 2
+    if value is None or not half > 0 or abs(low + high - 2 * value) < _SYMMETRIC * half:
+        return with_interval(value, half)
+    decimals = min(max(0, 1 - math.floor(math.log10(half))), 6)
+    return f"{number(value, decimals)} ({number(low, decimals)} to {number(high, decimals)})"
 
 
 def short(value: float | None) -> str:

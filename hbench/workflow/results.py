@@ -11,12 +11,15 @@ from hbench.analysis.compare import comparisons
 from hbench.analysis.efficiency import efficiency
 from hbench.analysis.fit import fits, left_out
 from hbench.analysis.hysteresis import hysteresis
+from hbench.analysis.joint import fitted, joint_fits
 from hbench.analysis.leakage import leakage
 from hbench.analysis.levels import level_runs, levels
 from hbench.analysis.ramps import ramp_curves, slid
 from hbench.analysis.screen import screen
 from hbench.analysis.surface import surfaces
 from hbench.config.bench import Bench
+from hbench.config.fitting import Fitting, parse_fitting
+from hbench.config.loading import read_yaml
 from hbench.errors import DataError
 from hbench.records import Curve, Motions, Results, ScreenedRun
 from hbench.report.figures import draw_all
@@ -29,18 +32,19 @@ _SHARED_STROKES = (
     "the points of a ramp's curve share their strokes: the intervals of its fitted parameters tell "
     "how well the law fits them, and leave out the scatter from stroke to stroke"
 )
+_AS_USUAL = Fitting()
 
 
-def analyze(folder: Path) -> Results:
+def analyze(folder: Path, fit_file: Path | None = None) -> Results:
     """Screen, average and fit a campaign; write its tables to ``results/``."""
-    results = derive(load_campaign(folder))
+    results = derive(load_campaign(folder), _fitting(fit_file))
     write_results(folder, _tables(results))
     return results
 
 
-def report(folder: Path) -> Results:
+def report(folder: Path, fit_file: Path | None = None) -> Results:
     """Analyze a campaign and write tables, figures and the page to ``results/``."""
-    results = derive(load_campaign(folder))
+    results = derive(load_campaign(folder), _fitting(fit_file))
     drawings = draw_all(results)
     figures = {f"figures/{d.name}.svg": d.svg for d in drawings}
     figures |= {f"figures/{d.name}.png": d.png for d in drawings}
@@ -49,7 +53,11 @@ def report(folder: Path) -> Results:
     return results
 
 
-def derive(campaign: Campaign) -> Results:
+def _fitting(path: Path | None) -> Fitting:
+    return _AS_USUAL if path is None else parse_fitting(read_yaml(path), str(path))
+
+
+def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
     """Screen, average and fit a campaign; nothing is written. Raises ``DataError``."""
     bench, rules = campaign.bench(), campaign.screening()
     if campaign.imported:
@@ -60,11 +68,8 @@ def derive(campaign: Campaign) -> Results:
     if not screened:
         raise DataError(f"{campaign.folder}: holds no runs", "Go on with `hbench run --resume`.")
     instruments = None if bench is None else bench.instruments
-    steady = tuple(
-        with_instruments(replace(curve, fits=fits(curve)), instruments)
-        for curve in curves(screened)
-    )
-    moving, motions, notes = _motions(screened, steady, bench)
+    steady = tuple(with_instruments(fitted(curve, how), instruments) for curve in curves(screened))
+    moving, motions, notes = _motions(screened, steady, bench, how)
     found = (*steady, *(with_instruments(curve, instruments) for curve in moving))
     return Results(
         provenance=campaign.provenance(),
@@ -74,16 +79,20 @@ def derive(campaign: Campaign) -> Results:
         bands=bands(steady),
         notes=(*campaign.warnings, *left_out(steady), *notes),
         motions=motions,
+        joint_fits=joint_fits(steady, how),
     )
 
 
 def _motions(
-    screened: tuple[ScreenedRun, ...], steady: tuple[Curve, ...], bench: Bench | None
+    screened: tuple[ScreenedRun, ...],
+    steady: tuple[Curve, ...],
+    bench: Bench | None,
+    how: Fitting,
 ) -> tuple[tuple[Curve, ...], Motions, tuple[str, ...]]:
     """Return the curves of ramps and steps, what all moving and resting runs tell, and notes."""
     mass_kg = 0.0 if bench is None else bench.moving_mass.test
     ramps, notes = ramp_curves(screened, mass_kg)
-    ramps = tuple(replace(curve, fits=fits(slid(curve))) for curve in ramps)
+    ramps = tuple(replace(curve, fits=fits(slid(curve), how)) for curve in ramps)
     if any(curve.fits for curve in ramps):
         notes += (_SHARED_STROKES,)
     loops, of_loops = hysteresis(screened, mass_kg)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from other_plant import OTHER_MASS_KG, OTHER_PLANT
 
-from hbench.analysis.fit import NAMES
 from hbench.analysis.logged_motion import LoggedMotion
+from hbench.analysis.tustin import NAMES
 from hbench.analysis.verification import (
     SETTLE_S,
     curve_error,

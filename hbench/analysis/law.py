@@ -1,0 +1,65 @@
+"""What a friction law is to the fits: a function of speed and pressures, linear but for one number.
+
+Friction and speed are magnitudes; inputs are rows speed >= 0 [m/s], P_p [Pa], P_r [Pa].
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+_GRID = 15  # values of the nonlinear parameter tried for a start
+
+Bounds = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law F(inputs, p) with its parameters' names and units, in the order of p."""
+
+    name: str
+    units: Mapping[str, str]
+    model: Callable[[np.ndarray, np.ndarray], np.ndarray]  # (3, n), (p,) -> (n,) [N]
+    jacobian: Callable[[np.ndarray, np.ndarray], np.ndarray]  # -> (n, p)
+    # Derivatives (n, p - 1) by the linear parameters, in their order, given the nonlinear one.
+    basis: Callable[[np.ndarray, float], np.ndarray]
+    nonlinear: str  # its name
+    # Bounds and typical sizes of the parameters, given inputs and the largest friction.
+    bounds: Callable[[np.ndarray], Bounds]
+    scale: Callable[[np.ndarray, float], np.ndarray]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters' names."""
+        return tuple(self.units)
+
+    def limits(self, inputs: np.ndarray, other: Bounds) -> tuple[np.ndarray, np.ndarray]:
+        """Return lower and upper bounds (p,); those in ``other`` replace the law's own."""
+        chosen = {**self.bounds(inputs), **other}
+        free = (-np.inf, np.inf)
+        lower, upper = np.array([chosen.get(name, free) for name in self.names], dtype=float).T
+        return lower, upper
+
+    def starts(
+        self, inputs: np.ndarray, friction: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    ) -> list[np.ndarray]:
+        """Return a start for each minimum over the nonlinear parameter, the others being best."""
+        place = self.names.index(self.nonlinear)
+        found, costs = [], []
+        for value in _spread(lower[place], upper[place]):
+            matrix = self.basis(inputs, value)
+            size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+            linear = np.linalg.lstsq(matrix / size, friction, rcond=None)[0] / size
+            p = np.clip(np.insert(linear, place, value), lower, upper)
+            found.append(p)
+            costs.append(np.sum((self.model(inputs, p) - friction) ** 2))
+        padded = np.array([np.inf, *costs, np.inf])
+        minima = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])
+        return [found[i] for i in np.flatnonzero(minima)]
+
+
+def _spread(low: float, high: float) -> np.ndarray:
+    """Return values between two bounds of one sign, denser towards zero."""
+    if low >= 0.0:
+        return np.geomspace(max(low, 1e-4 * high), high, _GRID)
+    return -_spread(-high, -low)[::-1] if high <= 0.0 else np.linspace(low, high, _GRID)

@@ -1,0 +1,39 @@
+"""Weights from the trials: the scatter of a reference's trials, pooled over all speeds.
+
+Three trials tell their own variance within a factor of forty, so each point's own variance is no
+weight. Here one law stands for all, ln sigma^2 = a + b ln|v|, fitted to the variances s_i^2 of the
+trials by their own likelihood (they are gamma distributed with n_i - 1 degrees of freedom):
+
+    minimise  sum (n_i - 1) (s_i^2 / sigma_i^2 + ln sigma_i^2)
+
+by iterated least squares. A point of n trials then weighs n / sigma^2.
+"""
+
+import numpy as np
+
+_ITERATIONS = 100
+_TOLERANCE = 1e-10
+
+
+def pooled_sigma(speed_m_s: np.ndarray, variance: np.ndarray, dof: np.ndarray) -> np.ndarray | None:
+    """Return the standard deviation of a trial at each speed, from the law above.
+
+    ``variance`` (n,) is that of each point's trials, with ``dof`` (n,) degrees of freedom; zero
+    where there is one trial. None where nothing scatters or fewer than three points have trials.
+    """
+    own = (dof > 0) & np.isfinite(variance)
+    level = float(np.sum((dof * variance)[own]) / max(np.sum(dof[own]), 1.0))
+    if own.sum() < 3 or level <= 0.0:
+        return None
+    place = np.log(speed_m_s) - np.log(speed_m_s[own]).mean()
+    matrix = np.column_stack([np.ones(len(place)), place])
+    root = np.sqrt(dof[own])[:, None]
+    line = np.array([np.log(level), 0.0])
+    for _ in range(_ITERATIONS):
+        expected = np.exp(matrix[own] @ line)
+        away = variance[own] / expected - 1.0
+        step = np.linalg.lstsq(root * matrix[own], root[:, 0] * away, rcond=None)[0]
+        line = line + np.clip(step, -1.0, 1.0)
+        if np.abs(step).max() < _TOLERANCE:
+            break
+    return np.exp(matrix @ line / 2)

@@ -1,0 +1,79 @@
+"""Identifiability from the Fisher information, against what adding the named point does."""
+
+import numpy as np
+import pytest
+
+from hbench.analysis.fit import fit_law, fit_tustin
+from hbench.analysis.information import Information, covariance_of_all, identification_messages
+from hbench.analysis.tustin import TUSTIN, tustin, tustin_jacobian
+from hbench.config.fitting import Fitting
+
+TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])
+
+
+def seen(speeds, p=TRUTH, sigma=1.0):
+    inputs = np.array([speeds, np.full(len(speeds), 5e6), np.full(len(speeds), 2e6)])
+    scale = np.array([500.0, 500.0, 0.2, 500.0 / speeds.max()])
+    return Information(TUSTIN, p, tustin_jacobian(speeds, p), sigma**2, scale, inputs)
+
+
+def test_low_speeds_alone_lack_those_above():
+    (message,) = [
+        one
+        for one in identification_messages(seen(np.linspace(0.005, 0.05, 15), sigma=3.0), 2.2)
+        if "b_viscous" in one
+    ]
+    assert message.startswith(
+        "velocities above 0.05 m/s are missing: this data does not determine b_viscous_n_s_m"
+    )
+
+
+def test_high_speeds_alone_lack_those_below():
+    messages = identification_messages(seen(np.linspace(0.1, 0.2, 15), sigma=3.0), 2.2)
+    (message,) = [one for one in messages if "f_stiction_n" in one]
+    assert message.startswith("velocities below 0.1 m/s are missing")
+
+
+def test_speeds_over_the_whole_curve_lack_nothing():
+    assert identification_messages(seen(np.linspace(0.005, 0.2, 15)), 2.2) == []
+
+
+def test_without_a_stribeck_part_no_velocity_tells_its_speed():
+    flat = np.array([300.0, 300.0, 0.1, 1000.0])
+    messages = identification_messages(seen(np.linspace(0.005, 0.2, 15), flat), 2.2)
+    (message,) = [one for one in messages if "v_stribeck" in one]
+    assert "no single velocity would" in message
+
+
+def test_the_point_that_is_named_narrows_the_interval_as_is_told():
+    """Against the information matrix with that point's row in it."""
+    speeds = np.linspace(0.005, 0.05, 15)
+    one = seen(speeds, sigma=3.0)
+    (message,) = [m for m in identification_messages(one, 2.2) if "b_viscous" in m]
+    at, left = message.split("a point at ")[1].split(" m/s would narrow its interval to ")
+    more = seen(np.append(speeds, float(at)), sigma=3.0)._replace(scale=one.scale)
+    ratio = np.sqrt(covariance_of_all(more)[3, 3] / covariance_of_all(one)[3, 3])
+    assert 100 * ratio == pytest.approx(float(left.split()[0]), abs=1.0)
+
+
+def test_speeds_that_are_named_as_missing_determine_the_parameter_when_added(make_curve):
+    rng = np.random.default_rng(1)
+
+    def fitted(speeds):
+        friction = tustin(speeds, TRUTH) + 3 * rng.standard_normal(len(speeds))
+        wide = {"v_stribeck_m_s": (0.01, 1.0), "b_viscous_n_s_m": (-1e5, 1e5)}
+        return fit_tustin(make_curve(speeds, friction), wide)
+
+    slow = np.linspace(0.005, 0.05, 15)
+    assert "does not determine b_viscous_n_s_m" in fitted(slow).message
+    more = fitted(np.append(slow, np.linspace(0.06, 0.2, 6)))
+    assert "does not determine b_viscous_n_s_m" not in more.message
+
+
+def test_friction_that_is_badly_known_beyond_the_highest_speed_is_warned_of(make_curve):
+    speeds = np.linspace(0.005, 0.05, 15)
+    rest = np.random.default_rng(3).standard_normal(15)
+    noisy = fit_law(TUSTIN, [make_curve(speeds, tustin(speeds, TRUTH) + 10 * rest)], Fitting())
+    assert "do not extrapolate: friction at 0.06 m/s is known to" in noisy.message
+    exact = fit_law(TUSTIN, [make_curve(speeds, tustin(speeds, TRUTH) + 0.1 * rest)], Fitting())
+    assert "do not extrapolate" not in exact.message
