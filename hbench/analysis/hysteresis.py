@@ -127,7 +127,7 @@ def _loop(runs: Sequence[Run], trials: list[list[Cycle]]) -> Loop:
     area = np.array([np.mean([cycle.area_j for cycle in unit]) for unit in units])
     widths = np.array([np.mean([cycle.widths_n for cycle in unit], axis=0) for unit in units])
     board = np.mean([cycle.board_n for cycle in cycles], axis=0)
-    trace = np.mean([_trace(cycle.trace)[:phases] for cycle in cycles], axis=0)
+    trace = np.mean([cycle.trace[:phases] for cycle in cycles], axis=0)
     return Loop(
         series=Series(plan.label, plan.f_load_n, plan.p_lr_ref_pa),
         v_top_m_s=abs(plan.v_ref_m_s),

@@ -1,6 +1,7 @@
 """Ramps and steps beside steady runs, and what the tests of their differences found."""
 
 from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,7 +22,10 @@ def has_ramps(results: Results) -> bool:
 
 
 def ramps(results: Results) -> dict[str, Figure]:
-    """Draw |F| [N] over |v| [mm/s] of steady runs, ramps and steps, one figure a load."""
+    """Draw |F| [N] over |v| [mm/s] of steady runs, ramps and steps, one figure a load.
+
+    The lower panel leaves out what the ramps did before breakaway, so that differences show.
+    """
     groups: dict[tuple, list[Curve]] = defaultdict(list)
     for curve in told_apart(curve for curve in results.curves if curve.kind in _KINDS):
         key = curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
@@ -31,17 +35,21 @@ def ramps(results: Results) -> dict[str, Figure]:
     for (label, direction, load, p_lr), curves in groups.items():
         kinds = {curve.kind for curve in curves}
         if "ramp" in kinds or kinds == {"steady", "steps"}:
-            figure = style.new_figure(height_in=4.6)
-            axes = figure.add_subplot()
+            figure = style.new_figure(height_in=6.4)
+            axes, below = figure.subplots(2, sharex=True, height_ratios=(2, 3))
             for curve in sorted(curves, key=lambda c: (_KINDS.index(c.kind), c.a_ref_m_s2 or 0)):
                 _points(axes, curve, found)
-            axes.set(xlabel="Speed |v| (mm/s)", ylabel="Friction |F| (N)")
+                _points(below, _from_breakaway(curve), found)
+            for one in (axes, below):
+                one.set_ylabel("Friction |F| (N)")
+            below.set_xlabel("Speed |v| (mm/s)")
             style.start_at_zero(axes)
             words = (label, style.TITLES[direction], load_words(load, p_lr))
             style.head(axes, ", ".join(filter(None, words)), results)
             style.legend_above(figure, axes, columns=3)
             figures["-".join(filter(None, words))] = figure
-    style.share_limits(figure.axes[0] for figure in figures.values())
+    for panel in (0, 1):
+        style.share_limits(figure.axes[panel] for figure in figures.values())
     return figures
 
 
@@ -65,6 +73,13 @@ def comparisons(results: Results) -> dict[str, Figure]:
         if found:
             figures[what] = _differences(results, found, title, less)
     return figures
+
+
+def _from_breakaway(curve: Curve) -> Curve:
+    """Leave out the points at speeds below those of the curve's fits."""
+    lines = [abs(v) for fit in curve.fits for v, _ in fit.line]
+    first = min(lines, default=0.0) - 1e-9
+    return replace(curve, points=tuple(p for p in curve.points if abs(p.v_m_s) >= first))
 
 
 def _points(axes: Axes, curve: Curve, accelerations: list[float]) -> None:

@@ -154,7 +154,8 @@ FIGURES = (
         section="ramps",
         caption="Ramps of each acceleration, and steady runs and levels of steps where there are "
         "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
-        "interval of the trials. Lines: Tustin's law fitted to the ramp from breakaway on.",
+        "interval of the trials. Lines: Tustin's law fitted to the ramp from breakaway on. Below: "
+        "the same without what the ramps did before breakaway.",
         applies=has_ramps,
         draw=ramps,
     ),

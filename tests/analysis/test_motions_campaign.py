@@ -2,8 +2,14 @@
 
 import json
 
+import pytest
+from moving import moving_run, ramp_velocity
+
 from hbench import workflow
+from hbench.analysis.screen import screen
+from hbench.config.schedule import Screening
 from hbench.report.tables import summary_text
+from hbench.workflow.results import _motions
 
 LOAD = {"p_lr": "15 bar", "loads": ["2000 N"], "hold": "0.2 s", "trials": 2}
 TRAVEL = {"travel": {"start": "140 mm", "end": "240 mm"}}
@@ -48,3 +54,16 @@ def test_each_kind_gets_its_verdict_and_its_results_and_the_page_shows_them(rig_
     assert "few" not in text, "curves that are no steady ones are not missed for a fit"
     page = (made / "report.html").read_text()
     assert all(f'<h2 id="{n}">' in page for n in ("ramps", "hysteresis", "steps", "leakage"))
+
+
+def test_without_a_bench_file_the_inertia_stays_in_and_leakage_is_left_out_and_both_are_told():
+    v = ramp_velocity(0.1, 0.2)
+    ramp = moving_run("ramp", v, 300.0, 40.0, plan={"a_ref_m_s2": 0.1})
+    hold = moving_run("hold", 0 * v, 0.0)
+    screened = tuple(screen(run, Screening()) for run in (ramp, hold))
+    assert all(one.accepted for one in screened)
+    (curve,), motions, notes = _motions(screened, (), None)
+    assert curve.points[9].friction_n == pytest.approx(300 + 40 * 0.1, abs=0.1)
+    assert motions.leakages == ()
+    assert any("mass is not known" in note for note in notes)
+    assert any("leakage needs a bench file" in note for note in notes)
