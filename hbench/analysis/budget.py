@@ -18,7 +18,7 @@ import numpy as np
 from hbench.config.sensors import Instrument, Instruments
 from hbench.records import Curve, CurvePoint, Specimen
 
-_NORMAL_95 = 1.959964
+NORMAL_95 = 1.959964
 LOAD_CELL = "load cell"
 PISTON_SIDE, ROD_SIDE = "piston-side pressure", "rod-side pressure"
 
@@ -60,7 +60,7 @@ def expanded(ci95_trials: float, sigma_instruments: float) -> float:
     the truth in 95 to 98 % (three trials), where the effective degrees of freedom of Welch and
     Satterthwaite fall to 92 %.
     """
-    return float(np.hypot(ci95_trials, _NORMAL_95 * sigma_instruments))
+    return float(np.hypot(ci95_trials, NORMAL_95 * sigma_instruments))
 
 
 def with_instruments(curve: Curve, instruments: Instruments | None) -> Curve:

@@ -18,7 +18,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import stats
 
 from hbench.analysis.holm import holm
 from hbench.analysis.student import student_factor
@@ -65,9 +64,11 @@ def _anova(ramps: list[Curve], groups: list[np.ndarray], low: float, high: float
         within = sum(float(np.sum((group - group.mean()) ** 2)) for group in groups) / dof
         error = np.sqrt(within * (1 / len(groups[0]) + 1 / len(groups[-1])))
         half = float(student_factor(dof) * error)
+        from scipy.stats import f_oneway  # half a second, for who has ramps alone
+
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # groups without any scatter give nan
-            p_value = float(stats.f_oneway(*groups).pvalue)
+            p_value = float(f_oneway(*groups).pvalue)
         message = ""
     return Comparison(
         what="acceleration",
@@ -104,7 +105,9 @@ def _steady(ramp: Curve, steady: Curve) -> Iterable[Comparison]:
         half = p_value = None
         message = "a single trial: there is no scatter to test against"
         if min(len(ours), len(theirs)) > 1:
-            found = stats.ttest_ind(ours, theirs, equal_var=False)
+            from scipy.stats import ttest_ind
+
+            found = ttest_ind(ours, theirs, equal_var=False)
             interval = found.confidence_interval()
             half, p_value = float(interval.high - interval.low) / 2, float(found.pvalue)
             message = ""

@@ -14,9 +14,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtr, stdtr
 
-from hbench.analysis.budget import expanded, friction_parts, parts_of_mean, together
+from hbench.analysis.budget import NORMAL_95, expanded, friction_parts, parts_of_mean, together
 from hbench.analysis.holm import holm
 from hbench.analysis.student import student_factor
 from hbench.config.sensors import Instruments
@@ -175,7 +175,7 @@ def _tested(
         se=se,
         ci95=float(ci95),
         u95=None if parts is None else expanded(float(ci95), _of_instruments(*parts, same)),
-        p_value=float(2 * stats.t.sf(abs(b - a) / se, dof)),
+        p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
     )
 
 
@@ -238,7 +238,7 @@ def _of_fits(a: FitParameter, b: FitParameter) -> Difference:
     half = float(np.hypot(*((p.ci95[1] - p.ci95[0]) / 2 for p in (a, b))))
     if half == 0.0:
         return Difference(a.value, b.value, 0.0, None, None, None)
-    p_value = float(2 * stats.norm.sf(stats.norm.isf(0.025) * abs(b.value - a.value) / half))
+    p_value = float(2 * ndtr(-NORMAL_95 * abs(b.value - a.value) / half))
     return Difference(a.value, b.value, float(np.hypot(a.se, b.se)), half, None, p_value)
 
 

@@ -11,7 +11,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from hbench.errors import DataError
 from hbench.records import Run
@@ -39,6 +38,8 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
 
     Raises ``DataError`` where a channel or a record is missing.
     """
+    from scipy.signal import savgol_filter  # half a second, for who has runs that move alone
+
     missing = [name for name in _MISSING if getattr(run, name) is None]
     if missing:
         raise DataError(f"run {run.plan.run}: friction needs {' and '.join(missing)}")

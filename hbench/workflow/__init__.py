@@ -1,53 +1,37 @@
-"""The flow, one function an arrow: schedule -> campaign -> results -> report."""
+"""The flow, one function an arrow: schedule -> campaign -> results -> report.
 
-from hbench.workflow.board import (
-    find_boards,
-    flash,
-    flash_through_programmer,
-    load_image,
-    serve_rig,
-)
-from hbench.workflow.campaign import (
-    Estimate,
-    Experiment,
-    Measured,
-    estimate,
-    import_runs,
-    load_experiment,
-    measure,
-)
-from hbench.workflow.comparison import compare, write_comparison
-from hbench.workflow.controllers import design, write_design
-from hbench.workflow.export import export
-from hbench.workflow.identification import identify, write_identification
-from hbench.workflow.results import analyze, report
-from hbench.workflow.seeds import measure_seeds
-from hbench.workflow.simulation import phenomena, simulate, write_phenomenon
+A function's file is loaded when it is first used, so that each command loads only what it needs.
+"""
 
-__all__ = [
-    "Estimate",
-    "Experiment",
-    "Measured",
-    "analyze",
-    "compare",
-    "design",
-    "estimate",
-    "export",
-    "find_boards",
-    "flash",
-    "flash_through_programmer",
-    "identify",
-    "import_runs",
-    "load_experiment",
-    "load_image",
-    "measure",
-    "measure_seeds",
-    "phenomena",
-    "report",
-    "serve_rig",
-    "simulate",
-    "write_comparison",
-    "write_design",
-    "write_identification",
-    "write_phenomenon",
-]
+from importlib import import_module
+from typing import Any
+
+_FILES = {
+    "board": ("find_boards", "flash", "flash_through_programmer", "load_image", "serve_rig"),
+    "campaign": (
+        "Estimate",
+        "Experiment",
+        "Measured",
+        "estimate",
+        "import_runs",
+        "load_experiment",
+        "measure",
+    ),
+    "seeds": ("measure_seeds",),
+    "results": ("analyze", "report"),
+    "comparison": ("compare", "write_comparison"),
+    "identification": ("identify", "write_identification"),
+    "exports": ("export",),
+    "controllers": ("design", "write_design"),
+    "simulation": ("phenomena", "simulate", "write_phenomenon"),
+}
+_HOMES = {name: file for file, names in _FILES.items() for name in names}
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    if name in _FILES:
+        return import_module(f"{__name__}.{name}")
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

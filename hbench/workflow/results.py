@@ -1,7 +1,10 @@
 """From a campaign to its results and its report."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from hbench.analysis.average import curves
 from hbench.analysis.bands import bands
@@ -21,10 +24,8 @@ from hbench.config.bench import Bench
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.config.loading import read_yaml
 from hbench.errors import DataError
-from hbench.records import Curve, Motions, Results, ScreenedRun
-from hbench.report.figures import draw_all
+from hbench.records import Curve, Motions, Results, Run, ScreenedRun
 from hbench.report.motion_tables import MOTION_TABLES
-from hbench.report.page import page_html
 from hbench.report.tables import TABLES
 from hbench.store.campaign import Campaign, load_campaign, write_results
 
@@ -44,6 +45,9 @@ def analyze(folder: Path, fit_file: Path | None = None) -> Results:
 
 def report(folder: Path, fit_file: Path | None = None) -> Results:
     """Analyze a campaign and write tables, figures and the page to ``results/``."""
+    from hbench.report.figures import draw_all  # matplotlib; only who reports waits for it
+    from hbench.report.page import page_html
+
     results = derive(load_campaign(folder), _fitting(fit_file))
     drawings = draw_all(results)
     figures = {f"figures/{d.name}.svg": d.svg for d in drawings}
@@ -57,14 +61,24 @@ def _fitting(path: Path | None) -> Fitting:
     return _AS_USUAL if path is None else parse_fitting(read_yaml(path), str(path))
 
 
-def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
-    """Screen, average and fit a campaign; nothing is written. Raises ``DataError``."""
+def screened_runs(campaign: Campaign) -> Iterator[ScreenedRun]:
+    """Yield the runs of a campaign with their verdicts, read one at a time."""
     bench, rules = campaign.bench(), campaign.screening()
     if campaign.imported:
         runs = campaign.runs()
     else:
         runs = (calibrate(raw, bench) for raw in campaign.raw_runs())
-    screened = tuple(screen(run, rules) for run in runs)
+    for run in runs:
+        yield screen(run, rules)
+
+
+def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
+    """Screen, average and fit a campaign; nothing is written. Raises ``DataError``.
+
+    Accepted steady runs, most of a large campaign, are kept without their samples.
+    """
+    bench = campaign.bench()
+    screened = tuple(_slim(one) for one in screened_runs(campaign))
     if not screened:
         raise DataError(f"{campaign.folder}: holds no runs", "Go on with `hbench run --resume`.")
     instruments = None if bench is None else bench.instruments
@@ -81,6 +95,12 @@ def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
         motions=motions,
         joint_fits=joint_fits(steady, how),
     )
+
+
+def _slim(one: ScreenedRun) -> ScreenedRun:
+    if not one.accepted or one.run.plan.kind != "steady":
+        return one
+    return replace(one, run=Run(one.run.plan, t_s=np.zeros(0), x_m=np.zeros(0)))
 
 
 def _motions(

@@ -6,7 +6,7 @@ from hbench.store.atomic import write_atomic
 from hbench.store.campaign import load_campaign
 from hbench.store.export import FORMATS
 from hbench.store.modelica import modelica_tables
-from hbench.workflow.results import derive
+from hbench.workflow.results import derive, screened_runs
 
 
 def export(folder: Path, destination: Path, kind: str) -> int:
@@ -15,11 +15,10 @@ def export(folder: Path, destination: Path, kind: str) -> int:
     Every run is there, with the reason if it was rejected. Raises ``ConfigError``, ``DataError``.
     """
     campaign = load_campaign(folder)
-    results = derive(campaign)
     if kind == "modelica":
-        write_atomic(destination / "friction.txt", modelica_tables(results.curves))
+        write_atomic(destination / "friction.txt", modelica_tables(derive(campaign).curves))
         return 1
-    runs = ((one.run, "; ".join(one.reasons)) for one in results.runs)
+    runs = ((one.run, "; ".join(one.reasons)) for one in screened_runs(campaign))
     bench = (campaign.header.get("bench") or {}).get("content")
     count = 0
     for name, data in FORMATS[kind](runs, bench):
