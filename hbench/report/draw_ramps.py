@@ -94,7 +94,7 @@ def _points(axes: Axes, curve: Curve, accelerations: list[float]) -> None:
         label = f"ramp {short(curve.a_ref_m_s2)} m/s²" if curve.a_ref_m_s2 else "ramp"
         look = style.series_style(accelerations.index(curve.a_ref_m_s2 or 0.0))
         for fit in curve.fits:
-            if fit.line:
+            if fit.line and fit.law == "tustin":
                 speed, force = np.abs(np.array(fit.line, dtype=float)).T
                 dashes = "-" if fit.converged else "--"
                 axes.plot(1e3 * speed, force, dashes, color=look["color"], linewidth=1, zorder=2)

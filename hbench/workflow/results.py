@@ -30,8 +30,8 @@ from hbench.report.tables import TABLES
 from hbench.store.campaign import Campaign, load_campaign, write_results
 
 _SHARED_STROKES = (
-    "the points of a ramp's curve share their strokes: the intervals of its fitted parameters tell "
-    "how well the law fits them, and leave out the scatter from stroke to stroke"
+    "the points of a ramp's curve share their strokes, while the intervals of its fitted "
+    "parameters take them as independent: they are too narrow"
 )
 _AS_USUAL = Fitting()
 
