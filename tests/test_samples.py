@@ -99,3 +99,18 @@ def test_the_truth_lies_in_the_95_percent_interval_neither_much_less_nor_always(
 def test_the_truth_lies_in_the_95_percent_interval_over_many_seeds(tmp_path):
     """480 points: two standard deviations of the share are 2 %."""
     assert 0.92 <= coverage(range(200, 220), tmp_path) <= 0.98
+
+
+def test_a_fit_file_changes_bounds_laws_and_loss(sample, tmp_path):
+    text = "laws: [tustin]\nloss: huber\nbounds:\n  f_coulomb_n: [0 N, 1 N]\nbootstrap: 50\n"
+    (tmp_path / "fit.yaml").write_text(text)
+    results = workflow.analyze(sample("stribeck-small"), tmp_path / "fit.yaml")
+    assert results.joint_fits == ()
+    for curve in results.curves:
+        (fit,) = curve.fits
+        assert fit.parameters["f_coulomb_n"].value <= 1.0
+        assert set(fit.parameters["f_stiction_n"].intervals) == {
+            "linearised",
+            "profile",
+            "bootstrap",
+        }

@@ -41,6 +41,7 @@ _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disag
 _LEAST_FORCE_N = 1e-6  # scale of a curve of zeros
 _LEAST_SPEEDS = 4
 _ROUNDING = 1e-9  # of friction
+_ENOUGH = 1e-5  # cosine of a search from near: off by a hundred thousandth of the error
 _SEED = 1  # of the bootstrap: the same campaign gives the same intervals
 
 Ends = tuple[float, float] | None
@@ -149,8 +150,8 @@ def estimate(
 ) -> Estimate:
     """Estimate a law's parameters from points; ``bounds`` replace those of ``how``.
 
-    The search begins at ``start``, or where the law's own starts are. With a robust loss the
-    problem is that of the pseudo-values, which has the same solution.
+    The search begins where the law's own starts are, or for a rougher answer at ``start``. With a
+    robust loss the problem is that of the pseudo-values, which has the same solution.
     """
     inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
     own = {name: value for name, value in how.bounds if name in law.names}
@@ -163,8 +164,10 @@ def estimate(
         scale=law.scale(inputs, force),
         jacobian=lambda p: law.jacobian(inputs, p) / sigma[:, None],
     )
-    starts = law.starts(inputs, friction, lower, upper) if start is None else [start]
-    solution = solve(problem, starts)
+    if start is None:
+        solution = solve(problem, law.starts(inputs, friction, lower, upper))
+    else:
+        solution = descend(problem, start, (), _ENOUGH)
     if how.loss == "linear":
         return Estimate(problem, solution, np.ones(len(friction)))
     found = robust(problem, solution, how.loss)
@@ -236,7 +239,7 @@ def _bootstrap(
             residual=lambda p: (law.model(data.inputs, p) - friction) / sigma,
             jacobian=lambda p: law.jacobian(data.inputs, p) / sigma[:, None],
         )
-        return descend(again, solution.x, (), 1e-4).x
+        return descend(again, solution.x, (), _ENOUGH).x
 
     ends = percentile_intervals(refit, drawn, freedom)
     return [(float(low), float(high)) for low, high in ends.T]

@@ -104,7 +104,10 @@ def _keys(fault: dict[str, Any], data: Any) -> Iterator[str]:
     """
     loc = fault["loc"]
     for number, part in enumerate(loc):
-        there = part in data if isinstance(data, dict) else isinstance(part, int)
+        if isinstance(data, list):
+            there = isinstance(part, int) and part < len(data)
+        else:
+            there = isinstance(data, dict) and part in data
         if there:
             data = data[part]
         if there or (fault["type"] == "missing" and number == len(loc) - 1):

@@ -259,3 +259,15 @@ def test_names_are_unique_and_fit_for_files_whatever_the_label(small):
 def test_every_series_of_a_large_campaign_looks_different():
     looks = {(s["color"], s["marker"]) for s in map(series_style, range(len(COLOURS) ** 2))}
     assert len(looks) == 49
+
+
+def test_what_is_extrapolated_is_dotted_and_said_below_the_axis(small):
+    curve = small.curves[0]
+    beyond = (((0.0, 480.0), (0.005, 470.0)), ((0.2, 560.0), (0.24, 620.0)))
+    fit = replace(curve.fits[0], beyond=beyond)
+    figure = draw_friction.stribeck(replace(small, curves=(replace(curve, fits=(fit,)),)))["extend"]
+    dotted = [line for line in figure.axes[0].lines if line.get_linestyle() == ":"]
+    assert [line.get_xdata().tolist() for line in dotted] == [[0.0, 5.0], [200.0, 240.0]]
+    assert "dotted: extrapolated" in figure.axes[-1].get_xlabel()
+    plain = draw_friction.stribeck(small)["extend"]
+    assert "extrapolated" not in plain.axes[-1].get_xlabel()

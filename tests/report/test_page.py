@@ -6,6 +6,7 @@ from html.parser import HTMLParser
 
 import pytest
 
+from hbench.records import Fit, FitParameter, HeldOut, JointFit, Selection
 from hbench.report.figures import draw_all
 from hbench.report.page import page_html
 from hbench.report.text import force, number, short, significant, span, with_interval
@@ -225,3 +226,16 @@ def test_numbers_read_as_people_write_them():
 def test_the_parts_of_an_efficiencys_uncertainty_stand_largest_first(page):
     words = "piston-side pressure 1.5, load cell 1.0, rod-side pressure 0.5, trials 0.2"
     assert words in Parsed(page).text
+
+
+def test_held_out_errors_and_laws_of_all_loads_have_their_tables(small):
+    laws = (HeldOut("tustin", 3.21), HeldOut("marton_lantos", 13.9))
+    found = Selection(laws, 182.0, 68.0, True, 13)
+    parameters = {"k3_n_pa": FitParameter(1.5e-5, 1e-6, (1.3e-5, 1.8e-5), None, "N/Pa")}
+    joint = JointFit("steady", "", 4, 60, (Fit("pressure_based", parameters, 3.7, True, ""),), None)
+    curves = (replace(small.curves[0], selection=found), *small.curves[1:])
+    text = Parsed(page_html(replace(small, curves=curves, joint_fits=(joint,)), ())).text
+    assert "Which law predicts best" in text and "marton_lantos (13.9 N)" in text
+    assert "told apart by 13 speeds" in text
+    assert "all loads and directions" in text and "1.50 (1.30 to 1.80)" in text  # N/bar
+    assert "Which law predicts best" not in Parsed(page_html(small, ())).text
