@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import Results
 from hbench.report.draw_efficiency import efficiency, has_efficiency
+from hbench.report.draw_efficiency_map import efficiency_map, has_efficiency_map
 from hbench.report.draw_friction import has_both_directions, has_curves, signed, stribeck
 from hbench.report.draw_motions import (
     has_leakage,
@@ -199,6 +200,15 @@ FIGURES = (
         applies=has_efficiency,
         draw=efficiency,
         each_series=True,
+    ),
+    FigureKind(
+        name="efficiency-map",
+        section="efficiency",
+        caption="Efficiency over speed and load, and its standard uncertainty of trials and "
+        "instruments together. Dots: what was measured; the colour between them is straight from "
+        "dot to dot.",
+        applies=has_efficiency_map,
+        draw=efficiency_map,
     ),
     FigureKind(
         name="rejected",

@@ -47,7 +47,8 @@ def test_each_campaign_gets_the_figures_that_apply(small, seals):
 @pytest.mark.parametrize("name", ["stribeck", "seals"])
 def test_every_axis_says_what_it_shows_and_its_unit(name, request):
     for figure in every_figure(request.getfixturevalue(name)):
-        assert UNIT.search(figure.axes[-1].get_xlabel())
+        lowest = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"][-1]
+        assert UNIT.search(lowest.get_xlabel())
         for axes in figure.axes:
             counts = axes.patches  # bars of named reasons have no vertical quantity
             assert counts or UNIT.search(axes.get_ylabel())
@@ -271,3 +272,23 @@ def test_what_is_extrapolated_is_dotted_and_said_below_the_axis(small):
     assert "dotted: extrapolated" in figure.axes[-1].get_xlabel()
     plain = draw_friction.stribeck(small)["extend"]
     assert "extrapolated" not in plain.axes[-1].get_xlabel()
+
+
+def test_an_efficiency_map_has_a_dot_for_each_measured_point_and_says_its_units(stribeck):
+    from hbench.report.draw_efficiency_map import efficiency_map
+
+    found = efficiency_map(stribeck)
+    assert list(found) == ["Extending", "Retracting"]
+    for direction, figure in zip(("extend", "retract"), found.values(), strict=True):
+        curves = [c for c in stribeck.efficiency if c.direction == direction]
+        dots = figure.axes[0].lines[-1].get_xydata()
+        assert len(dots) == sum(len(curve.points) for curve in curves)
+        assert {round(1e3 * load) for load in dots[:, 1]} == {c.f_load_n for c in curves}
+        labels = [axes.get_ylabel() for axes in figure.axes]
+        assert "Efficiency (%)" in labels and "σ, trials and instruments (%)" in labels
+
+
+def test_two_loads_make_no_efficiency_map(small):
+    from hbench.report.draw_efficiency_map import has_efficiency_map
+
+    assert not has_efficiency_map(small)
