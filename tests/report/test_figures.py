@@ -12,7 +12,7 @@ from hbench.report import draw_efficiency, draw_friction, draw_pressure, draw_re
 from hbench.report.figures import FIGURES, draw_all, render
 from hbench.report.style import COLOURS, series_style
 
-UNIT = re.compile(r"\((mm/s|N|%|bar|count)\)")
+UNIT = re.compile(r"\((mm/s|k?N|%|bar|count)\)")
 
 
 def every_figure(results):
