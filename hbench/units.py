@@ -39,6 +39,8 @@ UNITS: dict[str, Unit] = {
     "ms": _unit(1e-3, s=1),
     "us": _unit(1e-6, s=1),
     "min": _unit(60.0, s=1),
+    "h": _unit(3600.0, s=1),
+    "d": _unit(86400.0, s=1),
     "Hz": _unit(1.0, s=-1),
     "kHz": _unit(1e3, s=-1),
     "rad": _unit(1.0),

@@ -2,58 +2,25 @@
 
 import math
 import re
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from hbench.config import quantity as q
+from hbench.config.layout import (
+    ALWAYS,
+    CHANNELS,
+    Column,
+    ForeignLoadCell,
+    Format,
+    check_column,
+)
 from hbench.config.loading import validate
 from hbench.config.quantity import Section
 from hbench.config.schedule import Screening
 from hbench.units import parse_unit, to_si
 
-# Channels a map can fill, and the unit that each ends in.
-CHANNELS = {
-    "t_s": "s",
-    "x_m": "m",
-    "v_m_s": "m/s",
-    "p_tp_pa": "Pa",
-    "p_tr_pa": "Pa",
-    "p_lp_pa": "Pa",
-    "p_lr_pa": "Pa",
-    "p_s_pa": "Pa",
-    "f_applied_n": "N",
-    "u_t_v": "V",
-    "u_l1_v": "V",
-    "u_l2_v": "V",
-    "v_ref_m_s": "m/s",
-    "p_lr_ref_pa": "Pa",
-    "p_lp_ref_pa": "Pa",
-}
-ALWAYS = ("t_s", "x_m")  # without these nothing can be analyzed; no gaps in them
-
-
-class Column(Section):
-    """Where a channel stands in a file, and its unit. ``scale: -1`` turns its sign."""
-
-    column: Annotated[int, Field(ge=1)] | str  # number from 1, or the header's name
-    unit: str
-    scale: float = 1.0
-
-
-class Format(Section):
-    """The dialect of the files."""
-
-    separator: Literal["comma", "semicolon", "tab", "whitespace"] = "comma"
-    header: bool = True
-    skip_rows: int = Field(default=0, ge=0, le=100_000)  # data rows to drop at the start
-    decimal: Literal[".", ","] = "."
-
-    @model_validator(mode="after")
-    def _unambiguous(self) -> "Format":
-        if self.decimal == "," and self.separator == "comma":
-            raise ValueError("decimal ',' can't be told from separator comma")
-        return self
+FIELDS = ("pressure", "load", "speed", "trial")  # what a file's name can tell
 
 
 class ImportedCylinder(Section):
@@ -80,36 +47,43 @@ class ImportedCylinder(Section):
 
 
 class Series(Section):
-    """Files that belong together: one cylinder, one label, several trials or pressures.
+    """Files that belong together: one cylinder, one label, several trials, loads or speeds.
 
-    ``files`` is a path below the imported folder with fields: ``{pressure}`` (in ``pressure_unit``)
-    and ``{trial}``, each a number. The nominal load is the pressure times the piston's area;
-    without ``{pressure}`` there is none. Without ``{trial}`` a file is trial 1. Without ``speed``
-    the nominal speed is the median of the strokes of one load and direction, to two digits.
+    ``files`` is a path below the imported folder with fields in braces, each a number:
+    ``{pressure}``, ``{load}``, ``{speed}`` in the units given here, and ``{trial}``. The nominal
+    load is ``{load}``, or else the pressure times the piston's area, or else there is none.
+    Without ``{trial}`` a file is trial 1. Without ``speed`` and ``{speed}`` the nominal speed is
+    the median of the strokes of one load and direction, to two digits.
     """
 
     label: str
     files: str
     cylinder: ImportedCylinder
     pressure_unit: str = "bar"
+    load_unit: str = "N"
+    speed_unit: str = "mm/s"
     speed: q.Speed | None = None
 
     @field_validator("files")
     @classmethod
     def _fields(cls, files: str) -> str:
-        rest = re.sub(r"\{(pressure|trial)\}", "", files)
+        rest = re.sub(rf"\{{({'|'.join(FIELDS)})\}}", "", files)
         if "{" in rest or "}" in rest:
-            raise ValueError("only {pressure} and {trial} can stand in braces")
-        if any(files.count(name) > 1 for name in ("{pressure}", "{trial}")):
+            words = ", ".join(f"{{{name}}}" for name in FIELDS)
+            raise ValueError(f"only {words} can stand in braces")
+        if any(files.count(f"{{{name}}}") > 1 for name in FIELDS):
             raise ValueError("a field can stand there once")
         return files
 
-    @field_validator("pressure_unit")
-    @classmethod
-    def _pressure(cls, unit: str) -> str:
-        if parse_unit(unit).dimension != parse_unit("Pa").dimension:
-            raise ValueError("is not a unit of pressure")
-        return unit
+    @model_validator(mode="after")
+    def _units(self) -> "Series":
+        for name, si in (("pressure", "Pa"), ("load", "N"), ("speed", "m/s")):
+            unit = getattr(self, f"{name}_unit")
+            if parse_unit(unit).dimension != parse_unit(si).dimension:
+                raise ValueError(f"{name}_unit {unit!r} is not a unit of {name}")
+        if self.speed is not None and "{speed}" in self.files:
+            raise ValueError("speed stands there and in files too")
+        return self
 
 
 class ImportMap(Section):
@@ -119,11 +93,20 @@ class ImportMap(Section):
     kind: Literal["steady", "ramp", "triangle", "steps", "hold", "verification"] = "steady"
     format: Format = Format()
     columns: dict[str, Column] = Field(min_length=2)
-    constants: dict[str, str] = {}  # channel: quantity, for what is known but not logged
+    # Channel: quantity, for what is known but not logged; it may name a field of the files' names,
+    # as in "{load} N".
+    constants: dict[str, str] = {}
+    load_cell: ForeignLoadCell | None = None  # f_applied_n is logged as a voltage: C.6
     series: tuple[Series, ...] = Field(min_length=1, max_length=1000)
+    repeated_times: Literal["refuse", "drop"] = "refuse"  # drop: the first sample of each counts
+    resample: q.Frequency | None = None
     cut: Literal["none", "reversals"] = "none"
     min_stroke: q.Length = 0.01  # shorter pieces between reversals are dropped, and said so
     screening: Screening = Screening()
+
+    def wanted(self, channel: str) -> str:
+        """Return the unit that a channel's column must have the dimension of."""
+        return "V" if channel == "f_applied_n" and self.load_cell else CHANNELS[channel]
 
     @model_validator(mode="after")
     def _channels(self) -> "ImportMap":
@@ -133,23 +116,37 @@ class ImportMap(Section):
         for name in ALWAYS:
             if name not in self.columns:
                 raise ValueError(f"columns.{name} is missing; nothing can be analyzed without it")
-        for name, constant in self.constants.items():
-            if name in self.columns:
-                raise ValueError(f"{name} stands both in columns and in constants")
-            try:
-                to_si(constant, CHANNELS[name])
-            except ValueError as error:
-                raise ValueError(f"constants.{name} = {constant!r}: {error}") from None
         for name, column in self.columns.items():
             if isinstance(column.column, str) and not self.format.header:
                 raise ValueError(
                     f"columns.{name}: {column.column!r} is a name, but format.header is false"
                 )
-            if parse_unit(column.unit).dimension != parse_unit(CHANNELS[name]).dimension:
-                raise ValueError(
-                    f"columns.{name}: unit {column.unit!r} is not one of {CHANNELS[name]}"
-                )
+            check_column(name, column, self.format, self.wanted(name))
+            if column.offset is not None:
+                _quantity(f"columns.{name}.offset", column.offset, CHANNELS[name])
+        if self.load_cell and "f_applied_n" not in self.columns:
+            raise ValueError("load_cell stands there, but columns.f_applied_n does not")
         return self
+
+    @model_validator(mode="after")
+    def _constants(self) -> "ImportMap":
+        for name, constant in self.constants.items():
+            if name in self.columns:
+                raise ValueError(f"{name} stands both in columns and in constants")
+            fields = [field for field in FIELDS if f"{{{field}}}" in constant]
+            for field in fields:
+                if any(f"{{{field}}}" not in series.files for series in self.series):
+                    raise ValueError(f"constants.{name}: {{{field}}} is not in every 'files'")
+            filled = constant.format_map(dict.fromkeys(fields, "1")) if fields else constant
+            _quantity(f"constants.{name}", filled, CHANNELS[name])
+        return self
+
+
+def _quantity(key: str, value: str, unit: str) -> float:
+    try:
+        return to_si(value, unit)
+    except ValueError as error:
+        raise ValueError(f"{key} = {value!r}: {error}") from None
 
 
 def parse_import_map(data: dict[str, Any], source: str) -> ImportMap:

@@ -51,6 +51,12 @@ class LoadCell(Section):
     amplifier: q.Number
     level: q.Voltage  # output at zero force, at the converter's input
 
+    @property
+    def volts_per_newton(self) -> float:
+        """Amplified bridge voltage per newton: 2 u_s k (1 + nu) K / (4 A E), equation C.6."""
+        bridge = 2 * self.bridge_supply * self.gauge_factor * (1 + self.poisson)
+        return bridge * self.amplifier / (4 * self.area * self.youngs_modulus)
+
 
 class Sensors(Section):
     """All seven measured channels."""

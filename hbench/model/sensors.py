@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from hbench.config.sensors import LoadCell, Sensors, Transducer
+from hbench.config.sensors import Sensors, Transducer
 from hbench.model.compiled import compiled
 from hbench.model.noise import normal
 from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, load_cell_force
@@ -76,15 +76,9 @@ def sensor_gains(sensors: Sensors) -> dict[str, tuple[float, float]]:
 def _scaling(sensors: Sensors, name: str) -> tuple[float, float]:
     """Volts at the converter's input per SI unit, and at 0."""
     if name == "f_applied":
-        return _bridge_sensitivity(sensors.load_cell), float(sensors.load_cell.level)
+        return sensors.load_cell.volts_per_newton, float(sensors.load_cell.level)
     sensor: Transducer = sensors.position if name == "x" else sensors.pressure
     return sensor.output / sensor.span * sensor.amplifier, float(sensor.offset)
-
-
-def _bridge_sensitivity(cell: LoadCell) -> float:
-    """Amplified bridge voltage per newton: 2 u_s k (1 + nu) K / (4 A E), equation C.6."""
-    bridge = 2 * cell.bridge_supply * cell.gauge_factor * (1 + cell.poisson)
-    return bridge * cell.amplifier / (4 * cell.area * cell.youngs_modulus)
 
 
 @compiled

@@ -1,8 +1,8 @@
 """Runs in SI for other programs: CSV, Parquet and MATLAB files.
 
-CSV is the layout that ``hbench import`` reads without a map: an index ``runs.csv``, one CSV a run
-and ``bench.yaml``. Parquet is the same as tables. A MATLAB file holds a struct array ``runs`` with
-the channels of each in its field ``log``.
+CSV is an index ``runs.csv``, one CSV a run and ``bench.yaml``. Parquet is the same as tables. A
+MATLAB file holds a struct array ``runs`` with the channels of each in its field ``log``, and
+``bench.yaml`` lies beside it. ``hbench import`` reads each of them back without a map.
 Sample times are kept as they are, and a channel that a bench does not have is left out.
 """
 
@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import yaml
 
-from hbench.config.importmap import CHANNELS
-from hbench.errors import ConfigError
+from hbench.config.layout import CHANNELS
 from hbench.records import Run, RunPlan
+from hbench.store.arrays import require_pyarrow
 from hbench.store.run_csv import format_run
 
 Files = Iterator[tuple[str, bytes]]  # paths below the folder, and what is in them
@@ -36,8 +36,7 @@ def csv_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> 
         rows.append(_row(run.plan, name, reason))
         yield name, format_run(channels(run))
     yield "runs.csv", _frame(rows).to_csv(index=False, lineterminator="\n").encode()
-    if bench is not None:
-        yield "bench.yaml", yaml.safe_dump(bench, sort_keys=False, allow_unicode=True).encode()
+    yield from _bench_file(bench)
 
 
 def parquet_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
@@ -45,12 +44,7 @@ def parquet_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None)
 
     Raises ``ConfigError`` where pyarrow is not installed.
     """
-    try:
-        import pyarrow  # noqa: F401
-    except ImportError:
-        raise ConfigError(
-            "Parquet needs the package pyarrow", "pip install 'hbench[parquet]'"
-        ) from None
+    require_pyarrow()
     import pandas as pd
 
     rows = []
@@ -60,6 +54,7 @@ def parquet_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None)
         table = pd.DataFrame({"run": run.plan.run, **channels(run)})
         yield name, table.to_parquet(engine="pyarrow", index=False)
     yield "runs.parquet", _frame(rows).to_parquet(engine="pyarrow", index=False)
+    yield from _bench_file(bench)
 
 
 def mat_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
@@ -76,12 +71,18 @@ def mat_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> 
     data = io.BytesIO()
     savemat(data, {"runs": np.array(rows, dtype=kind)}, do_compression=True, oned_as="column")
     yield "campaign.mat", data.getvalue()
+    yield from _bench_file(bench)
 
 
 def channels(run: Run) -> dict[str, np.ndarray]:
     """Return the channels (n,) that a run has, by their names in SI."""
     found = {name: getattr(run, name) for name in _CHANNELS}
     return {name: values for name, values in found.items() if values is not None}
+
+
+def _bench_file(bench: dict[str, Any] | None) -> Files:
+    if bench is not None:
+        yield "bench.yaml", yaml.safe_dump(bench, sort_keys=False, allow_unicode=True).encode()
 
 
 def _row(plan: RunPlan, file: str, reason: str) -> dict[str, Any]:

@@ -1,53 +1,106 @@
-"""Reads a folder in the default layout: an index ``runs.csv`` and one CSV a run, all in SI.
+"""Reads a folder in the default layout: an index of runs and a table of each, all in SI.
 
-``bench.yaml`` beside the index, if there, tells the cylinder and all else about the bench.
+The index is ``runs.csv`` (one CSV or Parquet file a run), ``runs.parquet`` (the same), or
+``campaign.mat`` with the struct array ``runs`` that holds the logs too. ``bench.yaml`` beside it,
+if there, tells the cylinder and all else about the bench.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hbench.config.bench import parse_bench
-from hbench.config.importmap import Format
+from hbench.config.layout import Format
 from hbench.config.loading import read_yaml
 from hbench.errors import DataError
 from hbench.records import RunPlan, Specimen
-from hbench.store.foreign_run import ForeignRun, ForeignRuns, read_source
+from hbench.store.arrays import AnyTable, Arrays, open_table, read_mat, read_parquet
+from hbench.store.foreign_run import ForeignRun, ForeignRuns, SourceFile, read_source
 from hbench.store.journal import check_run_id
 from hbench.store.run_csv import read_channels
 from hbench.store.table import Table, parse_table
 
-INDEX = "runs.csv"
+INDICES = ("runs.csv", "runs.parquet", "campaign.mat")
 BENCH = "bench.yaml"
 
 _KINDS = ("steady", "ramp", "triangle", "steps", "hold", "verification")
 _REQUIRED = ("run", "file", "v_ref_m_s")
 _OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa")
 _COLUMNS = (*_REQUIRED, "kind", "trial", "label", *_OPTIONAL)
+_OF_EXPORT = ("accepted", "reason")  # a verdict that is made anew
 # The source's own cylinder, 40/25/400 mm, for logs that come without a bench file.
 _REFERENCE = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 
 
+# The index, and what gives a run's table and file for its number and the cell "file".
+_Index = tuple[Table, Callable[[int, str], tuple[AnyTable, SourceFile]]]
+
+
 def read_indexed(folder: Path) -> ForeignRuns:
-    """Read the runs that ``runs.csv`` lists. Raises ``DataError`` naming file and line."""
-    index = parse_table(read_source(folder, INDEX).data, str(folder / INDEX), Format())
-    for name in _REQUIRED:
-        index.position(name)
-    bench, specimen, notes = _bench(folder)
-    notes += _left_out(INDEX, [name for name in index.names if name not in _COLUMNS])
+    """Read the runs that the folder's index lists. Raises ``DataError`` naming file and line."""
+    found = [name for name in INDICES if (folder / name).is_file()]
+    if not found:
+        raise DataError(
+            f"{folder}: holds none of {', '.join(INDICES)}",
+            "Write a map for other files and give it with --map; see configs/import-csv.yaml.",
+        )
+    name = found[0]
+    index, log = (_mat_index if name.endswith(".mat") else _table_index)(folder, name)
+    for column in _REQUIRED:
+        index.position(column)
+    bench, specimen, notes = _bench(folder, name)
+    known = (*_COLUMNS, *_OF_EXPORT)
+    notes += _left_out(name, [column for column in index.names if column not in known])
     runs: list[ForeignRun] = []
     lines: dict[str, int] = {}
     for row, cells in enumerate(index.rows):
-        plan, name = _plan(index, row, dict(zip(index.names, cells, strict=True)), specimen)
+        plan, file_name = _plan(index, row, dict(zip(index.names, cells, strict=True)), specimen)
         if plan.run in lines:
             raise _fault(index, row, "run", plan.run, f"stands in line {lines[plan.run]} too")
-        lines[plan.run] = index.line(row)
-        file = read_source(folder, name)
-        channels, others = read_channels(file.data, str(folder / name))
-        notes += _left_out(name, others)
-        runs.append(ForeignRun(plan, channels, file, (2, 1 + len(channels["t_s"]))))
+        lines[plan.run] = index.lines[row]
+        table, file = log(row, file_name)
+        channels, others = read_channels(table)
+        notes += _left_out(file.name, [column for column in others if column != "run"])
+        first = table.lines[0] if isinstance(table, Table) else 1
+        last = table.lines[-1] if isinstance(table, Table) else len(channels["t_s"])
+        runs.append(ForeignRun(plan, channels, file, (int(first), int(last))))
     return ForeignRuns(tuple(runs), notes, bench)
+
+
+def _table_index(folder: Path, name: str) -> _Index:
+    data = read_source(folder, name).data
+    if name.endswith(".parquet"):
+        data = read_parquet(data, str(folder / name)).to_csv(index=False).encode()
+
+    def log(_: int, file_name: str) -> tuple[AnyTable, SourceFile]:
+        file = read_source(folder, file_name)
+        return open_table(file.data, str(folder / file_name), Format()), file
+
+    return parse_table(data, str(folder / name), Format()), log
+
+
+def _mat_index(folder: Path, name: str) -> _Index:
+    file, source = read_source(folder, name), str(folder / name)
+    runs = read_mat(file.data, source).get("runs")
+    runs = [runs] if isinstance(runs, dict) else runs
+    if runs is None or not all(isinstance(run, dict) and "log" in run for run in runs):
+        raise DataError(f"{source}: has no struct array 'runs' with the field 'log'")
+    names = [field for field in runs[0] if field != "log"]
+    rows = [[*(_cell(run.get(field)) for field in names), name] for run in runs]
+    count = np.arange(1, len(rows) + 1)
+    index = Table((*names, "file"), (), rows, count, Format(), source)
+    return index, lambda row, _: (Arrays(runs[row]["log"], f"{source}: runs({row + 1}).log"), file)
+
+
+def _cell(value: Any) -> str:
+    """Return a scalar of a struct as the cell of a table; empty for nothing and NaN."""
+    if np.size(value) != 1:
+        return ""
+    text = str(np.asarray(value).item())
+    return "" if text in ("nan", "None") else text
 
 
 def _left_out(name: str, columns: Sequence[str]) -> tuple[str, ...]:
@@ -55,11 +108,11 @@ def _left_out(name: str, columns: Sequence[str]) -> tuple[str, ...]:
     return (known,) if columns else ()
 
 
-def _bench(folder: Path) -> tuple[dict[str, Any] | None, Specimen, tuple[str, ...]]:
+def _bench(folder: Path, index: str) -> tuple[dict[str, Any] | None, Specimen, tuple[str, ...]]:
     path = folder / BENCH
     if not path.exists():
         note = (
-            f"no {BENCH} beside {INDEX}: the cylinder under test is taken to be the reference "
+            f"no {BENCH} beside {index}: the cylinder under test is taken to be the reference "
             "bench's (40 mm piston, 25 mm rod, 400 mm stroke)"
         )
         return None, _REFERENCE, (note,)
@@ -79,7 +132,7 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
     if not trial.isdecimal() or int(trial) < 1:
         raise _fault(index, row, "trial", trial, "expected a number from 1")
     plan = RunPlan(
-        run=check_run_id(cells["run"], f"{index.source}: line {index.line(row)}"),
+        run=check_run_id(cells["run"], f"{index.source}: {index.where(row)}"),
         kind=kind,
         trial=int(trial),
         v_ref_m_s=_number(index, row, "v_ref_m_s", cells["v_ref_m_s"]),
@@ -101,4 +154,4 @@ def _number(index: Table, row: int, column: str, cell: str) -> float:
 
 
 def _fault(index: Table, row: int, column: str, found: str, expected: str) -> DataError:
-    return DataError(f"{index.source}: line {index.line(row)}: {column} {found!r}: {expected}")
+    return DataError(f"{index.source}: {index.where(row)}: {column} {found!r}: {expected}")

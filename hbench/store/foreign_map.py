@@ -9,16 +9,16 @@ from statistics import median
 
 import numpy as np
 
-from hbench.config.importmap import ALWAYS, CHANNELS, ImportMap, Series
+from hbench.config.importmap import ImportMap, Series
 from hbench.errors import ConfigError, DataError
 from hbench.records import RunPlan, Specimen
+from hbench.store.foreign_channels import FileChannels, read_file
 from hbench.store.foreign_run import ForeignRun, ForeignRuns, SourceFile, read_source
-from hbench.store.run_csv import check_time
 from hbench.store.strokes import Strokes, cut_at_reversals, stroke_speed
-from hbench.store.table import parse_table
-from hbench.units import parse_unit, to_si
+from hbench.units import parse_unit
 
-_FIELDS = {"pressure": r"\d+(?:\.\d+)?", "trial": r"\d+"}
+_NUMBER = r"\d+(?:\.\d+)?"
+_FIELDS = {"pressure": _NUMBER, "load": f"-?{_NUMBER}", "speed": _NUMBER, "trial": r"\d+"}
 
 
 @dataclass(frozen=True)
@@ -27,15 +27,36 @@ class _Match:
 
     name: str
     series: Series
-    pressure_pa: float | None
-    trial: int
+    fields: dict[str, str]  # what its name tells
+
+    @property
+    def trial(self) -> int:
+        """1 where the name does not tell."""
+        return int(self.fields.get("trial", 1))
 
     @property
     def f_load_n(self) -> float | None:
-        """Nominal load: pressure times the piston's area."""
-        if self.pressure_pa is None:
+        """Nominal load: as named, or pressure times the piston's area."""
+        load, pressure = self._si("load"), self._si("pressure")
+        if load is None and pressure is not None:
+            return pressure * self.series.cylinder.area_piston_m2
+        return load
+
+    @property
+    def speed_m_s(self) -> float | None:
+        """Nominal speed, without sign."""
+        return self.series.speed if self.series.speed is not None else self._si("speed")
+
+    @property
+    def order(self) -> tuple[float, float, float, int]:
+        """Files of a series come by pressure, load, speed and trial."""
+        values = (self._si(name) or 0.0 for name in ("pressure", "load", "speed"))
+        return (*values, self.trial)
+
+    def _si(self, name: str) -> float | None:
+        if name not in self.fields:
             return None
-        return self.pressure_pa * self.series.cylinder.area_piston_m2
+        return float(self.fields[name]) * parse_unit(getattr(self.series, f"{name}_unit")).factor
 
 
 @dataclass(frozen=True)
@@ -60,13 +81,15 @@ def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
     Raises ``DataError`` naming the file and line that can't be used.
     """
     strokes: list[_Stroke] = []
+    notes: list[str] = []
     partial = short = 0
     for match in _matches(folder, rules):
         file = read_source(folder, match.name)
         source = str(folder / match.name)
-        channels, first_line = _read_channels(file, source, rules)
-        cut = _cut(channels["x_m"], source, rules)
-        strokes += [_stroke(match, file, channels, first_line, piece) for piece in cut.pieces]
+        read = read_file(file.data, source, match.name, match.fields, rules)
+        cut = _cut(read.channels["x_m"], source, rules)
+        strokes += [_stroke(match, file, read, piece) for piece in cut.pieces]
+        notes += read.notes
         partial, short = partial + cut.partial, short + cut.short
     if not strokes:
         raise DataError(
@@ -78,7 +101,7 @@ def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
         ForeignRun(_plan(number, s, rules.kind, speeds), s.channels, s.file, s.lines)
         for number, s in enumerate(strokes, start=1)
     )
-    return ForeignRuns(runs, _notes(len(runs), partial, short, rules))
+    return ForeignRuns(runs, (*_notes(len(runs), partial, short, rules), *notes))
 
 
 def _matches(folder: Path, rules: ImportMap) -> Iterator[_Match]:
@@ -93,13 +116,13 @@ def _matches(folder: Path, rules: ImportMap) -> Iterator[_Match]:
                 if name in taken:
                     raise ConfigError(f"{name}: belongs to series {taken[name]} and {series.files}")
                 taken[name] = series.files
-                found.append(_match(name, series, match.groupdict()))
+                found.append(_Match(name, series, match.groupdict()))
         if not found:
             raise DataError(
                 f"{folder}: no file fits series {series.label!r}, files: {series.files}",
                 "Paths start at the imported folder.",
             )
-        yield from sorted(found, key=lambda m: (m.pressure_pa or 0.0, m.trial))
+        yield from sorted(found, key=lambda m: m.order)
 
 
 def _pattern(files: str) -> re.Pattern[str]:
@@ -107,33 +130,6 @@ def _pattern(files: str) -> re.Pattern[str]:
     for name, number in _FIELDS.items():
         text = text.replace(re.escape(f"{{{name}}}"), f"(?P<{name}>{number})")
     return re.compile(text)
-
-
-def _match(name: str, series: Series, fields: dict[str, str]) -> _Match:
-    pressure = fields.get("pressure")
-    factor = parse_unit(series.pressure_unit).factor
-    return _Match(
-        name=name,
-        series=series,
-        pressure_pa=None if pressure is None else float(pressure) * factor,
-        trial=int(fields.get("trial", 1)),
-    )
-
-
-def _read_channels(
-    file: SourceFile, source: str, rules: ImportMap
-) -> tuple[dict[str, np.ndarray], int]:
-    """Return the channels of a whole file in SI, and the line of their first sample."""
-    table = parse_table(file.data, source, rules.format)
-    channels = {}
-    for name, column in rules.columns.items():
-        factor = parse_unit(column.unit).factor * column.scale
-        numbers = table.numbers(column.column, gaps=name not in ALWAYS)
-        channels[name] = numbers * factor
-    for name, constant in rules.constants.items():
-        channels[name] = np.full(len(table.rows), to_si(constant, CHANNELS[name]))
-    check_time(channels["t_s"], table.first_line, source)
-    return channels, table.first_line
 
 
 def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> Strokes:
@@ -148,18 +144,12 @@ def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> Strokes:
     return Strokes((slice(0, len(x_m)),), partial=0, short=0)
 
 
-def _stroke(
-    match: _Match,
-    file: SourceFile,
-    channels: dict[str, np.ndarray],
-    first_line: int,
-    piece: slice,
-) -> _Stroke:
-    part = {name: values[piece] for name, values in channels.items()}
+def _stroke(match: _Match, file: SourceFile, read: FileChannels, piece: slice) -> _Stroke:
+    part = {name: values[piece] for name, values in read.channels.items()}
     return _Stroke(
         match=match,
         file=file,
-        lines=(first_line + piece.start, first_line + piece.stop - 1),
+        lines=(int(read.lines[piece][0]), int(read.lines[piece][-1])),
         channels=part,
         v_m_s=stroke_speed(part["t_s"], part["x_m"]),
     )
@@ -175,7 +165,7 @@ def _nominal_speeds(strokes: list[_Stroke]) -> dict[tuple, float]:
 
 def _plan(number: int, stroke: _Stroke, kind: str, speeds: dict[tuple, float]) -> RunPlan:
     match = stroke.match
-    given = match.series.speed
+    given = match.speed_m_s
     v_ref = speeds[stroke.reference] if given is None else np.copysign(given, stroke.v_m_s)
     cylinder = match.series.cylinder
     return RunPlan(

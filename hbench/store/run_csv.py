@@ -5,9 +5,10 @@ from dataclasses import fields
 
 import numpy as np
 
-from hbench.config.importmap import ALWAYS, CHANNELS, Format
+from hbench.config.layout import ALWAYS, CHANNELS, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
+from hbench.store.arrays import AnyTable
 from hbench.store.table import parse_table
 
 _IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
@@ -22,13 +23,12 @@ def format_run(channels: Mapping[str, np.ndarray]) -> bytes:
     return "\n".join((",".join(channels), *rows, "")).encode()
 
 
-def read_channels(data: bytes, source: str) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
-    """Return the known channels of a CSV in SI, and the names of its other columns.
+def read_channels(table: AnyTable) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
+    """Return the known channels of a table in SI, and the names of its other columns.
 
     Empty cells are NaN. Raises ``DataError`` naming the line: for cells that are not numbers,
     for time that does not rise, for gaps in ``t_s`` or ``x_m``, and for a file without these.
     """
-    table = parse_table(data, source, Format())
     for name in ALWAYS:
         table.position(name)
     channels = {
@@ -36,24 +36,46 @@ def read_channels(data: bytes, source: str) -> tuple[dict[str, np.ndarray], tupl
         for name in table.names
         if name in CHANNELS
     }
-    check_time(channels["t_s"], table.first_line, source)
+    check_lengths(channels, table)
+    check_time(channels["t_s"], table)
     return channels, tuple(name for name in table.names if name not in CHANNELS)
 
 
-def check_time(t_s: np.ndarray, first_line: int, source: str) -> None:
-    """Raise ``DataError`` naming the line where time does not rise."""
+def check_lengths(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
+    """Raise ``DataError`` where a channel has not as many samples as the time."""
+    n = len(channels["t_s"])
+    if n == 0:
+        raise DataError(f"{table.source}: holds no samples")
+    for name, values in channels.items():
+        if len(values) != n:
+            raise DataError(
+                f"{table.source}: {name} has {len(values)} samples and t_s has {n}",
+                "Channels of different rates must come to common times before.",
+            )
+
+
+def check_time(
+    t_s: np.ndarray, table: AnyTable, rows: np.ndarray | None = None, hint: str = ""
+) -> None:
+    """Raise ``DataError`` naming the line where time does not rise.
+
+    ``rows`` (n,) are the samples' rows in the table, where not all have been kept; ``hint`` helps
+    against times that stand still.
+    """
     stuck = np.flatnonzero(np.diff(t_s) <= 0)
     if len(stuck):
         row = stuck[0] + 1
+        place = table.where(row if rows is None else rows[row])
         raise DataError(
-            f"{source}: line {first_line + row}: time goes from {t_s[row - 1]:.6g} s to "
-            f"{t_s[row]:.6g} s; expected it to rise"
+            f"{table.source}: {place}: time goes from {t_s[row - 1]:.6g} s to {t_s[row]:.6g} s; "
+            "expected it to rise",
+            hint if t_s[row] == t_s[row - 1] else "",
         )
 
 
 def parse_run(data: bytes, plan: RunPlan, source: str) -> Run:
     """Return the run in a CSV in SI. Raises ``DataError``."""
-    channels, _ = read_channels(data, source)
+    channels, _ = read_channels(parse_table(data, source, Format()))
     run = {name: values for name, values in channels.items() if name in _IN_RUN}
     if (v_ref := run.get("v_ref_m_s")) is not None:
         margin = max(_SAME_SPEED_M_S, _SAME_SPEED * abs(plan.v_ref_m_s))

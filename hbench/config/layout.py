@@ -1,0 +1,104 @@
+"""How a foreign file is laid out: the dialect of its text, and where a channel stands in it."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from hbench.config.quantity import Section, SignedVoltage
+from hbench.config.sensors import LoadCell
+from hbench.units import parse_unit
+
+# Channels a map can fill, and the unit that each ends in.
+CHANNELS = {
+    "t_s": "s",
+    "x_m": "m",
+    "v_m_s": "m/s",
+    "p_tp_pa": "Pa",
+    "p_tr_pa": "Pa",
+    "p_lp_pa": "Pa",
+    "p_lr_pa": "Pa",
+    "p_s_pa": "Pa",
+    "f_applied_n": "N",
+    "u_t_v": "V",
+    "u_l1_v": "V",
+    "u_l2_v": "V",
+    "v_ref_m_s": "m/s",
+    "p_lr_ref_pa": "Pa",
+    "p_lp_ref_pa": "Pa",
+}
+ALWAYS = ("t_s", "x_m")  # without these nothing can be analyzed; no gaps in them
+DATE_TIME = "date-time"  # the unit of times such as 2024-05-01T12:00:00.25
+
+
+class Column(Section):
+    """Where a channel stands in a file: its value is ``number * scale`` in ``unit``, + ``offset``.
+
+    Without ``unit`` the column is named as the channel is, in SI, or the file has a row of units.
+    ``column`` is a number from 1, a header's name, or in a MATLAB file a path as MATLAB writes it:
+    ``data.p``, ``runs(2).log.t_s``, ``M(:,3)``.
+    """
+
+    column: Annotated[int, Field(ge=1)] | str
+    unit: str | None = None
+    scale: float = Field(default=1.0, allow_inf_nan=False)
+    offset: str | None = None  # a quantity: "-1.25 bar"
+    zero: Literal["rest"] | None = None  # its mean at rest before the motion is subtracted
+
+    @field_validator("scale")
+    @classmethod
+    def _something_left(cls, scale: float) -> float:
+        if scale == 0:
+            raise ValueError("leaves nothing of the channel")
+        return scale
+
+
+class Format(Section):
+    """The dialect of text files; MATLAB (.mat) and Parquet (.parquet) files need none.
+
+    Blank lines and those that begin with ``comment`` are passed over. The character set is told
+    from the file: UTF-8, UTF-16, or else Windows-1252.
+    """
+
+    separator: Literal["comma", "semicolon", "tab", "whitespace"] = "comma"
+    header: bool = True
+    preamble: int = Field(default=0, ge=0, le=100_000)  # lines before the header
+    units_row: bool = False  # the row under the header holds units
+    skip_rows: int = Field(default=0, ge=0, le=100_000)  # data rows to drop at the start
+    decimal: Literal[".", ","] = "."
+    thousands: Literal[".", ",", "'", " "] | None = None
+    comment: str | None = Field(default=None, min_length=1, max_length=3)
+
+    @model_validator(mode="after")
+    def _unambiguous(self) -> "Format":
+        if self.decimal == "," and self.separator == "comma":
+            raise ValueError("decimal ',' can't be told from separator comma")
+        if self.thousands == self.decimal:
+            raise ValueError(f"thousands and decimal are both {self.decimal!r}")
+        if self.thousands == " " and self.separator == "whitespace":
+            raise ValueError("thousands ' ' can't be told from separator whitespace")
+        if self.units_row and not self.header:
+            raise ValueError("units_row stands under a header, but header is false")
+        return self
+
+
+class ForeignLoadCell(LoadCell):
+    """A strain-gauge load cell (equation C.6) of which a log holds the voltage."""
+
+    level: SignedVoltage = 0.0
+
+
+def check_column(name: str, column: Column, layout: Format, wanted: str) -> None:
+    """Raise ``ValueError`` for a column that can't give a channel in ``wanted``'s dimension."""
+    if column.unit is None:
+        own = str(column.column).rsplit(".")[-1] == name
+        if not own and not layout.units_row:
+            raise ValueError(
+                f"columns.{name}: no unit; only a column that is named {name} is known to be in SI"
+            )
+    elif name == "t_s" and column.unit == DATE_TIME:
+        if column.scale != 1.0 or column.offset is not None:
+            raise ValueError("columns.t_s: date-times have neither scale nor offset")
+    elif parse_unit(column.unit).dimension != parse_unit(wanted).dimension:
+        raise ValueError(f"columns.{name}: unit {column.unit!r} is not one of {wanted}")
+    if column.zero is not None and name in ("t_s", "x_m"):
+        raise ValueError(f"columns.{name}: its zero is not told by rest")

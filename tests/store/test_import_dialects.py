@@ -1,0 +1,223 @@
+"""Text files as other people's programs write them, and the units in them."""
+
+import numpy as np
+import pytest
+import yaml
+
+from hbench.config.importmap import parse_import_map
+from hbench.config.layout import Format
+from hbench.errors import ConfigError, DataError
+from hbench.store.campaign import load_campaign
+from hbench.store.foreign import import_folder
+from hbench.store.table import parse_table
+
+SEMICOLON = {"separator": "semicolon"}
+GERMAN = {**SEMICOLON, "decimal": ","}
+
+
+def column(data, name="x", **layout):
+    data = data.encode() if isinstance(data, str) else data
+    return parse_table(data, "a.csv", Format(**layout)).numbers(name).tolist()
+
+
+@pytest.mark.parametrize("charset", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
+def test_character_sets_are_told_from_the_bytes(charset):
+    text = "Zeit;Öldruck µ\r\n0;1,5\r\n1;-2,25\r\n"
+    assert column(text.encode(charset), "Öldruck µ", **GERMAN) == [1.5, -2.25]
+
+
+@pytest.mark.parametrize(
+    ("text", "layout"),
+    [
+        ("t,x\n0,1234.5\n1,2\n", {}),
+        ("t;x\n0;1234.5\n1;2\n", SEMICOLON),
+        ("t\tx\n0\t1234.5\n1\t2\n", {"separator": "tab"}),
+        ("t x\n  0   1234.5\n1 2\n", {"separator": "whitespace"}),
+        ("t;x\n0;1234,5\n1;2\n", GERMAN),
+        ("t;x\n0;1.234,5\n1;2\n", {**GERMAN, "thousands": "."}),
+        ("t;x\n0;1'234.5\n1;2\n", {**SEMICOLON, "thousands": "'"}),
+        ("t;x\n0;1 234,5\n1;2\n", {**GERMAN, "thousands": " "}),
+        ('t,x\n0,"1,234.5"\n"1","2"\n', {"thousands": ","}),
+        ("t,x\n0,1.2345e3\n\n1,2\n\n", {}),
+        ("# by a logger\n#\nt,x\n0,1234.5\n# pause\n1,2\n", {"comment": "#"}),
+        ("Logger 5\n3.5.24, 12:00\n\nt,x\n0,1234.5\n1,2\n", {"preamble": 2}),
+        ("t,x\ns,mm\n0,1234.5\n1,2\n", {"units_row": True}),
+        ("t;x\n0;1234.5;\n1;2;\n", SEMICOLON),
+    ],
+)
+def test_dialects_give_the_same_numbers(text, layout):
+    assert column(text, **layout) == [1234.5, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("cell", "layout"),
+    [
+        ("1.234", GERMAN),  # a thousand and some, or one and some?
+        ("1.23,5", {**GERMAN, "thousands": "."}),
+        ("1.2345,5", {**GERMAN, "thousands": "."}),
+        (".234,5", {**GERMAN, "thousands": "."}),
+        ("1_0", SEMICOLON),
+        ("0x1f", SEMICOLON),
+        ("inf", SEMICOLON),
+        ("12 mm", SEMICOLON),
+    ],
+)
+def test_a_number_that_could_mean_another_is_refused(cell, layout):
+    with pytest.raises(DataError, match=r"a.csv: line 2: column x: found"):
+        column(f"t;x\n0;{cell}\n", **layout)
+
+
+def test_lines_are_counted_as_an_editor_does():
+    text = '# one\n\nt,x\n0,1\n# five\n"1",2\n2,?\n'
+    with pytest.raises(DataError, match=r"line 7: column x: found '\?'"):
+        column(text, comment="#")
+    with pytest.raises(DataError, match=r"line 5: found 1 columns in '# five'; expected 2"):
+        column(text.removeprefix("# one\n\n").replace("t,x", "\n\nt,x"))
+
+
+def test_a_name_that_stands_twice_is_refused_and_its_number_taken():
+    with pytest.raises(DataError, match="column 'p' stands there 2 times; there are: t, p, p"):
+        column("t,p,p\n0,1,2\n", "p")
+    assert column("t,p,p\n0,1,2\n", 3) == [2.0]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "step"),
+    [
+        ("2024-05-01T23:59:59.750", "2024-05-02T00:00:00.250", 0.5),
+        ("2024-05-01 12:00:00,5", "2024-05-01 12:00:00,625", 0.125),
+        ("2024-05-01T12:00:00Z", "2024-05-01T14:00:01+02:00", 1.0),
+    ],
+)
+def test_date_times_become_seconds(first, second, step):
+    table = parse_table(f"t;x\n{first};1\n{second};2\n".encode(), "a.csv", Format(**SEMICOLON))
+    assert table.seconds("t") == pytest.approx([0, step], abs=1e-6)
+
+
+def test_a_cell_that_is_no_date_time_is_named_with_its_line():
+    table = parse_table(b"t,x\n2024-05-01T12:00:00,1\n12:00,2\n", "a.csv", Format())
+    with pytest.raises(DataError, match="line 3: column t: found '12:00'; expected a date-time"):
+        table.seconds("t")
+
+
+@pytest.fixture
+def rules():
+    columns = {"t_s": "t", "x_m": "x", "p_tp_pa": "p", "f_applied_n": "f"}
+    return {
+        "name": "others",
+        "format": {"units_row": True},
+        "columns": {channel: {"column": name} for channel, name in columns.items()},
+        "constants": {"p_tr_pa": "0 bar"},
+        "series": [
+            {"label": "A", "files": "{trial}.csv", "cylinder": {"piston_diameter": "25 mm"}}
+        ],
+    }
+
+
+@pytest.fixture
+def bring_in(rules, tmp_path, at):
+    def bring_in(text="t,x,p,f\nms,mm,psi,kN\n0,0,1,2\n500,20,1,2\n1000,40,1,2\n", name="1.csv"):
+        (tmp_path / "logs").mkdir(exist_ok=True)
+        (tmp_path / "logs" / name).write_text(text)
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+        import_folder(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", {}, at(0))
+        campaign = load_campaign(tmp_path / "out")
+        return next(campaign.runs()), campaign
+
+    return bring_in
+
+
+def test_units_come_from_the_row_under_the_header(bring_in):
+    run, _ = bring_in("t,x,p,f\n[ms],(mm),psi, kN\n0,0,1,2\n500,20,1,2\n1000,40,1,2\n")
+    assert run.t_s.tolist() == [0, 0.5, 1.0]
+    np.testing.assert_allclose(run.x_m, [0, 0.02, 0.04])
+    np.testing.assert_allclose(run.p_tp_pa, 6894.757, rtol=1e-6)
+    np.testing.assert_allclose(run.f_applied_n, 2000)
+
+
+@pytest.mark.parametrize(
+    ("row", "given", "message"),
+    [
+        ("ms,mm,psi,kp", {}, "column f: its row of units says 'kp', which is no known unit"),
+        ("ms,mm,N,kN", {}, "column p: its row of units says 'N'; p_tp_pa needs one like Pa"),
+        ("ms,mm,bar,N", {"p_tp_pa": "psi"}, "row of units says 'bar'; the map says 'psi'"),
+    ],
+)
+def test_units_that_cannot_be_or_contradict_are_refused(bring_in, rules, row, given, message):
+    for channel, unit in given.items():
+        rules["columns"][channel]["unit"] = unit
+    with pytest.raises(DataError, match=message):
+        bring_in(f"t,x,p,f\n{row}\n0,0,1,2\n1,40,1,2\n")
+
+
+def test_a_column_without_unit_is_refused_unless_it_is_named_in_si(rules):
+    rules["format"] = {}
+    with pytest.raises(ConfigError, match="columns.t_s: no unit; only a column that is named t_s"):
+        parse_import_map(rules, "map.yaml")
+    rules["columns"] = {name: {"column": name} for name in rules["columns"]}
+    parse_import_map(rules, "map.yaml")
+
+
+def test_sign_scale_and_offset_of_a_raw_voltage(bring_in, rules):
+    # 0.5 to 4.5 V over 0 to 250 bar: 62.5 bar/V, -31.25 bar at 0 V
+    rules["format"] = {}
+    for name, unit in {"t_s": "ms", "x_m": "mm", "f_applied_n": "N"}.items():
+        rules["columns"][name]["unit"] = unit
+    rules["columns"]["x_m"]["scale"] = -1
+    rules["columns"]["p_tp_pa"] |= {"unit": "bar", "scale": 62.5, "offset": "-31.25 bar"}
+    run, campaign = bring_in("t,x,p,f\n0,0,0.5,0\n500,20,2.5,0\n1000,40,4.5,0\n")
+    np.testing.assert_allclose(run.p_tp_pa, [0, 125e5, 250e5], atol=1e-6)
+    assert run.x_m[-1] == -0.04 and run.plan.direction == "retract"
+
+
+def test_a_bridge_voltage_becomes_a_force_by_equation_c6(bring_in, rules):
+    cell = {"area": "200 mm^2", "youngs_modulus": "210 GPa", "poisson": 0.3, "gauge_factor": 2.1}
+    rules["load_cell"] = {**cell, "bridge_supply": "5 V", "amplifier": 1.0, "level": "0.1 mV"}
+    run, _ = bring_in("t,x,p,f\nms,mm,bar,mV\n0,0,1,0.1\n500,20,1,0.2\n1000,40,1,0\n")
+    newton_per_volt = 4 * 200e-6 * 210e9 / (2 * 5 * 2.1 * 1.3)  # 6.15 MN/V
+    np.testing.assert_allclose(run.f_applied_n, np.array([0, 1, -1]) * 1e-4 * newton_per_volt)
+
+
+def test_load_and_speed_of_a_run_come_from_the_file_name(bring_in, rules):
+    rules["series"][0] |= {"files": "{load}kN_{speed}mm_s_{trial}.csv", "load_unit": "kN"}
+    rules["constants"]["p_tr_pa"] = "{load} bar"
+    run, _ = bring_in(name="-1.5kN_40mm_s_2.csv")
+    plan = run.plan
+    assert (plan.f_load_n, plan.v_ref_m_s, plan.trial) == (-1500, 0.04, 2)
+    np.testing.assert_allclose(run.p_tr_pa, -1.5e5)
+
+
+def test_a_dead_load_of_the_name_stands_in_for_a_load_cell(bring_in, rules):
+    del rules["columns"]["f_applied_n"]
+    rules["constants"]["f_applied_n"] = "{load} N"
+    rules["series"][0]["files"] = "{load}_{trial}.csv"
+    run, _ = bring_in(name="98.1_1.csv")
+    assert run.f_applied_n.tolist() == [98.1] * 3
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"constants": {"p_tr_pa": "{load} bar"}}, "constants.p_tr_pa: {load} is not in every"),
+        ({"constants": {"p_tr_pa": "{load"}}, "constants.p_tr_pa"),
+        ({"format": {"decimal": ",", "thousands": ",", "separator": "tab"}}, "are both ','"),
+        ({"format": {"header": False, "units_row": True}}, "units_row stands under a header"),
+        ({"resample": "5 s"}, "resample"),
+    ],
+)
+def test_map_that_cannot_work_is_refused(rules, change, message):
+    with pytest.raises(ConfigError, match=message):
+        parse_import_map({**rules, **change}, "map.yaml")
+
+
+def test_a_missing_column_is_told_with_those_that_are_there(bring_in, rules):
+    rules["columns"]["f_applied_n"]["column"] = "force"
+    with pytest.raises(DataError, match="1.csv: no column 'force'; there are: t, x, p, f"):
+        bring_in()
+
+
+def test_other_peoples_files_without_a_map_are_refused_with_what_to_do(tmp_path, at):
+    (tmp_path / "log.csv").write_text("t,x\n0,1\n")
+    with pytest.raises(DataError, match="holds none of runs.csv") as caught:
+        import_folder(tmp_path, tmp_path / "out", None, {}, at(0))
+    assert "--map" in caught.value.hint

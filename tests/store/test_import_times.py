@@ -1,0 +1,172 @@
+"""Uneven times, repeated times, means over intervals, and zeros from rest."""
+
+import numpy as np
+import pytest
+import yaml
+from scipy.integrate import quad
+
+from hbench.config.importmap import parse_import_map
+from hbench.errors import ConfigError, DataError
+from hbench.store.campaign import load_campaign
+from hbench.store.foreign import import_folder
+from hbench.store.resample import interval_means, whole_intervals
+from hbench.store.rest import zero_at_rest
+
+
+@pytest.fixture
+def rules():
+    columns = {"t_s": "t", "x_m": "x", "p_tp_pa": "p", "f_applied_n": "f"}
+    units = {"t_s": "s", "x_m": "mm", "p_tp_pa": "bar", "f_applied_n": "N"}
+    return {
+        "name": "others",
+        "columns": {c: {"column": name, "unit": units[c]} for c, name in columns.items()},
+        "constants": {"p_tr_pa": "0 bar"},
+        "series": [{"label": "A", "files": "a.csv", "cylinder": {"piston_diameter": "25 mm"}}],
+    }
+
+
+@pytest.fixture
+def bring_in(rules, tmp_path, at):
+    def bring_in(t, x, p, f):
+        (tmp_path / "logs").mkdir(exist_ok=True)
+        rows = zip(t, x, p, f, strict=True)
+        text = "t,x,p,f\n" + "".join(",".join(f"{float(v)!r}" for v in row) + "\n" for row in rows)
+        (tmp_path / "logs" / "a.csv").write_text(text.replace("nan", ""))
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+        source, map_file = tmp_path / "logs", tmp_path / "map.yaml"
+        summary = import_folder(source, tmp_path / "out", map_file, {}, at(0))
+        campaign = load_campaign(tmp_path / "out")
+        return next(campaign.runs()), summary.notes, campaign
+
+    return bring_in
+
+
+def uneven(seconds, rate_hz, seed=3):
+    rng = np.random.default_rng(seed)
+    return np.cumsum(rng.uniform(0.2, 1.8, round(seconds * rate_hz))) / rate_hz
+
+
+def test_uneven_times_and_gaps_stay_as_they_are(bring_in):
+    t = uneven(4, 50)
+    t[100:] += 0.7
+    run, notes, _ = bring_in(t, 10 * t, 1 + 0 * t, 0 * t)
+    np.testing.assert_array_equal(run.t_s, t)
+    assert notes == ()
+
+
+def test_times_that_stand_still_are_refused_or_dropped_with_a_note(bring_in, rules):
+    t = np.repeat(np.arange(0, 1, 0.01), [1, 3] + [1] * 98)
+    x = np.arange(len(t)) * 0.4
+    with pytest.raises(DataError, match="line 4: time goes from 0.01 s to 0.01 s") as caught:
+        bring_in(t, x, 0 * t, 0 * t)
+    assert "repeated_times: drop" in caught.value.hint
+    rules["repeated_times"] = "drop"
+    run, notes, campaign = bring_in(t, x, 0 * t, 0 * t)
+    np.testing.assert_array_equal(run.t_s, np.arange(0, 1, 0.01))
+    assert run.x_m[:3].tolist() == pytest.approx([0, 0.0004, 0.0016])
+    assert notes == ("a.csv: 2 of 102 samples have the time of the one before: dropped",)
+    assert campaign.warnings == notes
+    assert campaign.entries[0].origin["lines"] == [2, 103]
+
+
+def test_time_that_goes_back_is_refused_all_the_same(bring_in, rules):
+    rules["repeated_times"] = "drop"
+    t = np.array([0, 0.1, 0.1, 0.2, 0.15])
+    with pytest.raises(DataError, match="line 6: time goes from 0.2 s to 0.15 s"):
+        bring_in(t, 100 * t, t, t)
+
+
+def test_interval_means_are_those_of_straight_lines_between_the_samples():
+    t = uneven(2, 60)
+    y = np.sin(7 * t) + 0.3 * np.random.default_rng(1).standard_normal(len(t))
+    starts = whole_intervals(t, 20.0, 1.0)
+    expected = [
+        quad(
+            lambda s: np.interp(s, t, y), a, a + 0.05, limit=200, points=t[(t > a) & (t < a + 0.05)]
+        )
+        for a in starts
+    ]
+    means = interval_means(t, y, starts, 20.0)
+    np.testing.assert_allclose(means, [20 * value for value, _ in expected], atol=1e-9)
+
+
+@pytest.mark.parametrize("frequency_hz", [2.0, 20.0, 49.0, 63.0])
+def test_means_have_the_gain_of_a_rectangle_and_no_phase(frequency_hz):
+    # 63 Hz would come out of every tenth sample as 37 Hz of full size
+    t, rate, omega = uneven(20, 1000), 100.0, 2 * np.pi * frequency_hz
+    starts = whole_intervals(t, rate, 1.0)
+    middles = starts + 0.5 / rate
+    means = interval_means(t, np.cos(omega * t), starts, rate)
+    basis = np.column_stack([np.cos(omega * middles), np.sin(omega * middles)])
+    in_phase, quadrature = np.linalg.lstsq(basis, means, rcond=None)[0]
+    assert in_phase == pytest.approx(np.sinc(frequency_hz / rate), abs=0.015)
+    assert quadrature == pytest.approx(0, abs=0.005)
+
+
+def test_resampling_is_stated_and_leaves_gaps_as_gaps(bring_in, rules):
+    rules |= {"resample": "20 Hz", "screening": {"max_gap": "0.1 s"}}
+    t = np.arange(0, 4.0005, 0.01)
+    t = t[(t < 1.234) | (t > 1.62)]
+    f = np.where(np.arange(len(t)) == 200, np.nan, 3.0)
+    run, notes, campaign = bring_in(t, 25 * t, 1 + t, f)
+    # from 1.23 to 1.63 s nothing was logged: the intervals from 1.20 to 1.65 s
+    expected = np.concatenate([np.arange(0.025, 1.2, 0.05), np.arange(1.675, 4, 0.05)])
+    np.testing.assert_allclose(run.t_s, expected)
+    np.testing.assert_allclose(run.x_m, 0.025 * expected)
+    np.testing.assert_allclose(run.p_tp_pa, 1e5 * (1 + expected))
+    unknown = np.isnan(run.f_applied_n)
+    assert unknown.sum() in (1, 2) and abs(run.t_s[unknown] - t[200]).max() <= 0.05
+    words = "a.csv: resampled from 362 samples to 71 means over 1/20 s; "
+    assert notes == (words + "9 intervals reach into gaps and are left out",)
+    assert campaign.warnings == notes
+
+
+def test_samples_are_not_made_up(bring_in, rules):
+    rules["resample"] = "200 Hz"
+    t = np.arange(0, 1, 0.01)
+    with pytest.raises(DataError, match="resample = 200 Hz, but its samples are 10 ms apart"):
+        bring_in(t, 100 * t, t, t)
+
+
+def at_rest_then_moving(rest_s, zero_n, seed=5, noise_mm=0.02):
+    rng = np.random.default_rng(seed)
+    t = np.arange(0, rest_s + 2, 0.002)
+    x = 30 + 40 * np.maximum(0, t - rest_s) + noise_mm * rng.standard_normal(len(t))
+    # mains hum and noise that is correlated over 20 ms
+    noise = np.convolve(rng.standard_normal(len(t) + 9), np.ones(10) / np.sqrt(10), "valid")
+    f = zero_n + 2 * np.sin(2 * np.pi * 50 * t) + 4 * noise + 500 * (t > rest_s)
+    return t, x, 0 * t, f
+
+
+def test_the_zero_at_rest_is_subtracted_and_told_with_its_standard_error(bring_in, rules):
+    rules["columns"]["f_applied_n"]["zero"] = "rest"
+    t, x, p, f = at_rest_then_moving(1.5, 17.0)
+    run, notes, campaign = bring_in(t, x, p, f)
+    np.testing.assert_allclose(f - run.f_applied_n, (f - run.f_applied_n)[0])
+    zero = (f - run.f_applied_n)[0]
+    assert zero == pytest.approx(17.0, abs=1.0)
+    assert notes[0].startswith(f"a.csv: f_applied_n: {zero:.4g} N (standard error 0.")
+    assert "its mean over 1.4" in notes[0] and campaign.warnings == notes
+
+
+def test_the_standard_error_of_a_zero_is_the_scatter_of_zeros():
+    found = []
+    for seed in range(200):
+        t, _, _, f = at_rest_then_moving(2.0, 17.0, seed)
+        found.append(zero_at_rest(t[t < 1.9], f[t < 1.9]))
+    scatter = np.std([zero.mean for zero in found], ddof=1)
+    # neighbouring samples are alike: white noise of this size would promise a third of it
+    assert np.mean([zero.se for zero in found]) == pytest.approx(scatter, rel=0.15)
+    assert np.mean([zero.mean for zero in found]) == pytest.approx(17.0, abs=4 * scatter / 200**0.5)
+
+
+def test_without_rest_before_the_motion_there_is_no_zero(bring_in, rules):
+    rules["columns"]["f_applied_n"]["zero"] = "rest"
+    with pytest.raises(DataError, match="f_applied_n has no zero: less than 0.5 s at rest"):
+        bring_in(*at_rest_then_moving(0.4, 17.0))
+
+
+def test_the_zero_of_a_position_is_not_told_by_rest(rules):
+    rules["columns"]["x_m"]["zero"] = "rest"
+    with pytest.raises(ConfigError, match="columns.x_m: its zero is not told by rest"):
+        parse_import_map(rules, "map.yaml")
