@@ -39,6 +39,10 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
     interval since the last one, so it stands for the middle of that interval:
     t = (index + 1/2) / rate. All channels share this delay.
 
+    A converter at an end of its range stands for any value beyond: such records are marked as
+    ``sensor_saturated``, also where the board did not. Pressure and position inputs reach it at 3 V
+    of 3.16 V, which is 9.49 V of the transducer's 10 V (appendix B; its amplifier is too large).
+
     Records of another run and records out of order are left out, and ``Run.truncated`` says so.
     Raises ``DataError`` where the log's channels are not those of a run.
     """
@@ -58,6 +62,7 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
         for name in FLAG_FIELDS
         if name in raw.flags
     }
+    bits["sensor_saturated"] = bits.get("sensor_saturated", False) | _at_an_end(raw, words, bench)
     return Run(
         plan=raw.plan,
         t_s=(index + 0.5) / raw.rate_hz,
@@ -97,6 +102,16 @@ def _to_si(
         return values * parse_unit(channel.unit).factor
     gain, offset = gains[channel.name]
     return gain * values + offset
+
+
+def _at_an_end(raw: RawRun, words: np.ndarray, bench: Bench) -> np.ndarray:
+    """Return the records (n,) in which a sensor's word is 0 or that of the highest code."""
+    top = 2**bench.sensors.adc.bits - 1
+    found = np.zeros(len(words), dtype=bool)
+    for place, channel in enumerate(raw.channels):
+        if channel.unit == "count" and channel.name not in BOOKKEEPING:
+            found |= (words[:, place] == 0) | (words[:, place] >= round(top / channel.scale))
+    return found
 
 
 def _own_records(raw: RawRun, column: dict[str, int]) -> tuple[np.ndarray, list[str]]:

@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 import numpy as np
 
 from hbench.analysis.efficiency import Forces, efficiency_of
+from hbench.analysis.saturation import sensors_at_their_end
 from hbench.analysis.screen_motion import motion_notes, motion_reasons
 from hbench.analysis.steadiness import drift, mean_speed, speed_ripple
 from hbench.analysis.window import at_reference, stands_still, steady_window, window_length_s
@@ -109,7 +110,9 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
                 f"gapped: {steps.max():.2f} s between two samples of the window; "
                 f"limit {rules.max_gap:g} s"
             )
-    yield from _saturated("sensor_saturated", run.sensor_saturated, window)
+    for reason in _saturated("sensor_saturated", run.sensor_saturated, window):
+        which = sensors_at_their_end(run, window)
+        yield f"{reason}; {which}" if which else reason
 
 
 def _motion(run: Run, part: slice, window: slice, rules: Screening) -> Iterator[str]:

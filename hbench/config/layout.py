@@ -26,6 +26,7 @@ CHANNELS = {
     "p_lr_ref_pa": "Pa",
     "p_lp_ref_pa": "Pa",
 }
+FLAGS = ("sensor_saturated", "valve_saturated")  # 0 or 1, in files of the default layout
 ALWAYS = ("t_s", "x_m")  # without these nothing can be analyzed; no gaps in them
 DATE_TIME = "date-time"  # the unit of times such as 2024-05-01T12:00:00.25
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from hbench.config.layout import CHANNELS
+from hbench.config.layout import CHANNELS, FLAGS
 from hbench.records import Run, RunPlan
 from hbench.store.arrays import require_pyarrow
 from hbench.store.run_csv import format_run
@@ -75,9 +75,9 @@ def mat_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> 
 
 
 def channels(run: Run) -> dict[str, np.ndarray]:
-    """Return the channels (n,) that a run has, by their names in SI."""
-    found = {name: getattr(run, name) for name in _CHANNELS}
-    return {name: values for name, values in found.items() if values is not None}
+    """Return the channels (n,) that a run has, by their names in SI; flags are 0 or 1."""
+    found = {name: getattr(run, name) for name in (*_CHANNELS, *FLAGS)}
+    return {name: 1 * values for name, values in found.items() if values is not None}
 
 
 def _bench_file(bench: dict[str, Any] | None) -> Files:

@@ -9,6 +9,7 @@ from hbench.config.importmap import ImportMap
 from hbench.config.layout import ALWAYS, CHANNELS, DATE_TIME, Column
 from hbench.errors import DataError
 from hbench.store.arrays import AnyTable, open_table
+from hbench.store.clipped import clipped
 from hbench.store.resample import interval_means, whole_intervals
 from hbench.store.rest import LEAST_S, rest_before_motion, zero_at_rest
 from hbench.store.run_csv import check_lengths, check_time
@@ -35,13 +36,18 @@ def read_file(
     table = open_table(data, source, rules.format)
     channels = {key: _in_si(table, key, column, rules) for key, column in rules.columns.items()}
     check_lengths(channels, table)
+    held = clipped(channels)
     n = len(channels["t_s"])
     for key, constant in rules.constants.items():
         channels[key] = np.full(n, to_si(_filled(constant, fields), CHANNELS[key]))
+    if held:
+        channels["sensor_saturated"] = np.logical_or.reduce(list(held.values())).astype(float)
+    told_held = [_held(name, key, channels[key], samples) for key, samples in held.items()]
     channels, rows, notes = _without_repeats(channels, name, rules)
     hint = "For a clock that is too coarse: 'repeated_times: drop' in the map."
     check_time(channels["t_s"], table, rows, hint)
     lines = table.lines[rows] if isinstance(table, Table) else rows + 1
+    notes += told_held
     channels, told = _zeroed(channels, source, name, rules)
     notes += told
     if rules.resample is not None:
@@ -86,6 +92,14 @@ def _unit(table: AnyTable, name: str, column: Column, rules: ImportMap) -> str:
     if found.dimension != parse_unit(wanted).dimension:
         raise DataError(f"{where}; {name} needs one like {wanted}")
     return told
+
+
+def _held(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> str:
+    ends = " and ".join(f"{end:.6g}" for end in np.unique(values[samples]))
+    return (
+        f"{name}: {key}: clipped at {ends} {CHANNELS[key]} in {samples.sum()} of {len(samples)} "
+        "samples: it stays there while others move"
+    )
 
 
 def _without_repeats(
@@ -135,6 +149,8 @@ def _resampled(
     middles = starts + 0.5 / rate
     out = {key: interval_means(t_s, y, starts, rate) for key, y in channels.items()}
     out["t_s"] = middles
+    if "sensor_saturated" in out:  # a mean in which some sample is clipped
+        out["sensor_saturated"] = (out["sensor_saturated"] > 0).astype(float)
     lost = int(np.floor((t_s[-1] - t_s[0]) * rate + 1e-9)) - len(starts)
     note = f"{name}: resampled from {len(t_s)} samples to {len(starts)} means over 1/{rate:g} s"
     if lost:

@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from hbench.config.layout import ALWAYS, CHANNELS, Format
+from hbench.config.layout import ALWAYS, CHANNELS, FLAGS, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
 from hbench.store.arrays import AnyTable
@@ -34,11 +34,11 @@ def read_channels(table: AnyTable) -> tuple[dict[str, np.ndarray], tuple[str, ..
     channels = {
         name: table.numbers(name, gaps=name not in ALWAYS)
         for name in table.names
-        if name in CHANNELS
+        if name in CHANNELS or name in FLAGS
     }
     check_lengths(channels, table)
     check_time(channels["t_s"], table)
-    return channels, tuple(name for name in table.names if name not in CHANNELS)
+    return channels, tuple(name for name in table.names if name not in channels)
 
 
 def check_lengths(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
@@ -77,6 +77,7 @@ def parse_run(data: bytes, plan: RunPlan, source: str) -> Run:
     """Return the run in a CSV in SI. Raises ``DataError``."""
     channels, _ = read_channels(parse_table(data, source, Format()))
     run = {name: values for name, values in channels.items() if name in _IN_RUN}
+    run |= {name: channels[name] > 0 for name in FLAGS if name in channels}
     if (v_ref := run.get("v_ref_m_s")) is not None:
         margin = max(_SAME_SPEED_M_S, _SAME_SPEED * abs(plan.v_ref_m_s))
         run["at_reference"] = np.abs(v_ref - plan.v_ref_m_s) <= margin

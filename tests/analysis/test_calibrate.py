@@ -1,9 +1,13 @@
 """Raw logs to SI, against numbers worked out by hand from appendices B and C."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from hbench.analysis.average import curves
 from hbench.analysis.calibrate import calibrate
+from hbench.analysis.screen import screen
 from hbench.errors import DataError
 from hbench.records import LogChannel, RawRun, RunPlan, Specimen
 
@@ -155,3 +159,32 @@ def test_unknown_channels_and_wrong_widths_are_refused(bench):
         calibrate(raw(channels=CHANNELS[:-1]), bench)
     with pytest.raises(DataError, match="no channel 'index'"):
         calibrate(raw(channels=(CHANNELS[0], CHANNELS[0], *CHANNELS[2:])), bench)
+
+
+@pytest.mark.parametrize(("p_bar", "flagged"), [(237.2, False), (237.3, True), (245.0, True)])
+def test_a_pressure_above_9_49_of_10_v_is_flagged_whatever_the_board_says(bench, p_bar, flagged):
+    # 10 V are 250 bar and 3.16 V at the converter, which ends at 4095 / 4096 of 3 V: 237.28 bar.
+    counts = min(p_bar / 250 * 3.16 / 3 * 4096, 4095)
+    log = raw()
+    log.words[2:4, 4] = round(16 * counts)
+    run = calibrate(log, bench)
+    assert run.sensor_saturated.tolist() == [False, False, flagged, flagged, False, False]
+    assert run.p_tp_pa.max() <= 237.29e5
+
+
+def test_a_run_above_the_converters_end_is_rejected_and_not_averaged(bench, rules):
+    log = raw(300)
+    log.words[:, 2] = np.where(np.arange(300) == 299, 0b1001, 0b0001)
+    log.words[:, 3] = 16 * (600 + 4.55 * np.arange(300))  # 50 mm/s
+    log.words[:, 4] = 16 * np.minimum(4080 + 0.1 * np.arange(300), 4095)  # 236.4 to 238.1 bar
+    screened = screen(replace(calibrate(log, bench), p_tr_pa=np.full(300, 20e5)), rules)
+    (reason,) = (r for r in screened.reasons if r.startswith("sensor_saturated"))
+    assert "p_tp_pa shows 237.3 bar at most" in reason
+    assert curves([screened]) == ()
+
+
+def test_a_load_cell_at_either_end_is_flagged(bench):
+    log = raw()
+    log.words[1, 5], log.words[4, 5] = 0, 16 * 4095
+    flags = calibrate(log, bench).sensor_saturated
+    assert flags.tolist() == [False, True, False, False, True, False]

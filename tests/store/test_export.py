@@ -1,6 +1,7 @@
 """Exports read back by what reads them: import, pandas, scipy, and Modelica's table format."""
 
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,25 @@ def test_rejected_runs_are_exported_with_their_reasons(tmp_path):
     assert len(rejected) > 3
     assert rejected.reason.str.contains("end_stop|off_reference|truncated").any()
     assert all((tmp_path / name).exists() for name in index.file)
+
+
+def test_what_was_saturated_is_so_when_it_comes_back(tmp_path):
+    folder, again = exported("csv", tmp_path / "csv", "bad-runs"), tmp_path / "again"
+    assert CliRunner().invoke(app, ["import", str(folder), "-o", str(again)]).exit_code == 0
+
+    def saturated(campaign):
+        runs = workflow.analyze(campaign).runs
+        return {
+            (one.run.plan.run, reason.split(":")[0])
+            for one in runs
+            for reason in one.reasons
+            if "saturated" in reason.split(":")[0]
+        }
+
+    copy = tmp_path / "bad-runs"
+    shutil.copytree(SAMPLES / "bad-runs", copy)
+    assert len({code for _, code in saturated(copy)}) == 2
+    assert saturated(again) == saturated(copy)
 
 
 def test_parquet_holds_the_same_samples(tmp_path, screened):

@@ -1,0 +1,89 @@
+"""A foreign channel at its converter's end is noticed; quiet and coarse ones are not accused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hbench import workflow
+from hbench.store.clipped import clipped
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+N = 3000
+
+
+def channels(p, **others):
+    t = 0.01 * np.arange(len(p))
+    return {"t_s": t, "x_m": 0.05 * t + 1e-9 * np.arange(len(p)) ** 2, "p_tp_pa": p, **others}
+
+
+def pressure(noise=2e4, seed=1, counts=None):
+    """60 to 100 bar with noise; ``counts`` is a converter's step."""
+    p = 80e5 + 20e5 * np.sin(np.arange(N) / 200)
+    p = p + noise * np.random.default_rng(seed).standard_normal(N)
+    return p if counts is None else counts * np.rint(p / counts)
+
+
+@pytest.mark.parametrize("counts", [None, 250e5 / 4096])
+@pytest.mark.parametrize(("low", "high"), [(-np.inf, 95e5), (62e5, np.inf), (62e5, 95e5)])
+def test_a_cut_channel_is_found_with_each_of_its_samples(low, high, counts):
+    p = pressure(counts=counts)
+    if counts:
+        low, high = counts * np.rint(low / counts), counts * np.rint(high / counts)
+    cut = np.clip(p, low, high)
+    found = clipped(channels(cut))
+    np.testing.assert_array_equal(found["p_tp_pa"], (p <= low) | (p >= high))
+
+
+@pytest.mark.parametrize(
+    "p",
+    [
+        pressure(),
+        pressure(counts=250e5 / 4096),
+        pressure(noise=0.0, counts=1e5),  # stays at the top of each wave
+        100e5 * (1 - np.exp(-np.arange(N) / 300)) // 1e4 * 1e4,  # settles
+        np.full(N, 80e5),
+        np.where(np.arange(N) % 2, 80e5, 80.1e5),
+        pressure(counts=4e4),
+    ],
+    ids="lively fine quiet settled constant two-valued coarse".split(),
+)
+def test_a_whole_channel_is_not_accused(p):
+    assert clipped(channels(p)) == {}
+
+
+def test_a_hundred_lively_channels_are_not_accused():
+    accused = [clipped(channels(pressure(seed=s, counts=250e5 / 4096))) for s in range(100)]
+    assert not any(accused)
+
+
+def test_a_log_that_has_stopped_is_no_clipped_channel():
+    p, t = pressure(), 0.01 * np.arange(N)
+    top = int(np.argmax(p))
+    x = 0.05 * t
+    p[top : top + 50], x[top : top + 50] = p[top], x[top]
+    assert clipped({"t_s": t, "x_m": x, "p_tp_pa": p}) == {}
+
+
+def test_a_clipped_stroke_is_rejected_with_channel_and_value(tmp_path, clock):
+    (tmp_path / "logs").mkdir()
+    rng = np.random.default_rng(8)
+    t = 0.004 * np.arange(800)
+    x = 10 + 50 * np.maximum(0, t - 1)
+    force = np.where(t > 1, 2.0, 0.0) + 0.01 * rng.standard_normal(len(t))
+    for trial, level in ((1, 27.0), (2, 31.0)):
+        p = np.where(t > 1, level, 0.0) + 0.05 * rng.standard_normal(len(t))
+        rows = zip(1e3 * t, x, np.clip(p, None, 31.02), 0 * t, force, strict=True)
+        text = "#\nZeit;Weg;p_A;p_B;Kraft\nms;mm;bar;bar;kN\n"
+        text += "".join(";".join(f"{v:.4f}".replace(".", ",") for v in row) + "\n" for row in rows)
+        (tmp_path / "logs" / f"NBR_50mm_s_2000N_{trial}.csv").write_text(text)
+    folder = tmp_path / "campaign"
+    workflow.import_runs(tmp_path / "logs", folder, CONFIGS / "import-csv.yaml", clock)
+    results = workflow.analyze(folder)
+    whole, cut = results.runs
+    assert whole.accepted
+    (reason,) = cut.reasons
+    assert reason.startswith("sensor_saturated: in ")
+    assert reason.endswith("p_tp_pa shows 31.0 bar at most")
+    assert any("2.csv: p_tp_pa: clipped at 3.102e+06 Pa" in note for note in results.notes)
+    assert results.curves[0].points[0].trials == (1,)
