@@ -62,6 +62,8 @@ class Forces(NamedTuple):
 def driver(forces: Forces) -> tuple[Literal["hydraulics", "load"] | None, str]:
     """Return which side drives; or None and the reason why the efficiency is not defined."""
     f_test, f_applied = forces.f_test_n, forces.f_applied_n
+    if forces.piston_n == 0 and forces.rod_n == 0:
+        return None, "no pressure in either chamber, so no hydraulic power"
     into_load, from_fluid = f_applied * forces.v_m_s, f_test * forces.v_m_s
     least = MIN_FORCE_SHARE * (abs(forces.piston_n) + abs(forces.rod_n))
     if into_load > 0 and from_fluid > 0:

@@ -46,7 +46,7 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
     part = at_reference(run)
     window = steady_window(run, part, rules)
     long_enough = window_length_s(run, window) >= rules.min_window - 1e-9
-    means = window_means(run, window) if long_enough and not _missing_channels(run) else None
+    means = window_means(run, window) if long_enough else None
     reasons = [*_integrity(run, window if long_enough else part, rules)]
     if not long_enough:
         reasons.append(_too_short(run, part, window, rules))
@@ -95,7 +95,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
         yield f"aborted: {run.aborted}"
     if run.truncated:
         yield f"truncated: {run.truncated}"
-    missing = _missing_channels(run)
+    missing = missing_channels(run)
     if run.plan.kind == "hold":
         missing = [name for name in missing if name != "f_applied_n"]
     if missing:
@@ -160,7 +160,7 @@ def _steadiness(
                 f"not_steady: the controller's velocity oscillates by {1e3 * swing:.2f} mm/s "
                 f"(standard deviation); limit {1e3 * limit:.2f} mm/s"
             )
-    if means is None:
+    if means is None or means.friction_n is None:
         return
     change = drift(t, test_force(run, window) - run.f_applied_n[window])
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
@@ -195,7 +195,8 @@ def _needed(run: Run) -> tuple[str, ...]:
     return "p_tp_pa", *rod_side, "f_applied_n"
 
 
-def _missing_channels(run: Run) -> list[str]:
+def missing_channels(run: Run) -> list[str]:
+    """Return the channels that friction needs and the run lacks."""
     return [name for name in _needed(run) if getattr(run, name) is None]
 
 
@@ -212,19 +213,25 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
     """Average a window of steady speed: friction by 5.1, which is 2.12 without acceleration."""
     t = run.t_s[window]
     v = mean_speed(t, run.x_m[window])
-    f_test = float(np.mean(test_force(run, window)))
-    f_applied = float(np.mean(run.f_applied_n[window]))
-    p_tp = float(np.mean(run.p_tp_pa[window]))
-    p_tr = float(np.mean(run.p_tr_pa[window])) if "p_tr_pa" in _needed(run) else None
+    known = {name: _mean(getattr(run, name), window) for name in _needed(run)}
+    p_tp, p_tr = known["p_tp_pa"], known.get("p_tr_pa")
+    f_applied, missing = known["f_applied_n"], missing_channels(run)
+    pressures = not {"p_tp_pa", "p_tr_pa"} & set(missing)
+    f_test = float(np.mean(test_force(run, window))) if pressures else None
+    forces = None if missing else Forces(v, f_applied, p_tp, p_tr, run.plan.specimen)
     return SteadyMeans(
         t_start_s=float(t[0]),
         t_stop_s=float(t[-1]),
         n=len(t),
         v_m_s=v,
-        friction_n=f_test - f_applied,
+        friction_n=None if missing else f_test - f_applied,
         f_test_n=f_test,
         f_applied_n=f_applied,
         p_tp_pa=p_tp,
         p_tr_pa=p_tr,
-        efficiency=efficiency_of(Forces(v, f_applied, p_tp, p_tr, run.plan.specimen)),
+        efficiency=None if forces is None else efficiency_of(forces),
     )
+
+
+def _mean(values: np.ndarray | None, window: slice) -> float | None:
+    return None if values is None else float(np.mean(values[window]))

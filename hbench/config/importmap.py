@@ -28,6 +28,7 @@ class ImportedCylinder(Section):
 
     piston_diameter: q.Length
     rod_diameter: q.quantity("mm", ge=0, le=20) = 0.0
+    stroke: q.Length | None = None  # for end_stop: x_m is 0 where the piston is all the way in
 
     @property
     def area_piston_m2(self) -> float:

@@ -127,16 +127,19 @@ class Run:
 
 @dataclass(frozen=True)
 class SteadyMeans:
-    """Means over a run's steady window."""
+    """Means over a run's steady window; None where a channel is missing.
+
+    Accepted runs have all of them, but for the rod side of a plunger.
+    """
 
     t_start_s: float
     t_stop_s: float
     n: int  # samples
     v_m_s: float  # signed, from the position
-    friction_n: float  # signed like the velocity, equation 5.1
-    f_test_n: float  # F_T = P_Tp A_p - P_Tr A_r
-    f_applied_n: float
-    p_tp_pa: float
+    friction_n: float | None  # signed like the velocity, equation 5.1
+    f_test_n: float | None  # F_T = P_Tp A_p - P_Tr A_r
+    f_applied_n: float | None
+    p_tp_pa: float | None
     p_tr_pa: float | None
     efficiency: float | None = None  # equation 6.10 for the way the power flows
 

@@ -173,7 +173,7 @@ def _plan(number: int, stroke: _Stroke, kind: str, speeds: dict[tuple, float]) -
         kind=kind,
         trial=match.trial,
         v_ref_m_s=float(v_ref),
-        specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2),
+        specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
         f_load_n=match.f_load_n,
         label=match.series.label,
     )

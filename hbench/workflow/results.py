@@ -17,6 +17,7 @@ from hbench.analysis.hysteresis import hysteresis
 from hbench.analysis.joint import fitted, joint_fits
 from hbench.analysis.leakage import leakage
 from hbench.analysis.levels import level_runs, levels
+from hbench.analysis.missing import not_computed
 from hbench.analysis.ramps import ramp_curves, slid
 from hbench.analysis.screen import screen
 from hbench.analysis.surface import surfaces
@@ -85,13 +86,15 @@ def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
     steady = tuple(with_instruments(fitted(curve, how), instruments) for curve in curves(screened))
     moving, motions, notes = _motions(screened, steady, bench, how)
     found = (*steady, *(with_instruments(curve, instruments) for curve in moving))
+    efficiencies = tuple(efficiency(curve, instruments) for curve in found)
+    lacking = not_computed(screened, efficiencies, instruments)
     return Results(
         provenance=campaign.provenance(),
         runs=screened,
         curves=found,
-        efficiency=tuple(efficiency(curve, instruments) for curve in found),
+        efficiency=efficiencies,
         bands=bands(steady),
-        notes=(*campaign.warnings, *left_out(steady), *notes),
+        notes=(*campaign.warnings, *lacking, *left_out(steady), *notes),
         motions=motions,
         joint_fits=joint_fits(steady, how),
     )

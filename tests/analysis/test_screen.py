@@ -209,7 +209,7 @@ def test_friction_needs_three_channels(make_run, rules, channel):
     screened = screen(replace(make_run(), **{channel: None}), rules)
     assert codes(screened) == ["missing_channel"]
     assert channel in screened.reasons[0]
-    assert screened.means is None
+    assert screened.means.friction_n is None
 
 
 def test_a_cylinder_without_rod_side_needs_no_rod_pressure(make_run, rules):
