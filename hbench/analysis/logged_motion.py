@@ -51,7 +51,8 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         raise DataError(
             f"run {run.plan.run}: its samples are not evenly spaced ({steps.min():.4g} to "
             f"{steps.max():.4g} s)",
-            "A law with a memory can't be followed over a gap.",
+            "Nothing with a memory can be followed over a gap. For uneven sampling, an import map "
+            "may say 'resample: 100 Hz'.",
         )
     v = savgol_filter(run.x_m, _WINDOW, _ORDER, deriv=1, delta=dt)
     a = savgol_filter(run.x_m, _WINDOW, _ORDER, deriv=2, delta=dt)
