@@ -22,7 +22,8 @@ def export(
         Format.CSV,
         "--format",
         help="csv: runs in SI, as 'hbench import' reads them. parquet: the same as tables. mat: "
-        "campaign.mat for MATLAB. modelica: friction over velocity, as Modelica's tables read it.",
+        "campaign.mat and curves.mat for MATLAB. modelica: friction over velocity, as Modelica's "
+        "tables read it.",
     ),
 ) -> None:
     """Write CAMPAIGN's runs in SI, each with the reason if it was rejected, or its curves.

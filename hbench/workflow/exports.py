@@ -5,6 +5,7 @@ from pathlib import Path
 from hbench.store.atomic import write_atomic
 from hbench.store.campaign import load_campaign
 from hbench.store.export import FORMATS
+from hbench.store.mat_curves import mat_curves
 from hbench.store.modelica import modelica_tables
 from hbench.workflow.results import derive, screened_runs
 
@@ -18,9 +19,11 @@ def export(folder: Path, destination: Path, kind: str) -> int:
     if kind == "modelica":
         write_atomic(destination / "friction.txt", modelica_tables(derive(campaign).curves))
         return 1
+    if kind == "mat":
+        write_atomic(destination / "curves.mat", mat_curves(derive(campaign).curves))
     runs = ((one.run, "; ".join(one.reasons)) for one in screened_runs(campaign))
     bench = (campaign.header.get("bench") or {}).get("content")
-    count = 0
+    count = int(kind == "mat")
     for name, data in FORMATS[kind](runs, bench):
         write_atomic(destination / name, data)
         count += 1

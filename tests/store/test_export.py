@@ -114,6 +114,22 @@ def test_the_matlab_file_is_a_struct_array_of_runs(tmp_path, screened):
     assert runs[3].log.t_s.shape == run.t_s.shape
 
 
+def test_curves_and_fits_stand_in_a_matlab_file_of_their_own(tmp_path, results):
+    from scipy.io import loadmat
+
+    folder = exported("mat", tmp_path)
+    curves = loadmat(folder / "curves.mat", squeeze_me=True, struct_as_record=False)["curves"]
+    assert len(curves) == len(results.curves)
+    ours, theirs = results.curves[2], curves[2]
+    assert (theirs.direction, theirs.f_load_n) == (ours.direction, ours.f_load_n)
+    np.testing.assert_array_equal(theirs.friction_n, [p.friction_n for p in ours.points])
+    fit = np.atleast_1d(theirs.fits)[0]
+    own = ours.fits[0].parameters["f_stiction_n"]
+    assert fit.law == ours.fits[0].law
+    assert fit.parameters.f_stiction_n.value == own.value
+    assert tuple(fit.parameters.f_stiction_n.ci95) == own.ci95
+
+
 def test_the_modelica_file_has_a_table_for_each_curve_and_fit(tmp_path, results):
     text = (exported("modelica", tmp_path) / "friction.txt").read_text()
     assert text.startswith("#1\n")

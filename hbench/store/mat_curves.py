@@ -1,0 +1,57 @@
+"""Friction curves with their fits as a MATLAB file (version 5)."""
+
+import io
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from hbench.records import Curve, Fit
+
+_CURVE = "kind direction label f_load_n p_lr_ref_pa v_m_s friction_n ci95_n n fits".split()
+_FIT = "law parameters rmse_n converged message".split()
+
+
+def mat_curves(curves: Iterable[Curve]) -> bytes:
+    """Return a file with the struct array ``curves``: points in columns, and ``fits``.
+
+    A fit's ``parameters`` is a struct of structs: value, se, ci95, at_bound, unit. Numbers that
+    do not exist are NaN.
+    """
+    from scipy.io import savemat
+
+    rows = [_curve(curve) for curve in curves]
+    data = io.BytesIO()
+    savemat(data, {"curves": _structs(rows, _CURVE)}, long_field_names=True, oned_as="column")
+    return data.getvalue()
+
+
+def _curve(curve: Curve) -> dict[str, Any]:
+    own = {name: _known(getattr(curve, name)) for name in _CURVE[:5]}
+    for name in _CURVE[5:9]:
+        own[name] = np.array([_known(getattr(point, name)) for point in curve.points], dtype=float)
+    return own | {"fits": _structs([_fit(fit) for fit in curve.fits], _FIT)}
+
+
+def _fit(fit: Fit) -> dict[str, Any]:
+    parameters = {
+        name: {
+            "value": p.value,
+            "se": _known(p.se),
+            "ci95": np.array([_known(end) for end in p.ci95 or (None, None)]),
+            "at_bound": p.at_bound or "",
+            "unit": p.unit,
+        }
+        for name, p in fit.parameters.items()
+    }
+    numbers = {"rmse_n": fit.rmse_n, "converged": fit.converged, "message": fit.message}
+    return {"law": fit.law, "parameters": parameters} | numbers
+
+
+def _structs(rows: list[Mapping[str, Any]], names: list[str]) -> np.ndarray:
+    kind = [(name, object) for name in names]
+    return np.array([tuple(row[name] for name in names) for row in rows], dtype=kind)
+
+
+def _known(value: Any) -> Any:
+    return np.nan if value is None else value
