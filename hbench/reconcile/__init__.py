@@ -1,0 +1,1 @@
+"""Where model and measurement disagree: balances in weak form, nuisances, gaps."""
