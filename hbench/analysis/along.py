@@ -48,9 +48,9 @@ def _along(
         before, after = max(k - 1, 0), min(k + 1, last)
         for i in range(_STEPS):
             s = (i + 0.5) / _STEPS
-            v_now = _within(v[before], v[k], v[after], s)
-            p_now = _within(p_p[before], p_p[k], p_p[after], s)
-            r_now = _within(p_r[before], p_r[k], p_r[after], s)
+            v_now = within(v[before], v[k], v[after], s)
+            p_now = within(p_p[before], p_p[k], p_p[after], s)
+            r_now = within(p_r[before], p_r[k], p_r[after], s)
             if par.law == LUGRE:
                 force = _lugre_step(v_now, p_now, r_now, h, state, par)
             else:
@@ -65,7 +65,7 @@ def _along(
 
 
 @compiled
-def _within(before: float, mean: float, after: float, s: float) -> float:
+def within(before: float, mean: float, after: float, s: float) -> float:
     """Value at a part ``s`` of an interval, from its mean and those of its neighbours."""
     first, final = 0.5 * (before + mean), 0.5 * (mean + after)
     return first + s * (final - first + 6.0 * (1.0 - s) * (mean - 0.5 * (first + final)))
