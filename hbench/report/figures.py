@@ -2,7 +2,7 @@
 
 import io
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from matplotlib import rc_context
@@ -72,6 +72,15 @@ def draw_all(results: Results) -> tuple[Drawing, ...]:
                         svg, png = render(figure)
                         drawings.append(Drawing(name, kind.section, title, kind.caption, svg, png))
     return tuple(drawings)
+
+
+def figure_files(drawings: Iterable[Drawing]) -> dict[str, bytes]:
+    """Return the files of drawings, SVG and PNG, by their paths."""
+    files = {}
+    for drawing in drawings:
+        files[f"figures/{drawing.name}.svg"] = drawing.svg
+        files[f"figures/{drawing.name}.png"] = drawing.png
+    return files
 
 
 def render(figure: Figure) -> tuple[bytes, bytes]:

@@ -7,6 +7,7 @@ from hbench.errors import DataError
 from hbench.records import CampaignDifferences
 from hbench.report.differences_text import differences_json, differences_page
 from hbench.report.draw_differences import draw_differences
+from hbench.report.figures import figure_files
 from hbench.store.atomic import write_files
 from hbench.store.campaign import load_campaign
 from hbench.workflow.results import derive
@@ -48,8 +49,7 @@ def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> Campai
 def write_comparison(folder: Path, found: CampaignDifferences) -> None:
     """Write a comparison's page, its figures and comparison.json."""
     drawings = draw_differences(found)
-    files = {f"figures/{d.name}.svg": d.svg for d in drawings}
-    files |= {f"figures/{d.name}.png": d.png for d in drawings}
+    files = figure_files(drawings)
     files["comparison.json"] = differences_json(found).encode()
     files["comparison.html"] = differences_page(found, drawings).encode()
     write_files(folder, files)

@@ -12,6 +12,7 @@ from hbench.records import Design
 from hbench.report.design_page import design_page
 from hbench.report.design_text import design_json
 from hbench.report.draw_control import draw_design
+from hbench.report.figures import figure_files
 from hbench.store.atomic import write_files
 
 
@@ -55,8 +56,7 @@ def design(
 def write_design(folder: Path, found: Design) -> None:
     """Write a design's figures, its numbers as JSON and its page."""
     drawings = draw_design(found)
-    files = {f"figures/{d.name}.svg": d.svg for d in drawings}
-    files |= {f"figures/{d.name}.png": d.png for d in drawings}
+    files = figure_files(drawings)
     files["design.json"] = design_json(found).encode()
     files["design.html"] = design_page(found, drawings).encode()
     write_files(folder, files)

@@ -8,6 +8,7 @@ from hbench.errors import DataError
 from hbench.experiment.runner import Progress
 from hbench.records import Identification, Run, ScreenedRun
 from hbench.report.draw_identification import draw_identification
+from hbench.report.figures import figure_files
 from hbench.report.identification_page import identification_page
 from hbench.report.identification_text import identification_json
 from hbench.report.overlay import overlay_yaml
@@ -72,8 +73,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
 def write_identification(folder: Path, found: Identification) -> None:
     """Write the page, its figures, the numbers as JSON and a plant file for each law."""
     drawings = draw_identification(found)
-    files = {f"figures/{d.name}.svg": d.svg for d in drawings}
-    files |= {f"figures/{d.name}.png": d.png for d in drawings}
+    files = figure_files(drawings)
     for law in found.laws:
         if law.fit is not None:
             files[f"{law.law}.yaml"] = overlay_yaml(found, law).encode()

@@ -46,13 +46,15 @@ def analyze(folder: Path, fit_file: Path | None = None) -> Results:
 
 def report(folder: Path, fit_file: Path | None = None) -> Results:
     """Analyze a campaign and write tables, figures and the page to ``results/``."""
-    from hbench.report.figures import draw_all  # matplotlib; only who reports waits for it
+    from hbench.report.figures import (  # matplotlib; only who reports waits for it
+        draw_all,
+        figure_files,
+    )
     from hbench.report.page import page_html
 
     results = derive(load_campaign(folder), _fitting(fit_file))
     drawings = draw_all(results)
-    figures = {f"figures/{d.name}.svg": d.svg for d in drawings}
-    figures |= {f"figures/{d.name}.png": d.png for d in drawings}
+    figures = figure_files(drawings)
     page = {"report.html": page_html(results, drawings).encode()}
     write_results(folder, _tables(results) | figures | page)
     return results

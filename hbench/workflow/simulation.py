@@ -6,6 +6,7 @@ from hbench.config.loading import read_yaml
 from hbench.errors import ConfigError
 from hbench.records import Phenomenon
 from hbench.report.draw_phenomena import draw_phenomenon
+from hbench.report.figures import figure_files
 from hbench.report.phenomenon_page import phenomenon_page
 from hbench.report.phenomenon_text import panel_csv
 from hbench.store.atomic import write_files
@@ -34,9 +35,7 @@ def write_phenomenon(folder: Path, phenomenon: Phenomenon) -> None:
     """Write a phenomenon's page, its figures, and the data of each as CSV."""
     drawings = draw_phenomenon(phenomenon)
     page = phenomenon_page(phenomenon, drawings)
-    files = {f"{phenomenon.name}.html": page.encode()}
+    files = figure_files(drawings) | {f"{phenomenon.name}.html": page.encode()}
     for drawing, panel in zip(drawings, phenomenon.panels, strict=True):
-        files[f"figures/{drawing.name}.svg"] = drawing.svg
-        files[f"figures/{drawing.name}.png"] = drawing.png
         files[f"figures/{drawing.name}.csv"] = panel_csv(panel).encode()
     write_files(folder, files)
