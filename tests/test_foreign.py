@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from scipy.io import savemat
 
 from hbench import workflow
+from hbench.errors import DataError
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 AREA_P, AREA_R = np.pi / 4 * 0.04**2, np.pi / 4 * (0.04**2 - 0.025**2)
@@ -80,3 +82,55 @@ def test_matlab_files_with_a_bridges_voltage_become_friction(tmp_path):
     (point,) = results.curves[0].points
     assert point.n == 3
     assert point.friction_n == pytest.approx(friction(0.05), abs=1.0)
+
+
+def test_a_triangle_by_a_map_becomes_a_loop_of_the_static_frictions_energy(tmp_path):
+    t = np.arange(0, 24.0, 0.004)
+    v = 0.04 * (1 - 4 * np.abs((t / 8 + 0.25) % 1 - 0.5))  # three cycles of 8 s, from rest
+    x = 0.15 + np.concatenate(([0], np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(t))))
+    force = 200 * np.tanh(v / 0.001) + 900 * v  # no memory
+    rng = np.random.default_rng(3)
+    p_p = (500 + force) / AREA_P + 1e3 * rng.standard_normal(len(t))
+    (tmp_path / "logs").mkdir()
+    rows = np.column_stack([t, x + 2e-5 * rng.standard_normal(len(t)), v, p_p])
+    np.savetxt(
+        tmp_path / "logs/1.csv", rows, delimiter=",", header="t_s,x_m,v_ref_m_s,p", comments=""
+    )
+    rules = {
+        "name": "triangle",
+        "kind": "triangle",
+        "columns": {
+            "t_s": {"column": "t_s"},
+            "x_m": {"column": "x_m"},
+            "v_ref_m_s": {"column": "v_ref_m_s"},
+            "p_tp_pa": {"column": "p", "unit": "Pa"},
+        },
+        "constants": {"p_tr_pa": "0 bar", "f_applied_n": "500 N"},
+        "series": [{"label": "", "files": "{trial}.csv", "cylinder": {"piston_diameter": "40 mm"}}],
+        "resample": "100 Hz",
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", CLOCK)
+    results = workflow.analyze(tmp_path / "out")
+    (run,) = results.runs
+    # the highest mean over 10 ms lies up to 10 ms * 0.02 m/s^2 / 2 below the corner
+    assert abs(run.run.plan.v_ref_m_s) == pytest.approx(0.04, abs=1.1e-4)
+    assert run.accepted, run.reasons
+    (loop,) = results.motions.loops
+    cycle = t < 8
+    energy = np.trapezoid((force * v)[cycle], t[cycle])
+    assert loop.area_j == pytest.approx(energy, rel=0.01)
+
+
+def test_the_top_speed_of_a_triangle_is_asked_for_where_nothing_tells_it(tmp_path):
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs/1.csv").write_text("t_s,x_m\n0,0.1\n1,0.2\n2,0.1\n")
+    rules = {
+        "name": "triangle",
+        "kind": "triangle",
+        "columns": {"t_s": {"column": "t_s"}, "x_m": {"column": "x_m"}},
+        "series": [{"label": "", "files": "{trial}.csv", "cylinder": {"piston_diameter": "40 mm"}}],
+    }
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    with pytest.raises(DataError, match="1.csv: the top speed of a triangle is not known"):
+        workflow.import_runs(tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", CLOCK)

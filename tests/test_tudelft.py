@@ -1,12 +1,15 @@
 """The whole way from another bench's logs to friction against pressure, on real measurements."""
 
+import shutil
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from hbench import workflow
+from hbench.store.campaign import load_campaign
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data" / "tudelft-cylinder"
@@ -74,3 +77,79 @@ def test_the_report_shows_friction_against_pressure(campaign):
     results = campaign[0] / "results"
     assert "Friction against pressure" in (results / "report.html").read_text()
     assert (results / "figures" / "friction-pressure.png").stat().st_size > 10_000
+
+
+def test_the_strokes_left_out_are_those_whose_lines_have_a_pause_in_the_file(campaign):
+    """The log pauses 0.3 s now and then; three pauses fall into a steady window."""
+    origins = {entry.plan.run: entry.origin for entry in load_campaign(campaign[0]).entries}
+    rejected = [one for one in campaign[1].runs if not one.accepted]
+    assert [one.run.plan.label for one in rejected] == ["O-ring", "NAPN", "NAPN"]
+    for one in rejected:
+        origin = origins[one.run.plan.run]
+        first, last = origin["lines"]
+        t_ms = np.loadtxt(DATA / origin["file"], usecols=0)[first - 1 : last]
+        pause = np.diff(t_ms).max() / 1e3
+        assert pause > 0.1
+        assert one.reasons == (
+            f"gapped: {pause:.2f} s between two samples of the window; limit 0.1 s",
+        )
+
+
+def half_bands_from_the_files(bar):
+    """Half of the band [N] of each rerun, from the middle half of each stroke, with numpy alone."""
+    area, halves = np.pi / 4 * 0.0257**2, []
+    for trial in (1, 2, 3):
+        rows = np.loadtxt(DATA / "rerun" / f"{trial}_O-ring257_{bar}bar.csv")[15:]
+        x, friction = -rows[:, 4], rows[:, 5] * 1e5 * area - rows[:, 6]
+        low, high = np.quantile(x, [0.01, 0.99])
+        inside = (x > low + 0.25 * (high - low)) & (x < high - 0.25 * (high - low))
+        ahead = np.roll(x, -10) - np.roll(x, 10)
+        out, back = friction[inside & (ahead > 0)], friction[inside & (ahead < 0)]
+        halves.append((out.mean() - back.mean()) / 2)
+    return np.array(halves)
+
+
+@pytest.mark.parametrize("bar", [1, 3, 5, 7])
+def test_the_interval_of_the_reruns_is_that_of_the_plain_files(campaign, bar):
+    halves = half_bands_from_the_files(bar)
+    interval = stats.t.ppf(0.975, 2) * halves.std(ddof=1) / np.sqrt(3)
+    bands = [band for band in campaign[1].bands if band.label == "O-ring 25.7 mm"]
+    (band,) = (band for band in bands if round(band.p_tp_pa / 1e5) == bar)
+    # the windows differ: this one is the middle half, the analysis' begins after 0.3 s and 8 mm
+    assert band.half_n == pytest.approx(halves.mean(), abs=0.2 * interval)
+    assert band.half_ci95_n == pytest.approx(interval, rel=0.15)
+
+
+def test_no_file_is_another_ones_copy_and_a_copy_is_noticed(campaign, tmp_path):
+    assert not [note for note in campaign[1].notes if "byte for byte" in note]
+    shutil.copytree(DATA, tmp_path / "logs")
+    original, copy = (tmp_path / "logs/rerun" / f"{k}_O-ring257_3bar.csv" for k in (1, 3))
+    copy.write_bytes(original.read_bytes())
+    clock = lambda: datetime(2026, 1, 1, tzinfo=UTC)  # noqa: E731
+    map_file = ROOT / "configs" / "tudelft.yaml"
+    summary = workflow.import_runs(tmp_path / "logs", tmp_path / "out", map_file, clock)
+    words = "rerun/3_O-ring257_3bar.csv is byte for byte the same as rerun/1_O-ring257_3bar.csv"
+    assert words in summary.notes
+
+
+def test_what_one_pressure_and_no_bench_file_leave_open_is_named(campaign):
+    (open_,) = (note for note in campaign[1].notes if note.startswith("no U95"))
+    assert "tolerances of the instruments are not known" in open_
+    assert open_ in (campaign[0] / "results" / "report.html").read_text()
+
+
+def test_print_the_table_of_the_seals(campaign):
+    """Printed with -s; what it says is asserted above."""
+    print("\nseal            bar   extending  retracting  half band   middle  trials [N, 95 %]")
+    for band in campaign[1].bands:
+
+        def with_interval(value, half):
+            return f"{value:6.2f}" + ("      " if half is None else f" ±{half:4.2f}")
+
+        print(
+            f"{band.label:14} {band.p_tp_pa / 1e5:4.2f}"
+            f" {with_interval(band.extend.friction_n, band.extend.ci95_n)}"
+            f" {with_interval(band.retract.friction_n, band.retract.ci95_n)}"
+            f" {with_interval(band.half_n, band.half_ci95_n)} {band.middle_n:8.2f} {band.n:4}"
+        )
+    assert len(campaign[1].bands) == 12

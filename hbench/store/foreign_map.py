@@ -88,7 +88,7 @@ def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
         source = str(folder / match.name)
         read = read_file(file.data, source, match.name, match.fields, rules)
         cut = _cut(read.channels["x_m"], source, rules)
-        strokes += [_stroke(match, file, read, piece) for piece in cut.pieces]
+        strokes += [_stroke(match, file, read, piece, rules.kind) for piece in cut.pieces]
         notes += read.notes
         partial, short = partial + cut.partial, short + cut.short
     if not strokes:
@@ -135,6 +135,8 @@ def _pattern(files: str) -> re.Pattern[str]:
 def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> Strokes:
     if rules.cut == "reversals":
         return cut_at_reversals(x_m, rules.min_stroke)
+    if rules.kind != "steady":
+        return Strokes((slice(0, len(x_m)),), partial=0, short=0)
     if abs(x_m[-1] - x_m[0]) < rules.min_stroke:
         raise DataError(
             f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
@@ -144,15 +146,33 @@ def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> Strokes:
     return Strokes((slice(0, len(x_m)),), partial=0, short=0)
 
 
-def _stroke(match: _Match, file: SourceFile, read: FileChannels, piece: slice) -> _Stroke:
+def _stroke(
+    match: _Match, file: SourceFile, read: FileChannels, piece: slice, kind: str
+) -> _Stroke:
     part = {name: values[piece] for name, values in read.channels.items()}
+    measured = stroke_speed(part["t_s"], part["x_m"]) if kind == "steady" else None
     return _Stroke(
         match=match,
         file=file,
         lines=(int(read.lines[piece][0]), int(read.lines[piece][-1])),
         channels=part,
-        v_m_s=stroke_speed(part["t_s"], part["x_m"]),
+        v_m_s=_top(part, match, kind) if measured is None else measured,
     )
+
+
+def _top(part: dict[str, np.ndarray], match: _Match, kind: str) -> float:
+    """Return the top speed [m/s] of a run that is not steady, with the sign of its reference."""
+    v_ref = part.get("v_ref_m_s")
+    if kind == "hold":
+        return 0.0
+    if v_ref is not None and np.isfinite(v_ref).any():
+        return float(v_ref[np.nanargmax(np.abs(v_ref))])
+    if match.speed_m_s is None:
+        raise DataError(
+            f"{match.name}: the top speed of a {kind} is not known",
+            "Give columns.v_ref_m_s, or the series' speed or {speed}.",
+        )
+    return match.speed_m_s
 
 
 def _nominal_speeds(strokes: list[_Stroke]) -> dict[tuple, float]:
@@ -165,8 +185,12 @@ def _nominal_speeds(strokes: list[_Stroke]) -> dict[tuple, float]:
 
 def _plan(number: int, stroke: _Stroke, kind: str, speeds: dict[tuple, float]) -> RunPlan:
     match = stroke.match
-    given = match.speed_m_s
-    v_ref = speeds[stroke.reference] if given is None else np.copysign(given, stroke.v_m_s)
+    if kind != "steady":
+        v_ref = stroke.v_m_s
+    elif match.speed_m_s is not None:
+        v_ref = np.copysign(match.speed_m_s, stroke.v_m_s)
+    else:
+        v_ref = speeds[stroke.reference]
     cylinder = match.series.cylinder
     return RunPlan(
         run=f"{number:04d}",
