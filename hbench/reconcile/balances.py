@@ -26,6 +26,7 @@ from hbench.analysis.along import friction_along
 from hbench.analysis.logged_motion import logged_motion
 from hbench.config.bench import Bench, Plant
 from hbench.model.parameters import CylinderParameters, PlantParameters, plant_parameters
+from hbench.model.sensors import FRACTION, sensor_gains
 from hbench.reconcile.orifices import chamber_flows, pump_flow
 from hbench.reconcile.weak import Window, sampling, window
 from hbench.records import Run, RunPlan
@@ -47,10 +48,11 @@ _COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 
 @dataclass(frozen=True)
 class Model:
-    """What the balances take of a bench: the plant, and the lag of the board's velocity."""
+    """What the balances take of a bench: the plant, and how its board measures."""
 
     par: PlantParameters
     velocity_lag_s: float
+    pressure_step_pa: float  # of a log word
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,7 @@ class Windowed:
     x_m: np.ndarray  # (m,)
     v_m_s: np.ndarray  # (m,)
     load_n: np.ndarray  # (m,) F_L; nan where the load cylinder's pressures are missing
+    resolution: np.ndarray  # (names,) standard deviation that the log's rounding leaves
 
 
 def model(bench: Bench, plant: Plant | None = None) -> Model:
@@ -72,13 +75,19 @@ def model(bench: Bench, plant: Plant | None = None) -> Model:
     D.11 as the board computes it, from the last tick's position, lags by tau_c and half a tick.
     """
     lag = bench.controllers.velocity_filter + 0.5 / bench.controllers.rate
-    return Model(plant_parameters(plant or bench), lag)
+    step = sensor_gains(bench.sensors)["p_s"][0] / FRACTION
+    return Model(plant_parameters(plant or bench), lag, step)
 
 
 def windowed(
-    run: Run, names: tuple[str, ...], values: np.ndarray, one: Window, load: CylinderParameters
+    run: Run,
+    names: tuple[str, ...],
+    values: np.ndarray,
+    resolution: np.ndarray,
+    one: Window,
+    load: CylinderParameters,
 ) -> Windowed:
-    """Return windows with their operating points."""
+    """Return windows with their operating points; ``load`` is the load cylinder."""
     n = len(run.t_s)
     f_load = np.full(one.count(n), np.nan)
     if run.p_lp_pa is not None and run.p_lr_pa is not None:
@@ -91,11 +100,16 @@ def windowed(
         x_m=one.mean(run.x_m),
         v_m_s=one.rate(run.x_m),
         load_n=f_load,
+        resolution=resolution,
     )
 
 
 def residuals(run: Run, known: Model) -> Windowed:
-    """Return the residuals of ``BALANCES``. Raises ``DataError`` for uneven samples."""
+    """Return the residuals of ``BALANCES``. Raises ``DataError`` for uneven samples.
+
+    A supply that stays the same is logged as the same word: its rounding is no noise that a mean
+    lessens. The other signals' noise makes it one.
+    """
     one = window(sampling(run))
     found = {
         **_flows_and_supply(run, known.par, one),
@@ -104,7 +118,8 @@ def residuals(run: Run, known: Model) -> Windowed:
     }
     missing = np.full(one.count(len(run.t_s)), np.nan)
     values = np.column_stack([found.get(name, missing) for name in BALANCES])
-    return windowed(run, BALANCES, values, one, known.par.load)
+    rounding = np.where(np.array(BALANCES) == "supply", known.pressure_step_pa / np.sqrt(12), 0.0)
+    return windowed(run, BALANCES, values, rounding, one, known.par.load)
 
 
 def _has(run: Run, *names: str) -> bool:

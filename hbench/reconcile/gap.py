@@ -1,0 +1,224 @@
+"""How far model and measurement are apart, in units of the trials' own scatter.
+
+Runs with the same plan are trials of one operating point. Measured trials r_1..r_n and simulated
+ones q_1..q_k are compared window by window:
+
+    d = mean r - mean q                         the pipeline's own residual cancels
+    g^2 = 1 + mean of (d^2 - s^2/n - s_q^2/k) / s^2
+
+s^2 is the variance between measured trials (pure error), s_q^2 that between simulated ones. Noise
+of the means is subtracted, so a model that is the trials' expectation has g = 1: it is as far from
+a trial as another trial's expectation is. sqrt(g^2 - 1) is the structured part.
+
+A variance of few trials is uncertain, so it is drawn towards that of all windows by empirical Bayes
+(Smyth, Stat. Appl. Genet. Mol. Biol. 3, 2004): s^2 = (nu_0 s_0^2 + nu s^2) / (nu_0 + nu), with
+s_0 and nu_0 from the spread of ln s^2. The log's rounding adds to it where it is no noise.
+
+p-values: were the model right, measured and simulated trials of an operating point could be
+exchanged. So whole runs change places at random, 999 times; windows of a run stay together.
+"""
+
+from collections import defaultdict
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.analysis.holm import holm
+from hbench.errors import DataError
+from hbench.reconcile.balances import Windowed
+from hbench.records import RunPlan
+
+_EXCHANGES = 999
+
+
+@dataclass(frozen=True)
+class Gap:
+    """One balance or signal: its gap, and what of it is no scatter."""
+
+    name: str
+    gap: float  # 1: as good as the bench repeats itself
+    structured: float  # sqrt(gap^2 - 1), 0 below
+    p_value: float  # after Holm
+    scatter: float  # root mean square of s, in the balance's unit
+    windows: int
+
+
+@dataclass(frozen=True)
+class GapMap:
+    """Every window that was compared, with its operating point: w windows, c names."""
+
+    names: tuple[str, ...]
+    difference: np.ndarray  # (w, c) d, in the names' units; nan where not compared
+    scatter: np.ndarray  # (w, c) s
+    noise: np.ndarray  # (w, c) s^2/n + s_q^2/k, that of d
+    t_s: np.ndarray  # (w,) since the run's start
+    x_m: np.ndarray  # (w,)
+    v_m_s: np.ndarray  # (w,) signed: its sign is the direction
+    load_n: np.ndarray  # (w,)
+    point: np.ndarray  # (w,) number of the operating point
+
+    @property
+    def excess(self) -> np.ndarray:
+        """(d^2 - noise) / s^2 (w, c): its mean is the square of the structured part."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (self.difference**2 - self.noise) / self.scatter**2
+
+    def over(self, bins: np.ndarray) -> np.ndarray:
+        """Return gaps (b, c) of the windows in each of the bins 0..b-1 that ``bins`` (w,) tells.
+
+        nan where a bin has no windows; a negative number is in no bin.
+        """
+        excess = self.excess
+        gaps = np.full((int(bins.max()) + 1, len(self.names)), np.nan)
+        for number in np.unique(bins[bins >= 0]):
+            own = excess[bins == number]
+            some = np.isfinite(own).any(axis=0)
+            gaps[number, some] = _gap(own[:, some])
+        return gaps
+
+
+def point_of(plan: RunPlan) -> Hashable:
+    """Return what makes runs trials of one operating point."""
+    load = plan.f_load_n, plan.p_lr_ref_pa, plan.p_lp_ref_pa
+    return plan.kind, plan.label, plan.v_ref_m_s, plan.a_ref_m_s2, load, plan.motion
+
+
+def by_point(runs: Sequence[Windowed]) -> dict[Hashable, list[Windowed]]:
+    """Return the trials of each operating point."""
+    points: dict[Hashable, list[Windowed]] = defaultdict(list)
+    for run in runs:
+        points[point_of(run.plan)].append(run)
+    return points
+
+
+def stacked(trials: Sequence[Windowed], windows: int) -> np.ndarray:
+    """Return the values (trials, windows, c) of the first windows."""
+    return np.array([trial.values[:windows] for trial in trials])
+
+
+def gaps(
+    measured: Sequence[Windowed], modelled: Sequence[Windowed], seed: int = 0
+) -> tuple[tuple[Gap, ...], GapMap]:
+    """Return the gaps of all names, the largest first, and the map behind them.
+
+    Operating points with fewer than two measured trials, or none simulated, take no part. Raises
+    ``DataError`` where none is left.
+    """
+    pairs = _pairs(measured, modelled)
+    found = _map(pairs)
+    p_values = holm(_exchange(pairs, np.random.default_rng(seed)))
+    excess = found.excess
+    ranked = []
+    for i, name in enumerate(found.names):
+        own = np.isfinite(excess[:, i])
+        if not own.any():
+            continue
+        gap = float(_gap(excess[own, i]))
+        scatter = float(np.sqrt(np.mean(found.scatter[own, i] ** 2)))
+        structured = float(np.sqrt(max(gap**2 - 1, 0.0)))
+        ranked.append(Gap(name, gap, structured, float(p_values[i]), scatter, int(own.sum())))
+    return tuple(sorted(ranked, key=lambda one: -one.gap)), found
+
+
+def pooled_variance(variance: np.ndarray, dof: np.ndarray) -> np.ndarray:
+    """Draw variances (w,), each with its degrees of freedom (w,), towards one another.
+
+    nan and zero take no part in what they are drawn to.
+    """
+    from scipy.special import digamma, polygamma
+
+    usable = np.isfinite(variance) & (variance > 0)
+    if usable.sum() < 3:
+        return variance
+    half = dof[usable] / 2
+    log = np.log(variance[usable]) - digamma(half) + np.log(half)
+    spread = log.var(ddof=1) - polygamma(1, half).mean()
+    if spread <= 0:  # no more than chance: all are the same
+        return np.where(np.isfinite(variance), np.exp(log.mean()), np.nan)
+    half_prior = _inverse_trigamma(spread)
+    prior = np.exp(log.mean() + digamma(half_prior) - np.log(half_prior))
+    return (2 * half_prior * prior + dof * variance) / (2 * half_prior + dof)
+
+
+def _inverse_trigamma(y: float) -> float:
+    from scipy.optimize import brentq
+    from scipy.special import polygamma
+
+    return float(np.exp(brentq(lambda ln: np.log(polygamma(1, np.exp(ln)) / y), -20, 20)))
+
+
+def _gap(excess: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.maximum(1 + np.nanmean(excess, axis=0), 0.0))
+
+
+_Pair = tuple[list[Windowed], np.ndarray, np.ndarray]  # measured trials, r (n, m, c), q (k, m, c)
+
+
+def _pairs(measured: Sequence[Windowed], modelled: Sequence[Windowed]) -> list[_Pair]:
+    simulated, pairs = by_point(modelled), []
+    for point, trials in by_point(measured).items():
+        others = simulated.get(point, [])
+        if len(trials) < 2 or not others:
+            continue
+        windows = min(len(one.t_s) for one in (*trials, *others))
+        pairs.append((trials, stacked(trials, windows), stacked(others, windows)))
+    if not pairs:
+        raise DataError(
+            "no operating point has two measured trials and a simulated one to compare with",
+            "Give the schedule two trials or more.",
+        )
+    return pairs
+
+
+def _map(pairs: Sequence[_Pair]) -> GapMap:
+    variance = np.concatenate([r.var(axis=0, ddof=1) for _, r, _ in pairs])
+    dof = np.concatenate([np.full(r.shape[1], len(r) - 1.0) for _, r, _ in pairs])
+    first = pairs[0][0][0]
+    pooled = np.column_stack([pooled_variance(own, dof) for own in variance.T])
+    pooled = pooled + first.resolution**2
+    n = np.concatenate([np.full((r.shape[1], 1), len(r)) for _, r, _ in pairs])
+    of_model = [
+        q.var(axis=0, ddof=1) / len(q) if len(q) > 1 else np.zeros(q.shape[1:]) for *_, q in pairs
+    ]
+
+    def operating(name: str) -> np.ndarray:
+        """Mean over the trials of each window's coordinate."""
+        return np.concatenate(
+            [
+                np.mean([getattr(one, name)[: r.shape[1]] for one in trials], axis=0)
+                for trials, r, _ in pairs
+            ]
+        )
+
+    return GapMap(
+        names=first.names,
+        difference=np.concatenate([r.mean(axis=0) - q.mean(axis=0) for _, r, q in pairs]),
+        scatter=np.sqrt(pooled),
+        noise=pooled / n + np.concatenate(of_model),
+        t_s=operating("t_s"),
+        x_m=operating("x_m"),
+        v_m_s=operating("v_m_s"),
+        load_n=operating("load_n"),
+        point=np.repeat(np.arange(len(pairs)), [r.shape[1] for _, r, _ in pairs]),
+    )
+
+
+def _exchange(pairs: Sequence[_Pair], rng: np.random.Generator) -> np.ndarray:
+    """Return p-values (c,): how often exchanged trials are as far apart.
+
+    The sum of d^2 over the variance of all trials, which the exchange does not change.
+    """
+    observed, exchanged = 0.0, 0.0
+    for _, r, q in pairs:
+        both = np.concatenate([r, q])
+        total = both.var(axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # Products of whole runs (n + k, n + k, c): every d^2 is a quadratic form of the labels.
+            scaled = np.nan_to_num((both - both.mean(axis=0)) / np.sqrt(total), posinf=0, neginf=0)
+        products = np.einsum("iwc,jwc->ijc", scaled, scaled)
+        labels = np.concatenate([np.full(len(r), 1 / len(r)), np.full(len(q), -1 / len(q))])
+        orders = rng.permuted(np.tile(labels, (_EXCHANGES, 1)), axis=1)
+        observed = observed + np.einsum("i,j,ijc->c", labels, labels, products)
+        exchanged = exchanged + np.einsum("ei,ej,ijc->ec", orders, orders, products, optimize=True)
+    return (1 + np.sum(exchanged >= observed * (1 - 1e-9), axis=0)) / (1 + _EXCHANGES)

@@ -1,0 +1,98 @@
+"""Gaps of numbers drawn here, whose scatter and difference are known."""
+
+import numpy as np
+import pytest
+from scipy.stats import kstest
+
+from hbench.errors import DataError
+from hbench.reconcile.balances import Windowed
+from hbench.reconcile.gap import _exchange, _pairs, gaps, pooled_variance
+from hbench.records import RunPlan, Specimen
+
+NAMES = ("first", "second", "third")
+SIGMA = np.array([2.0, 1e-7, 30.0])
+WINDOWS, POINTS = 20, 12
+
+
+def drawn(rng, trials, shift=0.0, points=POINTS, shared=0.7):
+    """Trials whose windows share part of their scatter, as the strokes of a bench do."""
+    runs = []
+    for point in range(points):
+        for trial in range(trials):
+            plan = RunPlan(f"{len(runs):04d}", "steady", trial, 0.01 * point, Specimen(1e-3, 8e-4))
+            own = rng.standard_normal((WINDOWS, 3)) * np.sqrt(1 - shared**2)
+            values = SIGMA * (own + shared * rng.standard_normal(3)) + shift
+            at = np.arange(WINDOWS, dtype=float)
+            runs.append(Windowed(plan, NAMES, values, at, at, at - 9.5, 0 * at, np.zeros(3)))
+    return runs
+
+
+def test_a_right_model_is_as_far_as_the_trials_are():
+    found = []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        ranked, _ = gaps(drawn(rng, 3), drawn(rng, 3))
+        found += [one.gap**2 for one in ranked]
+    assert np.mean(found) == pytest.approx(1.0, abs=0.08)
+
+
+def test_a_shift_of_two_scatters_is_a_gap_of_the_root_of_five():
+    """g^2 = 1 + (2 sigma)^2 / sigma^2, for that balance alone, and it stands first."""
+    rng = np.random.default_rng(1)
+    ranked, found = gaps(
+        drawn(rng, 3, points=60, shift=SIGMA * [0, 2, 0]), drawn(rng, 3, points=60)
+    )
+    assert ranked[0].name == "second"
+    assert ranked[0].gap == pytest.approx(np.sqrt(5), rel=0.1)
+    assert ranked[0].structured == pytest.approx(2, rel=0.12)
+    assert ranked[0].scatter == pytest.approx(SIGMA[1], rel=0.15)
+    assert ranked[0].p_value == pytest.approx(0.003)  # 3 names, 1 of 1000 exchanges
+    assert all(one.gap < 1.3 and one.p_value > 0.05 for one in ranked[1:])
+    assert found.difference.shape == (60 * WINDOWS, 3)
+
+
+def test_p_values_of_a_right_model_are_even_though_windows_of_a_run_depend_on_one_another():
+    found = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        found += _exchange(_pairs(drawn(rng, 3), drawn(rng, 3)), rng).tolist()
+    assert kstest(found, "uniform").pvalue > 0.01
+    assert 0.01 < np.mean(np.array(found) < 0.05) < 0.10
+
+
+def test_the_map_tells_where_the_difference_is():
+    rng = np.random.default_rng(2)
+    slow, fast = drawn(rng, 3, points=60), drawn(rng, 3, points=60)
+    for run in slow:
+        run.values[run.v_m_s > 0, 0] += 3 * SIGMA[0]
+    _, found = gaps(slow, fast)
+    retract, extend = found.over((found.v_m_s > 0).astype(int))
+    assert extend[0] == pytest.approx(np.sqrt(10), rel=0.1)
+    assert retract[0] == pytest.approx(1, abs=0.15)
+    assert extend[1:] == pytest.approx(1, abs=0.2)
+
+
+def test_variances_are_drawn_towards_their_own_distribution():
+    """sigma^2 = nu_0 s_0^2 / chi^2(nu_0): what comes out is the posterior's, nearer the truth."""
+    rng = np.random.default_rng(3)
+    prior, scale, dof = 6.0, 4.0, 2.0
+    true = scale * prior / rng.chisquare(prior, 5000)
+    seen = true * rng.chisquare(dof, 5000) / dof
+    found = pooled_variance(seen, np.full(5000, dof))
+    weight = prior / (prior + dof)  # the posterior's, by Bayes' theorem
+    assert found == pytest.approx(weight * scale + (1 - weight) * seen, rel=0.1)
+    assert np.mean(np.log(found / true) ** 2) < 0.3 * np.mean(np.log(seen / true) ** 2)
+
+
+def test_equal_variances_become_one():
+    rng = np.random.default_rng(4)
+    seen = 9.0 * rng.chisquare(2, 4000) / 2
+    found = pooled_variance(seen, np.full(4000, 2.0))
+    assert np.median(found) == pytest.approx(9.0, rel=0.1)
+    assert np.log(found).std() < 0.1 < np.log(seen).std()
+
+
+def test_single_trials_have_no_scatter_to_compare_with():
+    rng = np.random.default_rng(5)
+    with pytest.raises(DataError, match="two measured trials"):
+        gaps(drawn(rng, 1), drawn(rng, 3))
