@@ -1,29 +1,22 @@
-"""Least squares within bounds: Levenberg-Marquardt on the parameters that no bound holds.
+"""Least squares within bounds, by scipy's trust region, with bounds that are active or not.
 
-    minimise  r(x)'r(x)   for  lower <= x <= upper
-    step      (J'J + lambda D^2) d = -J'r,   D the largest lengths that J's columns had
-
-A parameter at a bound is held there while the cost falls beyond it, and left free otherwise; steps
-end at the bounds. So an answer lies on an active bound exactly, and says so. The search ends where
-the residuals have no part left along any free column of J, or where no step lowers the cost.
+The trust-region method stays strictly inside the bounds, so its answer is near an active bound,
+never on it. Here the parameters near a bound are put on it, the others are solved again, and those
+for which the cost falls towards the inside are released.
 """
 
 from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
+from scipy.optimize import least_squares
 
 Function = Callable[[np.ndarray], np.ndarray]
 
 _COMPLEX_STEP = 1e-30  # exact for any small one
-_COSINE = 1e-10  # between the residuals and the columns of J: nothing left
-# Where no step lowers the cost, by rounding or at a kink of the law, the search has converged if
-_STALLED = 0.03  # the slope promises less than a thousandth of the cost (this cosine's square),
-_NEGLIGIBLE = 1e-7  # or the full step is this part of the parameters' sizes.
-_FIRST_DAMPING = 1e-2
-_SHORTEST = 1e-14  # step, of a parameter's size
-_STEPS = 1000
-_LARGEST_DAMPING = 1e14
+_TOLERANCE = 1e-15  # relative, of cost and step: all digits that there are
+_NEAR = 1e-3  # of a parameter's scale: a bound may be active
+_EVALUATIONS = 2000
 
 
 class Problem(NamedTuple):
@@ -79,71 +72,58 @@ def solve(problem: Problem, starts: Sequence[np.ndarray]) -> Solution:
 
 
 def descend(
-    problem: Problem, start: np.ndarray, fixed: Sequence[int] = (), cosine: float = _COSINE
+    problem: Problem,
+    start: np.ndarray,
+    fixed: Sequence[int] = (),
+    tolerance: float = _TOLERANCE,
 ) -> Solution:
     """Search from ``start``; parameters whose numbers are ``fixed`` stay as they are.
 
-    ``cosine`` between the residuals and the columns of J is as good as none. Where no parameter
-    can move there is nothing to find, and the search has converged.
+    The search ends where cost or step change by less than ``tolerance`` of their own. Where no
+    parameter can move there is nothing to find, and it has converged.
     """
     movable = np.ones(len(start), dtype=bool)
     movable[list(fixed)] = False
     x = np.where(movable, np.clip(start, problem.lower, problem.upper), start)
     with np.errstate(all="ignore"):
-        return _descend(problem, x, movable, cosine)
-
-
-def _descend(problem: Problem, x: np.ndarray, movable: np.ndarray, enough: float) -> Solution:
-    residual = problem.residual(x)
-    least, damping = float(residual @ residual), _FIRST_DAMPING
-    free, longest, cosine = movable, np.zeros(len(x)), np.inf
-    for _ in range(_STEPS):
-        jacobian = problem.derivatives(x)
-        lengths = np.linalg.norm(jacobian, axis=0)
-        longest = np.maximum(longest, lengths)
-        gradient = residual @ jacobian
-        free = movable & ~_held(problem, x, gradient)
-        cosine = _cosine(gradient[free], lengths[free], least)
-        if cosine <= enough:
-            return Solution(x, free, True)
-        weight = np.where(longest > 0, longest, 1.0)[free]
-        moved = False
-        while not moved and damping < _LARGEST_DAMPING:
-            step = _step(jacobian[:, free], residual, weight, damping)
-            tried = x.copy()
-            tried[free] = np.clip(x[free] + step, problem.lower[free], problem.upper[free])
-            size = np.abs(x) + 1e-10 * problem.scale
-            if np.all(np.abs(tried - x) <= _SHORTEST * size):
+        x, converged = _search(problem, x, movable, tolerance)
+        to_lower, to_upper = x - problem.lower, problem.upper - x
+        bound = np.where(to_lower < to_upper, problem.lower, problem.upper)
+        pinned = movable & (np.minimum(to_lower, to_upper) <= _NEAR * problem.scale)
+        while pinned.any():
+            x = np.where(pinned, bound, x)
+            x, converged = _search(problem, x, movable & ~pinned, tolerance)
+            gradient = problem.residual(x) @ problem.derivatives(x)
+            inwards = np.where(bound == problem.lower, gradient <= 0, gradient >= 0)
+            if not (pinned & inwards).any():
                 break
-            residual_there = problem.residual(tried)
-            total = float(residual_there @ residual_there)
-            moved = total < least
-            damping = max(damping / 5, 1e-20) if moved else damping * 4
-        if not moved:
-            full = _step(jacobian[:, free], residual, weight, 0.0)
-            negligible = np.abs(full) <= _NEGLIGIBLE * np.maximum(size, problem.scale)[free]
-            return Solution(x, free, bool(cosine <= _STALLED or negligible.all()))
-        x, residual, least = tried, residual_there, total
-    return Solution(x, free, False)
+            pinned &= ~inwards
+            if not pinned.any():
+                x, converged = _search(problem, x, movable, tolerance)
+    return Solution(x, movable & ~pinned, converged)
 
 
-def _held(problem: Problem, x: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-    return ((x <= problem.lower) & (gradient > 0)) | ((x >= problem.upper) & (gradient < 0))
+def _search(
+    problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, bool]:
+    """Search over the free parameters; the others stay as in ``x``. Return them and success."""
+    if not free.any() or not np.isfinite(cost(problem, x)):
+        return x, not free.any()
 
+    def whole(part: np.ndarray) -> np.ndarray:
+        y = x.astype(part.dtype)
+        y[free] = part
+        return y
 
-def _cosine(gradient: np.ndarray, lengths: np.ndarray, least: float) -> float:
-    """Return the largest cosine between the residuals and a column of J."""
-    seen = lengths > 0
-    if least == 0.0 or not seen.any():
-        return 0.0
-    return float(np.max(np.abs(gradient[seen]) / lengths[seen]) / np.sqrt(least))
-
-
-def _step(
-    jacobian: np.ndarray, residual: np.ndarray, weight: np.ndarray, damping: float
-) -> np.ndarray:
-    """Return the damped step: least squares of the stacked system, in the columns' own sizes."""
-    p = len(weight)
-    matrix = np.vstack([jacobian / weight, np.sqrt(damping) * np.eye(p)])
-    right = np.concatenate([-residual, np.zeros(p)])
-    return np.linalg.lstsq(matrix, right, rcond=None)[0] / weight
+    found = least_squares(
+        lambda part: problem.residual(whole(part)),
+        x[free],
+        jac=lambda part: problem.derivatives(whole(part))[:, free],
+        bounds=(problem.lower[free], problem.upper[free]),
+        x_scale=problem.scale[free],
+        xtol=tolerance,
+        ftol=tolerance,
+        gtol=None,
+        max_nfev=_EVALUATIONS,
+    )
+    return whole(found.x), found.status > 0

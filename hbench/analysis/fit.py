@@ -41,7 +41,7 @@ _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disag
 _LEAST_FORCE_N = 1e-6  # scale of a curve of zeros
 _LEAST_SPEEDS = 4
 _ROUNDING = 1e-9  # of friction
-_ENOUGH = 1e-5  # cosine of a search from near: off by a hundred thousandth of the error
+_ENOUGH = 1e-10  # of the cost, from near: off by a hundred thousandth of the error
 _SEED = 1  # of the bootstrap: the same campaign gives the same intervals
 
 Ends = tuple[float, float] | None

@@ -12,7 +12,7 @@ import numpy as np
 from hbench.analysis.bounded import Problem, Solution, cost, descend
 
 _NEAR = 1e-3  # of t: where the search for an end may stop
-_COSINE = 1e-5  # the others then are off by a hundred thousandth of their error
+_ENOUGH = 1e-10  # of the cost: the others then are off by a hundred thousandth of their error
 _EVALUATIONS = 40
 _GROWTH = 4.0  # longest step outwards, as a multiple of the way so far
 
@@ -53,7 +53,7 @@ def _end(
     def tau(distance: float, start: np.ndarray) -> tuple[float, np.ndarray]:
         start = start.copy()
         start[number] = own if distance == limit else best[number] + sign * distance
-        found = descend(problem, start, (number,), _COSINE)
+        found = descend(problem, start, (number,), _ENOUGH)
         rise = max(cost(problem, found.x) - least, 0.0)
         return float(np.sqrt(rise / level)), found.x
 

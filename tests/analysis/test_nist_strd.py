@@ -16,7 +16,6 @@ from hbench.analysis.intervals import covariance
 if not nist_strd.FOLDER.is_dir() and not os.environ.get("HBENCH_CI"):
     pytest.skip(nist_strd.WHY_MISSING, allow_module_level=True)
 
-FAIL = {("MGH10", 1)}  # ends in a valley far from the certified minimum, and says so
 # Digits at least; elsewhere 6 of the parameters and 6 of the standard errors.
 FEWER = {"Lanczos1": (6.0, 2.5)}  # its residuals are rounding alone: their sum is 1e-25
 
@@ -43,10 +42,6 @@ def worth(data, solution):
 def test_certified_parameters_and_standard_errors_are_found(name, start):
     data = nist_strd.load(name)
     solution = descend(problem(data), data.starts[start - 1])
-    if (name, start) in FAIL:
-        assert not solution.converged
-        print(f"{name:9} {data.level:8} start {start}  fails, and says that it did not converge")
-        return
     values, errors = worth(data, solution)
     print(f"{name:9} {data.level:8} start {start}  digits {values:4.1f}  of s.e. {errors:4.1f}")
     assert solution.converged and solution.free.all()
