@@ -63,11 +63,14 @@ UNITS: dict[str, Unit] = {
 }
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+_LONGEST = 200  # characters of a quantity
 _TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)|(\^)\s*(-?\d+)|([*/()])|$)")
 
 
 def parse_unit(text: str) -> Unit:
     """Read a unit expression; raises ``ValueError`` with what was not understood."""
+    if len(text) > _LONGEST:
+        raise ValueError(f"unit {text[:20]!r}...: is {len(text)} characters long")
     position, factor, dimension = 0, 1.0, (0,) * 5
     signs, sign = [1], 1  # sign of the open parentheses, sign of the next name
     last: Unit | None = None
@@ -87,6 +90,8 @@ def parse_unit(text: str) -> Unit:
         elif caret is not None:
             if last is None:
                 raise ValueError(f"unit {text!r}: '^' follows no unit")
+            if len(exponent.lstrip("-")) > 1:
+                raise ValueError(f"unit {text!r}: no quantity has the power {exponent[:20]}")
             extra = int(exponent) - 1
             factor, dimension = (
                 factor * last.factor**extra,
@@ -126,7 +131,8 @@ def to_si(value: object, unit: str) -> float:
     wanted = parse_unit(unit)
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise ValueError(f"is not a quantity; write for example '1 {unit}'")
-    match = _NUMBER.match(str(value))
+    text = str(value)
+    match = _NUMBER.match(text) if len(text) <= _LONGEST else None
     if match is None:
         raise ValueError(f"is not a number with a unit; write for example '1 {unit}'")
     number, found = float(match[1]), match[2]

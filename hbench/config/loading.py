@@ -5,35 +5,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
 from pydantic import BaseModel, ValidationError
 
+from hbench.config.yaml_text import parse_yaml
 from hbench.errors import ConfigError
 
 _Model = TypeVar("_Model", bound=BaseModel)
 _MAX_BYTES = 1_000_000
-
-
-class _Loader(yaml.SafeLoader):
-    """A safe loader that refuses a key given twice (PyYAML keeps the last one silently)."""
-
-
-def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict:
-    loader.flatten_mapping(node)
-    seen: dict[Any, int] = {}
-    for key_node, _ in node.value:
-        key = loader.construct_object(key_node, deep=True)
-        line = key_node.start_mark.line + 1
-        if key in seen:
-            raise yaml.MarkedYAMLError(
-                problem=f"key {key!r} stands twice (first in line {seen[key]})",
-                problem_mark=key_node.start_mark,
-            )
-        seen[key] = line
-    return loader.construct_mapping(node, deep=True)
-
-
-_Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+_BRIEF = 100  # characters of a value
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -41,18 +20,15 @@ def read_yaml(path: Path) -> dict[str, Any]:
     try:
         if path.stat().st_size > _MAX_BYTES:
             raise ConfigError(f"{path}: larger than {_MAX_BYTES} bytes; not a configuration file")
-        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
+        data = parse_yaml(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ConfigError(
             f"{path}: {error.strerror or error}", "Check the path; `hbench init DIR` writes one."
         ) from None
     except UnicodeDecodeError:
         raise ConfigError(f"{path}: not a text file in UTF-8") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}" if mark else "somewhere"
-        problem = getattr(error, "problem", None) or str(error)
-        raise ConfigError(f"{path}: {where}: {problem}", "The file is not valid YAML.") from None
+    except ValueError as error:
+        raise ConfigError(f"{path}: {error}", "The file is not valid YAML.") from None
     if not isinstance(data, dict):
         raise ConfigError(f"{path}: holds no keys; expected 'key: value' lines")
     return data
@@ -94,7 +70,13 @@ def _explain(fault: dict[str, Any], data: Any) -> str:
     message = fault["msg"].removeprefix("Value error, ")
     message = message[0].lower() + message[1:]
     value = fault["input"]
-    return f"{key}: {message}" if isinstance(value, dict) else f"{key} = {value!r}: {message}"
+    return f"{key}: {message}" if isinstance(value, dict) else f"{key} = {brief(value)}: {message}"
+
+
+def brief(value: Any) -> str:
+    """Return a value as a message shows it: on one line, and not all of a long one."""
+    words = repr(value)
+    return words if len(words) <= _BRIEF else f"{words[:_BRIEF]}..."
 
 
 def _keys(fault: dict[str, Any], data: Any) -> Iterator[str]:

@@ -1,5 +1,7 @@
 """Quantities are read with their units, and nothing else is taken for one."""
 
+import time
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -63,3 +65,14 @@ def test_what_is_no_quantity_of_the_kind_is_refused_with_the_reason(value, unit,
 @given(st.floats(-1e9, 1e9), st.sampled_from(sorted(UNITS)))
 def test_reading_and_converting_back_are_inverse(number, unit):
     assert from_si(to_si(f"{number!r} {unit}", unit), unit) == pytest.approx(number, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1 bar^999999999", "1 mm^-99999", "1 bar^999", "1 " + " " * 100_000 + "x", "9" * 100_000],
+)
+def test_a_quantity_that_no_one_means_is_refused_at_once(text):
+    start = time.perf_counter()
+    with pytest.raises(ValueError):
+        to_si(text, "bar")
+    assert time.perf_counter() - start < 1
