@@ -23,6 +23,8 @@ FIELDS = {
     "u_l2": "u_l2_v",
     "v_ref": "v_ref_m_s",
 }
+# What of these is no sensor, and so not in counts.
+UNITS = {"v": "m/s", "v_ref": "m/s", "u_t": "V", "u_l1": "V", "u_l2": "V"}
 BOOKKEEPING = ("run", "index", "flags")
 FLAG_FIELDS = ("at_reference", "sensor_saturated", "valve_saturated")
 # Codes of the reader's warnings that leave the log's completeness in doubt.
@@ -76,7 +78,7 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
 
 def _columns(raw: RawRun) -> dict[str, int]:
     names = [channel.name for channel in raw.channels]
-    run = raw.plan.run
+    run, layout = raw.plan.run, "the log's layout in campaign.yaml"
     if raw.words.ndim != 2 or raw.words.shape[1] != len(names):
         raise DataError(
             f"run {run}: its log holds words of shape {raw.words.shape}; "
@@ -84,13 +86,26 @@ def _columns(raw: RawRun) -> dict[str, int]:
         )
     for name in ("x", *BOOKKEEPING):
         if name not in names:
-            raise DataError(f"run {run}: its log has no channel '{name}'")
-    for name in names:
+            raise DataError(f"run {run}: {layout} has no channel '{name}'")
+    for channel in raw.channels:
+        name, unit = channel.name, channel.unit
         if name not in FIELDS and name not in BOOKKEEPING:
             raise DataError(
-                f"run {run}: unknown log channel '{name}'; known are {', '.join(FIELDS)}"
+                f"run {run}: {layout} has the unknown channel '{name}'; known are "
+                f"{', '.join(FIELDS)}"
+            )
+        wanted = UNITS.get(name, "1" if name in BOOKKEEPING else "count")
+        if not _same_dimension(unit, wanted):
+            raise DataError(
+                f"run {run}: {layout} gives channel '{name}' in {unit!r}; expected {wanted!r}"
             )
     return {name: place for place, name in enumerate(names)}
+
+
+def _same_dimension(unit: str, wanted: str) -> bool:
+    if "count" in (unit, wanted):
+        return unit == wanted
+    return parse_unit(unit).dimension == parse_unit(wanted).dimension
 
 
 def _to_si(

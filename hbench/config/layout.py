@@ -27,6 +27,9 @@ CHANNELS = {
     "p_lp_ref_pa": "Pa",
 }
 FLAGS = ("sensor_saturated", "valve_saturated")  # 0 or 1, in files of the default layout
+# By the unit of a channel: nothing that a bench measures is beyond.
+LIMITS = {"s": 1e12, "m": 1e3, "m/s": 1e3, "Pa": 1e11, "N": 1e10, "V": 1e6}
+LONGEST_S = 1e6  # from a file's first sample to its last
 ALWAYS = ("t_s", "x_m")  # without these nothing can be analyzed; no gaps in them
 DATE_TIME = "date-time"  # the unit of times such as 2024-05-01T12:00:00.25
 

@@ -99,6 +99,8 @@ def start_at_zero(axes: Axes) -> None:
 def share_limits(axes: Iterable[Axes]) -> None:
     """Give all axes the widest limits among them, so that figures can be compared by eye."""
     axes = list(axes)
+    if not axes:
+        return
     for get, set_ in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
         limits = [getattr(one, get)() for one in axes]
         widest = (min(low for low, _ in limits), max(high for _, high in limits))

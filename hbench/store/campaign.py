@@ -18,11 +18,13 @@ from hbench.config.bench import Bench, parse_bench
 from hbench.config.importmap import parse_import_map
 from hbench.config.schedule import Screening, parse_schedule
 from hbench.errors import ConfigError, DataError
-from hbench.records import LogChannel, Outcome, Provenance, RawRun, Run, RunPlan
+from hbench.records import Outcome, Provenance, RawRun, Run, RunPlan
 from hbench.store import journal
 from hbench.store.atomic import append, rename, truncate, write_atomic, write_files
 from hbench.store.dsp_log import format_words, parse_records
 from hbench.store.journal import Entry, Stop
+from hbench.store.log_layout import read_layout
+from hbench.store.reading import LARGEST_JOURNAL, read_file
 from hbench.store.run_csv import parse_run
 
 JOURNAL = "campaign.yaml"
@@ -47,7 +49,7 @@ class CampaignWriter:
     def resume(cls, folder: Path) -> "CampaignWriter":
         """Go on with a campaign; a half-written last line is cut off. Raises ``DataError``."""
         path = folder / JOURNAL
-        data = _read(path)
+        data = _read_journal(path)
         journal.parse_journal(data, str(path))
         truncate(path, journal.intact_length(data))
         return cls(folder)
@@ -148,12 +150,7 @@ class Campaign:
         that it is rejected with a reason. Raises ``DataError`` where the header lacks the log's
         layout.
         """
-        try:
-            log = self.header["log"]
-            channels = tuple(LogChannel(**channel) for channel in log["channels"])
-            rate_hz, flags = float(log["rate_hz"]), tuple(log["flags"])
-        except (KeyError, TypeError, ValueError) as error:
-            raise DataError(f"{self._source('log')}: can't be used: {error!r}") from None
+        channels, rate_hz, flags = read_layout(self.header.get("log"), self._source("log"))
         for entry in self.latest:
             words, warnings = self._words(entry, len(channels))
             yield RawRun(
@@ -197,19 +194,21 @@ class Campaign:
     def _log(self, entry: Entry, suffix: str) -> tuple[bytes, tuple[str, ...]]:
         """Return the file of one attempt at a run, known by its hash, and what is odd about it."""
         path = self.folder / "runs" / f"{entry.plan.run}{suffix}"
-        data = _read(path) if path.is_file() else None
-        if entry.stop is not None:
-            if data is not None and sha256(data) == entry.stop.sha256:
-                return data, ()
-            for earlier in path.parent.glob(f"{path.stem}~*{suffix}"):
-                attempt = _read(earlier)
-                if sha256(attempt) == entry.stop.sha256:
-                    return attempt, ()
-        if data is None:
-            return b"", (f"missing: runs/{path.name} is not there",)
-        if entry.stop is None:
-            return data, ()
-        return data, (f"changed: runs/{path.name} is not what was written (SHA-256 differs)",)
+        if not path.is_file():
+            data, odd = b"", (f"missing: runs/{path.name} is not there",)
+        else:
+            try:
+                data, odd = read_file(path), ()
+            except DataError as error:
+                data, odd = b"", (f"unreadable: {error.message}",)
+        if entry.stop is None or (not odd and sha256(data) == entry.stop.sha256):
+            return data, odd
+        for earlier in path.parent.glob(f"{path.stem}~*{suffix}"):
+            attempt = read_file(earlier)
+            if sha256(attempt) == entry.stop.sha256:
+                return attempt, ()
+        changed = f"changed: runs/{path.name} is not what was written (SHA-256 differs)"
+        return data, odd or (changed,)
 
     def _parsed(self, key: str, parse: Callable[[dict, str], Any]) -> Any:
         """Return a section's content, checked; what is wrong with it is an error of the data."""
@@ -226,9 +225,25 @@ class Campaign:
 def load_campaign(folder: Path) -> Campaign:
     """Read a campaign's journal. Raises ``DataError``."""
     path = folder / JOURNAL
-    content = journal.parse_journal(_read(path), str(path))
-    told = tuple(str(note) for note in content.header.get("notes") or ())
-    return Campaign(folder, content.header, content.entries, (*told, *content.warnings))
+    content = journal.parse_journal(_read_journal(path), str(path))
+    told = [str(note) for note in content.header.get("notes") or ()]
+    told += [*content.warnings, *_unknown_logs(folder, content)]
+    return Campaign(folder, content.header, content.entries, tuple(told))
+
+
+def _unknown_logs(folder: Path, content: journal.Journal) -> Iterator[str]:
+    """Tell of logs without an entry: their part of the journal was lost, or they came later."""
+    known = {entry.plan.run for entry in content.entries}
+    suffix = ".csv" if content.header["source"] == "imported" else ".dat"
+    found = sorted(path.name for path in (folder / "runs").glob(f"*{suffix}"))
+    unknown = [name for name in found if name.removesuffix(suffix).split("~")[0] not in known]
+    if unknown:
+        few = ", ".join(unknown[:10]) + (", ..." if len(unknown) > 10 else "")
+        yield f"{folder / JOURNAL}: has no entry for {few} in runs: left out ({len(unknown)} logs)"
+
+
+def _read_journal(path: Path) -> bytes:
+    return read_file(path, LARGEST_JOURNAL, "Is this a campaign folder?")
 
 
 def refuse_existing(folder: Path) -> None:
@@ -251,15 +266,6 @@ def _keep_earlier(path: Path) -> None:
         while (kept := path.with_name(f"{path.stem}~{number}{path.suffix}")).exists():
             number += 1
         rename(path, kept.name)
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise DataError(
-            f"{path}: {error.strerror or error}", "Is this a campaign folder?"
-        ) from None
 
 
 def sha256(data: bytes) -> str:

@@ -90,11 +90,11 @@ def _header(fields: list[str], source: str) -> tuple[int, int]:
     """Return the header's format and length."""
     expected = "expected '1651 format address page length [new format]' in hex"
     try:
-        magic, *numbers = (int(field, 16) for field in fields)
+        magic, *numbers = (int(field[:17], 16) for field in fields)  # no number is as long
     except ValueError:
         magic, numbers = 0, []
     if magic != 0x1651 or len(numbers) not in (4, 5) or min(numbers) < 0:
-        raise DataError(f"{source}: line 1: found {' '.join(fields)!r}; {expected}")
+        raise DataError(f"{source}: line 1: found {' '.join(fields)[:60]!r}; {expected}")
     code, length = numbers[0], numbers[3]
     if code not in (1, 2, 3, 4, 9):
         raise DataError(

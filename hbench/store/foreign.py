@@ -4,7 +4,7 @@ Everything is read and checked first; then the runs are written, and ``campaign.
 that an import that fails leaves no campaign behind.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -59,7 +59,7 @@ def import_folder(
         found = read_mapped(source, rules)
         header |= {"name": rules.name, "map": {"file": map_path.name, "content": content}}
     files = {run.file.name: run.file for run in found.runs}
-    notes = (*found.notes, *_duplicates(files.values()))
+    notes = (*found.notes, *_duplicates(files.values()), *_maybe_cut(files.values()))
     text = [journal.header_text({**header, "notes": list(notes)})]
     for run in found.runs:
         text.append(_write_run(destination, run, at))
@@ -84,3 +84,15 @@ def _duplicates(files: Iterable[SourceFile]) -> list[str]:
         if same != file.name:
             notes.append(f"{file.name} is byte for byte the same as {same}")
     return notes
+
+
+def _maybe_cut(files: Iterable[SourceFile]) -> Iterator[str]:
+    """Tell of files of text whose last line has no end: its last number may lack digits."""
+    names = [
+        file.name
+        for file in files
+        if not file.name.endswith((".mat", ".parquet")) and not file.data.endswith((b"\n", b"\r"))
+    ]
+    if names:
+        few = ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")
+        yield f"the last line of {few} has no end, as in a file that was cut ({len(names)} files)"

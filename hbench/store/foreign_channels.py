@@ -12,7 +12,7 @@ from hbench.store.arrays import AnyTable, open_table
 from hbench.store.clipped import clipped
 from hbench.store.resample import interval_means, whole_intervals
 from hbench.store.rest import LEAST_S, rest_before_motion, zero_at_rest
-from hbench.store.run_csv import check_lengths, check_time
+from hbench.store.run_csv import check_lengths, check_limits, check_time
 from hbench.store.table import Table
 from hbench.units import parse_unit, to_si
 
@@ -40,6 +40,7 @@ def read_file(
     n = len(channels["t_s"])
     for key, constant in rules.constants.items():
         channels[key] = np.full(n, to_si(_filled(constant, fields), CHANNELS[key]))
+    check_limits(channels, table)
     if held:
         channels["sensor_saturated"] = np.logical_or.reduce(list(held.values())).astype(float)
     told_held = [_held(name, key, channels[key], samples) for key, samples in held.items()]

@@ -5,8 +5,7 @@ The index is ``runs.csv`` (one CSV or Parquet file a run), ``runs.parquet`` (the
 if there, tells the cylinder and all else about the bench.
 """
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +19,13 @@ from hbench.records import RunPlan, Specimen
 from hbench.store.arrays import AnyTable, Arrays, open_table, read_mat, read_parquet
 from hbench.store.foreign_run import ForeignRun, ForeignRuns, SourceFile, read_source
 from hbench.store.journal import check_run_id
+from hbench.store.plan_fields import KINDS, check_number
 from hbench.store.run_csv import read_channels
 from hbench.store.table import Table, parse_table
 
 INDICES = ("runs.csv", "runs.parquet", "campaign.mat")
 BENCH = "bench.yaml"
 
-_KINDS = ("steady", "ramp", "triangle", "steps", "hold", "verification")
 _REQUIRED = ("run", "file", "v_ref_m_s")
 _OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa")
 _COLUMNS = (*_REQUIRED, "kind", "trial", "label", *_OPTIONAL)
@@ -49,7 +48,7 @@ def read_indexed(folder: Path) -> ForeignRuns:
         )
     name = found[0]
     index, log = (_mat_index if name.endswith(".mat") else _table_index)(folder, name)
-    for column in _REQUIRED:
+    for column in (*_REQUIRED, *(name for name in index.names if name in _COLUMNS)):
         index.position(column)
     bench, specimen, notes = _bench(folder, name)
     known = (*_COLUMNS, *_OF_EXPORT)
@@ -67,7 +66,18 @@ def read_indexed(folder: Path) -> ForeignRuns:
         first = table.lines[0] if isinstance(table, Table) else 1
         last = table.lines[-1] if isinstance(table, Table) else len(channels["t_s"])
         runs.append(ForeignRun(plan, channels, file, (int(first), int(last))))
-    return ForeignRuns(tuple(runs), notes, bench)
+    return ForeignRuns(tuple(runs), (*notes, *_unlisted(folder, name, runs)), bench)
+
+
+def _unlisted(folder: Path, index: str, runs: Sequence[ForeignRun]) -> Iterator[str]:
+    """Tell of files beside those of the index that are in none of its rows."""
+    listed = {(folder / run.file.name).resolve() for run in runs} | {(folder / index).resolve()}
+    beside = {(path.parent, path.suffix) for path in listed if path.name != index}
+    found = {path for at, suffix in beside for path in at.glob(f"*{suffix}")} - listed
+    if found:
+        names = sorted(path.relative_to(folder.resolve()).as_posix() for path in found)
+        few = ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")
+        yield f"{index}: has no row for {few}: left out ({len(names)} files)"
 
 
 def _table_index(folder: Path, name: str) -> _Index:
@@ -86,7 +96,11 @@ def _mat_index(folder: Path, name: str) -> _Index:
     file, source = read_source(folder, name), str(folder / name)
     runs = read_mat(file.data, source).get("runs")
     runs = [runs] if isinstance(runs, dict) else runs
-    if runs is None or not all(isinstance(run, dict) and "log" in run for run in runs):
+    if (
+        not isinstance(runs, (list, np.ndarray))
+        or not len(runs)
+        or not all(isinstance(run, dict) and "log" in run for run in runs)
+    ):
         raise DataError(f"{source}: has no struct array 'runs' with the field 'log'")
     names = [field for field in runs[0] if field != "log"]
     rows = [[*(_cell(run.get(field)) for field in names), name] for run in runs]
@@ -126,10 +140,10 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
     """Return the plan and the file of one row of the index."""
     cells = {name: cell.strip() for name, cell in cells.items()}
     kind = cells.get("kind") or "steady"
-    if kind not in _KINDS:
-        raise _fault(index, row, "kind", kind, f"expected one of {', '.join(_KINDS)}")
+    if kind not in KINDS:
+        raise _fault(index, row, "kind", kind, f"expected one of {', '.join(KINDS)}")
     trial = cells.get("trial") or "1"
-    if not trial.isdecimal() or int(trial) < 1:
+    if not trial.isdecimal() or len(trial) > 6 or int(trial) < 1:
         raise _fault(index, row, "trial", trial, "expected a number from 1")
     plan = RunPlan(
         run=check_run_id(cells["run"], f"{index.source}: {index.where(row)}"),
@@ -146,12 +160,12 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
 def _number(index: Table, row: int, column: str, cell: str) -> float:
     try:
         value = float(cell)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise _fault(index, row, column, cell, "expected a number")
+        check_number(column, value)
+    except ValueError as error:
+        what = str(error) if cell else "missing"
+        raise _fault(index, row, column, cell, f"expected a number: {what}") from None
     return value
 
 
 def _fault(index: Table, row: int, column: str, found: str, expected: str) -> DataError:
-    return DataError(f"{index.source}: {index.where(row)}: {column} {found!r}: {expected}")
+    return DataError(f"{index.source}: {index.where(row)}: {column} {found[:60]!r}: {expected}")

@@ -10,6 +10,7 @@ import numpy as np
 
 from hbench.errors import DataError
 from hbench.records import RunPlan
+from hbench.store.reading import read_file
 
 
 @dataclass(frozen=True)
@@ -47,9 +48,10 @@ class ForeignRuns:
 def read_source(folder: Path, name: str) -> SourceFile:
     """Read a file below ``folder``. Raises ``DataError``, also for a path that leaves it."""
     path = folder / name
-    if not path.resolve().is_relative_to(folder.resolve()):
-        raise DataError(f"{folder}: file {name!r} lies outside the imported folder")
     try:
-        return SourceFile(name, path.read_bytes())
-    except OSError as error:
-        raise DataError(f"{path}: {error.strerror or error}") from None
+        inside = path.resolve().is_relative_to(folder.resolve())
+    except (ValueError, OSError, RuntimeError):  # no path: a NUL, too long, links in a circle
+        raise DataError(f"{folder}: file {name[:60]!r} can't be a path") from None
+    if not inside:
+        raise DataError(f"{folder}: file {name[:60]!r} lies outside the imported folder")
+    return SourceFile(name, read_file(path))

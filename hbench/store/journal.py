@@ -2,10 +2,11 @@
 
     schema: hbench.campaign/1
     name: ...                          the header, written once
+    sha256: {bench: ..., ...}          of its sections: an edit is told, and not refused
     runs:
     - run: '0001'                      start part, appended when a run starts
       plan: {kind: steady, ...}
-      start: {at: '2024-05-01T12:00:00+00:00'}
+      start: {at: '2024-05-01T12:00:00+00:00', plan_sha256: ...}
       stop: {at: ..., outcome: done, records: 812, sha256: ...}      appended when it ends
 
 A run without stop part is one during which the host crashed. A crash may also leave the last
@@ -13,25 +14,25 @@ line half-written; it is then left out, and said so. A run made again is a secon
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from datetime import datetime
-from math import isfinite
-from typing import Any
+from typing import Any, get_args
 
 import yaml
 
+from hbench.config.yaml_text import parse_yaml
 from hbench.errors import DataError
-from hbench.records import Motion, Outcome, RunPlan, Segment, Specimen
+from hbench.records import Outcome, RunPlan
+from hbench.store.plan_fields import read_plan
+from hbench.store.seal import edited_sections, seal, sealed_sections
 
 SCHEMA = "hbench.campaign/1"
 REQUIRED = ("name", "source", "created")
 
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _ONE_LINE = 2**30
 _RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,99}")
 _RUNS = b"\nruns:\n"
-_NOT_NUMBERS = ("kind", "label", "specimen", "motion", "segments", "until", "closed")
 
 
 class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):
@@ -82,11 +83,16 @@ def check_run_id(run: str, source: str) -> str:
 
 
 def header_text(header: Mapping[str, Any]) -> str:
-    """Return the journal's beginning. The schema is added; ``REQUIRED`` keys must be there."""
+    """Return the journal's beginning; ``REQUIRED`` keys must be there.
+
+    The schema is added, and the hashes by which an edited section is known.
+    """
     missing = [key for key in REQUIRED if key not in header]
     if missing or "runs" in header:
         raise ValueError(f"campaign header lacks {missing} or holds 'runs'")
-    return _dump({"schema": SCHEMA, **header}, flow=False) + "runs:\n"
+    text = _dump({"schema": SCHEMA, **header}, flow=False)
+    seals = sealed_sections(parse_yaml(text))
+    return text + _dump({"sha256": seals}, flow=False) + "runs:\n"
 
 
 def start_text(plan: RunPlan, at: datetime, origin: Mapping[str, Any] | None = None) -> str:
@@ -97,10 +103,12 @@ def start_text(plan: RunPlan, at: datetime, origin: Mapping[str, Any] | None = N
         if key != "run" and value is not None and value != ""
     }
     fields["specimen"] = {k: v for k, v in fields["specimen"].items() if v is not None}
-    lines = [f"- run: '{check_run_id(plan.run, 'campaign')}'", f"  plan: {_dump(fields)}"]
+    text = _dump(fields)
+    lines = [f"- run: '{check_run_id(plan.run, 'campaign')}'", f"  plan: {text}"]
     if origin is not None:
         lines.append(f"  from: {_dump(dict(origin))}")
-    lines.append(f"  start: {_dump({'at': at.isoformat()})}")
+    start = {"at": at.isoformat(), "plan_sha256": seal(parse_yaml(text))}
+    lines.append(f"  start: {_dump(start)}")
     return "\n".join(lines) + "\n"
 
 
@@ -127,12 +135,12 @@ def parse_journal(data: bytes, source: str) -> Journal:
         line = intact.count(b"\n") + 1
         warnings = (f"{source}: line {line}: half-written and left out; the host crashed there",)
     try:
-        content = yaml.load(intact.decode("utf-8"), Loader=_Loader)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}: " if mark else ""
-        problem = getattr(error, "problem", None) or "not UTF-8"
-        raise DataError(f"{source}: {where}{problem}", "The journal is not valid YAML.") from None
+        content = parse_yaml(intact.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        line = intact.count(b"\n", 0, error.start) + 1
+        raise DataError(f"{source}: line {line}: not text in UTF-8") from None
+    except ValueError as error:
+        raise DataError(f"{source}: {error}", "The journal is not valid YAML.") from None
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         found = content.get("schema") if isinstance(content, dict) else None
         raise DataError(f"{source}: schema is {found!r}; expected {SCHEMA!r}")
@@ -144,6 +152,8 @@ def parse_journal(data: bytes, source: str) -> Journal:
     if not isinstance(items, list):
         raise DataError(f"{source}: runs: not a list")
     entries = tuple(_entry(item, f"{source}: runs.{n}") for n, item in enumerate(items))
+    seals = content.pop("sha256", None)
+    warnings += tuple(f"{source}: {words}" for words in _edited(content, seals, items))
     return Journal(content, entries, warnings)
 
 
@@ -158,41 +168,52 @@ def _check_header(header: dict[str, Any], source: str) -> None:
             whole = isinstance(section.get("content"), dict)
         if not whole:
             raise DataError(f"{source}: {key}: not a section as this program writes it")
-    if not isinstance(header.get("notes", []), list):
+    if not isinstance(header["name"], str) or not header["name"].strip():
+        raise DataError(f"{source}: name: is not text")
+    if not isinstance(header.get("notes") or [], list):
         raise DataError(f"{source}: notes: not a list")
-
-
-def _check_numbers(section: Mapping[str, Any]) -> None:
-    """Raise ``ValueError`` where a value that must be a finite number is not."""
-    for key, value in section.items():
-        if key in _NOT_NUMBERS or value is None:
-            continue
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
-            raise ValueError(f"{key} is {value!r}, not a number")
 
 
 def _entry(item: Any, source: str) -> Entry:
     try:
-        plan = item["plan"]
-        motion = plan.get("motion") or {}
-        for section in (plan, plan["specimen"], motion, *motion.get("segments", ())):
-            _check_numbers(section)
-        if plan["v_ref_m_s"] is None or not isinstance(plan["kind"], str):
-            raise ValueError("kind or v_ref_m_s is missing")
-        stop = item.get("stop")
-        fields = dict(item["plan"])
-        fields["specimen"] = Specimen(**fields["specimen"])
-        if "motion" in fields:
-            segments = tuple(Segment(**segment) for segment in motion["segments"])
-            fields["motion"] = Motion(**{**motion, "segments": segments})
+        if not isinstance(item["run"], str):
+            raise ValueError(f"run is {item['run']!r}; expected text, in quotes")
+        plan = read_plan(check_run_id(item["run"], source), item["plan"])
+        stop, origin = item.get("stop"), item.get("from")
+        if origin is not None and not isinstance(origin, dict):
+            raise ValueError("from is not a section")
         return Entry(
-            plan=RunPlan(run=check_run_id(str(item["run"]), source), **fields),
+            plan=plan,
             started=str(item["start"]["at"]),
-            stop=None if stop is None else Stop(**stop),
-            origin=item.get("from"),
+            stop=None if stop is None else _stop(stop),
+            origin=origin,
         )
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise DataError(f"{source}: not a run as this program writes it: {error}") from None
+
+
+def _stop(fields: Mapping[str, Any]) -> Stop:
+    stop = Stop(**fields)
+    if stop.outcome not in get_args(Outcome):
+        raise ValueError(f"outcome is {str(stop.outcome)[:40]!r}")
+    if isinstance(stop.records, bool) or not isinstance(stop.records, int) or stop.records < 0:
+        raise ValueError(f"records is {str(stop.records)[:40]!r}, not a count")
+    if not all(isinstance(text, str) for text in (stop.at, stop.sha256, stop.why)):
+        raise ValueError("at, sha256 and why of its stop part must be text")
+    return stop
+
+
+def _edited(header: Mapping[str, Any], seals: Any, items: list[Any]) -> Iterator[str]:
+    """Tell which sections and plans are not as they were written."""
+    if sections := edited_sections(header, seals):
+        yield f"{', '.join(sections)}: edited since the campaign was made (SHA-256 differs)"
+    runs = (
+        item["run"]
+        for item in items
+        if (kept := item["start"].get("plan_sha256")) is not None and kept != seal(item["plan"])
+    )
+    if words := ", ".join(runs):
+        yield f"the plan of {words}: edited since the run was made (SHA-256 differs)"
 
 
 def _dump(value: Any, *, flow: bool = True) -> str:

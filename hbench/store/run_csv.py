@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from hbench.config.layout import ALWAYS, CHANNELS, FLAGS, Format
+from hbench.config.layout import ALWAYS, CHANNELS, FLAGS, LIMITS, LONGEST_S, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
 from hbench.store.arrays import AnyTable
@@ -37,6 +37,7 @@ def read_channels(table: AnyTable) -> tuple[dict[str, np.ndarray], tuple[str, ..
         if name in CHANNELS or name in FLAGS
     }
     check_lengths(channels, table)
+    check_limits(channels, table)
     check_time(channels["t_s"], table)
     return channels, tuple(name for name in table.names if name not in channels)
 
@@ -51,6 +52,20 @@ def check_lengths(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
             raise DataError(
                 f"{table.source}: {name} has {len(values)} samples and t_s has {n}",
                 "Channels of different rates must come to common times before.",
+            )
+
+
+def check_limits(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
+    """Raise ``DataError`` naming the line of a value that nothing measured can be."""
+    for name, unit in CHANNELS.items():
+        values = channels.get(name, np.zeros(0))
+        beyond = np.flatnonzero(np.abs(values) > LIMITS[unit])
+        if len(beyond):
+            row = beyond[0]
+            raise DataError(
+                f"{table.source}: {table.where(row)}: {name} is {values[row]:.6g} {unit}; "
+                f"limit {LIMITS[unit]:g} {unit}",
+                "Is the unit right?",
             )
 
 
@@ -70,6 +85,11 @@ def check_time(
             f"{table.source}: {place}: time goes from {t_s[row - 1]:.6g} s to {t_s[row]:.6g} s; "
             "expected it to rise",
             hint if t_s[row] == t_s[row - 1] else "",
+        )
+    if t_s[-1] - t_s[0] > LONGEST_S:
+        raise DataError(
+            f"{table.source}: lasts {t_s[-1] - t_s[0]:.6g} s; limit {LONGEST_S:g} s",
+            "Is the unit of time right?",
         )
 
 

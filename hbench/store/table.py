@@ -75,7 +75,7 @@ class Table:
             if not (gaps and cells[row].strip().lower() in _GAPS):
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: "
-                    f"found {self.rows[row][position]!r}; expected a number"
+                    f"found {self.rows[row][position][:60]!r}; expected a number"
                 )
         return values
 
@@ -92,7 +92,7 @@ class Table:
             except (ValueError, TypeError):
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: found "
-                    f"{cells[position]!r}; expected a date-time such as 2024-05-01T12:00:00.25"
+                    f"{cells[position][:60]!r}; expected a date-time such as 2024-05-01T12:00:00.25"
                 ) from None
         return np.array([(time - times[0]).total_seconds() for time in times])
 
@@ -112,7 +112,7 @@ class Table:
 def parse_table(data: bytes, source: str, layout: Format) -> Table:
     """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
     kept = list(_lines_of_data(decoded(data), layout))
-    rows, lines = _cells(kept, layout)
+    rows, lines = _cells(kept, layout, source)
     names, units = (), ()
     if layout.header and rows:
         names, rows, lines = tuple(name.strip() for name in rows[0]), rows[1:], lines[1:]
@@ -159,15 +159,21 @@ def _lines_of_data(text: str, layout: Format) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _cells(kept: list[tuple[int, str]], layout: Format) -> tuple[list[list[str]], list[int]]:
+def _cells(
+    kept: list[tuple[int, str]], layout: Format, source: str
+) -> tuple[list[list[str]], list[int]]:
     """Return the cells of each row, and the line in which it ends."""
     texts = [line for _, line in kept]
     if layout.separator == "whitespace":
         return [line.split() for line in texts], [number for number, _ in kept]
     reader, rows, lines = csv.reader(texts, delimiter=_DELIMITERS[layout.separator]), [], []
-    for cells in reader:
-        rows.append(cells)
-        lines.append(kept[reader.line_num - 1][0])
+    try:
+        for cells in reader:
+            rows.append(cells)
+            lines.append(kept[reader.line_num - 1][0])
+    except csv.Error as error:  # such as a cell of 100 kB, since a quote is not closed
+        after = f"after line {lines[-1]}" if lines else "in the first row"
+        raise DataError(f"{source}: {after}: {error}", "Is a quote not closed?") from None
     return rows, lines
 
 

@@ -109,7 +109,10 @@ def test_resume_after_a_tear_at_any_byte_goes_on_to_a_valid_journal(
         CampaignWriter.resume(folder).start_run(make_plan("0002"), at(9))
         runs = yaml.safe_load(path.read_text())["runs"]
         assert runs[-1]["run"] == "0002"
-        assert load_campaign(folder).warnings == ()
+        warnings = load_campaign(folder).warnings
+        assert not any("half-written" in words for words in warnings)
+        # The log of an entry that was torn off with its start is left out, and said so.
+        assert len(warnings) == ("0001" not in [run["run"] for run in runs])
 
 
 def test_missing_log_of_a_done_run_is_told(folder, writer, words, make):
@@ -202,3 +205,24 @@ def test_finishing_another_run_than_the_one_started_is_refused(
     with pytest.raises(ValueError, match="0002"):
         writer.finish_run(make_plan("0002"), words, "done", "", at(2))
     assert np.array_equal(os.listdir(folder), ["campaign.yaml"])
+
+
+def test_a_log_without_an_entry_is_told(folder, writer, words, make_plan, make):
+    make(writer, words)
+    (folder / "runs" / "0002.dat").write_bytes(b"")
+    (told,) = load_campaign(folder).warnings
+    assert told.endswith("has no entry for 0002.dat in runs: left out (1 logs)")
+
+
+def test_a_log_of_absurd_size_is_flagged_before_it_is_read(folder, writer, words, make):
+    make(writer, words)
+    os.truncate(folder / "runs" / "0001.dat", 40_000_000_000)  # sparse
+    (raw,) = load_campaign(folder).raw_runs()
+    assert len(raw.words) == 0
+    assert "0001.dat: is 40000 MB large; limit 64 MB" in raw.warnings[0]
+
+
+def test_a_journal_of_absurd_size_is_refused_before_it_is_read(folder, writer):
+    os.truncate(folder / "campaign.yaml", 40_000_000_000)
+    with pytest.raises(DataError, match="campaign.yaml: is 40000 MB large; limit 16 MB"):
+        load_campaign(folder)

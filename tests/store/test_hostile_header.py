@@ -30,9 +30,33 @@ SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
         (("runs", 0, "plan", "kind"), 5),
         (("runs", 0, "plan", "specimen", "area_rod_m2"), "x"),
         (("runs", 0, "plan", "specimen"), 5),
-        (("runs", 0, "run"), "../../x"),
+        *((("runs", 0, "plan", "kind"), value) for value in ("nan", "creep", [], None)),
+        *((("runs", 0, "plan", "label"), value) for value in (5, ["a"], {})),
+        *((("runs", 0, "plan", "trial"), value) for value in (10**400, 0, -1, 1e300, True)),
+        *(
+            (("runs", 0, "plan", "specimen", "area_piston_m2"), value)
+            for value in (-1e-3, 0, 1e300)
+        ),
+        (("runs", 0, "plan", "specimen", "area_rod_m2"), 2e-3),  # larger than the piston's
+        (("runs", 0, "plan", "specimen", "stroke_m"), -0.4),
+        (("runs", 0, "plan", "motion", "until"), 5),
+        (("runs", 0, "plan", "motion", "segments", 0, "closed"), "no"),
+        (("runs", 0, "plan", "colour"), 1),
+        *((("runs", 0, "stop", "records"), value) for value in ("7", -1, 0.5, None, [])),
+        (("runs", 0, "stop", "outcome"), "well"),
+        (("runs", 0, "stop", "at"), 5),
+        *((("runs", 0, "run"), value) for value in ("../../x", 5, None, ["0001"])),
+        *((("log", "rate_hz"), value) for value in (0, -100, "fast", 10**400, float("nan"))),
+        (("log", "flags"), "last"),
+        (("log", "flags"), ["last", "last"]),
+        *((("log", "channels", 3, "scale"), value) for value in (0, -1, "1", b"hi", float("inf"))),
+        *((("log", "channels", 3, "unit"), value) for value in (5, "count?", "Pa", "psi")),
+        *((("log", "channels", 10, "unit"), value) for value in ("mm", "count", "V")),
+        *((("log", "channels", 3, "name"), value) for value in ([], "y", "v", float("nan"))),
+        (("log", "channels", 3, "signed"), "no"),
+        (("name",), ["x"]),
     ],
-    ids=str,
+    ids=lambda value: str(value)[:40],
 )
 def test_a_section_that_is_not_what_was_written_is_named(tmp_path, path, value):
     folder = tmp_path / "campaign"

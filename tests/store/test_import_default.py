@@ -123,6 +123,18 @@ def test_missing_values_are_kept_as_such(bring_in, source):
         ("runs.csv", INDEX + "A,a.csv,creep,1,0.1,,,\n", r"line 2: kind 'creep': expected one of"),
         ("runs.csv", INDEX + "A,a.csv,steady,0,0.1,,,\n", r"line 2: trial '0': expected a number"),
         ("runs.csv", INDEX + "A,a.csv,steady,1,,,,\n", r"line 2: v_ref_m_s '': expected a number"),
+        ("runs.csv", INDEX + "A,a\0b,steady,1,0.1,,,\n", r"can't be a path"),
+        ("runs.csv", INDEX + f"A,{'a' * 5000},steady,1,0.1,,,\n", r"logs: .*can't be|too long"),
+        (
+            "runs.csv",
+            INDEX + "A,a.csv,steady,1,1e300,,,\n",
+            r"line 2: v_ref_m_s '1e300': .* to 1000",
+        ),
+        ("runs.csv", INDEX + f"A,a.csv,steady,{'9' * 5000},1,,,\n", r"line 2: trial '9{60}':"),
+        ("runs.csv", INDEX[:-1] + ",f_load_n\nA,a.csv,,,1,,5,,7\n", r"'f_load_n' stands there 2"),
+        ("a.csv", HEAD + ROWS + '"' + "1," * 100_000, r"a.csv: after line 4: field larger"),
+        ("a.csv", HEAD + "0,0.1,1e300,1e6,3000\n", r"a.csv: line 2: p_tp_pa is 1e.300 Pa; limit"),
+        ("a.csv", HEAD + ROWS + "1e9,0,0,0,0\n", r"a.csv: lasts 1e.09 s; limit 1e.06 s"),
         ("runs.csv", INDEX + "A,a.csv,,,1,,,\nA,a.csv,,,1,,,\n", r"line 3: run 'A': .* line 2 too"),
     ],
 )
@@ -160,3 +172,15 @@ def test_damaged_run_says_so_and_spares_the_others(bring_in, tmp_path, damage, t
     first, second = campaign.runs()
     assert told in first.truncated
     assert second.truncated == ""
+
+
+def test_a_log_that_the_index_lacks_is_told(bring_in, source):
+    (source / "runs.csv").write_text(INDEX + "A-1,a.csv,steady,1,0.03,1,500,1.5e6\n")
+    (source / "c.csv").write_text(HEAD + ROWS)
+    assert "runs.csv: has no row for c.csv: left out (1 files)" in bring_in()[0].notes
+
+
+def test_a_last_line_without_end_is_told_since_its_number_may_be_cut(bring_in, source):
+    (source / "a.csv").write_text(HEAD + ROWS[:-5])
+    (note,) = [note for note in bring_in()[0].notes if "last line" in note]
+    assert note == "the last line of a.csv has no end, as in a file that was cut (1 files)"

@@ -98,3 +98,36 @@ def test_journal_of_another_make_is_refused(parts, old, new, message):
     text = "".join(parts).replace(old, new, 1)
     with pytest.raises(DataError, match=message):
         parse_journal(text.encode(), "campaign.yaml")
+
+
+def test_an_edited_section_is_told_by_its_name(parts, header):
+    header["bench"] = {"file": "b.yaml", "content": {"area": "200 mm^2"}}
+    text = journal.header_text(header) + "".join(parts[1:3])
+    assert parse_journal(text.encode(), "c").warnings == ()
+    edited = text.replace("200 mm^2", "210 mm^2").replace("rate_hz: 100.0", "rate_hz: 50.0")
+    told = parse_journal(edited.encode(), "c").warnings
+    assert told == ("c: bench, log: edited since the campaign was made (SHA-256 differs)",)
+
+
+def test_an_edited_plan_is_told_by_its_run(parts):
+    text = "".join(parts)
+    edited = text.replace("f_load_n: -500.0", "f_load_n: 500.0", 1)
+    assert parse_journal(edited.encode(), "c").warnings == (
+        "c: the plan of 0001: edited since the run was made (SHA-256 differs)",
+    )
+
+
+def test_layout_and_comments_of_the_journal_are_free(parts):
+    text = "".join(parts)
+    content = yaml.safe_load(text)
+    for other in (f"# mine\n{text}", yaml.safe_dump(content, sort_keys=False)):
+        assert parse_journal(other.encode(), "c").warnings == ()
+
+
+def test_a_journal_of_before_there_were_hashes_is_read_without_a_word(parts):
+    content = yaml.safe_load("".join(parts))
+    del content["sha256"]
+    for run in content["runs"]:
+        del run["start"]["plan_sha256"]
+    text = yaml.safe_dump(content, sort_keys=False)
+    assert parse_journal(text.encode(), "c").warnings == ()

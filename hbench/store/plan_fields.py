@@ -1,0 +1,82 @@
+"""A run's plan as the journal's fields: read back, and refused where a value can't be."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from hbench.records import Motion, RunPlan, Segment, Specimen
+
+KINDS = ("steady", "ramp", "triangle", "steps", "hold", "verification")
+
+_LENGTH, _SPEED, _SLOPE = (-1e3, 1e3), (-1e3, 1e3), (-1e6, 1e6)
+_FORCE, _PRESSURE, _TIME = (-1e10, 1e10), (-1e11, 1e11), (0, 1e6)
+# What no bench goes beyond: a value outside was not meant.
+_RANGES = {
+    "trial": (1, 1e6),
+    "v_ref_m_s": _SPEED,
+    "a_ref_m_s2": _SLOPE,
+    "f_load_n": _FORCE,
+    "p_lr_ref_pa": _PRESSURE,
+    "p_lp_ref_pa": _PRESSURE,
+    "area_piston_m2": (1e-9, 1e2),
+    "area_rod_m2": (0, 1e2),
+    "stroke_m": (1e-6, 1e3),
+    "x_start_m": _LENGTH,
+    "x_min_m": _LENGTH,
+    "x_max_m": _LENGTH,
+    "hold_s": _TIME,
+    "cycles": (1, 1e6),
+    "within": (0, 1e3),
+    "v_m_s": _SPEED,
+    "a_m_s2": _SLOPE,
+    "duration_s": _TIME,
+}
+_WORDS = ("kind", "label", "until")
+_FLAGS = ("closed",)
+
+
+def check_number(name: str, value: Any) -> None:
+    """Raise ``ValueError`` where ``value`` is no finite number in the range of its name."""
+    low, high = _RANGES[name]
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"{name} is {str(value)[:40]!r}, not a number")
+    if not low <= value <= high:  # nor is NaN
+        raise ValueError(f"{name} is {str(value)[:40]}; expected {low:g} to {high:g}")
+
+
+def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:
+    """Return the plan that ``fields`` say. Raises ``ValueError``, ``TypeError``, ``KeyError``."""
+    fields = dict(fields)
+    specimen, motion = dict(fields.pop("specimen")), fields.pop("motion", None)
+    if fields["v_ref_m_s"] is None or fields["kind"] not in KINDS:
+        raise ValueError(f"kind is {fields['kind']!r}; expected one of {', '.join(KINDS)}")
+    _check(fields)
+    _check(specimen)
+    plan = RunPlan(run=run, **fields, specimen=Specimen(**specimen), motion=_motion(motion))
+    if plan.specimen.area_rod_m2 > plan.specimen.area_piston_m2:
+        raise ValueError("area_rod_m2, the annulus, is larger than area_piston_m2")
+    return plan
+
+
+def _motion(fields: Mapping[str, Any] | None) -> Motion | None:
+    if fields is None:
+        return None
+    own = {key: value for key, value in fields.items() if key != "segments"}
+    _check(own)
+    for segment in fields["segments"]:
+        _check(segment)
+    return Motion(**own, segments=tuple(Segment(**segment) for segment in fields["segments"]))
+
+
+def _check(section: Mapping[str, Any]) -> None:
+    for key, value in section.items():
+        if key in _WORDS:
+            if not isinstance(value, str):
+                raise ValueError(f"{key} is {str(value)[:40]!r}, not a word")
+        elif key in _FLAGS:
+            if not isinstance(value, bool):
+                raise ValueError(f"{key} is {str(value)[:40]!r}, neither true nor false")
+        elif key in _RANGES:
+            if value is not None:
+                check_number(key, value)
+        else:
+            raise ValueError(f"unknown key {str(key)[:40]!r}")
