@@ -1,7 +1,7 @@
 """The core of all fits on NIST's certified nonlinear regressions, from both certified starts.
 
 ``pytest -s`` prints the digits: the log relative error of the worst parameter and of the worst
-standard error (11 are certified). Both are limited from both sides, so a loss of digits shows.
+standard error (11 are certified).
 """
 
 import os
