@@ -12,7 +12,7 @@ import numpy as np
 
 from hbench.analysis.screen import screen
 from hbench.config.bench import Bench, Plant
-from hbench.config.quantity import Section
+from hbench.config.scaling import replaced, scaled
 from hbench.config.schedule import Screening
 from hbench.control.grid import conditions
 from hbench.control.linearisation import OperatingPoint
@@ -76,28 +76,14 @@ def plants(bench: Bench) -> dict[str, dict[str, float]]:
     }
 
 
-def scaled(section: Section, factors: Mapping[str, float]) -> Any:
-    """Return a copy of a configuration section with the values at dotted paths multiplied."""
-    for path, factor in factors.items():
-        section = _replaced(section, path.split("."), lambda value, by=factor: value * by)
-    return section
-
-
 def with_gains(bench: Bench, loops: Sequence[Pi]) -> Bench:
     """Return the bench with other gains: K_c and tau_c of velocity, rod and piston pressure."""
     names = ("velocity", "rod_pressure", "piston_pressure")
     for name, (gain, tau) in zip(names, loops, strict=True):
         for key, value in (("gain", gain), ("time_constant", tau)):
             path = ["controllers", name, key]
-            bench = _replaced(bench, path, lambda _, value=value: value)
+            bench = replaced(bench, path, lambda _, value=value: value)
     return bench
-
-
-def _replaced(section: Section, path: Sequence[str], change: Callable[[float], float]) -> Any:
-    first, *rest = path
-    value = getattr(section, first)
-    value = _replaced(value, rest, change) if rest else change(value)
-    return section.model_copy(update={first: value})
 
 
 def verify(

@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hbench.analysis.along import friction_along
-from hbench.analysis.logged_motion import logged_motion
+from hbench.analysis.logged_motion import LoggedMotion, logged_motion
 from hbench.config.bench import Bench, Plant
 from hbench.model.parameters import CylinderParameters, PlantParameters, plant_parameters
 from hbench.model.sensors import FRACTION, sensor_gains
@@ -42,6 +42,7 @@ UNITS = {
     "supply": "Pa",
 }
 BALANCES = tuple(UNITS)
+FLOWS = BALANCES[:4]
 CHAMBERS = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")
 _COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 
@@ -67,6 +68,22 @@ class Windowed:
     v_m_s: np.ndarray  # (m,)
     load_n: np.ndarray  # (m,) F_L; nan where the load cylinder's pressures are missing
     resolution: np.ndarray  # (names,) standard deviation that the log's rounding leaves
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A run with what no model changes: its window, and its motion where force is known."""
+
+    run: Run
+    one: Window
+    motion: LoggedMotion | None
+
+
+def prepared(run: Run) -> Prepared:
+    """Prepare a run for its balances. Raises ``DataError`` for uneven samples."""
+    one = window(sampling(run))
+    known = _has(run, "p_tp_pa", "p_tr_pa", "f_applied_n") and one.count(len(run.t_s))
+    return Prepared(run, one, logged_motion(run, 0.0) if known else None)
 
 
 def model(bench: Bench, plant: Plant | None = None) -> Model:
@@ -104,30 +121,28 @@ def windowed(
     )
 
 
-def residuals(run: Run, known: Model) -> Windowed:
-    """Return the residuals of ``BALANCES``. Raises ``DataError`` for uneven samples.
+def residuals(log: Prepared, known: Model, names: tuple[str, ...] = BALANCES) -> Windowed:
+    """Return the residuals of the balances in ``names``.
 
     A supply that stays the same is logged as the same word: its rounding is no noise that a mean
     lessens. The other signals' noise makes it one.
     """
-    one = window(sampling(run))
-    found = {
-        **_flows_and_supply(run, known.par, one),
-        **_forces(run, known.par, one),
-        **_kinematics(run, known.velocity_lag_s, one),
-    }
+    run, one, found = log.run, log.one, {}
+    for made, make in _MAKERS:
+        if set(made) & set(names):
+            found |= make(log, known)
     missing = np.full(one.count(len(run.t_s)), np.nan)
-    values = np.column_stack([found.get(name, missing) for name in BALANCES])
-    rounding = np.where(np.array(BALANCES) == "supply", known.pressure_step_pa / np.sqrt(12), 0.0)
-    return windowed(run, BALANCES, values, rounding, one, known.par.load)
+    values = np.column_stack([found.get(name, missing) for name in names])
+    rounding = np.where(np.array(names) == "supply", known.pressure_step_pa / np.sqrt(12), 0.0)
+    return windowed(run, names, values, rounding, one, known.par.load)
 
 
 def _has(run: Run, *names: str) -> bool:
     return all(getattr(run, name) is not None for name in names)
 
 
-def _flows_and_supply(run: Run, par: PlantParameters, one: Window) -> dict[str, np.ndarray]:
-    found = {}
+def _flows_and_supply(log: Prepared, known: Model) -> dict[str, np.ndarray]:
+    run, one, found, par = log.run, log.one, {}, known.par
     if _has(run, "p_s_pa") and not par.supply.has_pump:
         found["supply"] = one.mean(run.p_s_pa) - par.supply.pressure_pa
     if not _has(run, "p_s_pa", *CHAMBERS, *_COMMANDS):
@@ -135,7 +150,7 @@ def _flows_and_supply(run: Run, par: PlantParameters, one: Window) -> dict[str, 
     pressures = np.array([getattr(run, name) for name in CHAMBERS])
     commands = np.array([getattr(run, name) for name in _COMMANDS])
     flows = chamber_flows(run.x_m, pressures, run.p_s_pa, commands, one.dt_s, par)
-    for i, name in enumerate(BALANCES[:4]):
+    for i, name in enumerate(FLOWS):
         swelling = one.rate(pressures[i] / par.bulk_modulus_pa + flows.log_volume[i])
         volume = np.exp(one.mean(flows.log_volume[i]))
         found[name] = volume * (swelling - one.mean(flows.per_volume[i]))
@@ -149,28 +164,40 @@ def _flows_and_supply(run: Run, par: PlantParameters, one: Window) -> dict[str, 
     return found
 
 
-def _forces(run: Run, par: PlantParameters, one: Window) -> dict[str, np.ndarray]:
-    found = {}
-    if not _has(run, "p_tp_pa", "p_tr_pa", "f_applied_n"):
-        return found
-    motion = logged_motion(run, par.mass_test_kg)
-    compared = motion.compared[one.starts(len(run.t_s))]
-    inertia = one.second(run.x_m)
-    test, load = par.test, par.load
+def _force_test(log: Prepared, known: Model) -> dict[str, np.ndarray]:
+    run, par, test = log.run, known.par, known.par.test
+    if log.motion is None:
+        return {}
     f_test = run.p_tp_pa * test.area_piston_m2 - run.p_tr_pa * test.area_rod_m2
-    friction = friction_along(motion, test.friction)
-    lacking = one.mean(f_test - run.f_applied_n - friction) - par.mass_test_kg * inertia
-    found["force_test"] = np.where(compared, lacking, np.nan)
-    if _has(run, "p_lp_pa", "p_lr_pa"):
-        f_load = run.p_lp_pa * load.area_piston_m2 - run.p_lr_pa * load.area_rod_m2
-        moved = replace(motion, p_p_pa=run.p_lp_pa, p_r_pa=run.p_lr_pa)
-        friction = friction_along(moved, load.friction)
-        lacking = one.mean(run.f_applied_n - f_load - friction) - par.mass_load_kg * inertia
-        found["force_load"] = np.where(compared, lacking, np.nan)
-    return found
+    friction = friction_along(log.motion, test.friction)
+    return {"force_test": _force(log, f_test - run.f_applied_n - friction, par.mass_test_kg)}
 
 
-def _kinematics(run: Run, lag_s: float, one: Window) -> dict[str, np.ndarray]:
+def _force_load(log: Prepared, known: Model) -> dict[str, np.ndarray]:
+    run, par, load = log.run, known.par, known.par.load
+    if log.motion is None or not _has(run, "p_lp_pa", "p_lr_pa"):
+        return {}
+    f_load = run.p_lp_pa * load.area_piston_m2 - run.p_lr_pa * load.area_rod_m2
+    motion = replace(log.motion, p_p_pa=run.p_lp_pa, p_r_pa=run.p_lr_pa)
+    friction = friction_along(motion, load.friction)
+    return {"force_load": _force(log, run.f_applied_n - f_load - friction, par.mass_load_kg)}
+
+
+def _force(log: Prepared, lacking_n: np.ndarray, mass_kg: float) -> np.ndarray:
+    left = log.one.mean(lacking_n) - mass_kg * log.one.second(log.run.x_m)
+    return np.where(log.motion.compared[log.one.starts(len(lacking_n))], left, np.nan)
+
+
+def _kinematics(log: Prepared, known: Model) -> dict[str, np.ndarray]:
+    run, one, lag = log.run, log.one, known.velocity_lag_s
     if run.v_m_s is None:
         return {}
-    return {"kinematics": one.rate(run.x_m) - one.mean(run.v_m_s) - lag_s * one.rate(run.v_m_s)}
+    return {"kinematics": one.rate(run.x_m) - one.mean(run.v_m_s) - lag * one.rate(run.v_m_s)}
+
+
+_MAKERS = (
+    ((*FLOWS, "supply"), _flows_and_supply),
+    (("force_test",), _force_test),
+    (("force_load",), _force_load),
+    (("kinematics",), _kinematics),
+)

@@ -121,6 +121,11 @@ def gaps(
     return tuple(sorted(ranked, key=lambda one: -one.gap)), found
 
 
+def differences(measured: Sequence[Windowed], modelled: Sequence[Windowed]) -> GapMap:
+    """Return the map of ``gaps`` alone. Raises ``DataError``."""
+    return _map(_pairs(measured, modelled))
+
+
 def pooled_variance(variance: np.ndarray, dof: np.ndarray) -> np.ndarray:
     """Draw variances (w,), each with its degrees of freedom (w,), towards one another.
 

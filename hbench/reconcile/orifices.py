@@ -5,6 +5,7 @@ step; ten steps a record, in which all signals are parabolas with the record's m
 means of products such as u sqrt(dP) are those of the products.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +51,7 @@ def chamber_flows(
     return Flows(out[:4], out[4:8], out[8])
 
 
+@cache
 def _spool_step(valve: ValveParameters, h: float) -> np.ndarray:
     """Return A (2, 2) of the spool's position and rate less the held command, over ``h`` [s]."""
     from scipy.linalg import expm

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hbench.config.scaling import scaled
 from hbench.control.grid import conditions, grid, margin_checks, operating_point
 from hbench.control.linearisation import linearise
 from hbench.control.loops import plants
@@ -11,7 +12,7 @@ from hbench.control.source import LOOPS
 from hbench.control.transfer import pi
 from hbench.errors import ConvergenceError
 from hbench.experiment.verify import plants as variants
-from hbench.experiment.verify import proposal, scaled, verify, with_gains
+from hbench.experiment.verify import proposal, verify, with_gains
 from hbench.model.parameters import plant_parameters
 
 STIFF = {"oil": {"bulk_modulus": "2000 bar"}}
