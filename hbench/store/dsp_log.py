@@ -12,6 +12,8 @@ import numpy as np
 from hbench.errors import DataError
 from hbench.store.ccs_text import CcsData, count_warnings, parse_ccs
 
+LARGEST_OTHER = 16_000_000  # bytes; line by line takes 25 times the memory
+
 _OURS = re.compile(rb"1651 1 0 0 ([0-9a-f]{1,8})\n")
 _NEWLINE = ord("\n")
 _DIGITS = np.frombuffer(b"0123456789abcdef", np.uint8)
@@ -35,7 +37,13 @@ def parse_words(data: bytes, source: str) -> tuple[np.ndarray, tuple[str, ...]]:
     A 32-bit hex number is two words, the low one first, as they lie in the DSP's memory.
     A file without a header is read as hex. Raises ``DataError`` naming ``source`` and the line.
     """
-    parsed = _parse_ours(data) or parse_ccs(data, source, headerless="hex")
+    ours = _parse_ours(data)
+    if ours is None and len(data) > LARGEST_OTHER:
+        raise DataError(
+            f"{source}: is no log as this program writes it, and {len(data) / 1e6:.6g} MB large; "
+            f"limit of any other {LARGEST_OTHER / 1e6:g} MB"
+        )
+    parsed = ours or parse_ccs(data, source, headerless="hex")
     return _as_words(parsed.values, source), parsed.warnings
 
 

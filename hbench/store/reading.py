@@ -4,8 +4,9 @@ from pathlib import Path
 
 from hbench.errors import DataError
 
-LARGEST_LOG = 64_000_000  # bytes: hours of a board's log at 100 Hz
-LARGEST_JOURNAL = 16_000_000  # bytes: some ten thousand runs
+# In bytes, such that reading one takes less than 500 MB of memory.
+LARGEST_LOG = 40_000_000  # an hour and a half of a board's log at 100 Hz
+LARGEST_JOURNAL = 8_000_000  # some nine thousand runs
 
 
 def read_file(path: Path, largest: int = LARGEST_LOG, hint: str = "") -> bytes:
@@ -15,7 +16,7 @@ def read_file(path: Path, largest: int = LARGEST_LOG, hint: str = "") -> bytes:
         if size > largest:
             raise DataError(
                 f"{path}: is {size / 1e6:.6g} MB large; limit {largest / 1e6:g} MB",
-                "Split it, or check that it is the right file.",
+                "Is it the right file? A longer log can be split.",
             )
         return path.read_bytes()
     except OSError as error:

@@ -219,10 +219,10 @@ def test_a_log_of_absurd_size_is_flagged_before_it_is_read(folder, writer, words
     os.truncate(folder / "runs" / "0001.dat", 40_000_000_000)  # sparse
     (raw,) = load_campaign(folder).raw_runs()
     assert len(raw.words) == 0
-    assert "0001.dat: is 40000 MB large; limit 64 MB" in raw.warnings[0]
+    assert "0001.dat: is 40000 MB large; limit 40 MB" in raw.warnings[0]
 
 
 def test_a_journal_of_absurd_size_is_refused_before_it_is_read(folder, writer):
     os.truncate(folder / "campaign.yaml", 40_000_000_000)
-    with pytest.raises(DataError, match="campaign.yaml: is 40000 MB large; limit 16 MB"):
+    with pytest.raises(DataError, match="campaign.yaml: is 40000 MB large; limit 8 MB"):
         load_campaign(folder)

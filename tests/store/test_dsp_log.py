@@ -95,3 +95,10 @@ def test_a_file_cut_anywhere_is_told_and_never_gives_a_wrong_word(lost):
     assert back.tolist() == values[: len(back)].tolist()
     # one byte lost is the last newline alone: all words are there
     assert any(w.startswith("truncated") for w in warnings) == (lost > 1)
+
+
+def test_a_large_file_of_another_make_is_refused_before_its_lines_are_read():
+    ours = format_words(np.zeros(3_400_000, np.uint16))
+    assert len(parse_words(ours, "a.dat")[0]) == 3_400_000
+    with pytest.raises(DataError, match="a.dat: is no log .* 17 MB large; limit of any other 16"):
+        parse_words(ours[:-2] + b"x\n", "a.dat")
