@@ -165,15 +165,17 @@ LOG = (*ANY, words_replaced, head_replaced, one_long_line)
 # ---- YAML ------------------------------------------------------------------------------------
 
 
-def _leaves(value, path=()):
+def leaves(value, path=()):
+    """Yield the path and the value of each scalar."""
     if isinstance(value, dict | list):
         for key, item in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from _leaves(item, (*path, key))
+            yield from leaves(item, (*path, key))
     else:
         yield path, value
 
 
-def _parent(content, path):
+def parent(content, path):
+    """Return the section in which a path ends."""
     for key in path[:-1]:
         content = content[key]
     return content
@@ -189,8 +191,8 @@ def _rewritten(path: Path, content, **marks: str) -> None:
 
 def value_replaced(rng: Random, path: Path) -> str:
     content = yaml.safe_load(path.read_text())
-    where, old = rng.choice(list(_leaves(content)))
-    _parent(content, where)[where[-1]] = "MARKED"
+    where, old = rng.choice(list(leaves(content)))
+    parent(content, where)[where[-1]] = "MARKED"
     new = rng.choice(NOT_A_VALUE)
     _rewritten(path, content, MARKED=new)
     return f"{where}: {str(old)[:20]} -> {new[:30]}"
@@ -198,9 +200,9 @@ def value_replaced(rng: Random, path: Path) -> str:
 
 def section_replaced(rng: Random, path: Path) -> str:
     content = yaml.safe_load(path.read_text())
-    where, _ = rng.choice(list(_leaves(content)))
+    where, _ = rng.choice(list(leaves(content)))
     where = where[: rng.randrange(1, len(where) + 1)]
-    _parent(content, where)[where[-1]] = "MARKED"
+    parent(content, where)[where[-1]] = "MARKED"
     new = rng.choice(NOT_A_VALUE)
     _rewritten(path, content, MARKED=new)
     return f"{where} -> {new[:30]}"
@@ -208,18 +210,18 @@ def section_replaced(rng: Random, path: Path) -> str:
 
 def key_removed(rng: Random, path: Path) -> str:
     content = yaml.safe_load(path.read_text())
-    where, _ = rng.choice(list(_leaves(content)))
+    where, _ = rng.choice(list(leaves(content)))
     where = where[: rng.randrange(1, len(where) + 1)]
-    del _parent(content, where)[where[-1]]
+    del parent(content, where)[where[-1]]
     _rewritten(path, content)
     return f"{where} removed"
 
 
 def key_renamed(rng: Random, path: Path) -> str:
     content = yaml.safe_load(path.read_text())
-    where, old = rng.choice([leaf for leaf in _leaves(content) if isinstance(leaf[0][-1], str)])
-    del _parent(content, where)[where[-1]]
-    _parent(content, where)["MARKED"] = old
+    where, old = rng.choice([leaf for leaf in leaves(content) if isinstance(leaf[0][-1], str)])
+    del parent(content, where)[where[-1]]
+    parent(content, where)["MARKED"] = old
     new = rng.choice(("x", "1", "[a]", "''", ".nan", "null", "{a: b}", "<<", "=", "2026-99-99"))
     _rewritten(path, content, MARKED=new)
     return f"{where} -> key {new}"
@@ -229,24 +231,24 @@ def unit_replaced(rng: Random, path: Path) -> str:
     content = yaml.safe_load(path.read_text())
     quantities = [
         (where, value)
-        for where, value in _leaves(content)
-        if isinstance(value, str) and re.fullmatch(r"-?[\d.]+(e-?\d+)? [A-Za-z%].*", value)
+        for where, value in leaves(content)
+        if isinstance(value, str) and re.fullmatch(r"-?[\d.]+(e-?\d+)? [A-Za-z].*", value)
     ]
     where, value = rng.choice(quantities)
     number = value.split()[0]
     unit = rng.choice(("", "V/(Pa s)^2", "K", "psi?", "mmm", "bar bar", "(", "^2", "1/", "m^", "€"))
-    _parent(content, where)[where[-1]] = f"{number} {unit}".strip()
+    parent(content, where)[where[-1]] = f"{number} {unit}".strip()
     _rewritten(path, content)
-    return f"UNIT {where}: {value} -> {number} {unit}"
+    return f"{where}: {value} -> {number} {unit}"
 
 
 def aliases(rng: Random, path: Path) -> str:
     """A billion laughs, or a section that holds itself."""
     content = yaml.safe_load(path.read_text())
-    where, _ = rng.choice(list(_leaves(content)))
+    where, _ = rng.choice(list(leaves(content)))
     where = where[: rng.randrange(1, len(where) + 1)]
     key = where[-1]
-    _parent(content, where)[key] = "MARKED"
+    parent(content, where)[key] = "MARKED"
     if rng.random() < 0.3:
         _rewritten(path, content, MARKED="&a [*a]")
         return f"{where} holds itself"
@@ -258,9 +260,9 @@ def aliases(rng: Random, path: Path) -> str:
 
 def nested(rng: Random, path: Path) -> str:
     content = yaml.safe_load(path.read_text())
-    where, _ = rng.choice(list(_leaves(content)))
+    where, _ = rng.choice(list(leaves(content)))
     where = where[: rng.randrange(1, len(where) + 1)]
-    _parent(content, where)[where[-1]] = "MARKED"
+    parent(content, where)[where[-1]] = "MARKED"
     n = rng.choice((100, 3000, 200_000))
     _rewritten(path, content, MARKED="[" * n + "]" * n)
     return f"{where} nested {n} deep"

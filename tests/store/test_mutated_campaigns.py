@@ -5,6 +5,7 @@ The good files' own results are what the numbers of the spoilt ones are held aga
 """
 
 import math
+import re
 import resource
 import shutil
 import signal
@@ -283,6 +284,9 @@ def sweep(goods: dict[str, Good], base: Path, count: int, seed: int) -> Counter:
         except AssertionError as error:
             ending = "FAULT"
             faults.append(f"{words}\n    {str(error)[:600]}")
+        if mutation is m.unit_replaced and ending != "error":
+            ending = "FAULT"
+            faults.append(f"{words}\n    a wrong unit is no error")
         if ending == "other data":
             others[m.name_of(mutation)] += 1
         counts[case, ending] += 1
@@ -306,6 +310,30 @@ def show(counts: Counter) -> None:
 def test_spoilt_files_end_in_an_error_or_a_flag_never_in_a_traceback(goods, tmp_path):
     counts = sweep(goods, tmp_path, 195, seed=1)
     assert {"error", "rejected", "told", "same"} <= {outcome for _, outcome in counts}
+
+
+def test_nan_or_a_missing_unit_in_any_number_of_a_campaign_is_an_error(goods, tmp_path):
+    shutil.copytree(goods["steady"].folder, tmp_path / "spoilt")
+    journal_file = tmp_path / "spoilt" / "campaign.yaml"
+    text = journal_file.read_text()
+    head, _, runs = text.partition("\nruns:\n")
+    first = "- run:" + runs.split("- run:")[1]
+    cut = yaml.safe_load(f"{head}\nruns:\n{first}")
+    numbers = [
+        (where, value)
+        for where, value in m.leaves(cut)
+        if where[0] in ("bench", "schedule", "log", "runs") and not isinstance(value, bool)
+        if isinstance(value, int | float) or re.match(r"-?[\d.]+(e-?\d+)? [A-Za-z]", str(value))
+    ]
+    assert len(numbers) > 120
+    for where, value in numbers:
+        bad = float("nan") if isinstance(value, int | float) else value.split()[0]
+        section = m.parent(cut, where)
+        section[where[-1]] = bad
+        journal_file.write_text(yaml.dump(cut, Dumper=yaml.CSafeDumper, sort_keys=False))
+        with pytest.raises(DataError, match=r"campaign\.yaml"):
+            analyzed(tmp_path / "spoilt")
+        section[where[-1]] = value
 
 
 @pytest.mark.slow
