@@ -18,6 +18,8 @@ from scipy.special import ndtr, stdtr
 
 from hbench.analysis.budget import NORMAL_95, expanded, friction_parts, parts_of_mean, together
 from hbench.analysis.holm import holm
+from hbench.analysis.ramps import slid
+from hbench.analysis.sample import sign
 from hbench.analysis.student import student_factor
 from hbench.config.sensors import Instruments
 from hbench.records import (
@@ -66,7 +68,7 @@ def differences(
     campaign has several.
     """
     labels = any(len({curve.label for curve in one.curves}) > 1 for one in (a, b))
-    ours, theirs = ({_key(curve, labels): curve for curve in one.curves} for one in (a, b))
+    ours, theirs = ({_key(curve, labels): slid(curve) for curve in one.curves} for one in (a, b))
     etas = [{_key(curve, labels): curve for curve in one.efficiency} for one in (a, b)]
     compared, notes = [], []
     for key, curve in ours.items():
@@ -76,7 +78,7 @@ def differences(
         if not found.points:
             notes.append(f"{_words(curve)}: the two campaigns have no speeds in common")
             continue
-        if all(key in one for one in etas):
+        if all(key in one for one in etas) and curve.kind == "steady":
             pair = (curve, etas[0][key]), (theirs[key], etas[1][key])
             found = replace(found, efficiency=_efficiency(*pair, same_instruments))
         compared.append(found)
@@ -91,8 +93,9 @@ def _key(curve: Curve | EfficiencyCurve, labels: bool) -> tuple:
 
 
 def _words(curve: Curve) -> str:
-    load = "" if curve.f_load_n is None else f" {curve.f_load_n:g} N"
-    return " ".join(filter(None, (curve.label, curve.kind, curve.direction))) + load
+    a = "" if curve.a_ref_m_s2 is None else f"{curve.a_ref_m_s2:.3g} m/s^2"
+    load = "" if curve.f_load_n is None else f"{curve.f_load_n:g} N"
+    return " ".join(filter(None, (curve.label, curve.kind, a, curve.direction, load)))
 
 
 def _curves(
@@ -150,19 +153,45 @@ def _friction(
 ) -> Difference:
     """Return the difference of weighted sums of |F|."""
     terms, sums, parts = [], [], []
-    for (curve, weights), sign, instruments in zip((a, b), (-1.0, 1.0), known, strict=True):
-        along = 1.0 if curve.direction == "extend" else -1.0
-        own = [(w, curve.points[i]) for i, w in weights.items()]
-        terms += [(sign * w, point.trials_n) for w, point in own]
-        sums.append(along * sum(w * point.friction_n for w, point in own))
+    for (curve, weights), side, instruments in zip((a, b), (-1.0, 1.0), known, strict=True):
+        own = _terms(curve, weights)
+        terms += [(side * w, trials) for w, trials in own]
+        sums.append(sum(w * float(np.mean(trials)) for w, trials in own))
         if instruments is not None:
-            each = [(w, friction_parts(point, curve.specimen, instruments)) for w, point in own]
+            each = [
+                (w, friction_parts(curve.points[i], curve.specimen, instruments))
+                for i, w in weights.items()
+            ]
             names = each[0][1]
             parts.append({name: sum(w * one[name] for w, one in each) for name in names})
     found = welch(terms)
     if found is None:
-        return Difference(*sums, None, None, None, None)
+        return _untested(*sums, "no scatter: a single trial")
     return _tested(*sums, *found, tuple(parts) if len(parts) == 2 else None, same)
+
+
+def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
+    """Return the means, with weights, that a weighted sum of |F| over points is made of.
+
+    Steady runs are made one by one, so each point's trials are a mean of their own. The points of
+    any other curve share their strokes: there a trial's sum over the points is one value.
+    """
+    points = [(w, curve.points[i]) for i, w in weights.items()]
+    if curve.kind == "steady" or len(points) == 1:
+        return [(w, [sign(curve) * trial for trial in p.trials_n]) for w, p in points]
+    of_trials = [dict(zip(p.trials, p.trials_n, strict=True)) for _, p in points]
+    common = set.intersection(*map(set, of_trials))
+    if not common:
+        return [(w, [sign(curve) * p.friction_n]) for w, p in points]
+    sums = [
+        sign(curve) * sum(w * found[trial] for (w, _), found in zip(points, of_trials, strict=True))
+        for trial in sorted(common)
+    ]
+    return [(1.0, sums)]
+
+
+def _untested(a: float, b: float, why: str) -> Difference:
+    return Difference(a, b, None, None, None, None, untested=why)
 
 
 def _tested(
@@ -200,11 +229,11 @@ def _efficiency(
     means = [float(np.mean([pair[side][1].efficiency for pair in pairs])) for side in (0, 1)]
     each = [one for pair in pairs for one in pair]
     if any(eta.sigma_trials is None for _, eta in each):
-        return Difference(*means, None, None, None, None)
+        return _untested(*means, "no scatter: a single trial")
     variance = np.array([(eta.sigma_trials / len(pairs)) ** 2 for _, eta in each])
     total = float(variance.sum())
     if total == 0.0:
-        return Difference(*means, None, None, None, None)
+        return _untested(*means, "no scatter between the trials")
     dof = total**2 / np.sum(variance**2 / np.array([point.n - 1 for point, _ in each]))
     parts = tuple(parts_of_mean([pair[side][1].parts for pair in pairs]) for side in (0, 1))
     return _tested(*means, float(np.sqrt(total)), float(dof), parts if all(parts) else None, same)
@@ -224,8 +253,13 @@ def _parameters(a: Curve, b: Curve) -> Iterable[FitDifference]:
             continue
         for name, p in ours.parameters.items():
             other = theirs.parameters.get(name)
-            if other is not None:
-                yield FitDifference(ours.law, name, p.unit, _of_fits(p, other))
+            if other is None:
+                continue
+            if a.kind == "steady":
+                found = _of_fits(p, other)
+            else:
+                found = _untested(p.value, other.value, "the points of a fit share their strokes")
+            yield FitDifference(ours.law, name, p.unit, found)
 
 
 def _of_fits(a: FitParameter, b: FitParameter) -> Difference:
@@ -233,13 +267,15 @@ def _of_fits(a: FitParameter, b: FitParameter) -> Difference:
 
     p is that of a normal distribution whose 95 % interval is that of the difference.
     """
-    if None in (a.se, b.se) or a.at_bound or b.at_bound:
-        return Difference(a.value, b.value, None, None, None, None)
+    if a.at_bound or b.at_bound:
+        return _untested(a.value, b.value, "at a bound")
+    if a.ci95 is None or b.ci95 is None or not np.isfinite([*a.ci95, *b.ci95]).all():
+        return _untested(a.value, b.value, "not determined in both")
     half = float(np.hypot(*((p.ci95[1] - p.ci95[0]) / 2 for p in (a, b))))
     if half == 0.0:
-        return Difference(a.value, b.value, 0.0, None, None, None)
+        return _untested(a.value, b.value, "no scatter")
     p_value = float(2 * ndtr(-NORMAL_95 * abs(b.value - a.value) / half))
-    return Difference(a.value, b.value, float(np.hypot(a.se, b.se)), half, None, p_value)
+    return Difference(a.value, b.value, half / NORMAL_95, half, None, p_value)
 
 
 def _corrected(found: Sequence[CurveDifference]) -> tuple[CurveDifference, ...]:

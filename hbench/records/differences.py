@@ -16,6 +16,7 @@ class Difference:
     u95: float | None  # half-width with the instruments; None where they are not known
     p_value: float | None  # of no difference, by the trials alone
     p_holm: float | None = None  # corrected for the number of differences of its kind
+    untested: str = ""  # why there is no p value
 
     @property
     def value(self) -> float:

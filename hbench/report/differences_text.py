@@ -14,6 +14,7 @@ from hbench.report.document import Section, document
 from hbench.report.figures import Drawing
 from hbench.report.fit_tables import PARAMETERS
 from hbench.report.phenomenon_text import aligned
+from hbench.report.rod_side import kind_words
 from hbench.report.style import TITLES
 from hbench.report.tables import plain
 from hbench.report.text import NONE, force, number, short, significant, with_interval
@@ -47,6 +48,7 @@ def differences_json(found: CampaignDifferences) -> str:
                 "direction": one.direction,
                 "f_load_n": one.a.f_load_n,
                 "p_lr_ref_pa": one.a.p_lr_ref_pa,
+                "a_ref_m_s2": one.a.a_ref_m_s2,
                 "label_a": one.a.label,
                 "label_b": one.b.label,
                 "friction_n": _numbers(one.mean_n),
@@ -97,7 +99,9 @@ _METHOD = (
     "p is the probability of a difference this large between trials of the same cylinder, "
     "corrected after Holm for the number of differences of its kind. A difference is called real "
     "where p is below 0.05 and the difference exceeds its U95.",
-    "Means are over the speeds of A that B has or encloses, each speed with the same weight.",
+    "Means are over the speeds of A that B has or encloses, each speed with the same weight. "
+    "Steady runs count as independent, whatever drifts between passes; the points of a ramp or of "
+    "steps share their strokes, so there a trial's mean is one value.",
 )
 
 
@@ -167,7 +171,7 @@ def _cells(difference: Difference, scale: float) -> tuple[str, ...]:
         with_interval(scale * difference.value, half),
         NONE if u95 is None else significant(u95, 2),
         NONE if difference.p_holm is None else _p(difference.p_holm),
-        NONE if difference.p_holm is None else _REAL if difference.real else _NOT,
+        difference.untested or (_REAL if difference.real else _NOT),
     )
 
 
@@ -195,7 +199,7 @@ def _numbers(difference: Difference | None) -> dict | None:
 
 def _who(curve: Curve) -> str:
     load = "" if curve.f_load_n is None else force(curve.f_load_n)
-    kind = "" if curve.kind == "steady" else curve.kind
+    kind = kind_words(curve)
     return ", ".join(filter(None, (curve.label, kind, TITLES[curve.direction].lower(), load)))
 
 

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from hbench.records import CampaignDifferences, Curve, CurveDifference
 from hbench.report import style
 from hbench.report.figures import Drawing, render
-from hbench.report.rod_side import load_words
+from hbench.report.rod_side import kind_words, load_words
 
 _CAPTION = (
     "Above: means of the trials with their 95 % intervals. Below: B less A; the bars are the 95 % "
@@ -51,7 +51,7 @@ def draw_pair(one: CurveDifference, found: CampaignDifferences) -> Figure:
     below.set(xlabel="Speed |v| (mm/s)", ylabel="B − A (N)")
     style.start_at_zero(above)
     load = load_words(one.a.f_load_n, one.a.p_lr_ref_pa)
-    kind = "" if one.a.kind == "steady" else one.a.kind
+    kind = kind_words(one.a)
     words = (style.TITLES[one.direction], kind, load)
     above.set_title(", ".join(filter(None, words)))
     sources = {found.a.source, found.b.source}

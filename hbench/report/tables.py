@@ -280,10 +280,12 @@ def summary_text(results: Results) -> str:
 
 
 def _friction_words(curve: Curve) -> str:
+    """Write friction against the motion; negative where it was measured along with it."""
+    sign = 1 if curve.direction == "extend" else -1
     if len(curve.points) != 1:
-        return span([abs(point.friction_n) for point in curve.points])
+        return span([sign * point.friction_n for point in curve.points])
     (point,) = curve.points
-    return short(abs(point.friction_n)) + (f" +- {short(point.ci95_n)}" if point.ci95_n else "")
+    return short(sign * point.friction_n) + (f" +- {short(point.ci95_n)}" if point.ci95_n else "")
 
 
 def _joint_words(joint: JointFit) -> str:

@@ -6,29 +6,33 @@ from typing import Any
 
 import numpy as np
 
-from hbench.records import Curve, Fit
+from hbench.records import Curve, Fit, JointFit
 
-_CURVE = "kind direction label f_load_n p_lr_ref_pa v_m_s friction_n ci95_n n fits".split()
+_SERIES = "kind direction label f_load_n p_lr_ref_pa a_ref_m_s2".split()
+_POINTS = "v_m_s friction_n ci95_n u95_n sigma_instruments_n n".split()
 _FIT = "law parameters rmse_n converged message".split()
 
 
-def mat_curves(curves: Iterable[Curve]) -> bytes:
-    """Return a file with the struct array ``curves``: points in columns, and ``fits``.
+def mat_curves(curves: Iterable[Curve], joint_fits: Iterable[JointFit]) -> bytes:
+    """Return a file with the struct arrays ``curves`` (with ``fits``) and ``joint_fits``.
 
     A fit's ``parameters`` is a struct of structs: value, se, ci95, at_bound, unit. Numbers that
     do not exist are NaN.
     """
     from scipy.io import savemat
 
-    rows = [_curve(curve) for curve in curves]
+    found = {
+        "curves": _structs([_curve(curve) for curve in curves], [*_SERIES, *_POINTS, "fits"]),
+        "joint_fits": _structs([_fit(fit) for joint in joint_fits for fit in joint.fits], _FIT),
+    }
     data = io.BytesIO()
-    savemat(data, {"curves": _structs(rows, _CURVE)}, long_field_names=True, oned_as="column")
+    savemat(data, found, long_field_names=True, oned_as="column")
     return data.getvalue()
 
 
 def _curve(curve: Curve) -> dict[str, Any]:
-    own = {name: _known(getattr(curve, name)) for name in _CURVE[:5]}
-    for name in _CURVE[5:9]:
+    own = {name: _known(getattr(curve, name)) for name in _SERIES}
+    for name in _POINTS:
         own[name] = np.array([_known(getattr(point, name)) for point in curve.points], dtype=float)
     return own | {"fits": _structs([_fit(fit) for fit in curve.fits], _FIT)}
 

@@ -1,7 +1,7 @@
 """Friction curves as a text file that Modelica's tables read (CombiTable1Ds).
 
 The file begins with ``#1``; each table is ``double name(rows, columns)`` and its rows. Columns are
-velocity [m/s], friction [N], and the half-width of its 95 % interval [N], or 0.
+velocity [m/s] and friction [N], and where all points have one the half-width of its 95 % interval.
 """
 
 import re
@@ -16,25 +16,32 @@ def modelica_tables(curves: Iterable[Curve]) -> bytes:
     Names are ``measured`` or the law, direction, load and what else tells curves apart. Rows rise
     in velocity, as the tables want them.
     """
-    lines = ["#1", "# friction over velocity: v [m/s], F [N], half-width of the 95 % interval [N]"]
+    lines = [
+        "#1",
+        "# friction over velocity: v [m/s], F [N]; measured: half-width of the 95 % interval [N]",
+    ]
     taken: set[str] = set()
     for curve in curves:
-        rows = [(p.v_m_s, p.friction_n, p.ci95_n or 0.0) for p in curve.points]
+        known = all(p.ci95_n is not None for p in curve.points)
+        rows = [(p.v_m_s, p.friction_n, *([p.ci95_n] if known else [])) for p in curve.points]
         lines += _table(_name("measured", curve, taken), rows)
         for fit in curve.fits:
             if fit.line:
-                lines += _table(_name(fit.law, curve, taken), [(v, f, 0.0) for v, f in fit.line])
+                lines += _table(_name(fit.law, curve, taken), list(fit.line))
     return ("\n".join(lines) + "\n").encode()
 
 
-def _table(name: str, rows: list[tuple[float, float, float]]) -> list[str]:
-    body = [f"  {v!r} {force!r} {half!r}" for v, force, half in sorted(rows)]
-    return ["", f"double {name}({len(rows)},3)", *body]
+def _table(name: str, rows: list[tuple[float, ...]]) -> list[str]:
+    body = ["  " + " ".join(map(repr, row)) for row in sorted(rows)]
+    return ["", f"double {name}({len(rows)},{len(rows[0])})", *body]
 
 
 def _name(first: str, curve: Curve, taken: set[str]) -> str:
-    load = "" if curve.f_load_n is None else f"{abs(curve.f_load_n):g}N"
+    minus = "minus_" if (curve.f_load_n or 0.0) < 0 else ""
+    load = "" if curve.f_load_n is None else f"{minus}{abs(curve.f_load_n):g}N"
     kind = "" if curve.kind == "steady" else curve.kind
+    if curve.a_ref_m_s2 is not None:
+        kind += f"_{curve.a_ref_m_s2:.3g}"
     words = "_".join(filter(None, (first, kind, curve.direction, load, curve.label)))
     name = re.sub(r"\W+", "_", words, flags=re.ASCII)
     number, free = 2, name

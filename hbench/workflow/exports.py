@@ -20,7 +20,9 @@ def export(folder: Path, destination: Path, kind: str) -> int:
         write_atomic(destination / "friction.txt", modelica_tables(derive(campaign).curves))
         return 1
     if kind == "mat":
-        write_atomic(destination / "curves.mat", mat_curves(derive(campaign).curves))
+        results = derive(campaign)
+        found = mat_curves(results.curves, results.joint_fits)
+        write_atomic(destination / "curves.mat", found)
     runs = ((one.run, "; ".join(one.reasons)) for one in screened_runs(campaign))
     bench = (campaign.header.get("bench") or {}).get("content")
     count = int(kind == "mat")

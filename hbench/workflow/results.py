@@ -88,7 +88,7 @@ def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
     steady = tuple(with_instruments(fitted(curve, how), instruments) for curve in curves(screened))
     moving, motions, notes = _motions(screened, steady, bench, how)
     found = (*steady, *(with_instruments(curve, instruments) for curve in moving))
-    efficiencies = tuple(efficiency(curve, instruments) for curve in found)
+    efficiencies = tuple(efficiency(curve, instruments) for curve in steady)
     lacking = not_computed(screened, efficiencies, instruments)
     return Results(
         provenance=campaign.provenance(),

@@ -157,6 +157,29 @@ def test_parameters_at_a_bound_are_not_tested_and_others_are(campaign):
     assert bound.parameters[0].value.p_value is None
 
 
+def test_a_ramps_points_share_their_strokes_so_a_trial_is_one_value(campaign):
+    """Campaigns without a difference, whose trials' levels scatter: 5 % of them differ."""
+    rng = np.random.default_rng(7)
+    wolf = 0
+    for seed in range(300):
+        pair = []
+        for one in (campaign(2 * seed, scatter=1.0), campaign(2 * seed + 1, scatter=1.0)):
+            level = rng.normal(0, 10.0, 3)
+            points = tuple(
+                replace(p, trials_n=tuple((np.array(p.trials_n) + level).tolist()))
+                for p in one.curves[0].points
+            )
+            curve = replace(one.curves[0], kind="steps", points=points)
+            pair.append(replace(one, curves=(curve,), efficiency=()))
+        (found,), _ = compared(*pair)
+        wolf += found.mean_n.real
+        trials = [np.mean([p.trials_n for p in one.curves[0].points], axis=0) for one in pair]
+        if seed == 0:
+            peer = stats.ttest_ind(trials[1], trials[0], equal_var=False)
+            assert found.mean_n.p_value == pytest.approx(peer.pvalue)
+    assert 0.01 < wolf / 300 < 0.09
+
+
 def test_welch_of_a_weighted_sum_is_that_of_each_mean_by_hand():
     trials = [1.0, 2.0, 3.0], [2.0, 4.0]
     se, dof = welch([(0.5, trials[0]), (-1.0, trials[1])])

@@ -133,15 +133,17 @@ def test_curves_and_fits_stand_in_a_matlab_file_of_their_own(tmp_path, results):
 def test_the_modelica_file_has_a_table_for_each_curve_and_fit(tmp_path, results):
     text = (exported("modelica", tmp_path) / "friction.txt").read_text()
     assert text.startswith("#1\n")
-    tables = re.findall(r"^double (\w+)\((\d+),3\)\n((?:  \S+ \S+ \S+\n)+)", text, re.MULTILINE)
+    tables = re.findall(r"^double (\w+)\((\d+),(\d)\)\n((?:  \S.*\n)+)", text, re.MULTILINE)
     assert len(tables) == sum(1 + sum(bool(fit.line) for fit in c.fits) for c in results.curves)
-    assert len({name for name, _, _ in tables}) == len(tables)
-    for name, rows, body in tables:
+    assert len({name for name, *_ in tables}) == len(tables)
+    for name, rows, columns, body in tables:
         values = np.array([line.split() for line in body.splitlines()], dtype=float)
-        assert len(values) == int(rows)
+        assert values.shape == (int(rows), int(columns))
+        assert int(columns) == (3 if name.startswith("measured") else 2)
         assert (np.diff(values[:, 0]) > 0).all(), name
-    name, _, body = tables[0]
+    name, _, _, body = tables[0]
     assert name == "measured_extend_1000N"
+    assert any(name == "measured_retract_minus_1000N" for name, *_ in tables)
     points = results.curves[0].points
     read = np.array([line.split() for line in body.splitlines()], dtype=float)
     np.testing.assert_array_equal(read[:, 1], [p.friction_n for p in points])
