@@ -32,7 +32,7 @@ def differences_text(found: CampaignDifferences) -> str:
             parts += [*aligned(table), ""]
     parts += [f"note: {note}" for note in found.notes]
     text = "\n".join(parts).rstrip()
-    return text.replace("−", "-").replace("–", "-").replace("±", "+-")
+    return text.replace("−", "-").replace("–", "-").replace("±", "+-").replace("²", "^2")
 
 
 def differences_json(found: CampaignDifferences) -> str:
