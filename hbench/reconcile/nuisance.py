@@ -8,7 +8,8 @@ and simulated runs, in units of their noise, and over the priors:
 
 Flows, test side and load side share no nuisance, so each is a fit of its own: what friction lacks
 can't bend the valve's gain. d takes the simulation as it is made with the factors so far; simulate
-with the new ones and fit again, until they stay.
+with the new ones and fit again, until they stay. Simulated friction should not scatter from stroke
+to stroke here: a mean is wanted, and its noise would go into the factors.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,5 +1,7 @@
 """Gaps of numbers drawn here, whose scatter and difference are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import kstest
@@ -10,6 +12,7 @@ from hbench.reconcile.gap import _exchange, _pairs, gaps, pooled_variance
 from hbench.records import RunPlan, Specimen
 
 NAMES = ("first", "second", "third")
+ARRAYS = ("values", "t_s", "x_m", "v_m_s", "load_n")
 SIGMA = np.array([2.0, 1e-7, 30.0])
 WINDOWS, POINTS = 20, 12
 
@@ -96,3 +99,32 @@ def test_single_trials_have_no_scatter_to_compare_with():
     rng = np.random.default_rng(5)
     with pytest.raises(DataError, match="two measured trials"):
         gaps(drawn(rng, 1), drawn(rng, 3))
+
+
+def test_what_one_trial_lacks_is_left_out_and_trials_may_differ_in_number_and_length():
+    rng = np.random.default_rng(6)
+    seen, simulated = drawn(rng, 4, points=30), drawn(rng, 2, points=30)
+    for run in seen[::4]:
+        run.values[:5, 1] = np.nan  # one of four trials, five of twenty windows
+        run.values[:, 2] = np.nan
+    longer = [
+        replace(run, **{name: np.concatenate([getattr(run, name)] * 2) for name in ARRAYS})
+        for run in simulated
+    ]
+    ranked, found = gaps(seen, longer)
+    by_name = {one.name: one for one in ranked}
+    assert {name: one.windows for name, one in by_name.items()} == {"first": 600, "second": 450}
+    assert len(found.t_s) == 600
+    assert all(one.gap == pytest.approx(1, abs=0.25) for one in ranked)
+
+
+def test_one_simulated_run_is_taken_as_exact():
+    """d = 0 against four trials' mean: the noise of the mean, s^2/n, is subtracted."""
+    rng = np.random.default_rng(7)
+    seen = drawn(rng, 4, points=60)
+    means = [
+        replace(seen[i], values=np.mean([run.values for run in seen[i : i + 4]], axis=0))
+        for i in range(0, len(seen), 4)
+    ]
+    ranked, _ = gaps(seen, means)
+    assert all(one.gap == pytest.approx(np.sqrt(1 - 1 / 4), rel=0.02) for one in ranked)
