@@ -90,9 +90,9 @@ def fit_law(
 
     Points without a pressure that the law needs are left out. Standard errors come from the
     Jacobian of the parameters off their bounds, with s^2 = RSS / (n - p), p being the number of
-    these; intervals from Student's t with n - p degrees of freedom. ``rmse_n`` is
-    sqrt(RSS / n), not weighted. What the data does not determine has neither, and the message
-    says so.
+    these; intervals from Student's t with n - p degrees of freedom. There is no standard error
+    where the interval lies inside one to either side. ``rmse_n`` is sqrt(RSS / n), not weighted.
+    What the data does not determine has neither, and the message says so.
     """
     data = sample(curves, how.weights)
     if law.name == PRESSURE_BASED.name:
@@ -255,11 +255,12 @@ def _parameters(
     parameters = {}
     for i, (name, unit) in enumerate(law.units.items()):
         intervals = {method: ends[i] for method, ends in found.items()}
-        known = bool(np.isfinite(worth.factor * worth.se[i])) and intervals["profile"] is not None
+        ends, x, se = intervals["profile"], float(solution.x[i]), float(worth.se[i])
+        known = ends is not None and np.isfinite(worth.factor * se)
         parameters[name] = FitParameter(
-            value=float(solution.x[i]),
-            se=float(worth.se[i]) if known else None,
-            ci95=intervals["profile"],
+            value=x,
+            se=se if known and se <= max(x - ends[0], ends[1] - x) else None,
+            ci95=ends,
             at_bound=solution.at_bound(problem, i),
             unit=unit,
             intervals=intervals,

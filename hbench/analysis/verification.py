@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.analysis.logged_motion import LoggedMotion, logged_motion
+from hbench.analysis.sample import sign
 from hbench.analysis.tustin import NAMES, tustin
 from hbench.errors import DataError
 from hbench.records import Curve, CurvePoint, Fit, ModelErrors, Run
@@ -82,10 +83,9 @@ def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndar
     p_p = np.concatenate([m.p_p_pa for m in motions])
     p_r = np.concatenate([m.p_r_pa for m in motions])
     place = np.digitize(np.abs(v), speeds_m_s)
-    sign = 1.0 if like.direction == "extend" else -1.0
     points = []
     for i in range(1, len(speeds_m_s)):
-        own = (place == i) & (sign * v > 0)
+        own = (place == i) & (sign(like) * v > 0)
         if own.any():
             means = (float(values[own].mean()) for values in (v, friction, p_p, p_r))
             points.append(_point(like, *means, tuple(m.run for m in motions)))
@@ -96,7 +96,7 @@ def curve_error(fit: Fit, curve: Curve) -> float:
     """Return the root mean square [N] of a Tustin fit's differences from a curve's points."""
     p = np.array([fit.parameters[name].value for name in NAMES])
     v = np.abs([point.v_m_s for point in curve.points])
-    measured = np.abs([point.friction_n for point in curve.points])
+    measured = sign(curve) * np.array([point.friction_n for point in curve.points])
     return float(np.sqrt(np.mean((tustin(v, p) - measured) ** 2)))
 
 

@@ -156,6 +156,16 @@ def test_intervals_of_the_parameters_cover_the_truth(make_curve):
     assert np.all(np.abs(inside / n - 0.95) < 0.06)
 
 
+def test_no_standard_error_stands_beside_an_interval_that_lies_inside_it(make_curve):
+    """The bound at zero force keeps Coulomb friction's interval; the linearised one ignores it."""
+    fit = fit_tustin(make_curve(SPEEDS, noisy(2, sigma=5.0, truth=(50, 400, 0.18, 1000))))
+    p = fit.parameters["f_coulomb_n"]
+    low, high = p.intervals["linearised"]
+    se = (high - low) / 2 / 2.20099  # 11 degrees of freedom
+    assert p.at_bound is None and p.value - se < p.ci95[0] < p.ci95[1] < p.value + se
+    assert p.se is None and p.disagree and "f_coulomb_n" in fit.message
+
+
 def test_a_curve_of_another_form_converges_and_its_rmse_is_the_distance_to_its_line(make_curve):
     friction = 300 + 250 * np.exp(-((SPEEDS / 0.06) ** 1.5)) + 1200 * SPEEDS
     fit = fit_tustin(make_curve(SPEEDS, friction))

@@ -80,6 +80,14 @@ def test_a_ramp_on_the_steady_curve_gives_the_steady_fit(make_curve):
     assert curve_error(fit, steady) < 1e-9
 
 
+def test_friction_along_with_the_motion_is_as_far_from_a_law_as_its_sign_says(make_curve):
+    curve = make_curve([0.01, 0.1], [-3.0, 4.0], "retract")
+    given = dict.fromkeys(NAMES, FitParameter(0.0, None, None, None, ""))
+    given |= {n: FitParameter(1.0, None, None, None, "") for n in NAMES[:3]}  # 1 N at all speeds
+    found = curve_error(Fit("tustin", given, 0.0, True, ""), curve)
+    assert found == pytest.approx(np.sqrt((4**2 + 3**2) / 2))
+
+
 def of_kind(kind, **conditions):
     chosen = {"kind": kind} | conditions
     experiments = read_yaml(DYNAMICS)["experiments"]
