@@ -15,13 +15,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
-from hbench.analysis.fit import fit_pressure_based, fit_tustin
+import numpy as np
+
+from hbench.analysis.fit import fit_law, fit_pressure_based
 from hbench.analysis.friction_section import friction_section
+from hbench.analysis.intervals import bound_messages, fit_parameters
 from hbench.analysis.leuven_fit import STEADY, fit_leuven
 from hbench.analysis.logged_motion import LoggedMotion
 from hbench.analysis.lugre_fit import UNKNOWNS, fit_lugre
 from hbench.analysis.marton_lantos import marton_lantos
-from hbench.analysis.tustin import NAMES
+from hbench.analysis.over_curves import tustin_worth, without_impossible
+from hbench.analysis.tustin import NAMES, TABLE_6_1, TUSTIN, UNITS
+from hbench.config.fitting import Fitting
 from hbench.config.friction import parse_friction
 from hbench.errors import ConfigError, DataError
 from hbench.model.friction import LAWS
@@ -67,7 +72,7 @@ def identify_laws(
     runs = tuple(run for curve in curves for point in curve.points for run in point.runs)
     along = tuple(motion.run for motion in motions)
     for law, own, fit in (
-        ("tustin", runs, lambda: fit_tustin(_as_one(curves))),
+        ("tustin", runs, lambda: _tustin(_enough(curves))),
         ("marton_lantos", runs, lambda: _lines(curves)),
         ("pressure_based", runs, lambda: _determined(fit_pressure_based(curves))),
         ("lugre", along, lambda: fit_lugre(_reversing(motions), _start(found("tustin")))),
@@ -99,8 +104,8 @@ class _NotDetermined(Exception):
     """The data lacks what a law needs."""
 
 
-def _as_one(curves: Sequence[Curve], direction: Direction | Literal[""] = "") -> Curve:
-    """Return the points of all curves, or of one direction's, as magnitudes by rising speed."""
+def _enough(curves: Sequence[Curve], direction: Direction | Literal[""] = "") -> Sequence[Curve]:
+    """Return all curves, or one direction's, if one of them has speeds enough."""
     own = [curve for curve in curves if direction in ("", curve.direction)]
     speeds = max((len(curve.points) for curve in own), default=0)
     if speeds < len(NAMES):
@@ -109,21 +114,34 @@ def _as_one(curves: Sequence[Curve], direction: Direction | Literal[""] = "") ->
             f"its {len(NAMES)} parameters need a {words}curve of at least {len(NAMES)} steady "
             f"speeds; the campaign has {speeds or 'none'}"
         )
-    points = []
-    for curve in own:
-        sign = 1.0 if curve.direction == "extend" else -1.0
-        points += [
-            replace(p, v_m_s=sign * p.v_m_s, friction_n=sign * p.friction_n) for p in curve.points
-        ]
-    ordered = tuple(sorted(points, key=lambda point: point.v_m_s))
-    return replace(own[0], direction="extend", points=ordered, fits=())
+    return own
+
+
+def _tustin(curves: Sequence[Curve]) -> Fit:
+    """Fit Tustin's law to the points of all curves; of several, with intervals over curves."""
+    fit = fit_law(TUSTIN, curves, Fitting())
+    if len(curves) == 1:
+        return fit
+    values = np.array([fit.parameters[name].value for name in NAMES])
+    bounds = [fit.parameters[name].at_bound for name in NAMES]
+    spread, dof = tustin_worth(curves, fit)
+    free = [bound is None for bound in bounds]
+    found = fit_parameters(UNITS, values, spread[np.ix_(free, free)], dof, bounds)
+    parameters, impossible = without_impossible(found, TABLE_6_1)
+    messages = [] if fit.converged else ["the search for the best fit did not converge"]
+    messages += [*bound_messages(found), *impossible]
+    messages.append(
+        f"points of a curve go together, so intervals are over the {len(curves)} curves "
+        f"({dof} degrees of freedom)"
+    )
+    return replace(fit, parameters=parameters, message="; ".join(messages))
 
 
 def _lines(curves: Sequence[Curve]) -> Fit:
     fits: dict[Direction, Fit] = {}
     for direction in ("extend", "retract"):
-        one = _as_one(curves, direction)
-        fits[direction] = marton_lantos(one, fit_tustin(one))
+        own = _enough(curves, direction)
+        fits[direction] = marton_lantos(own, _tustin(own))
     parameters: dict[str, FitParameter] = {
         f"{direction}_{name}": parameter
         for direction, fit in fits.items()

@@ -14,12 +14,17 @@ with D = F_stiction - F_C, w = v_max / v_s, e = exp(-w). a_2 is the intercept at
 value at v_max. v_SW depends on v_s and v_max alone.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from hbench.analysis.bounded import complex_step
-from hbench.analysis.intervals import covariance, fit_parameters
+from hbench.analysis.intervals import fit_parameters
 from hbench.analysis.law import Law
-from hbench.analysis.tustin import NAMES, tustin_jacobian
+from hbench.analysis.over_curves import tustin_worth, without_impossible
+from hbench.analysis.sample import sample, sign
+from hbench.analysis.tustin import NAMES
 from hbench.records import Curve, Fit
 
 UNITS = {
@@ -29,6 +34,7 @@ UNITS = {
     "high_slope_n_s_m": "N s/m",
     "v_switch_m_s": "m/s",
 }
+_SWITCH = "v_switch_m_s"
 
 
 def two_lines(speed_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -71,33 +77,35 @@ TWO_LINES = Law(
 )
 
 
-def marton_lantos(curve: Curve, tustin: Fit) -> Fit:
-    """Return the lines of a curve's direction, from its Tustin fit, on magnitudes as that fit.
+def marton_lantos(curves: Sequence[Curve], tustin: Fit) -> Fit:
+    """Return the lines of one direction's curves, from their Tustin fit, on magnitudes as that fit.
 
-    Intervals follow from the Tustin parameters' covariance by the delta method. ``rmse_n`` is
-    that of the lines at the curve's points.
+    Intervals follow from the Tustin parameters' covariance (``tustin_worth``) by the delta method.
+    Tangents at rest and at v_max meet between, so v_SW has no interval where that would reach
+    outside, nor where v_s has no standard error. ``rmse_n`` is that of the lines at the points.
     """
-    v = np.abs([point.v_m_s for point in curve.points])
+    data = sample(curves)
+    v, one = data.inputs[0], sign(curves[0])
     p = np.array([tustin.parameters[name].value for name in NAMES])
-    free = np.array([tustin.parameters[name].at_bound is None for name in NAMES])
     v_max = float(v.max())
     values = lines(p, v_max)
-    slopes = complex_step(lambda p: lines(p, v_max), p)[:, free]
-    jacobian = tustin_jacobian(v, p)[:, free]
-    # Only the residuals' sum of squares counts, and the Tustin fit knows it.
-    own = covariance(jacobian, np.full(len(v), tustin.rmse_n))
-    spread = slopes @ own @ slopes.T
-    sign = 1.0 if curve.direction == "extend" else -1.0
-    measured = sign * np.array([point.friction_n for point in curve.points])
-    residual = force(v, values) - measured
+    slopes = complex_step(lambda p: lines(p, v_max), p)
+    spread, dof = tustin_worth(curves, tustin)
+    parameters = fit_parameters(UNITS, values, slopes @ spread @ slopes.T, dof, [None] * 5)
+    parameters, messages = without_impossible(parameters, {_SWITCH: (0.0, v_max)})
+    if tustin.parameters["v_stribeck_m_s"].se is None and parameters[_SWITCH].ci95:
+        parameters[_SWITCH] = replace(parameters[_SWITCH], se=None, ci95=None)
+        messages.append(f"{_SWITCH} has no interval, as v_stribeck_m_s has no standard error")
+    if tustin.message:
+        messages.append(f"of the Tustin fit behind it: {tustin.message}")
     return Fit(
         law="marton_lantos",
-        parameters=fit_parameters(UNITS, values, spread, len(v) - int(free.sum()), [None] * 5),
-        rmse_n=float(np.sqrt(np.mean(residual**2))),
+        parameters=parameters,
+        rmse_n=float(np.sqrt(np.mean((force(v, values) - data.friction_n) ** 2))),
         converged=tustin.converged,
-        message=tustin.message,
+        message="; ".join(messages),
         line=tuple(
-            (sign * speed, sign * float(force(np.array(speed), values)))
+            (one * speed, one * float(force(np.array(speed), values)))
             for speed in sorted({float(v.min()), *v.tolist(), float(values[4])})
             if v.min() <= speed <= v_max
         ),

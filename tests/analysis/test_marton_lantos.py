@@ -1,5 +1,7 @@
 """The two lines against tangents drawn by differences, and their intervals against a draw."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from other_plant import STEADY
@@ -20,7 +22,7 @@ def law(v, f_c, f_s, v_s, b):
 
 def found(make_curve, friction, direction="extend"):
     curve = make_curve(SPEEDS, friction, direction)
-    return marton_lantos(curve, fit_tustin(curve))
+    return marton_lantos([curve], fit_tustin(curve))
 
 
 def values(fit):
@@ -70,9 +72,48 @@ def test_what_the_tustin_fit_says_against_itself_stays_said(make_curve):
     curve = make_curve(SPEEDS, law(SPEEDS, 300, 535, 0.02, 2250))
     tustin = fit_tustin(curve)
     assert tustin.parameters["v_stribeck_m_s"].at_bound == "lower"
-    fit = marton_lantos(curve, tustin)
-    assert fit.message == tustin.message and "lower bound" in fit.message
+    fit = marton_lantos([curve], tustin)
+    assert fit.message.endswith(f"of the Tustin fit behind it: {tustin.message}")
+    assert "lower bound" in tustin.message
     assert set(tustin.parameters) == set(NAMES)
+
+
+def test_the_force_at_rest_has_the_same_error_as_in_the_tustin_fit_weighted_by_trials(make_curve):
+    rng = np.random.default_rng(4)
+    noise = 60.0 * SPEEDS[:, None] * rng.standard_normal((len(SPEEDS), 3))  # grows with speed
+    trials = law(SPEEDS, *TRUTH)[:, None] + noise
+    curve = make_curve(SPEEDS, trials.mean(axis=1))
+    points = zip(curve.points, trials.tolist(), strict=True)
+    curve = replace(curve, points=tuple(replace(p, trials_n=tuple(t)) for p, t in points))
+    tustin = fit_tustin(curve)
+    stiction = tustin.parameters["f_stiction_n"]
+    at_rest = marton_lantos([curve], tustin).parameters["low_force_n"]
+    assert at_rest.value == stiction.value and at_rest.se == pytest.approx(stiction.se)
+    assert at_rest.ci95 == pytest.approx(stiction.intervals["linearised"])
+
+
+def test_where_the_stribeck_speed_is_at_its_bound_the_switch_velocity_has_no_interval(make_curve):
+    noise = np.random.default_rng(1).standard_normal(len(SPEEDS))
+    fit = found(make_curve, law(SPEEDS, 300, 535, 0.02, 2250) + noise)
+    switch = fit.parameters["v_switch_m_s"]
+    assert switch.se is None and switch.ci95 is None and "v_switch_m_s has no" in fit.message
+    assert fit.parameters["low_force_n"].ci95
+
+
+def test_a_switch_velocity_beyond_the_speeds_is_never_in_its_interval(make_curve):
+    """Tangents at rest and at the largest speed of a curve that bends one way meet between."""
+    without = 0
+    for seed in range(12):
+        noise = 3.0 * np.random.default_rng(seed).standard_normal(len(SPEEDS))
+        fit = found(make_curve, law(SPEEDS, 200, 300, 0.1, 1500) + noise)
+        switch = fit.parameters["v_switch_m_s"]
+        assert 0 < switch.value < V_MAX
+        if switch.ci95:
+            assert 0 <= switch.ci95[0] <= switch.ci95[1] <= V_MAX
+        else:
+            without += 1
+            assert switch.se is None and "v_switch_m_s has no interval" in fit.message
+    assert 0 < without
 
 
 NO_SEALS = {  # what a plant file leaves out is the bench file's, so they are set to zero
@@ -99,7 +140,7 @@ def test_the_rigs_lines_lie_in_the_95_percent_intervals_over_many_seeds(rig_camp
         for curve in workflow.analyze(rig_campaign(schedule, seed, NO_SEALS)).curves:
             v_max = max(abs(point.v_m_s) for point in curve.points)
             true = lines(np.array([300.0, 480.0, 0.06, 2350.0]), v_max)
-            found = marton_lantos(curve, fit_tustin(curve, WIDE)).parameters.values()
+            found = marton_lantos([curve], fit_tustin(curve, WIDE)).parameters.values()
             inside += [p.ci95[0] <= t <= p.ci95[1] for p, t in zip(found, true, strict=True)]
     print(f"lines: coverage {sum(inside)} of {len(inside)}")
     assert 0.90 <= np.mean(inside) <= 0.99

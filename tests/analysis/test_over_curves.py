@@ -1,0 +1,68 @@
+"""Intervals over curves, against refits by scipy that leave a curve out."""
+
+import numpy as np
+import pytest
+from scipy.optimize import curve_fit
+
+from hbench.analysis.identify import identify_laws
+from hbench.analysis.student import student_factor
+from hbench.analysis.tustin import NAMES
+
+SPEEDS = np.linspace(0.005, 0.2, 15)
+TRUTH = (250.0, 500.0, 0.07, 1500.0)
+CONDITIONS = [(way, load) for way in ("extend", "retract") for load in (-1e3, 0.0, 1e3, 2e3)]
+
+
+def law(v, f_c, f_s, v_s, b):
+    return f_c + (f_s - f_c) * np.exp(-v / v_s) + b * v
+
+
+@pytest.fixture
+def frictions():
+    """Friction (8, 15) of curves whose level scatters by 2 %, and points by 0.5 N."""
+    rng = np.random.default_rng(1)
+    level = 1 + 0.02 * rng.standard_normal((8, 1))
+    return level * law(SPEEDS, *TRUTH) + 0.5 * rng.standard_normal((8, 15))
+
+
+@pytest.fixture
+def tustin(make_curve):
+    """Return a function that identifies Tustin's law from friction (8, n) at speeds (n,)."""
+
+    def identify(speeds, frictions):
+        rows = zip(CONDITIONS, frictions, strict=True)
+        curves = [make_curve(speeds, own, way, load) for (way, load), own in rows]
+        return identify_laws(curves, [])[0].fit
+
+    return identify
+
+
+def test_standard_errors_of_several_curves_are_those_of_refits_without_one(tustin, frictions):
+    fit = tustin(SPEEDS, frictions)
+    refits = np.array(
+        [
+            curve_fit(law, np.tile(SPEEDS, 7), np.delete(frictions, i, axis=0).ravel(), p0=TRUTH)[0]
+            for i in range(8)
+        ]
+    )
+    jackknife = np.sqrt(7 / 8 * np.sum((refits - refits.mean(axis=0)) ** 2, axis=0))
+    found = [fit.parameters[name] for name in NAMES]
+    np.testing.assert_allclose([p.se for p in found], jackknife, rtol=0.03)
+    widths = [p.ci95[1] - p.ci95[0] for p in found]
+    np.testing.assert_allclose(widths, 2 * student_factor(7) * jackknife, rtol=0.03)
+    assert "intervals are over the 8 curves (7 degrees of freedom)" in fit.message
+
+
+def test_the_same_points_again_narrow_no_interval(tustin, frictions):
+    once = tustin(SPEEDS, frictions).parameters
+    twice = tustin(np.repeat(SPEEDS, 2), np.repeat(frictions, 2, axis=1)).parameters
+    for name in NAMES:
+        assert twice[name].ci95 == pytest.approx(once[name].ci95, rel=1e-4)
+
+
+def test_an_interval_over_curves_that_leaves_the_bounds_is_not_given(tustin):
+    stribeck_speeds = np.linspace(0.03, 0.11, 8)
+    fit = tustin(SPEEDS, np.array([law(SPEEDS, 250, 500, v, 1500) for v in stribeck_speeds]))
+    stribeck = fit.parameters["v_stribeck_m_s"]
+    assert stribeck.at_bound is None and stribeck.ci95 is None and stribeck.se is None
+    assert "v_stribeck_m_s has no interval: the linearised one" in fit.message
