@@ -50,6 +50,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     moved = np.concatenate([moved for _, moved, _ in parts])
     number = np.repeat(np.arange(len(parts)), [len(moved) for _, moved, _ in parts])
     scale = np.sqrt(np.sum(matrix**2, axis=0))
+    scale[scale == 0] = 1.0  # a leak that a plunger does not have
     jacobian = matrix / scale
     s2, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     seen = s2 > _SEEN * s2[-1]
@@ -91,7 +92,9 @@ def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
     cylinder, beta = bench.test_cylinder, bench.oil.bulk_modulus
     settled = run.t_s - run.t_s[0] >= _SETTLE_S
     t, x = run.t_s[settled], run.x_m[settled]
-    p_p, p_r = run.p_tp_pa[settled], run.p_tr_pa[settled]
+    plunger = run.plan.specimen.area_rod_m2 == 0  # one chamber, and all its oil leaks outside
+    p_p = run.p_tp_pa[settled]
+    p_r = np.zeros(len(t)) if plunger else run.p_tr_pa[settled]
     middle = x.mean()
     v_p = cylinder.dead_volume_piston + cylinder.area_piston_m2 * middle
     v_r = cylinder.dead_volume_rod + cylinder.area_rod_m2 * (cylinder.stroke - middle)
@@ -99,6 +102,8 @@ def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
     moved_r = v_r / beta * p_r - cylinder.area_rod_m2 * x
     across, out_p, out_r = (cumulative_trapezoid(p, t, initial=0) for p in (p_p - p_r, p_p, p_r))
     none = np.zeros(len(t))
+    if plunger:
+        across, moved_r = none, none
     sides = (
         (np.column_stack([-across, -out_p, none]), moved_p),
         (np.column_stack([across, none, -out_r]), moved_r),
@@ -106,7 +111,7 @@ def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
     plan = run.plan
 
     def slope(y: np.ndarray) -> float:
-        return float(np.polynomial.Polynomial.fit(t - t[0], y, 1).convert().coef[1])
+        return float(np.polynomial.polynomial.polyfit(t - t[0], y, 1)[1])
 
     decay = Decay(
         run=plan.run,

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hbench.analysis.screen import missing_channels, test_force
 from hbench.errors import DataError
 from hbench.records import Run
 
 _WINDOW, _ORDER = 7, 4  # samples; of the polynomial
 _MEMORY_M = 0.02  # about ten lengths of presliding: then friction has forgotten how it began
-_MISSING = ("p_tp_pa", "p_tr_pa", "f_applied_n")
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,10 @@ class LoggedMotion:
     dt_s: float
     v_m_s: np.ndarray  # (n,)
     p_p_pa: np.ndarray  # (n,) test cylinder, piston side
-    p_r_pa: np.ndarray  # (n,) rod side
+    p_r_pa: np.ndarray  # (n,) rod side; 0 for a plunger, which has none
     friction_n: np.ndarray  # (n,)
     compared: np.ndarray  # (n,) bool; the first 20 mm depend on the unknown beginning
+    f_applied_n: np.ndarray  # (n,) as the load cell has it, the load side's inertia and all
 
 
 def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
@@ -40,7 +41,7 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
     """
     from scipy.signal import savgol_filter  # half a second, for who has runs that move alone
 
-    missing = [name for name in _MISSING if getattr(run, name) is None]
+    missing = missing_channels(run)
     if missing:
         raise DataError(f"run {run.plan.run}: friction needs {' and '.join(missing)}")
     if len(run.t_s) < _WINDOW:
@@ -56,16 +57,15 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         )
     v = savgol_filter(run.x_m, _WINDOW, _ORDER, deriv=1, delta=dt)
     a = savgol_filter(run.x_m, _WINDOW, _ORDER, deriv=2, delta=dt)
-    specimen = run.plan.specimen
-    f_test = run.p_tp_pa * specimen.area_piston_m2 - run.p_tr_pa * specimen.area_rod_m2
     return LoggedMotion(
         run=run.plan.run,
         dt_s=dt,
         v_m_s=v,
         p_p_pa=run.p_tp_pa,
-        p_r_pa=run.p_tr_pa,
-        friction_n=f_test - run.f_applied_n - mass_kg * a,
+        p_r_pa=run.p_tr_pa if run.plan.specimen.area_rod_m2 > 0 else np.zeros(len(v)),
+        friction_n=test_force(run, slice(None)) - run.f_applied_n - mass_kg * a,
         compared=np.cumsum(np.abs(v)) * dt > _MEMORY_M,
+        f_applied_n=run.f_applied_n,
     )
 
 

@@ -95,6 +95,7 @@ def _mean(trials: dict[int, CurvePoint]) -> CurvePoint:
         return float(np.mean([getattr(point, name) for point in trials.values()]))
 
     friction = [point.friction_n for point in trials.values()]
+    has_no_rod_side = any(point.p_tr_pa is None for point in trials.values())
     return CurvePoint(
         v_m_s=mean("v_m_s"),
         friction_n=mean("friction_n"),
@@ -103,7 +104,7 @@ def _mean(trials: dict[int, CurvePoint]) -> CurvePoint:
         f_test_n=mean("f_test_n"),
         f_applied_n=mean("f_applied_n"),
         p_tp_pa=mean("p_tp_pa"),
-        p_tr_pa=mean("p_tr_pa"),
+        p_tr_pa=None if has_no_rod_side else mean("p_tr_pa"),
         trials=tuple(trials),
         trials_n=tuple(friction),
         trials_f_test_n=tuple(point.f_test_n for point in trials.values()),

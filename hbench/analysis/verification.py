@@ -82,12 +82,13 @@ def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndar
     friction = np.concatenate([m.friction_n for m in motions])
     p_p = np.concatenate([m.p_p_pa for m in motions])
     p_r = np.concatenate([m.p_r_pa for m in motions])
+    applied = np.concatenate([m.f_applied_n for m in motions])
     place = np.digitize(np.abs(v), speeds_m_s)
     points = []
     for i in range(1, len(speeds_m_s)):
         own = (place == i) & (sign(like) * v > 0)
         if own.any():
-            means = (float(values[own].mean()) for values in (v, friction, p_p, p_r))
+            means = (float(values[own].mean()) for values in (v, friction, p_p, p_r, applied))
             points.append(_point(like, *means, tuple(m.run for m in motions)))
     return replace(like, kind="ramp", points=tuple(points), fits=())
 
@@ -125,7 +126,13 @@ class _Parts(dict[str, list[np.ndarray]]):
 
 
 def _point(
-    like: Curve, v: float, friction: float, p_p: float, p_r: float, runs: tuple[str, ...]
+    like: Curve,
+    v: float,
+    friction: float,
+    p_p: float,
+    p_r: float,
+    applied: float,
+    runs: tuple[str, ...],
 ) -> CurvePoint:
     f_test = p_p * like.specimen.area_piston_m2 - p_r * like.specimen.area_rod_m2
     return CurvePoint(
@@ -134,9 +141,9 @@ def _point(
         ci95_n=None,
         n=len(runs),
         f_test_n=f_test,
-        f_applied_n=f_test - friction,
+        f_applied_n=applied,
         p_tp_pa=p_p,
-        p_tr_pa=p_r,
+        p_tr_pa=p_r if like.specimen.area_rod_m2 > 0 else None,
         trials=(),
         trials_n=(),
         trials_f_test_n=(),

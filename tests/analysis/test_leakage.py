@@ -122,6 +122,17 @@ def test_one_hold_has_no_interval_and_a_rejected_one_is_not_used(stiff):
     assert all(one.ci95 is None for one in leaks.values()) and "no interval" in found.message
 
 
+def test_a_plunger_leaks_to_outside_alone(stiff):
+    tight = {**TRUE, "across_piston": 0.0, "rod_side_out": 0.0}
+    runs = []
+    for one in holds(stiff, 8, leaks=tight):
+        plan = replace(one.run.plan, specimen=replace(one.run.plan.specimen, area_rod_m2=0.0))
+        runs.append(replace(one, run=replace(one.run, plan=plan, p_tr_pa=None)))
+    leaks, _ = found_in(runs, stiff)
+    assert leaks["piston_side_out"].value == pytest.approx(TRUE["piston_side_out"], rel=0.02)
+    assert leaks["across_piston"].value is None and leaks["rod_side_out"].value is None
+
+
 HOLDS = {
     "kind": "hold",
     "p_lr": "15 bar",

@@ -47,7 +47,7 @@ STEADY_KNOWN = GUESS._replace(
 
 def motion_of(v):
     zero = np.zeros(len(v))
-    return LoggedMotion("0001", 0.01, v, zero + 40e5, zero + 20e5, zero, zero == 0)
+    return LoggedMotion("0001", 0.01, v, zero + 40e5, zero + 20e5, zero, zero == 0, zero)
 
 
 def by_hand(v, dt):

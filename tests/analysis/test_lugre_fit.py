@@ -40,6 +40,7 @@ def motion_of(v, friction, p_p=40e5, p_r=20e5, run="0001"):
         p_r_pa=np.full(len(v), p_r),
         friction_n=friction,
         compared=np.cumsum(np.abs(v)) * DT > 0.02,
+        f_applied_n=np.zeros(len(v)),
     )
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from moving import moving_run, ramp_velocity
+from moving import SPECIMEN, moving_run, ramp_velocity
 from scipy import stats
 
 from hbench.analysis.ramps import ramp_curves, slid
@@ -44,6 +44,29 @@ def test_points_lie_on_the_law_and_the_test_sides_inertia_is_taken_off(sign, dir
     pairs = zip(with_inertia.points, fast.points, strict=True)
     extra = [sign * (p.friction_n - q.friction_n) for p, q in pairs]
     assert extra == pytest.approx(np.full(19, MASS_KG * 0.1), abs=0.05)
+
+
+def test_the_applied_force_is_the_load_cells_own_and_holds_no_inertia():
+    (curve,), _ = ramp_curves(screened([ramp(0.1), ramp(0.1, trial=2)]), MASS_KG)
+    for point in curve.points:
+        assert point.f_applied_n == pytest.approx(2000.0, abs=1e-9)
+        inertia = point.f_test_n - point.f_applied_n - point.friction_n
+        assert inertia == pytest.approx(MASS_KG * 0.1, abs=0.05)
+
+
+def test_a_plunger_needs_no_rod_side_pressure():
+    run = ramp(0.1)
+    specimen = replace(run.plan.specimen, area_rod_m2=0.0)
+    area, rod = SPECIMEN.area_piston_m2, SPECIMEN.area_rod_m2
+    force = run.p_tp_pa * area - run.p_tr_pa * rod
+    plunger = replace(
+        run, plan=replace(run.plan, specimen=specimen), p_tp_pa=force / area, p_tr_pa=None
+    )
+    (curve,), notes = ramp_curves(screened([plunger]), MASS_KG)
+    (cylinder,), _ = ramp_curves(screened([run]), MASS_KG)
+    assert notes == () and {point.p_tr_pa for point in curve.points} == {None}
+    friction = [point.friction_n for point in cylinder.points]
+    assert [point.friction_n for point in curve.points] == pytest.approx(friction)
 
 
 def test_intervals_are_students_over_trials_and_not_over_samples():
