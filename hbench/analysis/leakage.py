@@ -12,6 +12,11 @@ and so the other side: linear in C, solved by least squares over all holds, a co
 and side. A piston that friction holds leaves the volumes as they are; one that creeps moves oil,
 which the term in x accounts for. Intervals are over whole holds, not samples.
 
+A pressure at rest stays on one or two codes of its converter, so that holds may agree better than
+they know. As a drift of one code q over the hold, rounding makes  q V / (beta I(p))  of a leak.
+An interval is no narrower than this to either side: all holds may round alike. q is the smallest
+step that a channel takes; without a step to see, nothing is added.
+
 Pressures alone tell C beta / V. So C is conditional on the bench file's bulk modulus and dead
 volumes: with beta 10 % higher, C comes out 10 % lower.
 """
@@ -58,11 +63,19 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     solution = (vectors[:, seen] / s2[seen]) @ vectors[:, seen].T @ (jacobian.T @ moved)
     covariance = covariance_over_runs(jacobian, moved - jacobian @ solution, number)
     t = student_factor(len(runs) - 1) if len(runs) > 1 else np.nan
+    rounding = _rounding(
+        (vectors[:, seen] / s2[seen]) @ vectors[:, seen].T @ jacobian.T, runs, bench
+    )
     coefficients, messages = [], []
     for i, name in enumerate(NAMES):
         value, se = float(solution[i] / scale[i]), float(np.sqrt(covariance[i, i]) / scale[i])
         known = not unknown[i] and np.isfinite(t * se)
-        interval = (value - t * se, value + t * se) if known else None
+        half = max(t * se, float(rounding[i] / scale[i]))
+        interval = (value - half, value + half) if known else None
+        if known and value < 0:
+            messages.append(f"{name} is negative: no leak is seen")
+        if known and half > t * se:
+            messages.append(f"the interval of {name} is that of one converter code over a hold")
         coefficients.append(
             LeakCoefficient(name, None if unknown[i] else value, se if known else None, interval)
         )
@@ -87,22 +100,55 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     )
 
 
-def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
-    """Return the derivatives (2 n, 3) by ``NAMES`` and what moved (2 n,) [m^3], means taken off."""
+def _rounding(inverse: np.ndarray, runs: Sequence[Run], bench: Bench) -> np.ndarray:
+    """Return what a drift of one code over each hold makes of the scaled leaks, at most (3,).
+
+    ``inverse`` (3, 2 n) makes leaks of what moved, in the order of ``_equations``.
+    """
+    codes, drifts = [0.0, 0.0], []
+    for run in runs:
+        settled, chambers = _chambers(run, bench)
+        for side, (p, compliance) in enumerate(chambers):
+            steps = np.diff(np.unique(p))
+            if len(steps):
+                codes[side] = min(codes[side] or np.inf, float(steps.min()))
+            t = run.t_s[settled]
+            drifts.append((side, compliance * (t - t.mean()) / (t[-1] - t[0])))
+    made, start = np.zeros(3), 0
+    for side, drift in drifts:
+        made += codes[side] * np.abs(inverse[:, start : start + len(drift)] @ drift)
+        start += len(drift)
+    return made
+
+
+def _chambers(
+    run: Run, bench: Bench
+) -> tuple[np.ndarray, tuple[tuple[np.ndarray, float], tuple[np.ndarray, float]]]:
+    """Return the settled samples (n,), and either side's pressures there and V / beta."""
     cylinder, beta = bench.test_cylinder, bench.oil.bulk_modulus
     settled = run.t_s - run.t_s[0] >= _SETTLE_S
-    t, x = run.t_s[settled], run.x_m[settled]
-    plunger = run.plan.specimen.area_rod_m2 == 0  # one chamber, and all its oil leaks outside
-    p_p = run.p_tp_pa[settled]
-    p_r = np.zeros(len(t)) if plunger else run.p_tr_pa[settled]
-    middle = x.mean()
+    middle = run.x_m[settled].mean()
     v_p = cylinder.dead_volume_piston + cylinder.area_piston_m2 * middle
     v_r = cylinder.dead_volume_rod + cylinder.area_rod_m2 * (cylinder.stroke - middle)
-    moved_p = v_p / beta * p_p + cylinder.area_piston_m2 * x
-    moved_r = v_r / beta * p_r - cylinder.area_rod_m2 * x
+    p_r = np.zeros(len(run.t_s)) if _is_plunger(run) else run.p_tr_pa
+    return settled, ((run.p_tp_pa[settled], v_p / beta), (p_r[settled], v_r / beta))
+
+
+def _is_plunger(run: Run) -> bool:
+    """Tell whether there is one chamber alone, whose oil all leaks outside."""
+    return run.plan.specimen.area_rod_m2 == 0
+
+
+def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
+    """Return the derivatives (2 n, 3) by ``NAMES`` and what moved (2 n,) [m^3], means taken off."""
+    cylinder = bench.test_cylinder
+    settled, ((p_p, compliance_p), (p_r, compliance_r)) = _chambers(run, bench)
+    t, x = run.t_s[settled], run.x_m[settled]
+    moved_p = compliance_p * p_p + cylinder.area_piston_m2 * x
+    moved_r = compliance_r * p_r - cylinder.area_rod_m2 * x
     across, out_p, out_r = (cumulative_trapezoid(p, t, initial=0) for p in (p_p - p_r, p_p, p_r))
     none = np.zeros(len(t))
-    if plunger:
+    if _is_plunger(run):
         across, moved_r = none, none
     sides = (
         (np.column_stack([-across, -out_p, none]), moved_p),

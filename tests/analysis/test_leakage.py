@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.integrate import solve_ivp
 
 from hbench.analysis.leakage import NAMES, leakage
@@ -133,6 +134,28 @@ def test_a_plunger_leaks_to_outside_alone(stiff):
     assert leaks["across_piston"].value is None and leaks["rod_side_out"].value is None
 
 
+def test_holds_that_agree_by_rounding_alike_know_no_leak_smaller_than_a_code(stiff):
+    code = 362.0
+    tight = dict.fromkeys(TRUE, 0.0)
+    runs = []
+    for number, one in enumerate(holds(stiff, 9, leaks=tight, noise_pa=0.0)):
+        # Just below a code's edge, and the noise of the last second falls on the next one alone.
+        p_p = code * (np.rint(one.run.p_tp_pa / code) + (one.run.t_s > 3 + 0.01 * number))
+        p_r = np.rint(one.run.p_tr_pa / code) * code
+        runs.append(replace(one, run=replace(one.run, p_tp_pa=p_p, p_tr_pa=p_r)))
+    leaks, found = found_in(runs, stiff)
+    one = leaks["piston_side_out"]
+    assert one.value < 0 and "piston_side_out is negative: no leak is seen" in found.message
+    scatter = stats.t.ppf(0.975, len(runs) - 1) * one.se
+    assert one.value + scatter < 0, "the holds' agreement alone would exclude 0"
+    cylinder = stiff.test_cylinder
+    volume = cylinder.dead_volume_piston + cylinder.area_piston_m2 * X_M
+    mean_p = np.mean([pair[0] for pair in STARTS_BAR]) * 1e5
+    by_hand = code * volume / BETA / (mean_p * (DURATION_S - 0.3))
+    half = (one.ci95[1] - one.ci95[0]) / 2
+    assert 0.5 * by_hand < half < 5 * by_hand and "one converter code" in found.message
+
+
 HOLDS = {
     "kind": "hold",
     "p_lr": "15 bar",
@@ -153,7 +176,7 @@ def on_the_rig(rig_runs, bench, seed):
 def test_on_the_rig_which_has_no_leak_the_intervals_hold_zero(rig_runs, bench):
     for one in on_the_rig(rig_runs, bench, 2).values():
         assert one.ci95[0] < 0 < one.ci95[1]
-        assert one.ci95[1] < 1e-3 * TRUE["across_piston"], "and are tight"
+        assert one.ci95[1] < 1e-2 * TRUE["across_piston"], "and are tight"
 
 
 @pytest.mark.slow
