@@ -3,7 +3,8 @@
     F_fT = F_T - F_applied - m_T a,    a_k = (x_(k+1) - 2 x_k + x_(k-1)) / dt^2
 
 The second difference reaches over three records alone, since a jump is faster than the smooth
-derivative of ``logged_motion``.
+derivative of ``logged_motion``. It is still a mean over records: where the inertia at the jump is
+comparable to the overshoot, the log does not resolve the overshoot.
 """
 
 from collections import defaultdict
@@ -20,6 +21,7 @@ from hbench.records import Level, Run, ScreenedRun, Series
 _CLEAR = 5.0  # standard deviations of the settled friction: then a swing is seen
 _NEAR = 3.0  # and within these it has settled, or
 _SHARE = 0.1  # within this share of the swing
+_COMPARABLE = 0.5  # of the overshoot
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class Step:
     after_n: float
     overshoot_n: float | None
     settling_s: float | None
+    inertia_n: float  # the largest, from the jump to the settled half, as far as the log has it
+    dt_s: float
 
 
 def level_runs(screened: Iterable[ScreenedRun]) -> tuple[ScreenedRun, ...]:
@@ -70,7 +74,8 @@ def steps_of(run: Run, mass_kg: float) -> list[Step]:
     dt = float(np.median(np.diff(run.t_s)))
     a = np.zeros(len(run.x_m))
     a[1:-1] = np.diff(run.x_m, 2) / dt**2
-    friction = test_force(run, slice(None)) - run.f_applied_n - mass_kg * a
+    inertia = mass_kg * a
+    friction = test_force(run, slice(None)) - run.f_applied_n - inertia
     found, before, v_before, jump = [], None, 0.0, 0
     for level, held in level_windows(run):
         after, noise = float(friction[held].mean()), float(friction[held].std(ddof=1))
@@ -82,7 +87,8 @@ def steps_of(run: Run, mass_kg: float) -> list[Step]:
             settling = float((np.flatnonzero(np.abs(way) > near)[-1] + 1) * dt)
         if len(way) and way.max() > _CLEAR * noise:
             overshoot = float(way.max())
-        found.append(Step(v_before, level, before, after, overshoot, settling))
+        largest = float(np.abs(inertia[jump : held.start]).max(initial=0.0))
+        found.append(Step(v_before, level, before, after, overshoot, settling, largest, dt))
         before, v_before, jump = after, level, held.stop
     return found
 
@@ -103,6 +109,24 @@ def _level(series: Series, number: int, runs: list[tuple[int, str, list[Step]]])
         values = of_trials(name)
         return None if values is None else float(values.mean())
 
+    def interval(name: str) -> float | None:
+        values = of_trials(name)
+        return None if values is None else student_interval(values)
+
+    steps = [step for of_trial in trials.values() for step in of_trial]
+    overshoot, settling_ci95_s = mean("overshoot_n"), interval("settling_s")
+    inertia, dt = max(step.inertia_n for step in steps), first.dt_s
+    resolved = overshoot is None or inertia < _COMPARABLE * overshoot
+    remark = ""
+    if not resolved:
+        remark = (
+            f"overshoot not resolved by a {1 / dt:.3g} Hz log: the jump's inertia reaches "
+            f"{inertia:.3g} N"
+        )
+    without = sum(all(step.overshoot_n is None for step in found) for found in trials.values())
+    if overshoot is None and without < len(trials):
+        some = sum(any(step.overshoot_n is None for step in found) for found in trials.values())
+        remark = f"no overshoot above the noise in {some} of {len(trials)} trials: no mean"
     return Level(
         series=series,
         number=number + 1,
@@ -111,8 +135,13 @@ def _level(series: Series, number: int, runs: list[tuple[int, str, list[Step]]])
         before_n=mean("before_n"),
         after_n=mean("after_n"),
         after_ci95_n=student_interval(of_trials("after_n")),
-        overshoot_n=mean("overshoot_n"),
+        overshoot_n=overshoot,
         settling_s=mean("settling_s"),
         n=len(trials),
         runs=tuple(run for _, run, _ in runs),
+        overshoot_ci95_n=interval("overshoot_n"),
+        settling_ci95_s=None if settling_ci95_s is None else max(settling_ci95_s, dt / 2),
+        settling_step_s=dt,
+        remark=remark,
+        resolved=resolved,
     )

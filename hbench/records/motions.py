@@ -80,6 +80,11 @@ class Level:
     settling_s: float | None  # until friction stays near after_n; None: no swing above noise
     n: int  # trials
     runs: tuple[str, ...]
+    overshoot_ci95_n: float | None = None  # over trials
+    settling_ci95_s: float | None = None
+    settling_step_s: float | None = None  # one record: settling is told in whole ones
+    remark: str = ""  # why the overshoot is not known, or not resolved
+    resolved: bool = True  # whether the log resolves the overshoot
     kind: str = "steps"
 
 

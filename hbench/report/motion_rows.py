@@ -75,10 +75,11 @@ def _of_comparisons(found: tuple[Comparison, ...]) -> Iterator[str]:
             continue
         clearest = min(tested, key=lambda one: (one.p_holm, -abs(one.effect_n)))
         p = significant(clearest.p_holm, 2)
+        # No interval: that of one comparison is too narrow for the largest of many.
         yield (
             f"{words}: {sum(map(differs, tested))} of {len(tested)} comparisons differ "
             f"(p < {SIGNIFICANT:g} after Holm); the clearest: "
-            f"{_signed(clearest.effect_n, clearest.ci95_n)} N, p {p} ({comparison_words(clearest)})"
+            f"{_signed(clearest.effect_n, None)} N, p {p} ({comparison_words(clearest)})"
         )
 
 
@@ -91,6 +92,8 @@ def _of_loop(loop: Loop) -> str:
         f"hysteresis ({series_words(loop.series)}, up to {short(1e3 * loop.v_top_m_s)} mm/s): "
         f"{_signed(loop.area_j, loop.area_ci95_j)} J a cycle"
     )
+    if loop.unit == "cycle":
+        words += f" over {loop.cycles} cycles of 1 trial"
     widths = [
         f"{_signed(one.width_n, one.ci95_n)} N at {number(1e3 * one.v_m_s, 0)}"
         for one in loop.widths
@@ -102,12 +105,16 @@ def _of_loop(loop: Loop) -> str:
 def _of_levels(found: tuple[Level, ...]) -> Iterator[str]:
     if not found:
         return
-    over = [one.overshoot_n for one in found if one.overshoot_n is not None]
+    seen = [one for one in found if one.overshoot_n is not None]
+    over = [one.overshoot_n for one in seen if one.resolved]
     settled = [one.settling_s for one in found if one.settling_s is not None]
+    step = f" in steps of {short(found[0].settling_step_s)} s" if found[0].settling_step_s else ""
+    hidden = len(seen) - len(over)
     yield (
         f"steps: {len(found)} levels"
         + (f", friction overshoots by up to {short(max(over))} N" if over else "")
-        + (f", settled after {span(settled)} s" if settled else "")
+        + (f", {hidden} overshoots that the log does not resolve" if hidden else "")
+        + (f", settled after {span(settled)} s{step}" if settled else "")
     )
 
 

@@ -42,7 +42,8 @@ def levels_csv(results: Results) -> str:
     """Return one row a step of the reference."""
     rows = ({**flat(one), "runs": " ".join(one.runs)} for one in results.motions.levels)
     columns = (
-        "number v_from_m_s v_to_m_s before_n after_n after_ci95_n overshoot_n settling_s n runs"
+        "number v_from_m_s v_to_m_s before_n after_n after_ci95_n overshoot_n overshoot_ci95_n "
+        "settling_s settling_ci95_s settling_step_s n runs remark"
     )
     return csv_text((*_SERIES, *columns.split()), rows)
 

@@ -51,7 +51,7 @@ def loop_table(results: Results) -> Table:
 def level_table(results: Results) -> Table:
     """Return the steps of the reference and what friction did."""
     head = ("Load", "From (mm/s)", "To (mm/s)", "Friction before (N)", "Friction after (N)")
-    head = (*head, "Overshoot (N)", "Settled after (s)", "Trials")
+    head = (*head, "Overshoot (N)", "Settled after (s), in whole records", "Trials", "Remark")
     rows = [
         (
             series_words(one.series),
@@ -59,9 +59,15 @@ def level_table(results: Results) -> Table:
             number(1e3 * one.v_to_m_s),
             number(one.before_n),
             with_interval(one.after_n, one.after_ci95_n),
-            number(one.overshoot_n),
-            number(one.settling_s, 2),
+            Cell(
+                with_interval(one.overshoot_n, one.overshoot_ci95_n),
+                "" if one.resolved else "not resolved",
+            ),
+            number(one.settling_s, 2)
+            if one.settling_ci95_s is None
+            else with_interval(one.settling_s, one.settling_ci95_s),
             str(one.n),
+            one.remark,
         )
         for one in results.motions.levels
     ]

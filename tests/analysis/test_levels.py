@@ -22,14 +22,14 @@ def smooth(v_ref, tau_s=0.02):
     return out
 
 
-def steps_run(overshoot_n=0.0, tau_s=0.1, level=1.0, **options):
+def steps_run(overshoot_n=0.0, tau_s=0.1, level=1.0, mass_kg=MASS_KG, **options):
     v_ref = levels_velocity(LEVELS, DWELL_S)
     v = smooth(v_ref)
     since = np.arange(len(v)) % round(DWELL_S / TICK_S) * TICK_S
     friction = level * (300 * np.tanh(v / 1e-3) + 2000 * v)
     friction += np.where(v_ref > 0.09, overshoot_n, 0.0) * np.exp(-since / tau_s)
     plan = {"motion": motion_of(LEVELS)} | options.pop("plan", {})
-    return moving_run("steps", v, friction, MASS_KG, v_ref=v_ref, x0=0.15, plan=plan, **options)
+    return moving_run("steps", v, friction, mass_kg, v_ref=v_ref, x0=0.15, plan=plan, **options)
 
 
 def screened(*runs):
@@ -88,3 +88,37 @@ def test_levels_are_points_of_kind_steps_and_a_repeated_level_counts_once_a_tria
     assert [point.n for point in extend.points] == [1, 1]
     assert extend.points[0].friction_n == pytest.approx(400, abs=0.5)
     assert retract.points[0].friction_n == pytest.approx(-400, abs=0.5)
+
+
+def three_trials(overshoots, **options):
+    runs = []
+    for trial, size in enumerate(overshoots, start=1):
+        plan = {"trial": trial, "run": f"{trial:04d}"}
+        runs.append(steps_run(size, 0.08, noise_n=1.0, seed=trial, plan=plan, **options))
+    return screened(*runs)
+
+
+def test_overshoot_and_settling_have_intervals_over_trials_and_one_trial_has_none():
+    sizes = (70.0, 80.0, 96.0)
+    over = levels(three_trials(sizes), MASS_KG)[1]
+    one_by_one = [levels(three_trials([size]), MASS_KG)[1] for size in sizes]
+    peaks = [one.overshoot_n for one in one_by_one]
+    half = 4.302653 * np.std(peaks, ddof=1) / np.sqrt(3)
+    assert over.overshoot_ci95_n == pytest.approx(half, rel=0.3)  # their noise differs
+    assert {one.overshoot_ci95_n for one in one_by_one} == {None}
+    assert {one.settling_ci95_s for one in one_by_one} == {None}
+    assert over.settling_step_s == pytest.approx(0.01)
+    assert over.settling_ci95_s >= 0.005, "half a record, even where all trials agree"
+
+
+def test_without_an_overshoot_in_one_trial_the_remark_says_so():
+    over = levels(three_trials((80.0, 80.0, 0.0)), MASS_KG)[1]
+    assert over.overshoot_n is None
+    assert over.remark == "no overshoot above the noise in 1 of 3 trials: no mean"
+
+
+def test_an_overshoot_beside_a_jumps_inertia_of_its_size_is_not_resolved():
+    light = levels(three_trials([80.0]), MASS_KG)[1]
+    assert light.resolved and light.remark == ""
+    heavy = levels(three_trials([80.0], mass_kg=20.0), 20.0)[1]
+    assert not heavy.resolved and "not resolved by a 100 Hz log" in heavy.remark

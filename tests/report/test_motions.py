@@ -156,9 +156,9 @@ def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
     assert text.isascii()
     for line in (
         "ramps' acceleration: 1 of 2 comparisons differ (p < 0.05 after Holm); the clearest: "
-        "+12.0 +- 4.0 N, p 0.0040 (seal A, 500 N, extend, 10 to 90 mm/s)",
+        "+12.0 N, p 0.0040 (seal A, 500 N, extend, 10 to 90 mm/s)",
         "ramp against steady: 0 of 1 comparisons differ",
-        "+175.90 +- 0.27 J a cycle; width -17.6 +- 1.9 N at -50, +32.7 N at 50 mm/s",
+        "+175.90 +- 0.27 J a cycle over 2 cycles of 1 trial; width -17.6 +- 1.9 N at -50, ",
         "steps: 2 levels, friction overshoots by up to 65.8 N, settled after 0.3 s",
         "leakage (1 holds) across the piston: 4.0e-14 +- 3.0e-15 m^3/(s Pa)",
         "out of the piston side: 1.0e-16 +- 2.1e-15 m^3/(s Pa), the interval holds 0",
@@ -167,6 +167,18 @@ def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
         "ramp 0.1 m/s^2 extend",
     ):
         assert line in text
+
+
+def test_an_overshoot_that_the_log_does_not_resolve_is_marked_and_not_in_the_summary(moving):
+    hidden = replace(
+        MOTIONS.levels[1], resolved=False, settling_step_s=0.01, overshoot_ci95_n=7.5, remark="why"
+    )
+    results = replace(moving, motions=replace(MOTIONS, levels=(hidden,)))
+    text = summary_text(results)
+    assert "overshoots by" not in text and "1 overshoots that the log does not resolve" in text
+    assert "settled after 0.3 s in steps of 0.01 s" in text
+    page = page_of(results)
+    assert "not resolved" in page and "65.8 ± 7.5" in page and "why" in page
 
 
 def test_untested_comparisons_say_why(small):
