@@ -28,6 +28,7 @@ def ramp_curves(
 ) -> tuple[tuple[Curve, ...], tuple[str, ...]]:
     """Return the curves of the accepted ramps, and notes on what can't be used.
 
+    Accelerations rise within a label, load and direction, in whatever order they were run.
     ``mass_kg`` is the test side's; 0 where it is not known, and then the inertia stays in.
     """
     groups: dict[tuple, list[tuple[int, LoggedMotion]]] = defaultdict(list)
@@ -44,8 +45,10 @@ def ramp_curves(
             notes.append(f"left out of the ramps: {error.message}")
         plans.setdefault(key, plan)
     found = []
-    for key, trials in groups.items():
-        plan = plans[key]
+    of_load = list(dict.fromkeys(key[:-1] for key in groups))
+    rising = sorted(groups, key=lambda key: (of_load.index(key[:-1]), abs(key[-1] or 0.0)))
+    for key in rising:
+        plan, trials = plans[key], groups[key]
         like = Curve(
             "ramp",
             plan.direction,

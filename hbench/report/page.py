@@ -18,6 +18,7 @@ from hbench.units import from_si
 
 _SECTIONS = "friction ramps hysteresis steps leakage efficiency rejected".split()
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
+_FEW = 3  # and a longer one of a fit's remarks
 
 _BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
@@ -58,6 +59,7 @@ def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
         surfaces=results.motions.surfaces,
         rejected=page_tables.rejected_table(results),
         long_list=LONG_LIST,
+        few=_FEW,
         any_rejected=has_rejected(results),
         remarks=page_tables.remark_table(results),
         facts=_facts(results),

@@ -176,10 +176,15 @@ def table(
     words: tuple[str, ...] = (),
 ) -> Table:
     """Build a table; a column of ``_WHERE_GIVEN`` without any entry is left out.
+    Among runs of other kinds, an empty one is steady.
 
     Columns in ``words`` hold no numbers.
     """
     cells = [tuple(c if isinstance(c, Cell) else Cell(c) for c in row) for row in rows]
+    if "Kind" in head and any(row[head.index("Kind")].text for row in cells):
+        at = head.index("Kind")
+        steady = Cell("steady")
+        cells = [row if row[at].text else (*row[:at], steady, *row[at + 1 :]) for row in cells]
     kept = [
         i
         for i, name in enumerate(head)

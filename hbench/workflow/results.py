@@ -26,7 +26,7 @@ from hbench.config.fitting import Fitting, parse_fitting
 from hbench.config.loading import read_yaml
 from hbench.errors import DataError
 from hbench.records import Curve, Motions, Results, Run, ScreenedRun
-from hbench.report.motion_tables import MOTION_TABLES
+from hbench.report.motion_tables import motion_tables
 from hbench.report.tables import TABLES
 from hbench.store.campaign import Campaign, load_campaign, write_results
 
@@ -139,5 +139,5 @@ def _motions(
 
 
 def _tables(results: Results) -> dict[str, bytes]:
-    tables = TABLES | MOTION_TABLES
-    return {name: table(results).encode() for name, table in tables.items()}
+    tables = {name: table(results) for name, table in TABLES.items()} | motion_tables(results)
+    return {name: text.encode() for name, text in tables.items()}

@@ -69,6 +69,13 @@ def test_a_plunger_needs_no_rod_side_pressure():
     assert [point.friction_n for point in curve.points] == pytest.approx(friction)
 
 
+def test_accelerations_rise_in_whatever_order_they_were_run():
+    runs = [ramp(a, sign=sign) for a in (0.1, 0.05, 0.2) for sign in (1.0, -1.0)]
+    found, _ = ramp_curves(screened(runs), MASS_KG)
+    order = [(curve.direction, curve.a_ref_m_s2) for curve in found]
+    assert order == [(way, a) for way in ("extend", "retract") for a in (0.05, 0.1, 0.2)]
+
+
 def test_intervals_are_students_over_trials_and_not_over_samples():
     levels = [0.97, 1.0, 1.06]
     runs = [ramp(0.1, level, trial) for trial, level in enumerate(levels, start=1)]

@@ -22,8 +22,9 @@ from hbench.records import (
 )
 from hbench.report import draw_motions, draw_ramps
 from hbench.report.figures import FIGURES, Drawing
-from hbench.report.motion_tables import MOTION_TABLES
+from hbench.report.motion_tables import MOTION_TABLES, motion_tables
 from hbench.report.page import page_html
+from hbench.report.page_tables import point_table
 from hbench.report.tables import results_json, summary_text
 
 SERIES = Series("seal A", 500.0, 15e5)
@@ -135,9 +136,28 @@ def test_every_csv_has_the_records_in_si(moving):
     assert float(made["surface.csv"][8]["f_load_n"]) == 5000.0
 
 
-def test_without_any_the_csvs_have_their_heads_alone(small):
-    for name in MOTION_TABLES:
-        assert rows(name, small) == []
+def test_tables_without_rows_are_not_written(small, moving):
+    assert motion_tables(small) == {}
+    assert motion_tables(moving).keys() == MOTION_TABLES.keys()
+
+
+def test_beside_ramps_steady_rows_say_so_and_alone_they_have_no_kind(small, moving):
+    table = point_table(moving)
+    kinds = [row[table.head.index("Kind")].text for row in table.rows]
+    assert set(kinds) == {"steady", "ramp 0.03 m/s²", "ramp 0.1 m/s²"}
+    assert "Kind" not in point_table(small).head
+
+
+def test_more_than_a_few_remarks_on_fits_are_folded(small):
+    def page_with(messages):
+        fit = next(curve.fits[0] for curve in small.curves if curve.fits)
+        told = [replace(fit, law="tustin", message=message) for message in messages]
+        curves = (replace(small.curves[0], fits=tuple(told)),)
+        return page_of(replace(small, curves=curves, joint_fits=()))
+
+    folded = page_with([f"remark {i}" for i in range(5)])
+    assert "<details>\n<summary>Remarks on these fits (5)" in folded
+    assert "Remarks on these fits" not in page_with(["alone"]) and "alone" in page_with(["alone"])
 
 
 def test_results_json_has_them_with_the_series_keys_of_curves(moving):
