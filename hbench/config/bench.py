@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
+from hbench.config.effects import Effects
 from hbench.config.friction import FrictionPair
 from hbench.config.loading import validate
 from hbench.config.quantity import Section
@@ -108,6 +109,7 @@ class Plant(Section):
     friction: FrictionPair
     end_stop: EndStop
     sensors: Sensors
+    effects: Effects = Field(default_factory=dict)
 
 
 class VelocityLoop(Section):
@@ -219,7 +221,7 @@ def parse_bench(data: dict[str, Any], source: str) -> Bench:
 
 def parse_plant(bench_data: dict[str, Any], plant_data: dict[str, Any], source: str) -> Plant:
     """Lay the mapping of a plant file over that of its bench. Raises ``ConfigError``."""
-    base = {key: bench_data[key] for key in Plant.model_fields}
+    base = {key: bench_data[key] for key in Plant.model_fields if key in bench_data}
     return validate(Plant, merge(base, plant_data), source)
 
 

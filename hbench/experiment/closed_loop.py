@@ -70,12 +70,14 @@ def record_plans(
     seed: int = 1,
 ) -> Recorded:
     """Make runs that are planned already, as ``record`` does."""
-    from hbench.rig.virtual import VirtualRig  # compiles
+    from hbench.model.simulated_bench import as_run  # compiles
+    from hbench.rig.virtual import VirtualRig
 
+    on_board = as_run(bench, plant)
     rig, kept = VirtualRig(bench, plant, seed), _Kept(bench)
     try:
         clock = datetime.fromtimestamp(0, UTC)
-        run_campaign(plans, bench, BoardClient(rig), kept, lambda: clock, report)
+        run_campaign(plans, on_board, BoardClient(rig), kept, lambda: clock, report)
     except DeviceError as error:
         return Recorded(tuple(kept.runs), len(plans), error.message)
     finally:

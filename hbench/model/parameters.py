@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from hbench.config.bench import Cylinder, EndStop, Plant, Pump, Supply, Valve
 from hbench.config.friction import Friction
+from hbench.model.effects import read_effects, with_effects
 from hbench.model.friction import LAWS
 
 
@@ -105,14 +106,18 @@ class PlantParameters(NamedTuple):
     valve: ValveParameters
     end_stop: EndStopParameters
     substeps: int  # of one control tick, as the stiffest friction law needs
+    effects: tuple[tuple[float, ...], ...] | None = None  # coefficients; see effects.py
 
 
 def plant_parameters(plant: Plant) -> PlantParameters:
-    """Collect the parameters of a plant (or bench) file."""
+    """Collect the parameters of a plant (or bench) file.
+
+    Raises ``ConfigError`` for effects that are not in the catalogue or out of range.
+    """
     laws = (LAWS[plant.friction.test.law], LAWS[plant.friction.load.law])
     test = _cylinder(plant.test_cylinder, plant.friction.test)
     load = _cylinder(plant.load_cylinder, plant.friction.load)
-    return PlantParameters(
+    par = PlantParameters(
         test=test,
         load=load,
         mass_test_kg=float(plant.moving_mass.test),
@@ -123,6 +128,7 @@ def plant_parameters(plant: Plant) -> PlantParameters:
         end_stop=_end_stop(plant.end_stop),
         substeps=max(law.substeps for law in laws),
     )
+    return with_effects(par, read_effects(plant.effects))
 
 
 def _cylinder(cylinder: Cylinder, friction: Friction) -> CylinderParameters:

@@ -1,6 +1,6 @@
 """The bench as a system of differential equations, and one control tick of it.
 
-The state is an array of floats, the commands u one of three, both indexed by the names below.
+The state is an array of floats (``states.py``), the commands u one of three, named below.
 Positive velocity extends the test cylinder; the load cylinder retracts with it.
 """
 
@@ -17,18 +17,40 @@ from hbench.model.cylinders import (
     pressure_rate,
     retracting_volumes,
 )
+from hbench.model.effect_places import Flows, Openings
+from hbench.model.effects_applied import (
+    effect_states,
+    flow_effects,
+    friction_effects,
+    oil,
+    openings,
+)
 from hbench.model.friction import friction, hold_slipped
+from hbench.model.states import (  # noqa: F401  all of the state's places, for its readers
+    P_LP,
+    P_LR,
+    P_S,
+    P_TP,
+    P_TR,
+    PUMP_COMMAND,
+    PUMP_FLOW,
+    RATE_L1,
+    RATE_L2,
+    RATE_T,
+    SPOOL_L1,
+    SPOOL_L2,
+    SPOOL_T,
+    Z_L,
+    Z_T,
+    V,
+    X,
+    bristles_end,
+)
 from hbench.model.supply import pump_rates, rest_flow
 from hbench.model.valves import port_flow, spool_acceleration
 
 if TYPE_CHECKING:
     from hbench.model.parameters import PlantParameters
-
-# State: m, m/s; Pa; spools in V and V/s; supply in Pa and m^3/s; bristles in m.
-X, V, P_TP, P_TR, P_LP, P_LR = 0, 1, 2, 3, 4, 5
-SPOOL_T, SPOOL_L1, SPOOL_L2, RATE_T, RATE_L1, RATE_L2 = 6, 7, 8, 9, 10, 11
-P_S, PUMP_COMMAND, PUMP_FLOW = 12, 13, 14
-Z_T, Z_L = 15, 16  # and every second one after them for Leuven
 
 # Commands in V: test valve, load valve 1 (rod side), load valve 2 (piston side).
 U_T, U_L1, U_L2 = 0, 1, 2
@@ -44,7 +66,7 @@ _FADED = 1e-100  # a state below it is 0: resting spools' denormal numbers would
 @compiled
 def n_states(par: "PlantParameters") -> int:
     """Return the length of the state; a constant of the parameters' type, so loops unroll."""
-    return Z_T + 2 * max(len(par.test.friction.elements), len(par.load.friction.elements))
+    return bristles_end(par) + effect_states(par.effects)
 
 
 def new_work(par: "PlantParameters") -> np.ndarray:
@@ -71,13 +93,16 @@ def forces(
     F_applied = F_L + F_fL + m_L a - F_stop,L
 
     The load cell sits between the masses, so it carries the load mass's inertia (the erratum of
-    2.12) and what the load cylinder's heads take. The rates of the bristles go into ``rates``, an
-    array like the state.
+    2.12) and what the load cylinder's heads take. The rates of the bristles and of the effects on
+    friction go into ``rates``, an array like the state.
     """
     x, v = state[X], state[V]
     p_tp, p_tr, p_lp, p_lr = state[P_TP], state[P_TR], state[P_LP], state[P_LR]
-    friction_t = friction(v, state, Z_T, p_tp, p_tr, levels[LEVEL_T], par.test.friction, rates)
-    friction_l = friction(v, state, Z_L, p_lp, p_lr, levels[LEVEL_L], par.load.friction, rates)
+    level_t, level_l, more_t, more_l = friction_effects(
+        levels[LEVEL_T], levels[LEVEL_L], state, par, par.effects, rates
+    )
+    friction_t = friction(v, state, Z_T, p_tp, p_tr, level_t, par.test.friction, rates) + more_t
+    friction_l = friction(v, state, Z_L, p_lp, p_lr, level_l, par.load.friction, rates) + more_l
     test = pressure_force(p_tp, p_tr, par.test) + end_stop_force(x, v, par.test, par.end_stop)
     load = pressure_force(p_lp, p_lr, par.load) - end_stop_force(x, v, par.load, par.end_stop)
     mass = par.mass_test_kg + par.mass_load_kg
@@ -95,26 +120,30 @@ def load_cell_force(
 
 
 @compiled
-def port_flows(state: np.ndarray, par: "PlantParameters") -> tuple[float, float, float, float]:
-    """Flows [m^3/s] from the valves into the chambers: Tp, Tr, Lp, Lr."""
-    p_s, p_t, valve = state[P_S], par.supply.tank_pa, par.valve
-    return (
-        port_flow(state[SPOOL_T], state[P_TP], p_s, p_t, valve),
-        port_flow(-state[SPOOL_T], state[P_TR], p_s, p_t, valve),
-        port_flow(state[SPOOL_L2], state[P_LP], p_s, p_t, valve),
-        port_flow(state[SPOOL_L1], state[P_LR], p_s, p_t, valve),
-    )
+def valve_flows(
+    state: np.ndarray, opened: Openings, p_tank: float, par: "PlantParameters"
+) -> Flows:
+    """Flows from the valves into the chambers; from the supply line, and into the tank's."""
+    p_s, valve = state[P_S], par.valve
+    u_t, u_l1, u_l2 = opened
+    q_tp = port_flow(u_t, state[P_TP], p_s, p_tank, valve)
+    q_tr = port_flow(-u_t, state[P_TR], p_s, p_tank, valve)
+    q_lp = port_flow(u_l2, state[P_LP], p_s, p_tank, valve)
+    q_lr = port_flow(u_l1, state[P_LR], p_s, p_tank, valve)
+    drawn = q_tp if u_t > 0.0 else 0.0
+    drawn += q_tr if u_t < 0.0 else 0.0
+    drawn += q_lp if u_l2 > 0.0 else 0.0
+    drawn += q_lr if u_l1 > 0.0 else 0.0
+    returned = drawn - (q_tp + q_tr + q_lp + q_lr)
+    return Flows(q_tp, q_tr, q_lp, q_lr, drawn, returned, 1.0)
 
 
 @compiled
-def drawn_flow(state: np.ndarray, flows: tuple[float, float, float, float]) -> float:
-    """Flow [m^3/s] from the supply line into the chambers that are open to it."""
-    q_tp, q_tr, q_lp, q_lr = flows
-    drawn = q_tp if state[SPOOL_T] > 0.0 else 0.0
-    drawn += q_tr if state[SPOOL_T] < 0.0 else 0.0
-    drawn += q_lp if state[SPOOL_L2] > 0.0 else 0.0
-    drawn += q_lr if state[SPOOL_L1] > 0.0 else 0.0
-    return drawn
+def drawn_flow(state: np.ndarray, par: "PlantParameters", rates: np.ndarray) -> float:
+    """Flow [m^3/s] from the supply line into the chambers; ``rates`` is scratch."""
+    opened = openings(state, par, par.effects, rates)
+    tank = oil(state, par, par.effects, rates).tank_pa
+    return valve_flows(state, opened, tank, par).drawn
 
 
 @compiled
@@ -130,19 +159,20 @@ def derivatives(
     out[X] = v
     out[V] = forces(state, levels, par, out).acceleration
 
-    test, load, beta = par.test, par.load, par.bulk_modulus_pa
+    test, load = par.test, par.load
     v_tp, v_tr = extending_volumes(x, test)
     v_lp, v_lr = retracting_volumes(x, load)
-    flows = port_flows(state, par)
-    q_tp, q_tr, q_lp, q_lr = flows
-    out[P_TP] = pressure_rate(state[P_TP], v_tp, q_tp - test.area_piston_m2 * v, beta)
-    out[P_TR] = pressure_rate(state[P_TR], v_tr, q_tr + test.area_rod_m2 * v, beta)
-    out[P_LP] = pressure_rate(state[P_LP], v_lp, q_lp + load.area_piston_m2 * v, beta)
-    out[P_LR] = pressure_rate(state[P_LR], v_lr, q_lr - load.area_rod_m2 * v, beta)
-
+    opened = openings(state, par, par.effects, out)
+    fluid = oil(state, par, par.effects, out)
+    q = valve_flows(state, opened, fluid.tank_pa, par)
     out[P_S], out[PUMP_COMMAND], out[PUMP_FLOW] = pump_rates(
-        state[P_S], state[PUMP_COMMAND], state[PUMP_FLOW], drawn_flow(state, flows), par.supply
+        state[P_S], state[PUMP_COMMAND], state[PUMP_FLOW], q.drawn, par.supply
     )
+    q = flow_effects(q, state, par, par.effects, out)
+    out[P_TP] = pressure_rate(state[P_TP], v_tp, q.tp - test.area_piston_m2 * v, fluid.beta_tp)
+    out[P_TR] = pressure_rate(state[P_TR], v_tr, q.tr + test.area_rod_m2 * v, fluid.beta_tr)
+    out[P_LP] = pressure_rate(state[P_LP], v_lp, q.lp + load.area_piston_m2 * v, fluid.beta_lp)
+    out[P_LR] = pressure_rate(state[P_LR], v_lr, q.lr - load.area_rod_m2 * v, fluid.beta_lr)
 
     for i in range(3):
         out[SPOOL_T + i] = state[RATE_T + i]
@@ -190,6 +220,7 @@ def initial_state(par: "PlantParameters", x_m: float, p_lr_pa: float, p_lp_pa: f
         extension   P_Tr - P_t = r^2 (P_s - P_Tp)        for F_L >= 0
         retraction  P_s - P_Tr = r^2 (P_Tp - P_t)        for F_L < 0
 
+    With leaks it is no equilibrium: the pressures drift until a valve makes up for them.
     Raises ``ConfigError`` where the test cylinder can't carry the load.
     """
     a_p, a_r = par.test.area_piston_m2, par.test.area_rod_m2

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.config.bench import Bench, Plant
+from hbench.model.effects import changed_by, read_effects
 from hbench.model.noise import new_noise
 from hbench.model.parameters import PlantParameters, plant_parameters
 from hbench.model.plant import initial_state, new_work
@@ -50,8 +51,20 @@ def new_simulated_bench(bench: Bench, plant: Plant | None, seed: int) -> Simulat
         levels=new_levels(noise, par),
         noise=noise,
         par=par,
-        sensors=sensor_parameters(plant.sensors),
+        sensors=changed_by(
+            "sensors", sensor_parameters(plant.sensors), read_effects(plant.effects)
+        ),
         values=np.zeros(N_CHANNELS),
         u=np.zeros(3),
         work=new_work(par),
     )
+
+
+def as_run(bench: Bench, plant: Plant | None) -> Bench:
+    """Return the bench as the simulated board runs it: effects on the board change its settings.
+
+    The campaign keeps the bench file as it is.
+    """
+    values = read_effects((plant or bench).effects)
+    controllers = changed_by("board", bench.controllers, values)
+    return bench.model_copy(update={"controllers": controllers})

@@ -14,7 +14,6 @@ from hbench.model.plant import (
     forces,
     n_states,
     new_work,
-    port_flows,
     step,
 )
 from hbench.model.scatter import new_levels, update_levels
@@ -85,4 +84,4 @@ def _observe(
     output[0] = moment.friction_test
     output[1] = moment.friction_load
     output[2] = moment.applied
-    output[3] = drawn_flow(state, port_flows(state, par))
+    output[3] = drawn_flow(state, par, rates)

@@ -110,7 +110,24 @@ def open_port(name: str, bench: Bench, physics: Plant | None, seed: int, baud: i
 
 def physics_of(bench_data: dict[str, Any], plant: Path | None) -> Plant | None:
     """Read the file of another plant for the virtual rig, if one is named."""
-    return None if plant is None else parse_plant(bench_data, read_yaml(plant), str(plant))
+    if plant is None:
+        return None
+    physics = parse_plant(bench_data, read_yaml(plant), str(plant))
+    check_effects(physics, plant)
+    return physics
+
+
+def check_effects(plant: Plant, file: Path) -> None:
+    """Check the section ``effects`` against the catalogue. Raises ``ConfigError``."""
+    if not plant.effects:
+        return
+    from hbench.model.parameters import plant_parameters
+
+    try:
+        plant_parameters(plant)
+    except ConfigError as error:
+        faults = (f"{file}: {fault}" for fault in error.message.splitlines())
+        raise ConfigError("\n".join(faults), error.hint) from None
 
 
 def _virtual_rig(bench: Bench, physics: Plant | None, seed: int, baud: int | None) -> Port:

@@ -20,7 +20,7 @@ from hbench.rig.client import BoardClient
 from hbench.store.campaign import CampaignWriter, load_campaign
 from hbench.store.foreign import ImportSummary, import_folder
 from hbench.store.hold import only_host
-from hbench.workflow.board import open_port, physics_of
+from hbench.workflow.board import check_effects, open_port, physics_of
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,7 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
         bench_file = schedule_file.parent / schedule.bench
     bench_data = read_yaml(bench_file)
     bench = parse_bench(bench_data, str(bench_file))
+    check_effects(bench, bench_file)
     return Experiment(
         schedule=schedule,
         bench=bench,
@@ -112,6 +113,11 @@ def measure(
     with only_host(folder):
         campaign = load_campaign(folder) if resume else None
         physics = physics_of(experiment.files["bench"]["content"], plant)
+        on_board = bench
+        if port == "sim":
+            from hbench.model.simulated_bench import as_run  # compiles
+
+            on_board = as_run(bench, physics)
         line = open_port(port, bench, physics, session_seed(seed, campaign), baud)
         try:
             client = BoardClient(line)
@@ -135,7 +141,7 @@ def measure(
             for part in parts(experiment.plan, experiment.schedule, bench, folder, done):
                 progress = over_all_parts(report, made, part)
                 first = resume and not made
-                run_campaign(part.runs, bench, client, journal, clock, progress, first)
+                run_campaign(part.runs, on_board, client, journal, clock, progress, first)
                 made += len(part.runs)
             return Measured(made, line.now() - start)
         finally:

@@ -1,0 +1,171 @@
+"""Effects of friction and ends of the stroke; see ``effects.py`` for how a law is called.
+
+Most change the magnitude of the cylinder's own dry friction, whatever its law, so that the law's
+memory carries the change too. Each is neutral, to the bit, where its coefficient is 0.
+"""
+
+from math import copysign, exp
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hbench.model.compiled import compiled
+from hbench.model.cylinders import pressure_force
+from hbench.model.effect_places import Rubbing
+from hbench.model.friction import steady_parts
+from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
+
+if TYPE_CHECKING:
+    from hbench.model.parameters import PlantParameters
+
+Coefficients = tuple[float, ...]
+
+
+@compiled
+def more(f: Rubbing, test: float, load: float) -> Rubbing:
+    """Add to the dry magnitudes [N]."""
+    return Rubbing(f.dry_t, f.dry_l, f.more_t + test, f.more_l + load, f.force_t, f.force_l)
+
+
+@compiled
+def against(f: Rubbing, test: float, load: float) -> Rubbing:
+    """Add forces [N], positive against extension."""
+    return Rubbing(f.dry_t, f.dry_l, f.more_t, f.more_l, f.force_t + test, f.force_l + load)
+
+
+@compiled
+def seal_pressure_friction(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """Seals pressed by the oil: dry friction grows by k (|P_p - P_r| + P_r), after 3.7.
+
+    The drop across the piston's seal and the rod's. c: k [N/Pa] of the test and load cylinder.
+    """
+    test, load = c
+    p_tp, p_tr, p_lp, p_lr = state[P_TP], state[P_TR], state[P_LP], state[P_LR]
+    return more(f, test * (abs(p_tp - p_tr) + p_tr), load * (abs(p_lp - p_lr) + p_lr))
+
+
+@compiled
+def load_friction(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """Guides pressed by the load: dry friction grows by k |F|, F the cylinder's pressure force.
+
+    c: k [1] of the test and load cylinder.
+    """
+    test, load = c
+    f_test = pressure_force(state[P_TP], state[P_TR], par.test)
+    f_load = pressure_force(state[P_LP], state[P_LR], par.load)
+    return more(f, test * abs(f_test), load * abs(f_load))
+
+
+@compiled
+def direction_asymmetry(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """Lips that rub unequally: dry friction is F (1 + k sign v). c: k [1], test and load."""
+    test, load = c
+    way = copysign(1.0, state[V])
+    return more(f, way * test * f.dry_t, way * load * f.dry_l)
+
+
+@compiled
+def friction_lag(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """Frictional memory: the dry part follows a speed that lags, tau ds/dt = |v| - s.
+
+    c: tau [s]. Both cylinders (Hess and Soom, J. Tribology 112, 1990, as a first-order lag).
+    Pressures act at once. The change is that of the nominal level.
+    """
+    (tau,) = c
+    if tau == 0.0:
+        rates[at] = 0.0
+        return f
+    speed, lagged = abs(state[V]), state[at]
+    rates[at] = (speed - lagged) / tau
+    now_t, now_l = _dry(state, speed, par)
+    then_t, then_l = _dry(state, lagged, par)
+    return more(f, then_t - now_t, then_l - now_l)
+
+
+@compiled
+def _dry(state: np.ndarray, speed: float, par: "PlantParameters") -> tuple[float, float]:
+    """Dry parts [N] at another speed in the present direction, at nominal level."""
+    v = copysign(speed, state[V])
+    dry_t, _ = steady_parts(v, state[P_TP], state[P_TR], 1.0, par.test.friction)
+    dry_l, _ = steady_parts(v, state[P_LP], state[P_LR], 1.0, par.load.friction)
+    return abs(dry_t), abs(dry_l)
+
+
+@compiled
+def presliding(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """A part F of the test cylinder's dry friction builds up over a displacement L.
+
+    dz/dt = (v - |v| z) / L, force F z instead of F sign(v): a seal that shears before it slides
+    (Dahl 1968). Friction in steady motion stays what it is. c: F [N], L [m].
+    """
+    part, length = c
+    if part == 0.0:
+        rates[at] = 0.0
+        return f
+    v, z = state[V], state[at]
+    rates[at] = (v - abs(v) * z) / length
+    return against(more(f, -part, 0.0), part * z, 0.0)
+
+
+@compiled
+def position_friction(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """A bore that is not the same all along: dry friction of the test cylinder + a s + b s^2.
+
+    s = -1 and 1 at its ends, 0 in the middle. c: a, b [N].
+    """
+    slope, bow = c
+    s = 2.0 * (state[X] + par.test.offset_m) / par.test.stroke_m - 1.0
+    return more(f, s * (slope + bow * s), 0.0)
+
+
+@compiled
+def thinner_film(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """Viscous friction falls with the warm oil's viscosity: B v (exp(-k theta) - 1) is added.
+
+    See ``effect_flows.warmth``. A law without a viscous part B does not change.
+    """
+    rise, _, k = c
+    if rise == 0.0:
+        return f
+    change = (exp(-k * state[at]) - 1.0) * state[V]
+    return against(f, change * par.test.friction.viscous, change * par.load.friction.viscous)
+
+
+@compiled
+def end_cushion(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """Trapped oil brakes the test piston near its ends: D (1 - d / L) v while it nears one.
+
+    d is the distance to that end, L the cushion's length; the oil leaves through a laminar gap.
+    Away from the end a check valve opens. c: L [m], D [N s/m].
+    """
+    length, damping = c
+    if length == 0.0:
+        return f
+    v, position = state[V], state[X] + par.test.offset_m
+    distance = par.test.stroke_m - position if v > 0.0 else position
+    depth = min(max(1.0 - distance / length, 0.0), 1.0)
+    return against(f, damping * depth * v, 0.0)

@@ -1,0 +1,50 @@
+"""Effects that are other numbers in the plant, its sensors or its board, not other equations."""
+
+from typing import TYPE_CHECKING
+
+from hbench.config.bench import Controllers
+
+if TYPE_CHECKING:
+    from hbench.model.parameters import PlantParameters
+    from hbench.model.sensors import SensorParameters
+
+Coefficients = tuple[float, ...]
+_FORCE = 6  # of sensors.CHANNELS
+_PRESSURES = slice(1, 6)
+
+
+def added_mass(par: "PlantParameters", c: Coefficients) -> "PlantParameters":
+    """More moving mass on either side of the load cell. c: kg, test and load side."""
+    test, load = c
+    return par._replace(mass_test_kg=par.mass_test_kg + test, mass_load_kg=par.mass_load_kg + load)
+
+
+def load_cell_gain(sensors: "SensorParameters", c: Coefficients) -> "SensorParameters":
+    """The load cell shows (1 + e) F. c: e [1]."""
+    gains = list(sensors.per_unit)
+    gains[_FORCE] *= 1.0 + c[0]
+    return sensors._replace(per_unit=tuple(gains))
+
+
+def load_cell_offset(sensors: "SensorParameters", c: Coefficients) -> "SensorParameters":
+    """The load cell shows F + F_0. c: F_0 [N]."""
+    zeros = list(sensors.zero)
+    zeros[_FORCE] += c[0] * sensors.per_unit[_FORCE]
+    return sensors._replace(zero=tuple(zeros))
+
+
+def pressure_offset(sensors: "SensorParameters", c: Coefficients) -> "SensorParameters":
+    """Each transducer shows P + p_0. c: p_0 [Pa] of Tp, Tr, Lp, Lr and the supply."""
+    zeros = list(sensors.zero)
+    shifts = [p_0 * gain for p_0, gain in zip(c, sensors.per_unit[_PRESSURES], strict=True)]
+    zeros[_PRESSURES] = [zero + s for zero, s in zip(zeros[_PRESSURES], shifts, strict=True)]
+    return sensors._replace(zero=tuple(zeros))
+
+
+def slower_filter(controllers: Controllers, c: Coefficients) -> Controllers:
+    """Return what the board runs: a velocity filter (D.11) slower by c [s].
+
+    So the logged velocity lags the logged position by more than the bench file tells. A lag of the
+    position sensor would delay both alike.
+    """
+    return controllers.model_copy(update={"velocity_filter": controllers.velocity_filter + c[0]})

@@ -1,0 +1,44 @@
+"""Where an effect acts: what the plant hands to its law, and what it takes back."""
+
+from typing import NamedTuple
+
+
+class Openings(NamedTuple):
+    """Of the valves, in volts: test, load 1 (rod side), load 2 (piston side)."""
+
+    test: float
+    load_1: float
+    load_2: float
+
+
+class Oil(NamedTuple):
+    """Pressure [Pa] in the return line, and the oil's bulk modulus [Pa] in each chamber."""
+
+    tank_pa: float
+    beta_tp: float
+    beta_tr: float
+    beta_lp: float
+    beta_lr: float
+
+
+class Flows(NamedTuple):
+    """Flows [m^3/s] into the chambers, and what the valves draw from supply and give to tank."""
+
+    tp: float
+    tr: float
+    lp: float
+    lr: float
+    drawn: float
+    returned: float
+    fluidity: float  # of the oil against that of the bench file: cold viscosity over viscosity
+
+
+class Rubbing(NamedTuple):
+    """Friction of the test and the load cylinder [N]."""
+
+    dry_t: float  # magnitude of the law's dry part at this velocity, level included
+    dry_l: float
+    more_t: float  # to be added to that magnitude; the law's own memory carries it too
+    more_l: float
+    force_t: float  # to be added to the friction, positive against extension
+    force_l: float

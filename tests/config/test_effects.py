@@ -1,0 +1,81 @@
+"""The section ``effects`` of a bench or plant file."""
+
+import pytest
+
+from hbench.config.bench import parse_bench, parse_plant
+from hbench.config.effects import Coefficient, parse_effects
+from hbench.config.loading import read_yaml
+from hbench.errors import ConfigError
+from hbench.model.effects import EFFECTS, read_effects
+from hbench.reconcile.balances import BALANCES
+from tests.conftest import ROOT
+
+BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
+
+
+def test_coefficients_come_in_si_with_defaults_for_those_not_given():
+    values = read_effects({"supply_droop": {"slope": "0.6 bar min/l"}})
+    assert values == {"supply_droop": {"slope": pytest.approx(3.6e9), "lag": 0.02}}
+
+
+@pytest.mark.parametrize(
+    ("section", "says"),
+    [
+        ({"leakage": {"test": "1 l/min/bar"}}, "known are added_mass, direction_asymmetry"),
+        ({"valve_lag": {"tau": "1 ms"}}, "effects.valve_lag.tau: it has time"),
+        ({"valve_lag": {"time": "1 V"}}, "expected one like ms"),
+        ({"valve_lag": {"time": "0.2 s"}}, "effects.valve_lag.time = '0.2 s': must be between"),
+        ({"internal_leakage": {"test": "-1 l/min/bar"}}, "must be between 0 and 1 l/min/bar"),
+    ],
+)
+def test_a_name_a_unit_or_a_size_that_is_wrong_is_refused(section, says):
+    with pytest.raises(ConfigError, match="effects") as caught:
+        read_effects(section)
+    assert says in caught.value.message
+
+
+def test_all_faults_are_told_at_once():
+    with pytest.raises(ConfigError) as caught:
+        read_effects({"a": {}, "valve_lag": {"time": "x", "b": "1 V"}})
+    assert len(caught.value.message.splitlines()) == 3
+
+
+def test_the_limits_themselves_are_allowed_whatever_the_unit_rounds_to():
+    known = {"e": {"c": Coefficient("l/min/bar", 0.1, 0.3, 0.7)}}
+    for size in ("0.3 l/min/bar", "0.7 l/min/bar"):
+        assert parse_effects({"e": {"c": size}}, known)
+
+
+def test_a_plant_file_lays_its_effects_over_those_of_the_bench():
+    bench = BENCH | {"effects": {"valve_lag": {"time": "2 ms"}, "added_mass": {"test": "1 kg"}}}
+    over = {"effects": {"added_mass": {"load": "2 kg"}, "load_cell_gain": {"error": "1 %"}}}
+    assert read_effects(parse_plant(bench, over, "plant").effects) == {
+        "valve_lag": {"time": 0.002},
+        "added_mass": {"test": 1.0, "load": 2.0},
+        "load_cell_gain": {"error": pytest.approx(0.01)},
+    }
+    assert parse_plant(BENCH, {}, "plant").effects == parse_bench(BENCH, "bench").effects == {}
+
+
+@pytest.mark.parametrize("section", [["valve_lag"], {"valve_lag": "2 ms"}, {"valve_lag": None}])
+def test_an_effect_is_a_mapping_of_coefficients(section):
+    with pytest.raises(ConfigError, match="effects"):
+        parse_bench(BENCH | {"effects": section}, "bench")
+
+
+def test_the_catalogue_is_complete_and_its_typical_sizes_are_in_range():
+    assert set(EFFECTS) == {
+        *("internal_leakage", "external_leakage", "supply_droop", "valve_deadband"),
+        *("valve_asymmetry", "valve_lag", "entrained_air", "seal_pressure_friction"),
+        *("load_friction", "direction_asymmetry", "friction_lag", "presliding"),
+        *("position_friction", "oil_warming", "end_cushion", "tank_back_pressure", "added_mass"),
+        *("load_cell_gain", "load_cell_offset", "pressure_offset", "velocity_filter_lag"),
+    }
+    for row in EFFECTS.values():
+        assert set(row.balances) <= set(BALANCES)
+        assert any(one.typical for one in row.coefficients.values())
+        for one in row.coefficients.values():
+            one.read(f"{one.typical or one.default} {one.unit}")
+    assert {name for name, row in EFFECTS.items() if row.of_sensor} == {
+        *("load_cell_gain", "load_cell_offset", "pressure_offset", "velocity_filter_lag")
+    }
