@@ -90,23 +90,23 @@ EFFECTS: dict[str, Effect] = {
     ),
     "entrained_air": Effect(
         "free air makes the oil softer at low pressure",
-        {"fraction": _c("%", 0.5, 0, 20)},
+        {"fraction": _c("%", 2, 0, 20)},
         _FLOWS, {"oil": flows.entrained_air},
     ),
     "tank_back_pressure": Effect(
         "the pressure at the valves' return ports rises with the return flow's square",
-        {"resistance": _c("bar min^2/l^2", 0.03, 0, 10), "lag": _c("ms", 0, 1, 1e4, 5)},
+        {"resistance": _c("bar min^2/l^2", 0.005, 0, 10), "lag": _c("ms", 0, 1, 1e4, 5)},
         _FLOWS, {"oil": flows.tank_back_pressure, "flows": flows.return_line}, states=1,
     ),
     "supply_droop": Effect(
         "the supply pressure falls with the flow drawn",
-        {"slope": _c("bar min/l", 0.5, 0, 50), "lag": _c("ms", 0, 1, 1e4, 20)},
+        {"slope": _c("bar min/l", 0.1, 0, 50), "lag": _c("ms", 0, 1, 1e4, 20)},
         ("supply",), {"flows": flows.supply_droop},
     ),
     "oil_warming": Effect(
         "the oil warms with the power drawn: less viscous friction, more leakage",
         {
-            "rise": _c("K/kW", 30, 0, 1e3),
+            "rise": _c("K/kW", 10, 0, 1e3),
             "time": _c("s", 0, 0.1, 1e5, 300),
             "viscosity": _c("1/K", 0, 0, 0.1, 0.03),
         },
@@ -139,12 +139,12 @@ EFFECTS: dict[str, Effect] = {
     ),
     "friction_lag": Effect(
         "dry friction follows the speed with a lag",
-        {"time": _c("ms", 20, 0.1, 1e3)},
+        {"time": _c("ms", 60, 0.1, 1e3)},
         _FORCES, {"friction": rubbing.friction_lag}, states=1,
     ),
     "presliding": Effect(
         "a part of the test cylinder's dry friction builds up over a displacement",
-        {"force": _c("N", 60, 0, 1e5), "length": _c("mm", 0, 0.05, 100, 2)},
+        {"force": _c("N", 100, 0, 1e5), "length": _c("mm", 0, 0.05, 100, 2)},
         ("force_test",), {"friction": rubbing.presliding}, states=1,
     ),
     "position_friction": Effect(
@@ -154,12 +154,12 @@ EFFECTS: dict[str, Effect] = {
     ),
     "end_cushion": Effect(
         "trapped oil brakes the test piston near the ends of its stroke",
-        {"length": _c("mm", 100, 0, 1e3), "damping": _c("N s/m", 2000, 0, 1e6)},
+        {"length": _c("mm", 100, 0, 1e3), "damping": _c("N s/m", 10000, 0, 1e6)},
         ("force_test",), {"friction": rubbing.end_cushion},
     ),
     "added_mass": Effect(
         "the moving masses are larger",
-        {"test": _c("kg", 10, 0, 1e4), "load": _c("kg", 10, 0, 1e4)},
+        {"test": _c("kg", 20, 0, 1e4), "load": _c("kg", 20, 0, 1e4)},
         _FORCES, {"plant": numbers.added_mass},
     ),
     "load_cell_gain": Effect(

@@ -25,8 +25,8 @@ from hbench.model.simulation import simulate
 
 BAR, K_S = 1e5, 7.43e-7 * np.sqrt(2 / 870)
 A_P, A_R = np.pi / 4 * 0.04**2, np.pi / 4 * (0.04**2 - 0.025**2)
-MASSES = 10 + 10 + 10  # those of the bench and the added ones
-BETA, AIR, P_0 = 700 * BAR, 0.005, 1.013e5
+MASSES = 10 + 20 + 20  # those of the bench and the added ones
+BETA, AIR, P_0 = 700 * BAR, 0.02, 1.013e5
 LEAK = 3e-3 / 60e3 / BAR
 
 
