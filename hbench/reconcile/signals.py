@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hbench.analysis.calibrate import FIELDS
 from hbench.model.compiled import compiled
 from hbench.model.friction import LUGRE
 from hbench.model.parameters import FrictionParameters, PlantParameters
@@ -36,19 +37,7 @@ from hbench.reconcile.balances import Model, Prepared, Windowed, windowed
 from hbench.records import Run
 
 # Signals that are logged, by their channel: fields of Run.
-_FIELDS = {
-    "x": "x_m",
-    "v": "v_m_s",
-    "p_tp": "p_tp_pa",
-    "p_tr": "p_tr_pa",
-    "p_lp": "p_lp_pa",
-    "p_lr": "p_lr_pa",
-    "p_s": "p_s_pa",
-    "f_applied": "f_applied_n",
-    "u_t": "u_t_v",
-    "u_l1": "u_l1_v",
-    "u_l2": "u_l2_v",
-}
+_FIELDS = {name: field for name, field in FIELDS.items() if name != "v_ref"}
 _PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr")  # that the open loop begins with
 _INPUTS = ("p_s", "u_t", "u_l1", "u_l2")  # of the open loop
 SIGNALS = (*_FIELDS, "friction")
