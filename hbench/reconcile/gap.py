@@ -27,21 +27,9 @@ import numpy as np
 from hbench.analysis.holm import holm
 from hbench.errors import DataError
 from hbench.reconcile.balances import Windowed
-from hbench.records import RunPlan
+from hbench.records import Gap, RunPlan
 
 _EXCHANGES = 999
-
-
-@dataclass(frozen=True)
-class Gap:
-    """One balance or signal: its gap, and what of it is no scatter."""
-
-    name: str
-    gap: float  # 1: as good as the bench repeats itself
-    structured: float  # sqrt(gap^2 - 1), 0 below
-    p_value: float  # after Holm
-    scatter: float  # root mean square of s, in the balance's unit
-    windows: int
 
 
 @dataclass(frozen=True)

@@ -9,26 +9,13 @@ chamber's flow tells its metering edge, for a valve's spool stands to one side o
     retract   to tank        from supply    from supply    to tank
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from hbench.reconcile.gap import GapMap
+from hbench.records import Region
 
 REST_M_S = 2e-3
 _PARTS = 4
-
-
-@dataclass(frozen=True)
-class Region:
-    """A stretch of one axis with the gap of each balance in it, nan where nothing is compared."""
-
-    axis: str
-    label: str  # of a direction; empty for the others
-    low: float  # smallest and largest value in it, SI
-    high: float
-    windows: int
-    gaps: dict[str, float]
 
 
 def regions(found: GapMap) -> tuple[Region, ...]:
