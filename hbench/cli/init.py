@@ -6,9 +6,11 @@ import typer
 
 _FILES = (
     "bench-aau.yaml",
+    "model-aau.yaml",
     "stribeck.yaml",
     "adaptive.yaml",
     "dynamics.yaml",
+    "discriminate.yaml",
     "warm-up.yaml",
     "demo.yaml",
     "fit.yaml",
@@ -16,7 +18,7 @@ _FILES = (
 
 
 def init(directory: Path = typer.Argument(help="Folder to write into.")) -> None:
-    """Write commented example files to edit: a bench, five schedules and a fit file.
+    """Write commented example files to edit: a bench, its model, six schedules and a fit file.
 
     Example: hbench init my-bench
     """

@@ -220,9 +220,18 @@ def parse_bench(data: dict[str, Any], source: str) -> Bench:
 
 
 def parse_plant(bench_data: dict[str, Any], plant_data: dict[str, Any], source: str) -> Plant:
-    """Lay the mapping of a plant file over that of its bench. Raises ``ConfigError``."""
-    base = {key: bench_data[key] for key in Plant.model_fields if key in bench_data}
-    return validate(Plant, merge(base, plant_data), source)
+    """Lay the mapping of a plant file over that of its bench. Raises ``ConfigError``.
+
+    A whole bench file, which has a name, stands for its physics alone.
+    """
+    if "name" in plant_data:
+        parse_bench(plant_data, source)
+        return validate(Plant, _physics(plant_data), source)
+    return validate(Plant, merge(_physics(bench_data), plant_data), source)
+
+
+def _physics(bench_data: dict[str, Any]) -> dict[str, Any]:
+    return {key: bench_data[key] for key in Plant.model_fields if key in bench_data}
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:

@@ -116,6 +116,7 @@ def test_init_writes_files_that_run_accepts_and_keeps_those_that_are_there(hbenc
         "stribeck.yaml",
         "adaptive.yaml",
         "dynamics.yaml",
+        "discriminate.yaml",
         "warm-up.yaml",
         "demo.yaml",
     ):

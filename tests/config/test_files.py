@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from hbench.config.bench import parse_bench, parse_plant
+from hbench.config.bench import Plant, parse_bench, parse_plant
 from hbench.config.importmap import parse_import_map
 from hbench.config.loading import read_yaml
 from hbench.config.schedule import parse_schedule
@@ -148,6 +148,23 @@ def test_a_plant_file_replaces_single_keys_of_the_bench():
     assert plant.friction.load.viscous == parse_bench(BENCH, "b").friction.load.viscous
     assert plant.oil.bulk_modulus == 9e7
     assert plant.oil.density == 870
+
+
+def test_a_whole_bench_file_as_a_plant_file_is_its_physics_alone():
+    other = changed(BENCH, "oil.bulk_modulus", "900 bar") | {"name": "another bench"}
+    with_effects = BENCH | {"effects": {"valve_lag": {"time": "2 ms"}}}
+    plant = parse_plant(with_effects, other, "other.yaml")
+    assert (plant.oil.bulk_modulus, plant.effects) == (9e7, {})
+    with pytest.raises(ConfigError, match=r"other.yaml: key 'controllers' is missing"):
+        parse_plant(BENCH, {k: v for k, v in other.items() if k != "controllers"}, "other.yaml")
+
+
+def test_the_model_of_the_shipped_bench_is_its_physics():
+    """Every section of it but the sensors, which are the campaign's; so no number differs."""
+    model = read_yaml(CONFIGS / "model-aau.yaml")
+    assert set(model) == set(Plant.model_fields) - {"sensors", "effects"}
+    only_sensors = {"sensors": BENCH["sensors"]}
+    assert parse_plant(only_sensors, model, "model") == parse_plant(BENCH, {}, "bench")
 
 
 def test_a_plant_file_may_not_touch_what_is_not_physics():
