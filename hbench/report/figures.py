@@ -54,6 +54,7 @@ class Drawing:
     caption: str
     svg: bytes
     png: bytes
+    wide: bool = False  # over the page's whole width
 
 
 def draw_all(results: Results) -> tuple[Drawing, ...]:
@@ -88,6 +89,7 @@ def render(figure: Figure) -> tuple[bytes, bytes]:
     svg, png = io.BytesIO(), io.BytesIO()
     with rc_context(RC):
         FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Creator": None})
+        figure.set_layout_engine("none")  # it is laid out; a second time takes as long
         figure.set_dpi(PNG_DPI)
         FigureCanvasAgg(figure).print_png(png, metadata={"Software": None})
     return svg.getvalue(), png.getvalue()

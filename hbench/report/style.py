@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Curve, Direction, Results
+from hbench.records import Curve, Diagnosis, Direction, Results
 
 # Okabe and Ito's colours, told apart with any colour vision; their yellow is left out, since thin
 # lines in it can't be seen on white.
@@ -19,6 +19,7 @@ DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
 TITLES = {"extend": "Extending", "retract": "Retracting"}
 
 WIDTH_IN = 5.2  # two side by side on a desktop page; the type stays legible at half this width
+WIDE_IN = 10.8  # over the whole width of a desktop page
 
 RC = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so that it is the same everywhere
@@ -68,16 +69,20 @@ def series_style(index: int, hollow: bool = False) -> dict[str, Any]:
     return {"color": colour, "marker": marker, "markerfacecolor": face}
 
 
-def new_figure(height_in: float) -> Figure:
+def new_figure(height_in: float, wide: bool = False) -> Figure:
     """Return an empty figure of the report's width."""
-    return Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
+    return Figure(figsize=(WIDE_IN if wide else WIDTH_IN, height_in), layout="constrained")
 
 
-def head(axes: Axes, title: str, results: Results) -> None:
-    """Put the title, and on a simulated campaign's figures that they are simulated."""
+def head(axes: Axes, title: str, results: Results | Diagnosis, last: Axes | None = None) -> None:
+    """Put the title, and on a simulated campaign's figures that they are simulated.
+
+    ``last`` are the axes at the right of a row, where this stands.
+    """
     axes.set_title(safe(title))
     if results.provenance.source == "simulated":
-        axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
+        right = last or axes
+        right.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
 
 
 def legend_above(figure: Figure, axes: Axes, title: str = "", columns: int = 4) -> None:

@@ -1,0 +1,238 @@
+"""A diagnosis in words, as JSON, on its page and as files, from runs of the virtual rig."""
+
+import json
+import re
+from dataclasses import replace
+
+import made_diagnosis as made
+import numpy as np
+import pytest
+
+from hbench.config.bench import parse_plant
+from hbench.config.loading import read_yaml
+from hbench.config.schedule import parse_schedule
+from hbench.model.effects import read_effects
+from hbench.reconcile.balances import UNITS
+from hbench.reconcile.signals import SIGNALS
+from hbench.records import FitParameter
+from hbench.report import diagnosis_words as words
+from hbench.report.diagnosis_json import diagnosis_json
+from hbench.report.diagnosis_page import diagnosis_page
+from hbench.report.diagnosis_text import diagnosis_text, edges_table
+from hbench.report.draw_diagnosis import draw_diagnosis
+from hbench.report.draw_gaps import gap_figures, ranking_figure, region_figure
+from hbench.report.draw_overlays import overlay_figures
+from hbench.report.draw_residuals import maps_figure, shape_figure
+from hbench.report.revised_yaml import revised_yaml, schedule_yaml
+from hbench.units import parse_unit
+
+
+@pytest.fixture(scope="module")
+def named():
+    return made.named()
+
+
+@pytest.fixture(scope="module")
+def unknown():
+    return made.unknown()
+
+
+@pytest.fixture(scope="module")
+def ambiguous():
+    return made.ambiguous()
+
+
+def test_the_terminal_gets_the_verdict_first_with_the_coefficient_in_the_benchs_unit(named):
+    text = diagnosis_text(named)
+    first = text.splitlines()[0]
+    assert first == "named: internal_leakage (test 0.00580 (0.00560 to 0.00610) l/min/bar)."
+    assert text.isascii()
+
+
+def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named, ambiguous):
+    text = diagnosis_text(named)
+    flow = named.gap_heldout.balances["flow_tp"]
+    row = [f"{getattr(flow, step):.2f}" for step in ("before", "refitted", "after", "floor")]
+    assert re.search(r"oil into chamber Tp +" + " +".join(row), text)
+    assert re.search(r"external_leakage +585 +72 %", text)
+    assert re.search(r"valve\.gain +0\.9780 \+- 0\.0040", text)
+    assert re.search(r"moving_mass\.test +0\.550 \(at its lower bound\)", text)
+    assert "not tried: presliding: no run reverses" in text
+    assert "0007 (steady): speed" in text
+    assert "form: exponent 1.2" in text
+    text = diagnosis_text(ambiguous)
+    assert text.startswith("ambiguous: internal_leakage or external_leakage; these data can't tell")
+    assert "next experiment: Hold at two pressures" in text
+    assert "missing for a better verdict: closed valves" in text
+
+
+def test_every_verdict_has_its_sentence(named, unknown):
+    assert diagnosis_text(unknown).startswith("unknown: no effect of the catalogue explains what")
+    nothing = replace(unknown, verdict="none", rest=())
+    assert diagnosis_text(nothing).startswith("none: the model agrees with the measurement")
+    rest = replace(named, rest=named.where[:1])
+    assert "A rest stays in oil into chamber Tr." in diagnosis_text(rest).splitlines()[0]
+
+
+def test_json_has_the_names_that_other_programs_read(named, ambiguous):
+    found = json.loads(diagnosis_json(named))
+    assert found["schema"] == "hbench.diagnosis/1"
+    assert found["verdict"] == "named"
+    assert [set(one) >= {"balance", "score", "p_value"} for one in found["where"]] == [True] * 8
+    scores = [one["score"] for one in found["where"]]
+    assert scores == sorted(scores, reverse=True)
+    (effect,) = found["effects"]
+    assert effect["name"] == "internal_leakage"
+    test = effect["parameters"]["test"]
+    assert (test["value"], test["se"], test["ci95"]) == (0.0058, 1e-4, [0.0056, 0.0061])
+    assert test["unit"] == "l/min/bar"
+    assert effect["gap_before"] > effect["gap_after"] > 0
+    assert effect["runner_up"] == {"name": "external_leakage", "margin": 231.0}
+    for part in ("heldout", "train"):
+        assert set(found["gap"][part]) >= {"before", "after", "floor", "signals"}
+        for signal in found["gap"][part]["signals"].values():
+            assert set(signal) >= {"before", "after", "floor"}
+    assert (found["alternatives"], found["next_experiment"]) == ([], None)
+    found = json.loads(diagnosis_json(ambiguous))
+    assert [one["name"] for one in found["alternatives"]] == [
+        "internal_leakage",
+        "external_leakage",
+    ]
+    assert found["alternatives"][0]["score"] == 812.0
+    assert found["next_experiment"].startswith("Hold")
+
+
+def test_a_number_that_does_not_exist_is_null(named):
+    unseen = replace(named.regions[0], gaps={"flow_tp": float("nan")})
+    parameter = {"test": FitParameter(float("nan"), None, None, None, "l/min/bar")}
+    effect = replace(named.effects[0], parameters=parameter, runner_up=None)
+    text = diagnosis_json(replace(named, regions=(unseen,), effects=(effect,)))
+    assert "NaN" not in text
+    found = json.loads(text)
+    assert found["regions"][0]["gaps"]["flow_tp"] is None
+    assert found["effects"][0]["runner_up"] is None
+
+
+def test_balances_and_signals_of_the_report_are_those_of_reconcile_with_units_of_their_kind():
+    assert list(words.BALANCES) == list(UNITS)
+    for name, unit in UNITS.items():
+        assert parse_unit(words.BALANCES[name].unit).dimension == parse_unit(unit).dimension
+    assert set(words.SIGNALS) == set(SIGNALS)
+
+
+def test_a_chambers_edges_are_told_by_the_direction(named):
+    """Extending, oil comes from the supply into Tp and goes from Tr to the tank (2.15)."""
+    ways = {one.label: one.gaps for one in named.regions if one.axis == "direction"}
+    rows = {chamber: cells for chamber, *cells in edges_table(named).rows}
+    tp, tr = rows["oil into chamber Tp"], rows["oil into chamber Tr"]
+    assert tp == [f"{ways[way]['flow_tp']:.2f}" for way in ("extend", "retract")]
+    assert tr == [f"{ways[way]['flow_tr']:.2f}" for way in ("retract", "extend")]
+
+
+def test_the_page_escapes_everything_and_holds_every_figure(named):
+    drawings = draw_diagnosis(named)
+    page = diagnosis_page(named, drawings)
+    assert "made &lt;up&gt;" in page and "<up>" not in page
+    assert page.count("<img ") == len(drawings) == len({one.name for one in drawings})
+    assert page.count('class="wide"') == sum(one.wide for one in drawings)
+    assert "simulated, and say nothing of a real bench" in page
+    for table in ("Gap of held-out runs: signals, open loop", "Refitted before the search"):
+        assert table in page
+    assert page.index("The gap before and after") < page.index("Residuals of each balance")
+
+
+def test_an_unknown_disagreement_is_shown_first_against_velocity_position_time_and_load(unknown):
+    drawings = draw_diagnosis(unknown)
+    page = diagnosis_page(unknown, drawings)
+    assert page.index("The shape of what it lacks") < page.index("Where the refitted model")
+    assert [d.name for d in drawings if d.section == "shape"] == ["shape-flow-tr", "shape-flow-tp"]
+    panels = shape_figure(unknown, "flow_tp").axes[:4]
+    assert [axes.get_xlabel().split(" (")[0] for axes in panels] == [
+        *("Velocity", "Position", "Time in the run", "Load"),
+    ]
+
+
+def test_before_and_after_share_one_scale(named):
+    for figure in (shape_figure(named, "flow_tp"), maps_figure(named)):
+        above, below = figure.axes[0], [a for a in figure.axes if a.get_xlabel()][0]
+        assert above is not below
+        assert above.get_ylim() == below.get_ylim()
+    colours = [axes.collections[0].norm for axes in maps_figure(named).axes[:4]]
+    assert {(one.vmin, one.vmax) for one in colours} == {(-colours[0].vmax, colours[0].vmax)}
+
+
+def test_the_shape_is_every_window_of_the_map_in_the_units_of_its_axes(unknown):
+    velocity = shape_figure(unknown, "flow_tp").axes[0]
+    across, up = velocity.collections[-1].get_offsets().T
+    side = unknown.residuals_before
+    np.testing.assert_allclose(across, 1e3 * side.v_m_s)
+    value = side.value[:, side.names.index("flow_tp")]
+    low, high = velocity.get_ylim()
+    np.testing.assert_allclose(up, np.clip(value, low, high))
+
+
+def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
+    axes = gap_figures(named)["Balances"].axes[0]
+    drawn = {line.get_label(): line.get_xdata() for line in axes.lines}
+    table = named.gap_heldout
+    for step, label in (("before", "model as given"), ("after", "with the effects")):
+        assert drawn[label][0] == getattr(table.total, step)
+    bars = ranking_figure(named).axes[0]
+    assert [bar.get_width() for bar in bars.patches] == [one.score for one in named.ranking]
+    panels = region_figure(named).axes[:5]
+    cells = [text.get_text() for text in panels[0].texts]
+    assert cells[0] == f"{named.regions[0].gaps[named.where[0].name]:.1f}"
+
+
+def test_overlays_are_shown_in_the_benchs_units_with_what_they_are_off(named):
+    run = named.overlays[0].run
+    axes = overlay_figures(named)[run].axes
+    pressure = next(one for one in named.overlays if (one.run, one.signal) == (run, "p_tp"))
+    row = [one.signal for one in named.overlays if one.run == run].index("p_tp")
+    left, right = axes[2 * row : 2 * row + 2]
+    np.testing.assert_allclose(left.lines[0].get_ydata(), pressure.measured / 1e5)
+    np.testing.assert_allclose(
+        right.lines[-1].get_ydata(), (pressure.after - pressure.measured) / 1e5
+    )
+    assert "(bar)" in left.get_ylabel()
+
+
+def test_figures_are_the_same_twice(named):
+    assert draw_diagnosis(named)[0] == draw_diagnosis(named)[0]
+
+
+def test_the_revised_model_reads_back_and_says_where_its_numbers_come_from(named, tmp_path):
+    revised = {
+        "valve": {"gain": "7.27e-7 m^2/V"},
+        "friction": {"test": {"law": "lugre", "viscous": "2400 N s/m"}},
+        "effects": made.FOUND,
+    }
+    path = tmp_path / "model.yaml"
+    path.write_text(revised_yaml(replace(named, revised=revised, why="Because:\n# it's so")))
+    assert read_yaml(path) == revised
+    plant = parse_plant(made.BENCH, read_yaml(path), "model")
+    assert plant.valve.gain == 7.27e-7
+    assert read_effects(plant.effects)["internal_leakage"]["test"] == pytest.approx(
+        9.667e-13, rel=1e-3
+    )
+    text = path.read_text()
+    assert "SIMULATED" in text and "made <up>" in text and "2026-01-01" in text
+    line = next(line for line in text.splitlines() if "gain:" in line)
+    assert line.endswith("# refitted: the model's times 0.9780 ± 0.0040")
+    assert "found: 0.00580 (0.00560 to 0.00610) l/min/bar" in text
+    assert "# oil leaks across the piston with the pressure drop; form: exponent 1.2" in text
+
+
+def test_a_model_that_needs_no_revision_is_still_a_file_that_reads_back(unknown, tmp_path):
+    whole = {key: made.BENCH[key] for key in ("valve", "oil", "supply", "friction")}
+    path = tmp_path / "model.yaml"
+    path.write_text(revised_yaml(replace(unknown, revised=whole)))
+    assert read_yaml(path) == whole
+
+
+def test_the_next_schedule_reads_back_as_a_schedule(ambiguous, tmp_path):
+    path = tmp_path / "next.yaml"
+    path.write_text(schedule_yaml(ambiguous))
+    assert "# Hold at two pressures" in path.read_text()
+    assert read_yaml(path) == ambiguous.next_schedule
+    assert parse_schedule(read_yaml(path), "next").experiments[0].kind == "steady"
