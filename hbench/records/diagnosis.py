@@ -96,7 +96,7 @@ class AddedEffect:
 
     name: str
     says: str  # the law in words
-    parameters: dict[str, FitParameter]
+    parameters: dict[str, FitParameter]  # each in the unit that it carries, a bench's: l/min/bar
     of_sensor: bool
     gap_before: float  # held-out runs, over the balances it touches: refitted model without it
     gap_after: float
@@ -111,7 +111,7 @@ class Overlay:
 
     run: str
     signal: str
-    unit: str
+    unit: str  # of the three
     t_s: np.ndarray  # (n,)
     measured: np.ndarray  # (n,)
     before: np.ndarray  # (n,) the refitted model without the effects
