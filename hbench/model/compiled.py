@@ -1,11 +1,14 @@
 """The decorator of every compiled function of the model."""
 
+import os
 import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba
+
+OWN_EFFECTS = os.environ.get("HBENCH_EFFECTS", "")  # a file; see effect_rows.py
 
 _FOLDER = Path(__file__).parent
 
@@ -14,10 +17,14 @@ def _cache_folder() -> str:
     """Return a folder name that changes whenever a source file of the model does.
 
     Numba inlines the functions that a function calls but checks only the caller's own file: an
-    edited friction law would leave a stale plant in the cache.
+    edited friction law would leave a stale plant in the cache. A file of the user's own effects,
+    and those beside it, are the model's too.
     """
-    digest = 0
-    for source in sorted(_FOLDER.glob("*.py")):
+    sources = sorted(_FOLDER.glob("*.py"))
+    if OWN_EFFECTS:
+        sources += sorted(Path(OWN_EFFECTS).resolve().parent.glob("*.py"))
+    digest = zlib.crc32(OWN_EFFECTS.encode())
+    for source in sources:
         digest = zlib.crc32(source.read_bytes(), digest)
     return str(_FOLDER / "__pycache__" / f"compiled-{digest:08x}")
 

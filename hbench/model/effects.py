@@ -13,7 +13,12 @@ states in both. Three more places take parameters and return others, ``law(param
 ``plant``, ``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/balances.py``
 know the plant without effects, but for those in ``plant``.
 
-Your own effect: one function and one row, here or in a file beside this one.
+Your own effect: one function and one row, in a file that ``HBENCH_EFFECTS`` in the environment
+names (``effect_rows.py``); everything that simulates or reconciles then knows it.
+
+    from hbench.model.compiled import compiled
+    from hbench.model.effect_places import Oil
+    from hbench.model.effects import Coefficient, Effect
 
     @compiled
     def cavity(oil, c, state, at, rates, par):
@@ -21,15 +26,17 @@ Your own effect: one function and one row, here or in a file beside this one.
         soft = 1.0 / (1.0 / oil.beta_tr + c[0])
         return Oil(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
 
-    "soft_hose": Effect("1 / beta of Tr grows", {"compliance": Coefficient("1/bar", 1e-4, 0, 0.1)},
-                        ("flow_tr",), {"oil": cavity}),
+    EFFECTS = {
+        "soft_hose": Effect("1 / beta of Tr grows", {"soft": Coefficient("1/bar", 1e-4, 0, 0.1)},
+                            ("flow_tr",), {"oil": cavity}),
+    }
 
 Without any of the effects that act in the equations of motion ``par.effects`` is None, and their
 code is not compiled at all. With one of them all are, so that coefficients vary without compiling.
 """
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from hbench.config.effects import Coefficient, parse_effects
 from hbench.config.effects import Effects as Section
@@ -37,28 +44,12 @@ from hbench.errors import ConfigError
 from hbench.model import effect_flows as flows
 from hbench.model import effect_friction as rubbing
 from hbench.model import effect_numbers as numbers
+from hbench.model.effect_rows import MOVING, Effect, own_effects
 
 if TYPE_CHECKING:
     from hbench.model.parameters import PlantParameters
 
-MOVING = ("openings", "oil", "flows", "friction")  # places in the equations of motion
-
 Values = Mapping[str, Mapping[str, float]]  # effect: coefficient: number in SI
-
-
-class Effect(NamedTuple):
-    """A row of the catalogue."""
-
-    says: str  # the law in words
-    coefficients: dict[str, Coefficient]
-    balances: tuple[str, ...]  # of reconcile/balances.py, in which it shows
-    laws: dict[str, Callable]  # by place
-    states: int = 0
-
-    @property
-    def of_sensor(self) -> bool:
-        """Whether it is an error of what measures, not of the plant."""
-        return not {"sensors", "board"}.isdisjoint(self.laws)
 
 
 def _c(unit: str, typical: float, low: float, high: float, default: float = 0.0) -> Coefficient:
@@ -72,7 +63,7 @@ _BOTH_SHARE = {"test": _c("%", 5, -50, 50), "load": _c("%", 5, -50, 50)}
 _BAR = _c("bar", 0.5, -20, 20)
 
 # Where two act at one place, in this order.
-EFFECTS: dict[str, Effect] = {
+_CATALOGUE: dict[str, Effect] = {
     "valve_lag": Effect(
         "each valve's opening follows its spool with a first-order lag",
         {"time": _c("ms", 3, 0.1, 100)},
@@ -183,6 +174,8 @@ EFFECTS: dict[str, Effect] = {
         ("kinematics",), {"board": numbers.slower_filter},
     ),
 }  # fmt: skip
+
+EFFECTS: dict[str, Effect] = {**_CATALOGUE, **own_effects(_CATALOGUE)}
 
 
 def read_effects(section: Section) -> dict[str, dict[str, float]]:

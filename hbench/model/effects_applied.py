@@ -7,7 +7,8 @@ import numpy as np
 
 from hbench.model.compiled import compiled, inlined
 from hbench.model.effect_places import Flows, Oil, Openings, Rubbing
-from hbench.model.effects import EFFECTS, MOVING, Effect
+from hbench.model.effect_rows import MOVING, Effect
+from hbench.model.effects import EFFECTS
 from hbench.model.friction import steady_parts
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, SPOOL_L1, SPOOL_L2, SPOOL_T, V, bristles_end
 

@@ -1,0 +1,20 @@
+"""A user's own effect, as the docstring of ``hbench/model/effects.py`` shows it."""
+
+from hbench.model.compiled import compiled
+from hbench.model.effect_places import Oil
+from hbench.model.effects import Coefficient, Effect
+
+
+@compiled
+def cavity(oil, c, state, at, rates, par):
+    """A soft hose at the test cylinder's rod side: 1 / beta grows by c."""
+    soft = 1.0 / (1.0 / oil.beta_tr + c[0])
+    return Oil(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
+
+
+EFFECTS = {
+    "soft_hose": Effect(
+        "1 / beta of Tr grows", {"soft": Coefficient("1/bar", 1e-4, 0, 0.1)},
+        ("flow_tr",), {"oil": cavity},
+    ),
+}  # fmt: skip

@@ -1,0 +1,123 @@
+"""A user's own effects, in a file that the environment names."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import hbench
+from tests.conftest import ROOT
+
+HOSE = Path(__file__).parent / "soft_hose.py"
+DEMO = ROOT / "configs" / "demo.yaml"
+
+# The slope of Tr's pressure in a plant with the hose, over that in one without.
+RATIO = """
+import numpy as np
+from hbench.config.bench import parse_plant
+from hbench.config.loading import read_yaml
+from hbench.model.effects_applied import oil
+from hbench.model.parameters import plant_parameters
+from hbench.model.plant import initial_state, n_states
+from pathlib import Path
+
+data = read_yaml(Path(r"{bench}"))
+over = {{"effects": {{"soft_hose": {{"soft": "1e-3 1/bar"}}}}}}
+par = plant_parameters(parse_plant(data, over, "plant"))
+state = initial_state(par, 0.2, 15e5, 20e5)
+rates = np.zeros(n_states(par))
+fluid = oil(state, par, par.effects, rates)
+print(fluid.beta_tr / par.bulk_modulus_pa, fluid.beta_tp / par.bulk_modulus_pa)
+"""
+
+
+def python(*arguments, effects=None):
+    environment = {key: text for key, text in os.environ.items() if key != "HBENCH_EFFECTS"}
+    path = os.pathsep.join([str(Path(hbench.__file__).parents[1]), *sys.path])
+    environment |= {"PYTHONPATH": path} | ({"HBENCH_EFFECTS": str(effects)} if effects else {})
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)], capture_output=True, text=True, env=environment
+    )
+
+
+def test_an_own_effect_changes_the_plant_and_an_edit_of_its_file_is_compiled(tmp_path):
+    own, script = tmp_path / "my_effects.py", tmp_path / "ratio.py"
+    shutil.copy(HOSE, own)
+    script.write_text(RATIO.format(bench=ROOT / "configs" / "bench-aau.yaml"))
+    for law, share in (("+ c[0]", 1e-3), ("+ 2.0 * c[0]", 2e-3)):
+        own.write_text(HOSE.read_text().replace("+ c[0]", law))
+        made = python(script, effects=own)
+        assert made.returncode == 0, made.stderr
+        soft, stiff = map(float, made.stdout.split())
+        assert soft == pytest.approx(1 / (1 + 700 * share), rel=1e-12)
+        assert stiff == 1.0
+
+
+@pytest.fixture
+def command(tmp_path):
+    """A campaign on a plant with the hose, which is refused before anything moves."""
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("effects:\n  soft_hose: {soft: 1e-3 1/bar}\n")
+    return "-m", "hbench", "run", DEMO, "-o", tmp_path / "campaign", "--plant", plant
+
+
+def test_without_its_file_a_plant_with_an_own_effect_is_refused(command):
+    ended = python(*command)
+    assert ended.returncode == 2 and "effects.soft_hose: no such effect" in ended.stderr
+
+
+BAD = {
+    "not Python": ("", "def", "SyntaxError"),
+    "an import that fails": ("", "import no_such_module", "ModuleNotFoundError"),
+    "no table": (HOSE.read_text(), "del EFFECTS", "has no table EFFECTS"),
+    "a name that exists": (
+        HOSE.read_text().replace("soft_hose", "valve_lag"),
+        "",
+        "valve_lag: the",
+    ),
+    "no row": ("", 'EFFECTS = {"a": 1}', "a: is a int, not an Effect"),
+    "no coefficient": (re.sub(r"Coeff.*0\.1\)", "1", HOSE.read_text()), "", "its coefficients are"),
+    "no unit": (
+        HOSE.read_text().replace("1/bar", "hose"),
+        "",
+        "soft_hose: soft: unknown unit 'hose'",
+    ),
+    "no size": (HOSE.read_text().replace("1e-4", "1.0"), "", "typical = 1 must be in"),
+    "no balance": (HOSE.read_text().replace("flow_tr", "flow"), "", "its balances are a tuple"),
+    "no place": (HOSE.read_text().replace('"oil"', '"hose"'), "", "hose: no such place"),
+    "not compiled": (HOSE.read_text().replace("@compiled", ""), "", "its function needs @compiled"),
+    "the plant itself": ("from hbench.model.plant import step", "", "ImportError"),
+}
+
+
+@pytest.mark.parametrize("fault", BAD)
+def test_a_file_that_cannot_be_used_ends_with_exit_code_2_and_its_name(tmp_path, command, fault):
+    text, more, says = BAD[fault]
+    own = tmp_path / "my_effects.py"
+    own.write_text(f"{text}\n{more}\n")
+    ended = python(*command, effects=own)
+    assert ended.returncode == 2, ended.stderr
+    assert str(own) in ended.stderr and says in ended.stderr and "hint: " in ended.stderr
+
+
+def test_a_file_that_is_not_there_is_told_and_help_works_without_it(tmp_path, command):
+    missing = tmp_path / "my_effects.py"
+    ended = python(*command, effects=missing)
+    assert ended.returncode == 2 and f"{missing}: no such file" in ended.stderr
+    assert python("-m", "hbench", "--help", effects=missing).returncode == 0
+
+
+def test_the_example_in_the_catalogues_docstring_is_this_one():
+    from hbench.model import effects
+
+    def code(text):
+        return [re.sub(r"\s+", "", line) for line in text.splitlines() if line.strip()]
+
+    shown = "".join(code(effects.__doc__))
+    lines = code(HOSE.read_text().split('"""', 2)[2].replace('"""', "'''"))
+    whole = "".join(lines).replace(",),}#fmt:skip", "),}")
+    assert whole in shown
