@@ -1,0 +1,67 @@
+"""The command that writes blind campaigns; see the package's docstring."""
+
+import argparse
+import json
+import os
+import shutil
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+
+from hidden.cases import Case, cases, small_sample, truth
+
+TABLE = Path(__file__).parent / "laws" / "table.py"
+DISCRIMINATE = Path(__file__).parents[3] / "configs" / "discriminate.yaml"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write campaigns; return 0, or 1 where the board stopped itself in one."""
+    parser = argparse.ArgumentParser(description="Write the blind benchmark's campaigns.")
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--cases", default="small", help="small, all, or a part of their names")
+    parser.add_argument("--schedule", type=Path, default=DISCRIMINATE)
+    given = parser.parse_args(arguments)
+    listed = small_sample() if given.cases == "small" else cases()
+    if given.cases not in ("small", "all"):
+        listed = tuple(case for case in listed if given.cases in case.name)
+    return write_all(listed, given.schedule, given.out)
+
+
+def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
+    """Write each case's campaign to ``out/NAME``, and what was put in to ``out/truth.json``.
+
+    A campaign that is there already, whole, stays.
+    """
+    os.environ["HBENCH_EFFECTS"] = str(TABLE)  # before hbench's model is imported
+    from hbench.experiment.cores import on_all_cores
+
+    out.mkdir(parents=True, exist_ok=True)
+    told = {case.name: asdict(case) | {"truth": asdict(truth(case))} for case in listed}
+    (out / "truth.json").write_text(json.dumps(told, indent=1))
+    missing = [case for case in listed if not (out / case.name).exists()]
+    stopped = 0
+    for done, (name, why) in enumerate(on_all_cores(partial(_write, schedule, out), missing), 1):
+        stopped += bool(why)
+        print(f"{done}/{len(missing)} {name} {why}", flush=True)
+    return int(stopped > 0)
+
+
+def _write(schedule: Path, out: Path, case: Case) -> tuple[str, str]:
+    from hbench.errors import DeviceError
+    from hbench.workflow import load_experiment
+    from hidden.measure import write
+
+    part = out / f".{case.name}.part"
+    shutil.rmtree(part, ignore_errors=True)
+    try:
+        write(case, load_experiment(schedule, None), part)
+    except DeviceError as error:
+        return case.name, error.message
+    part.rename(out / case.name)
+    return case.name, ""
+
+
+if __name__ == "__main__":
+    sys.exit(main())

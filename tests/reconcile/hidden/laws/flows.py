@@ -1,0 +1,240 @@
+"""Valves, oil and leaks of the hidden plants. Each law is neutral where its amounts are 0."""
+
+from math import copysign, exp, pi, sin, sqrt
+
+from hbench.model.compiled import compiled
+from hbench.model.effect_places import Flows, Oil, Openings
+from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
+
+
+@compiled
+def power(p, at, exponent):
+    """(p / at)^exponent with the sign of p, smooth within 1 bar of 0."""
+    bar = 1e5 / at
+    r = p / at
+    return r * (r * r + bar * bar) ** (0.5 * (exponent - 1.0))
+
+
+@compiled
+def second_order(y, u, rates, state, at, time, damping):
+    """Write the rates of an opening y that follows u with two poles; return y."""
+    omega = 2.0 * damping / time
+    rates[at] = state[at + 1]
+    rates[at + 1] = omega * (omega * (u - state[at]) - 2.0 * damping * state[at + 1])
+    return state[at]
+
+
+@compiled
+def valve_lag(u, c, state, at, rates, par):
+    """Pilot stage of second order; its delay is ``time`` at low frequency."""
+    time, damping = c
+    if time == 0.0:
+        for i in range(6):
+            rates[at + i] = 0.0
+        return u
+    return Openings(
+        second_order(u.test, u.test, rates, state, at, time, damping),
+        second_order(u.load_1, u.load_1, rates, state, at + 2, time, damping),
+        second_order(u.load_2, u.load_2, rates, state, at + 4, time, damping),
+    )
+
+
+@compiled
+def soft_lap(u, width):
+    """Opening of a spool with rounded edges: a hyperbola that ends ``width`` below u."""
+    return copysign(sqrt(u * u + width * width) - width, u)
+
+
+@compiled
+def valve_deadband(u, c, state, at, rates, par):
+    test, load = c
+    return Openings(soft_lap(u.test, test), soft_lap(u.load_1, load), soft_lap(u.load_2, load))
+
+
+@compiled
+def uneven(u, share, knee):
+    """An even part that grows with the square of small openings, then in proportion."""
+    return u + share * u * u / sqrt(u * u + knee * knee)
+
+
+@compiled
+def valve_asymmetry(u, c, state, at, rates, par):
+    test, load, knee = c
+    if test == 0.0 and load == 0.0:
+        return u
+    return Openings(
+        uneven(u.test, test, knee), uneven(u.load_1, load, knee), uneven(u.load_2, load, knee)
+    )
+
+
+@compiled
+def gain_curvature(u, c, state, at, rates, par):
+    """Background: the gain of every valve falls a little with its opening."""
+    (share,) = c
+    return Openings(
+        u.test * (1.0 - share * min(abs(u.test) / 3.0, 1.0)),
+        u.load_1 * (1.0 - share * min(abs(u.load_1) / 3.0, 1.0)),
+        u.load_2 * (1.0 - share * min(abs(u.load_2) / 3.0, 1.0)),
+    )
+
+
+@compiled
+def compliance(beta, p, fraction, dissolved):
+    """Bulk modulus with polytropic air, less and less of it free as the pressure rises."""
+    absolute = 1.013e5 + max(p, 0.0)
+    free = fraction * exp(-p / dissolved) * (1.013e5 / absolute) ** (1.0 / 1.3)
+    return 1.0 / (1.0 / beta + free / (1.3 * absolute))
+
+
+@compiled
+def entrained_air(oil, c, state, at, rates, par):
+    fraction, dissolved = c
+    if fraction == 0.0:
+        return oil
+    return Oil(
+        oil.tank_pa,
+        compliance(oil.beta_tp, state[P_TP], fraction, dissolved),
+        compliance(oil.beta_tr, state[P_TR], fraction, dissolved),
+        compliance(oil.beta_lp, state[P_LP], fraction, dissolved),
+        compliance(oil.beta_lr, state[P_LR], fraction, dissolved),
+    )
+
+
+@compiled
+def raised_tank(oil, c, state, at, rates, par):
+    return Oil(oil.tank_pa + state[at], oil.beta_tp, oil.beta_tr, oil.beta_lp, oil.beta_lr)
+
+
+@compiled
+def laminar_return(q, c, state, at, rates, par):
+    """A long thin return line: its pressure is in proportion to the flow."""
+    resistance, lag = c
+    rates[at] = 0.0
+    if resistance != 0.0:
+        rates[at] = (resistance * q.returned - state[at]) / lag
+    return q
+
+
+@compiled
+def supply_droop(q, c, state, at, rates, par):
+    """Supply pressure falls with the square of the flow drawn, as behind a filter."""
+    slope, lag = c
+    if slope != 0.0:
+        rates[P_S] = (par.supply.pressure_pa - slope * q.drawn * q.drawn - state[P_S]) / lag
+    return q
+
+
+@compiled
+def exchanged(q, test, load):
+    """Flows with what leaves the piston side for the rod side."""
+    return Flows(
+        q.tp - test, q.tr + test, q.lp - load, q.lr + load, q.drawn, q.returned, q.fluidity
+    )
+
+
+@compiled
+def internal_leakage(q, c, state, at, rates, par):
+    """A scratch in the seal, not laminar."""
+    test, load, exponent = c
+    if test == 0.0 and load == 0.0:
+        return q
+    return exchanged(
+        q,
+        test * power(state[P_TP] - state[P_TR], 30e5, exponent),
+        load * power(state[P_LP] - state[P_LR], 30e5, exponent),
+    )
+
+
+@compiled
+def external_leakage(q, c, state, at, rates, par):
+    """A gap that the pressure widens."""
+    tp, tr, lp, lr, exponent = c
+    if tp == 0.0 and tr == 0.0 and lp == 0.0 and lr == 0.0:
+        return q
+    return Flows(
+        q.tp - tp * power(state[P_TP], 50e5, exponent),
+        q.tr - tr * power(state[P_TR], 50e5, exponent),
+        q.lp - lp * power(state[P_LP], 50e5, exponent),
+        q.lr - lr * power(state[P_LR], 50e5, exponent),
+        q.drawn, q.returned, q.fluidity,
+    )  # fmt: skip
+
+
+# ---- what the catalogue does not have
+
+
+@compiled
+def follow(y, u, width, rates, at):
+    """A part driven by u with a play of +- width."""
+    rates[at] = 0.0
+    if u - y > width:
+        rates[at] = (u - y - width) / 1e-3
+    elif u - y < -width:
+        rates[at] = (u - y + width) / 1e-3
+    return y
+
+
+@compiled
+def valve_play(u, c, state, at, rates, par):
+    """Play between motor and spool of each valve: its opening depends on where it came from."""
+    (width,) = c
+    if width == 0.0:
+        rates[at] = rates[at + 1] = rates[at + 2] = 0.0
+        return u
+    return Openings(
+        follow(state[at], u.test, width, rates, at),
+        follow(state[at + 1], u.load_1, width, rates, at + 1),
+        follow(state[at + 2], u.load_2, width, rates, at + 2),
+    )
+
+
+@compiled
+def flow_force(u, c, state, at, rates, par):
+    """Flow forces close the test valve in proportion to its pressure drop."""
+    (share,) = c
+    if share == 0.0:
+        return u
+    drop = 1.5e7 - copysign(state[P_TP] - state[P_TR], u.test)
+    return Openings(u.test * (1.0 - share * drop / 1.5e7), u.load_1, u.load_2)
+
+
+@compiled
+def position_error(q, c, state, at, rates, par):
+    """A position sensor that is not straight: the piston goes (1 + e) times what it shows."""
+    bow, wave, period = c
+    if bow == 0.0 and wave == 0.0:
+        return q
+    s = 2.0 * state[X] / par.test.stroke_m - 1.0
+    more = state[V] * (bow * s + wave * sin(2.0 * pi * state[X] / period))
+    test, load = par.test, par.load
+    return Flows(
+        q.tp - test.area_piston_m2 * more, q.tr + test.area_rod_m2 * more,
+        q.lp + load.area_piston_m2 * more, q.lr - load.area_rod_m2 * more,
+        q.drawn, q.returned, q.fluidity,
+    )  # fmt: skip
+
+
+@compiled
+def hose_volume(q, c, state, at, rates, par):
+    """Hoses to the rod sides, each a volume behind a throttle: soft for what is slow alone."""
+    tr, lr, time = c
+    rates[at] = rates[at + 1] = 0.0
+    if tr == 0.0 and lr == 0.0:
+        return q
+    rates[at] = (state[P_TR] - state[at]) / time
+    rates[at + 1] = (state[P_LR] - state[at + 1]) / time
+    beta = par.bulk_modulus_pa
+    return Flows(
+        q.tp, q.tr - tr / beta * rates[at], q.lp, q.lr - lr / beta * rates[at + 1],
+        q.drawn, q.returned, q.fluidity,
+    )  # fmt: skip
+
+
+@compiled
+def worn_bore(q, c, state, at, rates, par):
+    """The test cylinder's bore is worn at one place: it leaks there alone."""
+    leak, middle, width = c
+    if leak == 0.0:
+        return q
+    away = (state[X] - middle) / width
+    return exchanged(q, leak * exp(-away * away) * (state[P_TP] - state[P_TR]) / 30e5, 0.0)

@@ -1,0 +1,205 @@
+"""Campaigns of hidden plants, through the real firmware on the virtual rig.
+
+Its process needs ``HBENCH_EFFECTS``, as ``generate.py`` sets it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hbench.analysis.calibrate import calibrate
+from hbench.config.bench import Bench, Plant
+from hbench.config.friction import Leuven
+from hbench.config.scaling import scaled
+from hbench.config.schedule import parse_schedule
+from hbench.experiment.header import campaign_header
+from hbench.experiment.plan import plan_runs
+from hbench.experiment.runner import run_campaign
+from hbench.model.sensors import sensor_parameters
+from hbench.protocol.dictionary import FLAGS, RECORD
+from hbench.records import LogChannel, Outcome, RawRun, Run, RunPlan
+from hbench.rig.client import BoardClient
+from hbench.rig.virtual import VirtualRig
+from hbench.store.campaign import CampaignWriter
+from hbench.workflow import Experiment
+from hidden.cases import Case, truth
+from hidden.draws import Drawn
+from hidden.instruments import astray, rewritten
+from hidden.laws.table import EFFECTS
+
+_CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
+_START = datetime(2026, 1, 1, tzinfo=UTC)
+
+
+def generate(case: Case, schedule: Mapping[str, Any], bench: Bench) -> tuple[Run, ...]:
+    """Return a case's runs, calibrated with the model's bench.
+
+    Raises ``DeviceError`` where the board stops itself.
+    """
+    plans = plan_runs(parse_schedule(dict(schedule), case.name), bench, case.name).runs
+    kept = _Kept(bench)
+    _make(case, plans, bench, lambda client: kept)
+    return tuple(kept.runs)
+
+
+def write(case: Case, experiment: Experiment, folder: Path) -> None:
+    """Write a case's campaign. Raises ``DeviceError`` where the board stops itself."""
+
+    def journal(client: BoardClient) -> CampaignWriter:
+        header = campaign_header(
+            case.group, experiment.files, client.identify(), experiment.bench, "sim", _START
+        )
+        return CampaignWriter.create(folder, header)
+
+    _make(case, experiment.plans, experiment.bench, journal)
+
+
+class _Kept:
+    """Keeps runs where a campaign's journal writes them."""
+
+    def __init__(self, bench: Bench):
+        self.runs: list[Run] = []
+        self._bench = bench
+
+    def start_run(self, plan: RunPlan, at: datetime) -> None:
+        pass
+
+    def finish_run(
+        self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
+    ) -> None:
+        rate = self._bench.controllers.log_rate
+        raw = RawRun(plan, words, _CHANNELS, FLAGS, rate, outcome, why)
+        self.runs.append(calibrate(raw, self._bench))
+
+
+def _make(
+    case: Case, plans: Sequence[RunPlan], bench: Bench, journal: Callable[[BoardClient], Any]
+) -> None:
+    hidden = truth(case)
+    rig = _Rig(bench, hidden, plans, case.seed)
+    try:
+        client = BoardClient(rig)
+        kept = _Rewriting(journal(client), rig)
+        run_campaign(plans, rig.on_board, client, kept, lambda: _START, lambda progress: None)
+    finally:
+        rig.close()
+
+
+class _Rewriting:
+    """Passes runs on to a journal with the errors of their instruments; then the rig drifts."""
+
+    def __init__(self, journal: Any, rig: "_Rig"):
+        self._journal, self._rig = journal, rig
+
+    def start_run(self, plan: RunPlan, at: datetime) -> None:
+        self._journal.start_run(plan, at)
+
+    def finish_run(
+        self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
+    ) -> None:
+        self._journal.finish_run(plan, self._rig.log(words), outcome, why, at)
+        self._rig.after(plan)
+
+
+class _Rig(VirtualRig):
+    """A rig with a hidden plant, which is a little different in each pass of trials."""
+
+    def __init__(self, bench: Bench, hidden: Drawn, plans: Sequence[RunPlan], seed: int):
+        plant = plant_of(bench, hidden)
+        super().__init__(bench, plant, seed)
+        filter_s = hidden.effects.get("velocity_filter_lag", {}).get("time", 0.0)
+        slower = bench.controllers.velocity_filter + 0.5 * filter_s  # the log has the other half
+        self.on_board = bench.model_copy(
+            update={"controllers": bench.controllers.model_copy(update={"velocity_filter": slower})}
+        )
+        self._hidden, self._plans = hidden, list(plans)
+        self._rng = np.random.default_rng([seed, 21])
+        self._rate_hz = bench.controllers.log_rate
+        self._true, self._sensors = self._bench.par, sensor_parameters(plant.sensors)
+        self._next = 0
+        self._drift()
+        self._become()
+
+    def log(self, words: np.ndarray) -> np.ndarray:
+        """Return a run's words with its instruments' errors."""
+        return rewritten(words, self._hidden, self._sensors, self._rate_hz, self._session)
+
+    def after(self, plan: RunPlan) -> None:
+        """Change what changes between runs: the next begins, maybe with another pass."""
+        self._next = 1 + self._plans.index(plan)
+        if self._next < len(self._plans) and _pass(self._plans[self._next]) != _pass(plan):
+            self._drift()
+        self._become()
+
+    @property
+    def _session(self) -> float:
+        return self._next / len(self._plans)
+
+    def _drift(self) -> None:
+        hidden, normal = self._hidden, self._rng.standard_normal
+        par = self._true
+        valve, supply = par.valve, par.supply
+        self._par = par._replace(
+            bulk_modulus_pa=par.bulk_modulus_pa * (1 + hidden.bulk_modulus * normal()),
+            valve=valve._replace(flow_gain=valve.flow_gain * (1 + hidden.valve_gain * normal())),
+            supply=supply._replace(tank_pa=supply.tank_pa + hidden.tank_pa * normal()),
+        )
+        self._zeros = hidden.zero_counts * normal(len(self._sensors.zero))
+
+    def _become(self) -> None:
+        sensors = astray(self._sensors, self._hidden, self._zeros, self._session)
+        self._bench = self._bench._replace(par=self._par, sensors=sensors)
+
+
+def _pass(plan: RunPlan) -> tuple[str, str, int]:
+    return plan.kind, plan.label, plan.trial
+
+
+def plant_of(bench: Bench, hidden: Drawn) -> Plant:
+    """Return the hidden plant."""
+    plant = Plant.model_construct(**{key: getattr(bench, key) for key in Plant.model_fields})
+    plant = scaled(plant, hidden.factors | {"sensors.adc.noise": hidden.noise})
+    pair = plant.friction
+    sides = {side: _friction(getattr(pair, side), hidden) for side in ("test", "load")}
+    return plant.model_copy(
+        update={"friction": pair.model_copy(update=sides), "effects": _rows(hidden)}
+    )
+
+
+def _friction(law: Any, hidden: Drawn) -> Any:
+    """Return another law with LuGre's parameters: four elements with its stiffness at rest."""
+    values = law.model_dump() | {"scatter": hidden.scatter}
+    if not hidden.leuven:
+        return law.model_copy(update={"scatter": hidden.scatter})
+    stiffness = values.pop("bristle_stiffness")
+    carried = 3 * values["stiction"] + 300.0
+    stiffer = sum(1 / (i + 1) for i in range(4))  # elements that slip first are stiffer
+    values |= {
+        "law": "leuven",
+        "elements": (carried / 4,) * 4,
+        "presliding": stiffer * carried / stiffness,
+        "shape": 1.0,
+    }
+    return Leuven.model_construct(**values)
+
+
+def _rows(hidden: Drawn) -> dict[str, dict[str, str]]:
+    """Return the section ``effects``: the laws of ``laws/table.py`` alone."""
+    background = {
+        "gain_curvature": {"share": hidden.gain_curvature},
+        "bore_ripple": {
+            "force": hidden.ripple_n,
+            "period": hidden.ripple_period_m,
+            "phase": hidden.ripple_phase,
+        },
+    }
+    section = {}
+    for name, values in (background | hidden.effects).items():
+        row = EFFECTS.get(f"hidden_{name}")  # without a law: instruments.py
+        if row is not None:
+            units = {key: one.unit for key, one in row.coefficients.items()}
+            section[f"hidden_{name}"] = {key: f"{v!r} {units[key]}" for key, v in values.items()}
+    return section
