@@ -8,6 +8,7 @@ import made_diagnosis as made
 import numpy as np
 import pytest
 
+from hbench import workflow
 from hbench.config.bench import parse_plant
 from hbench.config.loading import read_yaml
 from hbench.config.schedule import parse_schedule
@@ -236,3 +237,13 @@ def test_the_next_schedule_reads_back_as_a_schedule(ambiguous, tmp_path):
     assert "# Hold at two pressures" in path.read_text()
     assert read_yaml(path) == ambiguous.next_schedule
     assert parse_schedule(read_yaml(path), "next").experiments[0].kind == "steady"
+
+
+def test_the_folder_gets_page_numbers_figures_and_a_model(named, ambiguous, tmp_path):
+    for found, more in ((named, set()), (ambiguous, {"next.yaml"})):
+        folder = tmp_path / found.verdict
+        workflow.write_diagnosis(folder, found)
+        written = {path.name for path in folder.iterdir()}
+        assert written == {"report.html", "diagnosis.json", "model.yaml", "figures"} | more
+        parse_plant(made.BENCH, read_yaml(folder / "model.yaml"), "model")
+        assert json.loads((folder / "diagnosis.json").read_text())["verdict"] == found.verdict
