@@ -196,7 +196,9 @@ static hb_u16 status(const hb_core *core, const hb_reader *request, hb_writer *r
     hb_put_f32(reply, core->sensors.velocity.v);
     hb_put_f32(reply, core->schedule.references.v_m_s);
     hb_put_f32(reply, core->sensors.value[HB_SENSOR_F_APPLIED]);
-    hb_put_f32(reply, core->sensors.value[HB_SENSOR_P_S]);
+    for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
+        hb_put_f32(reply, core->sensors.value[i]);
+    }
     return HB_REFUSAL_NONE;
 }
 

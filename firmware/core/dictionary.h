@@ -4,7 +4,7 @@
 #define HB_DICTIONARY_H
 
 #define HB_PROTOCOL 1u
-#define HB_DICTIONARY_HASH 0xC2F4F0DFUL
+#define HB_DICTIONARY_HASH 0x0B3E7B41UL
 #define HB_REPLY 0x80u
 #define HB_ERROR 0xFFu
 #define HB_MAX_FRAME 254u
@@ -167,7 +167,7 @@ enum hb_flag {
 };
 
 /* For a person at a terminal; the names initialise char[][HB_NAME_SIZE]. */
-#define HB_VERSION_TEXT "protocol 1, dictionary C2F4F0DF"
+#define HB_VERSION_TEXT "protocol 1, dictionary 0B3E7B41"
 #define HB_NAME_SIZE 12u
 #define HB_STATE_NAMES { \
     "idle", \

@@ -144,7 +144,8 @@ STEP = {
 STATUS = {
     **dict.fromkeys(("state", "phase", "fault", "step", "cycle", "run", "runs_done"), "H"),
     **dict.fromkeys(("tick", "log_first", "log_next"), "I"),
-    **dict.fromkeys(("x_m", "v_m_s", "v_ref_m_s", "f_applied_n", "p_s_pa"), "f"),
+    **dict.fromkeys(("x_m", "v_m_s", "v_ref_m_s", "f_applied_n"), "f"),
+    **dict.fromkeys(("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa"), "f"),
 }
 
 

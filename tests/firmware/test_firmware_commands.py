@@ -262,7 +262,8 @@ def test_status_shows_the_live_values(board):
     board.tick()
     status = board.status()
     assert status["x_m"] == pytest.approx(0.05, abs=7e-6)
-    assert status["p_s_pa"] == pytest.approx(150e5, abs=400)
+    for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s"):
+        assert status[f"{name}_pa"] == pytest.approx(board.si[name], abs=400)
     assert status["f_applied_n"] == pytest.approx(500.0, abs=1.0)
     assert status["tick"] == 101
 
