@@ -1,10 +1,10 @@
-"""Progress: a bar that is redrawn on a terminal; off it a plain line a tenth of the way."""
+"""Progress of simulated runs: a bar that is redrawn on a terminal; off it a line a tenth."""
 
 import time
 from contextlib import suppress
 from typing import TextIO
 
-from hbench.experiment.runner import Progress
+from hbench.experiment.progress import Progress
 
 _BAR = 24
 

@@ -31,13 +31,20 @@ def run(
     take_over: bool = typer.Option(
         False, "--take-over", help="Clear the board's latched fault, or stop what it still runs."
     ),
+    retry: int = typer.Option(
+        0,
+        min=0,
+        max=9,
+        help="Make a run that is rejected as it ends again at once, up to this many times; every "
+        "attempt's log is kept.",
+    ),
 ) -> None:
     """Run SCHEDULE and pull every run's log into a campaign folder.
 
     Example: hbench run configs/demo.yaml -o demo
     """
     from hbench import workflow
-    from hbench.cli.progress import ProgressLine
+    from hbench.cli.bench_display import BenchDisplay
 
     experiment = workflow.load_experiment(schedule, bench)
     estimate = workflow.estimate(experiment)
@@ -52,8 +59,8 @@ def run(
         return
     if output is None:
         raise typer.BadParameter("a campaign folder is needed", param_hint="'-o'")
-    progress = ProgressLine(sys.stderr)
-    common = {"plant": plant, "resume": resume, "baud": baud, "clock": _now}
+    display = BenchDisplay(sys.stderr)
+    common = {"plant": plant, "resume": resume, "baud": baud, "clock": _now, "retry": retry}
     try:
         if campaigns is None:
             summary = workflow.measure(
@@ -62,7 +69,7 @@ def run(
                 port=port,
                 seed=seed,
                 take_over=take_over,
-                report=progress,
+                report=display,
                 **common,
             )
         else:
@@ -76,10 +83,10 @@ def run(
                 **common,
             )
     except KeyboardInterrupt:
-        progress.close("interrupted; go on with --resume")
+        display.close("interrupted; go on with --resume")
         raise
     finally:
-        progress.close()
+        display.close()
     typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
 
 

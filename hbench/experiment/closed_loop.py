@@ -12,12 +12,12 @@ from hbench.config.bench import Bench, Plant
 from hbench.config.schedule import parse_schedule
 from hbench.errors import DeviceError
 from hbench.experiment.plan import plan_runs
-from hbench.experiment.runner import Progress, run_campaign
-from hbench.protocol.dictionary import FLAGS, RECORD
-from hbench.records import LogChannel, Outcome, RawRun, Run, RunPlan
+from hbench.experiment.progress import Progress
+from hbench.experiment.recorder import CHANNELS
+from hbench.experiment.runner import run_campaign
+from hbench.protocol.dictionary import FLAGS
+from hbench.records import Outcome, RawRun, Run, RunPlan
 from hbench.rig.client import BoardClient
-
-_CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,13 @@ class _Kept:
     bench: Bench
     runs: list[Run] = field(default_factory=list)
 
-    def start_run(self, plan: RunPlan, at: datetime) -> None:
+    def start_run(self, plan: RunPlan, at: datetime, after: str) -> None:
         pass
 
     def finish_run(
         self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
     ) -> None:
-        raw = RawRun(plan, words, _CHANNELS, FLAGS, self.bench.controllers.log_rate, outcome, why)
+        raw = RawRun(plan, words, CHANNELS, FLAGS, self.bench.controllers.log_rate, outcome, why)
         self.runs.append(calibrate(raw, self.bench))
 
 

@@ -13,7 +13,7 @@ from hbench.analysis.logged_motion import logged_motion
 from hbench.analysis.verification import model_errors
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record_plans
-from hbench.experiment.runner import Progress
+from hbench.experiment.progress import Progress
 from hbench.records import Followed, IdentifiedLaw, Run, RunPlan, Trace
 
 _EXACT = {

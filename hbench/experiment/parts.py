@@ -6,7 +6,7 @@ until the next part comes. Friction is read from the campaign's own logs, so a c
 resumed goes on as it would have.
 """
 
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Iterator, Set
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +15,6 @@ from hbench.analysis.screen import screen
 from hbench.config.bench import Bench
 from hbench.config.schedule import Schedule
 from hbench.experiment.plan import Plan, plan_runs
-from hbench.experiment.runner import Progress
 from hbench.records import RunPlan
 from hbench.store.campaign import load_campaign
 
@@ -39,20 +38,6 @@ def parts(
             return
         yield Plan(runs, plan.rest)
         done = done | set(runs)
-
-
-def over_all_parts(
-    report: Callable[[Progress], None], made: int, part: Plan
-) -> Callable[[Progress], None]:
-    """Return what reports the progress of ``part``, with ``made`` runs before it."""
-    return lambda now: report(
-        replace(
-            now,
-            runs_done=made + now.runs_done,
-            runs_total=made + now.runs_total + len(part.rest),
-            at_most=bool(part.rest),
-        )
-    )
 
 
 def _friction(

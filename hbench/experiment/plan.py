@@ -124,16 +124,16 @@ def trials_in_a_row(plans: Sequence[RunPlan]) -> list[list[RunPlan]]:
     return steps
 
 
-def estimate_seconds(plans: Sequence[RunPlan], bench: Bench) -> float:
-    """Return about how long the runs take on the bench: returns, holds and motions."""
+def run_seconds(plans: Sequence[RunPlan], bench: Bench) -> dict[str, float]:
+    """Return about how long each run takes on the bench: return, hold and motion."""
     control = bench.controllers
-    total, x = 0.0, None
+    seconds, x = {}, None
     for plan in plans:
         gone = way(plan.motion, control.acceleration)
         back = 0.0 if x is None else abs(x - plan.motion.x_start_m) / control.return_speed + 1.0
-        total += back + plan.motion.hold_s + gone.seconds + 0.2
+        seconds[plan.run] = back + plan.motion.hold_s + gone.seconds + 0.2
         x = gone.x_end_m
-    return total
+    return seconds
 
 
 def _in_order(experiment: Loaded, found: Sequence[Reference]) -> Iterator[tuple[float, Reference]]:

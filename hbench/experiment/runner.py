@@ -5,27 +5,24 @@ journal, and both are there before anything is derived. Whatever ends the campai
 board is told to stop; a board that can't hear that stops by its heartbeat limit.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-import numpy as np
-
 from hbench.config.bench import Bench
 from hbench.errors import ConfigError, DeviceError
+from hbench.experiment.progress import Report
+from hbench.experiment.recorder import END_MISSING, Judge, Recorder
 from hbench.experiment.upload import uploads
-from hbench.protocol.dictionary import FAULTS, FLAGS, RECORD, STATES
-from hbench.records import Outcome, RunPlan
+from hbench.protocol.dictionary import FAULTS, STATES
+from hbench.records import RunPlan
 from hbench.rig.client import BoardClient, Identity, NoAnswer
 from hbench.rig.settings import board_settings
 from hbench.store.campaign import CampaignWriter
 
 POLL_S = 0.25  # between two looks at the board
 LEAST_LOG_S = 4.0  # that its log must hold: some lost looks and their repetitions
-END_MISSING = "the end of its log is missing"
-OVERRUN = "{} records were overwritten before they were pulled: the log ran over"
 
 # What the board's latched causes mean on the bench.
 FAULT_WORDS = {
@@ -40,22 +37,6 @@ FAULT_WORDS = {
     "return": "the piston did not come back to the start of a run in time",
 }
 
-_WORDS = [word.name for word in RECORD]
-_RUN, _INDEX, _FLAGS = (_WORDS.index(name) for name in ("run", "index", "flags"))
-_LAST, _SETTLED = (1 << FLAGS.index(name) for name in ("last", "settled"))
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Where a campaign stands."""
-
-    runs_done: int
-    runs_total: int
-    plan: RunPlan  # the run that is being made
-    v_m_s: float
-    f_applied_n: float
-    at_most: bool = False  # the total is not known yet: it may become less
-
 
 def run_campaign(
     plans: Sequence[RunPlan],
@@ -63,10 +44,15 @@ def run_campaign(
     client: BoardClient,
     journal: CampaignWriter,
     clock: Callable[[], datetime],
-    report: Callable[[Progress], None],
+    report: Report,
     resume: bool = False,
+    judge: Judge | None = None,
+    retry: int = 0,
 ) -> None:
     """Make all runs of ``plans`` and journal them.
+
+    A run that ``judge`` rejects is made again at once, up to ``retry`` times. For that the board
+    gets one run at a time, and rests between two, with its valves in neutral.
 
     A board that still runs for an earlier host, or that has stopped itself, is taken over only
     with ``resume`` (see ``bring_to_rest``). Raises ``ConfigError`` where bench file and board
@@ -78,19 +64,33 @@ def run_campaign(
     _check_rates(bench, identity)
     bring_to_rest(client, resume)
     settings_crc = client.write_settings(board_settings(bench))
-    recorder = _Recorder(plans, journal, clock)
+    recorder = Recorder(plans, bench, journal, clock, judge, retry)
     try:
-        for upload in uploads(plans, identity):
-            schedule_crc = client.write_schedule(upload.segments, upload.steps)
-            number = client.status()["log_next"]  # the board is idle: what it holds is not ours
-            client.start(settings_crc, schedule_crc)
-            _follow(client, recorder, report, number)
+        for batch in [[plan] for plan in plans] if retry else [plans]:
+            _make(batch, client, identity, settings_crc, recorder, report)
+            while retry and recorder.again(batch[0]):
+                _make(batch, client, identity, settings_crc, recorder, report)
     except BaseException as error:
         _stop(client)  # first of all: what follows may fail too
         cause = _cause(error, client, identity, recorder.current)
         recorder.abandon(cause)
         raise cause from None
     recorder.close()
+
+
+def _make(
+    plans: Sequence[RunPlan],
+    client: BoardClient,
+    identity: Identity,
+    settings_crc: int,
+    recorder: Recorder,
+    report: Report,
+) -> None:
+    for upload in uploads(plans, identity):
+        schedule_crc = client.write_schedule(upload.segments, upload.steps)
+        number = client.status()["log_next"]  # the board is idle: what it holds is not ours
+        client.start(settings_crc, schedule_crc)
+        _follow(client, recorder, report, number)
 
 
 def _check_rates(bench: Bench, identity: Identity) -> None:
@@ -128,7 +128,7 @@ def bring_to_rest(client: BoardClient, allowed: bool) -> None:
         client.clear_fault()
 
 
-def _follow(client: BoardClient, recorder: "_Recorder", report: Callable, number: int) -> None:
+def _follow(client: BoardClient, recorder: Recorder, report: Report, number: int) -> None:
     """Watch the board through one upload, pulling records from ``number`` until it is done."""
     while True:
         status = client.status()
@@ -140,15 +140,16 @@ def _follow(client: BoardClient, recorder: "_Recorder", report: Callable, number
         number = status["log_next"]
         if state in ("running", "fault"):
             recorder.begin(status["run"])
-        if recorder.current:
-            report(recorder.progress(status))
+        if state == "done":
+            recorder.finish("failed", END_MISSING)
+        if progress := recorder.progress(status):
+            report(progress)
         if state == "fault":
             raise DeviceError(
                 f"run {status['run']:04d}: the board stopped itself: {_fault(status)}",
                 "Look at the bench, then go on with --resume.",
             )
         if state == "done":
-            recorder.finish("failed", END_MISSING)
             return
         if state != "running":
             raise DeviceError(
@@ -192,112 +193,5 @@ def _fault(status: Mapping[str, Any]) -> str:
     return f"{name}: {FAULT_WORDS.get(name, 'a cause that this state does not have')}"
 
 
-def _ending(plan: RunPlan, flags: int) -> str:
-    """What to say of a run that came to its end: whether what it waited for has settled."""
-    motion = plan.motion
-    if motion.until == "cycles":
-        return ""
-    quantity = motion.until.replace("_", " ")
-    if flags & _SETTLED:
-        return f"{quantity} settled within {100 * motion.within:g} %"
-    return (
-        f"{quantity} had not settled within {100 * motion.within:g} % after {motion.cycles} cycles"
-    )
-
-
 def _where(run: str) -> str:
     return f"run {run}" if run else "between two runs"
-
-
-class _Recorder:
-    """Sorts pulled records into runs and journals each at its start and its end.
-
-    Only a run of which all records have come, up to its last, is done.
-    """
-
-    def __init__(
-        self, plans: Iterable[RunPlan], journal: CampaignWriter, clock: Callable[[], datetime]
-    ):
-        self._plans = {int(plan.run): plan for plan in plans}
-        self._journal = journal
-        self._clock = clock
-        self._words: list[np.ndarray] = []
-        self._number = 0  # of the run that is being made; 0: none
-        self._lost = 0  # records of that run, at most
-        self._gap = 0  # records lost right before the next one
-        self._finished: dict[int, Outcome] = {}
-
-    @property
-    def current(self) -> str:
-        """Id of the run that is being made; empty between runs."""
-        return self._plans[self._number].run if self._number else ""
-
-    def progress(self, status: dict) -> Progress:
-        """Return where the campaign stands."""
-        plan = self._plans[self._number]
-        done, total = len(self._finished), len(self._plans)
-        return Progress(done, total, plan, status["v_m_s"], status["f_applied_n"])
-
-    def begin(self, number: int) -> None:
-        """A run has started, as its status or its first record tells.
-
-        The board still names a run while it brakes after the last record; that starts nothing.
-        """
-        if number == self._number or number in self._finished:
-            return
-        if number not in self._plans:
-            raise DeviceError(f"the board reports run {number}, which is not in the plan")
-        self.finish("failed", END_MISSING)
-        self._journal.start_run(self._plans[number], self._clock())
-        self._number = number
-
-    def lose(self, count: int) -> None:
-        """The next ``count`` records are gone, whichever runs' they were."""
-        self._gap += count
-        if self._number:
-            self._lost += count
-
-    def feed(self, words: np.ndarray) -> None:
-        """Take records in order: (n, words of a record)."""
-        edges = np.flatnonzero(np.diff(words[:, _RUN])) + 1
-        for piece in np.split(words, edges) if len(words) else ():
-            self.begin(int(piece[0, _RUN]))
-            if not self._words and piece[0, _INDEX]:
-                self._lost = self._gap  # it held this run's beginning
-            self._gap = 0
-            if not self._number:
-                raise DeviceError(f"the board sent records of run {piece[0, _RUN]} after its last")
-            self._words.append(piece)
-            if piece[-1, _FLAGS] & _LAST:
-                self.finish("done", _ending(self._plans[self._number], piece[-1, _FLAGS]))
-
-    def finish(self, outcome: Outcome, why: str) -> None:
-        """The run is over: its log to disk, then its stop part to the journal."""
-        if not self._number:
-            return
-        plan = self._plans[self._number]
-        words = np.concatenate(self._words) if self._words else np.zeros((0, len(RECORD)), "<u2")
-        if self._lost and (outcome == "done" or why == END_MISSING):
-            outcome, why = "failed", OVERRUN.format(self._lost)
-        self._finished[self._number] = outcome
-        self._words, self._number, self._lost = [], 0, 0
-        self._journal.finish_run(plan, words, outcome, why, self._clock())
-
-    def abandon(self, error: BaseException) -> None:
-        """Something ended the campaign in the middle of a run."""
-        interrupted = not isinstance(error, Exception)
-        why = "interrupted by the operator" if interrupted else str(error) or type(error).__name__
-        self.finish("aborted" if interrupted else "failed", why)
-
-    def close(self) -> None:
-        """All steps have been made. Raises ``DeviceError`` if runs failed."""
-        for number in [n for n in self._plans if n not in self._finished]:
-            self.begin(number)
-            self.finish("failed", "all its records were overwritten: the log ran over")
-        failed = [plan.run for n, plan in self._plans.items() if self._finished[n] == "failed"]
-        if failed:
-            raise DeviceError(
-                f"{len(failed)} of {len(self._plans)} runs failed: {', '.join(failed)}",
-                "Make them again with --resume. Where the log ran over, a faster line (--baud) or "
-                "a lower controllers.log_rate helps.",
-            )

@@ -20,7 +20,7 @@ from hbench.control.loops import LOOPS
 from hbench.control.propose import propose
 from hbench.control.sampled import Pi
 from hbench.experiment.closed_loop import Recorded, record
-from hbench.experiment.runner import Progress
+from hbench.experiment.progress import Progress
 from hbench.model.parameters import plant_parameters
 from hbench.records import Check, Proposal, Run
 

@@ -9,9 +9,10 @@ from typing import IO
 from hbench.errors import DataError
 
 
-def write_atomic(path: Path, data: bytes, *, overwrite: bool = True) -> None:
+def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bool = True) -> None:
     """Write ``data`` to ``path``: a temporary file beside it, flushed to disk, then renamed.
 
+    What is not ``lasting`` may be lost where the machine's power fails, and is not flushed.
     Raises ``DataError`` naming the path where the disk refuses, or where ``path`` exists and
     ``overwrite`` is False. Then ``path`` is what it was before.
     """
@@ -20,11 +21,14 @@ def write_atomic(path: Path, data: bytes, *, overwrite: bool = True) -> None:
     part = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with part.open("wb") as file:
+        part.unlink(missing_ok=True)
+        with part.open("xb") as file:  # never through a link that somebody laid there
             file.write(data)
-            _flush(file)
+            if lasting:
+                _flush(file)
         os.replace(part, path)
-        _flush_folder(path.parent)
+        if lasting:
+            _flush_folder(path.parent)
     except OSError as error:
         with suppress(OSError):
             part.unlink(missing_ok=True)

@@ -54,9 +54,10 @@ class CampaignWriter:
         truncate(path, journal.intact_length(data))
         return cls(folder)
 
-    def start_run(self, plan: RunPlan, at: datetime) -> None:
-        """Append the start part of a run."""
-        append(self._journal, journal.start_text(plan, at).encode())
+    def start_run(self, plan: RunPlan, at: datetime, after_rejection: str = "") -> None:
+        """Append the start part of a run; ``after_rejection`` says why it is made again."""
+        text = journal.start_text(plan, at, after_rejection=after_rejection)
+        append(self._journal, text.encode())
         self._started = plan
 
     def finish_run(
@@ -227,7 +228,7 @@ def load_campaign(folder: Path) -> Campaign:
     path = folder / JOURNAL
     content = journal.parse_journal(_read_journal(path), str(path))
     told = [str(note) for note in content.header.get("notes") or ()]
-    told += [*content.warnings, *_unknown_logs(folder, content)]
+    told += [*content.warnings, *_unknown_logs(folder, content), *_made_again(content)]
     return Campaign(folder, content.header, content.entries, tuple(told))
 
 
@@ -240,6 +241,18 @@ def _unknown_logs(folder: Path, content: journal.Journal) -> Iterator[str]:
     if unknown:
         few = ", ".join(unknown[:10]) + (", ..." if len(unknown) > 10 else "")
         yield f"{folder / JOURNAL}: has no entry for {few} in runs: left out ({len(unknown)} logs)"
+
+
+def _made_again(content: journal.Journal) -> Iterator[str]:
+    """Tell of runs that were repeated because they had been rejected: a choice among trials."""
+    repeated = [entry for entry in content.entries if entry.after_rejection]
+    if repeated:
+        few = "; ".join(f"{e.plan.run} ({e.after_rejection})" for e in repeated[:5])
+        more = "; ..." if len(repeated) > 5 else ""
+        yield (
+            f"{len(repeated)} times a run was made again at once, since it had been rejected: "
+            f"{few}{more}. The last attempt stands here; the logs of those before are kept in runs"
+        )
 
 
 def _read_journal(path: Path) -> bytes:

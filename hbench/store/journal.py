@@ -10,7 +10,9 @@
       stop: {at: ..., outcome: done, records: 812, sha256: ...}      appended when it ends
 
 A run without stop part is one during which the host crashed. A crash may also leave the last
-line half-written; it is then left out, and said so. A run made again is a second item.
+line half-written; it is then left out, and said so. A run made again is a second item. One that
+was made again at once, since it had been rejected, holds the reasons in its ``start`` as
+``after_rejection``.
 """
 
 import re
@@ -61,6 +63,7 @@ class Entry:
     started: str
     stop: Stop | None  # None: crashed
     origin: Mapping[str, Any] | None = None  # of an imported run: file, lines, sha256
+    after_rejection: str = ""  # why the attempt before it was rejected, of a run made again at once
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,12 @@ def header_text(header: Mapping[str, Any]) -> str:
     return text + _dump({"sha256": seals}, flow=False) + "runs:\n"
 
 
-def start_text(plan: RunPlan, at: datetime, origin: Mapping[str, Any] | None = None) -> str:
+def start_text(
+    plan: RunPlan,
+    at: datetime,
+    origin: Mapping[str, Any] | None = None,
+    after_rejection: str = "",
+) -> str:
     """Return the start part of a run."""
     fields = {
         key: value
@@ -108,6 +116,8 @@ def start_text(plan: RunPlan, at: datetime, origin: Mapping[str, Any] | None = N
     if origin is not None:
         lines.append(f"  from: {_dump(dict(origin))}")
     start = {"at": at.isoformat(), "plan_sha256": seal(parse_yaml(text))}
+    if after_rejection:
+        start["after_rejection"] = after_rejection
     lines.append(f"  start: {_dump(start)}")
     return "\n".join(lines) + "\n"
 
@@ -182,11 +192,15 @@ def _entry(item: Any, source: str) -> Entry:
         stop, origin = item.get("stop"), item.get("from")
         if origin is not None and not isinstance(origin, dict):
             raise ValueError("from is not a section")
+        after_rejection = item["start"].get("after_rejection", "")
+        if not isinstance(after_rejection, str):
+            raise ValueError("after_rejection is not text")
         return Entry(
             plan=plan,
             started=str(item["start"]["at"]),
             stop=None if stop is None else _stop(stop),
             origin=origin,
+            after_rejection=after_rejection,
         )
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise DataError(f"{source}: not a run as this program writes it: {error}") from None

@@ -18,6 +18,7 @@ _FILES = {
         "measure",
     ),
     "seeds": ("measure_seeds",),
+    "watching": ("Watch",),
     "results": ("analyze", "report"),
     "comparison": ("compare", "write_comparison"),
     "identification": ("identify", "write_identification"),

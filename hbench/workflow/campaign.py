@@ -6,14 +6,17 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from hbench.analysis.calibrate import calibrate
+from hbench.analysis.screen import screen
 from hbench.config.bench import Bench, parse_bench
 from hbench.config.loading import file_sha256, read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.header import campaign_header, refuse_another, session_seed, software
-from hbench.experiment.parts import over_all_parts, parts
-from hbench.experiment.plan import Plan, estimate_seconds, plan_runs
-from hbench.experiment.runner import Progress, bring_to_rest, run_campaign
+from hbench.experiment.parts import parts
+from hbench.experiment.plan import Plan, plan_runs, run_seconds
+from hbench.experiment.progress import Report, WholeCampaign
+from hbench.experiment.runner import bring_to_rest, run_campaign
 from hbench.protocol.dictionary import RECORD
 from hbench.records import RunPlan
 from hbench.rig.client import BoardClient
@@ -21,6 +24,7 @@ from hbench.store.campaign import CampaignWriter, load_campaign
 from hbench.store.foreign import ImportSummary, import_folder
 from hbench.store.hold import only_host
 from hbench.workflow.board import check_effects, open_port, physics_of
+from hbench.workflow.live import published
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,7 @@ def estimate(experiment: Experiment) -> Estimate:
     """Return the runs, the time on the bench and the size of the raw logs."""
     plans, rate = experiment.plans, experiment.bench.controllers.log_rate
     words = sum(plan.motion.duration_s for plan in plans) * rate * len(RECORD)
-    seconds = estimate_seconds(plans, experiment.bench)
+    seconds = sum(run_seconds(plans, experiment.bench).values())
     return Estimate(len(plans), seconds, round(5 * words), bool(experiment.plan.rest))
 
 
@@ -95,16 +99,18 @@ def measure(
     seed: int,
     resume: bool,
     clock: Callable[[], datetime],
-    report: Callable[[Progress], None],
+    report: Report,
     baud: int | None = None,
     take_over: bool = False,
+    retry: int = 0,
 ) -> Measured:
     """Make the runs on ``port`` and journal them in the campaign ``folder``.
 
     A board that still runs, or that has stopped itself, is taken over only with ``take_over`` or
     ``resume``. ``baud`` is the line's rate: by default 115200, and on the virtual rig octets take
     no time. ``plant`` is the file of another plant for the virtual rig; the campaign keeps only its
-    hash.
+    hash. A run that is rejected as it ends is made again at once, up to ``retry`` times. While it
+    lasts, the folder's ``live.json`` tells ``watch`` what ``report`` is told.
     Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """
     if plant is not None and port != "sim":
@@ -138,11 +144,23 @@ def measure(
                 journal = CampaignWriter.create(folder, header)
                 done = set()
             start, made = line.now(), 0
-            for part in parts(experiment.plan, experiment.schedule, bench, folder, done):
-                progress = over_all_parts(report, made, part)
-                first = resume and not made
-                run_campaign(part.runs, on_board, client, journal, clock, progress, first)
-                made += len(part.runs)
+            rules = experiment.schedule.screening
+            about = {key: str(header[key]) for key in ("name", "source")}
+            with published(folder, report, about) as told:
+                whole = WholeCampaign(told, bench, (*experiment.plans, *done))
+                for part in parts(experiment.plan, experiment.schedule, bench, folder, done):
+                    run_campaign(
+                        part.runs,
+                        on_board,
+                        client,
+                        journal,
+                        clock,
+                        whole.part(part, len(done) + made),
+                        resume=resume and not made,
+                        judge=lambda raw: screen(calibrate(raw, bench), rules),
+                        retry=retry,
+                    )
+                    made += len(part.runs)
             return Measured(made, line.now() - start)
         finally:
             line.close()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hbench.config.bench import parse_bench
 from hbench.config.loading import read_yaml
-from hbench.experiment.runner import Progress
+from hbench.experiment.progress import Progress
 from hbench.model.parameters import plant_parameters
 from hbench.records import Design
 from hbench.report.design_page import design_page

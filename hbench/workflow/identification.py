@@ -5,7 +5,7 @@ from pathlib import Path
 
 from hbench.analysis.logged_motion import LoggedMotion, logged_motion
 from hbench.errors import DataError
-from hbench.experiment.runner import Progress
+from hbench.experiment.progress import Progress
 from hbench.records import Identification, Run, ScreenedRun
 from hbench.report.draw_identification import draw_identification
 from hbench.report.figures import figure_files

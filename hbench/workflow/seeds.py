@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from hbench.experiment.cores import on_all_cores
-from hbench.experiment.runner import Progress
+from hbench.experiment.progress import Progress
 from hbench.store.campaign import JOURNAL
 from hbench.workflow.board import open_port, physics_of
 from hbench.workflow.campaign import Experiment, Measured, measure
@@ -22,6 +22,7 @@ def measure_seeds(
     clock: Callable[[], datetime],
     report: Callable[[int], None],
     baud: int | None = None,
+    retry: int = 0,
 ) -> Measured:
     """Make a campaign with each seed on a virtual rig of its own, in ``folder/SEED``.
 
@@ -34,7 +35,7 @@ def measure_seeds(
     rig = open_port("sim", experiment.bench, physics, seeds[0], baud)
     rig.read(0.0)  # compiles, before each process would
     rig.close()
-    make = partial(_make, experiment, folder, plant, resume, clock, baud)
+    make = partial(_make, experiment, folder, plant, resume, clock, baud, retry)
     runs, seconds = 0, 0.0
     for done, made in enumerate(on_all_cores(make, seeds), start=1):
         runs, seconds = runs + made.runs, seconds + made.seconds
@@ -49,6 +50,7 @@ def _make(
     resume: bool,
     clock: Callable[[], datetime],
     baud: int | None,
+    retry: int,
     seed: int,
 ) -> Measured:
     own = folder / str(seed)
@@ -62,6 +64,7 @@ def _make(
         clock=clock,
         report=_tell_nobody,
         baud=baud,
+        retry=retry,
     )
 
 

@@ -182,7 +182,7 @@ def test_an_interrupted_host_and_a_closed_terminal_stop_the_board_at_once(lab, q
         os.close(window)
 
     interrupted(lab, close, terminal)
-    assert b"runs" in shown[0]
+    assert b"run " in shown[0]
 
 
 def test_a_host_that_sleeps_finds_a_board_that_has_stopped_itself(lab, quick_schedule):

@@ -1,0 +1,140 @@
+"""What an operator sees while a campaign is made: a block that is redrawn on a terminal.
+
+Off a terminal it is a plain log, one line a run. Rejected runs stay above the block.
+"""
+
+import os
+import time
+from contextlib import suppress
+from typing import TextIO
+
+from hbench.experiment.progress import Ended, Progress
+from hbench.records import RunPlan
+
+_BAR = 24
+_EVERY_S = 0.1  # that the block is redrawn at most
+_HIGH = 0.9  # of its limit, a pressure is marked
+_SIDES = {  # of the status: cylinder and chamber as the bench's drawing names them
+    "p_tp": "P_Tp",
+    "p_tr": "P_Tr",
+    "p_lp": "P_Lp",
+    "p_lr": "P_Lr",
+    "p_s": "supply",
+}
+_PHASES = {
+    "return": "goes to its start",
+    "hold": "rests under load",
+    "accelerate": "accelerates",
+    "steady": "holds its speed",
+    "closed": "rests, valves closed",
+    "brake": "brakes",
+}
+
+
+class BenchDisplay:
+    """Shows a campaign while it is made. A terminal that has gone does not end a run."""
+
+    def __init__(self, stream: TextIO):
+        self._stream = stream
+        self._redraws = stream.isatty() and os.environ.get("TERM") != "dumb"
+        self._lines = 0  # of the block that stands there
+        self._drawn_s = -_EVERY_S
+
+    def __call__(self, progress: Progress) -> None:
+        """Show where the campaign stands."""
+        if not self._redraws:
+            before = progress.runs_done - sum(not one.again for one in progress.ended)
+            for ended in progress.ended:
+                before += not ended.again
+                self._write(f"{_count(before, progress)} {_line(ended, progress)}\n")
+            return
+        lasting = [_line(one, progress) for one in progress.ended if one.reasons]
+        if lasting or time.monotonic() - self._drawn_s >= _EVERY_S:
+            self._drawn_s = time.monotonic()
+            self._draw(lasting, _block(progress))
+
+    def close(self, last: str = "") -> None:
+        """Take the block away, for ``last`` or what is printed next."""
+        if self._redraws:
+            self._draw([], [])
+        if last:
+            self._write(last + "\n")
+
+    def _draw(self, lasting: list[str], block: list[str]) -> None:
+        width = self._width()
+        block = [line if len(line) < width else line[: width - 4] + "..." for line in block]
+        up = f"\x1b[{self._lines}A" if self._lines else ""
+        self._write(f"{up}\r\x1b[J" + "".join(line + "\n" for line in [*lasting, *block]))
+        self._lines = len(block)
+
+    def _width(self) -> int:
+        with suppress(OSError, ValueError):
+            return os.get_terminal_size(self._stream.fileno()).columns or 80
+        return 80
+
+    def _write(self, text: str) -> None:
+        with suppress(OSError):
+            self._stream.write(text)
+            self._stream.flush()
+
+
+def _block(now: Progress) -> list[str]:
+    total = max(now.runs_total, 1)
+    filled = _BAR * now.runs_done // total
+    plan = now.plan
+    again = f", attempt {now.attempt}" if now.attempt > 1 else ""
+    count = _count(min(now.runs_done + 1, total), now)
+    force = f"F_L {now.f_load_n:+.0f} of {plan.f_load_n or 0.0:+.0f} N"
+    pressures = "  ".join(
+        f"{name} {now.pressures_pa[key] / 1e5:.1f}{_mark(now.pressures_pa[key], now)}"
+        for key, name in _SIDES.items()
+        if key in now.pressures_pa
+    )
+    return [
+        f"[{'#' * filled}{'.' * (_BAR - filled)}] {_left(now)}",
+        f"run       {count}, trial {plan.trial} of {now.trials}{again}: {_motion(plan)}; "
+        f"{_PHASES.get(now.phase, 'at rest')}",
+        f"speed     {1e3 * now.v_m_s:+.1f} of {1e3 * now.v_ref_m_s:+.1f} mm/s",
+        f"force     {force}, load cell {now.f_applied_n:+.0f} N",
+        f"pressure  {pressures} bar, limit {now.pressure_max_pa / 1e5:.0f}",
+        f"rejected  {_rejected(now)}",
+    ]
+
+
+def _mark(pressure_pa: float, now: Progress) -> str:
+    return "!" if pressure_pa > _HIGH * now.pressure_max_pa else ""
+
+
+def _rejected(now: Progress) -> str:
+    last = now.last_rejected
+    return "none" if last is None else f"{now.rejected}; {last.plan.run}: {'; '.join(last.reasons)}"
+
+
+def _count(number: int, now: Progress) -> str:
+    return f"{number} of {'at most ' if now.at_most else ''}{now.runs_total}"
+
+
+def _line(ended: Ended, now: Progress) -> str:
+    """Write what became of a run."""
+    plan = ended.plan
+    words = f"{plan.run} {_motion(plan)}, trial {plan.trial}: "
+    if not ended.reasons:
+        friction = "" if ended.friction_n is None else f", friction {ended.friction_n:+.1f} N"
+        return f"{words}accepted{friction}; {_left(now)}"
+    again = "; made again" if ended.again else ""
+    return f"{words}rejected: {'; '.join(ended.reasons)}{again}"
+
+
+def _motion(plan: RunPlan) -> str:
+    load = "" if plan.f_load_n is None else f", {plan.f_load_n:+.0f} N"
+    label = f"{plan.label}, " if plan.label else ""
+    return f"{label}{plan.kind} {1e3 * plan.v_ref_m_s:+.1f} mm/s{load}"
+
+
+def _left(now: Progress) -> str:
+    if now.seconds_left is None:
+        return "time left not known yet"
+    minutes, seconds = divmod(round(now.seconds_left), 60)
+    hours, minutes = divmod(minutes, 60)
+    words = f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
+    return f"{'at most ' if now.at_most else ''}{words} left"

@@ -1,0 +1,114 @@
+"""What an operator sees of a campaign while it is made."""
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from hbench.config.bench import Bench
+from hbench.experiment.plan import Plan, run_seconds
+from hbench.records import RunPlan
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A run that has come to its end, with the verdict on it."""
+
+    plan: RunPlan
+    attempt: int  # of this run in this session, from 1
+    reasons: tuple[str, ...]  # why it is rejected; empty: accepted
+    friction_n: float | None  # mean of the steady window
+    again: bool = False  # it is made again at once
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a campaign stands, and what the board reads at this moment."""
+
+    runs_done: int
+    runs_total: int
+    plan: RunPlan  # the run that is being made, or that was made last
+    v_m_s: float
+    f_applied_n: float
+    v_ref_m_s: float = 0.0  # at this moment; the plan's is that of the steady part
+    f_load_n: float = 0.0  # F_L, from the load cylinder's pressures
+    pressures_pa: Mapping[str, float] = field(default_factory=dict)  # p_tp, p_tr, p_lp, p_lr, p_s
+    pressure_max_pa: float = 0.0  # where the board stops by itself
+    phase: str = "none"
+    attempt: int = 1
+    ended: tuple[Ended, ...] = ()  # since the last report, in order
+    at_most: bool = False  # the total is not known yet: it may become less
+    # Of the campaign as a whole:
+    trials: int = 1  # of this run's reference
+    rejected: int = 0  # runs of this session, with each attempt
+    last_rejected: Ended | None = None
+    seconds_left: float | None = None  # on the clock of the wall; None: not known yet
+
+
+Report = Callable[[Progress], None]
+
+
+class WholeCampaign:
+    """Turns the progress of a campaign's parts into that of the whole."""
+
+    def __init__(
+        self,
+        report: Report,
+        bench: Bench,
+        plans: Iterable[RunPlan],
+        now: Callable[[], float] = time.monotonic,
+    ):
+        self._report = report
+        self._bench = bench
+        self._now = now
+        self._start = self._last_end = now()
+        self._seconds_done = 0.0  # as estimated
+        self._rejected = 0
+        self._last_rejected: Ended | None = None
+        self._trials: dict[tuple, int] = {}
+        self._count_trials(plans)
+
+    def part(self, part: Plan, made: int) -> Report:
+        """Return what reports the progress of ``part``, with ``made`` runs before it."""
+        self._count_trials((*part.runs, *part.rest))
+        seconds = run_seconds((*part.runs, *part.rest), self._bench)
+
+        def report(now: Progress) -> None:
+            for ended in now.ended:
+                self._last_end = self._now()
+                if not ended.again:
+                    self._seconds_done += seconds[ended.plan.run]
+                if ended.reasons:
+                    self._rejected += 1
+                    self._last_rejected = ended
+            rest = list(seconds.values())[now.runs_done :]
+            self._report(
+                replace(
+                    now,
+                    runs_done=made + now.runs_done,
+                    runs_total=made + now.runs_total + len(part.rest),
+                    at_most=bool(part.rest),
+                    trials=self._trials[_reference(now.plan)],
+                    rejected=self._rejected,
+                    last_rejected=self._last_rejected,
+                    seconds_left=self._left(rest),
+                )
+            )
+
+        return report
+
+    def _left(self, rest: list[float]) -> float | None:
+        """Return the time left at the pace so far, less what the present run has taken."""
+        if not self._seconds_done:
+            return None
+        pace = (self._last_end - self._start) / self._seconds_done
+        since = self._now() - self._last_end
+        return pace * sum(rest) - min(since, pace * rest[0]) if rest else 0.0
+
+    def _count_trials(self, plans: Iterable[RunPlan]) -> None:
+        for plan in plans:
+            reference = _reference(plan)
+            self._trials[reference] = max(plan.trial, self._trials.get(reference, 0))
+
+
+def _reference(plan: RunPlan) -> tuple:
+    return (plan.kind, plan.label, plan.motion, plan.f_load_n, plan.p_lr_ref_pa)

@@ -1,0 +1,186 @@
+"""Sorts the records that a board logs into runs, and journals each run."""
+
+from collections.abc import Callable, Iterable, Mapping
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+
+from hbench.config.bench import Bench
+from hbench.errors import DeviceError
+from hbench.experiment.progress import Ended, Progress
+from hbench.protocol.dictionary import FLAGS, PHASES, RECORD
+from hbench.records import LogChannel, Outcome, RawRun, RunPlan, ScreenedRun
+from hbench.store.campaign import CampaignWriter
+
+CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
+END_MISSING = "the end of its log is missing"
+OVERRUN = "{} records were overwritten before they were pulled: the log ran over"
+
+_WORDS = [word.name for word in RECORD]
+_RUN, _INDEX, _FLAGS = (_WORDS.index(name) for name in ("run", "index", "flags"))
+_LAST, _SETTLED = (1 << FLAGS.index(name) for name in ("last", "settled"))
+_PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
+
+Judge = Callable[[RawRun], ScreenedRun]
+
+
+class Recorder:
+    """Sorts pulled records into runs and journals each at its start and its end.
+
+    Only a run of which all records have come, up to its last, is done. ``judge``, if there is
+    one, screens each as it ends; one that is rejected may be made ``retry`` times more.
+    """
+
+    def __init__(
+        self,
+        plans: Iterable[RunPlan],
+        bench: Bench,
+        journal: CampaignWriter,
+        clock: Callable[[], datetime],
+        judge: Judge | None = None,
+        retry: int = 0,
+    ):
+        self._plans = {int(plan.run): plan for plan in plans}
+        self._bench = bench
+        self._journal = journal
+        self._clock = clock
+        self._judge = judge
+        self._retry = retry
+        self._words: list[np.ndarray] = []
+        self._number = 0  # of the run that is being made; 0: none
+        self._lost = 0  # records of that run, at most
+        self._gap = 0  # records lost right before the next one
+        self._finished: dict[int, Outcome] = {}
+        self._attempts: dict[int, int] = {}
+        self._verdicts: dict[int, Ended] = {}  # the last of each run
+        self._to_tell: list[int] = []  # runs that have ended since the last report
+        self._again: set[int] = set()  # finished, but to be made again
+
+    @property
+    def current(self) -> str:
+        """Id of the run that is being made; empty between runs."""
+        return self._plans[self._number].run if self._number else ""
+
+    def progress(self, status: Mapping[str, Any]) -> Progress | None:
+        """Return where the campaign stands; None where there is nothing to tell."""
+        told, self._to_tell = self._to_tell, []
+        number = self._number or (told[-1] if told else 0)
+        if not number:
+            return None
+        cylinder = self._bench.load_cylinder
+        p_lp, p_lr = status["p_lp_pa"], status["p_lr_pa"]
+        return Progress(
+            runs_done=len(self._finished) - len(self._again),
+            runs_total=len(self._plans),
+            plan=self._plans[number],
+            v_m_s=status["v_m_s"],
+            f_applied_n=status["f_applied_n"],
+            v_ref_m_s=status["v_ref_m_s"],
+            f_load_n=p_lp * cylinder.area_piston_m2 - p_lr * cylinder.area_rod_m2,
+            pressures_pa={name: status[f"{name}_pa"] for name in _PRESSURES},
+            pressure_max_pa=self._bench.limits.pressure_max,
+            phase=PHASES[status["phase"]] if status["phase"] < len(PHASES) else "none",
+            attempt=self._attempts[number],
+            ended=tuple(self._verdicts[one] for one in told if one in self._verdicts),
+        )
+
+    def begin(self, number: int) -> None:
+        """A run has started, as its status or its first record tells.
+
+        The board still names a run while it brakes after the last record; that starts nothing.
+        """
+        if number == self._number or number in self._finished:
+            return
+        if number not in self._plans:
+            raise DeviceError(f"the board reports run {number}, which is not in the plan")
+        self.finish("failed", END_MISSING)
+        self._attempts[number] = self._attempts.get(number, 0) + 1
+        before = self._verdicts.get(number)
+        self._journal.start_run(
+            self._plans[number], self._clock(), "; ".join(before.reasons) if before else ""
+        )
+        self._number = number
+
+    def lose(self, count: int) -> None:
+        """The next ``count`` records are gone, whichever runs' they were."""
+        self._gap += count
+        if self._number:
+            self._lost += count
+
+    def feed(self, words: np.ndarray) -> None:
+        """Take records in order: (n, words of a record)."""
+        edges = np.flatnonzero(np.diff(words[:, _RUN])) + 1
+        for piece in np.split(words, edges) if len(words) else ():
+            self.begin(int(piece[0, _RUN]))
+            if not self._words and piece[0, _INDEX]:
+                self._lost = self._gap  # it held this run's beginning
+            self._gap = 0
+            if not self._number:
+                raise DeviceError(f"the board sent records of run {piece[0, _RUN]} after its last")
+            self._words.append(piece)
+            if piece[-1, _FLAGS] & _LAST:
+                self.finish("done", _ending(self._plans[self._number], piece[-1, _FLAGS]))
+
+    def finish(self, outcome: Outcome, why: str) -> None:
+        """The run is over: its log to disk, then its stop part to the journal; then the verdict."""
+        if not self._number:
+            return
+        number, plan = self._number, self._plans[self._number]
+        words = np.concatenate(self._words) if self._words else np.zeros((0, len(RECORD)), "<u2")
+        if self._lost and (outcome == "done" or why == END_MISSING):
+            outcome, why = "failed", OVERRUN.format(self._lost)
+        self._finished[number] = outcome
+        self._words, self._number, self._lost = [], 0, 0
+        self._journal.finish_run(plan, words, outcome, why, self._clock())
+        self._to_tell.append(number)
+        if self._judge is not None:
+            rate_hz = self._bench.controllers.log_rate
+            judged = self._judge(RawRun(plan, words, CHANNELS, FLAGS, rate_hz, outcome, why))
+            friction_n = judged.means.friction_n if judged.means else None
+            attempt = self._attempts[number]
+            again = not judged.accepted and attempt <= self._retry
+            self._verdicts[number] = Ended(plan, attempt, judged.reasons, friction_n, again)
+            if again:
+                self._again.add(number)
+
+    def again(self, plan: RunPlan) -> bool:
+        """Whether a run is to be made again at once; if so, it counts as not made."""
+        number = int(plan.run)
+        if number not in self._again:
+            return False
+        self._again.remove(number)
+        del self._finished[number]
+        return True
+
+    def abandon(self, error: BaseException) -> None:
+        """Something ended the campaign in the middle of a run."""
+        interrupted = not isinstance(error, Exception)
+        why = "interrupted by the operator" if interrupted else str(error) or type(error).__name__
+        self.finish("aborted" if interrupted else "failed", why)
+
+    def close(self) -> None:
+        """All steps have been made. Raises ``DeviceError`` if runs failed."""
+        for number in [n for n in self._plans if n not in self._finished]:
+            self.begin(number)
+            self.finish("failed", "all its records were overwritten: the log ran over")
+        failed = [plan.run for n, plan in self._plans.items() if self._finished[n] == "failed"]
+        if failed:
+            raise DeviceError(
+                f"{len(failed)} of {len(self._plans)} runs failed: {', '.join(failed)}",
+                "Make them again with --resume. Where the log ran over, a faster line (--baud) or "
+                "a lower controllers.log_rate helps.",
+            )
+
+
+def _ending(plan: RunPlan, flags: int) -> str:
+    """What to say of a run that came to its end: whether what it waited for has settled."""
+    motion = plan.motion
+    if motion.until == "cycles":
+        return ""
+    quantity = motion.until.replace("_", " ")
+    if flags & _SETTLED:
+        return f"{quantity} settled within {100 * motion.within:g} %"
+    return (
+        f"{quantity} had not settled within {100 * motion.within:g} % after {motion.cycles} cycles"
+    )

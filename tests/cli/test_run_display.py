@@ -1,0 +1,99 @@
+"""What ``hbench run`` tells: a block in a terminal, a line a run in a pipe."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+
+import pytest
+import yaml
+from terminal import Terminal, screen
+
+from hbench.store.campaign import load_campaign
+
+TOO_STRICT = {"low_speed_error": "0.001 mm/s", "low_speed_error_relative": 1e-6}
+
+
+@pytest.fixture
+def picky_schedule(quick_schedule):
+    """A schedule of four runs, none of which is good enough."""
+    path = quick_schedule()
+    data = yaml.safe_load(path.read_text())
+    data["screening"] |= TOO_STRICT
+    path.write_text(yaml.safe_dump(data))
+    return path
+
+
+def in_a_pipe(tmp_path, *arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "hbench", "run", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+
+
+def test_a_pipe_gets_one_line_a_run(quick_schedule, tmp_path):
+    done = in_a_pipe(tmp_path, quick_schedule(), "-o", "out")
+    assert done.returncode == 0
+    _, *lines = done.stderr.splitlines()
+    pattern = (
+        r"{0} of 4 000{0} steady \+{1}\.0 mm/s, \+2000 N, trial {2}: accepted, "
+        r"friction \+\d+\.\d N; \d+:\d\d left"
+    )
+    expected = [(1, 80, 1), (2, 80, 2), (3, 120, 1), (4, 120, 2)]
+    assert len(lines) == 4 and "\x1b" not in done.stderr and "\r" not in done.stderr
+    for line, numbers in zip(lines, expected, strict=True):
+        assert re.fullmatch(pattern.format(*numbers), line), line
+    assert lines[-1].endswith("0:00 left")
+    assert done.stdout.startswith("out: 4 runs in ")
+    assert not (tmp_path / "out" / "live.json").exists()
+
+
+def test_a_pipe_gets_each_rejection_with_its_reason(picky_schedule, tmp_path):
+    done = in_a_pipe(tmp_path, picky_schedule, "-o", "out", "--retry", "1")
+    assert done.returncode == 0
+    _, *lines = done.stderr.splitlines()
+    assert len(lines) == 8
+    assert all("rejected: off_reference: mean speed" in line for line in lines)
+    assert [line.endswith("; made again") for line in lines] == [True, False] * 4
+    assert len(load_campaign(tmp_path / "out").entries) == 8
+
+
+def test_a_terminal_shows_a_block_and_keeps_the_rejections(picky_schedule, tmp_path):
+    terminal = Terminal(["run", picky_schedule, "-o", "out"], tmp_path, columns=90)
+    assert terminal.end() == 0
+    blocks = terminal.shown.decode().replace("\r", "").split("\x1b[J")
+    first = blocks[1].splitlines()
+    assert [line.split()[0] for line in first[1:6]] == [
+        "run", "speed", "force", "pressure", "rejected"
+    ]  # fmt: skip
+    assert "run       1 of 4, trial 1 of 2: steady +80.0 mm/s, +2000 N; goes to its" in first[1]
+    assert re.fullmatch(r"speed     [+-]\d+\.\d of [+-]\d+\.\d mm/s", first[2])
+    assert re.fullmatch(r"force     F_L [+-]\d+ of \+2000 N, load cell [+-]\d+ N", first[3])
+    sides = "  ".join(rf"{name} \d+\.\d" for name in ("P_Tp", "P_Tr", "P_Lp", "P_Lr", "supply"))
+    assert re.fullmatch(rf"pressure  {sides} bar, limit 230", first[4])
+    assert any(re.search(r"^rejected  [1-4]; 000\d: off_reference: mean", b, re.M) for b in blocks)
+    assert all(len(line) < 90 for block in blocks for line in block.splitlines()[-6:])
+    end = screen(terminal.shown)
+    kept = [line for line in end if "rejected: off_reference" in line]
+    assert [line[:4] for line in kept] == ["0001", "0002", "0003", "0004"]
+    assert not any(line.startswith(("[", "speed", "pressure")) for line in end), "a block is left"
+    assert end[-2].startswith("out: 4 runs in ")
+
+
+def test_ctrl_c_at_the_terminal_takes_the_block_away_and_leaves_nothing_live(
+    short_schedule, tmp_path
+):
+    schedule = short_schedule(trials=20, window="5 s")
+    terminal = Terminal(["run", schedule, "-o", "out"], tmp_path)
+    terminal.wait_for(b"holds its speed")
+    os.kill(terminal.process.pid, signal.SIGINT)
+    assert terminal.end() == 130
+    end = screen(terminal.shown)
+    assert end[-2] == "interrupted; go on with --resume" and "Traceback" not in "\n".join(end)
+    assert not any(line.startswith(("[", "speed", "pressure")) for line in end), "a block is left"
+    assert not (tmp_path / "out" / "live.json").exists()
+    assert load_campaign(tmp_path / "out").entries[-1].stop.outcome == "aborted"
