@@ -19,6 +19,7 @@ from hbench.cli import (
     rig,
     run,
     simulate,
+    watch,
 )
 from hbench.errors import HbenchError
 
@@ -35,6 +36,7 @@ app.command("flash")(flash.flash)
 app.command("ports")(ports.ports)
 app.command("rig")(rig.rig)
 app.command("run")(run.run)
+app.command("watch")(watch.watch)
 app.command("import")(imports.import_)
 app.command("export")(export.export)
 app.command("analyze")(analyze.analyze)

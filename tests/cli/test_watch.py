@@ -1,0 +1,330 @@
+"""``hbench watch``: what its page is told while a campaign is made and after, and to whom."""
+
+import base64
+import hashlib
+import http.client
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+import yaml
+
+from hbench import workflow
+from hbench.cli.watch_server import new_server
+from hbench.errors import ConfigError
+from hbench.store.campaign import load_campaign
+from hbench.store.live import LIVE, SCHEMA
+from hbench.workflow import live, watching
+
+SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
+PATIENCE_S = 60.0
+
+
+class Page:
+    """A client of a watch server."""
+
+    def __init__(self, port: int):
+        self.port = port
+
+    def ask(self, path="/", method="GET", **headers):
+        """Return the response, with its body as ``text``."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        connection.putrequest(method, path, skip_host="Host" in headers)
+        for name, value in headers.items():
+            if value is not None:
+                connection.putheader(name, value)
+        connection.endheaders()
+        response = connection.getresponse()
+        response.text = response.read().decode()
+        connection.close()
+        return response
+
+    def state(self):
+        return json.loads(self.ask("/state.json").text)
+
+    def runs(self):
+        return json.loads(self.ask("/runs.json").text)
+
+
+@contextmanager
+def watched(folder):
+    """Serve ``folder`` as the command does."""
+    server = new_server(workflow.Watch(folder), 0)
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
+    thread.start()
+    try:
+        yield Page(server.server_port)
+    finally:
+        server.shutdown()
+        server.server_close()
+        thread.join()
+
+
+@pytest.fixture
+def sample(tmp_path):
+    folder = tmp_path / "bad-runs"
+    shutil.copytree(SAMPLE, folder, ignore=shutil.ignore_patterns("results"))
+    return folder
+
+
+@pytest.fixture
+def page(sample):
+    with watched(sample) as client:
+        yield client
+
+
+def files_of(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def hbench(folder, *arguments):
+    return subprocess.Popen(
+        [sys.executable, "-m", "hbench", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+
+
+def test_a_campaign_under_way_is_told_as_the_operator_sees_it(
+    on_the_rig, short_schedule, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(live, "EVERY_S", 0.0)
+    told, seen = [], []
+    with watched(tmp_path / "campaign") as page:
+        assert page.state()["state"] == "nothing"
+
+        def report(progress):
+            if told and len(told) % 8 == 0:  # what is served is what was reported before
+                seen.append((told[-1], page.state(), page.runs()))
+            told.append(progress)
+
+        on_the_rig(short_schedule(), tmp_path / "campaign", report=report)
+        after, runs = page.state(), page.runs()
+    assert len(seen) > 3
+    for before, state, made in seen:
+        now = state["live"]
+        assert (state["state"], now["name"], now["source"]) == ("running", "short", "simulated")
+        assert (now["run"], now["runs_done"], now["runs_total"]) == (
+            before.plan.run, before.runs_done, 4
+        )  # fmt: skip
+        assert (now["v_m_s"], now["v_ref_m_s"]) == (before.v_m_s, before.v_ref_m_s)
+        assert (now["f_load_n"], now["f_load_ref_n"]) == (before.f_load_n, 2000.0)
+        assert now["pressures_pa"] == before.pressures_pa
+        assert len(made["runs"]) <= before.runs_done
+    assert len(seen[-1][2]["runs"]) > 0
+    assert (after["state"], after["live"]) == ("ended", None)
+    assert after["said"].startswith("4 of 4 runs made, the last until")
+    assert [run["run"] for run in runs["runs"]] == ["0001", "0002", "0003", "0004"]
+    assert not (tmp_path / "campaign" / LIVE).exists()
+
+
+def test_the_verdicts_are_those_of_analyze(page, sample):
+    told = page.runs()
+    results = workflow.analyze(sample)
+    assert told["name"] == results.provenance.name
+    assert [run["reasons"] for run in told["runs"]] == [list(r.reasons) for r in results.runs]
+    for run, one in zip(told["runs"], results.runs, strict=True):
+        assert run["friction_n"] == (one.means.friction_n if one.means else None)
+
+
+def test_a_killed_host_is_not_told_as_running(short_schedule, tmp_path, monkeypatch):
+    monkeypatch.setattr(watching, "STALE_S", 1.5)
+    host = hbench(tmp_path, "run", short_schedule(trials=20, window="5 s"), "-o", "out")
+    with watched(tmp_path / "out") as page:
+        deadline = time.monotonic() + PATIENCE_S
+        while not page.state()["live"] or len(page.runs()["runs"]) < 2:
+            assert host.poll() is None and time.monotonic() < deadline, host.communicate()
+            time.sleep(0.02)
+        host.kill()
+        host.communicate()
+        assert (tmp_path / "out" / LIVE).exists(), "it could not take its last word back"
+        time.sleep(1.6)
+        state = page.state()
+        assert (state["state"], state["live"]) == ("silent", None)
+        assert "killed" in state["said"] and "--resume" in state["said"]
+        (tmp_path / "out" / LIVE).unlink()
+        assert "ended without a word in run" in page.state()["said"]
+
+
+def test_an_interrupted_campaign_says_how_it_ended(on_the_rig, short_schedule, tmp_path):
+    def interrupt(progress):
+        if progress.runs_done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        on_the_rig(short_schedule(), tmp_path / "campaign", report=interrupt)
+    assert not (tmp_path / "campaign" / LIVE).exists()
+    with watched(tmp_path / "campaign") as page:
+        said = page.state()["said"]
+    assert said.startswith("2 of 4 runs made") and "--resume" in said
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "[]",
+        '{"schema": "another", "at_s": 1}',
+        f'{{"schema": "{SCHEMA}"}}',
+        f'{{"schema": "{SCHEMA}", "at_s": NaN}}',
+        f'{{"schema": "{SCHEMA}", "at_s": true}}',
+        "[" * 50_000,
+        "9" * 90_000,
+        " " * 200_000,
+    ],
+    ids=lambda text: f"{text[:30]}-{len(text)}",
+)
+def test_a_live_file_that_no_host_wrote_is_not_believed(page, sample, text):
+    (sample / LIVE).write_text(text)
+    assert page.state()["state"] == "ended"
+
+
+def test_only_this_machine_is_served():
+    server = new_server(workflow.Watch(Path("nowhere")), 0)
+    try:
+        assert server.server_address[0] == "127.0.0.1"
+        with pytest.raises(ConnectionRefusedError):  # another address of this machine
+            socket.create_connection(("127.0.0.2", server.server_port), timeout=5)
+    finally:
+        server.server_close()
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "evil.example",
+        "evil.example:8350",
+        "127.0.0.1.evil.example",
+        "localhost.evil.example",
+        "127.0.0.1:80@evil.example",
+        "evil.example#localhost",
+        "127.0.0.1\t",
+        "0.0.0.0",
+        "[::]",
+        "",
+        None,
+    ],
+)
+def test_a_page_from_elsewhere_gets_nothing_even_where_its_name_points_here(page, host):
+    """DNS rebinding: the browser says whose page it is in the header Host."""
+    for path in ("/", "/state.json", "/runs.json"):
+        answer = page.ask(path, Host=host)
+        assert answer.status == 421 and answer.text == "not this machine\n"
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "LOCALHOST:9", "127.0.0.1:8350"])
+def test_this_machine_by_its_names_is_served(page, host):
+    assert page.ask("/state.json", Host=host).status == 200
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS"])
+def test_nothing_can_be_written(page, sample, method):
+    before = files_of(sample)
+    for path in ("/", "/state.json", "/campaign.yaml"):
+        answer = page.ask(path, method)
+        assert answer.status == 405 and answer.getheader("Allow") == "GET, HEAD"
+    assert page.ask("/", "BREW").status == 501
+    assert files_of(sample) == before
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/campaign.yaml",
+        "/live.json",
+        "/runs/0001.dat",
+        "/../campaign.yaml",
+        "/%2e%2e/campaign.yaml",
+        "//etc/passwd",
+        "/..\\..",
+        "/state.json?callback=x",
+        "http://evil.example/",
+        "*",
+    ],
+)
+def test_no_file_is_served(page, path):
+    assert page.ask(path, Host="127.0.0.1").status == 404
+
+
+def test_reading_changes_nothing_in_the_folder(page, sample):
+    before = files_of(sample)
+    for path in ("/", "/state.json", "/runs.json"):
+        assert page.ask(path).status == 200
+        assert page.ask(path, "HEAD").text == ""
+    assert files_of(sample) == before
+
+
+def test_the_page_needs_nothing_else_and_may_run_nothing_but_its_own_script(page):
+    answer = page.ask("/")
+    text = answer.text
+    assert set(re.findall(r"https?://[^\"' ]+", text)) == {"http://www.w3.org/2000/svg"}
+    assert not re.search(r"innerHTML|insertAdjacentHTML|document\.write|\beval\b| on\w+=", text)
+    policy = dict(
+        rule.split(" ", 1) for rule in answer.getheader("Content-Security-Policy").split("; ")
+    )
+    assert policy["default-src"] == "'none'" and policy["frame-ancestors"] == "'none'"
+    for tag in ("script", "style"):
+        own = text.split(f"<{tag}>")[1].split(f"</{tag}>")[0]
+        digest = base64.b64encode(hashlib.sha256(own.encode()).digest()).decode()
+        assert policy[f"{tag}-src"] == f"'sha256-{digest}'"
+
+
+def test_a_port_that_is_taken_is_an_error_with_a_hint():
+    first = new_server(workflow.Watch(Path("nowhere")), 0)
+    try:
+        with pytest.raises(ConfigError, match=f"--port: {first.server_port}") as error:
+            new_server(workflow.Watch(Path("nowhere")), first.server_port)
+        assert "0" in error.value.hint
+    finally:
+        first.server_close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_command_prints_its_address_and_ends_with_ctrl_c(sample, number):
+    process = hbench(sample.parent, "watch", sample, "--port", "0")
+    address = process.stdout.readline().strip()
+    match = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/", address)
+    assert match, process.communicate()
+    assert Page(int(match[1])).state()["state"] == "ended"
+    process.send_signal(number)
+    out, told = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0 and not out and not told
+
+
+def test_a_browser_shows_the_words_of_a_hostile_campaign_as_words(sample):
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        pytest.skip("no chromium")
+    evil = "<img src=x onerror=document.title='caught'><script>document.title='caught'</script>"
+    path = sample / "campaign.yaml"
+    content = yaml.safe_load(path.read_text())
+    content["name"] = evil
+    content["runs"][0]["stop"] |= {"outcome": "failed", "why": evil}
+    path.write_text(yaml.safe_dump(content, sort_keys=False))
+    with watched(sample) as page:
+        dom = subprocess.run(
+            [chromium, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"]
+            + ["--disable-background-networking", "--virtual-time-budget=3000", "--dump-dom"]
+            + [f"--user-data-dir={sample.parent / 'profile'}", f"http://127.0.0.1:{page.port}/"],
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE_S,
+        ).stdout
+    assert dom.count("&lt;img src=x") >= 3 and "<img" not in dom  # name, title, reason
+    assert "<title>caught" not in dom
+    assert "not running" in dom and "Rejected runs:" in dom
+    assert len(load_campaign(sample).plans) > 1
