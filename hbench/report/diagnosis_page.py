@@ -57,7 +57,7 @@ def diagnosis_page(found: Diagnosis, drawings: Sequence[Drawing]) -> str:
     )
     gap = Section(
         "The gap before and after" if found.effects else "The gap",
-        (text.UNIT_OF_GAP, _CLOSED, f"Held-out runs: {held}."),
+        (_CLOSED, f"Held-out runs: {held}."),
         drawings=drawn("gap"),
         tables=text.gap_tables(found, found.gap_heldout, "held-out runs"),
     )
@@ -101,6 +101,7 @@ def _answer(found: Diagnosis) -> Section:
     next_ = f"Next experiment: {found.next_experiment}" if found.next_experiment else ""
     paragraphs = (
         found.why,
+        f"{text.gap_line(found)} {text.UNIT_OF_GAP}",
         *text.effect_lines(found),
         _SENSOR if any(one.of_sensor for one in found.effects) else "",
         next_,

@@ -27,7 +27,7 @@ Rows = tuple[tuple[str, ...], ...]
 
 UNIT_OF_GAP = "Gaps are in trial scatters: 1 is as good as the bench repeats itself."
 STEPS = {
-    "before": "model as given",
+    "before": "as given",
     "refitted": "refitted",
     "after": "with the effects",
     "floor": "floor",
@@ -36,7 +36,7 @@ STEPS = {
 
 def diagnosis_text(found: Diagnosis) -> str:
     """Return the verdict, then every table and what is missing, for a terminal (ASCII)."""
-    parts = [f"{headline(found)}\n{found.why}", UNIT_OF_GAP]
+    parts = [f"{headline(found)}\n{found.why}", f"{gap_line(found)}\n{UNIT_OF_GAP}"]
     parts += effect_lines(found)
     if found.next_experiment:
         parts.append(f"next experiment: {found.next_experiment}")
@@ -62,6 +62,15 @@ def headline(found: Diagnosis) -> str:
         where = _list(found.rest or found.where[:1])
         return f"unknown: no effect of the catalogue explains what disagrees in {where}.{also}"
     return "none: the model agrees with the measurement as well as the bench repeats itself."
+
+
+def gap_line(found: Diagnosis) -> str:
+    """Return the gap of all balances over the held-out runs, from the model as given on."""
+    total = found.gap_heldout.total
+    steps = ", ".join(
+        f"{number(getattr(total, step), 2)} {words}" for step, words in steps_of(found).items()
+    )
+    return f"Gap of held-out runs, all balances: {steps}."
 
 
 def effect_words(effect: AddedEffect) -> str:

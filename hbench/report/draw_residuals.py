@@ -36,21 +36,23 @@ def maps_figure(found: Diagnosis) -> Figure:
     largest = max(float(np.max(np.abs(one[2]), initial=_LEAST)) for row in cells for one in row)
     norm = Normalize(-largest, largest)
     for row, panel_row, title in zip(cells, panels, _TITLES, strict=False):
-        for (v, load, value, count), axes, name in zip(row, panel_row, names, strict=True):
+        for (v, load, value, count), axes in zip(row, panel_row, strict=True):
             size = 14 + 46 * np.sqrt(count / max(count.max(initial=1), 1))
             axes.scatter(
                 1e3 * v, load / 1e3, c=value, s=size, norm=norm, cmap="RdBu_r",
                 edgecolors="#6b7280", linewidths=0.4,
             )  # fmt: skip
-            words = balance(name).says
-            style.head(axes, f"{words}, {title}" if len(sides) > 1 else words, found)
+        panel_row[0].set_ylabel(
+            f"{title.capitalize()}\nLoad (kN)" if found.effects else "Load (kN)"
+        )
+    for axes, name in zip(panels[0], names, strict=True):
+        axes.set_title(balance(name).says, fontsize=11)
     for axes in panels[-1]:
         axes.set_xlabel("Velocity (mm/s)")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("Load (kN)")
-    figure.colorbar(
+    bar = figure.colorbar(
         ScalarMappable(norm, "RdBu_r"), ax=panels, label="Residual (trial scatters)", pad=0.01
     )
+    style.simulated(bar.ax, found)
     return figure
 
 

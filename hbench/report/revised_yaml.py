@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 
 from hbench.records import AddedEffect, Diagnosis
+from hbench.report.diagnosis_text import UNIT_OF_GAP, gap_line
 from hbench.report.diagnosis_words import quantity
 
 _SOURCES = {
@@ -26,7 +27,7 @@ def revised_yaml(found: Diagnosis) -> str:
         f"{made.started[:10]} (bench {made.bench!r}), {_SOURCES[made.source]}.",
         "Give it to `hbench run --plant`, or to `hbench reconcile --model`.",
         f"Verdict: {found.verdict}. {found.why}",
-        *_gap_lines(found),
+        f"{gap_line(found)} {UNIT_OF_GAP}",
         "Values with 95 % intervals; what has no comment is as in the model.",
     ]
     body = "".join(_lines(found.revised, _comments(found), ()))
@@ -42,16 +43,6 @@ def schedule_yaml(found: Diagnosis) -> str:
 def _head(lines: Sequence[str]) -> str:
     wrapped = (part for line in lines for part in textwrap.wrap(line, _WIDE))
     return "".join(f"# {part}\n" for part in wrapped)
-
-
-def _gap_lines(found: Diagnosis) -> list[str]:
-    total = found.gap_heldout.total
-    gaps = f"{total.before:.2f} as given, {total.refitted:.2f} refitted"
-    if found.effects:
-        gaps += f", {total.after:.2f} with the effects"
-    return [
-        f"Gap of held-out runs in trial scatters, all balances: {gaps} (floor {total.floor:.2f})."
-    ]
 
 
 def _comments(found: Diagnosis) -> dict[tuple[str, ...], str]:

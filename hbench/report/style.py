@@ -80,9 +80,13 @@ def head(axes: Axes, title: str, results: Results | Diagnosis, last: Axes | None
     ``last`` are the axes at the right of a row, where this stands.
     """
     axes.set_title(safe(title))
+    simulated(last or axes, results)
+
+
+def simulated(axes: Axes, results: Results | Diagnosis) -> None:
+    """Say at the right above the axes that the campaign is simulated, if it is."""
     if results.provenance.source == "simulated":
-        right = last or axes
-        right.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
+        axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
 
 
 def legend_above(figure: Figure, axes: Axes, title: str = "", columns: int = 4) -> None:

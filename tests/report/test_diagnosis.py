@@ -55,6 +55,8 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     flow = named.gap_heldout.balances["flow_tp"]
     row = [f"{getattr(flow, step):.2f}" for step in ("before", "refitted", "after", "floor")]
     assert re.search(r"oil into chamber Tp +" + " +".join(row), text)
+    total = named.gap_heldout.total
+    assert f"all balances: {total.before:.2f} as given, {total.refitted:.2f} refitted" in text
     assert re.search(r"external_leakage +585 +72 %", text)
     assert re.search(r"valve\.gain +0\.9780 \+- 0\.0040", text)
     assert re.search(r"moving_mass\.test +0\.550 \(at its lower bound\)", text)
@@ -176,7 +178,7 @@ def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
     axes = gap_figures(named)["Balances"].axes[0]
     drawn = {line.get_label(): line.get_xdata() for line in axes.lines}
     table = named.gap_heldout
-    for step, label in (("before", "model as given"), ("after", "with the effects")):
+    for step, label in (("before", "as given"), ("after", "with the effects")):
         assert drawn[label][0] == getattr(table.total, step)
     bars = ranking_figure(named).axes[0]
     assert [bar.get_width() for bar in bars.patches] == [one.score for one in named.ranking]
