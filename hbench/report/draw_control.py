@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import ControlLoop, Design
 from hbench.report import style
-from hbench.report.figures import Drawing, render
+from hbench.report.figures import Drawing, drawn
 
 # A colour, a line and a marker for each chain of dynamics.
 LOOKS = {
@@ -27,10 +27,9 @@ def draw_design(design: Design) -> tuple[Drawing, ...]:
             with rc_context(style.RC):
                 figure = draw(loop)
                 figure.axes[0].set_title(f"{title}, {loop.name}")
-                svg, png = render(figure)
-            slug = f"{loop.name.replace(' ', '-')}-{name}"
-            words = f"{title}, {loop.name}"
-            drawings.append(Drawing(slug, loop.name, words, caption, svg, png))
+                slug = f"{loop.name.replace(' ', '-')}-{name}"
+                words = f"{title}, {loop.name}"
+                drawings.append(drawn(slug, loop.name, words, caption, figure))
     return tuple(drawings)
 
 
@@ -47,13 +46,15 @@ def bode(loop: ControlLoop) -> Figure:
         if np.isfinite(merits.gain_margin):
             margins.append(f"GM {20 * np.log10(merits.gain_margin):.1f} dB")
             at = merits.gain_margin_rad_s
-            gain.plot(at, np.interp(at, omega, level), marker, color=colour)
+            margin = {"color": colour, "label": f"_{merits.chain}, gain margin"}
+            gain.plot(at, np.interp(at, omega, level), marker, **margin)
         label = f"{merits.chain}: {', '.join(margins)}"
         gain.plot(omega, level, line, color=colour, label=label)
-        phase.plot(omega, angle, line, color=colour)
+        phase.plot(omega, angle, line, color=colour, label=f"_{merits.chain}")
         at = merits.phase_margin_rad_s
         if np.isfinite(at):
-            phase.plot(at, np.interp(at, omega, angle), marker, color=colour)
+            margin = {"color": colour, "label": f"_{merits.chain}, phase margin"}
+            phase.plot(at, np.interp(at, omega, angle), marker, **margin)
     gain.axhline(0.0, color=style.QUIET, linewidth=1.0)
     phase.axhline(-180.0, color=style.QUIET, linewidth=1.0)
     gain.set(xscale="log", xlim=(1.0, 5e3), ylim=(-60, 60), ylabel="Gain (dB)")
@@ -92,11 +93,12 @@ def locus(loop: ControlLoop) -> Figure:
     for merits, found in zip(loop.merits, loop.locus, strict=False):
         colour, line, marker = LOOKS[merits.chain]
         for branch in found.poles_rad_s.T:
-            axes.plot(branch.real, branch.imag, line, color=colour, linewidth=1.2)
+            label = f"_{merits.chain}, as the gain grows"
+            axes.plot(branch.real, branch.imag, line, color=colour, linewidth=1.2, label=label)
         design = found.poles_rad_s[np.argmin(np.abs(found.gain_factor - 1.0))]
         axes.plot(design.real, design.imag, marker, color=colour, label=f"{merits.chain}: closed")
         roots = found.open_poles_rad_s
-        label = "open-loop pole" if merits is loop.merits[1] else None
+        label = "open-loop pole" if merits is loop.merits[1] else f"_{merits.chain}, open-loop pole"
         axes.plot(roots.real, roots.imag, "x", color="black", markersize=7, label=label)
     zeros = loop.locus[0].zeros_rad_s
     axes.plot(
@@ -129,9 +131,11 @@ def pole_zero(loop: ControlLoop) -> Figure:
             label=f"{merits.chain}: largest |z| {merits.digital_modulus:.5f}",
         )
         if merits.poles_rad_s is not None:
-            plane.plot(merits.poles_rad_s.real, merits.poles_rad_s.imag, "x", color=colour)
+            poles, own = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
+            plane.plot(poles.real, poles.imag, "x", **own)
             zeros = merits.zeros_rad_s
-            plane.plot(zeros.real, zeros.imag, "o", color=colour, markerfacecolor="none")
+            own["label"] = f"_{merits.chain}, zero"
+            plane.plot(zeros.real, zeros.imag, "o", markerfacecolor="none", **own)
     _s_plane(plane, reach=1.2 * _reach(loop))
     angle = np.linspace(0, 2 * np.pi, 721)
     disc.plot(np.cos(angle), np.sin(angle), color=style.QUIET, linewidth=1.0)

@@ -12,7 +12,7 @@ from hbench.report.diagnosis_words import balance
 from hbench.report.draw_gaps import gap_figures, ranking_figure, refitted_figure, region_figure
 from hbench.report.draw_overlays import overlay_figures
 from hbench.report.draw_residuals import maps_figure, shape_figure, worst
-from hbench.report.figures import Drawing, render
+from hbench.report.figures import Drawing, drawn
 
 _MOST_SHAPES = 4
 
@@ -56,9 +56,7 @@ def draw_diagnosis(found: Diagnosis) -> tuple[Drawing, ...]:
     drawings = []
     with rc_context(style.RC):
         for section, name, title, caption, figure in _figures(found):
-            svg, png = render(figure)
-            wide = figure.get_figwidth() > style.WIDTH_IN
-            drawings.append(Drawing(_slug(name), section, title, caption, svg, png, wide))
+            drawings.append(drawn(_slug(name), section, title, caption, figure))
     return tuple(drawings)
 
 

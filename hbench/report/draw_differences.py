@@ -6,8 +6,10 @@ from matplotlib.figure import Figure
 
 from hbench.records import CampaignDifferences, Curve, CurveDifference
 from hbench.report import style
-from hbench.report.figures import Drawing, render
+from hbench.report.draw_friction import of_trials
+from hbench.report.figures import Drawing, drawn
 from hbench.report.rod_side import kind_words, load_words
+from hbench.report.series import behind
 
 _CAPTION = (
     "Above: means of the trials with their 95 % intervals. Below: B less A; the bars are the 95 % "
@@ -23,9 +25,8 @@ def draw_differences(found: CampaignDifferences) -> tuple[Drawing, ...]:
             continue
         with rc_context(style.RC):
             figure = draw_pair(one, found)
-            title = figure.axes[0].get_title("left")
-            svg, png = render(figure)
-        drawings.append(Drawing(f"pair-{number + 1}", "comparison", title, _CAPTION, svg, png))
+        title = figure.axes[0].get_title("left")
+        drawings.append(drawn(f"pair-{number + 1}", "comparison", title, _CAPTION, figure))
     return tuple(drawings)
 
 
@@ -35,7 +36,9 @@ def draw_pair(one: CurveDifference, found: CampaignDifferences) -> Figure:
     above, below = figure.subplots(2, sharex=True, height_ratios=(5, 3))
     for index, (name, curve) in enumerate((("A", one.a), ("B", one.b))):
         label = f"{name}: {style.safe(found.names[index])}"
-        above.errorbar(*_columns(curve), label=label, **style.series_style(index), **style.POINTS)
+        look = style.series_style(index)
+        bars = above.errorbar(*_columns(curve), label=label, **look, **style.POINTS)
+        behind(bars, of_trials(curve.points))
     v = 1e3 * np.abs([point.v_m_s for point in one.points])
     found_n = [point.friction_n for point in one.points]
     u95 = [np.nan if d.u95 is None else d.u95 for d in found_n]
@@ -46,14 +49,20 @@ def draw_pair(one: CurveDifference, found: CampaignDifferences) -> Figure:
     below.errorbar(v, values, ci95, linestyle="none", color="#000000", elinewidth=1.1, capsize=2.5)
     real = np.array([d.real for d in found_n])
     for chosen, face in ((real, "#000000"), (~real, "white")):
-        below.plot(v[chosen], values[chosen], "o", color="#000000", markerfacecolor=face, zorder=4)
+        words = "_B − A" if face == "white" else "_B − A, real"
+        look = {"color": "#000000", "markerfacecolor": face, "zorder": 4, "label": words}
+        (dots,) = below.plot(v[chosen], values[chosen], "o", **look)
+        halves = {"± B − A (N)": np.array(ci95)[chosen], "U95 (N)": np.array(u95)[chosen]}
+        behind(dots, halves)
     above.set_ylabel("Friction |F| (N)")
     below.set(xlabel="Speed |v| (mm/s)", ylabel="B − A (N)")
     style.start_at_zero(above)
     load = load_words(one.a.f_load_n, one.a.p_lr_ref_pa)
     kind = kind_words(one.a)
     words = (style.TITLES[one.direction], kind, load)
-    above.set_title(", ".join(filter(None, words)))
+    title = ", ".join(filter(None, words))
+    above.set_title(f"Friction, {title[0].lower()}{title[1:]}")
+    style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
     sources = {found.a.source, found.b.source}
     if "simulated" in sources:
         words = "simulated" if len(sources) == 1 else "one is simulated"

@@ -7,6 +7,7 @@ from hbench.records import EfficiencyCurve, Results
 from hbench.report import style
 from hbench.report.draw_friction import by_load, load_legend, load_ranks, load_style
 from hbench.report.rod_side import load_words, told_apart
+from hbench.report.series import behind
 
 
 def efficiency(results: Results) -> dict[str, Figure]:
@@ -30,13 +31,17 @@ def efficiency(results: Results) -> dict[str, Figure]:
             axes.fill_between(
                 speed, value - band, value + band, color=look["color"], alpha=0.22, linewidth=0
             )
-            label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or None
-            axes.errorbar(speed, value, bar, label=label, **look, **style.POINTS)
+            label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_efficiency"
+            bars = axes.errorbar(speed, value, bar, label=label, **look, **style.POINTS)
+            behind(bars, {"σ of the instruments (%)": band})
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Efficiency (%)")
         style.start_at_zero(axes)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0), max(high, 100))
-        style.head(axes, style.TITLES[direction], results)
+        style.head(axes, f"Efficiency, {style.TITLES[direction].lower()}", results)
+        style.read_as(
+            figure, "Bars: standard error of the trials' mean; band: ±σ of the instruments."
+        )
         load_legend(figure, axes, "Load $F_L$", chosen)
     style.share_limits(figure.axes[0] for figure in figures.values())
     return figures

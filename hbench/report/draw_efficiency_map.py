@@ -10,6 +10,7 @@ from matplotlib.tri import Triangulation
 from hbench.records import EfficiencyCurve, EfficiencyPoint, Results
 from hbench.report import style
 from hbench.report.rod_side import told_apart
+from hbench.report.series import behind, plain
 
 _LEAST = 3  # loads, and speeds
 
@@ -34,14 +35,15 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
             if p.efficiency is not None
         ]
         speed, load, value, sigma = np.array(found).T
-        known = np.isfinite(sigma).all()
+        known = bool(np.isfinite(sigma).all())
         figure = style.new_figure(height_in=6.0 if known else 3.8)
         panels = figure.subplots(2 if known else 1, sharex=True, squeeze=False)[:, 0]
         _map(figure, panels[0], speed, load, value, "Efficiency (%)")
         if known:
             _map(figure, panels[1], speed, load, sigma, "σ, trials and instruments (%)")
         panels[-1].set_xlabel("Speed |v| (mm/s)")
-        style.head(panels[0], words, results)
+        style.head(panels[0], f"Efficiency, {words[0].lower()}{words[1:]}", results)
+        style.read_as(figure, style.OF_MAPS)
         figures[words] = figure
     return figures
 
@@ -75,7 +77,8 @@ def _map(
     filled = axes.tricontourf(mesh, value, levels=12, cmap="cividis")
     lines = axes.tricontour(mesh, value, levels=filled.levels, colors="white", linewidths=0.5)
     axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
-    axes.plot(speed, load, "o", ms=3.5, mfc="white", mec="black", mew=0.6, clip_on=False)
+    (dots,) = axes.plot(speed, load, label="_measured", **style.DOTS)
+    behind(dots, {plain(label): value})
     axes.set_ylabel("Load $F_L$ (kN)")
     axes.grid(visible=False)
     figure.colorbar(filled, ax=axes, label=label)

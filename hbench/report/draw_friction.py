@@ -1,20 +1,23 @@
 """Stribeck curves: friction over velocity, measured points with intervals and fitted lines."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Curve, Direction, EfficiencyCurve, Fit, Results
+from hbench.records import Curve, CurvePoint, Direction, EfficiencyCurve, Fit, Results
 from hbench.report import style
 from hbench.report.rod_side import load_words, told_apart
+from hbench.report.series import behind
+from hbench.report.text import number
 
 AnyCurve = TypeVar("AnyCurve", Curve, EfficiencyCurve)
 LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where it tells curves apart
 
 _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
+_READ = "Points: means of the trials; bars: their 95 % Student intervals; lines: the fitted law."
 _ASIDE = 0.006  # residuals of one speed stand side by side, this part of the highest speed apart
 
 
@@ -47,16 +50,19 @@ def signed(results: Results) -> dict[str, Figure]:
     named = set()
     for curve in by_load(curves):
         key = load_key(curve)
-        label = load_words(*key) or None if key not in named else None
+        label = load_words(*key)
+        label = f"_{label}" if key in named else label or "_friction"
         named.add(key)
         look = load_style(curve, ranks)
-        _fitted(axes, curve.fits, look["color"], sign=1, absolute=False)
+        _fitted(axes, curve, look["color"], sign=1, absolute=False)
         v, friction, interval = style.columns(curve)
-        axes.errorbar(1e3 * v, friction, interval, label=label, **look, **style.SMALL_POINTS)
+        bars = axes.errorbar(1e3 * v, friction, interval, label=label, **look, **style.SMALL_POINTS)
+        behind(bars, of_trials(curve.points))
     for line in (axes.axhline, axes.axvline):
         line(0, color="#374151", linewidth=0.9, zorder=1)
     axes.set(xlabel=_along("Velocity v (mm/s), positive extends", curves), ylabel="Friction F (N)")
-    style.head(axes, "Both directions", results)
+    style.head(axes, "Friction, both directions", results)
+    style.read_as(figure, _READ)
     load_legend(figure, axes, "Load |$F_L$|", curves)
     return {"": figure}
 
@@ -69,6 +75,18 @@ def has_curves(results: Results) -> bool:
 def has_both_directions(results: Results) -> bool:
     """Tell whether both directions have curves over velocity."""
     return len({curve.direction for curve in over_velocity(results)}) == 2
+
+
+def of_trials(points: Sequence[CurvePoint]) -> dict[str, list[float | str]]:
+    """Return what stands behind a curve's points: each trial's friction, the runs, and U95."""
+    behind_them: dict[str, list[float | str]] = {
+        "trials (N)": [", ".join(number(f) for f in point.trials_n) for point in points],
+        "runs": [" ".join(point.runs) for point in points],
+    }
+    if any(point.u95_n is not None for point in points):
+        known = [np.nan if point.u95_n is None else point.u95_n for point in points]
+        behind_them = {"U95 with instruments (N)": known} | behind_them
+    return behind_them
 
 
 def by_load(curves: Iterable[AnyCurve]) -> list[AnyCurve]:
@@ -116,13 +134,22 @@ def _one_direction(
         look = load_style(curve, ranks)
         v, friction, interval = style.columns(curve)
         speed = 1e3 * np.abs(v)
-        _fitted(axes, curve.fits, look["color"], sign, absolute=True)
-        label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or None
-        axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
+        _fitted(axes, curve, look["color"], sign, absolute=True)
+        label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_friction"
+        bars = axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
+        behind(bars, of_trials(curve.points))
         if below is not None and curve.fits and curve.fits[0].line:
             residual = sign * (friction - _at(curve.fits[0], v))
             aside = (rank - (len(curves) - 1) / 2) * _ASIDE * speed.max()
-            below.errorbar(speed + aside, residual, interval, **look, **style.SMALL_POINTS)
+            bars = below.errorbar(
+                speed + aside,
+                residual,
+                interval,
+                label=f"_{label.removeprefix('_')}",
+                **look,
+                **style.SMALL_POINTS,
+            )
+            behind(bars, of_trials(curve.points))
     axes.set_ylabel("Friction |F| (N)")
     style.start_at_zero(axes)
     if below is not None:
@@ -131,16 +158,19 @@ def _one_direction(
         reach = max(abs(limit) for limit in below.get_ylim())
         below.set_ylim(-reach, reach)
     figure.axes[-1].set_xlabel(_along("Speed |v| (mm/s)", curves))
-    style.head(axes, style.TITLES[direction], results)
+    style.head(axes, f"Friction, {style.TITLES[direction].lower()}", results)
+    style.read_as(figure, _READ)
     load_legend(figure, axes, "Load $F_L$", curves)
     return figure
 
 
-def _fitted(axes: Axes, fits: tuple[Fit, ...], colour: str, sign: int, absolute: bool) -> None:
+def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) -> None:
     """Draw the first law: a line inside the measured speeds, dots where it is extrapolated."""
-    for fit in fits[:1]:
-        inside = {"linestyle": "-" if fit.converged else "--", "zorder": 2}
-        parts = [(fit.line, inside), *((part, _EXTRAPOLATED) for part in fit.beyond)]
+    for fit in curve.fits[:1]:
+        who = f"_{fit.law}, {load_words(curve.f_load_n, curve.p_lr_ref_pa)}".removesuffix(", ")
+        inside = {"linestyle": "-" if fit.converged else "--", "zorder": 2, "label": who}
+        outside = {**_EXTRAPOLATED, "label": f"{who}, extrapolated"}
+        parts = [(fit.line, inside), *((part, outside) for part in fit.beyond)]
         for line, look in parts:
             if line:
                 v, friction = np.array(line, dtype=float).T

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from hbench.records import Followed, Identification, Trace
 from hbench.records.identification import PARTS
 from hbench.report import style
-from hbench.report.figures import Drawing, render
+from hbench.report.figures import Drawing, drawn
 from hbench.report.text import force
 
 _FOLLOWED = (
@@ -29,8 +29,8 @@ def draw_identification(found: Identification) -> tuple[Drawing, ...]:
     drawings = []
     if any(law.errors for law in found.laws):
         with rc_context(style.RC):
-            svg, png = render(_errors(found))
-        drawings.append(Drawing("errors", "errors", "Errors by law", _ERRORS, svg, png))
+            figure = _errors(found)
+        drawings.append(drawn("errors", "errors", "Errors by law", _ERRORS, figure))
     for index, law in enumerate(found.laws):
         for one in found.followed:
             if law.law not in one.modelled:
@@ -38,9 +38,9 @@ def draw_identification(found: Identification) -> tuple[Drawing, ...]:
             load = force(one.f_load_n)
             title = f"{law.law.replace('_', ' ')}, {load}, run {one.run}"
             with rc_context(style.RC):
-                svg, png = render(_along(title, index, one, one.modelled[law.law], found))
+                figure = _along(title, index, one, one.modelled[law.law], found)
             name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {one.run}".lower())
-            drawings.append(Drawing(name, law.law, title, _FOLLOWED, svg, png))
+            drawings.append(drawn(name, law.law, title, _FOLLOWED, figure))
     return tuple(drawings)
 
 
@@ -50,16 +50,17 @@ def _along(title: str, index: int, one: Followed, model: Trace, found: Identific
     colour = style.COLOURS[index % len(style.COLOURS)]
     real, n = one.measured, min(len(one.measured.t_s), len(model.t_s))
     for axes, name, factor in ((top, "friction_n", 1.0), (middle, "v_m_s", 1e3)):
-        axes.plot(
-            real.t_s, factor * getattr(real, name), color="#9ca3af", linewidth=3, label="measured"
-        )
-        axes.plot(
-            model.t_s, factor * getattr(model, name), color=colour, linewidth=1.1, label="model"
-        )
-    bottom.plot(real.t_s[:n], 1e3 * (model.v_m_s[:n] - real.v_m_s[:n]), color=colour, linewidth=1.1)
-    top.set_ylabel("friction N")
-    middle.set_ylabel("velocity mm/s")
-    bottom.set(xlabel="time s", ylabel="difference\nmm/s")
+        mark = "" if axes is top else "_"  # one legend for both
+        grey = {"color": "#9ca3af", "linewidth": 3, "label": f"{mark}measured"}
+        own = {"color": colour, "linewidth": 1.1, "label": f"{mark}model"}
+        axes.plot(real.t_s, factor * getattr(real, name), **grey)
+        axes.plot(model.t_s, factor * getattr(model, name), **own)
+    difference = 1e3 * (model.v_m_s[:n] - real.v_m_s[:n])
+    own["label"] = "_model − measured"
+    bottom.plot(real.t_s[:n], difference, **own)
+    top.set_ylabel("Friction (N)")
+    middle.set_ylabel("Velocity (mm/s)")
+    bottom.set(xlabel="Time (s)", ylabel="Difference\n(mm/s)")
     _head(top, title, found)
     figure.align_ylabels()
     style.legend_above(figure, top, columns=2)
@@ -72,14 +73,16 @@ def _errors(found: Identification) -> Figure:
     laws = [law for law in found.laws if law.errors]
     width = 0.8 / len(laws)
     for axes, name, factor, label in (
-        (rows[0], "friction_n", 1.0, "friction N"),
-        (rows[1], "v_m_s", 1e3, "velocity mm/s"),
+        (rows[0], "friction_n", 1.0, "Friction (N)"),
+        (rows[1], "v_m_s", 1e3, "Velocity (mm/s)"),
     ):
         for i, law in enumerate(laws):
             place = np.arange(len(PARTS)) + (i - (len(laws) - 1) / 2) * width
             heights = [factor * getattr(law.errors[part], name) for part in PARTS]
             look = style.series_style(found.laws.index(law))
-            axes.plot(place, heights, linestyle="none", label=law.law.replace("_", " "), **look)
+            label = law.law.replace("_", " ")
+            label = label if axes is rows[0] else f"_{label}"
+            axes.plot(place, heights, linestyle="none", label=label, **look)
         for i, part in enumerate(PARTS):
             if found.scatter:
                 floor = factor * getattr(found.scatter[part], name)
@@ -88,6 +91,8 @@ def _errors(found: Identification) -> Figure:
         axes.set_ylabel(label)
         axes.grid(False, axis="x")
     rows[1].set_xticks(range(len(PARTS)), PARTS)
+    rows[1].set_xlabel("Part of the profile")
+    style.read_as(figure, "Points: rms errors; dashed: the trials' scatter.")
     _head(rows[0], "Errors by law", found)
     style.legend_above(figure, rows[0], columns=3)
     return figure

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from hbench.records import Results
 from hbench.report import style
 from hbench.report.motion_rows import series_words
+from hbench.report.series import behind
 from hbench.report.text import short
 from hbench.units import from_si
 
@@ -27,14 +28,17 @@ def loops(results: Results) -> dict[str, Figure]:
             for rising, words in ((True, "velocity rises"), (False, "velocity falls")):
                 own = np.where((np.gradient(v) > 0) == rising, friction, np.nan)
                 colour = style.COLOURS[0 if rising else 1]
-                axes.plot(1e3 * along, own, color=colour, label=words, zorder=3)
+                label = words if axes is over_v else f"_{words}"
+                axes.plot(1e3 * along, own, color=colour, label=label, zorder=3)
             axes.plot(1e3 * along[closed], friction[closed], color="#9ca3af", linewidth=0.8)
             axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
             axes.set_ylabel("Friction F (N)")
         over_v.set_xlabel("Velocity v (mm/s)")
         over_x.set_xlabel("Position x (mm)")
         name = series_words(loop.series)
-        style.head(over_v, f"{name}, to {short(1e3 * loop.v_top_m_s)} mm/s", results)
+        title = f"Hysteresis {name}, to {short(1e3 * loop.v_top_m_s)} mm/s"
+        style.head(over_v, title, results)
+        style.read_as(figure, "Mean of all cycles but the first.")
         style.legend_above(figure, over_v)
         figures[f"{name}-{short(1e3 * loop.v_top_m_s)}"] = figure
     return figures
@@ -56,7 +60,10 @@ def levels(results: Results) -> dict[str, Figure]:
         look = style.series_style(rank)
         after = np.array([one.after_n for one in found])
         interval = [np.nan if one.after_ci95_n is None else one.after_ci95_n for one in found]
-        axes.errorbar(place, after, interval, label=series_words(of), **look, **style.POINTS)
+        bars = axes.errorbar(place, after, interval, label=series_words(of), **look, **style.POINTS)
+        over = [np.nan if one.overshoot_n is None else one.overshoot_n for one in found]
+        runs = [" ".join(one.runs) for one in found]
+        behind(bars, {"overshoot (N)": over, "runs": runs})
         for at, one in zip(place, found, strict=True):
             if one.overshoot_n is not None:
                 way = np.sign(one.after_n - (one.before_n or 0.0)) * one.overshoot_n
@@ -67,7 +74,8 @@ def levels(results: Results) -> dict[str, Figure]:
     axes.set_xticks([one.number for one in first], ticks)
     axes.set(xlabel="Level, and its velocity (mm/s)", ylabel="Friction F (N)")
     axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
-    style.head(axes, "Velocity steps", results)
+    style.head(axes, "Friction of velocity steps", results)
+    style.read_as(figure, "Points: settled; bars: 95 % intervals of trials; lines: overshoot.")
     style.legend_above(figure, axes)
     return {"": figure}
 
@@ -87,10 +95,12 @@ def leakage(results: Results) -> dict[str, Figure]:
         p = [from_si(getattr(decay, pressure), "bar") for decay in decays]
         q = [1e9 * getattr(decay, flow) for decay in decays]
         look = style.series_style(rank)
-        axes.errorbar(p, q, label=words, **look, **style.POINTS)
+        bars = axes.errorbar(p, q, label=words, **look, **style.POINTS)
+        behind(bars, {"run": [decay.run for decay in decays]})
     axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
     axes.set(xlabel="Pressure of the side (bar)", ylabel="Oil that leaves (mm³/s)")
-    style.head(axes, "Holds with all valves closed", results)
+    style.head(axes, "Leakage with all valves closed", results)
+    style.read_as(figure, "A point is a hold; negative: oil came in.")
     style.legend_above(figure, axes)
     return {"": figure}
 
@@ -114,13 +124,15 @@ def surfaces(results: Results) -> dict[str, Figure]:
         )
         axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
         points = np.array([(speed, one) for one in load for speed in v])
-        axes.plot(*points.T, "o", ms=3.5, mfc="white", mec="black", mew=0.6, clip_on=False)
+        (dots,) = axes.plot(*points.T, label="_measured", **style.DOTS)
+        behind(dots, {"Friction |F| (N)": friction.ravel()})
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Load $F_L$ (kN)")
         axes.grid(visible=False)
         figure.colorbar(filled, ax=axes, label="Friction |F| (N)")
         words = ", ".join(filter(None, (found.label, style.TITLES[found.direction])))
         if len(results.motions.surfaces) > 2 and found.p_lr_ref_pa is not None:
             words += f", {short(from_si(found.p_lr_ref_pa, 'bar'))} bar"
-        style.head(axes, words, results)
+        style.head(axes, f"Friction, {words[0].lower()}{words[1:]}", results)
+        style.read_as(figure, style.OF_MAPS)
         figures[words] = figure
     return figures

@@ -7,17 +7,17 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from hbench.records import Panel, Phenomenon
 from hbench.report import style
-from hbench.report.figures import Drawing, render
+from hbench.report.figures import Drawing, drawn
 
 
 def draw_phenomenon(phenomenon: Phenomenon) -> tuple[Drawing, ...]:
     """Draw every panel of a phenomenon by itself."""
     drawings = []
     for panel in phenomenon.panels:
-        with rc_context(style.RC):
-            svg, png = render(draw_panel(panel))
         name = f"{phenomenon.name}-{panel.name}"
-        drawings.append(Drawing(name, phenomenon.name, panel.title, "", svg, png))
+        with rc_context(style.RC):
+            figure = draw_panel(panel)
+        drawings.append(drawn(name, phenomenon.name, panel.title, "", figure))
     return tuple(drawings)
 
 

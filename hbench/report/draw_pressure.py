@@ -1,14 +1,16 @@
 """Friction against chamber pressure, for campaigns with one speed and several pressures."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Curve, Results
+from hbench.records import Curve, CurvePoint, Results
 from hbench.report import style
+from hbench.report.draw_friction import of_trials
 from hbench.report.rod_side import load_words, told_apart
+from hbench.report.series import behind
 from hbench.units import from_si
 
 Series = tuple[str, str, float | None]  # kind, label, and P_Lr [Pa] where it tells series apart
@@ -34,21 +36,24 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
             rows = [(p.p_tp_pa, sign * p.friction_n, p.ci95_n) for p in points]
             words = (key[1], load_words(None, key[2]), style.TITLES[direction].lower())
             look = style.series_style(rank, hollow=direction == "retract")
-            _points(axes, rows, look, style.safe(", ".join(filter(None, words))))
+            _points(axes, rows, look, style.safe(", ".join(filter(None, words))), points)
     told = any(p_lr is not None for _, _, p_lr in ranks)
     for key, rank in ranks.items():
+        words = (key[1], load_words(None, key[2]))
         rows = [
             (band.p_tp_pa, band.half_n, band.half_ci95_n)
             for band in results.bands
             if (band.kind, band.label, band.p_lr_ref_pa if told else None) == key
         ]
-        _points(below, rows, style.series_style(rank), None)
+        label = style.safe(", ".join(filter(None, words)))
+        _points(below, rows, style.series_style(rank), f"_{label or 'half band'}")
     axes.set_ylabel("Friction |F| (N)")
     below.set(xlabel="Chamber pressure (bar)", ylabel="Half band (N)")
     style.start_at_zero(below)
     for one in (axes, below):
         one.set_ylim(bottom=min(0, one.get_ylim()[0]))
     style.head(axes, "Friction against pressure", results)
+    style.read_as(figure, "Points: means of the trials; bars: their 95 % Student intervals.")
     style.legend_above(figure, axes, columns=1 if told else 2)
     return {"": figure}
 
@@ -63,12 +68,16 @@ def _points(
     axes: Axes,
     rows: list[Row],
     look: dict[str, object],
-    label: str | None,
+    label: str,
+    means: Sequence[CurvePoint] = (),
 ) -> None:
     if rows:
-        rows = sorted(rows, key=lambda row: row[0])
+        order = sorted(range(len(rows)), key=lambda i: rows[i][0])
+        rows = [rows[i] for i in order]
         table = np.array([[np.nan if cell is None else cell for cell in row] for row in rows])
         pressure, friction, interval = table.T
         pressure = from_si(pressure, "bar")
         axes.plot(pressure, friction, color=look["color"], linewidth=0.8, linestyle=":", zorder=2)
-        axes.errorbar(pressure, friction, interval, label=label, **look, **style.POINTS)
+        bars = axes.errorbar(pressure, friction, interval, label=label, **look, **style.POINTS)
+        if means:
+            behind(bars, of_trials([means[i] for i in order]))

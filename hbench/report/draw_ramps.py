@@ -9,10 +9,13 @@ from matplotlib.figure import Figure
 
 from hbench.records import Comparison, Curve, Results
 from hbench.report import style
+from hbench.report.draw_friction import of_trials
 from hbench.report.motion_rows import SIGNIFICANT, comparison_words, differs
 from hbench.report.rod_side import load_words, told_apart
+from hbench.report.series import behind
 from hbench.report.text import short
 
+_READ = "Points: means of the trials; bars: their 95 % intervals; lines: Tustin's law. Below: slid."
 _KINDS = ("steady", "ramp", "steps")
 
 
@@ -45,7 +48,9 @@ def ramps(results: Results) -> dict[str, Figure]:
             below.set_xlabel("Speed |v| (mm/s)")
             style.start_at_zero(axes)
             words = (label, style.TITLES[direction], load_words(load, p_lr))
-            style.head(axes, ", ".join(filter(None, words)), results)
+            title = ", ".join(filter(None, words))
+            style.head(axes, f"Ramps, {title[0].lower()}{title[1:]}", results)
+            style.read_as(figure, _READ)
             style.legend_above(figure, axes, columns=3)
             figures["-".join(filter(None, words))] = figure
     for panel in (0, 1):
@@ -97,11 +102,13 @@ def _points(axes: Axes, curve: Curve, accelerations: list[float]) -> None:
             if fit.line and fit.law == "tustin":
                 speed, force = np.abs(np.array(fit.line, dtype=float)).T
                 dashes = "-" if fit.converged else "--"
-                axes.plot(1e3 * speed, force, dashes, color=look["color"], linewidth=1, zorder=2)
+                line = {"color": look["color"], "linewidth": 1, "zorder": 2}
+                axes.plot(1e3 * speed, force, dashes, label=f"_tustin, {label}", **line)
     friction = friction if curve.direction == "extend" else -friction
-    axes.errorbar(
+    bars = axes.errorbar(
         1e3 * np.abs(v), friction, interval, label=label, **{**style.SMALL_POINTS, **look}
     )
+    behind(bars, of_trials(curve.points))
 
 
 def _differences(results: Results, found: list[Comparison], title: str, less: str) -> Figure:
@@ -111,17 +118,18 @@ def _differences(results: Results, found: list[Comparison], title: str, less: st
     for place, one in enumerate(found):
         colour = style.COLOURS[1] if differs(one) else style.COLOURS[0]
         face = colour if differs(one) else "white"
+        a = f", {short(one.a_m_s2[0])} m/s²" if one.what == "steady" else ""
+        names.append(style.safe(comparison_words(one) + a, most=60))
         axes.errorbar(
             one.effect_n,
             place,
+            label="_differs" if differs(one) else "_not told from none",
             xerr=one.ci95_n,
             color=colour,
             marker="o",
             markerfacecolor=face,
             **style.POINTS,
         )
-        a = f", {short(one.a_m_s2[0])} m/s²" if one.what == "steady" else ""
-        names.append(style.safe(comparison_words(one) + a, most=60))
     axes.axvline(0, color="#374151", linewidth=0.9)
     axes.set_yticks(range(len(found)), names, fontsize=8)
     axes.set_ylim(len(found) - 0.5, -0.5)
@@ -129,6 +137,7 @@ def _differences(results: Results, found: list[Comparison], title: str, less: st
     for face, words in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not told from none")):
         colour = style.COLOURS[1] if face == "C" else style.COLOURS[0]
         axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=words)
-    style.head(axes, title, results)
+    style.head(axes, f"Differences: {title.lower()}", results)
+    style.read_as(figure, "Bars: 95 % intervals; the unit is the trial.")
     style.legend_above(figure, axes)
     return figure

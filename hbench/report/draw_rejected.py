@@ -18,7 +18,13 @@ def rejected(results: Results) -> dict[str, Figure]:
     figure = style.new_figure(height_in=1.1 + 0.3 * len(counts))
     axes = figure.add_subplot()
     names = [style.safe(code.replace("_", " "), most=30) for code, _ in counts]
-    bars = axes.barh(range(len(counts)), [n for _, n in counts], color=style.COLOURS[0], height=0.6)
+    bars = axes.barh(
+        range(len(counts)),
+        [n for _, n in counts],
+        color=style.COLOURS[0],
+        height=0.6,
+        label="_runs",
+    )
     axes.bar_label(bars, padding=4)
     axes.set_yticks(range(len(counts)), names)
     axes.tick_params(axis="y", length=0)
@@ -27,5 +33,5 @@ def rejected(results: Results) -> dict[str, Figure]:
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.margins(x=0.1)
     axes.set_ylim(-0.7, len(counts) - 0.3)
-    style.head(axes, "Reasons", results)
+    style.head(axes, "Rejected runs, by reason", results)
     return {"": figure}

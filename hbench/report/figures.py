@@ -1,47 +1,25 @@
-"""All figures of a campaign: what is drawn when, under which name, with which caption."""
+"""Figures as files and as parts of a page: drawn once, with their data and what is seen in them."""
 
 import io
-import re
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass
+from xml.etree import ElementTree
 
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from hbench.records import Results
-from hbench.report.draw_efficiency import efficiency, has_efficiency
-from hbench.report.draw_efficiency_map import efficiency_map, has_efficiency_map
-from hbench.report.draw_friction import has_both_directions, has_curves, signed, stribeck
-from hbench.report.draw_motions import (
-    has_leakage,
-    has_levels,
-    has_loops,
-    has_surfaces,
-    leakage,
-    levels,
-    loops,
-    surfaces,
-)
-from hbench.report.draw_pressure import friction_pressure, has_pressures
-from hbench.report.draw_ramps import comparisons, has_comparisons, has_ramps, ramps
-from hbench.report.draw_rejected import has_rejected, rejected
-from hbench.report.style import RC
+from hbench.report.figure_text import alternative_text, data_csv, point_notes
+from hbench.report.series import Series, series_of
+from hbench.report.style import RC, WIDTH_IN
 
 PNG_DPI = 200
+POINT = "point"  # class of what can be pointed at
 
-
-@dataclass(frozen=True)
-class FigureKind:
-    """A row of the table of figures."""
-
-    name: str
-    section: str  # of the page
-    caption: str
-    applies: Callable[[Results], bool]
-    draw: Callable[[Results], dict[str, Figure]]  # the key tells figures of one kind apart
-    each_series: bool = False  # drawn for the steady runs of each label by itself
+_SVG = "{http://www.w3.org/2000/svg}"
+ElementTree.register_namespace("", _SVG[1:-1])
+ElementTree.register_namespace("xlink", "http://www.w3.org/1999/xlink")
 
 
 @dataclass(frozen=True)
@@ -55,177 +33,69 @@ class Drawing:
     svg: bytes
     png: bytes
     wide: bool = False  # over the page's whole width
+    csv: bytes = b""  # its data
+    seen: str = ""  # what is seen in it, in words
 
 
-def draw_all(results: Results) -> tuple[Drawing, ...]:
-    """Draw every figure that applies to ``results``, in the order of the page."""
-    drawings = []
-    for kind in FIGURES:
-        for series, words in _series(results) if kind.each_series else [(results, "")]:
-            if kind.applies(series):
-                with rc_context(RC):
-                    figures = kind.draw(series)
-                    for part, figure in figures.items():
-                        name = _unique(
-                            _slug(kind.name, part, words), {drawing.name for drawing in drawings}
-                        )
-                        title = ", ".join(filter(None, (words, figure.axes[0].get_title("left"))))
-                        svg, png = render(figure)
-                        drawings.append(Drawing(name, kind.section, title, kind.caption, svg, png))
-    return tuple(drawings)
+def drawn(name: str, section: str, title: str, caption: str, figure: Figure) -> Drawing:
+    """Return ``figure`` as a drawing, with its data and what is seen in it."""
+    series = series_of(figure)
+    svg, png = render(figure)
+    csv = data_csv(series).encode() if series else b""
+    wide = figure.get_figwidth() > WIDTH_IN
+    seen = alternative_text(title, series)
+    return Drawing(name, section, title, caption, svg, png, wide, csv, seen)
 
 
 def figure_files(drawings: Iterable[Drawing]) -> dict[str, bytes]:
-    """Return the files of drawings, SVG and PNG, by their paths."""
+    """Return the files of drawings, SVG, PNG and their data as CSV, by their paths."""
     files = {}
     for drawing in drawings:
-        files[f"figures/{drawing.name}.svg"] = drawing.svg
-        files[f"figures/{drawing.name}.png"] = drawing.png
+        for kind in ("svg", "png", "csv"):
+            if content := getattr(drawing, kind):
+                files[f"figures/{drawing.name}.{kind}"] = content
     return files
 
 
 def render(figure: Figure) -> tuple[bytes, bytes]:
-    """Return ``figure`` as SVG and PNG; the same figure gives the same bytes."""
+    """Return ``figure`` as SVG and PNG; the same figure gives the same bytes.
+
+    In the SVG each point of a series tells its numbers when it is pointed at.
+    """
     svg, png = io.BytesIO(), io.BytesIO()
+    series = [one for one in series_of(figure) if one.points is not None]
+    for number, one in enumerate(series):
+        one.points.set_gid(f"series{number}")
     with rc_context(RC):
         FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Creator": None})
-        figure.set_layout_engine("none")  # it is laid out; a second time takes as long
+        figure.set_layout_engine("none")  # it is laid out; once more takes as long as drawing
         figure.set_dpi(PNG_DPI)
         FigureCanvasAgg(figure).print_png(png, metadata={"Software": None})
-    return svg.getvalue(), png.getvalue()
+    return _with_notes(svg.getvalue(), series), png.getvalue()
 
 
-def _series(results: Results) -> Iterator[tuple[Results, str]]:
-    """Yield the steady part of each label, and the label."""
-    for label in dict.fromkeys(curve.label for curve in results.curves if curve.kind == "steady"):
-        chosen = "steady", label
-        part = replace(
-            results,
-            curves=tuple(c for c in results.curves if (c.kind, c.label) == chosen),
-            efficiency=tuple(c for c in results.efficiency if (c.kind, c.label) == chosen),
-        )
-        yield part, label
-
-
-def _slug(*parts: str) -> str:
-    words = re.findall(r"[a-z0-9]+", " ".join(parts).lower())
-    return "-".join(words)[:60].strip("-")
-
-
-def _unique(name: str, taken: set[str]) -> str:
-    number, candidate = 1, name
-    while candidate in taken:
-        number += 1
-        candidate = f"{name}-{number}"
-    return candidate
-
-
-FIGURES = (
-    FigureKind(
-        name="stribeck",
-        section="friction",
-        caption="Friction over speed, both as magnitudes. Points: mean of the accepted trials with "
-        "the 95 % Student interval. Lines: the first fitted law inside the measured speeds "
-        "(dashed: the fit did not converge); dotted: extrapolated, nothing was measured there. "
-        "Hollow points: the load helps the motion. Below: measured less fitted, side by side. Both "
-        "directions share their axes.",
-        applies=has_curves,
-        draw=stribeck,
-        each_series=True,
-    ),
-    FigureKind(
-        name="friction-signed",
-        section="friction",
-        caption="Friction over velocity with their signs, after the source's figure 6.14. A colour "
-        "is one size of the load, whichever way it acts.",
-        applies=has_both_directions,
-        draw=signed,
-        each_series=True,
-    ),
-    FigureKind(
-        name="friction-pressure",
-        section="friction",
-        caption="Friction against chamber pressure, one point a pressure and direction, with the "
-        "95 % Student interval where there are two trials or more. Below: half of the band, "
-        "(F extending − F retracting) / 2 in each trial, which is free of a constant error in "
-        "force. "
-        "Dotted lines guide the eye.",
-        applies=has_pressures,
-        draw=friction_pressure,
-    ),
-    FigureKind(
-        name="surface",
-        section="friction",
-        caption="Friction over speed and load, steady runs. Dots: what was measured; the colour "
-        "between them is straight from dot to dot.",
-        applies=has_surfaces,
-        draw=surfaces,
-    ),
-    FigureKind(
-        name="ramps",
-        section="ramps",
-        caption="Ramps of each acceleration, and steady runs and levels of steps where there are "
-        "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
-        "interval of the trials. Lines: Tustin's law fitted to the ramp from breakaway on. Below: "
-        "the same without what the ramps did before breakaway.",
-        applies=has_ramps,
-        draw=ramps,
-    ),
-    FigureKind(
-        name="differences",
-        section="ramps",
-        caption="Differences of friction over a range of speeds, with 95 % intervals; the unit is "
-        "the trial. Filled: a difference that stands after the correction for the number of tests.",
-        applies=has_comparisons,
-        draw=comparisons,
-    ),
-    FigureKind(
-        name="hysteresis",
-        section="hysteresis",
-        caption="Friction over velocity and over position, the mean of all cycles but the first. "
-        "The velocity is the position's own derivative, without a filter's lag.",
-        applies=has_loops,
-        draw=loops,
-    ),
-    FigureKind(
-        name="steps",
-        section="steps",
-        caption="Settled friction of each level, in the order of the levels. Lines: how far "
-        "friction went beyond on its way, where that stands above the noise.",
-        applies=has_levels,
-        draw=levels,
-    ),
-    FigureKind(
-        name="leakage",
-        section="leakage",
-        caption="Oil that left either chamber of the test cylinder, from the decay of its pressure "
-        "and the bench file's bulk modulus and volumes. A point is a hold; negative: oil came in.",
-        applies=has_leakage,
-        draw=leakage,
-    ),
-    FigureKind(
-        name="efficiency",
-        section="efficiency",
-        caption="Efficiency over speed. Band: ±σ from the instruments' tolerances. Bars: standard "
-        "error of the trials' mean. Both directions share their axes.",
-        applies=has_efficiency,
-        draw=efficiency,
-        each_series=True,
-    ),
-    FigureKind(
-        name="efficiency-map",
-        section="efficiency",
-        caption="Efficiency over speed and load, and its standard uncertainty of trials and "
-        "instruments together. Dots: what was measured; the colour between them is straight from "
-        "dot to dot.",
-        applies=has_efficiency_map,
-        draw=efficiency_map,
-    ),
-    FigureKind(
-        name="rejected",
-        section="rejected",
-        caption="Rejected runs by reason; a run with two reasons counts under both.",
-        applies=has_rejected,
-        draw=rejected,
-    ),
-)
+def _with_notes(svg: bytes, series: list[Series]) -> bytes:
+    """Wrap the mark of each point with a title of what it tells."""
+    root = ElementTree.fromstring(svg)
+    groups = {group.get("id"): group for group in root.iter(f"{_SVG}g")}
+    for number, one in enumerate(series):
+        told = [
+            note
+            for note, x, y in zip(point_notes(one), *one.points.get_data(), strict=True)
+            if abs(x) + abs(y) < float("inf")
+        ]
+        marks = [
+            (parent, mark)
+            for parent in groups[f"series{number}"].iter(f"{_SVG}g")
+            for mark in parent.findall(f"{_SVG}use")
+        ]
+        if len(marks) != len(told):  # a point lies off the figure: none is told wrongly
+            continue
+        for (parent, mark), note in zip(marks, told, strict=True):
+            at = list(parent).index(mark)
+            parent.remove(mark)
+            point = ElementTree.Element(f"{_SVG}g", {"class": POINT})
+            ElementTree.SubElement(point, f"{_SVG}title").text = note
+            point.append(mark)
+            parent.insert(at, point)
+    return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)

@@ -1,10 +1,8 @@
 """A phenomenon in words and numbers: tables for the terminal and the page, and its data."""
 
-import csv
-import io
 from collections.abc import Iterable
 
-from hbench.records import Finding, Panel, Phenomenon, WordTable
+from hbench.records import Finding, Phenomenon, WordTable
 from hbench.report.text import NONE, significant
 
 FINDINGS_HEAD = ("quantity", "unit", "simulated", "expected", "formula or source")
@@ -23,17 +21,6 @@ def tables(phenomenon: Phenomenon) -> tuple[WordTable, ...]:
     rows = tuple(_finding(finding) for finding in phenomenon.findings)
     own = WordTable("Defining numbers", FINDINGS_HEAD, rows)
     return (own, *phenomenon.tables) if rows else phenomenon.tables
-
-
-def panel_csv(panel: Panel) -> str:
-    """Return a panel's data: one row a point, the axes' labels with their units as header."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("series", panel.x_label, panel.y_label))
-    for line in panel.lines:
-        for x, y in zip(line.x, line.y, strict=True):
-            writer.writerow((line.label, f"{x:.8g}", f"{y:.8g}"))
-    return text.getvalue()
 
 
 def _finding(finding: Finding) -> tuple[str, ...]:

@@ -58,6 +58,16 @@ POINTS: dict[str, Any] = {
     "markeredgewidth": 0.9,
     "zorder": 3,
 }
+OF_MAPS = "Dots: measured; the colour between them is straight from dot to dot."
+DOTS = {  # where a map was measured
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 3.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.6,
+    "clip_on": False,
+}
 SMALL_POINTS = {**POINTS, "markersize": 4, "capsize": 0, "elinewidth": 0.9}
 
 
@@ -87,6 +97,11 @@ def simulated(axes: Axes, results: Results | Diagnosis) -> None:
     """Say at the right above the axes that the campaign is simulated, if it is."""
     if results.provenance.source == "simulated":
         axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
+
+
+def read_as(figure: Figure, words: str) -> None:
+    """Say below the axes how the figure is to be read, such as what its bars are."""
+    figure.supxlabel(words, x=0.01, ha="left", fontsize=8.5, color=QUIET)
 
 
 def legend_above(figure: Figure, axes: Axes, title: str = "", columns: int = 4) -> None:

@@ -4,8 +4,6 @@ The names in ``results.json`` (schema "hbench.results/1") are read by other prog
 change. A number that does not exist, NaN included, is null there and an empty cell in a CSV.
 """
 
-import csv
-import io
 import json
 import math
 from collections import Counter
@@ -16,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from hbench.records import Band, Curve, EfficiencyCurve, Fit, JointFit, Results, ScreenedRun
+from hbench.report.csv_cells import csv_of, text_cell
 from hbench.report.motion_rows import motion_lines, motions_json
 from hbench.report.reasons import reason_counts
 from hbench.report.rod_side import kind_words, load_words, told_apart
@@ -202,19 +201,13 @@ def plain(value: Any) -> Any:
 
 def csv_text(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
     """Return rows as CSV, with these of their columns."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({name: _cell(row[name]) for name in columns})
-    return text.getvalue()
+    return csv_of(columns, ([_cell(row[name]) for name in columns] for row in rows))
 
 
 def _cell(value: Any) -> str:
     value = plain(value)
     if isinstance(value, str):
-        # A spreadsheet runs a cell that begins so as a formula; an apostrophe makes it text.
-        return f"'{value}" if value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
+        return text_cell(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     return "" if value is None else repr(value)

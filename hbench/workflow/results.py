@@ -46,10 +46,8 @@ def analyze(folder: Path, fit_file: Path | None = None) -> Results:
 
 def report(folder: Path, fit_file: Path | None = None) -> Results:
     """Analyze a campaign and write tables, figures and the page to ``results/``."""
-    from hbench.report.figures import (  # matplotlib; only who reports waits for it
-        draw_all,
-        figure_files,
-    )
+    from hbench.report.campaign_figures import draw_all  # matplotlib; only who reports waits
+    from hbench.report.figures import figure_files
     from hbench.report.page import page_html
 
     results = derive(load_campaign(folder), _fitting(fit_file))

@@ -8,7 +8,6 @@ from hbench.records import Phenomenon
 from hbench.report.draw_phenomena import draw_phenomenon
 from hbench.report.figures import figure_files
 from hbench.report.phenomenon_page import phenomenon_page
-from hbench.report.phenomenon_text import panel_csv
 from hbench.store.atomic import write_files
 
 
@@ -36,6 +35,4 @@ def write_phenomenon(folder: Path, phenomenon: Phenomenon) -> None:
     drawings = draw_phenomenon(phenomenon)
     page = phenomenon_page(phenomenon, drawings)
     files = figure_files(drawings) | {f"{phenomenon.name}.html": page.encode()}
-    for drawing, panel in zip(drawings, phenomenon.panels, strict=True):
-        files[f"figures/{drawing.name}.csv"] = panel_csv(panel).encode()
     write_files(folder, files)

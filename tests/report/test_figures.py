@@ -9,7 +9,8 @@ import pytest
 from matplotlib.image import imread
 
 from hbench.report import draw_efficiency, draw_friction, draw_pressure, draw_rejected
-from hbench.report.figures import FIGURES, draw_all, render
+from hbench.report.campaign_figures import FIGURES, draw_all
+from hbench.report.figures import render
 from hbench.report.style import COLOURS, series_style
 
 UNIT = re.compile(r"\((mm/s|k?N|%|bar|count)\)")

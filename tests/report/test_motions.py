@@ -21,7 +21,8 @@ from hbench.records import (
     Surface,
 )
 from hbench.report import draw_motions, draw_ramps
-from hbench.report.figures import FIGURES, Drawing
+from hbench.report.campaign_figures import FIGURES
+from hbench.report.figures import Drawing
 from hbench.report.motion_tables import MOTION_TABLES, motion_tables
 from hbench.report.page import page_html
 from hbench.report.page_tables import point_table

@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 import pytest
 
 from hbench.records import Fit, FitParameter, HeldOut, JointFit, Selection
-from hbench.report.figures import draw_all
+from hbench.report.campaign_figures import draw_all
 from hbench.report.page import page_html
 from hbench.report.text import force, number, short, significant, span, with_interval
 

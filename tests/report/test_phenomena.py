@@ -11,7 +11,7 @@ import pytest
 from hbench.records import Finding, Line, Panel, Phenomenon, WordTable
 from hbench.report.draw_phenomena import draw_panel, draw_phenomenon
 from hbench.report.phenomenon_page import phenomenon_page
-from hbench.report.phenomenon_text import panel_csv, phenomenon_text
+from hbench.report.phenomenon_text import phenomenon_text
 
 X = np.array([1.0, 2.0, 50.0])
 PANEL = Panel(
@@ -56,7 +56,8 @@ def test_the_same_phenomenon_gives_the_same_bytes():
 
 
 def test_the_data_of_a_figure_reads_back():
-    rows = list(csv.reader(io.StringIO(panel_csv(PANEL))))
+    drawing = draw_phenomenon(SHOWN)[0]
+    rows = list(csv.reader(io.StringIO(drawing.csv.decode())))
     assert rows[0] == ["series", "Speed (mm/s)", "Force (N)"]
     assert [float(row[2]) for row in rows[1:] if row[0] == "simulated"] == [2.0, 5.0, 2501.0]
 

@@ -1,0 +1,138 @@
+"""What a figure shows, as data: its series, read back from the figure itself.
+
+So a figure's data can't differ from what is drawn. A series is a line, error bars or bars with a
+label; one whose label begins with an underscore stays out of the legend, and what has no label is
+there for the eye alone.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.container import BarContainer, ErrorbarContainer
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, FuncFormatter
+
+_FOR_THE_EYE = re.compile(r"_(child|container)\d+|_nolegend_|")
+
+Column = Sequence[float | str] | np.ndarray
+
+
+@dataclass(frozen=True)
+class Series:
+    """One series: a column for each quantity, by its name with its unit."""
+
+    panel: int  # of its figure, from 1
+    label: str
+    x_name: str
+    y_name: str
+    columns: dict[str, Column]  # x, y, half-widths of bars, then what stands behind the points
+    points: Line2D | None  # where it is drawn as points, their artist
+    title: str = ""  # of its panel
+
+    @property
+    def x(self) -> Column:
+        """Along the abscissa."""
+        return self.columns[self.x_name]
+
+    @property
+    def y(self) -> Column:
+        """Along the ordinate."""
+        return self.columns[self.y_name]
+
+
+def behind(artist: ErrorbarContainer | Line2D, columns: Mapping[str, Column]) -> None:
+    """Put more columns behind the points of ``artist``, such as the trials of each mean."""
+    artist.columns_behind = dict(columns)
+
+
+def series_of(figure: Figure) -> tuple[Series, ...]:
+    """Return all series of ``figure``, panel by panel."""
+    found = []
+    for panel, axes in enumerate(panels(figure), start=1):
+        found += _series(panel, axes)
+    return tuple(found)
+
+
+def panels(figure: Figure) -> list[Axes]:
+    """Return the axes of ``figure`` but for its colour bars."""
+    return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+
+
+def plain(words: str) -> str:
+    """Return a label without its formulas' marks: ``Load $F_{Lr}$`` as ``Load F_Lr``."""
+    text = " ".join(words.split()).replace(r"\$", "\0")
+    return re.sub(r"[${}]", "", text).replace("\0", "$")
+
+
+def _series(panel: int, axes: Axes) -> Iterator[Series]:
+    for artist in _artists(axes):
+        label = str(artist.get_label())
+        if _FOR_THE_EYE.fullmatch(label):
+            continue
+        if isinstance(artist, BarContainer):
+            line, (x, y) = None, _bars(artist)
+        else:
+            line = artist.lines[0] if isinstance(artist, ErrorbarContainer) else artist
+            x, y = (np.asarray(values, dtype=float) for values in line.get_data())
+        if not len(x):  # an entry of the legend
+            continue
+        names = [_name(axes.xaxis, "item"), _name(axes.yaxis, "value")]
+        columns = {names[0]: _named(axes.xaxis, x), names[1]: _named(axes.yaxis, y)}
+        columns |= _half_widths(artist, *names) | getattr(artist, "columns_behind", {})
+        has_points = line is not None and line.get_marker() not in ("None", "", " ", None)
+        title = plain(axes.get_title("left"))
+        label = plain(label.removeprefix("_"))
+        yield Series(panel, label, *names, columns, line if has_points else None, title)
+
+
+def _artists(axes: Axes) -> Iterator[Artist]:
+    """Yield error bars and bars, then lines that are no part of them."""
+    bars = [c for c in axes.containers if isinstance(c, ErrorbarContainer) and c.lines[0]]
+    yield from bars
+    yield from (c for c in axes.containers if isinstance(c, BarContainer))
+    parts = {id(part) for c in bars for part in (c.lines[0], *c.lines[1])}
+    yield from (line for line in axes.lines if id(line) not in parts)
+
+
+def _bars(bars: BarContainer) -> tuple[np.ndarray, np.ndarray]:
+    along = [bar.get_y() + bar.get_height() / 2 for bar in bars]
+    return np.array([bar.get_width() for bar in bars]), np.array(along)
+
+
+def _half_widths(artist: Artist, x_name: str, y_name: str) -> dict[str, Column]:
+    """Return half of each error bar, by the name of its quantity; they are symmetric."""
+    if not isinstance(artist, ErrorbarContainer):
+        return {}
+    kinds = [(x_name, 0)] * artist.has_xerr + [(y_name, 1)] * artist.has_yerr
+    return {
+        f"± {name}": np.array(
+            [np.ptp(ends[:, side]) / 2 if len(ends) else np.nan for ends in bars.get_segments()]
+        )
+        for (name, side), bars in zip(kinds, artist.lines[2], strict=True)
+    }
+
+
+def _name(axis: Axis, otherwise: str) -> str:
+    """Return the label of an axis or, where axes are shared, of the one that has it."""
+    label = axis.get_label_text()
+    if not label and axis.axis_name == "x":
+        siblings = axis.axes.get_shared_x_axes().get_siblings(axis.axes)
+        label = next(filter(None, (one.get_xlabel() for one in siblings)), "")
+    first = label.partition("\n")[0]  # with its unit; a second line is a remark
+    return plain(first if "(" in first else label) or otherwise
+
+
+def _named(axis: Axis, values: np.ndarray) -> Column:
+    """Return ``values``, or the words at the nearest ticks on an axis whose ticks are named."""
+    locator, formatter = axis.get_major_locator(), axis.get_major_formatter()
+    if not isinstance(locator, FixedLocator) or not isinstance(formatter, FuncFormatter):
+        return values
+    ticks = np.asarray(locator.locs, dtype=float)
+    words = [plain(word) for word in formatter.format_ticks(ticks)]
+    return [words[int(np.argmin(np.abs(ticks - value)))] for value in values]
