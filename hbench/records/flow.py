@@ -334,3 +334,5 @@ class Provenance:
     stopped: str
     software: dict[str, str] = field(default_factory=dict)
     details: dict[str, Any] = field(default_factory=dict)  # port, seed, plant's hash, source files
+    # Sections of bench file and schedule as they are written: instruments, controllers, limits.
+    settings: dict[str, Any] = field(default_factory=dict)

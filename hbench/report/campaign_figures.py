@@ -24,6 +24,7 @@ from hbench.report.draw_motions import (
 from hbench.report.draw_pressure import friction_pressure, has_pressures
 from hbench.report.draw_ramps import comparisons, has_comparisons, has_ramps, ramps
 from hbench.report.draw_rejected import has_rejected, rejected
+from hbench.report.draw_traces import has_traces, traces
 from hbench.report.figures import Drawing, drawn
 from hbench.report.style import RC
 
@@ -189,5 +190,14 @@ FIGURES = (
         caption="Rejected runs by reason; a run with two reasons counts under both.",
         applies=has_rejected,
         draw=rejected,
+    ),
+    FigureKind(
+        name="rejected",
+        section="rejected",
+        caption="Rejected runs of one reason, in the channel that shows it: velocity with its "
+        "reference, valve voltages, pressures, or else the position. Grey: the steady window, "
+        "where there is one.",
+        applies=has_traces,
+        draw=traces,
     ),
 )

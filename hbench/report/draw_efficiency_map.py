@@ -75,7 +75,7 @@ def _map(
     corners = Triangulation(speed / speed.max(), load / np.abs(load).max()).triangles
     mesh = Triangulation(speed, load, corners)
     filled = axes.tricontourf(mesh, value, levels=12, cmap="cividis")
-    lines = axes.tricontour(mesh, value, levels=filled.levels, colors="white", linewidths=0.5)
+    lines = axes.tricontour(mesh, value, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5)
     axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
     (dots,) = axes.plot(speed, load, label="_measured", **style.DOTS)
     behind(dots, {plain(label): value})

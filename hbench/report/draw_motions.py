@@ -120,7 +120,7 @@ def surfaces(results: Results) -> dict[str, Figure]:
         friction = np.array(found.friction_n)
         filled = axes.contourf(v, load, friction, levels=12, cmap="cividis")
         lines = axes.contour(
-            v, load, friction, levels=filled.levels, colors="white", linewidths=0.5
+            v, load, friction, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5
         )
         axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
         points = np.array([(speed, one) for one in load for speed in v])

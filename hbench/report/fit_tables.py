@@ -3,9 +3,10 @@
 import math
 
 from hbench.records import Fit, FitParameter, Results, Selection
-from hbench.report.page_tables import WHO, Cell, Table, table, who, who_text
+from hbench.report.page_tables import WHO, table, who, who_text
 from hbench.report.rod_side import told_apart
 from hbench.report.text import short, significant, with_ends
+from hbench.report.word_tables import Cell, Table
 from hbench.units import from_si
 
 # How a law's parameters read on the page: words and the unit to show. Others keep their names.

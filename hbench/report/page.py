@@ -1,22 +1,20 @@
-"""The report page: one HTML file that needs nothing else."""
+"""The report of a campaign: what its page, its Markdown and its PDF are made of."""
 
-import base64
-import json
-from collections import Counter
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import replace
 
 from hbench.records import Results
 from hbench.report import page_motions, page_tables
-from hbench.report.document import rendered
-from hbench.report.draw_friction import has_curves, over_velocity
+from hbench.report.document import Document, Section, page
 from hbench.report.draw_rejected import has_rejected
 from hbench.report.figures import Drawing
 from hbench.report.fit_tables import fit_tables, selection_table
-from hbench.report.text import number, span
-from hbench.units import from_si
+from hbench.report.method import method_section
+from hbench.report.quality import verdict
+from hbench.report.settings import settings_section
+from hbench.report.summary import summary_section
+from hbench.report.word_tables import Table
 
-_SECTIONS = "friction ramps hysteresis steps leakage efficiency rejected".split()
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _FEW = 3  # and a longer one of a fit's remarks
 
@@ -25,108 +23,148 @@ _BANNERS = {
     "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
     "real": "Measured on a bench that hbench ran.",
 }
+_PREDICTS = (
+    "Each speed but the lowest and the highest is left out in turn and predicted from the rest. In "
+    "parentheses the RMS error of these predictions; then the difference of the mean squares with "
+    "its standard error. Laws that are not told apart are equally good as far as these points tell."
+)
+_RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
+_TESTED = (
+    "Difference of friction over a range of speeds ± half-width of its 95 % interval. The unit is "
+    "the trial, and p is corrected after Holm for the number of tests."
+)
 
 
-def page_html(results: Results, drawings: Iterable[Drawing]) -> str:
+def page_html(results: Results, drawings: Iterable[Drawing], speed_m_s: float | None = None) -> str:
     """Return the page with ``drawings`` inside. Every text of the campaign is escaped."""
-    sections: dict[str, list[dict[str, str]]] = {name: [] for name in _SECTIONS}
-    for count, drawing in enumerate(drawings, start=1):
-        sections[drawing.section].append(
-            {
-                "number": str(count),
-                "title": drawing.title,
-                "caption": drawing.caption,
-                "data": base64.b64encode(drawing.svg).decode("ascii"),
-            }
-        )
-    return rendered(
-        "template.html.j2",
-        provenance=results.provenance,
-        banner=_BANNERS[results.provenance.source],
-        tiles=_tiles(results),
-        figures=sections,
-        fits=fit_tables(results),
-        selection=selection_table(results),
-        points=page_tables.point_table(results),
-        efficiency=page_tables.efficiency_table(results),
-        budget=page_tables.budget_table(results),
-        pressure=page_tables.pressure_table(results),
-        steady=any(curve.kind == "steady" for curve in results.curves),
-        comparisons=page_motions.comparison_table(results),
-        loops=page_motions.loop_table(results),
-        levels=page_motions.level_table(results),
-        leaks=page_motions.leak_table(results),
-        surfaces=results.motions.surfaces,
-        rejected=page_tables.rejected_table(results),
-        long_list=LONG_LIST,
-        few=_FEW,
-        any_rejected=has_rejected(results),
-        remarks=page_tables.remark_table(results),
-        facts=_facts(results),
-        notes=results.notes,
+    return page(report_document(results, drawings, speed_m_s))
+
+
+def report_document(
+    results: Results,
+    drawings: Iterable[Drawing],
+    speed_m_s: float | None = None,
+    more: tuple[Section, ...] = (),
+) -> Document:
+    """Return the report; ``speed_m_s`` is the working speed, ``more`` stands before the rejected.
+
+    Without a working speed it is the middle one of those measured.
+    """
+    figures: dict[str, tuple[Drawing, ...]] = {}
+    for drawing in drawings:
+        figures[drawing.section] = (*figures.get(drawing.section, ()), drawing)
+    made = results.provenance
+    bench = made.bench if made.bench != made.name else ""
+    words = ("Friction and efficiency of a cylinder", bench, made.started[:10])
+    sections = (
+        summary_section(results, speed_m_s),
+        _friction(results, figures.get("friction", ())),
+        *_fits(results),
+        *_moving(results, figures),
+        *_efficiency(results, figures.get("efficiency", ())),
+        *more,
+        _rejected(results, figures.get("rejected", ())),
+        *_points(results),
+        settings_section(results, LONG_LIST),
+        method_section(results),
+    )
+    return Document(
+        made.name,
+        " · ".join(filter(None, words)),
+        sections,
+        verdict(results),
+        _BANNERS[made.source],
+        made.source,
     )
 
 
-def _tiles(results: Results) -> list[tuple[str, str, str]]:
-    """Return (value, unit or noun, more) of each tile."""
-    made = len(results.runs)
-    accepted = sum(run.accepted for run in results.runs)
-    tiles = [
-        (str(made), "runs", "made"),
-        (str(accepted), "accepted", _share(accepted, made)),
-        (str(made - accepted), "rejected", "reasons below" if accepted < made else ""),
+def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
+    if not any(curve.kind == "steady" for curve in results.curves):
+        others = any(run.accepted for run in results.runs)
+        none = (
+            "No steady run was accepted; what the other runs tell stands below."
+            if others
+            else "No run was accepted, so there is no friction to show."
+        )
+        return Section("Friction", (none,))
+    if not drawings:
+        return Section("Friction", ("Too few speeds for a curve; the points stand below.",))
+    pressure = page_tables.pressure_table(results)
+    return Section("Friction", drawings=drawings, tables=_titled(pressure, "Against pressure"))
+
+
+def _fits(results: Results) -> tuple[Section, ...]:
+    sections = []
+    parts: list[Section] = []
+    for law, table in fit_tables(results).items():
+        parts.append(Section(law.replace("_", " ").capitalize(), tables=(table,)))
+        if len(table.messages) > _FEW:
+            words = f"Remarks on these fits ({len(table.messages)})"
+            parts.append(Section(words, items=table.messages, folded=True))
+        elif table.messages:
+            parts.append(Section(items=table.messages))
+    if parts:
+        words = (
+            "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
+            "side. A parameter without an interval was not determined by these points."
+        )
+        sections.append(Section("Fitted parameters", (words,), parts=tuple(parts), anchor="fits"))
+    selection = selection_table(results)
+    if selection.rows:
+        sections.append(
+            Section("Which law predicts best", (_PREDICTS,), tables=(selection,), anchor="laws")
+        )
+    return tuple(sections)
+
+
+def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:
+    if found := figures.get("ramps"):
+        table = page_motions.comparison_table(results)
+        parts = (Section(_RAMPS, (_TESTED,), tables=(table,)),) if table.rows else ()
+        yield Section("Ramps", drawings=found, parts=parts)
+    for name, table in (
+        ("hysteresis", page_motions.loop_table(results)),
+        ("steps", page_motions.level_table(results)),
+        ("leakage", page_motions.leak_table(results)),
+    ):
+        if found := figures.get(name):
+            told = (Section(items=table.messages),) if table.messages else ()
+            yield Section(name.capitalize(), drawings=found, tables=(table,), parts=told)
+
+
+def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
+    if not drawings:
+        return ()
+    budget = page_tables.budget_table(results)
+    words = "Mean over the speeds, and what its uncertainty is made of"
+    return (Section("Efficiency", drawings=drawings, tables=_titled(budget, words)),)
+
+
+def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
+    parts = []
+    if has_rejected(results):
+        table = page_tables.rejected_table(results)
+        words = f"Rejected runs and why ({len(table.rows)})"
+        parts.append(Section(words, tables=(table,), folded=len(table.rows) > LONG_LIST))
+    remarks = page_tables.remark_table(results)
+    if remarks.rows:
+        words = f"Remarks on accepted runs ({len(remarks.rows)})"
+        parts.append(Section(words, tables=(remarks,), folded=True))
+    none = () if has_rejected(results) else ("None.",)
+    return Section("Rejected runs", none, drawings=drawings, parts=tuple(parts), anchor="rejected")
+
+
+def _points(results: Results) -> tuple[Section, ...]:
+    parts = [
+        Section(f"Points of the {words} curves ({len(table.rows)})", tables=(table,), folded=True)
+        for words, table in (
+            ("friction", page_tables.point_table(results)),
+            ("efficiency", page_tables.efficiency_table(results)),
+        )
+        if table.rows
     ]
-    curves = [curve for curve in results.curves if curve.kind == "steady"]
-    points = [point for curve in curves for point in curve.points]
-    kinds = Counter(run.run.plan.kind for run in results.runs if run.run.plan.kind != "steady")
-    if kinds:
-        words = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        tiles.append((str(kinds.total()), "not steady", words))
-    if not points:
-        return tiles
-    tiles.append((span([1e3 * abs(point.v_m_s) for point in points]), "mm/s", "speeds"))
-    loads = {abs(curve.f_load_n) for curve in curves if curve.f_load_n is not None}
-    directions = {curve.direction for curve in curves}
-    both = "both directions" if len(directions) == 2 else "one direction"
-    if loads:
-        count = "1 load" if len(loads) == 1 else f"{len(loads)} loads"
-        tiles.append((span(loads), "N", f"{count}, {both}"))
-    if has_curves(results):
-        for pick, words in ((min, "lowest"), (max, "highest")):
-            ends = [pick(c.points, key=lambda p: abs(p.v_m_s)) for c in over_velocity(results)]
-            friction = span([abs(point.friction_n) for point in ends])
-            tiles.append((friction, "N", f"friction at the {words} speed"))
-    else:
-        pressures = [from_si(point.p_tp_pa, "bar") for point in points]
-        tiles.append((span(pressures), "bar", "chamber pressure"))
-        tiles.append((span([abs(point.friction_n) for point in points]), "N", "friction"))
-    return tiles
+    return (Section("All points", parts=tuple(parts), anchor="points"),) if parts else ()
 
 
-def _share(part: int, whole: int) -> str:
-    return f"{number(100 * part / whole)} % of the runs" if whole else ""
-
-
-def _facts(results: Results) -> list[tuple[str, str]]:
-    """Return what was measured by what, as names and values."""
-    provenance = results.provenance
-    facts = [
-        ("Source", provenance.source),
-        ("Bench", provenance.bench),
-        ("Firmware", provenance.firmware),
-        ("Started", provenance.started),
-        ("Stopped", provenance.stopped),
-    ]
-    for specimen in dict.fromkeys(run.run.plan.specimen for run in results.runs if run.accepted):
-        areas = (1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2)
-        words = f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²"
-        if specimen.stroke_m is not None:
-            words += f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
-        facts.append(("Cylinder", words))
-    facts += [(name, _words(value)) for name, value in provenance.details.items()]
-    facts += [(f"Version of {name}", version) for name, version in provenance.software.items()]
-    return [(name, value or "not recorded") for name, value in facts]
-
-
-def _words(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value, default=str, ensure_ascii=False)
+def _titled(table: Table, title: str) -> tuple[Table, ...]:
+    return (replace(table, title=title),) if table.rows else ()

@@ -2,9 +2,10 @@
 
 from hbench.records import Comparison, Results
 from hbench.report.motion_rows import LEAKS, differs, series_words
-from hbench.report.page_tables import Cell, Table, table
+from hbench.report.page_tables import table
 from hbench.report.style import TITLES
 from hbench.report.text import NONE, number, short, significant, span, with_interval
+from hbench.report.word_tables import Cell, Table
 from hbench.units import from_si
 
 

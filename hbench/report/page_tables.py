@@ -1,35 +1,12 @@
 """The tables of the page: records as rows of text, in the units that people think in."""
 
-from dataclasses import dataclass
-
 from hbench.records import Curve, EfficiencyCurve, Results, RunPlan, ScreenedRun
 from hbench.report.reasons import code_of
 from hbench.report.rod_side import kind_words, load_words, told_apart
 from hbench.report.style import TITLES
 from hbench.report.text import force, number, significant, with_interval
+from hbench.report.word_tables import Cell, Table
 from hbench.units import from_si
-
-
-@dataclass(frozen=True)
-class Cell:
-    """A cell of a table; ``flag`` is what a reader must not miss about it."""
-
-    text: str
-    flag: str = ""
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table as the template writes it. Numeric columns are those not in ``words``."""
-
-    head: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-    words: frozenset[str]
-    messages: tuple[str, ...] = ()
-
-    def is_number(self, column: int) -> bool:
-        """Tell whether to align the column as numbers."""
-        return self.head[column] not in self.words
 
 
 def point_table(results: Results) -> Table:

@@ -6,8 +6,9 @@ from hbench.records import Results
 
 
 def reason_counts(results: Results) -> Counter[str]:
-    """Count the codes of the reasons; a run with two reasons counts under both."""
-    return Counter(code_of(reason) for run in results.runs for reason in run.reasons)
+    """Count the runs of each reason's code; a run with two reasons counts under both."""
+    codes = (dict.fromkeys(map(code_of, run.reasons)) for run in results.runs)
+    return Counter(code for own in codes for code in own)
 
 
 def code_of(reason: str) -> str:

@@ -82,7 +82,7 @@ def _series(panel: int, axes: Axes) -> Iterator[Series]:
             x, y = (np.asarray(values, dtype=float) for values in line.get_data())
         if not len(x):  # an entry of the legend
             continue
-        names = [_name(axes.xaxis, "item"), _name(axes.yaxis, "value")]
+        names = [_name(axes.xaxis, "x"), _name(axes.yaxis, "item")]
         columns = {names[0]: _named(axes.xaxis, x), names[1]: _named(axes.yaxis, y)}
         columns |= _half_widths(artist, *names) | getattr(artist, "columns_behind", {})
         has_points = line is not None and line.get_marker() not in ("None", "", " ", None)

@@ -12,6 +12,22 @@ from hbench.records import Curve, Diagnosis, Direction, Results
 # Okabe and Ito's colours, told apart with any colour vision; their yellow is left out, since thin
 # lines in it can't be seen on white.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+# What a page shows in the dark instead, by colour in lower case; the files stay light.
+DARK = {
+    "#0072b2": "#4aa8e8",
+    "#d55e00": "#ff8a3d",
+    "#009e73": "#34c99a",
+    "#cc79a7": "#e59cc5",
+    "#e69f00": "#f5bd42",
+    "#56b4e9": "#8fd0f7",
+    "#000000": "#eef1f4",
+    "#ffffff": "#1c2026",
+    "#374151": "#a9b2bd",
+    "#6b7280": "#9aa4b1",
+    "#9ca3af": "#77808c",
+    "#e5e7eb": "#323841",
+}
+ON_MAPS = "#fefefe"  # white in the dark too, on the colours of a map
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 QUIET = "#6b7280"
 
@@ -63,8 +79,8 @@ DOTS = {  # where a map was measured
     "linestyle": "none",
     "marker": "o",
     "markersize": 3.5,
-    "markerfacecolor": "white",
-    "markeredgecolor": "black",
+    "markerfacecolor": ON_MAPS,
+    "markeredgecolor": "#010101",
     "markeredgewidth": 0.6,
     "clip_on": False,
 }

@@ -28,6 +28,7 @@ from hbench.store.reading import LARGEST_JOURNAL, read_file
 from hbench.store.run_csv import parse_run
 
 JOURNAL = "campaign.yaml"
+_SETTINGS = ("instruments", "sensors", "controllers", "limits", "screening")  # told in the report
 
 
 class CampaignWriter:
@@ -129,6 +130,8 @@ class Campaign:
         """Return what was measured by what."""
         header = self.header
         bench = header.get("bench") or header.get("map") or {}
+        contents = [(header.get(key) or {}).get("content") for key in ("schedule", "bench")]
+        written = {k: v for one in contents if isinstance(one, dict) for k, v in one.items()}
         firmware = header.get("firmware") or {}
         known = ("name", "source", "created", "software", "bench", "firmware", "log", "schedule")
         return Provenance(
@@ -142,6 +145,7 @@ class Campaign:
             details={
                 k: v for k, v in header.items() if k not in (*known, "schema", "map", "notes")
             },
+            settings={name: written[name] for name in _SETTINGS if name in written},
         )
 
     def raw_runs(self) -> Iterator[RawRun]:

@@ -55,7 +55,7 @@ def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path):
         "piston pressure",
     ]
     page = (out / "design.html").read_text()
-    assert page.count("<img") == 12 and "http" not in page.split("<body>")[1]
+    assert page.count("<figure") == 12 and "http" not in page.split("<body>")[1]
     figures = {path.name for path in (out / "figures").iterdir()}
     kinds = {"locus", "bode", "step", "poles"}
     assert figures == {

@@ -199,7 +199,7 @@ def test_page_and_figures_say_that_the_data_is_simulated(written):
     page = (written / "identification.html").read_text()
     assert "these numbers are simulated" in page and len(page) > 100_000
     drawn = {path.stem for path in (written / "figures").glob("*.png")}
-    assert len(drawn) == 1 + len(LAWS) and page.count("<figure>") == len(drawn)
+    assert len(drawn) == 1 + len(LAWS) and page.count("<figure ") == len(drawn)
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from hbench.report.campaign_figures import FIGURES, draw_all
 from hbench.report.figures import render
 from hbench.report.style import COLOURS, series_style
 
-UNIT = re.compile(r"\((mm/s|k?N|%|bar|count)\)")
+UNIT = re.compile(r"\((mm/s|mm|k?N|%|bar|V|s|count)\)")
 
 
 def every_figure(results):
@@ -39,6 +39,7 @@ def test_each_campaign_gets_the_figures_that_apply(small, seals):
         "efficiency-extend",
         "efficiency-retract",
         "rejected",
+        "rejected-off-reference",
     ]
     assert names(seals) == ["friction-pressure"]
     bare = replace(small, runs=(), curves=(), efficiency=())

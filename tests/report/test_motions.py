@@ -29,6 +29,7 @@ from hbench.report.page_tables import point_table
 from hbench.report.tables import results_json, summary_text
 
 SERIES = Series("seal A", 500.0, 15e5)
+BLANK = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
 PHASE = np.linspace(0, 2 * np.pi, 60, endpoint=False)
 
 
@@ -108,7 +109,7 @@ def page_of(results):
     """The page with a blank in the place of each kind of figure."""
     kinds = [kind for kind in FIGURES if kind.applies(results)]
     return page_html(
-        results, [Drawing(k.name, k.section, k.name, k.caption, b"", b"") for k in kinds]
+        results, [Drawing(k.name, k.section, k.name, k.caption, BLANK, b"") for k in kinds]
     )
 
 

@@ -1,0 +1,128 @@
+"""The summary: friction at the working speed, breakaway, efficiency, and the data's quality."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from hbench.records import FitParameter
+from hbench.report.quality import checks, verdict, worst
+from hbench.report.summary import glances, summary_section, working_speed_m_s
+
+
+def grade(results, name):
+    (check,) = (check for check in checks(results) if check.name.startswith(name))
+    return check.grade
+
+
+def with_points(results, **changes):
+    curves = tuple(
+        replace(c, points=tuple(replace(p, **changes) for p in c.points)) for c in results.curves
+    )
+    return replace(results, curves=curves)
+
+
+def test_the_working_speed_is_the_middle_one_of_those_measured(small):
+    speeds = sorted(abs(p.v_m_s) for p in small.curves[0].points)
+    assert working_speed_m_s(small) == pytest.approx(speeds[2])
+    for one, curve in zip(glances(small), small.curves, strict=True):
+        assert one.friction_n.value == abs(curve.points[2].friction_n)
+        assert one.friction_n.u95 == one.trials_n == curve.points[2].ci95_n
+
+
+def test_a_point_stands_for_a_speed_asked_for_only_if_it_is_near(small):
+    v = abs(small.curves[0].points[3].v_m_s)
+    assert all(one.v_m_s == pytest.approx(v) for one in glances(small, 1.15 * v))
+    assert all(one.friction_n is None for one in glances(small, 0.5))
+    assert "friction" not in str(summary_section(small, 0.5).tiles[0].more)
+
+
+def test_the_interval_is_that_of_trials_and_instruments_where_these_are_known(small):
+    known = with_points(small, u95_n=77.0)
+    assert all(one.friction_n.u95 == 77.0 != one.trials_n for one in glances(known))
+
+
+def test_breakaway_without_ramps_is_the_fits_at_rest_and_says_so(small):
+    known = with_points(small, sigma_instruments_n=10.0)
+    one = glances(known)[1].breakaway_n
+    fitted = small.curves[1].fits[0].parameters["f_stiction_n"]
+    assert one.value == fitted.value and one.flag == "extrapolated"
+    assert one.u95 == pytest.approx(math.hypot(12.3, 19.6))
+
+
+def test_breakaway_of_ramps_is_where_the_slowest_begins_to_slide(small):
+    curve = small.curves[0]
+    starts = {0.1: 900.0, 0.03: 700.0}
+    ramps = []
+    for a, peak in starts.items():
+        points = list(curve.points)
+        points[0] = replace(points[0], friction_n=1.0)  # before the seals have slid
+        points[1] = replace(points[1], friction_n=peak, ci95_n=9.0)
+        fit = replace(curve.fits[0], line=tuple((p.v_m_s, 1.0) for p in points[1:]))
+        ramps.append(replace(curve, kind="ramp", a_ref_m_s2=a, points=tuple(points), fits=(fit,)))
+    one = glances(replace(small, curves=(*small.curves, *ramps)))[0].breakaway_n
+    assert (one.value, one.u95, one.flag) == (700.0, 9.0, "")
+    alone = glances(replace(small, curves=tuple(ramps), efficiency=()))
+    assert len(alone) == 1 and alone[0].friction_n is None and alone[0].breakaway_n.value == 700.0
+
+
+def test_efficiency_is_that_of_the_same_direction_load_and_speed(small):
+    for one, curve in zip(glances(small), small.efficiency, strict=True):
+        assert one.efficiency.value == curve.points[2].efficiency
+        assert one.efficiency.u95 == pytest.approx(1.96 * curve.points[2].sigma_combined)
+
+
+@pytest.mark.parametrize("rejected,expected", [(0, "good"), (4, "with care"), (20, "poor")])
+def test_the_share_of_accepted_runs_is_graded(small, rejected, expected):
+    runs = [replace(run, reasons=()) for run in small.runs]
+    runs[:rejected] = [replace(run, reasons=("gapped: x",)) for run in runs[:rejected]]
+    assert len(runs) == 60
+    assert grade(replace(small, runs=tuple(runs)), "Runs") == expected
+
+
+@pytest.mark.parametrize("n,expected", [(3, "good"), (2, "with care"), (1, "poor")])
+def test_the_fewest_trials_of_a_point_are_graded(small, n, expected):
+    assert grade(with_points(small, n=n), "Trials") == expected
+
+
+@pytest.mark.parametrize(
+    "half,expected", [(10.0, "good"), (60.0, "with care"), (200.0, "poor")]
+)  # of 350 to 700 N
+def test_the_trials_scatter_is_graded(small, half, expected):
+    assert grade(with_points(small, ci95_n=half), "Repeatability") == expected
+
+
+@pytest.mark.parametrize("sigma,expected", [(5.0, "good"), (500.0, "with care")])
+def test_instruments_never_make_data_poor_but_may_ask_for_care(small, sigma, expected):
+    assert grade(with_points(small, sigma_instruments_n=sigma), "Instruments") == expected
+    assert grade(small, "Instruments") == "with care"  # not known
+
+
+def test_a_fit_with_a_parameter_on_its_bound_asks_for_care(small):
+    assert grade(small, "Fits") == "with care"
+    assert grade(replace(small, curves=small.curves[1:]), "Fits") == "good"
+    loose = FitParameter(1.0, None, None, None, "N")
+    curves = tuple(
+        replace(c, fits=(replace(c.fits[0], parameters={"f_coulomb_n": loose}),))
+        for c in small.curves
+    )
+    assert grade(replace(small, curves=curves), "Fits") == "poor"
+
+
+def test_the_verdict_is_the_worst_check_and_names_it(small):
+    few = with_points(small, n=1)
+    assert worst(checks(few)) == "poor"
+    assert verdict(few).startswith("The data is too poor") and "trials of a point" in (
+        verdict(few).lower()
+    )
+    assert "instruments" not in verdict(few).lower()
+    good = with_points(replace(small, curves=small.curves[1:]), sigma_instruments_n=5.0)
+    good = replace(good, runs=tuple(replace(run, reasons=()) for run in good.runs))
+    good = with_points(good, n=3)
+    assert verdict(good) == "The data is good: all 5 checks of its quality hold."
+
+
+def test_a_campaign_without_anything_is_poor_and_has_a_summary(small):
+    bare = replace(small, runs=(), curves=(), efficiency=())
+    assert worst(checks(bare)) == "poor"
+    assert summary_section(bare).tiles[0].value == "0 of 0"

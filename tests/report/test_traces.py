@@ -1,0 +1,80 @@
+"""Traces of rejected runs: the channel that shows why, in people's units."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hbench.records import Run
+from hbench.report.draw_traces import MOST_RUNS, traces
+from hbench.report.reasons import reason_counts
+from hbench.report.series import series_of
+
+T = np.arange(100) / 100
+
+
+def rejected(small, count, *reasons, **channels):
+    plan = small.runs[0].run.plan
+    run = Run(plan, t_s=T, x_m=0.1 + 0.05 * T, **channels)
+    bad = replace(small.runs[0], run=run, reasons=reasons)
+    named = [replace(bad, run=replace(run, plan=replace(plan, run=str(i)))) for i in range(count)]
+    return replace(small, runs=(*named, replace(small.runs[0], reasons=())))
+
+
+def test_a_speed_that_was_missed_is_shown_beside_its_reference(small):
+    results = rejected(small, 1, "off_reference: x", v_m_s=0.04 + 0 * T, v_ref_m_s=0.05 + 0 * T)
+    speed, reference = series_of(traces(results)["off_reference"])
+    assert (speed.label, reference.label) == ("velocity", "reference")
+    assert speed.y_name == "Velocity (mm/s)" and speed.x_name == "Time (s)"
+    np.testing.assert_allclose(speed.y, 40.0)
+    np.testing.assert_allclose(reference.y, 50.0)
+
+
+def test_a_run_without_a_logged_velocity_shows_that_of_its_position(small):
+    (speed, _) = series_of(traces(rejected(small, 1, "not_steady: x"))["not_steady"])
+    np.testing.assert_allclose(speed.y, 50.0)
+
+
+@pytest.mark.parametrize(
+    "code,channel,label,scale",
+    [
+        ("valve_saturated", "u_t_v", "test valve", 1.0),
+        ("sensor_saturated", "p_tp_pa", "P_Tp", 1e-5),
+    ],
+)
+def test_records_at_a_limit_are_crossed(small, code, channel, label, scale):
+    values = np.where(T > 0.5, 10.0, 1.0) / scale
+    flags = {code: T > 0.5}
+    figure = traces(rejected(small, 1, f"{code}: x", **{channel: values}, **flags))[code]
+    (line,) = series_of(figure)
+    assert line.label == label
+    np.testing.assert_allclose(line.y, values * scale)
+    crosses = [one for one in figure.axes[0].lines if one.get_marker() == "x"]
+    assert len(crosses) == 1 and min(crosses[0].get_xdata()) > 0.5
+
+
+def test_a_gap_in_the_log_is_a_gap_in_the_line(small):
+    results = rejected(small, 1, "gapped: x")
+    keep = (T < 0.3) | (T > 0.6)
+    run = replace(results.runs[0].run, t_s=T[keep], x_m=0.1 + 0.05 * T[keep])
+    results = replace(results, runs=(replace(results.runs[0], run=run),))
+    x, y = traces(results)["gapped"].axes[0].lines[0].get_data()
+    assert np.isnan(y).sum() == 1 and np.isnan(y[30])
+
+
+def test_the_first_runs_of_a_reason_are_shown_and_how_many_there_are(small):
+    figure = traces(rejected(small, 9, "end_stop: x"))["end_stop"]
+    assert len(figure.axes) == MOST_RUNS
+    words = {text.get_text() for text in figure.findobj(lambda a: hasattr(a, "get_text"))}
+    assert any(word.startswith("9 runs; the first 4") for word in words)
+
+
+def test_a_run_without_samples_has_no_trace(small):
+    results = rejected(small, 1, "truncated: x")
+    run = replace(results.runs[0].run, t_s=T[:0], x_m=T[:0])
+    assert traces(replace(results, runs=(replace(results.runs[0], run=run),))) == {}
+
+
+def test_a_run_counts_once_for_a_reason_that_it_has_twice(small):
+    results = rejected(small, 2, "not_steady: speed", "not_steady: friction", "gapped: x")
+    assert reason_counts(results) == {"not_steady": 2, "gapped": 2}
