@@ -11,6 +11,7 @@ from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
 from hbench.report import style
 from hbench.report.diagnosis_text import steps_of
 from hbench.report.diagnosis_words import AXES, Words, balance, drawn, share, shown, signal
+from hbench.report.series import behind
 from hbench.report.text import number, short
 
 BEFORE, AFTER, MEASURED = style.COLOURS[1], style.COLOURS[0], "#9ca3af"
@@ -85,9 +86,9 @@ def region_figure(found: Diagnosis) -> Figure:
     )[0]
     for axes, group in zip(panels, groups, strict=True):
         gaps = np.array([[region.gaps.get(name, np.nan) for region in group] for name in names])
-        image = axes.imshow(
-            np.maximum(gaps, 1.0), norm=LogNorm(1, 10**_MOST), cmap="Blues", aspect="auto"
-        )
+        look = {"norm": LogNorm(1, 10**_MOST), "cmap": "Blues", "label": "_gaps"}
+        image = axes.imshow(np.maximum(gaps, 1.0), aspect="auto", **look)
+        behind(image, {"Gap (trial scatters)": gaps.ravel()})
         for (row, column), value in np.ndenumerate(gaps):
             dark = np.log10(max(value, 1.0)) > 0.55 * _MOST
             axes.text(
@@ -133,6 +134,7 @@ def ranking_figure(found: Diagnosis, most: int = 12) -> Figure:
     for place, one in enumerate(chosen):
         colour = AFTER if one.name in named else "#9ca3af"
         look = {"color": colour} if one.tried == "simulated" else {"facecolor": "white"}
+        look["label"] = f"_{one.tried}"
         axes.barh(place, one.score, height=0.62, edgecolor=colour, linewidth=1.4, **look)
         axes.annotate(_remark(one), (max(one.score, 0.0), place), (4, 0), va="center", fontsize=9,
                       textcoords="offset points")  # fmt: skip
@@ -159,7 +161,10 @@ def refitted_figure(found: Diagnosis) -> Figure:
         if one.ci95 is not None:
             axes.hlines(place, *one.ci95, color=BEFORE, linewidth=1.4)
         face = "white" if one.ci95 is None or one.at_bound else BEFORE
-        axes.plot(one.value, place, "D", color=BEFORE, markerfacecolor=face)
+        look = {"color": BEFORE, "markerfacecolor": face, "label": "_factor"}
+        (mark,) = axes.plot(one.value, place, "D", **look)
+        if one.ci95 is not None:
+            behind(mark, {"from": [one.ci95[0]], "to": [one.ci95[1]]})
     axes.set_xlabel("Factor on the model's value (1)")
     _rows(axes, [name.replace("_", " ") for name in names])
     style.head(axes, "Refitted values", found)

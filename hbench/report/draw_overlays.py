@@ -35,7 +35,7 @@ def _run(found: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
         for label, values, colour, width in sides:
             left.plot(one.t_s, factor * values, color=colour, linewidth=width, label=label)
             off = factor * (values - one.measured)
-            right.plot(one.t_s, off, color=colour, linewidth=width)
+            right.plot(one.t_s, off, color=colour, linewidth=width, label=f"_{label}")
         left.set_ylabel(f"{drawn(words.says)}\n({unit})")
         right.set_ylabel(f"off by ({unit})")
     for axes in panels[-1]:

@@ -11,6 +11,7 @@ from scipy.stats import binned_statistic_2d
 from hbench.records import Diagnosis, ResidualMap
 from hbench.report import style
 from hbench.report.diagnosis_words import AXES, balance, scatter_words, shown
+from hbench.report.series import behind
 
 _WORST = 4  # balances side by side in a map
 _CELLS = 24  # of a map, either way
@@ -36,12 +37,13 @@ def maps_figure(found: Diagnosis) -> Figure:
     largest = max(float(np.max(np.abs(one[2]), initial=_LEAST)) for row in cells for one in row)
     norm = Normalize(-largest, largest)
     for row, panel_row, title in zip(cells, panels, _TITLES, strict=False):
-        for (v, load, value, count), axes in zip(row, panel_row, strict=True):
+        for (v, load, value, count), axes, name in zip(row, panel_row, names, strict=True):
             size = 14 + 46 * np.sqrt(count / max(count.max(initial=1), 1))
-            axes.scatter(
+            dots = axes.scatter(
                 1e3 * v, load / 1e3, c=value, s=size, norm=norm, cmap="RdBu_r",
-                edgecolors="#6b7280", linewidths=0.4,
+                edgecolors="#6b7280", linewidths=0.4, label=f"_{balance(name).says}, {title}",
             )  # fmt: skip
+            behind(dots, {"Residual (trial scatters)": value, "windows": count})
         panel_row[0].set_ylabel(
             f"{title.capitalize()}\nLoad (kN)" if found.effects else "Load (kN)"
         )
@@ -66,6 +68,7 @@ def shape_figure(found: Diagnosis, name: str) -> Figure:
     for row, side, value, title in zip(panels, sides, values, _TITLES, strict=False):
         for axes, (across, colour) in zip(row, _PANELS, strict=True):
             _points(axes, side, value, across, colour, limits, bool(found.effects))
+        _windows(row[0], side, value, title)
         row[0].set_ylabel(f"Residual {title if found.effects else ''}\n(trial scatters)")
         row[0].set_ylim(*limits)
     for axes, (across, _) in zip(panels[-1], _PANELS, strict=True):
@@ -143,7 +146,22 @@ def _points(
         axes.plot(
             middles, np.clip(medians, *limits), marker, color="black",
             markeredgecolor="white", markeredgewidth=0.7, markersize=6.5, linestyle="none",
+            label=f"_medians, {'extending' if way > 0 else 'retracting'}",
         )  # fmt: skip
+
+
+def _windows(axes: Axes, side: ResidualMap, value: np.ndarray, title: str) -> None:
+    """Put every window's numbers behind the figure; the points of its panels are an image."""
+    own = np.isfinite(value)
+    (first, _), *others = _PANELS
+    axes.set_autoscale_on(False)
+    (line,) = axes.plot(shown(getattr(side, first), AXES[first])[own], value[own], " ")
+    line.set_label(f"_windows {title}")
+    columns = {}
+    for name, _ in others:
+        words, values = AXES[name], shown(getattr(side, name), AXES[name])
+        columns[f"{words.says.capitalize()} ({words.unit})"] = values[own]
+    behind(line, columns)
 
 
 def _medians(x: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,8 +1,8 @@
 """What a figure shows, as data: its series, read back from the figure itself.
 
-So a figure's data can't differ from what is drawn. A series is a line, error bars or bars with a
-label; one whose label begins with an underscore stays out of the legend, and what has no label is
-there for the eye alone.
+So a figure's data can't differ from what is drawn. A series is a line, error bars, bars, dots or
+an image with a label; one whose label begins with an underscore stays out of the legend, and what
+has no label is there for the eye alone.
 """
 
 import re
@@ -13,8 +13,10 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.collections import PathCollection
 from matplotlib.container import BarContainer, ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
@@ -46,7 +48,7 @@ class Series:
         return self.columns[self.y_name]
 
 
-def behind(artist: ErrorbarContainer | Line2D, columns: Mapping[str, Column]) -> None:
+def behind(artist: Artist | ErrorbarContainer, columns: Mapping[str, Column]) -> None:
     """Put more columns behind the points of ``artist``, such as the trials of each mean."""
     artist.columns_behind = dict(columns)
 
@@ -75,11 +77,11 @@ def _series(panel: int, axes: Axes) -> Iterator[Series]:
         label = str(artist.get_label())
         if _FOR_THE_EYE.fullmatch(label):
             continue
-        if isinstance(artist, BarContainer):
-            line, (x, y) = None, _bars(artist)
-        else:
-            line = artist.lines[0] if isinstance(artist, ErrorbarContainer) else artist
+        line = artist.lines[0] if isinstance(artist, ErrorbarContainer) else artist
+        if isinstance(line, Line2D):
             x, y = (np.asarray(values, dtype=float) for values in line.get_data())
+        else:
+            line, (x, y) = None, _OTHERS[type(artist)](artist)
         if not len(x):  # an entry of the legend
             continue
         names = [_name(axes.xaxis, "x"), _name(axes.yaxis, "item")]
@@ -96,13 +98,29 @@ def _artists(axes: Axes) -> Iterator[Artist]:
     bars = [c for c in axes.containers if isinstance(c, ErrorbarContainer) and c.lines[0]]
     yield from bars
     yield from (c for c in axes.containers if isinstance(c, BarContainer))
+    yield from (dots for dots in axes.collections if isinstance(dots, PathCollection))
+    yield from axes.images
     parts = {id(part) for c in bars for part in (c.lines[0], *c.lines[1])}
     yield from (line for line in axes.lines if id(line) not in parts)
+
+
+def _dots(dots: PathCollection) -> tuple[np.ndarray, np.ndarray]:
+    x, y = np.ma.filled(dots.get_offsets().astype(float), np.nan).T
+    return x, y
+
+
+def _cells(image: AxesImage) -> tuple[np.ndarray, np.ndarray]:
+    rows, columns = np.indices(image.get_array().shape[:2])
+    return columns.ravel().astype(float), rows.ravel().astype(float)
 
 
 def _bars(bars: BarContainer) -> tuple[np.ndarray, np.ndarray]:
     along = [bar.get_y() + bar.get_height() / 2 for bar in bars]
     return np.array([bar.get_width() for bar in bars]), np.array(along)
+
+
+# Where the values of what is no line stand.
+_OTHERS = {BarContainer: _bars, PathCollection: _dots, AxesImage: _cells}
 
 
 def _half_widths(artist: Artist, x_name: str, y_name: str) -> dict[str, Column]:

@@ -115,3 +115,19 @@ def test_the_files_of_a_figure_are_its_svg_its_png_and_its_data(small):
         "figures/bare.svg",
         "figures/bare.png",
     }
+
+
+def test_dots_and_images_have_their_values_as_data():
+    def draw(axes):
+        dots = axes.scatter([1, 2], [3, 4], c=[5, 6], label="_dots")
+        behind(dots, {"value": [5.0, 6.0]})
+
+    assert [row["value"] for row in rows(plot(draw))] == ["5", "6"]
+
+    def table(axes):
+        image = axes.imshow([[1, 2], [3, 4]], label="_cells")
+        axes.set_xticks([0, 1], ["a", "b"])
+        behind(image, {"gap": np.array([1.0, 2.0, 3.0, 4.0])})
+
+    cells = [(row["Time (s)"], row["Force F_L (N)"], row["gap"]) for row in rows(plot(table))]
+    assert cells == [("a", "0", "1"), ("b", "0", "2"), ("a", "1", "3"), ("b", "1", "4")]
