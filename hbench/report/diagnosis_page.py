@@ -101,7 +101,7 @@ def _answer(found: Diagnosis) -> Section:
     next_ = f"Next experiment: {found.next_experiment}" if found.next_experiment else ""
     paragraphs = (
         found.why,
-        f"{text.gap_line(found)} {text.UNIT_OF_GAP}",
+        text.gap_line(found),
         *text.effect_lines(found),
         _SENSOR if any(one.of_sensor for one in found.effects) else "",
         next_,

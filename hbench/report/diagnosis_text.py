@@ -25,7 +25,7 @@ from hbench.report.text import NONE, number, short
 
 Rows = tuple[tuple[str, ...], ...]
 
-UNIT_OF_GAP = "Gaps are in trial scatters: 1 is as good as the bench repeats itself."
+_UNIT_OF_GAP = "Gaps are in trial scatters: 1 is as good as the bench repeats itself."
 STEPS = {
     "before": "as given",
     "refitted": "refitted",
@@ -36,7 +36,7 @@ STEPS = {
 
 def diagnosis_text(found: Diagnosis) -> str:
     """Return the verdict, then every table and what is missing, for a terminal (ASCII)."""
-    parts = [f"{headline(found)}\n{found.why}", f"{gap_line(found)}\n{UNIT_OF_GAP}"]
+    parts = [f"{headline(found)}\n{found.why}", gap_line(found)]
     parts += effect_lines(found)
     if found.next_experiment:
         parts.append(f"next experiment: {found.next_experiment}")
@@ -51,13 +51,16 @@ def diagnosis_text(found: Diagnosis) -> str:
 def headline(found: Diagnosis) -> str:
     """Return the verdict in one sentence, with the effects' coefficients or the set."""
     told = "; ".join(effect_words(one) for one in found.effects)
+    names = " or ".join(one.name for one in found.alternatives)
     if found.verdict == "named":
+        also = f" Further {names}: these data can't tell which." if names else ""
         rest = f" A rest stays in {_list(found.rest)}." if found.rest else ""
-        return f"named: {told}.{rest}"
+        return f"named: {told}.{also}{rest}"
     also = f" Beside {told}." if told else ""
     if found.verdict == "ambiguous":
-        names = " or ".join(one.name for one in found.alternatives)
         return f"ambiguous: {names}; these data can't tell which.{also}"
+    if found.verdict == "unknown" and not found.where:
+        return "unknown: these data are too few for a verdict."
     if found.verdict == "unknown":
         where = _list(found.rest or found.where[:1])
         return f"unknown: no effect of the catalogue explains what disagrees in {where}.{also}"
@@ -65,12 +68,17 @@ def headline(found: Diagnosis) -> str:
 
 
 def gap_line(found: Diagnosis) -> str:
-    """Return the gap of all balances over the held-out runs, from the model as given on."""
+    """Return the gap of all balances over the held-out runs, from the model as given on.
+
+    Empty where nothing was compared.
+    """
     total = found.gap_heldout.total
+    if not found.gap_heldout.balances:
+        return ""
     steps = ", ".join(
         f"{number(getattr(total, step), 2)} {words}" for step, words in steps_of(found).items()
     )
-    return f"Gap of held-out runs, all balances: {steps}."
+    return f"Gap of held-out runs, all balances: {steps}. {_UNIT_OF_GAP}"
 
 
 def effect_words(effect: AddedEffect) -> str:
@@ -169,7 +177,7 @@ def gap_tables(found: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, .
         )
 
     parts = (
-        ("balance", "balances", {_ALL: table.total, **table.balances}, balance),
+        ("balance", "balances", with_total(table), balance),
         ("signal", "signals, closed loop", table.signals, signal),
         ("signal", "signals, open loop", table.open_loop, signal),
     )
@@ -180,12 +188,16 @@ def gap_tables(found: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, .
     )
 
 
+def with_total(table: GapTable) -> dict[str, BeforeAfter]:
+    """Return the balances' gaps after that of all; empty where nothing was compared."""
+    return {"all": table.total, **table.balances} if table.balances else {}
+
+
 def steps_of(found: Diagnosis) -> dict[str, str]:
     """Return the fields of ``BeforeAfter`` that tell something, and their words."""
     return {step: words for step, words in STEPS.items() if found.effects or step != "after"}
 
 
-_ALL = "all"
 _RANK_HEAD = ("candidate", "score nats", "explains", "size", "tried")
 
 

@@ -100,12 +100,13 @@ def quantity(parameter: FitParameter) -> str:
 
 def value_with_interval(parameter: FitParameter) -> str:
     """Write a value with its 95 % interval, or why there is none."""
-    value = significant(parameter.value, 3)
-    if parameter.at_bound:
-        return f"{value} (at its {parameter.at_bound} bound)"
+    at_bound = f"at its {parameter.at_bound} bound" if parameter.at_bound else ""
     if parameter.ci95 is None:
-        return f"{value} (not determined)"
+        return f"{significant(parameter.value, 3)} ({at_bound or 'not determined'})"
     low, high = parameter.ci95
     if high - low > _FINE:
-        return with_ends(parameter.value, low, high)
-    return f"{value} ({significant(low, 3)} to {significant(high, 3)})"
+        written = with_ends(parameter.value, low, high)
+    else:
+        value, *ends = (significant(one, 3) for one in (parameter.value, low, high))
+        written = f"{value} ({' to '.join(ends)})"
+    return f"{written}, {at_bound}" if at_bound else written

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
 from hbench.report import style
-from hbench.report.diagnosis_text import steps_of
+from hbench.report.diagnosis_text import steps_of, with_total
 from hbench.report.diagnosis_words import AXES, Words, balance, drawn, share, shown, signal
 from hbench.report.series import behind
 from hbench.report.text import number, short
@@ -30,7 +30,7 @@ def gap_figures(found: Diagnosis) -> dict[str, Figure]:
     """Draw the held-out gaps of balances, and of signals in closed and open loop."""
     table = found.gap_heldout
     parts: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], Words]], ...] = (
-        ("Balances", {"all": table.total, **table.balances}, balance),
+        ("Balances", with_total(table), balance),
         ("Signals, closed loop", table.signals, signal),
         ("Signals, open loop", table.open_loop, signal),
     )

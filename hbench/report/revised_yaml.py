@@ -7,7 +7,7 @@ from typing import Any
 import yaml
 
 from hbench.records import AddedEffect, Diagnosis
-from hbench.report.diagnosis_text import UNIT_OF_GAP, gap_line
+from hbench.report.diagnosis_text import gap_line
 from hbench.report.diagnosis_words import quantity
 
 _SOURCES = {
@@ -27,7 +27,7 @@ def revised_yaml(found: Diagnosis) -> str:
         f"{made.started[:10]} (bench {made.bench!r}), {_SOURCES[made.source]}.",
         "Give it to `hbench run --plant`, or to `hbench reconcile --model`.",
         f"Verdict: {found.verdict}. {found.why}",
-        f"{gap_line(found)} {UNIT_OF_GAP}",
+        gap_line(found),
         "Values with 95 % intervals; what has no comment is as in the model.",
     ]
     body = "".join(_lines(found.revised, _comments(found), ()))

@@ -15,7 +15,7 @@ from hbench.config.schedule import parse_schedule
 from hbench.model.effects import read_effects
 from hbench.reconcile.balances import UNITS
 from hbench.reconcile.signals import SIGNALS
-from hbench.records import FitParameter
+from hbench.records import BeforeAfter, FitParameter, GapTable
 from hbench.report import diagnosis_words as words
 from hbench.report.diagnosis_json import diagnosis_json
 from hbench.report.diagnosis_page import diagnosis_page
@@ -69,10 +69,12 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     assert "missing for a better verdict: closed valves" in text
 
 
-def test_every_verdict_has_its_sentence(named, unknown):
+def test_every_verdict_has_its_sentence(named, unknown, ambiguous):
     assert diagnosis_text(unknown).startswith("unknown: no effect of the catalogue explains what")
     nothing = replace(unknown, verdict="none", rest=())
     assert diagnosis_text(nothing).startswith("none: the model agrees with the measurement")
+    both = diagnosis_text(replace(named, alternatives=ambiguous.alternatives))
+    assert "Further internal_leakage or external_leakage: these data can't tell which." in both
     rest = replace(named, rest=named.where[:1])
     assert "A rest stays in oil into chamber Tr." in diagnosis_text(rest).splitlines()[0]
 
@@ -114,6 +116,21 @@ def test_a_number_that_does_not_exist_is_null(named):
     found = json.loads(text)
     assert found["regions"][0]["gaps"]["flow_tp"] is None
     assert found["effects"][0]["runner_up"] is None
+
+
+def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
+    none = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
+    empty = {name: () for name in ("where", "regions", "rest", "ranking", "overlays")}
+    gaps = {"gap_heldout": none, "gap_train": none, "refitted": {}, "threshold": float("nan")}
+    few = replace(unknown, **empty, **gaps, missing=("a second load",), heldout_runs=())
+    text = diagnosis_text(few)
+    assert text.startswith("unknown: these data are too few for a verdict.")
+    assert "missing for a better verdict: a second load" in text and "Gap of" not in text
+    assert draw_diagnosis(few) == ()
+    page = diagnosis_page(few, ())
+    assert "a second load" in page and "<table" not in page and "<h2>The gap" not in page
+    assert json.loads(diagnosis_json(few))["gap"]["heldout"]["before"] is None
+    assert "nan" not in revised_yaml(few)
 
 
 def test_balances_and_signals_of_the_report_are_those_of_reconcile_with_units_of_their_kind():
