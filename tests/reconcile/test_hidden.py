@@ -1,13 +1,30 @@
 """The generator of blind campaigns: what it takes, what it lists."""
 
 import ast
+import os
+import subprocess
+import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import pytest
 from hidden.cases import cases, small_sample, truth
+from hidden.draws import drawn
+from hidden.instruments import astray, rewritten
+from hidden.laws.table import EFFECTS as HIDDEN
 from hidden.sizes import KNOWN, OUTSIDE
 
+from hbench.model.effect_places import Flows, Oil, Openings, Rubbing
 from hbench.model.effects import EFFECTS
+from hbench.model.parameters import plant_parameters
+from hbench.model.sensors import FRACTION, sensor_parameters
+from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
+from hbench.protocol.dictionary import RECORD
+from hbench.store.campaign import load_campaign
+from tests.conftest import ROOT
 
+BENCH = ROOT / "configs" / "bench-aau.yaml"
 FOLDER = Path(__file__).parent / "hidden"
 CATALOGUE = {f"hbench.model.effect_{name}" for name in ("flows", "friction", "numbers")}
 
@@ -59,3 +76,199 @@ def test_sizes_follow_the_severity_and_the_seed_alone():
             assert shares and all(0.8 <= abs(share) <= 1.2 for share in shares)
             assert size.signed or min(shares) > 0
         assert truth(case) == truth(case)
+
+
+# ---- laws, called as Python: what they do at the point that sizes.py gives them for
+
+
+STATE = np.zeros(60)
+STATE[[X, V, P_TP, P_TR, P_LP, P_LR, P_S]] = 0.2, 0.1, 80e5, 50e5, 60e5, 30e5, 150e5
+OPENED = Openings(0.4, -0.3, 2.0)
+AT = 40  # of a law's own states
+
+
+@pytest.fixture(scope="module")
+def par(bench):
+    return plant_parameters(bench)
+
+
+def at_place(place, par):
+    beta = par.bulk_modulus_pa
+    return {
+        "openings": OPENED,
+        "oil": Oil(2e5, beta, beta, beta, beta),
+        "flows": Flows(1e-4, -5e-5, -6e-5, 3e-5, 1.3e-4, 1.1e-4, 1.0),
+        "friction": Rubbing(300.0, 250.0, 0.0, 0.0, 0.0, 0.0),
+    }[place]
+
+
+def law(name, par, place=None, state=STATE, **coefficients):
+    """Return what a law adds, and its rates."""
+    row = HIDDEN[f"hidden_{name}"]
+    place = place or next(iter(row.laws))
+    rates, before = np.full(60, np.nan), at_place(place, par)
+    values = tuple(coefficients.get(key, 0.0) for key in row.coefficients)
+    after = row.laws[place].py_func(before, values, state, AT, rates, par)
+    return np.subtract(after, before), rates[AT : AT + row.states]
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_a_law_with_its_amounts_at_zero_is_neutral_to_the_bit_and_leaves_its_states(par, name):
+    for place in HIDDEN[name].laws:
+        added, rates = law(name.removeprefix("hidden_"), par, place)
+        assert not added.any()
+    assert not rates.any()
+
+
+def test_leaks_are_as_large_as_their_table_says_and_leave_the_higher_pressure(par):
+    drop = STATE[P_TP] - STATE[P_TR]
+    assert drop == STATE[P_LP] - STATE[P_LR] == 30e5
+    added, _ = law("internal_leakage", par, test=1e-6, load=2e-6, exponent=0.6)
+    assert added == pytest.approx(np.array([-1, 1, -2, 2, 0, 0, 0]) * 1e-6, rel=0.03)
+    added, _ = law("external_leakage", par, tr=1e-6, exponent=1.3)
+    assert added == pytest.approx(np.array([0, -1, 0, 0, 0, 0, 0]) * 1e-6, rel=0.03)
+
+
+def test_valves_lose_their_lap_and_open_further_one_way(par):
+    added, _ = law("valve_deadband", par, test=0.02, load=0.02)
+    assert added == pytest.approx([-0.02, 0.02, -0.02], abs=1e-3)
+    added, _ = law("valve_asymmetry", par, test=0.05, load=0.05, knee=1e-3)
+    assert added == pytest.approx([0.02, 0.015, 0.1], rel=1e-3)
+    added, _ = law("flow_force", par, share=0.05)
+    assert added == pytest.approx([-0.4 * 0.05 * 120 / 150, 0, 0])
+
+
+def test_lags_follow_and_come_to_rest_where_they_should(par):
+    still = STATE.copy()
+    still[[AT, AT + 2, AT + 4]] = OPENED
+    assert not law("valve_lag", par, state=still, time=3e-3, damping=0.9)[1].any()
+    _, rates = law("valve_lag", par, time=3e-3, damping=0.9)
+    assert rates[1::2] == pytest.approx(np.multiply((1.8 / 3e-3) ** 2, OPENED))
+    _, (rate,) = law("tank_back_pressure", par, "flows", resistance=1e9, lag=0.01)
+    assert rate == pytest.approx(1.1e5 / 0.01)
+
+
+def test_air_makes_the_oil_softer_where_the_pressure_is_lower(par):
+    added, _ = law("entrained_air", par, fraction=0.02, dissolved=60e5)
+    assert added[0] == 0 and (added[1:] < 0).all()
+    assert list(np.argsort(added[1:])) == list(np.argsort(STATE[[P_TP, P_TR, P_LP, P_LR]]))
+
+
+def test_friction_grows_with_pressure_load_and_speed_in_the_direction_of_its_sign(par):
+    more = slice(2, 4)
+    high = STATE.copy()
+    high[[P_TP, P_LP]] += 20e5
+    for name, values in {
+        "seal_pressure_friction": {"test": 50.0, "load": 50.0, "exponent": 0.7},
+        "load_friction": {"test": 0.03, "load": 0.03, "limit": 8e3},
+    }.items():
+        low = law(name, par, **values)[0][more]
+        assert (law(name, par, state=high, **values)[0][more] > low).all() and (low > 0).all()
+    back = STATE.copy()
+    back[V] *= -1
+    uneven = {"test": 0.1, "load": 0.1, "speed": 0.2}
+    out, home = (law("direction_asymmetry", par, state=s, **uneven)[0][more] for s in (STATE, back))
+    assert out == pytest.approx([45.0, 37.5], rel=1e-3) and np.array_equal(out, -home)
+
+
+def test_what_brakes_brakes_and_a_dragged_mass_takes_what_a_rigid_one_does(par):
+    end = STATE.copy()
+    end[X] = par.test.stroke_m - 0.05
+    added, _ = law("end_cushion", par, state=end, damping=1e5, length=0.1)
+    assert added[4] == pytest.approx(1e5 * 0.5 * 0.01)
+    end[V] *= -1  # away from this end
+    assert not law("end_cushion", par, state=end, damping=1e5, length=0.1)[0].any()
+    drag = STATE.copy()
+    drag[AT] = STATE[V] - 1e-3 * 2.0  # the column lags behind 2 m/s^2
+    added, (rate,) = law("added_mass", par, state=drag, test=10.0, load=5.0, time=1e-3)
+    assert rate == pytest.approx(2.0) and added[4:] == pytest.approx([20.0, 10.0])
+
+
+# ---- instruments
+
+
+def test_instruments_err_as_drawn_and_nothing_else_in_the_log_changes(bench):
+    sensors = sensor_parameters(bench.sensors)
+    names = [word.name for word in RECORD]
+    words = np.full((50, len(names)), 20000, np.uint16)
+    words[:, names.index("v")] = np.arange(50) * 100  # 0.2 m/s^2 of 2e-5 m/s
+    hidden = replace(drawn({}, 1), gauge_curvature=0.0)
+
+    def changed(effects, session=0.5):
+        return rewritten(words, replace(hidden, effects=effects), sensors, 100.0, session)
+
+    assert np.array_equal(changed({}), words)
+    newtons = FRACTION * sensors.per_unit[6]
+    force = (20000 / FRACTION - sensors.zero[6]) / sensors.per_unit[6]
+    for effects, more in (
+        ({"load_cell_offset": {"force": 30.0}}, 30.0),
+        ({"load_cell_gain": {"error": 0.02}}, 0.02 * force * (1 + 0.2 * force / 5e3)),
+    ):
+        difference = changed(effects).astype(float) - words
+        assert difference[:, names.index("f_applied")] == pytest.approx(more * newtons, abs=0.51)
+        assert not np.delete(difference, names.index("f_applied"), axis=1).any()
+    slower = changed({"velocity_filter_lag": {"time": 4e-3}}).astype(float) - words
+    assert slower[5:-5, names.index("v")] == pytest.approx(-0.2 * 100, abs=1)
+    shown = astray(
+        sensors, replace(hidden, effects={"pressure_offset": {"p_tr": 5e4}}), np.zeros(7), 0.5
+    )
+    counts = shown.per_unit[2] * 50e5 + shown.zero[2]
+    assert (counts - sensors.zero[2]) / sensors.per_unit[2] == pytest.approx(50e5 + 5.5e4)
+    assert shown.per_unit[3:] == sensors.per_unit[3:] and shown.zero[3:] == sensors.zero[3:]
+
+
+# ---- campaigns, in a process of their own
+
+PLAN = """
+name: blind
+bench: {bench}
+experiments:
+  - kind: steady
+    direction: extend
+    p_lr: 15 bar
+    loads: [2000 N]
+    velocities: [60 mm/s, 120 mm/s]
+    trials: 3
+    order: passes
+    travel: {{start: 60 mm, end: 330 mm}}
+    acceleration: 1 m/s^2
+    hold: 0.2 s
+    window: 1 s
+"""
+
+
+def written(folder, cases):
+    """Return the campaigns of the cases that ``cases`` names, made by the command."""
+    plan = folder / "plan.yaml"
+    plan.write_text(PLAN.format(bench=BENCH))
+    arguments = (folder / "out", "--cases", cases, "--schedule", plan)
+    path = os.pathsep.join([str(ROOT), str(FOLDER.parent), *sys.path])
+    subprocess.run(
+        [sys.executable, "-m", "hidden.generate", *map(str, arguments)],
+        check=True,
+        env=os.environ | {"PYTHONPATH": path},
+    )
+    made = sorted(path for path in (folder / "out").iterdir() if path.is_dir())
+    return {path.name: load_campaign(path) for path in made}
+
+
+@pytest.mark.slow
+def test_the_command_writes_campaigns_that_do_not_tell_what_is_hidden(tmp_path, bench):
+    """A droop shows in the supply of no other campaign, and a seed repeats itself."""
+    made = written(tmp_path, "small")
+    assert set(made) == {case.name for case in small_sample()}
+    sag = {}
+    for name, campaign in made.items():
+        runs = list(campaign.runs())
+        assert len(runs) == 6 and all(run.plan.trial in (1, 2, 3) for run in runs)
+        assert campaign.bench == bench and not campaign.bench.effects
+        text = (tmp_path / "out" / name / "campaign.yaml").read_text()
+        assert "hidden" not in text and "droop" not in text
+        sag[name] = np.mean([bench.supply.pressure - run.p_s_pa[50:].mean() for run in runs])
+    drooping = sag.pop("supply_droop-clear-2")
+    assert drooping > 0.5e5 and max(map(abs, sag.values())) < 0.1e5
+    again = tmp_path / "again"
+    again.mkdir()
+    for name, campaign in written(again, "small").items():
+        for one, other in zip(campaign.raw_runs(), made[name].raw_runs(), strict=True):
+            assert np.array_equal(one.words, other.words)

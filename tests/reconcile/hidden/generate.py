@@ -36,11 +36,14 @@ def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
     """
     os.environ["HBENCH_EFFECTS"] = str(TABLE)  # before hbench's model is imported
     from hbench.experiment.cores import on_all_cores
+    from hbench.workflow import load_experiment
+    from hidden.measure import compile_for
 
     out.mkdir(parents=True, exist_ok=True)
     told = {case.name: asdict(case) | {"truth": asdict(truth(case))} for case in listed}
     (out / "truth.json").write_text(json.dumps(told, indent=1))
     missing = [case for case in listed if not (out / case.name).exists()]
+    compile_for(missing, load_experiment(schedule, None).bench)
     stopped = 0
     for done, (name, why) in enumerate(on_all_cores(partial(_write, schedule, out), missing), 1):
         stopped += bool(why)

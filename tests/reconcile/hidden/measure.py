@@ -50,11 +50,24 @@ def write(case: Case, experiment: Experiment, folder: Path) -> None:
 
     def journal(client: BoardClient) -> CampaignWriter:
         header = campaign_header(
-            case.group, experiment.files, client.identify(), experiment.bench, "sim", _START
+            experiment.schedule.name,
+            experiment.files,
+            client.identify(),
+            experiment.bench,
+            "sim",
+            _START,
         )
         return CampaignWriter.create(folder, header)
 
     _make(case, experiment.plans, experiment.bench, journal)
+
+
+def compile_for(listed: Sequence[Case], bench: Bench) -> None:
+    """Compile the rigs of these cases once, before each process would: a minute or more each."""
+    for hidden in {truth(case).leuven: truth(case) for case in listed}.values():
+        rig = VirtualRig(bench, plant_of(bench, hidden))
+        rig.read(0.0)
+        rig.close()
 
 
 class _Kept:

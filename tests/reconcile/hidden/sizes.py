@@ -24,12 +24,12 @@ _LOST = 0.15 * LITRE_MIN  # at 50 bar
 
 # Effects that the catalogue has, each by its name there.
 KNOWN: dict[str, Size] = {
-    "valve_lag": Size({"time": 3e-3}, shape={"damping": (0.75, 1.1)}),
-    "valve_deadband": Size({"test": 0.06, "load": 0.06}),
+    "valve_lag": Size({"time": 2.3e-3}, shape={"damping": (0.75, 1.1)}),
+    "valve_deadband": Size({"test": 0.08, "load": 0.08}),
     "valve_asymmetry": Size({"test": 0.06, "load": 0.06}, signed=True, shape={"knee": (0.5, 1.0)}),
     "entrained_air": Size({"fraction": 0.017}, shape={"dissolved": (50 * BAR, 80 * BAR)}),
     "tank_back_pressure": Size(
-        {"resistance": 0.07 * BAR / LITRE_MIN}, shape={"lag": (5e-3, 12e-3)}
+        {"resistance": 0.09 * BAR / LITRE_MIN}, shape={"lag": (5e-3, 12e-3)}
     ),
     "supply_droop": Size(
         {"slope": 0.008 * BAR / LITRE_MIN**2}, shape={"lag": (15e-3, 40e-3)}
@@ -51,15 +51,15 @@ KNOWN: dict[str, Size] = {
         {"force": 100.0}, shape={"short": (0.8e-3, 1.5e-3), "long": (3e-3, 5e-3)}
     ),
     "position_friction": Size(
-        {"bump": 50.0, "wave": 25.0},
+        {"bump": 35.0, "wave": 15.0},
         signed=True,
         shape={
             "middle": (0.12, 0.28), "width": (0.05, 0.07),
             "period": (0.35, 0.5), "phase": (0.0, 6.28),
         },
     ),
-    "end_cushion": Size({"damping": 1e5}, shape={"length": (0.09, 0.11)}),
-    "added_mass": Size({"test": 20.0, "load": 20.0}, shape={"time": (3e-3, 5e-3)}),
+    "end_cushion": Size({"damping": 1.7e5}, shape={"length": (0.09, 0.11)}),
+    "added_mass": Size({"test": 20.0, "load": 20.0}, shape={"time": (0.8e-3, 1.2e-3)}),
     "load_cell_gain": Size({"error": 0.02}, signed=True),
     "load_cell_offset": Size({"force": 30.0}, signed=True),
     "pressure_offset": Size(
