@@ -224,10 +224,17 @@ def parse_plant(bench_data: dict[str, Any], plant_data: dict[str, Any], source: 
 
     A whole bench file, which has a name, stands for its physics alone.
     """
+    return validate(Plant, plant_sections(bench_data, plant_data, source), source)
+
+
+def plant_sections(
+    bench_data: dict[str, Any], plant_data: dict[str, Any], source: str
+) -> dict[str, Any]:
+    """Return the mapping that ``parse_plant`` reads. Raises ``ConfigError``."""
     if "name" in plant_data:
         parse_bench(plant_data, source)
-        return validate(Plant, _physics(plant_data), source)
-    return validate(Plant, merge(_physics(bench_data), plant_data), source)
+        return _physics(plant_data)
+    return merge(_physics(bench_data), plant_data)
 
 
 def _physics(bench_data: dict[str, Any]) -> dict[str, Any]:

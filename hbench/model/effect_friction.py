@@ -163,7 +163,7 @@ def end_cushion(
     Away from the end a check valve opens. c: L [m], D [N s/m].
     """
     length, damping = c
-    if length == 0.0:
+    if damping == 0.0:
         return f
     v, position = state[V], state[X] + par.test.offset_m
     distance = par.test.stroke_m - position if v > 0.0 else position

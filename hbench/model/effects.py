@@ -145,7 +145,7 @@ _CATALOGUE: dict[str, Effect] = {
     ),
     "end_cushion": Effect(
         "trapped oil brakes the test piston near the ends of its stroke",
-        {"length": _c("mm", 100, 0, 1e3), "damping": _c("N s/m", 10000, 0, 1e6)},
+        {"length": _c("mm", 0, 1, 1e3, 100), "damping": _c("N s/m", 10000, 0, 1e6)},
         ("force_test",), {"friction": rubbing.end_cushion},
     ),
     "added_mass": Effect(

@@ -46,6 +46,13 @@ BALANCES = tuple(UNITS)
 FLOWS = BALANCES[:4]
 CHAMBERS = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")
 _COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
+_CHANNELS = {
+    **dict.fromkeys(FLOWS, ("p_s_pa", *CHAMBERS, *_COMMANDS)),
+    "force_test": ("p_tp_pa", "p_tr_pa", "f_applied_n"),
+    "force_load": ("p_tp_pa", "p_tr_pa", "f_applied_n", "p_lp_pa", "p_lr_pa"),
+    "kinematics": ("v_m_s",),
+    "supply": ("p_s_pa",),
+}
 
 
 @dataclass(frozen=True)
@@ -137,6 +144,11 @@ def residuals(log: Prepared, known: Model, names: tuple[str, ...] = BALANCES) ->
     step = known.word_steps["p_s"]
     rounding = np.where(np.array(names) == "supply", step / np.sqrt(12), 0.0)
     return windowed(run, names, values, rounding, one, known.par.load)
+
+
+def has_channels(run: Run, name: str) -> bool:
+    """Tell whether a run has all channels of a balance."""
+    return _has(run, *_CHANNELS[name])
 
 
 def _has(run: Run, *names: str) -> bool:

@@ -21,6 +21,7 @@ exchanged. So whole runs change places at random, 999 times; windows of a run st
 from collections import defaultdict
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,6 +46,7 @@ class GapMap:
     v_m_s: np.ndarray  # (w,) signed: its sign is the direction
     load_n: np.ndarray  # (w,)
     point: np.ndarray  # (w,) number of the operating point
+    points: tuple[Hashable, ...]  # their names, see ``point_of``
 
     @property
     def excess(self) -> np.ndarray:
@@ -145,7 +147,11 @@ def _gap(excess: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(1 + np.nanmean(excess, axis=0), 0.0))
 
 
-_Pair = tuple[list[Windowed], np.ndarray, np.ndarray]  # measured trials, r (n, m, c), q (k, m, c)
+class _Pair(NamedTuple):
+    point: Hashable
+    trials: list[Windowed]  # measured
+    r: np.ndarray  # (n, m, c) measured
+    q: np.ndarray  # (k, m, c) simulated
 
 
 def _pairs(measured: Sequence[Windowed], modelled: Sequence[Windowed]) -> list[_Pair]:
@@ -155,7 +161,7 @@ def _pairs(measured: Sequence[Windowed], modelled: Sequence[Windowed]) -> list[_
         if len(trials) < 2 or not others:
             continue
         windows = min(len(one.t_s) for one in (*trials, *others))
-        pairs.append((trials, stacked(trials, windows), stacked(others, windows)))
+        pairs.append(_Pair(point, trials, stacked(trials, windows), stacked(others, windows)))
     if not pairs:
         raise DataError(
             "no operating point has two measured trials and a simulated one to compare with",
@@ -165,35 +171,37 @@ def _pairs(measured: Sequence[Windowed], modelled: Sequence[Windowed]) -> list[_
 
 
 def _map(pairs: Sequence[_Pair]) -> GapMap:
-    variance = np.concatenate([r.var(axis=0, ddof=1) for _, r, _ in pairs])
-    dof = np.concatenate([np.full(r.shape[1], len(r) - 1.0) for _, r, _ in pairs])
-    first = pairs[0][0][0]
+    variance = np.concatenate([pair.r.var(axis=0, ddof=1) for pair in pairs])
+    dof = np.concatenate([np.full(pair.r.shape[1], len(pair.r) - 1.0) for pair in pairs])
+    first = pairs[0].trials[0]
     pooled = np.column_stack([pooled_variance(own, dof) for own in variance.T])
     pooled = pooled + first.resolution**2
-    n = np.concatenate([np.full((r.shape[1], 1), len(r)) for _, r, _ in pairs])
+    n = np.concatenate([np.full((pair.r.shape[1], 1), len(pair.r)) for pair in pairs])
     of_model = [
-        q.var(axis=0, ddof=1) / len(q) if len(q) > 1 else np.zeros(q.shape[1:]) for *_, q in pairs
+        pair.q.var(axis=0, ddof=1) / len(pair.q) if len(pair.q) > 1 else np.zeros(pair.q.shape[1:])
+        for pair in pairs
     ]
 
     def operating(name: str) -> np.ndarray:
         """Mean over the trials of each window's coordinate."""
         return np.concatenate(
             [
-                np.mean([getattr(one, name)[: r.shape[1]] for one in trials], axis=0)
-                for trials, r, _ in pairs
+                np.mean([getattr(one, name)[: pair.r.shape[1]] for one in pair.trials], axis=0)
+                for pair in pairs
             ]
         )
 
     return GapMap(
         names=first.names,
-        difference=np.concatenate([r.mean(axis=0) - q.mean(axis=0) for _, r, q in pairs]),
+        difference=np.concatenate([pair.r.mean(axis=0) - pair.q.mean(axis=0) for pair in pairs]),
         scatter=np.sqrt(pooled),
         noise=pooled / n + np.concatenate(of_model),
         t_s=operating("t_s"),
         x_m=operating("x_m"),
         v_m_s=operating("v_m_s"),
         load_n=operating("load_n"),
-        point=np.repeat(np.arange(len(pairs)), [r.shape[1] for _, r, _ in pairs]),
+        point=np.repeat(np.arange(len(pairs)), [pair.r.shape[1] for pair in pairs]),
+        points=tuple(pair.point for pair in pairs),
     )
 
 
@@ -203,7 +211,7 @@ def _exchange(pairs: Sequence[_Pair], rng: np.random.Generator) -> np.ndarray:
     The sum of d^2 over the variance of all trials, which the exchange does not change.
     """
     observed, exchanged = 0.0, 0.0
-    for _, r, q in pairs:
+    for _, _, r, q in pairs:
         both = np.concatenate([r, q])
         total = both.var(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -44,6 +44,11 @@ SIGNALS = (*_FIELDS, "friction")
 FOLLOWED = tuple(name for name in SIGNALS if name not in _INPUTS)
 
 
+def signal_field(name: str) -> str | None:
+    """Return the field of ``Run`` that holds a signal; None for friction, which is not logged."""
+    return _FIELDS.get(name)
+
+
 def signals(log: Prepared, known: Model) -> Windowed:
     """Return the means of ``SIGNALS`` in SI; friction is 2.12 with the weak acceleration."""
     return _windowed(log, known, SIGNALS, _means(log, known, SIGNALS))

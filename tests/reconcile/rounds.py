@@ -1,11 +1,15 @@
 """Rounds of simulate, refit, compare on the virtual rig, as a workflow would put them together."""
 
+import numpy as np
+
 from hbench.config.bench import Plant
 from hbench.config.scaling import scaled
 from hbench.experiment.closed_loop import record
 from hbench.reconcile.balances import model, prepared, residuals
+from hbench.reconcile.estimates import estimate
 from hbench.reconcile.gap import gaps
-from hbench.reconcile.nuisance import refit
+from hbench.reconcile.linear import Hypothesis, Measured, linearise
+from hbench.reconcile.search import Search
 
 
 def schedule(trials=3, speeds=("20 mm/s", "60 mm/s", "150 mm/s")):
@@ -50,18 +54,28 @@ def without_scatter(plant) -> Plant:
     return scaled(plant, {f"friction.{side}.scatter": 0.0 for side in ("test", "load")})
 
 
-def reconciled(measured, bench, plan, rounds, seed=100):
-    """Return the last refit, and the gaps before the first and after each round."""
-    plant, factors, history, fit = plant_of(bench), {}, [], None
-    for number in range(rounds + 1):
-        modelled = record(bench, plan, plant, seed=seed + number).runs
-        history.append(compare(measured, modelled, bench, plant)[0])
-        if number < rounds:
-            expected = record(bench, plan, without_scatter(plant), seed=seed + 1000 + number).runs
-            fit = refit(measured, expected, bench, plant_of(bench), factors)
-            factors = {path: one.value for path, one in fit.factors.items()}
-            plant = fit.plant
-    return fit, history
+def simulator(bench, plan, seed):
+    """Return what makes the runs of a schedule with hypotheses of the bench's plant."""
+
+    def simulate(hypotheses, trials):
+        plants = [without_scatter(one.plant(plant_of(bench))) for one in hypotheses]
+        return [record(bench, plan, plant, seed=seed).runs for plant in plants]
+
+    return simulate
+
+
+def reconciled(measured, bench, plan, seed=100):
+    """Return the refitted model, and the gaps before and after."""
+    simulate, plant = simulator(bench, plan, seed), plant_of(bench)
+    before = compare(measured, record(bench, plan, plant, seed=seed).runs, bench, plant)[0]
+    own = Measured(bench, plant, tuple(prepared(run) for run in measured))
+    (runs,) = simulate([Hypothesis()], 3)
+    given = linearise(own, Hypothesis(), runs, {})
+    train = np.arange(len(given.lacking.points))
+    here = Search(own, simulate, 3, {}, train, ()).settled(given, ())
+    refitted = here.hypothesis.plant(plant)
+    after = compare(measured, record(bench, plan, refitted, seed=seed + 1).runs, bench, refitted)[0]
+    return estimate(plant, here, (), train).factors(), before, after
 
 
 def table(title, ranked):

@@ -16,7 +16,8 @@ def made_up(lacking):
     difference = np.sqrt(noise) * rng.standard_normal((4000, 2))
     difference[:, 0] += lacking(v, load, x, t)
     at = np.zeros(4000, dtype=int)
-    return GapMap(("own", "other"), difference, np.ones((4000, 2)), noise, t, x, v, load, at)
+    size = np.ones((4000, 2))
+    return GapMap(("own", "other"), difference, size, noise, t, x, v, load, at, ("only",))
 
 
 def of(axis, found):

@@ -1,0 +1,285 @@
+"""From measured runs and a model to a diagnosis: refit, search, verdict, and what shows it."""
+
+from collections import Counter
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hbench.config.bench import Bench, Plant
+from hbench.errors import DataError
+from hbench.model.effects import EFFECTS
+from hbench.reconcile.balances import BALANCES, has_channels, prepared, residuals
+from hbench.reconcile.estimates import Estimates, estimate
+from hbench.reconcile.gap import GapMap, gaps, point_of
+from hbench.reconcile.gap_tables import Stages
+from hbench.reconcile.linear import (
+    Coefficient,
+    Column,
+    Hypothesis,
+    Linear,
+    Measured,
+    Simulate,
+    linearise,
+    windows_of,
+)
+from hbench.reconcile.overlays import overlays
+from hbench.reconcile.regions import regions
+from hbench.reconcile.revised import revised
+from hbench.reconcile.search import Found, Search
+from hbench.reconcile.signatures import signatures
+from hbench.reconcile.verdict import judge, rest, what_is_missing
+from hbench.records import (
+    AddedEffect,
+    BeforeAfter,
+    Diagnosis,
+    Gap,
+    GapTable,
+    Provenance,
+    ResidualMap,
+    Rival,
+    Run,
+)
+
+HELD_OUT = 5  # every fifth operating point takes no part in any choice
+_FIRST_HELD_OUT = 2
+_DRAWS = 3  # of the parameters' uncertainty, for the floor
+_MOST_TRIALS = 3  # that a simulation makes
+_FEWEST = 8  # operating points: fewer name nothing
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be reconciled."""
+
+    provenance: Provenance
+    bench: Bench
+    model: str  # file name
+    plant: Plant  # of the model
+    plant_data: Mapping[str, Any]  # its sections, as its file has them
+    runs: tuple[Run, ...]
+    simulate: Simulate
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What does not depend on the measurement: simulations of the model that was given."""
+
+    runs: tuple[Run, ...]
+    signatures: Mapping[Coefficient, Column]
+
+
+def before_measuring(task: Task, names: Sequence[str]) -> Prior:
+    """Simulate the model that was given, and with each of the effects ``names``.
+
+    Raises ``DataError`` where the board stops with the model as it is.
+    """
+    (runs,) = task.simulate([Hypothesis()], _trials(task.runs))
+    if runs is None:
+        raise DataError(
+            f"{task.model}: the simulated board stops before the campaign's runs are made",
+            "Try the model by `hbench run --port sim --plant`.",
+        )
+    measured = Measured(task.bench, task.plant, ())
+    return Prior(runs, signatures(names, task.simulate, measured.known(Hypothesis()), runs))
+
+
+def search(task: Task, prior: Prior, names: Sequence[str]) -> tuple[Linear, Found, np.ndarray]:
+    """Return the model that was given, what the search found, and the points held out.
+
+    Raises ``DataError`` where no operating point has two trials.
+    """
+    logs = tuple(prepared(run) for run in task.runs)
+    measured = Measured(task.bench, task.plant, logs)
+    given = linearise(measured, Hypothesis(), prior.runs, prior.signatures)
+    points = np.arange(len(given.lacking.points))
+    out = points % HELD_OUT == _FIRST_HELD_OUT
+    looked = Search(
+        measured, task.simulate, _trials(task.runs), prior.signatures, points[~out], tuple(names)
+    )
+    return given, looked.run(given), points[out]
+
+
+def diagnose(task: Task) -> Diagnosis:
+    """Find where model and measurement disagree and why; see ``Diagnosis``.
+
+    Data that is too little for a search gets a diagnosis that says what it lacks.
+    """
+    usable, left_out = _usable(task.runs)
+    missing = what_is_missing([run.plan for run in usable])
+    trials = Counter(point_of(run.plan) for run in usable)
+    repeated = {point for point, count in trials.items() if count > 1}
+    if len(repeated) < _FEWEST:
+        few = f"operating points with two trials or more: {len(repeated)}, of {_FEWEST} at least"
+        return too_little(task, (few, *missing), left_out)
+    task = replace(task, runs=tuple(run for run in usable if point_of(run.plan) in repeated))
+    names, not_tried = _told(task.runs)
+    prior = before_measuring(task, names)
+    seen = {name for name, _ in prior.signatures}
+    stopped = "the simulated board stops with it, even with a quarter of its typical size"
+    not_tried |= {name: stopped for name in names if name not in seen}
+    given, found, out = search(task, prior, names)
+    return _assembled(task, given, found, out, not_tried, missing, left_out)
+
+
+def _assembled(
+    task: Task,
+    given: Linear,
+    found: Found,
+    out: np.ndarray,
+    not_tried: Mapping[str, str],
+    missing: tuple[str, ...],
+    left_out: tuple[str, ...],
+) -> Diagnosis:
+    measured = Measured(task.bench, task.plant, tuple(prepared(run) for run in task.runs))
+    refitted, final = found.refitted, found.final
+    points = final.lacking.points
+    held = frozenset(points[i] for i in out)
+    train = np.setdiff1d(np.arange(len(points)), out)
+    best = estimate(task.plant, final, found.names, train)
+    drawn = task.simulate(best.draws(_DRAWS), _trials(task.runs))
+    stages = Stages(
+        measured.logs,
+        tuple((one.runs, measured.known(one.hypothesis)) for one in (given, refitted, final)),
+        [runs for runs in drawn if runs is not None],
+    )
+    left = rest(_ranked(measured, final))
+    verdict, why = judge(found, left)
+    return Diagnosis(
+        provenance=task.provenance,
+        model=task.model,
+        verdict=verdict,
+        why=why,
+        where=_ranked(measured, refitted),
+        regions=regions(refitted.lacking),
+        effects=_added(found, best, out),
+        alternatives=found.steps[-1].close,
+        rest=left,
+        next_experiment=None,
+        next_schedule=None,
+        gap_heldout=stages.table(held, open_loop=True),
+        gap_train=stages.table(frozenset(points) - held, open_loop=False),
+        ranking=tuple(one.found for one in found.steps[0].tried),
+        threshold=found.steps[0].threshold,
+        refitted=best.factors(),
+        residuals_before=_map(refitted, held),
+        residuals_after=_map(final, held),
+        overlays=overlays(task.runs, refitted.runs, final.runs, measured.known(Hypothesis()), held),
+        heldout_runs=tuple(run.plan.run for run in task.runs if point_of(run.plan) in held),
+        not_tried=dict(not_tried),
+        missing=missing,
+        left_out=left_out,
+        revised=revised(task.plant_data, best.factors(), best.hypothesis(best.beta)),
+    )
+
+
+def _trials(runs: Sequence[Run]) -> int:
+    return min(_MOST_TRIALS, max(Counter(point_of(run.plan) for run in runs).values()))
+
+
+def _usable(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
+    """Return whole runs, and why the others take no part."""
+    usable, left_out = [], []
+    for run in runs:
+        why = run.aborted or run.truncated
+        if not why and run.missing_records:
+            why = f"{run.missing_records} records are missing inside the log"
+        if not why and run.plan.motion is None:
+            why = "its motion is not known, so no simulation can make it"
+        if why:
+            left_out.append(f"run {run.plan.run}: {why}")
+        else:
+            usable.append(run)
+    return tuple(usable), tuple(left_out)
+
+
+def _told(runs: Sequence[Run]) -> tuple[tuple[str, ...], dict[str, str]]:
+    """Return the effects that these channels can tell, and why not the others."""
+    told, not_tried = [], {}
+    for name, row in EFFECTS.items():
+        without = [one for one in row.balances if not any(has_channels(run, one) for run in runs)]
+        if len(without) == len(row.balances):
+            not_tried[name] = f"no run has the channels of {', '.join(without)}"
+        else:
+            told.append(name)
+    return tuple(told), not_tried
+
+
+def _ranked(measured: Measured, model: Linear) -> tuple[Gap, ...]:
+    known = measured.known(model.hypothesis)
+    own = [residuals(log, known) for log in measured.logs]
+    return gaps(own, windows_of(model.runs, known))[0]
+
+
+def _map(model: Linear, held: frozenset[Hashable]) -> ResidualMap:
+    found = model.lacking
+    with np.errstate(divide="ignore", invalid="ignore"):
+        value = found.difference / found.scatter
+    out = np.array([point in held for point in found.points])
+    return ResidualMap(
+        found.names, value, found.v_m_s, found.load_n, found.x_m, found.t_s, out[found.point]
+    )
+
+
+def _added(found: Found, best: Estimates, out: np.ndarray) -> tuple[AddedEffect, ...]:
+    effects = []
+    for step in found.steps:
+        if step.taken is None:
+            continue
+        row = EFFECTS[step.taken]
+        first, *others = (one.found for one in step.tried)
+        rival = Rival(others[0].name, first.score - others[0].score) if others else None
+        effects.append(
+            AddedEffect(
+                name=step.taken,
+                says=row.says,
+                parameters=best.coefficients(step.taken),
+                of_sensor=row.of_sensor,
+                gap_before=touched_gap(step.before.lacking, row.balances, out),
+                gap_after=touched_gap(found.final.lacking, row.balances, out),
+                score=first.score,
+                runner_up=rival,
+            )
+        )
+    return tuple(effects)
+
+
+def touched_gap(found: GapMap, balances: Sequence[str], points: np.ndarray) -> float:
+    """Return the gap over some balances and operating points."""
+    own = found.excess[np.isin(found.point, points)][:, np.isin(found.names, balances)]
+    return float(np.sqrt(max(1 + np.nanmean(own), 0.0)))
+
+
+def too_little(task: Task, missing: tuple[str, ...], left_out: tuple[str, ...]) -> Diagnosis:
+    """Return the diagnosis of data that no effect can be named from."""
+    nothing = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
+    no_map = ResidualMap(
+        BALANCES, np.zeros((0, len(BALANCES))), *[np.zeros(0)] * 4, np.zeros(0, bool)
+    )
+    return Diagnosis(
+        provenance=task.provenance,
+        model=task.model,
+        verdict="unknown",
+        why="These runs are too few to tell an effect from the trials' scatter.",
+        where=(),
+        regions=(),
+        effects=(),
+        alternatives=(),
+        rest=(),
+        next_experiment=f"Measure {missing[0]}; configs/discriminate.yaml has all that is needed.",
+        next_schedule=None,
+        gap_heldout=nothing,
+        gap_train=nothing,
+        ranking=(),
+        threshold=float("nan"),
+        refitted={},
+        residuals_before=no_map,
+        residuals_after=no_map,
+        overlays=(),
+        heldout_runs=(),
+        not_tried=dict.fromkeys(EFFECTS, "too few runs"),
+        missing=missing,
+        left_out=left_out,
+        revised=dict(task.plant_data),
+    )

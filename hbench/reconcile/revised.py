@@ -1,0 +1,35 @@
+"""The revised model as the sections of a plant file."""
+
+import re
+from collections.abc import Mapping
+from copy import deepcopy
+from typing import Any
+
+from hbench.reconcile.linear import Hypothesis
+from hbench.records import FitParameter
+
+_NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
+
+
+def revised(
+    sections: Mapping[str, Any], factors: Mapping[str, FitParameter], hypothesis: Hypothesis
+) -> dict[str, Any]:
+    """Return a plant's sections with values multiplied by their factors, and with effects."""
+    found = deepcopy(dict(sections))
+    for path, factor in factors.items():
+        *above, last = path.split(".")
+        section = found
+        for name in above:
+            section = section[name]
+        section[last] = _times(section[last], factor.value)
+    if hypothesis.effects:
+        found["effects"] = {**found.get("effects", {}), **hypothesis.section()}
+    return found
+
+
+def _times(quantity: str | float, factor: float) -> str | float:
+    """Multiply what a file has: a number, or one with its unit."""
+    if not isinstance(quantity, str):
+        return float(f"{quantity * factor:.6g}")
+    number, unit = _NUMBER.match(quantity).groups()
+    return f"{float(number) * factor:.6g}{unit}"

@@ -1,0 +1,128 @@
+"""The blind benchmark of reconcile: what it says of campaigns with hidden effects.
+
+    cd tests/reconcile && python -m hidden.generate OUT --cases all && python blind.py OUT
+
+prints each campaign's verdict and the confusion table. The model is ``configs/model-aau.yaml``;
+campaigns come from ``hidden``, whose laws and plants are others. Campaigns share the simulations
+of the model as it is given: it is the same for all.
+"""
+
+import json
+import sys
+import time
+from dataclasses import asdict, dataclass
+from functools import cache, partial
+from pathlib import Path
+
+from hbench.analysis.calibrate import calibrate
+from hbench.config.bench import parse_plant
+from hbench.config.loading import read_yaml
+from hbench.experiment.cores import on_all_cores
+from hbench.model.effects import EFFECTS
+from hbench.reconcile.diagnose import Task, _ranked, before_measuring, search, touched_gap
+from hbench.reconcile.verdict import judge, rest
+from hbench.store.campaign import load_campaign
+from hbench.workflow.modelled import simulator
+
+MODEL = Path(__file__).parents[2] / "configs" / "model-aau.yaml"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What reconcile said of one campaign."""
+
+    name: str
+    verdict: str
+    named: tuple[str, ...]
+    close: tuple[str, ...]  # the ambiguous set
+    rest: tuple[str, ...]  # balances that still lack something
+    first: tuple[str, float, float, float]  # best candidate: name, score, explained, size
+    threshold: float
+    before: float  # gaps of held-out points in the balances that the first effect touches
+    after: float
+    seconds: float  # of CPU
+
+
+def outcome(folder: Path, prior=None) -> Outcome:
+    """Reconcile one campaign, in this process alone."""
+    started = time.process_time()
+    task = task_of(folder)
+    names = tuple(EFFECTS)
+    given, found, out = search(task, prior or before_measuring(task, names), names)
+    from hbench.reconcile.balances import prepared
+    from hbench.reconcile.linear import Measured
+
+    own = Measured(task.bench, task.plant, tuple(prepared(run) for run in task.runs))
+    left = rest(_ranked(own, found.final))
+    verdict, _ = judge(found, left)
+    best = found.steps[0].tried[0].found
+    touched = EFFECTS[best.name].balances
+    return Outcome(
+        name=folder.name,
+        verdict=verdict,
+        named=found.names,
+        close=tuple(one.name for one in found.steps[-1].close),
+        rest=tuple(one.name for one in left),
+        first=(best.name, best.score, best.explained, best.size),
+        threshold=found.steps[0].threshold,
+        before=touched_gap(found.refitted.lacking, touched, out),
+        after=touched_gap(found.final.lacking, touched, out),
+        seconds=time.process_time() - started,
+    )
+
+
+def task_of(folder: Path) -> Task:
+    campaign = load_campaign(folder)
+    bench = campaign.bench()
+    content = campaign.header["bench"]["content"]
+    plant = parse_plant(content, read_yaml(MODEL), MODEL.name)
+    runs = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())
+    one_by_one = simulator(bench, plant, campaign.plans, spread=map)
+    return Task(campaign.provenance(), bench, MODEL.name, plant, {}, runs, one_by_one)
+
+
+@cache
+def _prior(folder: Path):
+    """Return the simulations of the model, which are the same for all campaigns of a plan."""
+    return before_measuring(task_of(folder), tuple(EFFECTS))
+
+
+def _one(first: Path, folder: Path) -> Outcome:
+    return outcome(folder, _prior(first))
+
+
+def outcomes(folder: Path) -> list[Outcome]:
+    """Reconcile every campaign of a folder, on all cores; what is known already stays."""
+    known = folder / "outcomes.jsonl"
+    done = {}
+    if known.exists():
+        rows = (json.loads(line) for line in known.read_text().splitlines())
+        done = {row["name"]: Outcome(**row) for row in rows}
+    campaigns = sorted(one.parent for one in folder.glob("*/campaign.yaml"))
+    left = [one for one in campaigns if one.name not in done]
+    for one in on_all_cores(partial(_one, campaigns[0]), left) if left else ():
+        done[one.name] = one
+        with known.open("a") as file:
+            file.write(json.dumps(asdict(one)) + "\n")
+        print(row(one), flush=True)
+    return [done[one.name] for one in campaigns if one.name in done]
+
+
+def row(one: Outcome) -> str:
+    """Return a line of the listing."""
+    name, score, share, size = one.first
+    said = "+".join(one.named) or "|".join(one.close) or "-"
+    return (
+        f"{one.name:44} {one.verdict:9} {said:40} best {name:22} {score:7.1f}/{one.threshold:5.1f} "
+        f"{share:5.0%} {size:5.2f}  {one.before:6.2f} -> {one.after:5.2f}  "
+        f"rest {','.join(one.rest) or '-'}  {one.seconds:.0f} s"
+    )
+
+
+if __name__ == "__main__":
+    where = Path(sys.argv[1])
+    truth = json.loads((where / "truth.json").read_text())
+    found = outcomes(where)
+    print()
+    for one in found:
+        print(row(one))
