@@ -107,8 +107,8 @@ class _Rewriting:
     def __init__(self, journal: Any, rig: "_Rig"):
         self._journal, self._rig = journal, rig
 
-    def start_run(self, plan: RunPlan, at: datetime) -> None:
-        self._journal.start_run(plan, at)
+    def start_run(self, plan: RunPlan, at: datetime, after: str) -> None:
+        self._journal.start_run(plan, at, after)
 
     def finish_run(
         self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
