@@ -65,6 +65,8 @@ def test_the_cases_are_those_that_the_benchmark_needs():
     assert len(outside) >= 24 and len({name for c in outside for name in c.effects}) >= 6
     assert not set(OUTSIDE) & set(EFFECTS)
     assert {case.group for case in small_sample()} == {"single", "none", "pair", "outside"}
+    assert not any(truth(case).leuven for case in small_sample())
+    assert 0.2 < np.mean([truth(case).leuven for case in listed]) < 0.4
 
 
 def test_sizes_follow_the_severity_and_the_seed_alone():
