@@ -31,6 +31,8 @@ from hidden.instruments import astray, rewritten
 from hidden.laws.table import EFFECTS
 
 _CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
+_SIDES = ("test", "load")
+_RIGID = 0.7  # of an added mass; the rest is a column of oil
 _START = datetime(2026, 1, 1, tzinfo=UTC)
 
 
@@ -175,10 +177,17 @@ def plant_of(bench: Bench, hidden: Drawn) -> Plant:
     """Return the hidden plant."""
     plant = Plant.model_construct(**{key: getattr(bench, key) for key in Plant.model_fields})
     plant = scaled(plant, hidden.factors | {"sensors.adc.noise": hidden.noise})
+    added = hidden.effects.get("added_mass", {"test": 0.0, "load": 0.0})
+    masses = {side: getattr(plant.moving_mass, side) + _RIGID * added[side] for side in _SIDES}
     pair = plant.friction
-    sides = {side: _friction(getattr(pair, side), hidden) for side in ("test", "load")}
     return plant.model_copy(
-        update={"friction": pair.model_copy(update=sides), "effects": _rows(hidden)}
+        update={
+            "moving_mass": plant.moving_mass.model_copy(update=masses),
+            "friction": pair.model_copy(
+                update={side: _friction(getattr(pair, side), hidden) for side in _SIDES}
+            ),
+            "effects": _rows(hidden),
+        }
     )
 
 
@@ -214,5 +223,7 @@ def _rows(hidden: Drawn) -> dict[str, dict[str, str]]:
         row = EFFECTS.get(f"hidden_{name}")  # without a law: instruments.py
         if row is not None:
             units = {key: one.unit for key, one in row.coefficients.items()}
+            if name == "added_mass":
+                values = values | {side: (1 - _RIGID) * values[side] for side in _SIDES}
             section[f"hidden_{name}"] = {key: f"{v!r} {units[key]}" for key, v in values.items()}
     return section

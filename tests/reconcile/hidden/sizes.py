@@ -46,9 +46,9 @@ KNOWN: dict[str, Size] = {
     "direction_asymmetry": Size(
         {"test": 0.085, "load": 0.085}, signed=True, shape={"speed": (0.2, 0.4)}
     ),
-    "friction_lag": Size({"time": 60e-3}, shape={"speed": (3e-3, 8e-3)}),
+    "friction_lag": Size({"time": 85e-3}, shape={"speed": (3e-3, 8e-3)}),
     "presliding": Size(
-        {"force": 100.0}, shape={"short": (0.8e-3, 1.5e-3), "long": (3e-3, 5e-3)}
+        {"force": 140.0}, shape={"short": (0.8e-3, 1.5e-3), "long": (3e-3, 5e-3)}
     ),
     "position_friction": Size(
         {"bump": 35.0, "wave": 15.0},
