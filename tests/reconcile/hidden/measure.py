@@ -79,7 +79,7 @@ class _Kept:
         self.runs: list[Run] = []
         self._bench = bench
 
-    def start_run(self, plan: RunPlan, at: datetime) -> None:
+    def start_run(self, *told: Any) -> None:
         pass
 
     def finish_run(
