@@ -29,6 +29,7 @@ from hbench.records import Curve, Motions, Results, Run, ScreenedRun
 from hbench.report.motion_tables import motion_tables
 from hbench.report.tables import TABLES
 from hbench.store.campaign import Campaign, load_campaign, write_results
+from hbench.store.diagnoses import diagnoses
 
 _SHARED_STROKES = (
     "the points of a ramp's curve share their strokes, while the intervals of its fitted "
@@ -44,17 +45,34 @@ def analyze(folder: Path, fit_file: Path | None = None) -> Results:
     return results
 
 
-def report(folder: Path, fit_file: Path | None = None) -> Results:
-    """Analyze a campaign and write tables, figures and the page to ``results/``."""
+def report(
+    folder: Path,
+    fit_file: Path | None = None,
+    *,
+    form: str = "html",
+    speed_m_s: float | None = None,
+) -> Results:
+    """Analyze a campaign and write tables, figures and ``report.`` ``form`` to ``results/``.
+
+    ``form`` is html, md or pdf. ``speed_m_s`` is the speed at which the summary states friction; by
+    default the middle one of those measured.
+    """
     from hbench.report.campaign_figures import draw_all  # matplotlib; only who reports waits
+    from hbench.report.document import page
     from hbench.report.figures import figure_files
-    from hbench.report.page import page_html
+    from hbench.report.markdown import markdown
+    from hbench.report.page import report_document
+    from hbench.report.pdf import pdf
+    from hbench.report.reconciled import reconciled_section
 
     results = derive(load_campaign(folder), _fitting(fit_file))
     drawings = draw_all(results)
-    figures = figure_files(drawings)
-    page = {"report.html": page_html(results, drawings).encode()}
-    write_results(folder, _tables(results) | figures | page)
+    reconciled = tuple(reconciled_section(*found) for found in diagnoses(folder))
+    document = report_document(results, drawings, speed_m_s, reconciled)
+    render = {"html": page, "md": markdown, "pdf": pdf}[form]
+    made = render(document)
+    text = {f"report.{form}": made if isinstance(made, bytes) else made.encode()}
+    write_results(folder, _tables(results) | figure_files(drawings) | text)
     return results
 
 

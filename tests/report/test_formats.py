@@ -1,0 +1,173 @@
+"""The report as Markdown and as PDF, and what reconcile left in a campaign's folder."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from hbench import workflow
+from hbench.cli.main import app
+from hbench.errors import ConfigError
+from hbench.records import WordTable
+from hbench.report.campaign_figures import draw_all
+from hbench.report.document import Document, Section, page
+from hbench.report.markdown import markdown
+from hbench.report.page import report_document
+from hbench.report.pdf import pdf, sheets
+from hbench.report.reconciled import reconciled_section
+from hbench.store.diagnoses import diagnoses
+
+SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
+
+
+@pytest.fixture(scope="module")
+def drawings(small):
+    return draw_all(small)
+
+
+@pytest.fixture(scope="module")
+def made(small, drawings):
+    return report_document(small, drawings)
+
+
+@pytest.fixture
+def campaign(tmp_path):
+    return Path(shutil.copytree(SAMPLE, tmp_path / "bad"))
+
+
+def test_markdown_has_every_section_table_and_figure(made, drawings):
+    text = markdown(made)
+    heads = re.findall(r"^## (.+)$", text, re.MULTILINE)
+    assert heads == [section.title for section in made.sections]
+    for one in drawings:
+        assert f"](figures/{one.name}.svg)" in text and f"[Data](figures/{one.name}.csv)" in text
+    assert "| extending | 500 |" in text and "(extrapolated)" in text
+
+
+@pytest.mark.parametrize(
+    "evil",
+    ["<script>alert(1)</script>", "[a](javascript:alert(1))", "| a | b |", "# head", "1. item",
+     "- item", "`code`", "![x](http://evil)", "a\n\n# b"],
+)  # fmt: skip
+def test_no_text_of_a_stranger_is_markup_in_markdown(evil):
+    section = Section(evil, (evil,), (evil,), tables=(WordTable(evil, (evil,), ((evil,),)),))
+    text = markdown(Document(evil, evil, (section,)))
+    assert not re.search(r"(?<!\\)(<script|\[a\]|!\[)", text)
+    lines = [line for line in text.splitlines() if line]
+    assert sum(line.startswith("#") for line in lines) == 2  # the title's and the section's
+    assert all(len(re.findall(r"(?<!\\)\|", line)) in (0, 2) for line in lines)
+    assert not any(re.match(r"(1\.|- item|`) ", line) for line in lines)
+
+
+def test_a_pdf_has_its_pages_and_is_the_same_twice(made):
+    first = pdf(made)
+    assert first.startswith(b"%PDF")
+    pages = len(re.findall(rb"/Type /Page\b", first))
+    assert pages == len(sheets(made)) >= 3
+    assert first == pdf(made)
+
+
+def test_nothing_on_a_sheet_lies_beyond_its_edges(made):
+    for sheet in sheets(made):
+        renderer = sheet.canvas.get_renderer()
+        for text in sheet.texts:
+            box = text.get_window_extent(renderer)
+            assert 0 <= box.x0 and box.x1 <= sheet.bbox.width, text.get_text()
+            assert 0 <= box.y0 and box.y1 <= sheet.bbox.height
+        for axes in sheet.axes:
+            assert 0 <= axes.get_position().y0 and axes.get_position().y1 <= 1
+
+
+@pytest.mark.parametrize("form", ["html", "md", "pdf"])
+def test_the_command_writes_the_form_that_was_asked_for(campaign, form):
+    done = CliRunner().invoke(app, ["report", str(campaign), "--format", form])
+    assert done.exit_code == 0 and f"report.{form}" in done.stderr
+    written = {path.name for path in (campaign / "results").glob("report.*")}
+    assert written == {f"report.{form}"}
+
+
+def test_a_working_speed_is_read_with_its_unit_and_used(campaign):
+    done = CliRunner().invoke(app, ["report", str(campaign), "--speed", "0.1 m/s"])
+    assert done.exit_code == 0
+    assert "friction at 100 mm/s" in (campaign / "results" / "report.html").read_text()
+    for wrong in ("100", "1 bar", "0 mm/s", "-5 mm/s"):
+        done = CliRunner().invoke(app, ["report", str(campaign), "--speed", wrong])
+        assert isinstance(done.exception, ConfigError) and "--speed" in done.exception.message
+
+
+DIAGNOSIS = {
+    "schema": "hbench.diagnosis/1",
+    "verdict": "named",
+    "why": "because <b>",
+    "effects": [
+        {
+            "name": "internal_leakage",
+            "parameters": {
+                "test": {"value": 0.0058, "ci95": [0.0056, 0.0061], "unit": "l/min/bar"}
+            },
+            "gap_before": 12.3,
+            "gap_after": 1.1,
+        }
+    ],
+    "gap": {
+        "heldout": {
+            "before": 9.8,
+            "after": 1.2,
+            "floor": 1.0,
+            "signals": {"v": {"before": 4.5, "after": 1.05, "floor": 1.0}},
+        }
+    },
+    "next_experiment": None,
+}  # fmt: skip
+
+
+def test_a_diagnosis_in_the_campaigns_folder_is_told_before_and_after(campaign):
+    (campaign / "model").mkdir()
+    (campaign / "model" / "diagnosis.json").write_text(json.dumps(DIAGNOSIS))
+    workflow.report(campaign)
+    text = (campaign / "results" / "report.html").read_text()
+    assert "Model against measurement (model)" in text and "because &lt;b&gt;" in text
+    assert "test = 0.00580 l/min/bar (95 %: 0.00560 to 0.00610)" in text
+    assert "its gap goes from 12.30 to 1.10" in text
+    assert '<td class="n">4.50</td><td class="n">1.05</td><td class="n">1.00</td>' in text
+
+
+def test_without_a_diagnosis_there_is_no_such_section(campaign):
+    workflow.report(campaign)
+    assert "Model against" not in (campaign / "results" / "report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{", "null", '{"schema": "other"}', "[" * 100_000, "\udcff", '{"a": NaN}'],
+)
+def test_a_diagnosis_that_can_not_be_read_is_said_so(campaign, text):
+    (campaign / "model").mkdir()
+    (campaign / "model" / "diagnosis.json").write_bytes(text.encode(errors="surrogateescape"))
+    ((name, reason),) = diagnoses(campaign)
+    assert name == "model" and isinstance(reason, str)
+    assert "can't be read" in reconciled_section(name, reason).paragraphs[0]
+
+
+@pytest.mark.parametrize(
+    "wrong", [None, 3, "x", [], [[]], {"a": 1}, [1], True, float("inf"), 10**400]
+)
+def test_parts_of_another_form_than_they_should_have_are_left_out(wrong):
+    for key in ("effects", "gap", "verdict", "why", "next_experiment"):
+        section = reconciled_section("m", DIAGNOSIS | {key: wrong})
+        assert page(Document("t", "", (section,)))
+    effect = DIAGNOSIS["effects"][0] | {"parameters": {"p": wrong}, "gap_before": wrong}
+    held = {"signals": {"v": wrong}, "before": wrong, "balances": wrong}
+    content = DIAGNOSIS | {"effects": [effect], "gap": {"heldout": held}}
+    assert page(Document("t", "", (reconciled_section("m", content),)))
+
+
+def test_a_link_out_of_the_campaign_is_not_followed(campaign, tmp_path):
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    (outside / "diagnosis.json").write_text(json.dumps(DIAGNOSIS))
+    (campaign / "link").symlink_to(outside)
+    assert diagnoses(campaign) == []

@@ -1,0 +1,149 @@
+"""Pages in a real browser: no errors, no overflow, links that work, points that tell, print."""
+
+import re
+from urllib.parse import unquote_to_bytes
+
+import numpy as np
+import pytest
+from browser import Browser
+from made_diagnosis import named
+
+from hbench.records import Line, Panel, Phenomenon, WordTable
+from hbench.report.campaign_figures import draw_all
+from hbench.report.diagnosis_page import diagnosis_page
+from hbench.report.draw_diagnosis import draw_diagnosis
+from hbench.report.draw_phenomena import draw_phenomenon
+from hbench.report.page import page_html
+from hbench.report.phenomenon_page import phenomenon_page
+
+PAGES = ("campaign", "seals", "diagnosis", "phenomenon")
+WIDTHS = (360, 768, 1440)
+LONG = "W" * 300
+
+
+@pytest.fixture(scope="module")
+def browser(require_tool, tmp_path_factory):
+    opened = Browser(require_tool("chromium"), tmp_path_factory.mktemp("profile"))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="module")
+def drawings(small):
+    return draw_all(small)
+
+
+@pytest.fixture(scope="module")
+def pages(small, seals, drawings, tmp_path_factory):
+    """A campaign, one over pressure, a diagnosis, and a page of words too long for any line."""
+    x = np.array([1.0, 2.0, 3.0])
+    panel = Panel("a", "Force", "Speed (mm/s)", "Force (N)", (Line("l", x, x, points=True),))
+    words = WordTable(LONG, (LONG, "b"), ((LONG, "1"),))
+    phenomenon = Phenomenon("long", LONG, (LONG,), (panel,), (), (words,))
+    found = named()
+    texts = {
+        "campaign": page_html(small, drawings),
+        "seals": page_html(seals, draw_all(seals)),
+        "diagnosis": diagnosis_page(found, draw_diagnosis(found)),
+        "phenomenon": phenomenon_page(phenomenon, draw_phenomenon(phenomenon)),
+    }
+    folder = tmp_path_factory.mktemp("pages")
+    for name, text in texts.items():
+        (folder / f"{name}.html").write_text(text)
+    return {name: folder / f"{name}.html" for name in texts}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_fits_every_width_without_an_error_on_the_console(browser, pages, name):
+    browser.open(pages[name])
+    browser.run("for (const one of document.querySelectorAll('details')) one.open = true")
+    for width in WIDTHS:
+        browser.width(width)
+        wide = browser.run("document.documentElement.scrollWidth")
+        assert wide <= width, f"{wide} px on a screen of {width}"
+    assert browser.errors == []
+
+
+def test_an_error_on_the_console_and_an_overflow_would_be_seen(browser, pages):
+    browser.open(pages["campaign"])
+    browser.run("document.querySelector('h1').style.width = '2000px'")
+    assert browser.run("document.documentElement.scrollWidth") >= 2000
+    browser.run("const one = document.createElement('script'); one.textContent = '1';"
+                "document.body.append(one)")  # fmt: skip
+    browser.run("console.error('seen')")
+    assert "Content Security Policy" in browser.errors[0] and "seen" in browser.errors[-1]
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_links_lead_to_an_element_or_hold_the_figures_data(browser, pages, name):
+    browser.open(pages[name])
+    lost = "[...document.links].map(a => a.getAttribute('href')).filter(h => h[0] == '#' && "
+    assert browser.run(lost + "!document.getElementById(decodeURIComponent(h.slice(1))))") == []
+    others = "[...document.links].filter(a => a.getAttribute('href')[0] != '#')"
+    assert browser.run(f"{others}.every(a => a.href.startsWith('data:text/csv') && a.download)")
+
+
+def test_the_data_that_a_link_holds_is_the_figures(browser, pages, drawings):
+    browser.open(pages["campaign"])
+    links = browser.run("[...document.querySelectorAll('a.data')].map(a => a.href)")
+    assert [unquote_to_bytes(link.partition(",")[2]) for link in links] == [
+        drawing.csv for drawing in drawings
+    ]
+
+
+def test_pointing_at_a_point_tells_its_trials_and_leaving_it_is_silent(browser, pages, small):
+    browser.open(pages["campaign"])
+    at = browser.run(
+        "const point = document.querySelector('.point'); point.scrollIntoView({block: 'center'});"
+        "const box = point.getBoundingClientRect(); [box.x + box.width / 2, box.y + box.height / 2]"
+    )
+    browser.point_at(at[0] + 5, at[1] + 3)
+    told = browser.run("document.querySelector('.tip').innerText")
+    first = small.curves[0].points[0]
+    assert f"runs: {' '.join(first.runs)}" in told
+    assert all(f"{trial:.1f}" in told for trial in first.trials_n)
+    browser.point_at(5, 5)
+    assert browser.run("document.querySelector('.tip').hidden")
+
+
+def test_the_keyboard_walks_the_points_of_a_figure(browser, pages, small):
+    browser.open(pages["campaign"])
+    browser.run("document.querySelector('svg.plot').focus()")
+    tip = "document.querySelector('.tip').innerText"
+    for number, key in ((0, "ArrowRight"), (1, "ArrowRight"), (0, "ArrowLeft")):
+        browser.key(key)
+        assert f"runs: {' '.join(small.curves[0].points[number].runs)}" in browser.run(tip)
+        label = browser.run("document.activeElement.getAttribute('aria-label')")
+        assert label == browser.run("document.querySelector('.tip').textContent")
+    browser.key("Escape")
+    assert browser.run("document.querySelector('.tip').hidden")
+    assert browser.run("document.activeElement.matches('svg.plot')")
+
+
+def test_figures_and_page_are_light_or_dark_as_the_reader_wants(browser, pages):
+    brightness = {}
+    for dark in (False, True):
+        browser.open(pages["campaign"], dark=dark)
+        back = browser.run("getComputedStyle(document.body).backgroundColor")
+        paper = browser.run("getComputedStyle(document.querySelector('.plot path')).fill")
+        ink = browser.run("getComputedStyle(document.querySelector('.plot')).fill")
+        brightness[dark] = [
+            sum(map(int, re.findall(r"\d+", one)[:3])) for one in (back, paper, ink)
+        ]
+    assert brightness[False][0] > 600 and brightness[False][1] > 600 and brightness[False][2] < 100
+    assert brightness[True][0] < 150 and brightness[True][1] < 150 and brightness[True][2] > 600
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_print_has_every_page_in_light_colours_and_nothing_folded(browser, pages, dark):
+    browser.open(pages["campaign"], dark=dark)
+    text = browser.pdf()
+    assert text.startswith(b"%PDF") and len(re.findall(rb"/Type\s*/Page\b", text)) >= 3
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    assert browser.run("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert browser.run("getComputedStyle(document.querySelector('.plot path')).fill") in (
+        "rgb(255, 255, 255)"
+    )
+    browser.run("window.dispatchEvent(new Event('beforeprint'))")
+    assert browser.run("document.querySelectorAll('details:not([open])').length") == 0
+    browser.ask("Emulation.setEmulatedMedia", media="")
