@@ -10,11 +10,14 @@ import numpy as np
 
 from hbench.model.compiled import compiled
 from hbench.model.effect_places import Flows, Oil, Openings
+from hbench.model.effect_shapes import power_law, soft_edge
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
 
 if TYPE_CHECKING:
     from hbench.model.parameters import PlantParameters
 
+FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
+PRESSURE_PA = 50e5
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
 
 Coefficients = tuple[float, ...]
@@ -41,9 +44,16 @@ def valve_lag(
 
 
 @compiled
-def overlapped(u: float, width: float) -> float:
-    """Opening [V] of a spool with overlap: u less ``width`` towards 0, and 0 within it."""
-    return copysign(max(abs(u) - width, 0.0), u)
+def overlapped(u: float, width: float, softness: float) -> float:
+    """Opening [V] of a spool with overlap: u less ``width`` towards 0, and 0 within it.
+
+    A worn or rounded edge opens softly; the opening is 0 at u = 0 and never larger than u.
+    """
+    if width == 0.0:
+        return u
+    soft = softness * width
+    closed = soft_edge(-width, soft)
+    return copysign(min(soft_edge(abs(u) - width, soft) - closed, abs(u)), u)
 
 
 @compiled
@@ -51,13 +61,16 @@ def valve_deadband(
     u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: "PlantParameters",
 ) -> Openings:  # fmt: skip
-    """Overlap: sign(u) max(|u| - w, 0). c: w [V] of the test valve and of both load valves.
+    """Overlap: sign(u) max(|u| - w, 0). c: w [V] of the test valve and of both load valves, and
+    the softness of the edge in parts of w.
 
     Merritt 1967, section 5.5 (closed-centre valves).
     """
-    test, load = c
+    test, load, soft = c
     return Openings(
-        overlapped(u.test, test), overlapped(u.load_1, load), overlapped(u.load_2, load)
+        overlapped(u.test, test, soft),
+        overlapped(u.load_1, load, soft),
+        overlapped(u.load_2, load, soft),
     )
 
 
@@ -121,13 +134,18 @@ def return_line(
 ) -> Flows:  # fmt: skip
     """Pressure p of the common return line: tau dp/dt = R Q |Q| - p, Q the valves' return flow.
 
-    c: R [Pa s^2/m^6], turbulent (Merritt 1967, section 3.2), and tau [s], of the line's hose.
+    c: R [Pa s^2/m^6], turbulent (Merritt 1967, section 3.2), tau [s], of the line's hose, and
+    an exponent other than 2: the same at 10 l/min.
     """
-    resistance, tau = c
+    resistance, tau, exponent = c
     if resistance == 0.0:
         rates[at] = 0.0
     else:
-        rates[at] = (resistance * q.returned * abs(q.returned) - state[at]) / tau
+        flow = abs(q.returned)
+        drop = resistance * flow * flow
+        if exponent != 2.0 and flow > 0.0:
+            drop *= (flow / FLOW_M3_S) ** (exponent - 2.0)
+        rates[at] = (copysign(drop, q.returned) - state[at]) / tau
     return q
 
 
@@ -138,12 +156,14 @@ def supply_droop(
 ) -> Flows:  # fmt: skip
     """Supply pressure falls with the flow drawn: tau dP_s/dt = P_0 - k Q - P_s.
 
-    c: k [Pa s/m^3], the regulation's slope, and tau [s]. Instead of a constant supply; a pump
-    (``supply.py``) has a slope of its own, and can't have this one.
+    c: k [Pa s/m^3], the regulation's slope, tau [s], and an exponent of Q other than 1: the same
+    at 10 l/min. Instead of a constant supply; a pump (``supply.py``) has a slope of its own, and
+    can't have this one.
     """
-    slope, tau = c
+    slope, tau, exponent = c
     if slope != 0.0:
-        rates[P_S] = (par.supply.pressure_pa - slope * q.drawn - state[P_S]) / tau
+        fall = slope * power_law(q.drawn, FLOW_M3_S, exponent)
+        rates[P_S] = (par.supply.pressure_pa - fall - state[P_S]) / tau
     return q
 
 
@@ -166,17 +186,26 @@ def warmth(
 
 
 @compiled
+def leaking(drop: float, exponent: float) -> float:
+    """Pressure drop [Pa] as a leak follows it."""
+    if exponent == 1.0:
+        return drop
+    return copysign(power_law(abs(drop), PRESSURE_PA, exponent), drop)
+
+
+@compiled
 def internal_leakage(
     q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: "PlantParameters",
 ) -> Flows:  # fmt: skip
     """Laminar leak across the piston, G (P_p - P_r): leaves one chamber and enters the other.
 
-    c: G [m^3/(s Pa)] of the test and the load cylinder (Merritt 1967, section 6.1).
+    c: G [m^3/(s Pa)] of the test and the load cylinder (Merritt 1967, section 6.1), and an
+    exponent of the drop other than 1, that of an orifice being 0.5: the same at 50 bar.
     """
-    g_t, g_l = c
-    across_t = g_t * q.fluidity * (state[P_TP] - state[P_TR])
-    across_l = g_l * q.fluidity * (state[P_LP] - state[P_LR])
+    g_t, g_l, exponent = c
+    across_t = g_t * q.fluidity * leaking(state[P_TP] - state[P_TR], exponent)
+    across_l = g_l * q.fluidity * leaking(state[P_LP] - state[P_LR], exponent)
     return Flows(
         q.tp - across_t, q.tr + across_t, q.lp - across_l, q.lr + across_l,
         q.drawn, q.returned, q.fluidity,
@@ -190,12 +219,13 @@ def external_leakage(
 ) -> Flows:  # fmt: skip
     """Laminar leak out of a chamber, G P, past its rod seal or fittings: it is lost.
 
-    c: G [m^3/(s Pa)] of Tp, Tr, Lp, Lr (Merritt 1967, section 6.1).
+    c: G [m^3/(s Pa)] of Tp, Tr, Lp, Lr (Merritt 1967, section 6.1), and an exponent of the
+    pressure other than 1: the same at 50 bar.
     """
-    g_tp, g_tr, g_lp, g_lr = c
+    g_tp, g_tr, g_lp, g_lr, n = c
     f = q.fluidity
     return Flows(
-        q.tp - g_tp * f * state[P_TP], q.tr - g_tr * f * state[P_TR],
-        q.lp - g_lp * f * state[P_LP], q.lr - g_lr * f * state[P_LR],
+        q.tp - g_tp * f * leaking(state[P_TP], n), q.tr - g_tr * f * leaking(state[P_TR], n),
+        q.lp - g_lp * f * leaking(state[P_LP], n), q.lr - g_lr * f * leaking(state[P_LR], n),
         q.drawn, q.returned, f,
     )  # fmt: skip

@@ -11,7 +11,9 @@ import numpy as np
 
 from hbench.model.compiled import compiled
 from hbench.model.cylinders import pressure_force
+from hbench.model.effect_flows import PRESSURE_PA
 from hbench.model.effect_places import Rubbing
+from hbench.model.effect_shapes import power_law
 from hbench.model.friction import steady_parts
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from hbench.model.parameters import PlantParameters
 
 Coefficients = tuple[float, ...]
+_FORCE_N = 2500.0  # where a law with another exponent stays the same
 
 
 @compiled
@@ -40,11 +43,14 @@ def seal_pressure_friction(
 ) -> Rubbing:  # fmt: skip
     """Seals pressed by the oil: dry friction grows by k (|P_p - P_r| + P_r), after 3.7.
 
-    The drop across the piston's seal and the rod's. c: k [N/Pa] of the test and load cylinder.
+    The drop across the piston's seal and the rod's. c: k [N/Pa] of the test and load cylinder,
+    and an exponent of the pressure other than 1: the same at 50 bar.
     """
-    test, load = c
+    test, load, n = c
     p_tp, p_tr, p_lp, p_lr = state[P_TP], state[P_TR], state[P_LP], state[P_LR]
-    return more(f, test * (abs(p_tp - p_tr) + p_tr), load * (abs(p_lp - p_lr) + p_lr))
+    on_test = power_law(abs(p_tp - p_tr) + p_tr, PRESSURE_PA, n)
+    on_load = power_law(abs(p_lp - p_lr) + p_lr, PRESSURE_PA, n)
+    return more(f, test * on_test, load * on_load)
 
 
 @compiled
@@ -54,12 +60,13 @@ def load_friction(
 ) -> Rubbing:  # fmt: skip
     """Guides pressed by the load: dry friction grows by k |F|, F the cylinder's pressure force.
 
-    c: k [1] of the test and load cylinder.
+    c: k [1] of the test and load cylinder, and an exponent of the force other than 1: the same
+    at 2500 N.
     """
-    test, load = c
-    f_test = pressure_force(state[P_TP], state[P_TR], par.test)
-    f_load = pressure_force(state[P_LP], state[P_LR], par.load)
-    return more(f, test * abs(f_test), load * abs(f_load))
+    test, load, n = c
+    f_test = abs(pressure_force(state[P_TP], state[P_TR], par.test))
+    f_load = abs(pressure_force(state[P_LP], state[P_LR], par.load))
+    return more(f, test * power_law(f_test, _FORCE_N, n), load * power_law(f_load, _FORCE_N, n))
 
 
 @compiled

@@ -58,6 +58,7 @@ def _c(unit: str, typical: float, low: float, high: float, default: float = 0.0)
 
 _FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
 _FORCES = ("force_test", "force_load")
+_LINEAR = _c("1", 0, 0.3, 3, 1)  # exponent
 _LEAK = _c("l/min/bar", 3e-3, 0, 1)
 _BOTH_SHARE = {"test": _c("%", 5, -50, 50), "load": _c("%", 5, -50, 50)}
 _BAR = _c("bar", 0.5, -20, 20)
@@ -71,7 +72,7 @@ _CATALOGUE: dict[str, Effect] = {
     ),
     "valve_deadband": Effect(
         "a valve opens only beyond a voltage",
-        {"test": _c("V", 0.05, 0, 5), "load": _c("V", 0.05, 0, 5)},
+        {"test": _c("V", 0.05, 0, 5), "load": _c("V", 0.05, 0, 5), "softness": _c("1", 0, 0, 5)},
         _FLOWS, {"openings": flows.valve_deadband},
     ),
     "valve_asymmetry": Effect(
@@ -86,12 +87,20 @@ _CATALOGUE: dict[str, Effect] = {
     ),
     "tank_back_pressure": Effect(
         "the pressure at the valves' return ports rises with the return flow's square",
-        {"resistance": _c("bar min^2/l^2", 0.005, 0, 10), "lag": _c("ms", 0, 1, 1e4, 5)},
+        {
+            "resistance": _c("bar min^2/l^2", 0.005, 0, 10),
+            "lag": _c("ms", 0, 1, 1e4, 5),
+            "exponent": _c("1", 0, 0.3, 3, 2),
+        },
         _FLOWS, {"oil": flows.tank_back_pressure, "flows": flows.return_line}, states=1,
     ),
     "supply_droop": Effect(
         "the supply pressure falls with the flow drawn",
-        {"slope": _c("bar min/l", 0.1, 0, 50), "lag": _c("ms", 0, 1, 1e4, 20)},
+        {
+            "slope": _c("bar min/l", 0.1, 0, 50),
+            "lag": _c("ms", 0, 1, 1e4, 20),
+            "exponent": _LINEAR,
+        },
         ("supply",), {"flows": flows.supply_droop},
     ),
     "oil_warming": Effect(
@@ -105,22 +114,26 @@ _CATALOGUE: dict[str, Effect] = {
     ),
     "internal_leakage": Effect(
         "oil leaks across the piston with the pressure drop",
-        {"test": _LEAK, "load": _LEAK},
+        {"test": _LEAK, "load": _LEAK, "exponent": _LINEAR},
         _FLOWS, {"flows": flows.internal_leakage},
     ),
     "external_leakage": Effect(
         "oil leaks out of a chamber with its pressure",
-        {"tp": _LEAK, "tr": _LEAK, "lp": _LEAK, "lr": _LEAK},
+        {"tp": _LEAK, "tr": _LEAK, "lp": _LEAK, "lr": _LEAK, "exponent": _LINEAR},
         _FLOWS, {"flows": flows.external_leakage},
     ),
     "seal_pressure_friction": Effect(
         "dry friction grows with the pressures at piston and rod seal",
-        {"test": _c("N/bar", 0.5, 0, 1e3), "load": _c("N/bar", 0.5, 0, 1e3)},
+        {
+            "test": _c("N/bar", 0.5, 0, 1e3),
+            "load": _c("N/bar", 0.5, 0, 1e3),
+            "exponent": _LINEAR,
+        },
         _FORCES, {"friction": rubbing.seal_pressure_friction},
     ),
     "load_friction": Effect(
         "dry friction grows with the cylinder's force",
-        {"test": _c("%", 2, 0, 100), "load": _c("%", 2, 0, 100)},
+        {"test": _c("%", 2, 0, 100), "load": _c("%", 2, 0, 100), "exponent": _LINEAR},
         _FORCES, {"friction": rubbing.load_friction},
     ),
     "direction_asymmetry": Effect(

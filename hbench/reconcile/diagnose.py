@@ -22,6 +22,7 @@ from hbench.reconcile.linear import (
     Measured,
     Simulate,
     linearise,
+    shapes,
     windows_of,
 )
 from hbench.reconcile.overlays import overlays
@@ -161,7 +162,7 @@ def _assembled(
         gap_heldout=stages.table(held, open_loop=True),
         gap_train=stages.table(frozenset(points) - held, open_loop=False),
         ranking=tuple(one.found for one in found.steps[0].tried),
-        threshold=found.steps[0].threshold,
+        threshold=found.steps[0].tried[0].found.threshold,
         refitted=best.factors(),
         residuals_before=_map(refitted, held),
         residuals_after=_map(final, held),
@@ -240,9 +241,16 @@ def _added(found: Found, best: Estimates, out: np.ndarray) -> tuple[AddedEffect,
                 gap_after=touched_gap(found.final.lacking, row.balances, out),
                 score=first.score,
                 runner_up=rival,
+                shape=shape_words(step.taken, found.final.hypothesis),
             )
         )
     return tuple(effects)
+
+
+def shape_words(name: str, hypothesis: Hypothesis) -> str:
+    """Return what another shape of its law an effect was given; empty for the textbook one."""
+    given = hypothesis.effects.get(name, {})
+    return ", ".join(key for _, key in shapes(name) if key in given)
 
 
 def touched_gap(found: GapMap, balances: Sequence[str], points: np.ndarray) -> float:

@@ -37,6 +37,7 @@ MOTIONS = ("rest", "steady", "unsteady")
 Coefficient = tuple[str, str]  # effect, its coefficient
 Column = dict[Hashable, np.ndarray]  # by operating point: (m, balances)
 _LOOSE = 10.0  # typical sizes: prior of a coefficient
+_SHAPE = 3.0  # quarters of its default: prior of a shape
 _UNSTEADY = 0.1  # change of the velocity over a window's width, of the velocity
 
 
@@ -70,9 +71,10 @@ class Hypothesis:
         return replace(self, effects=effects)
 
     def coefficient(self, which: Coefficient) -> float:
-        """Return a coefficient [SI]; 0 where the effect is off."""
+        """Return a coefficient [SI]; its default where there is none."""
         name, key = which
-        return self.effects.get(name, {}).get(key, 0.0)
+        row = EFFECTS[name].coefficients[key]
+        return self.effects.get(name, {}).get(key, row.to_si(row.default))
 
 
 Simulate = Callable[[Sequence[Hypothesis], int], Iterable[tuple[Run, ...] | None]]
@@ -85,10 +87,16 @@ def coefficients(name: str) -> tuple[Coefficient, ...]:
     return tuple((name, key) for key, one in rows if one.typical)
 
 
+def shapes(name: str) -> tuple[Coefficient, ...]:
+    """Return those that only give an effect's law another shape."""
+    rows = EFFECTS[name].coefficients.items()
+    return tuple((name, key) for key, one in rows if not one.typical)
+
+
 def typical(which: Coefficient) -> float:
-    """Return a coefficient's typical size [SI]."""
+    """Return a coefficient's typical size [SI]; for a shape a quarter of its default, or 0.25."""
     one = EFFECTS[which[0]].coefficients[which[1]]
-    return one.to_si(one.typical)
+    return one.to_si(one.typical or 0.25 * (one.default or 1.0))
 
 
 def _quantity(si: float, unit: str) -> str:
@@ -201,10 +209,10 @@ def linearise(
         high.append(BOUND - at)
     for which in signatures:
         row, size = EFFECTS[which[0]].coefficients[which[1]], typical(which)
-        at = hypothesis.coefficient(which) / size
-        centre.append(-at)
-        prior.append(_LOOSE)
-        low.append(min(row.to_si(row.low), 0.0) / size - at)
+        at, neutral = hypothesis.coefficient(which) / size, row.to_si(row.default)
+        centre.append(neutral / size - at)
+        prior.append(_LOOSE if row.typical else _SHAPE)
+        low.append(min(row.to_si(row.low), neutral) / size - at)
         high.append(row.to_si(row.high) / size - at)
     free = Freedom(*(np.array(one) for one in (centre, prior, low, high)))
     return Linear(hypothesis, tuple(simulated), lacking, _products(lacking, scale, columns), free)

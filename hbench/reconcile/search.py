@@ -4,15 +4,16 @@ Around the refitted model every candidate is judged by its signature (``evidence
 are simulated with the coefficient found, and judged again there. One is taken if, on operating
 points left out,
 
-    its score exceeds the largest that any candidate reaches in 98 % of nulls of this very plan,
+    its score exceeds the largest that any candidate for the same balances reaches in 98 % of nulls
+    of this very plan, and 5 nats at least,
     it explains more than half of the excess gap in the balances it touches, and
-    its coefficient is at least a tenth of the typical size.
+    its coefficient is at least a fifth of the typical size.
 
 Candidates whose scores are too close to the best one's are an ambiguous set, and none is taken.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,20 +35,24 @@ from hbench.reconcile.linear import (
     Simulate,
     linearise,
     moved,
+    shapes,
     typical,
+    windows_of,
 )
+from hbench.reconcile.signatures import signature
 from hbench.records import Candidate
 
 _NULLS = 100
 _QUANTILE = 0.98  # of the nulls' largest scores
-_LEAST = 3.0  # nats: the least threshold, e^3 = 20 to 1
+_LEAST = 5.0  # nats: the least threshold, e^5 = 150 to 1
 _EXPLAINED = 0.5
-_MATERIAL = 0.1  # typical sizes
+_MATERIAL = 0.2  # typical sizes
 _CLOSE = 3.0, 0.1  # nats, share of the best score: closer candidates are ambiguous
 _TRIED = 6  # candidates that are simulated
 _WORTH = 0.3  # of the best score: others are not simulated
+_PROMISING = 0.5  # of its threshold: others are not simulated
 _MOST = 4  # effects
-_ROUNDS = 3  # of simulating and refitting
+_ROUNDS = 2  # of simulating and refitting
 _STILL = 0.05  # priors of nuisances and typical sizes: no need to simulate again
 
 
@@ -64,7 +69,6 @@ class Step:
     """One search: what was tried, best first, and what was taken."""
 
     before: Linear
-    threshold: float
     tried: tuple[Tried, ...]
     taken: str | None
     close: tuple[Candidate, ...]  # the ambiguous set, where nothing was taken
@@ -81,7 +85,7 @@ class Found:
     @property
     def names(self) -> tuple[str, ...]:
         """The effects that were taken, in order."""
-        return tuple(step.taken for step in self.steps if step.taken)
+        return _taken(self.steps)
 
 
 @dataclass(frozen=True)
@@ -99,12 +103,13 @@ class Search:
         """Refit the nuisances of the model that was given, then look for effects."""
         here = refitted = self.settled(given, ())
         steps: list[Step] = []
+        search = self
         while len(steps) < _MOST:
-            step, there = self._step(here, tuple(one.taken for one in steps if one.taken))
+            step, there = search._step(here, _taken(steps))
             steps.append(step)
             if there is None:
                 break
-            here = there
+            search, here = search._refined(there, _taken(steps))
         return Found(refitted, tuple(steps), here)
 
     def at(self, hypothesis: Hypothesis) -> Linear | None:
@@ -128,36 +133,70 @@ class Search:
             here = there
         return here
 
+    def _refined(self, here: Linear, taken: tuple[str, ...]) -> tuple["Search", Linear]:
+        """Give the effect that was taken last the shape that operating points left out support."""
+        before = log_likelihood(self._left_out(here, taken))
+        best, found = _LEAST, (self, here)
+        for which in shapes(taken[-1]):
+            other = here.hypothesis.with_coefficients(
+                {which: here.hypothesis.coefficient(which) + typical(which)}
+            )
+            (runs,) = self.simulate([other], 1)
+            if runs is None:
+                continue
+            known = self.measured.known(here.hypothesis)
+            column = signature(which[0], windows_of(runs, known), windows_of(here.runs, known))
+            search = replace(self, signatures={**self.signatures, which: column})
+            start = linearise(
+                self.measured, here.hypothesis, here.runs, search.signatures, here.lacking
+            )
+            there = search.settled(start, taken)
+            own = linearise(
+                self.measured, there.hypothesis, there.runs, search.signatures, here.lacking
+            )
+            gain = float((log_likelihood(search._left_out(own, taken)) - before)[0])
+            if gain > best:
+                best, found = gain, (search, there)
+        return found
+
+    def _left_out(self, here: Linear, taken: Sequence[str]) -> LeftOut:
+        chosen = here.index(here.coefficients_of(taken))
+        return left_out(here.data, here.free, chosen, self.train)
+
     def _step(self, here: Linear, taken: tuple[str, ...]) -> tuple[Step, Linear | None]:
         base = here.index(here.coefficients_of(taken))
         rest = [
             name for name in self.candidates if name not in taken and here.coefficients_of([name])
         ]
-        threshold = self._threshold(here, base, rest)
+        thresholds = self._thresholds(here, base, rest)
         judged = sorted(
-            (self._linear(here, base, name) for name in rest),
+            (self._linear(here, base, name, thresholds[name]) for name in rest),
             key=lambda one: -one.found.score,
         )
         best = judged[0].found.score if judged else 0.0
-        worth = [one for one in judged if one.found.score > max(_WORTH * best, 0.5 * threshold)]
+        worth = [
+            one
+            for one in judged
+            if one.found.score > max(_WORTH * best, _PROMISING * one.found.threshold)
+        ]
         simulated = self._simulated(here, taken, [one.found for one in worth[:_TRIED]])
         tried = sorted(
             (simulated.get(one.found.name, one) for one in judged),
             key=lambda one: -one.found.score,
         )
-        good = [one for one in tried if one.linear and _earned(one.found, threshold)]
+        good = [one for one in tried if one.linear and _earned(one.found)]
         if not good:
-            return Step(here, threshold, tuple(tried), None, ()), None
+            return Step(here, tuple(tried), None, ()), None
         first = good[0]
         least = first.found.score - max(_CLOSE[0], _CLOSE[1] * first.found.score)
         close = tuple(one.found for one in good if one.found.score >= least)
         if len(close) > 1:
-            return Step(here, threshold, tuple(tried), None, close), None
+            return Step(here, tuple(tried), None, close), None
         name = first.found.name
-        step = Step(here, threshold, tuple(tried), name, ())
+        step = Step(here, tuple(tried), name, ())
         return step, self.settled(first.linear, (*taken, name))
 
-    def _linear(self, here: Linear, base: Sequence[int], name: str) -> Tried:
+    def _linear(self, here: Linear, base: Sequence[int], name: str, threshold: float) -> Tried:
         which = here.coefficients_of([name])
         more = [i for i in here.index(which) if i not in base]
         gain = float(score(here.data, here.free, base, more, self.train)[0])
@@ -165,7 +204,8 @@ class Search:
         before = left_out(here.data, here.free, base, self.train)
         after = left_out(here.data, here.free, [*base, *more], self.train)
         values = {one: float(b) * typical(one) for one, b in zip(which, beta, strict=True)}
-        return Tried(_candidate(name, gain, explained(name, here, before, after), values), None)
+        share = explained(name, here, before, after)
+        return Tried(_candidate(name, gain, share, values, threshold), None)
 
     def _simulated(
         self, here: Linear, taken: tuple[str, ...], worth: Sequence[Candidate]
@@ -193,16 +233,30 @@ class Search:
                 for key in there.coefficients_of([one.name])
             }
             share = explained(one.name, here, before, after)
-            found[one.name] = Tried(_candidate(one.name, gain, share, values, True), there)
+            found[one.name] = Tried(
+                _candidate(one.name, gain, share, values, one.threshold, True), there
+            )
         return found
 
-    def _threshold(self, here: Linear, base: Sequence[int], names: Sequence[str]) -> float:
+    def _thresholds(
+        self, here: Linear, base: Sequence[int], names: Sequence[str]
+    ) -> dict[str, float]:
+        """Return what each candidate's score must exceed."""
         signs = random_signs(_NULLS, len(here.lacking.points), seed=1)
-        best = np.zeros(_NULLS)
+        reached = {}
         for name in names:
             more = [i for i in here.index(here.coefficients_of([name])) if i not in base]
-            best = np.maximum(best, score(here.data, here.free, base, more, self.train, signs))
-        return max(_LEAST, float(np.quantile(best, _QUANTILE)))
+            reached[name] = score(here.data, here.free, base, more, self.train, signs)
+        found = {}
+        for name in names:
+            own = set(EFFECTS[name].balances)
+            rivals = [reached[one] for one in names if own.issuperset(EFFECTS[one].balances)]
+            found[name] = max(_LEAST, float(np.quantile(np.max(rivals, axis=0), _QUANTILE)))
+        return found
+
+
+def _taken(steps: Sequence[Step]) -> tuple[str, ...]:
+    return tuple(step.taken for step in steps if step.taken)
 
 
 def explained(name: str, here: Linear, before: LeftOut, after: LeftOut) -> float:
@@ -217,13 +271,19 @@ def explained(name: str, here: Linear, before: LeftOut, after: LeftOut) -> float
     return 1 - excess(after) / whole if whole > 0 else 0.0
 
 
-def _earned(one: Candidate, threshold: float) -> bool:
-    return one.score > threshold and one.explained > _EXPLAINED and one.size >= _MATERIAL
+def _earned(one: Candidate) -> bool:
+    return one.score > one.threshold and one.explained > _EXPLAINED and one.size >= _MATERIAL
 
 
 def _candidate(
-    name: str, gain: float, share: float, values: Mapping[Coefficient, float], own: bool = False
+    name: str,
+    gain: float,
+    share: float,
+    values: Mapping[Coefficient, float],
+    threshold: float,
+    own: bool = False,
 ) -> Candidate:
     size = max((abs(value) / typical(one) for one, value in values.items()), default=0.0)
     parameters = {key: value for (_, key), value in values.items()}
-    return Candidate(name, gain, share, size, parameters, "simulated" if own else "linear")
+    tried = "simulated" if own else "linear"
+    return Candidate(name, gain, share, size, parameters, tried, threshold)

@@ -34,7 +34,7 @@ def judge(found: Found, left: Sequence[Gap]) -> tuple[Verdict, str]:
         best = last.tried[0].found if last.tried else None
         tried = (
             f" The best candidate, {best.name}, explains {best.explained:.0%} of it on operating "
-            f"points left out (score {best.score:.1f}, threshold {last.threshold:.1f})."
+            f"points left out (score {best.score:.1f}, threshold {best.threshold:.1f})."
             if best
             else ""
         )

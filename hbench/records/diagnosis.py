@@ -80,6 +80,7 @@ class Candidate:
     size: float  # largest coefficient over its typical size
     parameters: dict[str, float]
     tried: Literal["simulated", "linear"]  # with its own simulation, or by its signature alone
+    threshold: float = 0.0  # that its score must exceed
 
 
 @dataclass(frozen=True)

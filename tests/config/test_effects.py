@@ -15,7 +15,7 @@ BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
 
 def test_coefficients_come_in_si_with_defaults_for_those_not_given():
     values = read_effects({"supply_droop": {"slope": "0.6 bar min/l"}})
-    assert values == {"supply_droop": {"slope": pytest.approx(3.6e9), "lag": 0.02}}
+    assert values == {"supply_droop": {"slope": pytest.approx(3.6e9), "lag": 0.02, "exponent": 1.0}}
 
 
 @pytest.mark.parametrize(
