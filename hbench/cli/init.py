@@ -22,12 +22,10 @@ def init(directory: Path = typer.Argument(help="Folder to write into.")) -> None
 
     Example: hbench init my-bench
     """
-    from importlib.resources import files
-
+    from hbench.config.examples import example
     from hbench.errors import ConfigError
 
-    examples = files("hbench.config") / "examples"
-    contents = {name: (examples / name).read_bytes() for name in _FILES}
+    contents = {name: example(name) for name in _FILES}
     taken = [name for name in _FILES if (directory / name).exists()]
     if taken:
         raise ConfigError(f"{directory / taken[0]} exists already", "Choose another folder.")

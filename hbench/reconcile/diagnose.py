@@ -1,7 +1,7 @@
 """From measured runs and a model to a diagnosis: refit, search, verdict, and what shows it."""
 
 from collections import Counter
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -50,6 +50,12 @@ _MOST_TRIALS = 3  # that a simulation makes
 _FEWEST = 8  # operating points: fewer name nothing
 
 
+Propose = Callable[
+    [Mapping[str, Hypothesis], Mapping[str, float]], tuple[str, dict[str, Any]] | None
+]
+"""Returns the experiment that tells hypotheses apart, in words and as a schedule; see ``Task``."""
+
+
 @dataclass(frozen=True)
 class Task:
     """What is to be reconciled."""
@@ -61,6 +67,7 @@ class Task:
     plant_data: Mapping[str, Any]  # its sections, as its file has them
     runs: tuple[Run, ...]
     simulate: Simulate
+    propose: Propose = lambda rivals, scatter: None
 
 
 @dataclass(frozen=True)
@@ -145,20 +152,28 @@ def _assembled(
         tuple((one.runs, measured.known(one.hypothesis)) for one in (given, refitted, final)),
         [runs for runs in drawn if runs is not None],
     )
+    where = _ranked(measured, refitted)
     left = rest(_ranked(measured, final))
+    rivals = {
+        one.found.name: one.linear.hypothesis
+        for one in found.steps[-1].tried
+        if one.found in found.steps[-1].close and one.linear
+    }
+    scatter = {one.name: one.scatter for one in where}
+    words, schedule = (task.propose(rivals, scatter) if rivals else None) or (None, None)
     verdict, why = judge(found, left)
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
         verdict=verdict,
         why=why,
-        where=_ranked(measured, refitted),
+        where=where,
         regions=regions(refitted.lacking),
         effects=_added(found, best, out),
         alternatives=found.steps[-1].close,
         rest=left,
-        next_experiment=None,
-        next_schedule=None,
+        next_experiment=words,
+        next_schedule=schedule,
         gap_heldout=stages.table(held, open_loop=True),
         gap_train=stages.table(frozenset(points) - held, open_loop=False),
         ranking=tuple(one.found for one in found.steps[0].tried),

@@ -143,6 +143,13 @@ def _inverse_trigamma(y: float) -> float:
     return float(np.exp(brentq(lambda ln: np.log(polygamma(1, np.exp(ln)) / y), -20, 20)))
 
 
+def column_means(values: np.ndarray) -> np.ndarray:
+    """Return the means (c,) of what is finite in each column of (w, c); nan where nothing is."""
+    usable = np.isfinite(values)
+    count = np.where(usable.any(axis=0), usable.sum(axis=0), np.nan)
+    return np.where(usable, values, 0.0).sum(axis=0) / count
+
+
 def _gap(excess: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(1 + np.nanmean(excess, axis=0), 0.0))
 

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from hbench.reconcile.balances import Model, Prepared, Windowed, prepared, residuals
-from hbench.reconcile.gap import GapMap, differences, point_of
+from hbench.reconcile.gap import GapMap, column_means, differences, point_of
 from hbench.reconcile.signals import astray, signals
 from hbench.records import BeforeAfter, GapTable, Run
 
@@ -69,19 +69,12 @@ def _seen(view: View, known: Model, points: frozenset[Hashable], logs: Logs) -> 
 
 def _gaps(found: GapMap) -> np.ndarray:
     with np.errstate(invalid="ignore"):
-        return np.sqrt(np.maximum(1 + _mean(found.excess), 0.0))
+        return np.sqrt(np.maximum(1 + column_means(found.excess), 0.0))
 
 
 def _structured(found: GapMap, unit: GapMap) -> np.ndarray:
     """Return the mean square (c,) of a difference of models over the measured scatter."""
-    scatter = np.sqrt(_mean(unit.scatter**2))
+    scatter = np.sqrt(column_means(unit.scatter**2))
     with np.errstate(divide="ignore", invalid="ignore"):
-        over = _mean(found.difference**2 - found.noise) / scatter**2
+        over = column_means(found.difference**2 - found.noise) / scatter**2
     return np.maximum(np.nan_to_num(over, posinf=0.0), 0.0)
-
-
-def _mean(values: np.ndarray) -> np.ndarray:
-    usable = np.isfinite(values)
-    return np.where(usable, values, 0.0).sum(axis=0) / np.where(
-        usable.any(axis=0), usable.sum(axis=0), np.nan
-    )

@@ -22,7 +22,7 @@ from hbench.model.effects import EFFECTS
 from hbench.reconcile.diagnose import Task, _ranked, before_measuring, search, touched_gap
 from hbench.reconcile.verdict import judge, rest
 from hbench.store.campaign import load_campaign
-from hbench.workflow.modelled import simulator
+from hbench.workflow.modelled_runs import simulator
 
 MODEL = Path(__file__).parents[2] / "configs" / "model-aau.yaml"
 
