@@ -42,7 +42,7 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
         if known:
             _map(figure, panels[1], speed, load, sigma, "σ, trials and instruments (%)")
         panels[-1].set_xlabel("Speed |v| (mm/s)")
-        style.head(panels[0], f"Efficiency, {words[0].lower()}{words[1:]}", results)
+        style.head(panels[0], f"Efficiency map, {words[0].lower()}{words[1:]}", results)
         style.read_as(figure, style.OF_MAPS)
         figures[words] = figure
     return figures

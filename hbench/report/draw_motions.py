@@ -132,7 +132,7 @@ def surfaces(results: Results) -> dict[str, Figure]:
         words = ", ".join(filter(None, (found.label, style.TITLES[found.direction])))
         if len(results.motions.surfaces) > 2 and found.p_lr_ref_pa is not None:
             words += f", {short(from_si(found.p_lr_ref_pa, 'bar'))} bar"
-        style.head(axes, f"Friction, {words[0].lower()}{words[1:]}", results)
+        style.head(axes, f"Friction map, {words[0].lower()}{words[1:]}", results)
         style.read_as(figure, style.OF_MAPS)
         figures[words] = figure
     return figures

@@ -75,9 +75,9 @@ def summary_section(results: Results, speed_m_s: float | None = None) -> Section
     fold = True if tables and len(found) > _LONG else None
     graded = checks(results)
     quality = Table(
-        ("Check", "Found", "Limits", "Verdict"),
-        tuple((Cell(c.name), Cell(c.found), Cell(c.rule), _verdict(c.grade)) for c in graded),
-        frozenset({"Check", "Found", "Limits", "Verdict"}),
+        ("Check", "Verdict", "Found", "Limits"),
+        tuple((Cell(c.name), _verdict(c.grade), Cell(c.found), Cell(c.rule)) for c in graded),
+        frozenset({"Check", "Verdict", "Found", "Limits"}),
     )
     return Section(
         "Summary",
