@@ -2,7 +2,10 @@
 
 import copy
 import os
+import resource
 import shutil
+import signal
+from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -129,3 +132,33 @@ def on_the_rig():
         return load_campaign(folder)
 
     return make
+
+
+_LIMIT_S, _LIMIT_BYTES = 120, 700_000_000
+
+
+@pytest.fixture
+def limited():
+    """Return a context manager: what runs in it has two minutes and another 700 MB."""
+    return _limited
+
+
+@contextmanager
+def _limited():
+    """Hold what runs in here to so much time and more memory."""
+
+    def late(*_):
+        raise AssertionError(f"takes longer than {_LIMIT_S} s")
+
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    handler = signal.signal(signal.SIGALRM, late)
+    signal.alarm(_LIMIT_S)
+    most = pages * resource.getpagesize() + _LIMIT_BYTES
+    resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, handler)

@@ -17,8 +17,9 @@ def import_(
     from datetime import datetime
 
     from hbench import workflow
+    from hbench.config.words import printable
 
     summary = workflow.import_runs(source, output, map_file, datetime.now().astimezone)
     for note in summary.notes:
-        typer.echo(f"note: {note}", err=True)
+        typer.echo(f"note: {printable(note)}", err=True)
     typer.echo(f"{output}: {summary.runs} runs from {summary.files} files")

@@ -21,6 +21,7 @@ from hbench.cli import (
     simulate,
     watch,
 )
+from hbench.config.words import printable
 from hbench.errors import HbenchError
 
 app = typer.Typer(
@@ -76,7 +77,7 @@ def main() -> None:
     try:
         app()
     except HbenchError as error:
-        print(f"error: {error.message}", file=sys.stderr)
+        print(f"error: {printable(error.message)}", file=sys.stderr)
         if error.hint:
-            print(f"hint: {error.hint}", file=sys.stderr)
+            print(f"hint: {printable(error.hint)}", file=sys.stderr)
         sys.exit(error.exit_code)

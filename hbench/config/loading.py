@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from hbench.config.regular import NoSuchSize, read_regular
 from hbench.config.yaml_text import parse_yaml
 from hbench.errors import ConfigError
 
@@ -18,9 +19,9 @@ _BRIEF = 100  # characters of a value
 def read_yaml(path: Path) -> dict[str, Any]:
     """Return the mapping in a YAML file. Raises ``ConfigError``."""
     try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise ConfigError(f"{path}: larger than {_MAX_BYTES} bytes; not a configuration file")
-        data = parse_yaml(path.read_text(encoding="utf-8"))
+        data = parse_yaml(read_regular(path, _MAX_BYTES).decode("utf-8"))
+    except NoSuchSize as error:
+        raise ConfigError(f"{path}: {error}; not a configuration file") from None
     except OSError as error:
         raise ConfigError(
             f"{path}: {error.strerror or error}", "Check the path; `hbench init DIR` writes one."
@@ -36,7 +37,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
 
 def file_sha256(path: Path) -> str:
     """Return the hash of a file that was read before."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return hashlib.sha256(read_regular(path, _MAX_BYTES)).hexdigest()
 
 
 def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:

@@ -6,8 +6,11 @@ from typing import Any
 
 import yaml
 
+from hbench.config.words import CONTROL
+
 DEEPEST = 50  # levels of nesting; what reads it is recursive
 MOST_REPEATED = 100_000  # values that aliases may add
+LONGEST_NUMBER = 400  # characters; some take quadratic time, and more than 4300 can't be shown
 
 _Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _SCALARS = ("int", "float", "bool", "timestamp")
@@ -20,6 +23,8 @@ class _Loader(_Base):
 def _with_line(construct: Callable) -> Callable:
     def read(loader: _Loader, node: yaml.Node) -> Any:
         try:
+            if len(node.value) > LONGEST_NUMBER:
+                raise ValueError
             return construct(loader, node)
         except (ValueError, KeyError, OverflowError, AttributeError):
             problem = f"{str(node.value)[:40]!r} can't be read as {node.tag.rsplit(':', 1)[-1]}"
@@ -36,8 +41,9 @@ for _name in _SCALARS:
 def parse_yaml(text: str) -> Any:
     """Return what YAML text says. Raises ``ValueError``: "line 3: what is wrong there".
 
-    Beyond what is no YAML it refuses keys that stand twice, nesting deeper than ``DEEPEST``, and
-    aliases that repeat more than ``MOST_REPEATED`` values or that hold themselves.
+    Beyond what is no YAML it refuses keys that stand twice, nesting deeper than ``DEEPEST``,
+    aliases that repeat more than ``MOST_REPEATED`` values or that hold themselves, numbers longer
+    than ``LONGEST_NUMBER`` and control characters.
     """
     try:
         _check(text)
@@ -89,6 +95,8 @@ def _check(text: str) -> None:
                     _refuse(f"aliases repeat more than {MOST_REPEATED} values", event)
             else:
                 anchors[event.anchor] = 1
+                if CONTROL.search(event.value):
+                    _refuse("a control character, which a terminal would obey", event)
             if stack:
                 stack[-1].values += values
 

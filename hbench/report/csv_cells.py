@@ -1,13 +1,8 @@
-"""CSV that is safe to open in a spreadsheet."""
+"""CSV of cells that are text already (``hbench.config.words.as_cell``)."""
 
 import csv
 import io
 from collections.abc import Iterable, Sequence
-
-
-def text_cell(text: str) -> str:
-    """Return ``text`` so that no spreadsheet runs it as a formula: an apostrophe makes it text."""
-    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
 
 
 def csv_of(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

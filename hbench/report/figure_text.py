@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hbench.report.csv_cells import csv_of, text_cell
+from hbench.config.words import as_cell
+from hbench.report.csv_cells import csv_of
 from hbench.report.series import Series
 from hbench.report.text import short, significant
 
@@ -19,12 +20,12 @@ def data_csv(series: Sequence[Series]) -> str:
     names = list(dict.fromkeys(name for one in series for name in one.columns))
     rows = []
     for one in series:
-        who = [str(one.panel), text_cell(one.label)] if several else [text_cell(one.label)]
+        who = [str(one.panel), as_cell(one.label)] if several else [as_cell(one.label)]
         columns = [one.columns.get(name) for name in names]
         for i in range(len(one.x)):
             rows.append([*who, *("" if c is None else _cell(c[i]) for c in columns)])
     head = ["panel", "series", *names] if several else ["series", *names]
-    return csv_of([text_cell(name) for name in head], rows)
+    return csv_of([as_cell(name) for name in head], rows)
 
 
 def point_notes(one: Series) -> list[str]:
@@ -101,5 +102,5 @@ def _shown(value: float | str) -> str:
 
 def _cell(value: float | str) -> str:
     if isinstance(value, str):
-        return text_cell(value)
+        return as_cell(value)
     return f"{value:.6g}" if math.isfinite(value) else ""

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from hbench.config.words import as_cell
 from hbench.records import Band, Curve, EfficiencyCurve, Fit, JointFit, Results, ScreenedRun
-from hbench.report.csv_cells import csv_of, text_cell
+from hbench.report.csv_cells import csv_of
 from hbench.report.motion_rows import motion_lines, motions_json
 from hbench.report.reasons import reason_counts
 from hbench.report.rod_side import kind_words, load_words, told_apart
@@ -207,7 +208,7 @@ def csv_text(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
 def _cell(value: Any) -> str:
     value = plain(value)
     if isinstance(value, str):
-        return text_cell(value)
+        return as_cell(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     return "" if value is None else repr(value)

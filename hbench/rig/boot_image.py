@@ -17,10 +17,12 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from hbench.config.regular import NoSuchSize, read_regular
 from hbench.errors import ConfigError, DataError
 
 KEY = b"\xaa\x08"
 _RESERVED_OCTETS = 16
+_LARGEST = 16_000_000  # bytes of text; the chip's memory takes less than two
 LOADABLE = ((0x000000, 0x000001), (0x000050, 0x0007FF), (0x008000, 0x00FFFF))
 """First and last address of M0 and M1, less the ROM's own stack, and of L0 to L7."""
 
@@ -65,7 +67,11 @@ class BootImage:
 def read_boot_image(path: Path) -> BootImage:
     """Read and check an image file. Raises ``ConfigError`` (no file), ``DataError``."""
     try:
-        text = path.read_bytes().decode("latin-1")  # never fails; what is not hex is shown
+        text = read_regular(path, _LARGEST).decode(
+            "latin-1"
+        )  # never fails; what is not hex is shown
+    except NoSuchSize as error:
+        raise DataError(f"{path}: {error}", "It can't be an image for an F28335.") from None
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror or error}", "Check the path.") from None
     return parse_boot_image(text, str(path))

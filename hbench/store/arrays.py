@@ -9,6 +9,7 @@ import numpy as np
 
 from hbench.config.layout import Format
 from hbench.errors import ConfigError, DataError
+from hbench.store.mat_sizes import LARGEST_UNPACKED, check_mat_sizes
 from hbench.store.table import Table, parse_table
 
 _V73 = b"MATLAB 7.3 MAT-file"
@@ -130,6 +131,7 @@ def read_mat(data: bytes, source: str) -> dict[str, Any]:
             f"{source}: is a MATLAB file of version 7.3 (HDF5); up to version 7 can be read",
             "In MATLAB: save('file.mat', '-v7').",
         )
+    check_mat_sizes(data, source)
     try:
         content = loadmat(io.BytesIO(data), simplify_cells=True)
     except Exception as error:  # of many kinds
@@ -141,9 +143,20 @@ def read_parquet(data: bytes, source: str):
     """Return a Parquet file's data frame. Raises ``DataError``, ``ConfigError``."""
     require_pyarrow()
     import pandas as pd
+    from pyarrow.parquet import ParquetFile
 
     try:
+        about = ParquetFile(io.BytesIO(data)).metadata
+        groups = [about.row_group(i).total_byte_size for i in range(about.num_row_groups)]
+        size = max(8 * about.num_rows * about.num_columns, sum(groups))
+        if size > LARGEST_UNPACKED:
+            raise DataError(
+                f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
+                "Is it the right file? Save fewer columns, or split it.",
+            )
         return pd.read_parquet(io.BytesIO(data), engine="pyarrow")
+    except DataError:
+        raise
     except Exception as error:  # of many kinds
         raise DataError(f"{source}: can't be read as a Parquet file: {error}") from None
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import IO
 
 from hbench.errors import DataError
+from hbench.store.reading import check_inside
 
 
 def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bool = True) -> None:
@@ -36,10 +37,12 @@ def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bo
 
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write files, named by their paths below ``folder``, each whole or not at all."""
+    """Write files, named by their paths below ``folder``, each whole or not at all.
+
+    Raises ``DataError``, also for a path that leads out of ``folder``.
+    """
     for name, data in files.items():
-        if not (folder / name).resolve().is_relative_to(folder.resolve()):
-            raise ValueError(f"{name!r} lies outside {folder}")
+        check_inside(folder, (folder / name).parent)
         write_atomic(folder / name, data)
 
 

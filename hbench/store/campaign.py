@@ -7,6 +7,7 @@ is never rewritten: when a run is made again, the log of the attempt before is k
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
@@ -17,6 +18,7 @@ import numpy as np
 from hbench.config.bench import Bench, parse_bench
 from hbench.config.importmap import parse_import_map
 from hbench.config.schedule import Screening, parse_schedule
+from hbench.config.words import printable
 from hbench.errors import ConfigError, DataError
 from hbench.records import Outcome, Provenance, RawRun, Run, RunPlan
 from hbench.store import journal
@@ -24,7 +26,7 @@ from hbench.store.atomic import append, rename, truncate, write_atomic, write_fi
 from hbench.store.dsp_log import format_words, parse_records
 from hbench.store.journal import Entry, Stop
 from hbench.store.log_layout import read_layout
-from hbench.store.reading import LARGEST_JOURNAL, read_file
+from hbench.store.reading import LARGEST_JOURNAL, check_inside, read_file
 from hbench.store.run_csv import parse_run
 
 JOURNAL = "campaign.yaml"
@@ -52,6 +54,8 @@ class CampaignWriter:
         path = folder / JOURNAL
         data = _read_journal(path)
         journal.parse_journal(data, str(path))
+        check_inside(folder, path)
+        check_inside(folder, folder / "runs")
         truncate(path, journal.intact_length(data))
         return cls(folder)
 
@@ -203,15 +207,18 @@ class Campaign:
             data, odd = b"", (f"missing: runs/{path.name} is not there",)
         else:
             try:
+                check_inside(self.folder, path)
                 data, odd = read_file(path), ()
             except DataError as error:
                 data, odd = b"", (f"unreadable: {error.message}",)
         if entry.stop is None or (not odd and sha256(data) == entry.stop.sha256):
             return data, odd
         for earlier in path.parent.glob(f"{path.stem}~*{suffix}"):
-            attempt = read_file(earlier)
-            if sha256(attempt) == entry.stop.sha256:
-                return attempt, ()
+            with suppress(DataError):  # which can't be the one, then
+                check_inside(self.folder, earlier)
+                attempt = read_file(earlier)
+                if sha256(attempt) == entry.stop.sha256:
+                    return attempt, ()
         changed = f"changed: runs/{path.name} is not what was written (SHA-256 differs)"
         return data, odd or (changed,)
 
@@ -233,7 +240,7 @@ def load_campaign(folder: Path) -> Campaign:
     content = journal.parse_journal(_read_journal(path), str(path))
     told = [str(note) for note in content.header.get("notes") or ()]
     told += [*content.warnings, *_unknown_logs(folder, content), *_made_again(content)]
-    return Campaign(folder, content.header, content.entries, tuple(told))
+    return Campaign(folder, content.header, content.entries, tuple(map(printable, told)))
 
 
 def _unknown_logs(folder: Path, content: journal.Journal) -> Iterator[str]:
@@ -273,6 +280,7 @@ def refuse_existing(folder: Path) -> None:
 
 def write_results(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write derived files below ``results/`` of a campaign, each whole or not at all."""
+    check_inside(folder, folder / "results")
     write_files(folder / "results", files)
 
 

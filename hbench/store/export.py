@@ -15,9 +15,12 @@ import numpy as np
 import yaml
 
 from hbench.config.layout import CHANNELS, FLAGS
+from hbench.config.words import as_cell
 from hbench.records import Run, RunPlan
 from hbench.store.arrays import require_pyarrow
 from hbench.store.run_csv import format_run
+
+_WORDS = ("label", "reason")  # that others may have written
 
 Files = Iterator[tuple[str, bytes]]  # paths below the folder, and what is in them
 
@@ -35,6 +38,8 @@ def csv_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> 
         name = f"runs/{run.plan.run}.csv"
         rows.append(_row(run.plan, name, reason))
         yield name, format_run(channels(run))
+    for row in rows:
+        row |= {name: as_cell(row[name]) for name in _WORDS}
     yield "runs.csv", _frame(rows).to_csv(index=False, lineterminator="\n").encode()
     yield from _bench_file(bench)
 

@@ -14,6 +14,7 @@ import numpy as np
 from hbench.config.bench import parse_bench
 from hbench.config.layout import Format
 from hbench.config.loading import read_yaml
+from hbench.config.words import from_cell
 from hbench.errors import DataError
 from hbench.records import RunPlan, Specimen
 from hbench.store.arrays import AnyTable, Arrays, open_table, read_mat, read_parquet
@@ -151,10 +152,17 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
         trial=int(trial),
         v_ref_m_s=_number(index, row, "v_ref_m_s", cells["v_ref_m_s"]),
         specimen=specimen,
-        label=cells.get("label", ""),
+        label=_label(index, row, cells.get("label", "")),
         **{name: _number(index, row, name, cells[name]) for name in _OPTIONAL if cells.get(name)},
     )
     return plan, cells["file"]
+
+
+def _label(index: Table, row: int, cell: str) -> str:
+    label = from_cell(cell)
+    if not label.isprintable():
+        raise _fault(index, row, "label", cell, "expected characters that can be printed")
+    return label
 
 
 def _number(index: Table, row: int, column: str, cell: str) -> float:

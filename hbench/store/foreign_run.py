@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from hbench.errors import DataError
 from hbench.records import RunPlan
-from hbench.store.reading import read_file
+from hbench.store.reading import check_inside, read_file
 
 
 @dataclass(frozen=True)
@@ -48,10 +47,5 @@ class ForeignRuns:
 def read_source(folder: Path, name: str) -> SourceFile:
     """Read a file below ``folder``. Raises ``DataError``, also for a path that leaves it."""
     path = folder / name
-    try:
-        inside = path.resolve().is_relative_to(folder.resolve())
-    except (ValueError, OSError, RuntimeError):  # no path: a NUL, too long, links in a circle
-        raise DataError(f"{folder}: file {name[:60]!r} can't be a path") from None
-    if not inside:
-        raise DataError(f"{folder}: file {name[:60]!r} lies outside the imported folder")
+    check_inside(folder, path)
     return SourceFile(name, read_file(path))

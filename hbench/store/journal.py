@@ -23,6 +23,7 @@ from typing import Any, get_args
 
 import yaml
 
+from hbench.config.words import printable
 from hbench.config.yaml_text import parse_yaml
 from hbench.errors import DataError
 from hbench.records import Outcome, RunPlan
@@ -233,7 +234,7 @@ def _edited(header: Mapping[str, Any], seals: Any, items: list[Any]) -> Iterator
 def _dump(value: Any, *, flow: bool = True) -> str:
     """Return YAML: block style, or flow style on one line without its end."""
     text = yaml.dump(
-        value,
+        _printable(value),
         Dumper=_Dumper,
         default_flow_style=flow,
         width=_ONE_LINE,
@@ -241,3 +242,12 @@ def _dump(value: Any, *, flow: bool = True) -> str:
         allow_unicode=True,
     )
     return text.rstrip("\n") if flow else text
+
+
+def _printable(value: Any) -> Any:
+    """Leave out what no reader of the journal takes, such as a folder's name can hold."""
+    if isinstance(value, str):
+        return printable(value)
+    if isinstance(value, Mapping):
+        return {_printable(key): _printable(one) for key, one in value.items()}
+    return [_printable(one) for one in value] if isinstance(value, list | tuple) else value

@@ -194,7 +194,7 @@ def test_header_without_log_layout_is_refused(folder, header):
 def test_results_lie_below_results(folder, writer):
     write_results(folder, {"results.json": b"{}", "figures/a.png": b"png"})
     assert (folder / "results" / "figures" / "a.png").read_bytes() == b"png"
-    with pytest.raises(ValueError, match="outside"):
+    with pytest.raises(DataError, match="leads out"):
         write_results(folder, {"../campaign.yaml": b""})
 
 
