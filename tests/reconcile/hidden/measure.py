@@ -17,10 +17,11 @@ from hbench.config.scaling import scaled
 from hbench.config.schedule import parse_schedule
 from hbench.experiment.header import campaign_header
 from hbench.experiment.plan import plan_runs
+from hbench.experiment.recorder import CHANNELS
 from hbench.experiment.runner import run_campaign
 from hbench.model.sensors import sensor_parameters
-from hbench.protocol.dictionary import FLAGS, RECORD
-from hbench.records import LogChannel, Outcome, RawRun, Run, RunPlan
+from hbench.protocol.dictionary import FLAGS
+from hbench.records import Outcome, RawRun, Run, RunPlan
 from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign import CampaignWriter
@@ -30,9 +31,10 @@ from hidden.draws import Drawn
 from hidden.instruments import astray, rewritten
 from hidden.laws.table import EFFECTS
 
-_CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
 _SIDES = ("test", "load")
-_RIGID = 0.7  # of an added mass; the rest is a column of oil
+_RIGID = (
+    0.4  # of an added mass; the rest is a column of oil, which damps what the rigid part excites
+)
 _START = datetime(2026, 1, 1, tzinfo=UTC)
 
 
@@ -86,7 +88,7 @@ class _Kept:
         self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
     ) -> None:
         rate = self._bench.controllers.log_rate
-        raw = RawRun(plan, words, _CHANNELS, FLAGS, rate, outcome, why)
+        raw = RawRun(plan, words, CHANNELS, FLAGS, rate, outcome, why)
         self.runs.append(calibrate(raw, self._bench))
 
 
