@@ -199,7 +199,8 @@ class _Worth:
         """Return the profile's intervals; none where neither end is set by the data."""
         level = self.factor**2 * self.variance
         rest = cost(self.problem, self.solution.x)
-        if not rest > _ROUNDING**2 * cost(self.problem, np.zeros_like(self.se)):
+        whole = float(np.sum((self.jacobian * self.problem.scale) ** 2))  # of typical parameters
+        if not rest > _ROUNDING**2 * whole:
             return self.linearised()  # an exact fit: what is left is rounding
         return [self._profile(i, level) for i in range(len(self.se))]
 
