@@ -1,5 +1,6 @@
 """LuGre and Leuven: steady states, the limit in which they meet, memory, passivity."""
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -26,15 +27,21 @@ LUGRE = LEUVEN._replace(law=LAWS["lugre"].code, bristle_stiffness=3e5, elements=
 
 def travel(par, path_m, dt=1e-5):
     """Move along positions, dt apart; return friction at each step and the last states."""
-    state, rates = np.zeros(len(par.elements) * 2), np.zeros(len(par.elements) * 2)
-    force = np.empty(len(path_m) - 1)
-    for k, v in enumerate(np.diff(path_m) / dt):
+    state = np.zeros(len(par.elements) * 2)
+    return follow(np.diff(path_m) / dt, dt, par, state), state
+
+
+@numba.njit
+def follow(speeds, dt, par, state):
+    """Return friction at each step, by the midpoint rule; ``state`` goes along."""
+    rates, force = np.zeros_like(state), np.empty(len(speeds))
+    for k, v in enumerate(speeds):
         friction(v, state, 0, P_P, P_R, 1.0, par, rates)
         middle = state + 0.5 * dt * rates
         force[k] = friction(v, middle, 0, P_P, P_R, 1.0, par, rates)
         state += dt * rates
         hold_slipped(state, 0, par)
-    return force, state
+    return force
 
 
 def to_and_fro(*turns_m, speed=1e-3, dt=1e-5):

@@ -23,6 +23,7 @@ from hbench.records import (
     Specimen,
     SteadyMeans,
 )
+from hbench.report.figures import draw_all
 
 SPECIMEN = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 T95_2DOF = 4.302653
@@ -201,6 +202,11 @@ def stribeck():
 @pytest.fixture(scope="session")
 def small():
     return stribeck_results(loads=(500.0, 5000.0), speeds=5)
+
+
+@pytest.fixture(scope="session")
+def drawings(small):
+    return draw_all(small)
 
 
 @pytest.fixture(scope="session")

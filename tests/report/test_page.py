@@ -47,11 +47,6 @@ class Parsed(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def drawings(small):
-    return draw_all(small)
-
-
-@pytest.fixture(scope="module")
 def page(small, drawings):
     return page_html(small, drawings)
 
