@@ -2,6 +2,7 @@
 
 import copyreg
 from enum import IntEnum
+from typing import Any
 
 
 class ExitCode(IntEnum):
@@ -30,8 +31,10 @@ class HbenchError(Exception):
         self.message = message
         self.hint = hint
 
-    def __reduce__(self):  # between processes: as it is, whatever a subclass is made from
-        return copyreg.__newobj__, (type(self), *self.args), self.__dict__
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Between processes: as it is, whatever a subclass is made from.
+        new = copyreg.__newobj__  # type: ignore[attr-defined]
+        return new, (type(self), *self.args), self.__dict__
 
 
 class ConfigError(HbenchError):

@@ -8,7 +8,7 @@ import math
 import re
 from typing import NamedTuple
 
-Dimension = tuple[int, int, int, int, int]
+Dimension = tuple[int, ...]  # exponents of (m, kg, s, V, K)
 
 
 class Unit(NamedTuple):
@@ -71,7 +71,8 @@ def parse_unit(text: str) -> Unit:
     """Read a unit expression; raises ``ValueError`` with what was not understood."""
     if len(text) > _LONGEST:
         raise ValueError(f"unit {text[:20]!r}...: is {len(text)} characters long")
-    position, factor, dimension = 0, 1.0, (0,) * 5
+    position, factor = 0, 1.0
+    dimension: Dimension = (0,) * 5
     signs, sign = [1], 1  # sign of the open parentheses, sign of the next name
     last: Unit | None = None
     while position < len(text.rstrip()):

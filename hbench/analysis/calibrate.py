@@ -131,7 +131,8 @@ def _at_an_end(raw: RawRun, words: np.ndarray, bench: Bench) -> np.ndarray:
 
 def _own_records(raw: RawRun, column: dict[str, int]) -> tuple[np.ndarray, list[str]]:
     """Return the records of this run that are in order, and what is wrong with the others."""
-    words, faults = raw.words, []
+    words = raw.words
+    faults: list[str] = []
     if not len(words):
         return words, faults
     numbers, counts = np.unique(words[:, column["run"]], return_counts=True)

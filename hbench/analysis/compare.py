@@ -34,7 +34,8 @@ def comparisons(curves: Iterable[Curve]) -> tuple[Comparison, ...]:
         if curve.kind in ("ramp", "steady"):
             key = curve.label, curve.f_load_n, curve.p_lr_ref_pa, curve.direction, curve.specimen
             groups[key].append(curve)
-    accelerations, steady = [], []
+    accelerations: list[Comparison] = []
+    steady: list[Comparison] = []
     for group in groups.values():
         ramps = [curve for curve in group if curve.kind == "ramp" and len(curve.points) > 1]
         ramps.sort(key=lambda curve: curve.a_ref_m_s2 or 0.0)

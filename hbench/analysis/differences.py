@@ -164,10 +164,12 @@ def _friction(
             ]
             names = each[0][1]
             parts.append({name: sum(w * one[name] for w, one in each) for name in names})
+    mean_a, mean_b = sums
     found = welch(terms)
     if found is None:
-        return _untested(*sums, "no scatter: a single trial")
-    return _tested(*sums, *found, tuple(parts) if len(parts) == 2 else None, same)
+        return _untested(mean_a, mean_b, "no scatter: a single trial")
+    both = (parts[0], parts[1]) if len(parts) == 2 else None
+    return _tested(mean_a, mean_b, *found, both, same)
 
 
 def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
@@ -226,17 +228,20 @@ def _efficiency(
                 pairs.append(((point, eta), (other, eta_b)))
     if not pairs:
         return None
-    means = [float(np.mean([pair[side][1].efficiency for pair in pairs])) for side in (0, 1)]
+    mean_a, mean_b = (
+        float(np.mean([pair[side][1].efficiency for pair in pairs])) for side in (0, 1)
+    )
     each = [one for pair in pairs for one in pair]
     if any(eta.sigma_trials is None for _, eta in each):
-        return _untested(*means, "no scatter: a single trial")
+        return _untested(mean_a, mean_b, "no scatter: a single trial")
     variance = np.array([(eta.sigma_trials / len(pairs)) ** 2 for _, eta in each])
     total = float(variance.sum())
     if total == 0.0:
-        return _untested(*means, "no scatter between the trials")
+        return _untested(mean_a, mean_b, "no scatter between the trials")
     dof = total**2 / np.sum(variance**2 / np.array([point.n - 1 for point, _ in each]))
-    parts = tuple(parts_of_mean([pair[side][1].parts for pair in pairs]) for side in (0, 1))
-    return _tested(*means, float(np.sqrt(total)), float(dof), parts if all(parts) else None, same)
+    parts_a, parts_b = (parts_of_mean([pair[side][1].parts for pair in pairs]) for side in (0, 1))
+    both = (parts_a, parts_b) if parts_a and parts_b else None
+    return _tested(mean_a, mean_b, float(np.sqrt(total)), float(dof), both, same)
 
 
 def _with_efficiency(
@@ -271,7 +276,7 @@ def _of_fits(a: FitParameter, b: FitParameter) -> Difference:
         return _untested(a.value, b.value, "at a bound")
     if a.ci95 is None or b.ci95 is None or not np.isfinite([*a.ci95, *b.ci95]).all():
         return _untested(a.value, b.value, "not determined in both")
-    half = float(np.hypot(*((p.ci95[1] - p.ci95[0]) / 2 for p in (a, b))))
+    half = float(np.hypot((a.ci95[1] - a.ci95[0]) / 2, (b.ci95[1] - b.ci95[0]) / 2))
     if half == 0.0:
         return _untested(a.value, b.value, "no scatter")
     p_value = float(2 * ndtr(-NORMAL_95 * abs(b.value - a.value) / half))

@@ -66,6 +66,7 @@ def driver(forces: Forces) -> tuple[Literal["hydraulics", "load"] | None, str]:
         return None, "no pressure in either chamber, so no hydraulic power"
     into_load, from_fluid = f_applied * forces.v_m_s, f_test * forces.v_m_s
     least = MIN_FORCE_SHARE * (abs(forces.piston_n) + abs(forces.rod_n))
+    side: Literal["hydraulics", "load"]
     if into_load > 0 and from_fluid > 0:
         side, force = "hydraulics", f_test
     elif into_load < 0 and from_fluid < 0:

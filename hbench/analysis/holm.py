@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 
-def holm(p_values: Sequence[float]) -> np.ndarray:
+def holm(p_values: Sequence[float] | np.ndarray) -> np.ndarray:
     """Return p values after Holm (1979): max over k <= i of (m - k + 1) p_(k), at most 1."""
     p = np.asarray(p_values, dtype=float)
     order = np.argsort(p)

@@ -13,7 +13,7 @@ wrong (on the virtual rig by up to 150 N at a jump, and the bristles' parameters
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -176,7 +176,7 @@ def _start(tustin: Fit | None) -> FrictionParameters:
 
 
 def _put(par: FrictionParameters, fit: Fit) -> FrictionParameters:
-    values = {
+    values: dict[str, Any] = {
         UNKNOWNS[name].field: parameter.value
         for name, parameter in fit.parameters.items()
         if name in UNKNOWNS

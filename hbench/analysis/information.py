@@ -51,7 +51,7 @@ def identification_messages(
     half = factor * np.sqrt(np.diag(spread))
     half = half if profiled is None else np.fmax(half, profiled)
     unknown = (half > np.abs(seen.x)) & (half > _PART * seen.scale)
-    return [_sentence(seen, spread, i) for i in np.flatnonzero(unknown)]
+    return [_sentence(seen, spread, i) for i in np.flatnonzero(unknown).tolist()]
 
 
 def _sentence(seen: Information, spread: np.ndarray, number: int) -> str:

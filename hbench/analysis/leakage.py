@@ -30,9 +30,9 @@ from scipy.integrate import cumulative_trapezoid
 from hbench.analysis.intervals import covariance_over_runs
 from hbench.analysis.student import student_factor
 from hbench.config.bench import Bench
-from hbench.records import Decay, Leakage, LeakCoefficient, Run, ScreenedRun, Series
+from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun, Series
 
-NAMES = ("across_piston", "piston_side_out", "rod_side_out")
+NAMES: tuple[Leak, ...] = ("across_piston", "piston_side_out", "rod_side_out")
 _SETTLE_S = 0.3  # after the valves have closed
 # Of the best seen direction: smaller eigenvalues of the scaled problem count as none. Pressures
 # whose ratio changes by 3 % give about as much; less would amplify every error thirtyfold.

@@ -13,6 +13,7 @@ uses sliding too.
 
 from collections.abc import Sequence
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -54,11 +55,12 @@ def fit_leuven(
     """
     law = known._replace(law=LAWS["leuven"].code)
     n = len(law.elements)
-    others = {name: (UNKNOWNS | _SHAPES)[name] for name in names}
+    others = {name: {**UNKNOWNS, **_SHAPES}[name] for name in names}
     elements = {f"theta_{i + 1}_n": Unknown("", "N", 0.0, 1e5, _SIZE_N) for i in range(n)}
 
     def put(x: np.ndarray) -> FrictionParameters:
-        values = {u.field: float(v) for u, v in zip(others.values(), x[n:], strict=True)}
+        new = zip(others.values(), x[n:].tolist(), strict=True)
+        values: dict[str, Any] = {u.field: value for u, value in new}
         return law._replace(elements=tuple(x[:n].tolist()), **values)
 
     spans = spans if "delta_max_m" in others else (1.0,)

@@ -59,8 +59,8 @@ def levels(screened: Iterable[ScreenedRun], mass_kg: float) -> tuple[Level, ...]
         run = one.run
         if run.plan.kind == "steps" and one.accepted and run.v_ref_m_s is not None:
             steps = steps_of(run, mass_kg)
-            key = run.plan.label, run.plan.f_load_n, run.plan.p_lr_ref_pa
-            key = (*key, tuple(step.v_to_m_s for step in steps))
+            series = run.plan.label, run.plan.f_load_n, run.plan.p_lr_ref_pa
+            key = (*series, tuple(step.v_to_m_s for step in steps))
             groups[key].append((run.plan.trial, run.plan.run, steps))
     return tuple(
         _level(Series(*key[:3]), number, runs)

@@ -6,7 +6,7 @@ sigma_1, sliding the rest.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -58,7 +58,8 @@ def fit_lugre(
     unknowns = {name: UNKNOWNS[name] for name in names}
 
     def put(x: np.ndarray) -> FrictionParameters:
-        values = {u.field: float(value) for u, value in zip(unknowns.values(), x, strict=True)}
+        new = zip(unknowns.values(), x.tolist(), strict=True)
+        values: dict[str, Any] = {u.field: value for u, value in new}
         return law._replace(**values)
 
     start = np.array([getattr(law, u.field) for u in unknowns.values()])

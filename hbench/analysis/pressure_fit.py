@@ -42,7 +42,7 @@ def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
 PRESSURE_BASED = Law(
     name="pressure_based",
     units=UNITS,
-    model=lambda inputs, k: pressure_based(*inputs, k),
+    model=lambda inputs, k: pressure_based(inputs[0], inputs[1], inputs[2], k),
     jacobian=_jacobian,
     basis=_basis,
     nonlinear="k2_s_m",

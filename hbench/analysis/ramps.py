@@ -17,7 +17,7 @@ from hbench.analysis.average import student_interval
 from hbench.analysis.logged_motion import LoggedMotion, logged_motion
 from hbench.analysis.verification import ramp_curve
 from hbench.errors import DataError
-from hbench.records import Curve, CurvePoint, ScreenedRun
+from hbench.records import Curve, CurvePoint, RunPlan, ScreenedRun
 
 _MEMORY_M = 0.02  # as the steady window: about ten lengths of presliding
 _BINS = 20  # over the top speed; the first one begins with its second half
@@ -32,13 +32,14 @@ def ramp_curves(
     ``mass_kg`` is the test side's; 0 where it is not known, and then the inertia stays in.
     """
     groups: dict[tuple, list[tuple[int, LoggedMotion]]] = defaultdict(list)
-    plans, notes = {}, []
+    plans: dict[tuple, RunPlan] = {}
+    notes = []
     for one in screened:
         plan = one.run.plan
         if plan.kind != "ramp" or not one.accepted:
             continue
-        key = (plan.label, plan.direction, plan.f_load_n, plan.p_lr_ref_pa, plan.specimen)
-        key = (*key, plan.a_ref_m_s2)
+        series = (plan.label, plan.direction, plan.f_load_n, plan.p_lr_ref_pa, plan.specimen)
+        key = (*series, plan.a_ref_m_s2)
         try:
             groups[key].append((plan.trial, logged_motion(one.run, mass_kg)))
         except DataError as error:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -76,12 +77,15 @@ def _with_values(run: Run) -> tuple[Run, list[str]]:
     optional = [name for name in channels if name not in ("t_s", "x_m")]
     empty = [name for name in optional if len(run.t_s) and np.isnan(channels[name]).all()]
     notes = [f"{name} has no value in any sample: taken as not measured" for name in empty]
-    run = replace(run, **dict.fromkeys(empty))
+    none: dict[str, Any] = dict.fromkeys(empty)
+    run = replace(run, **none)
     needed = [channels[n] for n in ("t_s", "x_m", *_needed(run)) if getattr(run, n) is not None]
     known = np.logical_and.reduce([np.isfinite(values) for values in needed])
     if known.all():
         return run, notes
-    kept = {name: values[known] for name, values in channels.items() if name not in empty}
+    kept: dict[str, Any] = {
+        name: values[known] for name, values in channels.items() if name not in empty
+    }
     words = "lack time, position or what friction is made of"
     return replace(run, **kept), [
         *notes,

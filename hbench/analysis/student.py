@@ -3,7 +3,7 @@
 from scipy.special import stdtrit
 
 
-def student_factor(dof: int) -> float:
+def student_factor(dof: float) -> float:
     """Return t with P(|T| <= t) = 0.95 for ``dof`` degrees of freedom.
 
     4.303 for the two degrees of freedom of three trials (equation 6.3; the 3.182 printed there

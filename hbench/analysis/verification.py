@@ -88,8 +88,8 @@ def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndar
     for i in range(1, len(speeds_m_s)):
         own = (place == i) & (sign(like) * v > 0)
         if own.any():
-            means = (float(values[own].mean()) for values in (v, friction, p_p, p_r, applied))
-            points.append(_point(like, *means, tuple(m.run for m in motions)))
+            means = [float(values[own].mean()) for values in (v, friction, p_p, p_r, applied)]
+            points.append(_point(like, tuple(m.run for m in motions), *means))
     return replace(like, kind="ramp", points=tuple(points), fits=())
 
 
@@ -121,18 +121,19 @@ class _Parts(dict[str, list[np.ndarray]]):
         for name, pieces in self.items():
             d = np.concatenate(pieces)
             means = np.sqrt(np.mean(d**2, axis=0)).tolist() if len(d) else [float("nan")] * 4
-            found[name] = ModelErrors(*means, samples=len(d))
+            friction, v, p_p, p_r = means
+            found[name] = ModelErrors(friction, v, p_p, p_r, samples=len(d))
         return found
 
 
 def _point(
     like: Curve,
+    runs: tuple[str, ...],
     v: float,
     friction: float,
     p_p: float,
     p_r: float,
     applied: float,
-    runs: tuple[str, ...],
 ) -> CurvePoint:
     f_test = p_p * like.specimen.area_piston_m2 - p_r * like.specimen.area_rod_m2
     return CurvePoint(

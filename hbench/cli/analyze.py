@@ -2,8 +2,12 @@
 
 from enum import StrEnum
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
+
+if TYPE_CHECKING:
+    from hbench.records import Results
 
 _FIT = typer.Option(None, help="Fit file: laws, bounds, weights, loss, bootstrap.")
 
@@ -55,7 +59,7 @@ def report(
     typer.echo(_result(results, as_json))
 
 
-def _result(results, as_json: bool) -> str:
+def _result(results: "Results", as_json: bool) -> str:
     from hbench.report.tables import results_json, summary_text
 
     return results_json(results) if as_json else summary_text(results)

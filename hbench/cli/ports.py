@@ -1,8 +1,13 @@
 """``hbench ports``: lists serial ports, and which answer as an hbench board."""
 
 import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import typer
+
+if TYPE_CHECKING:
+    from hbench.rig.find import Found
 
 
 def ports(
@@ -26,7 +31,7 @@ def ports(
     typer.echo(_json(found) if as_json else _table(found))
 
 
-def _json(found) -> str:
+def _json(found: Sequence["Found"]) -> str:
     rows = [
         {
             "port": f.port.name,
@@ -41,7 +46,7 @@ def _json(found) -> str:
     return json.dumps({"schema": "hbench.ports/1", "ports": rows}, indent=2)
 
 
-def _table(found) -> str:
+def _table(found: Sequence["Found"]) -> str:
     if not found:
         return "no serial ports"
     rows = [(f.port.name, _answer(f), f.port.description) for f in found]
@@ -52,7 +57,7 @@ def _table(found) -> str:
     )
 
 
-def _answer(found) -> str:
+def _answer(found: "Found") -> str:
     if found.board:
         return f"board '{found.board.board}', firmware '{found.board.firmware}'"
     return f"error: {found.why}" if found.why else found.state

@@ -5,7 +5,7 @@ needs too: controllers, limits and the tolerances of the instruments. A plant fi
 keys of ``Plant`` and replaces them one by one.
 """
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -64,13 +64,14 @@ class Pump(Section):
 
     flow: q.Flow  # at most
     cut_off: q.Pressure  # at which it delivers nothing
-    band: q.quantity("bar", gt=0, le=1e8)  # below cut_off, over which it swivels out
+    # Below cut_off, over which it swivels out.
+    band: Annotated[float, q.quantity("bar", gt=0, le=1e8)]
     compensator_lag: q.TimeConstant
     swash_lag: q.TimeConstant
     relief: q.Pressure
-    relief_gain: q.quantity("l/min/bar", ge=0, le=1e-6)
-    leakage: q.quantity("l/min/bar", ge=0, le=1e-6)
-    capacity: q.quantity("cm^3/bar", gt=0, le=1e-6)  # of line and accumulator
+    relief_gain: Annotated[float, q.quantity("l/min/bar", ge=0, le=1e-6)]
+    leakage: Annotated[float, q.quantity("l/min/bar", ge=0, le=1e-6)]
+    capacity: Annotated[float, q.quantity("cm^3/bar", gt=0, le=1e-6)]  # of line and accumulator
 
 
 class Supply(Section):
@@ -84,17 +85,17 @@ class Supply(Section):
 class Valve(Section):
     """The three servo valves, all alike: static gain 2.15, dynamics 2.16."""
 
-    gain: q.quantity("m^2/V", gt=0, le=1e-3)
+    gain: Annotated[float, q.quantity("m^2/V", gt=0, le=1e-3)]
     bandwidth: q.Frequency
     damping: q.Number
-    limit: q.quantity("V", gt=0, le=10)  # the board's converter has +-10 V
+    limit: Annotated[float, q.quantity("V", gt=0, le=10)]  # the board's converter has +-10 V
 
 
 class EndStop(Section):
     """The cylinder heads as a stiff spring and damper."""
 
-    stiffness: q.quantity("N/m", gt=0, le=1e9)
-    damping: q.quantity("N s/m", ge=0, le=1e7)
+    stiffness: Annotated[float, q.quantity("N/m", gt=0, le=1e9)]
+    damping: Annotated[float, q.quantity("N s/m", ge=0, le=1e7)]
 
 
 class Plant(Section):
@@ -115,14 +116,14 @@ class Plant(Section):
 class VelocityLoop(Section):
     """Gain and time constant of the velocity PI (equation 4.36)."""
 
-    gain: q.quantity("V/m", gt=0, le=1e6)
+    gain: Annotated[float, q.quantity("V/m", gt=0, le=1e6)]
     time_constant: q.TimeConstant
 
 
 class PressureLoop(Section):
     """Gain and time constant of a pressure PI (equation 4.36)."""
 
-    gain: q.quantity("V/(Pa s)", gt=0, le=1)
+    gain: Annotated[float, q.quantity("V/(Pa s)", gt=0, le=1)]
     time_constant: q.TimeConstant
 
 
@@ -130,8 +131,8 @@ class Feedforward(Section):
     """Velocity feedforward of the pressure loops (equations 4.27 and 4.28)."""
 
     enabled: bool
-    rod: q.quantity("V s/m", ge=0, le=1e4)
-    piston: q.quantity("V s/m", ge=0, le=1e4)
+    rod: Annotated[float, q.quantity("V s/m", ge=0, le=1e4)]
+    piston: Annotated[float, q.quantity("V s/m", ge=0, le=1e4)]
 
 
 class Controllers(Section):
@@ -155,14 +156,14 @@ class Limits(Section):
 
     travel_min: q.Position
     travel_max: q.Position
-    pressure_max: q.quantity("bar", gt=0, le=1e8)
-    speed_max: q.quantity("mm/s", gt=0, le=0.6)  # a log word holds 0.65 m/s
-    stopping_time: q.quantity(
-        "ms", ge=0, le=1
-    )  # valves closed, the piston goes on for its speed times this
+    pressure_max: Annotated[float, q.quantity("bar", gt=0, le=1e8)]
+    speed_max: Annotated[float, q.quantity("mm/s", gt=0, le=0.6)]  # a log word holds 0.65 m/s
+    # Valves closed, the piston goes on for its speed times this.
+    stopping_time: Annotated[float, q.quantity("ms", ge=0, le=1)]
     speed_error: q.Speed  # from the reference ...
-    speed_error_time: q.quantity("s", ge=0, le=60)  # ... for longer than this
-    heartbeat: q.quantity("s", ge=1, le=60)  # longest silence of the host, which asks again for 2 s
+    speed_error_time: Annotated[float, q.quantity("s", ge=0, le=60)]  # ... for longer than this
+    # Longest silence of the host, which asks again for 2 s.
+    heartbeat: Annotated[float, q.quantity("s", ge=1, le=60)]
 
 
 class Programmer(Section):
@@ -249,9 +250,8 @@ def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
     merged = dict(base)
     for key, value in over.items():
         below = base.get(key)
-        both = isinstance(value, dict) and isinstance(below, dict)
-        if both and value.get("law", below.get("law")) == below.get("law"):
-            merged[key] = merge(below, value)
-        else:
-            merged[key] = value
+        merged[key] = value
+        if isinstance(value, dict) and isinstance(below, dict):
+            if value.get("law", below.get("law")) == below.get("law"):
+                merged[key] = merge(below, value)
     return merged

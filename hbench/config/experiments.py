@@ -27,6 +27,7 @@ class Travel(Section):
 class Loaded(Section):
     """What all kinds have: the load, the trials and the hold before each run."""
 
+    kind: str
     label: str = ""  # tells two series of one campaign apart
     p_lr: q.Pressure  # reference of the load cylinder's rod side
     # Of F_L; positive opposes extension.
@@ -45,7 +46,7 @@ class Steady(Loaded):
     velocities: Velocities
     travel: Travel
     acceleration: q.Acceleration
-    window: q.quantity("s", gt=0.1, le=60)  # longest steady window
+    window: Annotated[float, q.quantity("s", gt=0.1, le=60)]  # longest steady window
 
     @model_validator(mode="after")
     def _follows_friction(self) -> "Steady":
@@ -103,7 +104,7 @@ class Steps(Loaded):
 
     kind: Literal["steps"]
     levels: tuple[q.Velocity, ...] = Field(min_length=1, max_length=50)
-    dwell: q.quantity("s", gt=0, le=600)
+    dwell: Annotated[float, q.quantity("s", gt=0, le=600)]
     acceleration: q.Acceleration = 100.0  # of the reference: as good as at once
     travel: Travel
 
@@ -113,7 +114,7 @@ class Stretch(Section):
 
     velocity: q.Velocity
     acceleration: q.Acceleration
-    duration: q.quantity("s", gt=0, le=600)
+    duration: Annotated[float, q.quantity("s", gt=0, le=600)]
 
 
 class Verification(Loaded):
@@ -129,7 +130,7 @@ class Hold(Loaded):
 
     kind: Literal["hold"]
     positions: tuple[q.Position, ...] = Field(min_length=1, max_length=50)
-    duration: q.quantity("s", gt=0, le=3600)
+    duration: Annotated[float, q.quantity("s", gt=0, le=3600)]
 
 
 Experiment = Annotated[

@@ -17,23 +17,22 @@ def _rises(bounds: tuple[float, float]) -> tuple[float, float]:
     return bounds
 
 
-def _range(unit: str, **limits: float) -> Any:
-    number = q.quantity(unit, **limits)
-    return Annotated[tuple[number, number], AfterValidator(_rises)]
-
-
-Range = tuple[float, float]
+_Force = Annotated[float, q.quantity("N", ge=-1e7, le=1e7)]
+_Speed = Annotated[float, q.quantity("m/s", gt=0, le=10)]
+_Slope = Annotated[float, q.quantity("N s/m", ge=-1e7, le=1e7)]
+_Rate = Annotated[float, q.quantity("s/m", ge=-1e4, le=0)]
+_rising = AfterValidator(_rises)
 
 
 class FitBounds(Section):
     """Bounds of parameters, by their names in the results: table 6.1 of the source by default."""
 
-    f_coulomb_n: _range("N", ge=-1e7, le=1e7) = (0.0, 1e5)
-    f_stiction_n: _range("N", ge=-1e7, le=1e7) = (0.0, 1e5)
-    v_stribeck_m_s: _range("m/s", gt=0, le=10) = (0.05, 0.2)
-    b_viscous_n_s_m: _range("N s/m", ge=-1e7, le=1e7) = (0.0, 1e5)
+    f_coulomb_n: Annotated[tuple[_Force, _Force], _rising] = (0.0, 1e5)
+    f_stiction_n: Annotated[tuple[_Force, _Force], _rising] = (0.0, 1e5)
+    v_stribeck_m_s: Annotated[tuple[_Speed, _Speed], _rising] = (0.05, 0.2)
+    b_viscous_n_s_m: Annotated[tuple[_Slope, _Slope], _rising] = (0.0, 1e5)
     # From no fall at all to one over 2 mm/s, below the speeds that the bench holds.
-    k2_s_m: _range("s/m", ge=-1e4, le=0) = (-500.0, 0.0)
+    k2_s_m: Annotated[tuple[_Rate, _Rate], _rising] = (-500.0, 0.0)
 
 
 class Fitting(Section):

@@ -8,10 +8,10 @@ from hbench.config import quantity as q
 from hbench.config.loading import validate
 from hbench.config.quantity import Section
 
-Viscous = q.quantity("N s/m", ge=0, le=1e7)
-Slope = q.quantity("N s/m", ge=-1e7, le=1e7)
-BristleStiffness = q.quantity("N/m", gt=0, le=1e8)
-SealFriction = q.quantity("N/bar", ge=0, le=1e-2)
+Viscous = Annotated[float, q.quantity("N s/m", ge=0, le=1e7)]
+Slope = Annotated[float, q.quantity("N s/m", ge=-1e7, le=1e7)]
+BristleStiffness = Annotated[float, q.quantity("N/m", gt=0, le=1e8)]
+SealFriction = Annotated[float, q.quantity("N/bar", ge=0, le=1e-2)]
 
 
 class _Friction(Section):
@@ -102,7 +102,7 @@ class PressureBased(_Seals):
 
     law: Literal["pressure_based"]
     stribeck_force: q.Force  # k1
-    stribeck_rate: q.quantity("s/m", ge=-1e4, le=100)  # k2
+    stribeck_rate: Annotated[float, q.quantity("s/m", ge=-1e4, le=100)]  # k2
 
 
 Friction = Annotated[

@@ -2,7 +2,7 @@
 
 import math
 import re
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
@@ -27,7 +27,7 @@ class ImportedCylinder(Section):
     """The cylinder under test of another bench."""
 
     piston_diameter: q.Length
-    rod_diameter: q.quantity("mm", ge=0, le=20) = 0.0
+    rod_diameter: Annotated[float, q.quantity("mm", ge=0, le=20)] = 0.0
     stroke: q.Length | None = None  # for end_stop: x_m is 0 where the piston is all the way in
 
     @property

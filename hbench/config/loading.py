@@ -3,13 +3,16 @@
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from hbench.config.regular import NoSuchSize, read_regular
 from hbench.config.yaml_text import parse_yaml
 from hbench.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
 
 _Model = TypeVar("_Model", bound=BaseModel)
 _MAX_BYTES = 1_000_000
@@ -49,11 +52,11 @@ def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
         raise ConfigError("\n".join(faults), _hint(error)) from None
 
 
-def _own_faults(error: ValidationError) -> list[dict[str, Any]]:
+def _own_faults(error: ValidationError) -> list["ErrorDetails"]:
     """Return the faults, but no list that is too short only because its items have faults."""
     faults = error.errors()
 
-    def follows(fault: dict[str, Any]) -> bool:
+    def follows(fault: "ErrorDetails") -> bool:
         depth = len(fault["loc"])
         return fault["type"] == "too_short" and any(
             len(other["loc"]) > depth and other["loc"][:depth] == fault["loc"] for other in faults
@@ -62,7 +65,7 @@ def _own_faults(error: ValidationError) -> list[dict[str, Any]]:
     return [fault for fault in faults if not follows(fault)]
 
 
-def _explain(fault: dict[str, Any], data: Any) -> str:
+def _explain(fault: "ErrorDetails", data: Any) -> str:
     key = ".".join(_keys(fault, data)) or "(whole file)"
     if fault["type"] == "extra_forbidden":
         return f"unknown key '{key}'"
@@ -80,7 +83,7 @@ def brief(value: Any) -> str:
     return words if len(words) <= _BRIEF else f"{words[:_BRIEF]}..."
 
 
-def _keys(fault: dict[str, Any], data: Any) -> Iterator[str]:
+def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
     """Yield the keys that stand in the file, and one that is missing there.
 
     Pydantic adds the kind or strategy that it chose by one.

@@ -1,7 +1,7 @@
 """Field types of the configuration: quantities with a unit, a range, and a hint in the error."""
 
 import operator
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
@@ -15,8 +15,8 @@ _LIMITS = {
 }
 
 
-def quantity(unit: str, **limits: float) -> Any:
-    """Return the type of a field that reads ``"150 bar"`` and holds a float in SI.
+def quantity(unit: str, **limits: float) -> BeforeValidator:
+    """Return what makes an ``Annotated[float, ...]`` read ``"150 bar"`` and hold a float in SI.
 
     ``unit`` is what messages speak in. ``limits`` (``gt``, ``ge``, ``lt``, ``le``) are in SI.
     """
@@ -29,7 +29,7 @@ def quantity(unit: str, **limits: float) -> Any:
                 raise ValueError(f"must be {words} {from_si(limit, unit):.6g} {unit}")
         return si
 
-    return Annotated[float, BeforeValidator(read)]
+    return BeforeValidator(read)
 
 
 class Section(BaseModel):
@@ -38,26 +38,26 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-Length = quantity("mm", gt=0, le=20)
-Position = quantity("mm", ge=0, le=20)
-Offset = quantity("mm", ge=-20, le=20)
-Flow = quantity("l/min", gt=0, le=1)
-Volume = quantity("cm^3", ge=0, le=1)
-Mass = quantity("kg", gt=0, le=1e5)
-Density = quantity("kg/m^3", gt=100, le=2000)
-BulkModulus = quantity("bar", ge=1e6, le=1e10)
-Pressure = quantity("bar", ge=0, le=1e8)
-PressureRate = quantity("bar/s", ge=1e5, le=1e10)
-Speed = quantity("mm/s", gt=0, le=10)
-Velocity = quantity("mm/s", ge=-10, le=10)
-Acceleration = quantity("m/s^2", ge=0.01, le=100)
-Force = quantity("N", ge=0, le=1e7)
-SignedForce = quantity("N", ge=-1e7, le=1e7)
-Duration = quantity("s", ge=0, le=3600)
-TimeConstant = quantity("ms", ge=0, le=60)
-Frequency = quantity("Hz", gt=0, le=1e6)
-Voltage = quantity("V", gt=0, le=100)
-NoiseVoltage = quantity("mV", ge=0, le=1)
-SignedVoltage = quantity("V", ge=-100, le=100)
-Ratio = quantity("%", ge=0, le=1)
+Length = Annotated[float, quantity("mm", gt=0, le=20)]
+Position = Annotated[float, quantity("mm", ge=0, le=20)]
+Offset = Annotated[float, quantity("mm", ge=-20, le=20)]
+Flow = Annotated[float, quantity("l/min", gt=0, le=1)]
+Volume = Annotated[float, quantity("cm^3", ge=0, le=1)]
+Mass = Annotated[float, quantity("kg", gt=0, le=1e5)]
+Density = Annotated[float, quantity("kg/m^3", gt=100, le=2000)]
+BulkModulus = Annotated[float, quantity("bar", ge=1e6, le=1e10)]
+Pressure = Annotated[float, quantity("bar", ge=0, le=1e8)]
+PressureRate = Annotated[float, quantity("bar/s", ge=1e5, le=1e10)]
+Speed = Annotated[float, quantity("mm/s", gt=0, le=10)]
+Velocity = Annotated[float, quantity("mm/s", ge=-10, le=10)]
+Acceleration = Annotated[float, quantity("m/s^2", ge=0.01, le=100)]
+Force = Annotated[float, quantity("N", ge=0, le=1e7)]
+SignedForce = Annotated[float, quantity("N", ge=-1e7, le=1e7)]
+Duration = Annotated[float, quantity("s", ge=0, le=3600)]
+TimeConstant = Annotated[float, quantity("ms", ge=0, le=60)]
+Frequency = Annotated[float, quantity("Hz", gt=0, le=1e6)]
+Voltage = Annotated[float, quantity("V", gt=0, le=100)]
+NoiseVoltage = Annotated[float, quantity("mV", ge=0, le=1)]
+SignedVoltage = Annotated[float, quantity("V", ge=-100, le=100)]
+Ratio = Annotated[float, quantity("%", ge=0, le=1)]
 Number = Annotated[float, Field(gt=0, allow_inf_nan=False)]

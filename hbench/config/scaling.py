@@ -1,6 +1,8 @@
 """Copies of a configuration with other values at dotted paths, such as ``valve.gain``."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from operator import mul
 from typing import Any
 
 from hbench.config.quantity import Section
@@ -9,7 +11,7 @@ from hbench.config.quantity import Section
 def scaled(section: Section, factors: Mapping[str, float]) -> Any:
     """Return a copy of a configuration section with the values at dotted paths multiplied."""
     for path, factor in factors.items():
-        section = replaced(section, path.split("."), lambda value, by=factor: value * by)
+        section = replaced(section, path.split("."), partial(mul, factor))
     return section
 
 

@@ -1,6 +1,6 @@
 """What measures: the sensors with their signal path to the converter, and their tolerances."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -43,8 +43,8 @@ class PressureSensor(Transducer):
 class LoadCell(Section):
     """The strain-gauge bar between the cylinders (appendix C, equation C.6)."""
 
-    area: q.quantity("mm^2", gt=0, le=1)
-    youngs_modulus: q.quantity("GPa", gt=1e8, le=1e12)
+    area: Annotated[float, q.quantity("mm^2", gt=0, le=1)]
+    youngs_modulus: Annotated[float, q.quantity("GPa", gt=1e8, le=1e12)]
     poisson: float = Field(ge=0, lt=0.5)
     gauge_factor: q.Number
     bridge_supply: q.Voltage

@@ -73,7 +73,7 @@ class Adaptive(Section):
     min_step: q.Speed
     max_step: q.Speed
     # Between two speeds, friction may depart by this much from what its neighbours tell.
-    tolerance: q.quantity("N", gt=0, le=1e6)
+    tolerance: Annotated[float, q.quantity("N", gt=0, le=1e6)]
 
     @model_validator(mode="after")
     def _has_room(self) -> "Adaptive":

@@ -12,7 +12,7 @@ DEEPEST = 50  # levels of nesting; what reads it is recursive
 MOST_REPEATED = 100_000  # values that aliases may add
 LONGEST_NUMBER = 400  # characters; some take quadratic time, and more than 4300 can't be shown
 
-_Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_Base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _SCALARS = ("int", "float", "bool", "timestamp")
 
 
@@ -69,7 +69,7 @@ class _Open:
 def _check(text: str) -> None:
     """Raise ``MarkedYAMLError`` for what a loader would take, or break at."""
     stack: list[_Open] = []
-    anchors: dict[str, int] = {}  # to the number of values
+    anchors: dict[str | None, int] = {}  # to the number of values
     repeated = 0
     for event in yaml.parse(text, Loader=_Base):
         if isinstance(event, yaml.CollectionEndEvent):

@@ -115,7 +115,9 @@ def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> li
 
 def margin_checks(points: Sequence[GridPoint], loops: Sequence[Pi]) -> tuple[Check, ...]:
     """Judge all loops at all points; one check a loop and margin, with its worst point."""
-    phase, gain, moduli = {}, {}, {}
+    phase: dict[str, dict[str, float]] = {}
+    gain: dict[str, dict[str, float]] = {}
+    moduli: dict[str, float] = {}
     for point in points:
         moduli[point.where] = sampled.modulus(point.plant, loops)
         for i, (name, *_) in enumerate(LOOPS):

@@ -150,7 +150,7 @@ def backward_euler(s: np.ndarray) -> np.ndarray:
 def root_locus(open_loop: TransferFunction) -> RootLocus:
     """Return the closed loop's poles as the gain grows from 1/50 to 50 times its value."""
     numerator, denominator = np.array(open_loop.numerator), np.array(open_loop.denominator)
-    branches = []
+    branches: list[np.ndarray] = []
     for factor in _FACTORS:
         roots = np.roots(np.polyadd(denominator, factor * numerator))
         if branches:  # in the order of the gain before

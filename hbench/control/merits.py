@@ -36,7 +36,8 @@ def margins(omega: np.ndarray, response: np.ndarray) -> Margins:
     phases = np.angle(-np.exp(1j * _at(phase, at_gain)))  # above -180 degrees, of any turn
     phase_margin, phase_at = _least(phases, _at(log_w, at_gain))
     turns = np.arange(np.ceil(phase.min() / (2 * np.pi) - 0.5), phase.max() / (2 * np.pi) + 0.5)
-    at_phase = np.concatenate([_crossings(phase + np.pi - 2 * np.pi * n) for n in turns] or [[]])
+    crossings = [_crossings(phase + np.pi - 2 * np.pi * n) for n in turns]
+    at_phase = np.concatenate([np.zeros(0), *crossings])
     gain_margin, gain_at = _least(-_at(log_gain, at_phase), _at(log_w, at_phase))
     return Margins(
         float(np.exp(gain_margin)),

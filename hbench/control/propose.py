@@ -67,7 +67,8 @@ def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
     c = linearise(par, point)
     reached, left_out = conditions(bench, par)
     points = grid(bench, par, reached)
-    best, slowest, chosen = (), 0.0, None
+    best: tuple[int, ...] = ()
+    slowest, chosen = 0.0, None
     for order in permutations(range(3)):
         w = _fastest(points, c, ratio, order, beyond=slowest * ratio**2)
         if w > 0.0:
@@ -121,14 +122,14 @@ def family(c: Coefficients, w: float, ratio: float, order: Sequence[int]) -> tup
         width = w / ratio**rank
         tau = d_1 / d_0 - n_1 / n_0 if loop == T else ZERO_RATIO / width
         loops[loop] = (_gain(plants(c)[loop], tau, width), tau)
-    return tuple(loops[i] for i in range(3))
+    return loops[0], loops[1], loops[2]
 
 
 def _gain(plant: TransferFunction, tau: float, width: float) -> float:
     """Return K_c with which the closed loop has the bandwidth ``width`` [rad/s]."""
     omega = width * np.geomspace(1e-3, 100.0, 800)
     opened = (plant * pi(1.0, tau))(1j * omega)
-    guess = 1 / abs((plant * pi(1.0, tau))(1j * width))
+    guess = float(1 / abs((plant * pi(1.0, tau))(1j * width)))
 
     def surplus(log_factor: float) -> float:
         loop = guess * np.exp(log_factor) * opened
@@ -136,5 +137,5 @@ def _gain(plant: TransferFunction, tau: float, width: float) -> float:
 
     low, high = -4.0, 2.0
     if not surplus(low) < 0 < surplus(high):
-        return float(guess)  # a resonance makes the bandwidth jump; the margins will tell
+        return guess  # a resonance makes the bandwidth jump; the margins will tell
     return float(guess * np.exp(brentq(surplus, low, high, xtol=1e-4)))

@@ -1,6 +1,7 @@
 """Transfer functions of plants, controller and valve (4.25, 4.26, 4.29 to 4.36, 2.16)."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ class TransferFunction:
     numerator: tuple[float, ...]
     denominator: tuple[float, ...]
 
-    def __call__(self, s: np.ndarray | complex) -> np.ndarray | complex:
+    def __call__(self, s: np.ndarray | complex) -> Any:
         """Return the value at ``s`` [rad/s]."""
         return np.polyval(self.numerator, s) / np.polyval(self.denominator, s)
 

@@ -61,7 +61,8 @@ def verify_laws(
         whole = [run for run in recorded.runs if not run.aborted and not run.truncated]
         modelled = {chosen[int(run.plan.run) - 1].run: run for run in whole}
         pairs = [(run, modelled[run.plan.run]) for run in measured if run.plan.run in modelled]
-        errors = model_errors(*zip(*pairs, strict=True), mass_kg) if pairs else {}
+        runs, models_runs = [run for run, _ in pairs], [run for _, run in pairs]
+        errors = model_errors(runs, models_runs, mass_kg) if pairs else {}
         stopped = (
             f"the model's board stopped itself after {len(pairs)} of {len(measured)} runs: "
             f"{recorded.stopped}"

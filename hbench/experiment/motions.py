@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from hbench.config.experiments import (
     Verification,
 )
 from hbench.config.schedule import Screening
+from hbench.config.velocities import Adaptive
 from hbench.errors import ConfigError
 from hbench.experiment.speeds import speeds
 from hbench.records import Motion, Segment
@@ -104,6 +106,7 @@ def _time_to(distance: float, v: float, a: float, target: float) -> float:
 def _steady(
     experiment: Steady, screening: Screening, bench: Bench, key: str
 ) -> Iterator[Reference]:
+    assert not isinstance(experiment.velocities, Adaptive)  # whose speeds are found while it runs
     for speed in speeds(experiment.velocities):
         yield steady_reference(experiment, float(speed), screening, bench, key)
 
@@ -153,7 +156,7 @@ def _triangle(
         Segment(0.0, a, v / a),
     )
     until = experiment.until
-    ending = {"until": until.quantity, "within": until.within} if until else {}
+    ending: dict[str, Any] = {"until": until.quantity, "within": until.within} if until else {}
     middle = 0.5 * (travel.start + travel.end)
     motion = Motion(
         travel.start, middle, middle, experiment.hold, cycle, cycles=experiment.cycles, **ending
@@ -184,9 +187,7 @@ def _largest(row: tuple[Segment, ...]) -> float:
     return max((segment.v_m_s for segment in row), key=abs)
 
 
-def _motion(
-    experiment: Loaded, travel: Travel, row: tuple[Segment, ...], **ending: object
-) -> Motion:
+def _motion(experiment: Loaded, travel: Travel, row: tuple[Segment, ...], **ending: Any) -> Motion:
     """Start at the end of the travel from which the first movement leads away."""
     first = next((segment.v_m_s for segment in row if segment.v_m_s), 1.0)
     x_start = travel.start if first > 0 else travel.end

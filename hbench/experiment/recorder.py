@@ -8,10 +8,10 @@ import numpy as np
 
 from hbench.config.bench import Bench
 from hbench.errors import DeviceError
+from hbench.experiment.journal import Journal
 from hbench.experiment.progress import Ended, Progress
 from hbench.protocol.dictionary import FLAGS, PHASES, RECORD
 from hbench.records import LogChannel, Outcome, RawRun, RunPlan, ScreenedRun
-from hbench.store.campaign import CampaignWriter
 
 CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
 END_MISSING = "the end of its log is missing"
@@ -36,7 +36,7 @@ class Recorder:
         self,
         plans: Iterable[RunPlan],
         bench: Bench,
-        journal: CampaignWriter,
+        journal: Journal,
         clock: Callable[[], datetime],
         judge: Judge | None = None,
         retry: int = 0,

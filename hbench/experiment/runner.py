@@ -12,6 +12,7 @@ from typing import Any
 
 from hbench.config.bench import Bench
 from hbench.errors import ConfigError, DeviceError
+from hbench.experiment.journal import Journal
 from hbench.experiment.progress import Report
 from hbench.experiment.recorder import END_MISSING, Judge, Recorder
 from hbench.experiment.upload import uploads
@@ -19,7 +20,6 @@ from hbench.protocol.dictionary import FAULTS, STATES
 from hbench.records import RunPlan
 from hbench.rig.client import BoardClient, Identity, NoAnswer
 from hbench.rig.settings import board_settings
-from hbench.store.campaign import CampaignWriter
 
 POLL_S = 0.25  # between two looks at the board
 LEAST_LOG_S = 4.0  # that its log must hold: some lost looks and their repetitions
@@ -42,7 +42,7 @@ def run_campaign(
     plans: Sequence[RunPlan],
     bench: Bench,
     client: BoardClient,
-    journal: CampaignWriter,
+    journal: Journal,
     clock: Callable[[], datetime],
     report: Report,
     resume: bool = False,

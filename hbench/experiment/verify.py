@@ -76,13 +76,17 @@ def plants(bench: Bench) -> dict[str, dict[str, float]]:
     }
 
 
+def _constant(value: float) -> Callable[[float], float]:
+    return lambda _: value
+
+
 def with_gains(bench: Bench, loops: Sequence[Pi]) -> Bench:
     """Return the bench with other gains: K_c and tau_c of velocity, rod and piston pressure."""
     names = ("velocity", "rod_pressure", "piston_pressure")
     for name, (gain, tau) in zip(names, loops, strict=True):
         for key, value in (("gain", gain), ("time_constant", tau)):
             path = ["controllers", name, key]
-            bench = replaced(bench, path, lambda _, value=value: value)
+            bench = replaced(bench, path, _constant(value))
     return bench
 
 

@@ -25,7 +25,7 @@ N_CHANNELS = len(CHANNELS)
 FRACTION = 16  # parts of a count that a tick's mean is kept in
 
 # Parameter triples of seven channels make 7-tuples that compiled code can index.
-Channels = tuple[float, float, float, float, float, float, float]
+Channels = tuple[float, ...]
 
 
 class SensorParameters(NamedTuple):

@@ -135,7 +135,8 @@ def residuals(log: Prepared, known: Model, names: tuple[str, ...] = BALANCES) ->
     A supply that stays the same is logged as the same word: its rounding is no noise that a mean
     lessens. The other signals' noise makes it one.
     """
-    run, one, found = log.run, log.one, {}
+    run, one = log.run, log.one
+    found: dict[str, np.ndarray] = {}
     for made, make in _MAKERS:
         if set(made) & set(names):
             found |= make(log, known)

@@ -65,6 +65,7 @@ from hbench.records.identification import (
 from hbench.records.motions import (
     Comparison,
     Decay,
+    Leak,
     Leakage,
     LeakCoefficient,
     Level,
@@ -114,6 +115,7 @@ __all__ = [
     "Identification",
     "IdentifiedLaw",
     "JointFit",
+    "Leak",
     "LeakCoefficient",
     "Leakage",
     "Level",

@@ -88,11 +88,14 @@ class Level:
     kind: str = "steps"
 
 
+Leak = Literal["across_piston", "piston_side_out", "rod_side_out"]
+
+
 @dataclass(frozen=True)
 class LeakCoefficient:
     """One laminar leak [m^3/(s Pa)], conditional on bulk modulus and volumes of the bench file."""
 
-    name: Literal["across_piston", "piston_side_out", "rod_side_out"]
+    name: Leak
     value: float | None  # None: the runs don't determine it
     se: float | None
     ci95: tuple[float, float] | None

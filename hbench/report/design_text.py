@@ -2,7 +2,8 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from hbench.records import Check, ControlLoop, Design, LoopMerits, Proposal, Reproduced
 from hbench.report.tables import plain
@@ -42,7 +43,7 @@ def design_json(design: Design) -> str:
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
 
 
-def _loop(loop: ControlLoop) -> dict[str, object]:
+def _loop(loop: ControlLoop) -> dict[str, Any]:
     roots = loop.locus[0]
     return {
         "name": loop.name,
@@ -69,7 +70,7 @@ _SCALARS = (
 )
 
 
-def _roots(values: Sequence[complex] | None) -> list[list[float]] | None:
+def _roots(values: Iterable[complex] | None) -> list[list[float]] | None:
     return None if values is None else [_complex(value) for value in values]
 
 
@@ -77,7 +78,7 @@ def _complex(value: complex) -> list[float]:
     return [float(value.real), float(value.imag)]
 
 
-def _proposal(proposal: Proposal | None) -> dict[str, object] | None:
+def _proposal(proposal: Proposal | None) -> dict[str, Any] | None:
     if proposal is None:
         return None
     return {
@@ -129,7 +130,7 @@ def fact_lines(design: Design) -> tuple[str, ...]:
 
 def loop_rows(design: Design) -> Rows:
     """Return a row for each loop and chain, as ``LOOP_HEAD``."""
-    rows = []
+    rows: Rows = []
     for loop in design.loops:
         for merits in loop.merits:
             first = merits is loop.merits[0]

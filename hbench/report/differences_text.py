@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterable
 from dataclasses import asdict
+from typing import Any
 
 from hbench.records import (
     CampaignDifferences,
@@ -106,11 +107,12 @@ _METHOD = (
 
 
 def _verdict(found: CampaignDifferences) -> str:
-    real = [one for one in found.curves if one.mean_n is not None and one.mean_n.real]
+    means = [(one.a, one.mean_n) for one in found.curves if one.mean_n is not None]
+    real = [(curve, mean) for curve, mean in means if mean.real]
     if not real:
         return f"No difference of mean friction is shown in any of {len(found.curves)} curves."
     words = "; ".join(
-        f"{_who(one.a)}: {_signed(one.mean_n)} N ({_percent(one.mean_n)})" for one in real
+        f"{_who(curve)}: {_signed(mean)} N ({_percent(mean)})" for curve, mean in real
     )
     return f"Mean friction differs in {len(real)} of {len(found.curves)} curves. {words}."
 
@@ -191,7 +193,7 @@ def _percent(difference: Difference) -> str:
     return f"{'+' if share > 0 else ''}{short(share)} %"
 
 
-def _numbers(difference: Difference | None) -> dict | None:
+def _numbers(difference: Difference | None) -> Any:
     if difference is None:
         return None
     return {**asdict(difference), "difference": difference.value, "real": difference.real}

@@ -65,8 +65,8 @@ def draw_pair(one: CurveDifference, found: CampaignDifferences) -> Figure:
     style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
     sources = {found.a.source, found.b.source}
     if "simulated" in sources:
-        words = "simulated" if len(sources) == 1 else "one is simulated"
-        above.set_title(words, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
+        mark = "simulated" if len(sources) == 1 else "one is simulated"
+        above.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
     style.legend_above(figure, above, columns=1)
     return figure
 

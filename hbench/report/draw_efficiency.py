@@ -18,7 +18,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
     """
     curves = told_apart(curve for curve in results.efficiency if _has_values(curve))
     ranks = load_ranks(curves)
-    figures = {}
+    figures: dict[str, Figure] = {}
     for direction in style.DIRECTIONS:
         chosen = [curve for curve in curves if curve.direction == direction]
         if not chosen:

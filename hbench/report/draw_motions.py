@@ -122,7 +122,7 @@ def surfaces(results: Results) -> dict[str, Figure]:
         lines = axes.contour(
             v, load, friction, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5
         )
-        axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
+        axes.clabel(lines, list(lines.levels)[1::2], fontsize=8, fmt="%g")
         points = np.array([(speed, one) for one in load for speed in v])
         (dots,) = axes.plot(*points.T, label="_measured", **style.DOTS)
         behind(dots, {"Friction |F| (N)": friction.ravel()})

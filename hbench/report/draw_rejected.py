@@ -1,6 +1,7 @@
 """The rejected runs by reason."""
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from hbench.records import Results
 from hbench.report import style
@@ -30,7 +31,7 @@ def rejected(results: Results) -> dict[str, Figure]:
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False)
     axes.set_xlabel("Runs rejected (count)")
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.xaxis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], integer=True))
     axes.margins(x=0.1)
     axes.set_ylim(-0.7, len(counts) - 0.3)
     style.head(axes, "Rejected runs, by reason", results)

@@ -40,7 +40,7 @@ def fit_tables(results: Results) -> dict[str, Table]:
         names = list(dict.fromkeys(name for _, _, fit in chosen for name in fit.parameters))
         units = {name: fit.parameters[name].unit for *_, fit in chosen for name in fit.parameters}
         heads = [_parameter_head(name, units[name]) for name in names]
-        rows = []
+        rows: list[tuple[str | Cell, ...]] = []
         for columns, _, fit in chosen:
             cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
             rows.append((*columns, *cells, _residual_cell(fit)))
@@ -84,13 +84,11 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
         return Cell("")
     shown = PARAMETERS[name][1] if name in PARAMETERS else "1"
     value = from_si(parameter.value, shown)
-    determined = parameter.ci95 is not None and all(map(math.isfinite, parameter.ci95))
-    text = significant(value, 3)
-    if determined:
-        text = with_ends(value, *(from_si(end, shown) for end in parameter.ci95))
-    if parameter.at_bound is not None:
-        return Cell(text, f"at {parameter.at_bound} bound")
-    return Cell(text, "" if determined else "not determined")
+    text, flag = significant(value, 3), "not determined"
+    if parameter.ci95 is not None and all(map(math.isfinite, parameter.ci95)):
+        low, high = (from_si(end, shown) for end in parameter.ci95)
+        text, flag = with_ends(value, low, high), ""
+    return Cell(text, flag if parameter.at_bound is None else f"at {parameter.at_bound} bound")
 
 
 def _residual_cell(fit: Fit) -> Cell:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from typing import Any
 
 from hbench.records import Identification, IdentifiedLaw, ModelErrors, WordTable
 from hbench.records.identification import PARTS
@@ -83,7 +84,7 @@ def interval(limits: tuple[float, float] | None) -> str:
     return NONE if limits is None else " … ".join(significant(end, 4) for end in limits)
 
 
-def _law(law: IdentifiedLaw) -> dict[str, object]:
+def _law(law: IdentifiedLaw) -> dict[str, Any]:
     fit = law.fit
     return {
         "law": law.law,
@@ -100,7 +101,7 @@ def _law(law: IdentifiedLaw) -> dict[str, object]:
     }
 
 
-def _errors(errors: Mapping[str, ModelErrors]) -> dict[str, object] | None:
+def _errors(errors: Mapping[str, ModelErrors]) -> dict[str, Any] | None:
     return {part: asdict(errors[part]) for part in PARTS} if errors else None
 
 

@@ -105,8 +105,8 @@ def _of_loop(loop: Loop) -> str:
 def _of_levels(found: tuple[Level, ...]) -> Iterator[str]:
     if not found:
         return
-    seen = [one for one in found if one.overshoot_n is not None]
-    over = [one.overshoot_n for one in seen if one.resolved]
+    seen = [(one.overshoot_n, one.resolved) for one in found if one.overshoot_n is not None]
+    over = [overshoot_n for overshoot_n, resolved in seen if resolved]
     settled = [one.settling_s for one in found if one.settling_s is not None]
     step = f" in steps of {short(found[0].settling_step_s)} s" if found[0].settling_step_s else ""
     hidden = len(seen) - len(over)

@@ -2,10 +2,10 @@
 
 import yaml
 
-from hbench.records import FitParameter, Identification, IdentifiedLaw
+from hbench.records import Fit, FitParameter, Identification, IdentifiedLaw
 
 
-def overlay_yaml(found: Identification, law: IdentifiedLaw) -> str:
+def overlay_yaml(found: Identification, law: IdentifiedLaw, fit: Fit) -> str:
     """Return the text of the file: where it comes from as a comment, then the section."""
     made = found.provenance
     lines = [
@@ -14,11 +14,11 @@ def overlay_yaml(found: Identification, law: IdentifiedLaw) -> str:
         "Give it to `hbench run --plant`, or put the section into a bench file. The load",
         "cylinder's friction is not identified. Scatter from stroke to stroke is not in it.",
         "",
-        f"rms of the fit {law.fit.rmse_n:.3g} N; values and 95 % intervals:",
-        *(f"  {name} = {_value(p)}" for name, p in law.fit.parameters.items()),
+        f"rms of the fit {fit.rmse_n:.3g} N; values and 95 % intervals:",
+        *(f"  {name} = {_value(p)}" for name, p in fit.parameters.items()),
     ]
-    if law.fit.message:
-        lines += ["", *law.fit.message.split("; ")]
+    if fit.message:
+        lines += ["", *fit.message.split("; ")]
     head = "".join(f"# {line}".rstrip() + "\n" for line in lines)
     body = yaml.safe_dump({"friction": {"test": law.section}}, sort_keys=False)
     return f"{head}\n{body}"

@@ -31,8 +31,10 @@ def comparison_table(results: Results) -> Table:
 
 def loop_table(results: Results) -> Table:
     """Return energy and widths of the hysteresis loops."""
-    head = ("Triangle", "Top speed (mm/s)", "Cycles", "Energy a cycle (J)", "At v (mm/s)")
-    head = (*head, "Width (N)", "Width by the board's velocity (N)")
+    head = (
+        *("Triangle", "Top speed (mm/s)", "Cycles", "Energy a cycle (J)", "At v (mm/s)"),
+        *("Width (N)", "Width by the board's velocity (N)"),
+    )
     rows = [
         (
             series_words(loop.series),
@@ -51,8 +53,10 @@ def loop_table(results: Results) -> Table:
 
 def level_table(results: Results) -> Table:
     """Return the steps of the reference and what friction did."""
-    head = ("Load", "From (mm/s)", "To (mm/s)", "Friction before (N)", "Friction after (N)")
-    head = (*head, "Overshoot (N)", "Settled after (s), in whole records", "Trials", "Remark")
+    head = (
+        *("Load", "From (mm/s)", "To (mm/s)", "Friction before (N)", "Friction after (N)"),
+        *("Overshoot (N)", "Settled after (s), in whole records", "Trials", "Remark"),
+    )
     rows = [
         (
             series_words(one.series),

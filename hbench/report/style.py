@@ -37,7 +37,7 @@ TITLES = {"extend": "Extending", "retract": "Retracting"}
 WIDTH_IN = 5.2  # two side by side on a desktop page; the type stays legible at half this width
 WIDE_IN = 10.8  # over the whole width of a desktop page
 
-RC = {
+RC: Any = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so that it is the same everywhere
     "font.size": 11,
     "axes.titlesize": 12,

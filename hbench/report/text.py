@@ -32,8 +32,9 @@ def significant(value: float | None, digits: int) -> str:
 
 def with_interval(value: float | None, half_width: float | None) -> str:
     """Write ``value ± half_width``, both to the second significant digit of the half-width."""
-    known = half_width is not None and math.isfinite(half_width) and half_width > 0
-    if value is None or not math.isfinite(value) or not known:
+    if half_width is None or not math.isfinite(half_width) or not half_width > 0:
+        return significant(value, 3)
+    if value is None or not math.isfinite(value):
         return significant(value, 3)
     decimals = min(max(0, 1 - math.floor(math.log10(half_width))), 6)
     return f"{number(value, decimals)} ± {number(half_width, decimals)}"

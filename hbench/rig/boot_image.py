@@ -87,7 +87,7 @@ def parse_boot_image(text: str, source: str) -> BootImage:
     _check_key(cursor.take(2, "the key"), source)
     cursor.take(_RESERVED_OCTETS, "the reserved words")
     entry = cursor.long("the entry point")
-    blocks = []
+    blocks: list[Block] = []
     while count := cursor.word(f"the size of block {len(blocks) + 1}"):
         number = len(blocks) + 1
         address = cursor.long(f"the address of block {number}")

@@ -227,9 +227,9 @@ class BoardClient:
                 on_the_way.pop(reply.sequence).reply = reply
             for sequence in lost:
                 self._send(sequence, on_the_way.pop(sequence), on_the_way)
-            while due and due[0][1].reply:
+            while due and (answer := due[0][1].reply):
                 values, asked = due.popleft()
-                yield values, self._unpack(asked)
+                yield values, self._unpack(asked.message, answer)
 
     def _send(self, sequence: int, asked: _Asked, on_the_way: dict[int, _Asked]) -> None:
         name = asked.message.name
@@ -256,8 +256,8 @@ class BoardClient:
                 return None
             self._arrived += self._receiver.feed(self.port.read(left))
 
-    def _unpack(self, asked: _Asked) -> dict[str, Any]:
-        name, reply = asked.message.name, asked.reply
+    def _unpack(self, message: Message, reply: Frame) -> dict[str, Any]:
+        name = message.name
         if reply.code == ERROR:
             refusal = int.from_bytes(reply.payload[2:4], "little")
             known = refusal < len(REFUSALS)
@@ -265,7 +265,7 @@ class BoardClient:
         if name == "identify":
             self._refuse_stranger(reply.payload)
         try:
-            return unpack(asked.message.reply, reply.payload)
+            return unpack(message.reply, reply.payload)
         except ValueError as error:
             raise DeviceError(f"{self.port.name}: reply to '{name}': {error}") from None
 

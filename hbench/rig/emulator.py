@@ -72,8 +72,10 @@ class EmulatedFirmware:
             ) from None
         finally:
             far.close()
-        self._order_fd = self._process.stdin.fileno()
-        self._answer_fd = self._process.stdout.fileno()
+        orders, answers = self._process.stdin, self._process.stdout
+        assert orders is not None and answers is not None  # pipes, as asked for
+        self._order_fd, self._answer_fd = orders.fileno(), answers.fileno()
+        self._ends = (orders, answers, self._uart, self._complaints)
         self._ears = select.poll()
         for end in (self._answer_fd, self._uart):
             self._ears.register(end, select.POLLIN)
@@ -113,7 +115,7 @@ class EmulatedFirmware:
         """End the emulator; while it waits for an order, it hears no milder signal."""
         self._process.kill()
         self._process.wait()
-        for end in (self._process.stdin, self._process.stdout, self._uart, self._complaints):
+        for end in self._ends:
             end.close()
 
     def _carry_out(self, code: int, words: Sequence[int] = _NO_WORDS) -> tuple[int, int, int]:

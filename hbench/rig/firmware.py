@@ -79,7 +79,7 @@ class HostFirmware:
         until a frame has ended among them. They hold until ``close``.
         """
         functions = (self._library.hb_host_tick, self._library.hb_host_poll)
-        tick, poll = (ctypes.cast(function, ctypes.c_void_p).value for function in functions)
+        tick, poll = (ctypes.cast(function, ctypes.c_void_p).value or 0 for function in functions)
         return tick, poll, self._board
 
     def receive(self, data: bytes) -> int:

@@ -16,7 +16,10 @@ class Line(Protocol):
     """The rig's end of a line to one client at a time."""
 
     name: str  # what the client gives as its port
-    connected: bool  # as the last ``read`` saw it
+
+    @property
+    def connected(self) -> bool:
+        """Whether a client is there, as the last ``read`` saw it."""
 
     def read(self, timeout_s: float) -> bytes:
         """Return what the client sent, at once if there is something; empty after the timeout."""
@@ -108,7 +111,9 @@ class SocketLine:
         """Return what the client sent; let one in or turn it away."""
         ends = [self._listener] if self._client is None else [self._listener, self._client]
         ready, _, _ = select.select(ends, [], [], timeout_s)
-        data = self._receive() if self._client in ready else b""
+        data = b""
+        if self._client is not None and self._client in ready:
+            data = self._receive(self._client)
         if self._listener in ready:
             self._accept()
         return data
@@ -140,9 +145,9 @@ class SocketLine:
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._client = client
 
-    def _receive(self) -> bytes:
+    def _receive(self, client: socket.socket) -> bytes:
         try:
-            data = self._client.recv(_CHUNK)
+            data = client.recv(_CHUNK)
         except OSError:
             data = b""
         if not data:

@@ -7,17 +7,18 @@ so that the client's timeouts mean the same on both.
 import errno
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Protocol
 
 import serial
 
 from hbench.errors import DeviceError
 
-try:
-    from termios import error as TermiosError
-except ImportError:  # not on Windows; pyserial raises nothing else there
-    TermiosError = OSError
+_ERRORS: tuple[type[Exception], ...] = (OSError, TypeError, ValueError)  # of a lost or busy port
+with suppress(ImportError):  # not on Windows
+    import termios
+
+    _ERRORS += (termios.error,)
 
 BAUD = 115_200
 _CHUNK = 4096
@@ -80,7 +81,7 @@ class SerialPort:
         """Close the device; one that has vanished is closed already."""
         try:
             self._serial.close()
-        except (OSError, TermiosError, TypeError):
+        except _ERRORS:
             return
 
     def _drain(self) -> None:
@@ -101,7 +102,7 @@ class SerialPort:
             raise DeviceError(
                 f"{self.name}: the line takes no more octets ({error})", _hint(None)
             ) from None
-        except (OSError, TermiosError, TypeError, ValueError) as error:
+        except _ERRORS as error:
             code = getattr(error, "errno", None)
             kind = PortBusy if code in (errno.EAGAIN, errno.EBUSY) else DeviceError
             raise kind(f"{self.name}: can't {action}: {error}", _hint(code)) from None

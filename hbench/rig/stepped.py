@@ -18,8 +18,8 @@ from hbench.rig.firmware import POLL_TICKS
 class SteppedBoard(Protocol):
     """The firmware somewhere, e.g. ``HostFirmware`` or ``EmulatedFirmware``."""
 
-    def receive(self, data: bytes) -> int:
-        """Send octets to the board; returns how many found room."""
+    def receive(self, data: bytes) -> object:
+        """Send octets to the board; what finds no room is lost."""
 
     def transmit(self) -> bytes:
         """Take the octets that wait for the host."""
@@ -54,7 +54,12 @@ class SteppedRig:
     """
 
     def __init__(
-        self, name: str, board: SteppedBoard, bench: Bench, plant: Plant | None = None, seed=1
+        self,
+        name: str,
+        board: SteppedBoard,
+        bench: Bench,
+        plant: Plant | None = None,
+        seed: int = 1,
     ):
         self.name = name
         self._board = board

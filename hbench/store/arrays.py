@@ -3,7 +3,7 @@
 import io
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from hbench.config.layout import Format
 from hbench.errors import ConfigError, DataError
 from hbench.store.mat_sizes import LARGEST_UNPACKED, check_mat_sizes
 from hbench.store.table import Table, parse_table
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _V73 = b"MATLAB 7.3 MAT-file"
 # One step of a path: a name, then (k) for an element or (:,k) for a column.
@@ -139,7 +142,7 @@ def read_mat(data: bytes, source: str) -> dict[str, Any]:
     return {name: value for name, value in content.items() if name and not name.startswith("__")}
 
 
-def read_parquet(data: bytes, source: str):
+def read_parquet(data: bytes, source: str) -> "DataFrame":
     """Return a Parquet file's data frame. Raises ``DataError``, ``ConfigError``."""
     require_pyarrow()
     import pandas as pd

@@ -203,14 +203,16 @@ class Campaign:
     def _log(self, entry: Entry, suffix: str) -> tuple[bytes, tuple[str, ...]]:
         """Return the file of one attempt at a run, known by its hash, and what is odd about it."""
         path = self.folder / "runs" / f"{entry.plan.run}{suffix}"
+        odd: tuple[str, ...] = ()
+        data = b""
         if not path.is_file():
-            data, odd = b"", (f"missing: runs/{path.name} is not there",)
+            odd = (f"missing: runs/{path.name} is not there",)
         else:
             try:
                 check_inside(self.folder, path)
-                data, odd = read_file(path), ()
+                data = read_file(path)
             except DataError as error:
-                data, odd = b"", (f"unreadable: {error.message}",)
+                odd = (f"unreadable: {error.message}",)
         if entry.stop is None or (not odd and sha256(data) == entry.stop.sha256):
             return data, odd
         for earlier in path.parent.glob(f"{path.stem}~*{suffix}"):

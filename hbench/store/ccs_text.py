@@ -48,7 +48,8 @@ def parse_ccs(data: bytes, source: str, headerless: Notation | None = None) -> C
     """
     lines, ended = _lines(data, source)
     first_line = lines[0].split() if lines else []
-    announced, code, warnings = 0, 0, []
+    announced, code = 0, 0
+    warnings: list[str] = []
     if len(first_line) > 1:
         code, announced = _header(first_line, source)
         samples, offset = [line.strip() for line in lines[1:]], 2

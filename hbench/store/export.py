@@ -9,7 +9,7 @@ Sample times are kept as they are, and a channel that a bench does not have is l
 import io
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
@@ -19,6 +19,9 @@ from hbench.config.words import as_cell
 from hbench.records import Run, RunPlan
 from hbench.store.arrays import require_pyarrow
 from hbench.store.run_csv import format_run
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _WORDS = ("label", "reason")  # that others may have written
 
@@ -95,7 +98,7 @@ def _row(plan: RunPlan, file: str, reason: str) -> dict[str, Any]:
     return own | {"file": file, "accepted": not reason, "reason": reason}
 
 
-def _frame(rows: list[dict[str, Any]]):
+def _frame(rows: list[dict[str, Any]]) -> "DataFrame":
     import pandas as pd
 
     return pd.DataFrame(rows, columns=list(_INDEX))

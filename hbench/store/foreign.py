@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from hbench.config.importmap import parse_import_map
 from hbench.config.loading import read_yaml
@@ -47,8 +48,8 @@ def import_folder(
     if not source.is_dir():
         raise ConfigError(f"{source}: no such folder")
     refuse_existing(destination)
-    header = {"name": source.resolve().name, "source": "imported", "created": at.isoformat()}
-    header |= {"software": dict(software), "folder": str(source)}
+    header: dict[str, Any] = {"name": source.resolve().name, "source": "imported"}
+    header |= {"created": at.isoformat(), "software": dict(software), "folder": str(source)}
     if map_path is None:
         found = read_indexed(source)
         if found.bench is not None:

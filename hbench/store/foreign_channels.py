@@ -51,9 +51,8 @@ def read_file(
     notes += told_held
     channels, told = _zeroed(channels, source, name, rules)
     notes += told
-    if rules.resample is not None:
-        channels, lines, told = _resampled(channels, lines, source, name, rules)
-        notes += told
+    channels, lines, told = _resampled(channels, lines, source, name, rules)
+    notes += told
     return FileChannels(channels, lines, tuple(notes))
 
 
@@ -140,6 +139,8 @@ def _resampled(
     channels: dict[str, np.ndarray], lines: np.ndarray, source: str, name: str, rules: ImportMap
 ) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
     t_s, rate = channels["t_s"], rules.resample
+    if rate is None:
+        return channels, lines, []
     step = float(np.median(np.diff(t_s))) if len(t_s) > 1 else np.inf
     if rate * step > 1 + 1e-6:
         raise DataError(

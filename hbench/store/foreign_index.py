@@ -146,6 +146,9 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
     trial = cells.get("trial") or "1"
     if not trial.isdecimal() or len(trial) > 6 or int(trial) < 1:
         raise _fault(index, row, "trial", trial, "expected a number from 1")
+    references: dict[str, Any] = {
+        name: _number(index, row, name, cells[name]) for name in _OPTIONAL if cells.get(name)
+    }
     plan = RunPlan(
         run=check_run_id(cells["run"], f"{index.source}: {index.where(row)}"),
         kind=kind,
@@ -153,7 +156,7 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
         v_ref_m_s=_number(index, row, "v_ref_m_s", cells["v_ref_m_s"]),
         specimen=specimen,
         label=_label(index, row, cells.get("label", "")),
-        **{name: _number(index, row, name, cells[name]) for name in _OPTIONAL if cells.get(name)},
+        **references,
     )
     return plan, cells["file"]
 

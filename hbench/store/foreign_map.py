@@ -50,8 +50,8 @@ class _Match:
     @property
     def order(self) -> tuple[float, float, float, int]:
         """Files of a series come by pressure, load, speed and trial."""
-        values = (self._si(name) or 0.0 for name in ("pressure", "load", "speed"))
-        return (*values, self.trial)
+        pressure, load, speed = (self._si(name) or 0.0 for name in ("pressure", "load", "speed"))
+        return pressure, load, speed, self.trial
 
     def _si(self, name: str) -> float | None:
         if name not in self.fields:

@@ -11,7 +11,7 @@ from hbench.errors import ConfigError, DataError
 try:
     import fcntl
 except ImportError:  # Windows has no such lock
-    fcntl = None
+    fcntl = None  # type: ignore[assignment]
 
 
 @contextmanager
@@ -27,7 +27,7 @@ def only_host(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise DataError(f"{folder}: can't be used: {error.strerror}") from None
     try:
-        if fcntl:
+        if handle is not None:
             _lock(handle, folder)
         yield
     finally:

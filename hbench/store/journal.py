@@ -38,7 +38,10 @@ _RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,99}")
 _RUNS = b"\nruns:\n"
 
 
-class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):
+_Base: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+
+
+class _Dumper(_Base):
     """A dumper that writes a value out each time, for readers of the file: no ``*id001``."""
 
     def ignore_aliases(self, data: Any) -> bool:
@@ -141,7 +144,7 @@ def intact_length(data: bytes) -> int:
 def parse_journal(data: bytes, source: str) -> Journal:
     """Read a journal. Raises ``DataError`` naming ``source`` and the line or run."""
     intact = data[: intact_length(data)]
-    warnings = ()
+    warnings: tuple[str, ...] = ()
     if len(intact) < len(data):
         line = intact.count(b"\n") + 1
         warnings = (f"{source}: line {line}: half-written and left out; the host crashed there",)

@@ -22,8 +22,10 @@ def modelica_tables(curves: Iterable[Curve]) -> bytes:
     ]
     taken: set[str] = set()
     for curve in curves:
-        known = all(p.ci95_n is not None for p in curve.points)
-        rows = [(p.v_m_s, p.friction_n, *([p.ci95_n] if known else [])) for p in curve.points]
+        rows: list[tuple[float, ...]] = [(p.v_m_s, p.friction_n) for p in curve.points]
+        intervals = [p.ci95_n for p in curve.points if p.ci95_n is not None]
+        if len(intervals) == len(rows):
+            rows = [(*row, half) for row, half in zip(rows, intervals, strict=True)]
         lines += _table(_name("measured", curve, taken), rows)
         for fit in curve.fits:
             if fit.line:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -96,7 +97,7 @@ def check_time(
 def parse_run(data: bytes, plan: RunPlan, source: str) -> Run:
     """Return the run in a CSV in SI. Raises ``DataError``."""
     channels, _ = read_channels(parse_table(data, source, Format()))
-    run = {name: values for name, values in channels.items() if name in _IN_RUN}
+    run: dict[str, Any] = {name: values for name, values in channels.items() if name in _IN_RUN}
     run |= {name: channels[name] > 0 for name in FLAGS if name in channels}
     if (v_ref := run.get("v_ref_m_s")) is not None:
         margin = max(_SAME_SPEED_M_S, _SAME_SPEED * abs(plan.v_ref_m_s))

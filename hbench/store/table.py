@@ -71,7 +71,7 @@ class Table:
             values = np.array(cells, dtype=float)
         except ValueError:
             values = np.array([_float(cell) for cell in cells])
-        for row in np.flatnonzero(~np.isfinite(values)):
+        for row in np.flatnonzero(~np.isfinite(values)).tolist():
             if not (gaps and cells[row].strip().lower() in _GAPS):
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: "
@@ -113,7 +113,8 @@ def parse_table(data: bytes, source: str, layout: Format) -> Table:
     """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
     kept = list(_lines_of_data(decoded(data), layout))
     rows, lines = _cells(kept, layout, source)
-    names, units = (), ()
+    names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
     if layout.header and rows:
         names, rows, lines = tuple(name.strip() for name in rows[0]), rows[1:], lines[1:]
     if layout.units_row and rows:

@@ -85,7 +85,7 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
 def estimate(experiment: Experiment) -> Estimate:
     """Return the runs, the time on the bench and the size of the raw logs."""
     plans, rate = experiment.plans, experiment.bench.controllers.log_rate
-    words = sum(plan.motion.duration_s for plan in plans) * rate * len(RECORD)
+    words = sum(plan.motion.duration_s for plan in plans if plan.motion) * rate * len(RECORD)
     seconds = sum(run_seconds(plans, experiment.bench).values())
     return Estimate(len(plans), seconds, round(5 * words), bool(experiment.plan.rest))
 

@@ -19,18 +19,22 @@ def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> Campai
     ``same_instruments``: their errors are the same in both; by default where both were measured on
     benches of the same name and kind with the same instruments. Raises ``DataError``.
     """
-    campaigns = load_campaign(a), load_campaign(b)
-    results = tuple(derive(campaign) for campaign in campaigns)
-    benches = [campaign.bench() for campaign in campaigns]
-    instruments = tuple(None if bench is None else bench.instruments for bench in benches)
+    ours, theirs = load_campaign(a), load_campaign(b)
+    of_a, of_b = derive(ours), derive(theirs)
+    bench_a, bench_b = ours.bench(), theirs.bench()
+    instruments = (
+        None if bench_a is None else bench_a.instruments,
+        None if bench_b is None else bench_b.instruments,
+    )
     if same_instruments is None:
         same_instruments = (
-            None not in benches
-            and benches[0].name == benches[1].name
-            and instruments[0] == instruments[1]
-            and results[0].provenance.source == results[1].provenance.source
+            bench_a is not None
+            and bench_b is not None
+            and bench_a.name == bench_b.name
+            and bench_a.instruments == bench_b.instruments
+            and of_a.provenance.source == of_b.provenance.source
         )
-    curves, notes = differences(*results, instruments, same_instruments)
+    curves, notes = differences(of_a, of_b, instruments, same_instruments)
     if not curves:
         raise DataError(
             f"{a} and {b} have no curves in common: {'; '.join(notes) or 'neither has any'}",
@@ -38,8 +42,8 @@ def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> Campai
         )
     return CampaignDifferences(
         (a.resolve().name, b.resolve().name),
-        results[0].provenance,
-        results[1].provenance,
+        of_a.provenance,
+        of_b.provenance,
         same_instruments,
         curves,
         notes,

@@ -76,7 +76,7 @@ def write_identification(folder: Path, found: Identification) -> None:
     files = figure_files(drawings)
     for law in found.laws:
         if law.fit is not None:
-            files[f"{law.law}.yaml"] = overlay_yaml(found, law).encode()
+            files[f"{law.law}.yaml"] = overlay_yaml(found, law, law.fit).encode()
     files["identification.json"] = identification_json(found).encode()
     files["identification.html"] = identification_page(found, drawings).encode()
     write_files(folder, files)

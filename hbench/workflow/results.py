@@ -83,7 +83,7 @@ def _fitting(path: Path | None) -> Fitting:
 def screened_runs(campaign: Campaign) -> Iterator[ScreenedRun]:
     """Yield the runs of a campaign with their verdicts, read one at a time."""
     bench, rules = campaign.bench(), campaign.screening()
-    if campaign.imported:
+    if campaign.imported or bench is None:  # which no other campaign lacks
         runs = campaign.runs()
     else:
         runs = (calibrate(raw, bench) for raw in campaign.raw_runs())

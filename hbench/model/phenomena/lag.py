@@ -1,6 +1,7 @@
 """Friction lag (figure 3.8): friction follows a changing velocity late."""
 
 from math import exp, pi
+from typing import Any
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def lag() -> Phenomenon:
     steepness = -fallen / TUSTIN.stribeck_velocity
     tau = (TUSTIN.coulomb + fallen) / (LUGRE.bristle_stiffness * MEAN_M_S)
 
-    def theory(f: float | np.ndarray) -> float | np.ndarray:
+    def theory(f: Any) -> Any:
         turn = 2 * pi * f * tau
         return -2 * SWING_M_S * steepness * turn / (1 + turn**2)
 

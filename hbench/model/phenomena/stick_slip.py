@@ -9,7 +9,7 @@ from hbench.model.parameters import FrictionParameters
 from hbench.model.phenomena.breakaway import breakaway_by_formula
 from hbench.model.phenomena.laws import LUGRE, line
 from hbench.model.scripted import driven_mass
-from hbench.records import Finding, Panel, Phenomenon
+from hbench.records import Finding, Line, Panel, Phenomenon
 
 # Stiff bristles and a narrow Stribeck peak: near the friction with two levels of the closed forms.
 STICK_SLIP = LUGRE._replace(
@@ -100,7 +100,8 @@ def growth(speed_m_s: float, stiffness_n_m: float, law: FrictionParameters) -> f
 def stick_slip() -> Phenomenon:
     """Show the motion, its dwell and slip times, and the speed above which it ends."""
     speeds, stiffnesses = np.array([2e-3, 5e-3, 1e-2, 2e-2]), (2e4, 5e4)
-    lines, findings = {"dwell": [], "slip": []}, []
+    lines: dict[str, list[Line]] = {"dwell": [], "slip": []}
+    findings = []
     fine = np.geomspace(speeds[0], speeds[-1], 40)
     for stiffness in stiffnesses:
         theory = np.array([_expected(v, stiffness) for v in fine])
