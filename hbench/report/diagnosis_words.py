@@ -1,6 +1,6 @@
 """What balances and signals are called on a page, and the units that a bench's people think in."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from hbench.records import FitParameter, Gap
 from hbench.report.text import number, significant, with_ends
@@ -87,8 +87,8 @@ def drawn(words: str) -> str:
     return f"${head}_{{{index}}}$" if index else words
 
 
-def shown(si: float, words: Words) -> float:
-    """Convert a number in SI to the unit it is shown in."""
+def shown(si: Any, words: Words) -> Any:
+    """Convert a number or an array in SI to the unit it is shown in."""
     return from_si(si, words.unit) if words.unit else si
 
 
