@@ -1,10 +1,13 @@
 """Made-up results: the numbers have the shape of a campaign's, and were measured by nobody."""
 
+import json
 import math
 from dataclasses import replace
+from importlib.resources import files
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 
 from hbench.records import (
     Band,
@@ -192,6 +195,28 @@ def seal_results():
     return Results(
         provenance, tuple(runs), tuple(curves), (), tuple(bands), ("No efficiency: no load cell.",)
     )
+
+
+@pytest.fixture(scope="session")
+def schema_faults():
+    """Return a function that tells where ``results.json`` is not all that its schema tells of."""
+    schema = json.loads((files("hbench.report") / "results.schema.json").read_text())
+    Draft202012Validator.check_schema(schema)
+    validator = Draft202012Validator(_closed(schema))
+    return lambda document: [
+        f"{error.json_path}: {error.message[:200]}" for error in validator.iter_errors(document)
+    ]
+
+
+def _closed(schema):
+    """Return the schema with no keys but those that it tells of."""
+    if isinstance(schema, list):
+        return [_closed(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    told = {key: _closed(value) for key, value in schema.items()}
+    own = "properties" in schema and isinstance(schema.get("type"), str)
+    return told | {"additionalProperties": False} if own else told
 
 
 @pytest.fixture(scope="session")

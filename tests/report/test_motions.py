@@ -162,8 +162,9 @@ def test_more_than_a_few_remarks_on_fits_are_folded(small):
     assert "Remarks on these fits" not in page_with(["alone"]) and "alone" in page_with(["alone"])
 
 
-def test_results_json_has_them_with_the_series_keys_of_curves(moving):
+def test_results_json_has_them_with_the_series_keys_of_curves(moving, schema_faults):
     document = json.loads(results_json(moving))
+    assert not schema_faults(document)
     assert {"kind", "label", "f_load_n", "p_lr_ref_pa"} <= document["comparisons"][0].keys()
     assert document["loops"][0]["widths"][0]["board_n"] == -17.2
     assert document["leakage"][0]["coefficients"][2]["value"] is None

@@ -1,0 +1,57 @@
+"""``results.schema.json``, which other programs may check ``results.json`` by: true and complete."""
+
+import copy
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from hbench.report.tables import results_json
+from hbench.store.campaign import load_campaign
+from hbench.workflow.results import derive
+
+SAMPLES = Path(__file__).parents[2] / "data_samples"
+BY_NAME = ("software", "details", "parameters", "intervals", "parts")  # of no fixed names
+
+
+def objects(value, key=""):
+    """Yield every object in a document whose names are fixed."""
+    if isinstance(value, dict):
+        if key not in BY_NAME:
+            yield value
+        for name, item in value.items():
+            yield from objects(item, name)
+    elif isinstance(value, list):
+        for item in value:
+            yield from objects(item)
+
+
+@pytest.mark.parametrize("name", ["stribeck", "seals", "two_rod_sides"])
+def test_made_up_results_hold_what_the_schema_tells_and_nothing_else(name, request, schema_faults):
+    assert not schema_faults(json.loads(results_json(request.getfixturevalue(name))))
+
+
+@pytest.mark.parametrize("name", ["stribeck-small", "bad-runs"])
+def test_the_sample_campaigns_hold_what_the_schema_tells_and_nothing_else(name, schema_faults):
+    assert not schema_faults(json.loads(results_json(derive(load_campaign(SAMPLES / name)))))
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda one, key: one.pop(key),
+        lambda one, key: one.update(another=1),
+        lambda one, key: one.update({key: [[]]}),
+    ],
+    ids=["missing", "another", "wrong"],
+)
+def test_no_key_may_be_missing_none_be_added_and_no_value_be_of_another_type(
+    spoil, small, schema_faults
+):
+    few = replace(small, runs=small.runs[:2], curves=small.curves[:1])
+    good = json.loads(results_json(few))
+    for number, original in enumerate(objects(good)):
+        spoilt = copy.deepcopy(good)
+        spoil(list(objects(spoilt))[number], next(iter(original)))
+        assert schema_faults(spoilt), original
