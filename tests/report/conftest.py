@@ -199,12 +199,15 @@ def seal_results():
 
 @pytest.fixture(scope="session")
 def schema_faults():
-    """Return a function that tells where ``results.json`` is not all that its schema tells of."""
-    schema = json.loads((files("hbench.report") / "results.schema.json").read_text())
-    Draft202012Validator.check_schema(schema)
-    validator = Draft202012Validator(_closed(schema))
-    return lambda document: [
-        f"{error.json_path}: {error.message[:200]}" for error in validator.iter_errors(document)
+    """Return a function that tells where a document is not all that its schema tells of."""
+    validators = {}
+    for name in ("results", "diagnosis"):
+        schema = json.loads((files("hbench.report") / f"{name}.schema.json").read_text())
+        Draft202012Validator.check_schema(schema)
+        validators[name] = Draft202012Validator(_closed(schema))
+    return lambda document, name="results": [
+        f"{error.json_path}: {error.message[:200]}"
+        for error in validators[name].iter_errors(document)
     ]
 
 

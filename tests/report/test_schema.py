@@ -1,18 +1,22 @@
-"""``results.schema.json``, which other programs may check ``results.json`` by: true and complete."""
+"""The schemas of ``results.json`` and ``diagnosis.json``, for other programs: true and complete."""
 
 import copy
 import json
 from dataclasses import replace
 from pathlib import Path
 
+import made_diagnosis as made
 import pytest
 
+from hbench.report.diagnosis_json import diagnosis_json
 from hbench.report.tables import results_json
 from hbench.store.campaign import load_campaign
 from hbench.workflow.results import derive
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
-BY_NAME = ("software", "details", "parameters", "intervals", "parts")  # of no fixed names
+# Objects of no fixed names.
+BY_NAME = ("software", "details", "parameters", "intervals", "parts", "parameters_si")
+BY_NAME += ("balances", "signals", "open_loop", "refitted", "gaps", "not_tried", "next_schedule")
 
 
 def objects(value, key=""):
@@ -50,8 +54,15 @@ def test_no_key_may_be_missing_none_be_added_and_no_value_be_of_another_type(
     spoil, small, schema_faults
 ):
     few = replace(small, runs=small.runs[:2], curves=small.curves[:1])
-    good = json.loads(results_json(few))
-    for number, original in enumerate(objects(good)):
-        spoilt = copy.deepcopy(good)
-        spoil(list(objects(spoilt))[number], next(iter(original)))
-        assert schema_faults(spoilt), original
+    documents = {"results": results_json(few), "diagnosis": diagnosis_json(made.named())}
+    for name, text in documents.items():
+        good = json.loads(text)
+        for number, original in enumerate(objects(good)):
+            spoilt = copy.deepcopy(good)
+            spoil(list(objects(spoilt))[number], next(iter(original)))
+            assert schema_faults(spoilt, name), original
+
+
+@pytest.mark.parametrize("make", [made.named, made.ambiguous, made.unknown])
+def test_diagnoses_hold_what_their_schema_tells_and_nothing_else(make, schema_faults):
+    assert not schema_faults(json.loads(diagnosis_json(make())), "diagnosis")
