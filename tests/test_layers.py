@@ -14,7 +14,7 @@ ROWS = (
     {"analysis", "control", "rig"},
     {"experiment", "reconcile"},
     {"workflow"},
-    {"cli"},
+    {"api", "cli"},
     {"__main__"},
 )
 OWN_PARTS = {"model/compiled.py"}  # reads the model's own source, for its cache

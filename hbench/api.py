@@ -1,0 +1,176 @@
+"""The Python API: a campaign as data frames, a law fitted to points, the bench simulated.
+
+``import hbench`` loads none of this; a function's first use does.
+"""
+
+import json
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from hbench.analysis.fit import LAWS, fit_law
+from hbench.config.bench import parse_bench
+from hbench.config.fitting import Fitting, parse_fitting
+from hbench.config.loading import read_yaml
+from hbench.errors import ConfigError, DataError
+from hbench.model.parameters import plant_parameters
+from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
+from hbench.model.simulation import simulate as trajectory
+from hbench.records import Curve, CurvePoint, Direction, Fit, Specimen
+from hbench.report.tables import results_json
+from hbench.store.campaign import load_campaign
+from hbench.store.export import channels
+from hbench.workflow.results import derive, screened_runs
+
+_SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
+_FIT = ("law", "rmse_n", "converged", "message")
+_STATE = {"x_m": X, "v_m_s": V, "p_tp_pa": P_TP, "p_tr_pa": P_TR, "p_lp_pa": P_LP, "p_lr_pa": P_LR}
+_START_PA = 15e5  # in the load chambers at the start of a simulation
+_UNKNOWN = Specimen(float("nan"), float("nan"))
+
+
+class Campaign:
+    """A campaign, screened, averaged and fitted; nothing is written.
+
+    ``results`` holds what ``results.json`` does, under the same names; data frames are its parts.
+    """
+
+    def __init__(self, folder: Path, how: Fitting):
+        self._campaign = load_campaign(folder)
+        self.results: dict[str, Any] = json.loads(results_json(derive(self._campaign, how)))
+
+    @property
+    def runs(self) -> pd.DataFrame:
+        """A row a run, rejected ones included."""
+        return pd.DataFrame(self.results["runs"])
+
+    @property
+    def curves(self) -> pd.DataFrame:
+        """A row a point of a friction curve."""
+        return self._points("curves")
+
+    @property
+    def efficiency(self) -> pd.DataFrame:
+        """A row a point of an efficiency curve."""
+        return self._points("efficiency")
+
+    @property
+    def fits(self) -> pd.DataFrame:
+        """A row a fitted parameter; those of all loads at once have no direction and no load."""
+        return pd.DataFrame(
+            {name: one.get(name) for name in _SERIES}
+            | {name: fit[name] for name in _FIT}
+            | {"parameter": parameter, **values}
+            for one in [*self.results["curves"], *self.results["joint_fits"]]
+            for fit in one["fits"]
+            for parameter, values in fit["parameters"].items()
+        )
+
+    def samples(self, run: str) -> pd.DataFrame:
+        """Return the log of a run in SI, a row a sample. Raises ``DataError`` if there is none."""
+        for one in screened_runs(self._campaign):
+            if one.run.plan.run == run:
+                return pd.DataFrame(channels(one.run))
+        raise DataError(f"{self._campaign.folder}: has no run {run!r}")
+
+    def _points(self, part: str) -> pd.DataFrame:
+        return pd.DataFrame(
+            {name: one[name] for name in _SERIES} | point
+            for one in self.results[part]
+            for point in one["points"]
+        )
+
+
+def load(folder: str | Path, fit: str | Path | Mapping[str, Any] | None = None) -> Campaign:
+    """Analyze a campaign as ``hbench analyze`` does, without writing anything.
+
+    ``fit`` is a fit file, or what would stand in one. Raises ``DataError``, ``ConfigError``.
+    """
+    if fit is None:
+        how = Fitting()
+    elif isinstance(fit, Mapping):
+        how = parse_fitting(dict(fit), "fit")
+    else:
+        how = parse_fitting(read_yaml(Path(fit)), str(fit))
+    return Campaign(Path(folder), how)
+
+
+def fit(
+    v_m_s: ArrayLike,
+    friction_n: ArrayLike,
+    law: str = "tustin",
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+) -> Fit:
+    """Fit a law to friction [N] (n,) over velocity [m/s] (n,) of one direction.
+
+    ``law`` is "tustin" (3.2) or "marton_lantos" (3.3); ``bounds`` replace those of table 6.1.
+    Friction that opposes the motion has the velocity's sign. Raises ``ConfigError``.
+    """
+    v, friction = np.asarray(v_m_s, dtype=float), np.asarray(friction_n, dtype=float)
+    if v.ndim != 1 or v.shape != friction.shape or not np.isfinite([v, friction]).all():
+        raise ConfigError("fit: v_m_s and friction_n must be as many finite numbers each")
+    if not (v > 0).all() and not (v < 0).all():
+        raise ConfigError("fit: velocities must have one sign", "Fit each direction by itself.")
+    if law not in LAWS:
+        raise ConfigError(f"fit: unknown law {law!r}; known are {', '.join(LAWS)}")
+    direction: Direction = "extend" if (v > 0).all() else "retract"
+    points = tuple(_point(*pair) for pair in zip(v.tolist(), friction.tolist(), strict=True))
+    curve = Curve("steady", direction, None, None, "", _UNKNOWN, points)
+    return fit_law(LAWS[law], [curve], Fitting(), bounds)
+
+
+def _point(v_m_s: float, friction_n: float) -> CurvePoint:
+    nan = float("nan")
+    return CurvePoint(
+        v_m_s=v_m_s,
+        friction_n=friction_n,
+        ci95_n=None,
+        n=1,
+        f_test_n=nan,
+        f_applied_n=nan,
+        p_tp_pa=nan,
+        p_tr_pa=None,
+        trials=(1,),
+        trials_n=(friction_n,),
+        trials_f_test_n=(nan,),
+        runs=(),
+    )
+
+
+def simulate(
+    u_v: ArrayLike,
+    bench: str | Path | None = None,
+    x_m: float | None = None,
+    seed: int | None = None,
+) -> pd.DataFrame:
+    """Simulate a bench's plant alone, from rest, under commands of its three valves.
+
+    ``u_v`` (n, 3) [V] are those of test cylinder, load rod side and load piston side, each held
+    for 100 us. ``bench`` is a bench file, by default the one that ``hbench init`` writes; ``x_m``
+    where the piston starts, by default in the middle. With a ``seed`` friction scatters from
+    stroke to stroke. Returns n + 1 rows: time, position, velocity, pressures, both cylinders'
+    friction, and what the load cell carries. Raises ``ConfigError``.
+    """
+    commands = np.asarray(u_v, dtype=float)
+    if commands.ndim != 2 or commands.shape[1] != 3 or not np.isfinite(commands).all():
+        raise ConfigError("simulate: u_v must be rows of three finite voltages")
+    file = Path(str(bench or files("hbench.config") / "examples" / "bench-aau.yaml"))
+    plant = parse_bench(read_yaml(file), str(file))
+    par = plant_parameters(plant)
+    start_m = 0.5 * plant.test_cylinder.stroke if x_m is None else x_m
+    found = trajectory(par, initial_state(par, start_m, _START_PA, _START_PA), commands, seed)
+    states = {name: found.state[:, column] for name, column in _STATE.items()}
+    return pd.DataFrame(
+        {"t_s": found.t_s}
+        | states
+        | {
+            "friction_test_n": found.friction_test_n,
+            "friction_load_n": found.friction_load_n,
+            "f_applied_n": found.f_applied_n,
+        }
+    )
