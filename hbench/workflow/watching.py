@@ -127,7 +127,7 @@ class Watch:
 
 
 def _key(entry: Entry) -> tuple[str, str]:
-    return entry.plan.run, entry.stop.sha256
+    return entry.plan.run, entry.stop.sha256 if entry.stop else ""
 
 
 def _row(one: ScreenedRun) -> dict[str, Any]:
@@ -150,7 +150,9 @@ def _planned(campaign: Campaign) -> int | None:
     """Return how many runs its schedule has; None where that is not known."""
     try:
         schedule = parse_schedule(campaign.header["schedule"]["content"], "schedule")
-        plan = plan_runs(schedule, campaign.bench(), "schedule")
+        if (bench := campaign.bench()) is None:
+            return None
+        plan = plan_runs(schedule, bench, "schedule")
     except (KeyError, TypeError, ConfigError, DataError):
         return None
     return None if plan.rest else len(plan.runs)
