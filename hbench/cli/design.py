@@ -38,7 +38,7 @@ def design(
 
     Without BENCH, those of the source, with each of its numbers beside the one obtained.
 
-    Example: hbench design my-bench/bench-aau.yaml --propose -o design
+    Example: hbench design my-bench/bench-aau.yaml --operating-point 'v=50 mm/s, load=5 kN'
     """
     from importlib.resources import files
 

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import typer
 
+from hbench.cli.printed import AS_JSON, as_object
+
 
 class Format(StrEnum):
     """What is written."""
@@ -25,6 +27,7 @@ def export(
         "campaign.mat and curves.mat for MATLAB. modelica: friction over velocity, as Modelica's "
         "tables read it.",
     ),
+    as_json: bool = AS_JSON,
 ) -> None:
     """Write CAMPAIGN's runs in SI, each with the reason if it was rejected, or its curves.
 
@@ -33,4 +36,7 @@ def export(
     from hbench import workflow
 
     count = workflow.export(campaign, output, format_.value)
-    typer.echo(f"{output}: {count} {'file' if count == 1 else 'files'}")
+    if as_json:
+        typer.echo(as_object("export", folder=output, format=format_.value, files=count))
+    else:
+        typer.echo(f"{output}: {count} {'file' if count == 1 else 'files'}")

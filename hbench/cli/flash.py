@@ -4,6 +4,7 @@ from pathlib import Path
 
 import typer
 
+from hbench.cli.printed import AS_JSON, as_object
 from hbench.rig.ports import BAUD
 
 _BOOT_BAUD = 57_600
@@ -20,6 +21,7 @@ def flash(
     bench: Path = typer.Option(
         None, help="Bench file whose 'programmer' flashes IMAGE instead of the boot ROM."
     ),
+    as_json: bool = AS_JSON,
 ) -> None:
     """Load IMAGE into a F28335's RAM through its serial boot ROM, start it and identify it.
 
@@ -40,4 +42,8 @@ def flash(
             err=True,
         )
         identity = workflow.flash(loaded, port, boot_baud, baud)
-    typer.echo(f"{port}: firmware '{identity.firmware}' runs on board '{identity.board}'")
+    if as_json:
+        found = {"firmware": identity.firmware, "board": identity.board}
+        typer.echo(as_object("flash", port=port, **found))
+    else:
+        typer.echo(f"{port}: firmware '{identity.firmware}' runs on board '{identity.board}'")

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import typer
 
+from hbench.cli.printed import AS_JSON, as_object
+
 _FILES = (
     "bench-aau.yaml",
     "model-aau.yaml",
@@ -17,7 +19,9 @@ _FILES = (
 )
 
 
-def init(directory: Path = typer.Argument(help="Folder to write into.")) -> None:
+def init(
+    directory: Path = typer.Argument(help="Folder to write into."), as_json: bool = AS_JSON
+) -> None:
     """Write commented example files to edit: a bench, its model, six schedules and a fit file.
 
     Example: hbench init my-bench
@@ -35,5 +39,5 @@ def init(directory: Path = typer.Argument(help="Folder to write into.")) -> None
             (directory / name).write_bytes(content)
     except OSError as error:
         raise ConfigError(f"{directory}: {error.strerror}") from None
-    for name in _FILES:
-        typer.echo(directory / name)
+    paths = [str(directory / name) for name in _FILES]
+    typer.echo(as_object("init", files=paths) if as_json else "\n".join(paths))

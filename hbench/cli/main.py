@@ -28,7 +28,6 @@ app = typer.Typer(
     name="hbench",
     help="Friction and efficiency of hydraulic cylinders, from a bench to a data sheet.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )

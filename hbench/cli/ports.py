@@ -1,10 +1,11 @@
 """``hbench ports``: lists serial ports, and which answer as an hbench board."""
 
-import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import typer
+
+from hbench.cli.printed import AS_JSON, as_object
 
 if TYPE_CHECKING:
     from hbench.rig.find import Found
@@ -16,7 +17,7 @@ def ports(
         metavar="[PORT]...",
         help="Look at these alone; pseudo-terminals and socket://host:port aren't listed.",
     ),
-    as_json: bool = typer.Option(False, "--json", help="Print one object instead of a table."),
+    as_json: bool = AS_JSON,
 ) -> None:
     """List serial ports, and which answer as an hbench board.
 
@@ -43,7 +44,7 @@ def _json(found: Sequence["Found"]) -> str:
         }
         for f in found
     ]
-    return json.dumps({"schema": "hbench.ports/1", "ports": rows}, indent=2)
+    return as_object("ports", ports=rows)
 
 
 def _table(found: Sequence["Found"]) -> str:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import typer
 
+from hbench.cli.printed import AS_JSON, as_object
+
 
 def run(
     schedule: Path = typer.Argument(help="Schedule file, e.g. configs/demo.yaml."),
@@ -38,6 +40,7 @@ def run(
         help="Make a run that is rejected as it ends again at once, up to this many times; every "
         "attempt's log is kept.",
     ),
+    as_json: bool = AS_JSON,
 ) -> None:
     """Run SCHEDULE and pull every run's log into a campaign folder.
 
@@ -56,6 +59,8 @@ def run(
         err=True,
     )
     if check:
+        if as_json:
+            typer.echo(as_object("estimate", name=experiment.schedule.name, **vars(estimate)))
         return
     if output is None:
         raise typer.BadParameter("a campaign folder is needed", param_hint="'-o'")
@@ -87,7 +92,10 @@ def run(
         raise
     finally:
         display.close()
-    typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
+    if as_json:
+        typer.echo(as_object("run", campaign=output, **vars(summary)))
+    else:
+        typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
 
 
 def _now() -> datetime:

@@ -1,8 +1,11 @@
 """A phenomenon in words and numbers: tables for the terminal and the page, and its data."""
 
+import json
 from collections.abc import Iterable
+from dataclasses import asdict
 
 from hbench.records import Finding, Phenomenon, WordTable
+from hbench.report.tables import plain
 from hbench.report.text import NONE, significant
 
 FINDINGS_HEAD = ("quantity", "unit", "simulated", "expected", "formula or source")
@@ -14,6 +17,19 @@ def phenomenon_text(phenomenon: Phenomenon) -> str:
     for table in tables(phenomenon):
         parts.append("\n".join(aligned(table)))
     return "\n\n".join(parts)
+
+
+def phenomenon_json(phenomenon: Phenomenon) -> str:
+    """Return what it shows and its numbers as one object; curves are in the CSV of its folder."""
+    document = {
+        "schema": "hbench.phenomenon/1",
+        "name": phenomenon.name,
+        "title": phenomenon.title,
+        "text": phenomenon.text,
+        "findings": [asdict(finding) for finding in phenomenon.findings],
+        "tables": [asdict(table) for table in phenomenon.tables],
+    }
+    return json.dumps(plain(document), indent=1, allow_nan=False)
 
 
 def tables(phenomenon: Phenomenon) -> tuple[WordTable, ...]:

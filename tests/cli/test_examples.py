@@ -1,0 +1,136 @@
+"""The example in each command's help runs as it stands there."""
+
+import json
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer.main
+from boot_rom_standin import FIRMWARE, BootLine, BootRom, Program, stream_of, text_of
+from typer.testing import CliRunner
+
+from hbench.cli.main import app
+
+ROOT = Path(__file__).parents[2]
+COMMANDS = typer.main.get_command(app).commands
+SERVERS = {"rig": ("--socket", "localhost:0"), "watch": ("--port", "0")}  # any free port
+WITHOUT_JSON = {"rig", "watch"}  # they print an address and go on
+
+
+def example(name: str) -> list[str]:
+    (line,) = re.findall(r"^ *Example: hbench (.+)$", COMMANDS[name].help, re.M)
+    command, *arguments = shlex.split(line)
+    assert command == name
+    return arguments
+
+
+@pytest.fixture
+def world(tmp_path, quick_schedule, monkeypatch):
+    """An empty folder where what the examples name is there; with a board and no serial port."""
+    schedule = quick_schedule()
+    (tmp_path / "configs").mkdir()
+    shutil.move(schedule, tmp_path / "configs" / "demo.yaml")
+    shutil.move(tmp_path / "bench.yaml", tmp_path / "configs" / "bench.yaml")
+    shutil.copy(ROOT / "configs" / "import-csv.yaml", tmp_path / "configs")
+    rom = BootRom(ram_program=Program())
+    monkeypatch.setattr("hbench.workflow.board.SerialPort", lambda name, rate: BootLine(rom, rate))
+    monkeypatch.setattr("hbench.workflow.board.system_ports", lambda: [])
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def campaigns(*names):
+    def make(world):
+        for name in names:
+            shutil.copytree(ROOT / "data_samples" / "stribeck-small", world / name)
+
+    return make
+
+
+def bench_file(world):
+    (world / "my-bench").mkdir()
+    shutil.copy(ROOT / "configs" / "bench-aau.yaml", world / "my-bench")
+
+
+def logs(world):
+    """One stroke at 50 mm/s after a second of rest, as the map tells."""
+    rows = ["Messung", "Zeit;Weg;p_A;p_B;Kraft", "ms;mm;bar;bar;kN"]
+    for i in range(700):
+        moving = max(i - 200, 0)
+        rows.append(f"{5 * i};{10 + 0.25 * moving:.2f};{24 + i % 2};8;{2 + 0.001 * (i % 3)}")
+    (world / "logs").mkdir()
+    (world / "logs" / "NBR_50mm_s_2000N_1.csv").write_text("\n".join(rows).replace(".", ","))
+
+
+def image(world):
+    identity = [*map(ord, FIRMWARE), 0]
+    stream = stream_of(0x8000, [(0x8000, [*range(1, 40)]), (0x9000, identity)])
+    (world / "firmware.txt").write_text(text_of(stream))
+
+
+def nothing(world):
+    pass
+
+
+# What an example needs, and what it leaves.
+EXAMPLES = {
+    "analyze": (campaigns("demo"), ["demo/results/results.json"]),
+    "compare": (campaigns("before", "after"), ["comparison/comparison.html"]),
+    "design": (bench_file, []),
+    "export": (campaigns("demo"), ["demo-mat/campaign.mat", "demo-mat/curves.mat"]),
+    "flash": (image, []),
+    "identify": (campaigns("dynamics"), ["laws/identification.html", "laws/identification.json"]),
+    "import": (logs, ["campaign/campaign.yaml"]),
+    "init": (nothing, ["my-bench/bench-aau.yaml", "my-bench/demo.yaml"]),
+    "ports": (nothing, []),
+    "report": (campaigns("demo"), ["demo/results/report.html"]),
+    "run": (nothing, ["demo/campaign.yaml", "demo/runs/0004.dat"]),
+    "simulate": (nothing, ["stick-slip/stick-slip.html"]),
+}
+
+
+def test_every_command_has_an_example_that_is_run_here():
+    assert set(EXAMPLES) | set(SERVERS) == set(COMMANDS)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_example_runs_and_leaves_what_it_should(name, world):
+    prepare, left = EXAMPLES[name]
+    prepare(world)
+    result = CliRunner().invoke(app, [name, *example(name), "--json"])
+    if "config/examples" in str(getattr(result.exception, "message", "")):
+        pytest.skip("the examples are put in place when hbench is installed")
+    assert result.exit_code == 0, (result.output, result.exception)
+    assert json.loads(result.stdout)["schema"].startswith("hbench.")
+    assert all((world / path).is_file() for path in left)
+
+
+@pytest.mark.parametrize("name", SERVERS)
+def test_the_example_of_a_server_tells_its_address_and_ends_with_ctrl_c(name, world):
+    campaigns("demo")(world)
+    command = [sys.executable, "-c", "from hbench.cli.main import main; main()", name]
+    process = subprocess.Popen(
+        [*command, *example(name), *SERVERS[name]], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True,
+    )  # fmt: skip
+    try:
+        address = process.stdout.readline().strip()
+        if not address and "config/examples" in (told := process.communicate(timeout=60)[1]):
+            pytest.skip(f"the examples are put in place when hbench is installed: {told}")
+        assert re.fullmatch(r"(socket|http)://(localhost|127\.0\.0\.1):\d+/?", address)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 0
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_every_command_prints_one_object_with_json(name):
+    options = {option for parameter in COMMANDS[name].params for option in parameter.opts}
+    assert ("--json" in options) == (name not in WITHOUT_JSON)
