@@ -43,7 +43,7 @@ class FigureKind:
 
 def draw_all(results: Results) -> tuple[Drawing, ...]:
     """Draw every figure that applies to ``results``, in the order of the page."""
-    drawings = []
+    drawings: list[Drawing] = []
     for kind in FIGURES:
         for series, words in _series(results) if kind.each_series else [(results, "")]:
             if kind.applies(series):

@@ -59,8 +59,7 @@ def draw_pair(one: CurveDifference, found: CampaignDifferences) -> Figure:
     style.start_at_zero(above)
     load = load_words(one.a.f_load_n, one.a.p_lr_ref_pa)
     kind = kind_words(one.a)
-    words = (style.TITLES[one.direction], kind, load)
-    title = ", ".join(filter(None, words))
+    title = ", ".join(filter(None, (style.TITLES[one.direction], kind, load)))
     above.set_title(f"Friction, {title[0].lower()}{title[1:]}")
     style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
     sources = {found.a.source, found.b.source}

@@ -1,7 +1,7 @@
 """Stribeck curves: friction over velocity, measured points with intervals and fitted lines."""
 
 from collections.abc import Iterable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,7 +31,7 @@ def stribeck(results: Results) -> dict[str, Figure]:
     """Draw |F| [N] over |v| [mm/s], one figure a direction, with measured less fitted below."""
     curves = over_velocity(results)
     ranks = load_ranks(curves)
-    figures = {}
+    figures: dict[str, Figure] = {}
     for direction in style.DIRECTIONS:
         chosen = [curve for curve in curves if curve.direction == direction]
         if chosen:
@@ -84,7 +84,9 @@ def of_trials(points: Sequence[CurvePoint]) -> dict[str, list[float | str]]:
         "runs": [" ".join(point.runs) for point in points],
     }
     if any(point.u95_n is not None for point in points):
-        known = [np.nan if point.u95_n is None else point.u95_n for point in points]
+        known: list[float | str] = [
+            np.nan if point.u95_n is None else point.u95_n for point in points
+        ]
         behind_them = {"U95 with instruments (N)": known} | behind_them
     return behind_them
 
@@ -105,7 +107,7 @@ def load_ranks(curves: Iterable[AnyCurve]) -> dict[LoadKey, int]:
     return {load: rank for rank, load in enumerate(loads)}
 
 
-def load_style(curve: AnyCurve, ranks: dict[LoadKey, int]) -> dict[str, object]:
+def load_style(curve: AnyCurve, ranks: dict[LoadKey, int]) -> dict[str, Any]:
     """Return a load's colour and marker; hollow where the load helps the motion."""
     load = curve.f_load_n
     helps = bool(load) and (load < 0) == (curve.direction == "extend")
@@ -168,7 +170,11 @@ def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) ->
     """Draw the first law: a line inside the measured speeds, dots where it is extrapolated."""
     for fit in curve.fits[:1]:
         who = f"_{fit.law}, {load_words(curve.f_load_n, curve.p_lr_ref_pa)}".removesuffix(", ")
-        inside = {"linestyle": "-" if fit.converged else "--", "zorder": 2, "label": who}
+        inside: dict[str, Any] = {
+            "linestyle": "-" if fit.converged else "--",
+            "zorder": 2,
+            "label": who,
+        }
         outside = {**_EXTRAPOLATED, "label": f"{who}, extrapolated"}
         parts = [(fit.line, inside), *((part, outside) for part in fit.beyond)]
         for line, look in parts:

@@ -1,6 +1,7 @@
 """Figures of a diagnosis in numbers: gaps, where they stand, candidates, refitted values."""
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +17,7 @@ from hbench.report.text import number, short
 
 BEFORE, AFTER, MEASURED = style.COLOURS[1], style.COLOURS[0], "#9ca3af"
 _ROW_IN, _HEAD_IN = 0.27, 1.6  # of a figure with a row for each thing
-_LOOKS = {
+_LOOKS: dict[str, dict[str, Any]] = {
     "before": {"marker": "o", "color": style.QUIET, "markerfacecolor": "white"},
     "refitted": {"marker": "D", "color": BEFORE},
     "after": {"marker": "o", "color": AFTER},

@@ -39,13 +39,13 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
             _points(axes, rows, look, style.safe(", ".join(filter(None, words))), points)
     told = any(p_lr is not None for _, _, p_lr in ranks)
     for key, rank in ranks.items():
-        words = (key[1], load_words(None, key[2]))
+        series = (key[1], load_words(None, key[2]))
         rows = [
             (band.p_tp_pa, band.half_n, band.half_ci95_n)
             for band in results.bands
             if (band.kind, band.label, band.p_lr_ref_pa if told else None) == key
         ]
-        label = style.safe(", ".join(filter(None, words)))
+        label = style.safe(", ".join(filter(None, series)))
         _points(below, rows, style.series_style(rank), f"_{label or 'half band'}")
     axes.set_ylabel("Friction |F| (N)")
     below.set(xlabel="Chamber pressure (bar)", ylabel="Half band (N)")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -64,7 +65,7 @@ def _trace(axes: Axes, one: ScreenedRun, lines: list[_Line], code: str, first: b
     if one.means is not None:
         axes.axvspan(one.means.t_start_s, one.means.t_stop_s, color="#e5e7eb", zorder=0)
     for number, line in enumerate(lines):
-        look = {"color": style.QUIET, "linestyle": "--"} if line.dashed else {}
+        look: dict[str, Any] = {"color": style.QUIET, "linestyle": "--"} if line.dashed else {}
         look = {"color": _LINES[number % len(_LINES)], "linewidth": 1.0, **look}
         label = f"{mark}{line.words}, run {style.safe(plan.run)}" if mark else line.words
         axes.plot(*_broken(run.t_s[::step], line.values[::step]), label=label, **look)

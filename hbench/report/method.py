@@ -19,7 +19,8 @@ def method_section(results: Results) -> Section:
     laws |= {fit.law for joint in results.joint_fits for fit in joint.fits}
     motions = results.motions
     efficient = any(p.efficiency is not None for c in results.efficiency for p in c.points)
-    selected = any(one.selection for one in (*results.curves, *results.joint_fits))
+    selections = [curve.selection for curve in results.curves]
+    selections += [joint.selection for joint in results.joint_fits]
     applies = {
         "Working speed": "steady" in kinds,
         "Breakaway": "ramp" in kinds or "tustin" in laws,
@@ -27,7 +28,7 @@ def method_section(results: Results) -> Section:
         "Marton and Lantos": "marton_lantos" in laws,
         "Pressure-based law": "pressure_based" in laws,
         "Parameters": bool(laws),
-        "Which law predicts best": selected,
+        "Which law predicts best": any(selections),
         "Friction of moving runs": bool(kinds - {"steady"} or motions.loops),
         "Differences": bool(motions.comparisons),
         "Loops": bool(motions.loops),

@@ -1,5 +1,7 @@
 """The tables of the page: records as rows of text, in the units that people think in."""
 
+from collections.abc import Iterable
+
 from hbench.records import Curve, EfficiencyCurve, Results, RunPlan, ScreenedRun
 from hbench.report.reasons import code_of
 from hbench.report.rod_side import kind_words, load_words, told_apart
@@ -22,7 +24,7 @@ def point_table(results: Results) -> Table:
         "p_Tp (bar)",
         "p_Tr (bar)",
     )
-    rows = [
+    rows: list[tuple[str | Cell, ...]] = [
         (
             *who(curve),
             number(1e3 * point.v_m_s, 2),
@@ -148,7 +150,7 @@ _WHERE_GIVEN = ("Label", "Kind", _ROD_SIDE, "Remark", "U95 with instruments (N)"
 
 def table(
     head: tuple[str, ...],
-    rows: list[tuple[str | Cell, ...]],
+    rows: Iterable[tuple[str | Cell, ...]],
     messages: list[str] | tuple = (),
     words: tuple[str, ...] = (),
 ) -> Table:

@@ -88,11 +88,14 @@ def _checks(results: Results) -> Iterator[Check]:
             fit.converged and all(p.at_bound is None and p.ci95 for p in fit.parameters.values())
             for fit in fits
         ]
+        grade: Grade = "good" if all(sound) else "poor"
+        if not all(sound) and sum(sound) >= len(sound) / 2:
+            grade = "with care"
         yield Check(
             f"Fits of {fits[0].law.replace('_', ' ')}",
             f"{sum(sound)} of {len(sound)} converged with every parameter determined",
             "good if all, poor below half",
-            "good" if all(sound) else "with care" if sum(sound) >= len(sound) / 2 else "poor",
+            grade,
         )
 
 
@@ -106,7 +109,7 @@ def _instruments(points: list[CurvePoint]) -> Check:
     if not known:
         return Check("Instruments", "their tolerances are not known", rule, "with care")
     half = median(known)
-    grade = "good" if half <= INSTRUMENTS_GOOD else "with care"
+    grade: Grade = "good" if half <= INSTRUMENTS_GOOD else "with care"
     found = f"their 95 % interval is ±{number(half)} % of friction (median)"
     return Check("Instruments", found, rule, grade)
 

@@ -55,7 +55,7 @@ def behind(artist: Artist | ErrorbarContainer, columns: Mapping[str, Column]) ->
 
 def series_of(figure: Figure) -> tuple[Series, ...]:
     """Return all series of ``figure``, panel by panel."""
-    found = []
+    found: list[Series] = []
     for panel, axes in enumerate(panels(figure), start=1):
         found += _series(panel, axes)
     return tuple(found)
@@ -84,13 +84,13 @@ def _series(panel: int, axes: Axes) -> Iterator[Series]:
             line, (x, y) = None, _OTHERS[type(artist)](artist)
         if not len(x):  # an entry of the legend
             continue
-        names = [_name(axes.xaxis, "x"), _name(axes.yaxis, "item")]
-        columns = {names[0]: _named(axes.xaxis, x), names[1]: _named(axes.yaxis, y)}
-        columns |= _half_widths(artist, *names) | getattr(artist, "columns_behind", {})
+        x_name, y_name = _name(axes.xaxis, "x"), _name(axes.yaxis, "item")
+        columns = {x_name: _named(axes.xaxis, x), y_name: _named(axes.yaxis, y)}
+        columns |= _half_widths(artist, x_name, y_name) | getattr(artist, "columns_behind", {})
         has_points = line is not None and line.get_marker() not in ("None", "", " ", None)
         title = plain(axes.get_title("left"))
         label = plain(label.removeprefix("_"))
-        yield Series(panel, label, *names, columns, line if has_points else None, title)
+        yield Series(panel, label, x_name, y_name, columns, line if has_points else None, title)
 
 
 def _artists(axes: Axes) -> Iterator[Artist]:

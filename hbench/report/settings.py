@@ -11,7 +11,7 @@ from hbench.report.text import number
 
 def settings_section(results: Results, long_list: int) -> Section:
     """Return the section; more notes than ``long_list`` start folded."""
-    notes = ()
+    notes: tuple[Section, ...] = ()
     if results.notes:
         words = f"Notes of the analysis ({len(results.notes)})"
         notes = (Section(words, items=results.notes, folded=len(results.notes) > long_list),)

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from statistics import median_low
 
-from hbench.records import Curve, CurvePoint, EfficiencyPoint, Results
+from hbench.records import Curve, CurvePoint, EfficiencyCurve, EfficiencyPoint, Results
 from hbench.report.document import Section, Tile
 from hbench.report.page_tables import WHO, table, who
 from hbench.report.quality import RULE, checks, worst
@@ -57,9 +57,9 @@ def glances(results: Results, speed_m_s: float | None = None) -> tuple[Glance, .
         found.append(
             Glance(
                 curve,
-                point and abs(point.v_m_s),
-                point and Number(abs(point.friction_n), point.u95_n or point.ci95_n),
-                point and point.ci95_n,
+                None if point is None else abs(point.v_m_s),
+                None if point is None else _friction(point),
+                None if point is None else point.ci95_n,
                 _breakaway(curve, results),
                 _efficiency(curve, point, results),
             )
@@ -127,7 +127,7 @@ def _tile(
 
 
 def _table(found: tuple[Glance, ...]) -> Table:
-    rows = [
+    rows: list[tuple[str | Cell, ...]] = [
         (
             *who(one.curve)[:1],
             *who(one.curve)[2:],
@@ -185,6 +185,10 @@ def _breakaway(curve: Curve, results: Results) -> Number | None:
     return None
 
 
+def _friction(point: CurvePoint) -> Number:
+    return Number(abs(point.friction_n), point.u95_n or point.ci95_n)
+
+
 def _efficiency(curve: Curve, point: CurvePoint | None, results: Results) -> Number | None:
     if point is None:
         return None
@@ -197,7 +201,7 @@ def _efficiency(curve: Curve, point: CurvePoint | None, results: Results) -> Num
     return None
 
 
-def _series(curve: Curve) -> tuple:
+def _series(curve: Curve | EfficiencyCurve) -> tuple:
     return curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
 
 
