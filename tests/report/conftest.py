@@ -26,7 +26,7 @@ from hbench.records import (
     Specimen,
     SteadyMeans,
 )
-from hbench.report.figures import draw_all
+from hbench.report.campaign_figures import draw_all
 
 SPECIMEN = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 T95_2DOF = 4.302653

@@ -15,7 +15,7 @@ from hbench.workflow.results import derive
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 # Objects of no fixed names.
-BY_NAME = ("software", "details", "parameters", "intervals", "parts", "parameters_si")
+BY_NAME = ("software", "details", "settings", "parameters", "intervals", "parts", "parameters_si")
 BY_NAME += ("balances", "signals", "open_loop", "refitted", "gaps", "not_tried", "next_schedule")
 
 
