@@ -277,8 +277,9 @@ def touched_gap(found: GapMap, balances: Sequence[str], points: np.ndarray) -> f
 def too_little(task: Task, missing: tuple[str, ...], left_out: tuple[str, ...]) -> Diagnosis:
     """Return the diagnosis of data that no effect can be named from."""
     nothing = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
+    none = np.zeros(0)
     no_map = ResidualMap(
-        BALANCES, np.zeros((0, len(BALANCES))), *[np.zeros(0)] * 4, np.zeros(0, bool)
+        BALANCES, np.zeros((0, len(BALANCES))), none, none, none, none, none.astype(bool)
     )
     return Diagnosis(
         provenance=task.provenance,

@@ -121,7 +121,7 @@ def intervals(
     weight = (sums.points / (sums.windows * sums.variance(beta[None])))[0]
     told = np.einsum("g,gjj->gj", weight, sums.columns)
     inverse = np.linalg.inv(np.einsum("g,gjk->jk", weight, sums.columns) + np.diag(own.prior**-2.0))
-    some = np.ix_(points, range(len(weight)), chosen)
+    some = np.ix_(points, np.arange(len(weight)), np.array(chosen, dtype=int))
     columns = data.columns[points][..., list(chosen), :][..., list(chosen)]
     left = data.mixed[some] - columns @ beta
     slope = np.einsum("g,pgj->pj", weight, left)
@@ -183,7 +183,7 @@ def left_out(
     signs: np.ndarray | None = None,
 ) -> LeftOut:
     """Predict each fold of the operating points by a fit to the others."""
-    total = 0.0
+    total = np.zeros(1)
     for number in range(min(FOLDS, len(points))):
         out = np.arange(len(points)) % FOLDS == number
         beta = fit(data, free, chosen, points[~out], signs)
@@ -235,7 +235,7 @@ class _Sums:
 def _summed(
     data: Products, chosen: Sequence[int], points: np.ndarray, signs: np.ndarray | None
 ) -> _Sums:
-    some = np.ix_(points, range(data.mixed.shape[1]), chosen)
+    some = np.ix_(points, np.arange(data.mixed.shape[1]), np.array(chosen, dtype=int))
     windows = data.windows[points].sum(axis=0)
     mixed = data.mixed[some]
     if signs is None:

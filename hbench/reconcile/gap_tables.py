@@ -57,7 +57,7 @@ class Stages:
         floor = np.sqrt(1 + np.mean(floors, axis=0)) if floors else np.ones(len(stages[0].names))
         columns = [_gaps(found) for found in stages]
         return {
-            name: BeforeAfter(*(float(column[i]) for column in columns), float(floor[i]))
+            name: BeforeAfter(*[float(column[i]) for column in (*columns, floor)])
             for i, name in enumerate(stages[0].names)
             if all(np.isfinite(column[i]) for column in columns)
         }

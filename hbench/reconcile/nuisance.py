@@ -6,6 +6,7 @@ within a group: what friction lacks can't bend the valve's gain.
 """
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -87,7 +88,7 @@ def slopes(
 
 
 def _value(plant: Plant, path: str) -> float:
-    value = plant
+    value: Any = plant
     for name in path.split("."):
         value = getattr(value, name, 0.0)
     return value
