@@ -1,6 +1,6 @@
 """From a campaign to its results and its report."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -58,7 +58,7 @@ def report(
     default the middle one of those measured.
     """
     from hbench.report.campaign_figures import draw_all  # matplotlib; only who reports waits
-    from hbench.report.document import page
+    from hbench.report.document import Document, page
     from hbench.report.figures import figure_files
     from hbench.report.markdown import markdown
     from hbench.report.page import report_document
@@ -69,8 +69,12 @@ def report(
     drawings = draw_all(results)
     reconciled = tuple(reconciled_section(*found) for found in diagnoses(folder))
     document = report_document(results, drawings, speed_m_s, reconciled)
-    render = {"html": page, "md": markdown, "pdf": pdf}[form]
-    made = render(document)
+    forms: dict[str, Callable[[Document], str | bytes]] = {
+        "html": page,
+        "md": markdown,
+        "pdf": pdf,
+    }
+    made = forms[form](document)
     text = {f"report.{form}": made if isinstance(made, bytes) else made.encode()}
     write_results(folder, _tables(results) | figure_files(drawings) | text)
     return results
