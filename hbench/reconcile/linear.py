@@ -193,10 +193,10 @@ def linearise(
     first = measured.first
     columns: dict[str, Column] = {}
     found = slopes(first, measured.bench, measured.plant, hypothesis.factors, BALANCES)
-    for path, prior in priors.items():
+    for path, one_sigma in priors.items():
         own = found[path]
         columns[f"/{path}"] = {
-            point_of(log.run.plan): -prior * one for log, one in zip(first, own, strict=True)
+            point_of(log.run.plan): -one_sigma * one for log, one in zip(first, own, strict=True)
         }
     for (name, key), column in signatures.items():
         columns[f"{name}.{key}"] = column

@@ -285,5 +285,6 @@ def _candidate(
 ) -> Candidate:
     size = max((abs(value) / typical(one) for one, value in values.items()), default=0.0)
     parameters = {key: value for (_, key), value in values.items()}
-    tried = "simulated" if own else "linear"
-    return Candidate(name, gain, share, size, parameters, tried, threshold)
+    return Candidate(
+        name, gain, share, size, parameters, "simulated" if own else "linear", threshold
+    )
