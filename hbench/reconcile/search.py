@@ -4,7 +4,7 @@ Around the refitted model every candidate is judged by its signature (``evidence
 are simulated with the coefficient found, and judged again there. One is taken if, on operating
 points left out,
 
-    its score exceeds the largest that any candidate for the same balances reaches in 98 % of nulls
+    its score exceeds the largest that any candidate for the same balances reaches in 90 % of nulls
     of this very plan, and 5 nats at least,
     it explains more than half of the excess gap in the balances it touches, and
     its coefficient is at least a fifth of the typical size.
@@ -43,7 +43,7 @@ from hbench.reconcile.signatures import signature
 from hbench.records import Candidate
 
 _NULLS = 100
-_QUANTILE = 0.98  # of the nulls' largest scores
+_QUANTILE = 0.9  # of the nulls' largest scores
 _LEAST = 5.0  # nats: the least threshold, e^5 = 150 to 1
 _EXPLAINED = 0.5
 _MATERIAL = 0.2  # typical sizes
