@@ -102,6 +102,7 @@ def test_a_campaign_under_way_is_told_as_the_operator_sees_it(
     on_the_rig, short_schedule, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(live, "EVERY_S", 0.0)
+    monkeypatch.setattr(watching, "_SHARE", 1e9)  # the campaign is read each time
     told, seen = [], []
     with watched(tmp_path / "campaign") as page:
         assert page.state()["state"] == "nothing"
