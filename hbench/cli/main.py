@@ -16,6 +16,7 @@ from hbench.cli import (
     imports,
     init,
     ports,
+    reconcile,
     rig,
     run,
     simulate,
@@ -43,6 +44,7 @@ app.command("analyze")(analyze.analyze)
 app.command("report")(analyze.report)
 app.command("compare")(compare.compare)
 app.command("identify")(identify.identify)
+app.command("reconcile")(reconcile.reconcile)
 app.command("design")(design.design)
 app.command("simulate")(simulate.simulate)
 

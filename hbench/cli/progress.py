@@ -37,6 +37,11 @@ class ProgressLine:
             self._shown = 10 * done // total
             self._write(text + "\n")
 
+    def counted(self, done: int, total: int) -> None:
+        """Show on a terminal how many simulations of a round are done."""
+        if self._redraws:
+            self._redraw(f"[{'#' * (_BAR * done // total):.<{_BAR}}] {done}/{total} simulations")
+
     def close(self, last: str = "") -> None:
         """Clear the line, for ``last`` or what is printed next."""
         if self._redraws:

@@ -22,7 +22,7 @@ _FILES = {
     "results": ("analyze", "report"),
     "comparison": ("compare", "write_comparison"),
     "identification": ("identify", "write_identification"),
-    "reconciliation": ("write_diagnosis",),
+    "reconciliation": ("reconcile", "write_diagnosis"),
     "exports": ("export",),
     "controllers": ("design", "write_design"),
     "simulation": ("phenomena", "simulate", "write_phenomenon"),

@@ -22,7 +22,17 @@ def hbench(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "command", [(), ("run",), ("import",), ("analyze",), ("report",), ("design",), ("identify",)]
+    "command",
+    [
+        (),
+        ("run",),
+        ("import",),
+        ("analyze",),
+        ("report",),
+        ("design",),
+        ("identify",),
+        ("reconcile",),
+    ],
 )
 def test_help_tells_what_a_command_does(hbench, command):
     done = hbench(*command, "--help")

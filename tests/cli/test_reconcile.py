@@ -1,0 +1,83 @@
+"""``hbench reconcile`` as a user calls it; the diagnosis is one of runs that were made here."""
+
+import json
+from dataclasses import replace
+
+import made_diagnosis as made
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from hbench.cli.main import app
+from hbench.errors import ConfigError, DataError
+from hbench.workflow import modelled
+from tests.conftest import ROOT
+
+MODEL = ROOT / "configs" / "model-aau.yaml"
+SAMPLE = ROOT / "data_samples" / "stribeck-small"
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["reconcile", *map(str, arguments)])
+
+
+@pytest.fixture
+def finds(monkeypatch):
+    """Return a function that sets what the search will find."""
+
+    def set_(found):
+        monkeypatch.setattr(modelled, "diagnosed", lambda *given: found)
+
+    return set_
+
+
+def test_the_verdict_is_on_stdout_and_the_page_in_the_folder(finds, tmp_path):
+    finds(made.named())
+    result = run(SAMPLE, "--model", MODEL, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith("named: internal_leakage")
+    assert (tmp_path / "out" / "report.html").is_file()
+
+
+def test_json_on_stdout_is_the_file(finds, tmp_path):
+    finds(made.named())
+    result = run(SAMPLE, "--model", MODEL, "-o", tmp_path / "out", "--json")
+    written = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert json.loads(result.stdout) == written
+
+
+@pytest.mark.parametrize("verdict", ["named", "none"])
+def test_with_fail_only_a_model_without_a_gap_exits_with_0(finds, tmp_path, verdict):
+    finds(replace(made.named(), verdict=verdict))
+    result = run(SAMPLE, "--model", MODEL, "-o", tmp_path / "out", "--fail")
+    assert result.exit_code == (0 if verdict == "none" else 6)
+
+
+def test_too_few_runs_get_what_is_missing_instead_of_a_guess(tmp_path):
+    """One load, and runs with faults of every kind."""
+    result = run(SAMPLE.with_name("bad-runs"), "--model", MODEL, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith("unknown: these data are too few for a verdict.")
+    assert "missing for a better verdict: a second load" in result.stdout
+    assert "not tried (too few runs): " in result.stdout
+    assert json.loads((tmp_path / "out" / "diagnosis.json").read_text())["effects"] == []
+
+
+def test_a_model_with_an_effect_that_is_not_in_the_catalogue_is_refused(tmp_path):
+    model = tmp_path / "model.yaml"
+    model.write_text(yaml.safe_dump({"effects": {"gremlins": {"many": "1 N"}}}))
+    error = run(SAMPLE, "--model", model, "-o", tmp_path / "out").exception
+    assert isinstance(error, ConfigError)
+    assert "model.yaml: effects.gremlins" in error.message
+
+
+def test_a_campaign_without_a_bench_is_refused(tmp_path):
+    logs = tmp_path / "logs"
+    logs.mkdir()
+    (logs / "runs.csv").write_text("run,file,kind,trial,v_ref_m_s\n1,1.csv,steady,1,0.1\n")
+    (logs / "1.csv").write_text("t_s,x_m\n0,0\n0.1,0.01\n0.2,0.02\n")
+    imported = CliRunner().invoke(app, ["import", str(logs), "-o", str(tmp_path / "campaign")])
+    assert imported.exit_code == 0, imported.output
+    error = run(tmp_path / "campaign", "--model", MODEL, "-o", tmp_path / "out").exception
+    assert isinstance(error, DataError)
+    assert "tells no bench" in error.message
