@@ -82,8 +82,13 @@ def gap_line(found: Diagnosis) -> str:
 
 
 def effect_words(effect: AddedEffect) -> str:
-    """Return an effect's name with its coefficients and their intervals."""
-    each = ", ".join(f"{name} {quantity(p)}" for name, p in effect.parameters.items())
+    """Return an effect's name with its coefficients and their intervals.
+
+    Those at a bound are left out where others are not.
+    """
+    free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
+    told = free or effect.parameters
+    each = ", ".join(f"{name} {quantity(p)}" for name, p in told.items())
     return f"{effect.name} ({each})"
 
 
@@ -94,7 +99,7 @@ def tables(found: Diagnosis) -> tuple[WordTable, ...]:
         alternatives_table(found),
         where_table(found),
         *gap_tables(found, found.gap_heldout, "held-out runs"),
-        ranking_table(found),
+        ranking_table(found, _FEW),
         refitted_table(found),
     )
     return tuple(table for table in every if table.rows)
@@ -198,16 +203,17 @@ def steps_of(found: Diagnosis) -> dict[str, str]:
     return {step: words for step, words in STEPS.items() if found.effects or step != "after"}
 
 
+_FEW = 8  # candidates that a terminal is shown
 _RANK_HEAD = ("candidate", "score nats", "explains", "size", "tried")
 
 
-def ranking_table(found: Diagnosis) -> WordTable:
-    """Return the candidates of the first search, the best first."""
-    return WordTable(
-        f"Candidates of the first search; a score must exceed {short(found.threshold)} nats",
-        _RANK_HEAD,
-        _ranked(found.ranking),
-    )
+def ranking_table(found: Diagnosis, most: int | None = None) -> WordTable:
+    """Return the candidates of the first search, the best first; at ``most`` some of them."""
+    chosen = found.ranking[:most]
+    title = f"Candidates of the first search; a score must exceed {short(found.threshold)} nats"
+    if len(chosen) < len(found.ranking):
+        title += f" (the best {len(chosen)} of {len(found.ranking)})"
+    return WordTable(title, _RANK_HEAD, _ranked(chosen))
 
 
 def refitted_table(found: Diagnosis) -> WordTable:
@@ -236,9 +242,9 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
     return tuple(
         (
             one.name,
-            short(one.score),
+            number(one.score + 0.0, 1),
             share(one.explained),
-            f"{short(one.size)} x typical",
+            f"{number(one.size, 2)} x typical",
             "simulated" if one.tried == "simulated" else "by its signature",
         )
         for one in candidates

@@ -77,7 +77,9 @@ def scatter_words(gap: Gap) -> str:
 
 
 def share(value: float) -> str:
-    """Write a share in whole per cent."""
+    """Write a share in whole per cent; what made things far worse needs no number."""
+    if value < -1:
+        return "< −100 %"
     return f"{number(round(100 * value) + 0.0, 0)} %"
 
 
@@ -93,20 +95,22 @@ def shown(si: Any, words: Words) -> Any:
 
 
 def quantity(parameter: FitParameter) -> str:
-    """Write a value with its 95 % interval and its unit."""
-    unit = "" if parameter.unit == "1" else parameter.unit
-    return f"{value_with_interval(parameter)} {unit}".strip()
+    """Write a value with its 95 % interval and its unit, or why there is no interval."""
+    words = [_with_interval(parameter)]
+    if parameter.unit != "1":
+        words.append(parameter.unit)
+    if parameter.at_bound:
+        words.append(f"(at its {parameter.at_bound} bound)")
+    elif parameter.ci95 is None:
+        words.append("(not determined)")
+    return " ".join(words)
 
 
-def value_with_interval(parameter: FitParameter) -> str:
-    """Write a value with its 95 % interval, or why there is none."""
-    at_bound = f"at its {parameter.at_bound} bound" if parameter.at_bound else ""
+def _with_interval(parameter: FitParameter) -> str:
+    value = significant(parameter.value, 3)
     if parameter.ci95 is None:
-        return f"{significant(parameter.value, 3)} ({at_bound or 'not determined'})"
+        return value
     low, high = parameter.ci95
     if high - low > _FINE:
-        written = with_ends(parameter.value, low, high)
-    else:
-        value, *ends = (significant(one, 3) for one in (parameter.value, low, high))
-        written = f"{value} ({' to '.join(ends)})"
-    return f"{written}, {at_bound}" if at_bound else written
+        return with_ends(parameter.value, low, high)
+    return f"{value} ({significant(low, 3)} to {significant(high, 3)})"
