@@ -226,7 +226,9 @@ def refitted_table(found: Diagnosis) -> WordTable:
 def caveats(found: Diagnosis) -> tuple[str, ...]:
     """Return what the data lacks, what was not tried and what took no part, a sentence each."""
     lines = [f"missing for a better verdict: {one}" for one in found.missing]
-    lines += [f"not tried: {name}: {reason}" for name, reason in found.not_tried.items()]
+    for reason in dict.fromkeys(found.not_tried.values()):
+        names = ", ".join(name for name, own in found.not_tried.items() if own == reason)
+        lines.append(f"not tried ({reason}): {names}")
     if found.left_out:
         lines.append(f"runs left out: {len(found.left_out)}")
         lines += [f"  {line}" for line in found.left_out]

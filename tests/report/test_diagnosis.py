@@ -60,7 +60,7 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     assert re.search(r"external_leakage +584\.6 +72 %", text)
     assert re.search(r"valve\.gain +0\.9780 \+- 0\.0040", text)
     assert re.search(r"moving_mass\.test +0\.550 \(at its lower bound\)", text)
-    assert "not tried: presliding: no run reverses" in text
+    assert "not tried (no run reverses): presliding" in text
     assert "0007 (steady): speed" in text
     assert "form: exponent 1.2" in text
     text = diagnosis_text(ambiguous)
