@@ -54,11 +54,11 @@ def test_with_fail_only_a_model_without_a_gap_exits_with_0(finds, tmp_path, verd
 
 
 def test_too_few_runs_get_what_is_missing_instead_of_a_guess(tmp_path):
-    """One load, and runs with faults of every kind."""
+    """Steady runs alone, with faults of every kind."""
     result = run(SAMPLE.with_name("bad-runs"), "--model", MODEL, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith("unknown: these data are too few for a verdict.")
-    assert "missing for a better verdict: a second load" in result.stdout
+    assert "missing for a better verdict: a hold with closed valves" in result.stdout
     assert "not tried (too few runs): " in result.stdout
     assert json.loads((tmp_path / "out" / "diagnosis.json").read_text())["effects"] == []
 
