@@ -1,6 +1,6 @@
 """The blind benchmark of reconcile: what it says of campaigns with hidden effects.
 
-    cd tests/reconcile && python -m hidden.generate OUT --cases all && python blind.py OUT
+    cd tests/reconcile && python -m hidden.generate OUT --cases all && python blind.py OUT [OUT ...]
 
 prints each campaign's verdict and the confusion table. The model is ``configs/model-aau.yaml``;
 campaigns come from ``hidden``, whose laws and plants are others. Campaigns share the simulations
@@ -13,6 +13,8 @@ import time
 from dataclasses import asdict, dataclass
 from functools import cache, partial
 from pathlib import Path
+
+import numpy as np
 
 from hbench.analysis.calibrate import calibrate
 from hbench.config.bench import parse_plant
@@ -119,10 +121,95 @@ def row(one: Outcome) -> str:
     )
 
 
-if __name__ == "__main__":
-    where = Path(sys.argv[1])
-    truth = json.loads((where / "truth.json").read_text())
-    found = outcomes(where)
-    print()
+def first_said(one: Outcome) -> tuple[str, ...]:
+    """Return what stands first: the named effect, or the ambiguous set, or nothing."""
+    return one.named[:1] or one.close
+
+
+def tables(truth: dict, found: list[Outcome]) -> str:
+    """Return the confusion table of single effects, and the figures that goals are set for."""
+    lines = [
+        "",
+        f"{'hidden':24} {'size':7} {'right':>6} {'in set':>6} {'wrong':>6} {'unknown':>7} "
+        f"{'none':>5}  {'gap before, after (medians)':28} said instead",
+    ]
+    cells: dict[tuple[str, float], list[Outcome]] = {}
+    others: dict[str, list[Outcome]] = {}
     for one in found:
+        case = truth[one.name]
+        if case["group"] == "single":
+            ((name, size),) = case["effects"].items()
+            cells.setdefault((name, size), []).append(one)
+        else:
+            others.setdefault(case["group"], []).append(one)
+    for (name, size), own in sorted(cells.items()):
+        kinds = [_kind(name, one) for one in own]
+        wrong = [
+            "|".join(first_said(one))
+            for one, kind in zip(own, kinds, strict=True)
+            if kind == "wrong"
+        ]
+        gap = [
+            f"{np.median([getattr(one, side) for one in own]):.2f}" for side in ("before", "after")
+        ]
+        counts = [kinds.count(kind) for kind in ("right", "in set", "wrong", "unknown", "none")]
+        lines.append(
+            f"{name:24} {size:<7g} {counts[0]:6} {counts[1]:6} {counts[2]:6} {counts[3]:7} "
+            f"{counts[4]:5}  {' -> '.join(gap):28} {', '.join(wrong)}"
+        )
+    for size, word in ((0.5, "mild"), (1.0, "clear"), (2.0, "strong")):
+        own = [(name, one) for (name, s), cell in cells.items() if s == size for one in cell]
+        if own:
+            right = sum(_kind(*each) == "right" for each in own)
+            near = sum(_kind(*each) in ("right", "in set") for each in own)
+            wrong = sum(_kind(*each) == "wrong" for each in own)
+            lines.append(
+                f"{word}: {right} of {len(own)} named right first, {near} with the right one in "
+                f"the set, {wrong} named or set wrong"
+            )
+    named = [
+        one for (name, _), cell in cells.items() for one in cell if _kind(name, one) == "right"
+    ]
+    if named:
+        near = np.mean([one.after <= 1.3 for one in named])
+        gone = [1 - (one.after**2 - 1) / (one.before**2 - 1) for one in named if one.before > 1.1]
+        extra = sum(len(one.named) > 1 for one in named)
+        lines.append(
+            f"named right: held-out gap at most 1.3 in {near:.0%}; of the gap's excess square "
+            f"{np.median(gone):.0%} gone (median); {extra} of {len(named)} with a second name"
+        )
+    for group, own in others.items():
+        verdicts = {one.verdict: 0 for one in own}
+        for one in own:
+            verdicts[one.verdict] += 1
+        lines.append(f"{group}: {len(own)}, {verdicts}")
+        if group == "pair":
+            both = sum(set(truth[one.name]["effects"]) <= set(one.named) for one in own)
+            lines.append(f"  both named in {both}")
+        elif group == "outside":
+            flagged = sum(one.verdict != "named" or bool(one.rest) for one in own)
+            lines.append(f"  not given a name, or the rest flagged: {flagged}")
+    lines.append(f"CPU seconds a campaign: median {np.median([one.seconds for one in found]):.0f}")
+    return "\n".join(lines)
+
+
+def _kind(name: str, one: Outcome) -> str:
+    said = first_said(one)
+    if one.named and said == (name,):
+        return "right"
+    if not said:
+        return one.verdict
+    return "in set" if name in said and len(said) <= 3 else "wrong"
+
+
+if __name__ == "__main__":
+    where = [Path(one) for one in sys.argv[1:]]
+    every: list[Outcome] = []
+    truth: dict = {}
+    for folder in where:
+        truth |= json.loads((folder / "truth.json").read_text())
+        every += outcomes(folder)
+    print()
+    for one in every:
         print(row(one))
+    print(tables(truth, every))
