@@ -122,7 +122,7 @@ def diagnose(task: Task) -> Diagnosis:
         few = f"operating points with two trials or more: {len(repeated)}, of {_FEWEST} at least"
         return too_little(task, (few, *missing), left_out)
     task = replace(task, runs=tuple(run for run in usable if point_of(run.plan) in repeated))
-    names, not_tried = _told(task.runs)
+    names, not_tried = _told(task.runs, task.plant)
     prior = before_measuring(task, names)
     seen = {name for name, _ in prior.signatures}
     stopped = "the simulated board stops with it, even with a quarter of its typical size"
@@ -210,12 +210,14 @@ def _usable(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
     return tuple(usable), tuple(left_out)
 
 
-def _told(runs: Sequence[Run]) -> tuple[tuple[str, ...], dict[str, str]]:
+def _told(runs: Sequence[Run], plant: Plant) -> tuple[tuple[str, ...], dict[str, str]]:
     """Return the effects that these channels can tell, and why not the others."""
     told, not_tried = [], {}
     for name, row in EFFECTS.items():
         without = [one for one in row.balances if not any(has_channels(run, one) for run in runs)]
-        if len(without) == len(row.balances):
+        if name in plant.effects:
+            not_tried[name] = "the model has it already; its coefficients stay as they are"
+        elif len(without) == len(row.balances):
             not_tried[name] = f"no run has the channels of {', '.join(without)}"
         else:
             told.append(name)
