@@ -204,13 +204,13 @@ def steps_of(found: Diagnosis) -> dict[str, str]:
 
 
 _FEW = 8  # candidates that a terminal is shown
-_RANK_HEAD = ("candidate", "score nats", "explains", "size", "tried")
+_RANK_HEAD = ("candidate", "score nats", "must exceed", "explains", "size", "tried")
 
 
 def ranking_table(found: Diagnosis, most: int | None = None) -> WordTable:
     """Return the candidates of the first search, the best first; at ``most`` some of them."""
     chosen = found.ranking[:most]
-    title = f"Candidates of the first search; a score must exceed {short(found.threshold)} nats"
+    title = "Candidates of the first search"
     if len(chosen) < len(found.ranking):
         title += f" (the best {len(chosen)} of {len(found.ranking)})"
     return WordTable(title, _RANK_HEAD, _ranked(chosen))
@@ -245,6 +245,7 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
         (
             one.name,
             number(one.score + 0.0, 1),
+            number(one.threshold, 1),
             share(one.explained),
             f"{number(one.size, 2)} x typical",
             "simulated" if one.tried == "simulated" else "by its signature",

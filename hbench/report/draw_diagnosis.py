@@ -41,7 +41,7 @@ _OVERLAY = (
 )
 _RANKING = (
     "Score of each candidate on operating points left out, and the share of the excess gap that it "
-    "explains there. Dashed: the threshold, from simulated campaigns of this plan without an "
+    "explains there. Upright line: its threshold, from simulated campaigns of this plan without an "
     "effect. Filled: simulated with the effect; hollow: judged by its signature alone. Blue: named "
     "or in the ambiguous set."
 )

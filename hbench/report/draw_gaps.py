@@ -126,11 +126,11 @@ def _bounds(region: Region) -> str:
 
 
 def ranking_figure(found: Diagnosis, most: int = 12) -> Figure:
-    """Draw the scores of the best candidates, with the threshold."""
+    """Draw the scores of the best candidates, with their thresholds."""
     chosen = found.ranking[:most]
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(chosen))
     axes = figure.subplots()
-    top = max(found.threshold, *(one.score for one in chosen))
+    top = max(max(one.threshold, one.score) for one in chosen)
     named = {one.name for one in found.effects} | {one.name for one in found.alternatives}
     for place, one in enumerate(chosen):
         colour = AFTER if one.name in named else "#9ca3af"
@@ -139,7 +139,8 @@ def ranking_figure(found: Diagnosis, most: int = 12) -> Figure:
         axes.barh(place, one.score, height=0.62, edgecolor=colour, linewidth=1.4, **look)
         axes.annotate(_remark(one), (max(one.score, 0.0), place), (4, 0), va="center", fontsize=9,
                       textcoords="offset points")  # fmt: skip
-    axes.axvline(found.threshold, color="black", linestyle="--", linewidth=1.2, label="threshold")
+    needed = [one.threshold for one in chosen]
+    axes.plot(needed, range(len(chosen)), linestyle="none", label="threshold", **_LOOKS["floor"])
     axes.set_xlim(min(0.0, max(-0.1 * top, min(one.score for one in chosen))), 1.65 * top)
     axes.set_xlabel("Gain of log-likelihood, left out (nats)")
     _rows(axes, [one.name for one in chosen])

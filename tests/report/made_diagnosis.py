@@ -244,7 +244,13 @@ def _ranking(found):
     scores = (best, best - 0.28 * best, 0.2 * best, 0.08 * best, -3.0)
     return tuple(
         Candidate(
-            name, score, score / best, 2.0, {"test": 1e-12}, "simulated" if i < 3 else "linear"
+            name,
+            score,
+            score / best,
+            2.0,
+            {"test": 1e-12},
+            "simulated" if i < 3 else "linear",
+            14.0,
         )
         for i, (name, score) in enumerate(zip(names, scores, strict=True))
     )
