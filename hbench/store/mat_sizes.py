@@ -31,14 +31,14 @@ def check_mat_sizes(data: bytes, source: str) -> None:
     try:
         for kind, content in _elements(memoryview(data)[_HEADER:], order, padded=False):
             if kind == _COMPRESSED:
-                content = _inflated(content, left)
+                content = memoryview(_inflated(content, left))
                 left -= len(content)
                 if not left:
                     raise DataError(
                         f"{source}: unpacks to more than {LARGEST_UNPACKED / 1e6:g} MB",
                         "Is it the right file? Save fewer variables, or split it.",
                     )
-                ((kind, content), *_) = _elements(memoryview(content), order)
+                ((kind, content), *_) = _elements(content, order)
             if kind == _MATRIX:
                 _check(content, order, 1, source)
     except (struct.error, ValueError, zlib.error):
