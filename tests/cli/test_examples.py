@@ -73,6 +73,13 @@ def image(world):
     (world / "firmware.txt").write_text(text_of(stream))
 
 
+def too_few_runs(world):
+    """Answered without a search: what is missing."""
+    shutil.copytree(ROOT / "data_samples" / "bad-runs", world / "telling")
+    for name in ("model-aau.yaml", "bench-aau.yaml"):
+        shutil.copy(ROOT / "configs" / name, world / "configs")
+
+
 def nothing(world):
     pass
 
@@ -88,6 +95,7 @@ EXAMPLES = {
     "import": (logs, ["campaign/campaign.yaml"]),
     "init": (nothing, ["my-bench/bench-aau.yaml", "my-bench/demo.yaml"]),
     "ports": (nothing, []),
+    "reconcile": (too_few_runs, ["diagnosis/diagnosis.json", "diagnosis/report.html"]),
     "report": (campaigns("demo"), ["demo/results/report.html"]),
     "run": (nothing, ["demo/campaign.yaml", "demo/runs/0004.dat"]),
     "simulate": (nothing, ["stick-slip/stick-slip.html"]),
