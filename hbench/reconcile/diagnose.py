@@ -152,8 +152,8 @@ def _assembled(
         tuple((one.runs, measured.known(one.hypothesis)) for one in (given, refitted, final)),
         [runs for runs in drawn if runs is not None],
     )
-    where = _ranked(measured, refitted)
-    left = rest(_ranked(measured, final))
+    where = ranked(measured, refitted)
+    left = rest(ranked(measured, final))
     rivals = {
         one.found.name: one.linear.hypothesis
         for one in found.steps[-1].tried
@@ -224,7 +224,8 @@ def _told(runs: Sequence[Run], plant: Plant) -> tuple[tuple[str, ...], dict[str,
     return tuple(told), not_tried
 
 
-def _ranked(measured: Measured, model: Linear) -> tuple[Gap, ...]:
+def ranked(measured: Measured, model: Linear) -> tuple[Gap, ...]:
+    """Return the gaps of a model's balances, worst first."""
     known = measured.known(model.hypothesis)
     own = [residuals(log, known) for log in measured.logs]
     return gaps(own, windows_of(model.runs, known))[0]

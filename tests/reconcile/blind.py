@@ -1,13 +1,15 @@
 """The blind benchmark of reconcile: what it says of campaigns with hidden effects.
 
-    cd tests/reconcile && python -m hidden.generate OUT --cases all && python blind.py OUT [OUT ...]
+    cd tests/reconcile && python blind.py OUT all
 
-prints each campaign's verdict and the confusion table. The model is ``configs/model-aau.yaml``;
-campaigns come from ``hidden``, whose laws and plants are others. Campaigns share the simulations
-of the model as it is given: it is the same for all.
+generates the campaigns of ``hidden`` in ``OUT`` (a process of its own: its laws and plants are
+others than the catalogue's and the model's), reconciles each with ``configs/model-aau.yaml``, and
+prints the verdicts and the confusion table. What is there already is not made again. Campaigns
+share the simulations of the model as it is given, which are the same for all.
 """
 
 import json
+import subprocess
 import sys
 import time
 from dataclasses import asdict, dataclass
@@ -21,7 +23,9 @@ from hbench.config.bench import parse_plant
 from hbench.config.loading import read_yaml
 from hbench.experiment.cores import on_all_cores
 from hbench.model.effects import EFFECTS
-from hbench.reconcile.diagnose import Task, _ranked, before_measuring, search, touched_gap
+from hbench.reconcile.balances import prepared
+from hbench.reconcile.diagnose import Task, before_measuring, ranked, search, touched_gap
+from hbench.reconcile.linear import Measured
 from hbench.reconcile.verdict import judge, rest
 from hbench.store.campaign import load_campaign
 from hbench.workflow.modelled_runs import simulator
@@ -51,11 +55,8 @@ def outcome(folder: Path, prior=None) -> Outcome:
     task = task_of(folder)
     names = tuple(EFFECTS)
     given, found, out = search(task, prior or before_measuring(task, names), names)
-    from hbench.reconcile.balances import prepared
-    from hbench.reconcile.linear import Measured
-
     own = Measured(task.bench, task.plant, tuple(prepared(run) for run in task.runs))
-    left = rest(_ranked(own, found.final))
+    left = rest(ranked(own, found.final))
     verdict, _ = judge(found, left)
     best = found.steps[0].tried[0].found
     touched = EFFECTS[best.name].balances
@@ -202,14 +203,20 @@ def _kind(name: str, one: Outcome) -> str:
     return "in set" if name in said and len(said) <= 3 else "wrong"
 
 
-if __name__ == "__main__":
-    where = [Path(one) for one in sys.argv[1:]]
-    every: list[Outcome] = []
-    truth: dict = {}
-    for folder in where:
-        truth |= json.loads((folder / "truth.json").read_text())
-        every += outcomes(folder)
+def main(out: Path, cases: str) -> None:
+    """Generate, reconcile, and print."""
+    here = Path(__file__).parent
+    subprocess.run(
+        [sys.executable, "-m", "hidden.generate", str(out.absolute()), "--cases", cases],
+        cwd=here,
+        check=True,
+    )
+    found = outcomes(out)
     print()
-    for one in every:
+    for one in found:
         print(row(one))
-    print(tables(truth, every))
+    print(tables(json.loads((out / "truth.json").read_text()), found))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), sys.argv[2])
