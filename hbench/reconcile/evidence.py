@@ -141,14 +141,16 @@ def score(
     signs: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return how much ln L grows (b,) on points left out, when ``more`` columns join ``base``."""
-    part, own, joined = _touched(data, base, more)
+    part, own, joined, groups = _touched(data, base, more)
+    if signs is not None and signs.ndim == 3:
+        signs = signs[:, :, groups]
     before = log_likelihood(left_out(part, free, own, points, signs))
     return log_likelihood(left_out(part, free, joined, points, signs)) - before
 
 
 def _touched(
     data: Products, base: Sequence[int], more: Sequence[int]
-) -> tuple[Products, list[int], list[int]]:
+) -> tuple[Products, list[int], list[int], np.ndarray]:
     """Return the groups that ``more`` columns show in, or share a column with: others cancel."""
     shown = np.einsum("pgjj->gj", data.columns) > 0  # (g, q)
     groups = shown[:, list(more)].any(axis=1)
@@ -162,7 +164,7 @@ def _touched(
         },
         groups=tuple(one for one, own in zip(data.groups, groups, strict=True) if own),
     )
-    return part, shared, [*shared, *more]
+    return part, shared, [*shared, *more], groups
 
 
 @dataclass(frozen=True)
@@ -206,6 +208,17 @@ def left_at(data: Products, chosen: Sequence[int], beta: np.ndarray, points: np.
     )
 
 
+def rotated(data: Products, count: int, seed: int) -> np.ndarray:
+    """Return factors (count, points, groups) on d for nulls of few points with a window each.
+
+    d of each group is turned at random: it keeps its length over the points, as in Langsrud's
+    rotation tests (Statistics and Computing 15, 2005). Signs of few points have few patterns.
+    """
+    turned = np.random.default_rng(seed).standard_normal((count, *data.squares.shape))
+    turned *= np.sqrt(data.squares.sum(axis=0) / np.sum(turned**2, axis=1))[:, None]
+    return turned / np.sqrt(np.maximum(data.squares, 1e-30))
+
+
 def random_signs(count: int, points: int, seed: int) -> np.ndarray:
     """Return signs (count, points) for nulls."""
     return np.random.default_rng(seed).choice([-1.0, 1.0], (count, points))
@@ -217,7 +230,7 @@ class _Sums:
 
     columns: np.ndarray  # (g, q, q)
     mixed: np.ndarray  # (b, g, q)
-    squares: np.ndarray  # (g,)
+    squares: np.ndarray  # (g,) or (b, g)
     noise: np.ndarray  # (g,) a window
     windows: np.ndarray  # (g,), 1 where there are none
     points: np.ndarray  # (g,)
@@ -237,16 +250,19 @@ def _summed(
 ) -> _Sums:
     some = np.ix_(points, np.arange(data.mixed.shape[1]), np.array(chosen, dtype=int))
     windows = data.windows[points].sum(axis=0)
-    mixed = data.mixed[some]
+    mixed, squares = data.mixed[some], data.squares[points].sum(axis=0)
     if signs is None:
         mixed = mixed.sum(axis=0)[None]
-    else:
+    elif signs.ndim == 2:
         mixed = np.einsum("bp,pgj->bgj", signs[:, points], mixed)
+    else:
+        mixed = np.einsum("bpg,pgj->bgj", signs[:, points], mixed)
+        squares = np.einsum("bpg,pg->bg", signs[:, points] ** 2, data.squares[points])
     columns = data.columns[points].sum(axis=0)[:, list(chosen)][:, :, list(chosen)]
     return _Sums(
         columns=columns,
         mixed=mixed,
-        squares=data.squares[points].sum(axis=0),
+        squares=squares,
         noise=np.maximum(data.noise[points].sum(axis=0) / np.maximum(windows, 1), 1e-12),
         windows=np.maximum(windows, 1),
         points=(data.windows[points] > 0).sum(axis=0),

@@ -11,6 +11,7 @@ Units: nuisances in priors of their logarithms, coefficients in typical sizes.
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -127,6 +128,23 @@ def less(one: Column, other: Column) -> Column:
     return both
 
 
+class Compared(Protocol):
+    """What a search needs of the measurement."""
+
+    plant: Plant  # the model that was given
+
+    def lacking(self, hypothesis: Hypothesis, simulated: Sequence) -> GapMap:
+        """Return what the balances lack, with the runs that the hypothesis made."""
+
+    def slopes(self, factors: Mapping[str, float]) -> dict[str, Column]:
+        """Return the change of the measured balances with the logarithm of each nuisance."""
+
+    def around(
+        self, hypothesis: Hypothesis, signatures: Mapping[Coefficient, Column]
+    ) -> Mapping[Coefficient, Column]:
+        """Return the signatures of the coefficients at a hypothesis, from those of the model."""
+
+
 @dataclass(frozen=True)
 class Measured:
     """The campaign's runs, with what no hypothesis changes."""
@@ -149,6 +167,19 @@ class Measured:
         known = self.known(hypothesis)
         own = [residuals(log, known) for log in self.logs]
         return differences(own, windows_of(simulated, known))
+
+    def slopes(self, factors: Mapping[str, float]) -> dict[str, Column]:
+        """Return the change of the measured balances with the logarithm of each nuisance."""
+        first = self.first
+        points = [point_of(log.run.plan) for log in first]
+        found = slopes(first, self.bench, self.plant, factors, BALANCES)
+        return {path: dict(zip(points, own, strict=True)) for path, own in found.items()}
+
+    def around(
+        self, hypothesis: Hypothesis, signatures: Mapping[Coefficient, Column]
+    ) -> Mapping[Coefficient, Column]:
+        """Return the signatures as they are: effects hardly change one another's."""
+        return signatures
 
 
 @dataclass(frozen=True)
@@ -180,7 +211,7 @@ class Linear:
 
 
 def linearise(
-    measured: Measured,
+    measured: Compared,
     hypothesis: Hypothesis,
     simulated: Sequence[Run],
     signatures: Mapping[Coefficient, Column],
@@ -190,14 +221,11 @@ def linearise(
     lacking = measured.lacking(hypothesis, simulated)
     scale = _like(unit or lacking, lacking)
     priors = nuisances(measured.plant)
-    first = measured.first
+    signatures = measured.around(hypothesis, signatures)
     columns: dict[str, Column] = {}
-    found = slopes(first, measured.bench, measured.plant, hypothesis.factors, BALANCES)
+    found = measured.slopes(hypothesis.factors)
     for path, one_sigma in priors.items():
-        own = found[path]
-        columns[f"/{path}"] = {
-            point_of(log.run.plan): -one_sigma * one for log, one in zip(first, own, strict=True)
-        }
+        columns[f"/{path}"] = {point: -one_sigma * own for point, own in found[path].items()}
     for (name, key), column in signatures.items():
         columns[f"{name}.{key}"] = column
     centre, prior, low, high = [], [], [], []

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hbench.model.effects import EFFECTS
 from hbench.reconcile.evidence import (
     LeftOut,
     fit,
@@ -260,8 +259,11 @@ def _taken(steps: Sequence[Step]) -> tuple[str, ...]:
 
 
 def explained(name: str, here: Linear, before: LeftOut, after: LeftOut) -> float:
-    """Return the share of the excess gap that goes in the balances that an effect touches."""
-    own = np.isin([balance for balance, _ in here.data.groups], EFFECTS[name].balances)
+    """Return the share of the excess gap that goes in the balances that an effect shows in."""
+    which = [here.column(one) for one in here.coefficients_of([name])]
+    shown = np.einsum("pgjj->gj", here.data.columns)[:, which].any(axis=1)
+    balances = {balance for (balance, _), own in zip(here.data.groups, shown, strict=True) if own}
+    own = np.isin([balance for balance, _ in here.data.groups], list(balances))
 
     def excess(left: LeftOut) -> float:
         over = np.maximum(left.variance[0] - left.noise, 0.0) * left.windows
