@@ -74,10 +74,13 @@ def direction_asymmetry(
     f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: "PlantParameters",
 ) -> Rubbing:  # fmt: skip
-    """Lips that rub unequally: dry friction is F (1 + k sign v). c: k [1], test and load."""
+    """Lips that rub unequally: dry friction is F (1 + k sign v). c: k [1], test and load.
+
+    F is with what pressure and load have added, as if that stood in the friction law.
+    """
     test, load = c
     way = copysign(1.0, state[V])
-    return more(f, way * test * f.dry_t, way * load * f.dry_l)
+    return more(f, way * test * (f.dry_t + f.more_t), way * load * (f.dry_l + f.more_l))
 
 
 @compiled
