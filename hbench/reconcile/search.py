@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hbench.model.effects import EFFECTS
 from hbench.reconcile.evidence import (
     LeftOut,
     fit,

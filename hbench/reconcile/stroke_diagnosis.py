@@ -162,7 +162,7 @@ def _assembled(
         gap_heldout=with_floor(held, train),
         gap_train=train,
         ranking=found.steps[0].tried,
-        threshold=found.steps[0].threshold,
+        threshold=found.steps[0].tried[0].threshold,
         refitted=best.factors(),
         residuals_before=_map(found.refitted),
         residuals_after=_map(found.final),

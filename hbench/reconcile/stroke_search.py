@@ -27,7 +27,7 @@ from hbench.records import Candidate
 OF_THE_SEAL = ("seal_pressure_friction", "direction_asymmetry")
 _NULLS = 200
 _QUANTILE = 0.98  # of the nulls' largest scores
-_LEAST = 3.0  # nats
+_LEAST = 3.0  # nats, e^3 = 20 to 1: what four operating points can tell
 _EXPLAINED = 0.5
 _MATERIAL = 0.1  # typical sizes
 _CLOSE = 3.0, 0.1  # nats, share of the best score
@@ -41,7 +41,7 @@ class SeriesSearch(Search):
     ) -> dict[str, Tried]:
         """Judge candidates with a simulation of each."""
         base = here.index(here.coefficients_of(taken))
-        linear = [self._linear(here, base, name).found for name in names]
+        linear = [self._linear(here, base, name, 0.0).found for name in names]
         return self._simulated(here, taken, linear)
 
     def nulls(self, here: Linear, taken: tuple[str, ...], name: str, seed: int) -> np.ndarray:
@@ -62,7 +62,6 @@ class StrokeStep:
 
     balance: str
     before: Linear  # of the first series
-    threshold: float
     tried: tuple[Candidate, ...]  # numbers of the first series, scores of all
     taken: str | None
     close: tuple[Candidate, ...]
@@ -130,11 +129,15 @@ def _step(
         largest = np.maximum(largest, np.sum(drawn, axis=0))
     threshold = max(_LEAST, float(np.quantile(largest, _QUANTILE)))
     summed = (
-        replace(judged[0][name].found, score=sum(one[name].found.score for one in judged))
+        replace(
+            judged[0][name].found,
+            score=sum(one[name].found.score for one in judged),
+            threshold=threshold,
+        )
         for name in names
     )
     tried = tuple(sorted(summed, key=lambda one: -one.score))
-    good = [one for one in tried if _earned(one, threshold)]
+    good = [one for one in tried if _earned(one)]
     ruled_out = {}
     for one in good:
         if one.name not in OF_THE_SEAL:
@@ -147,15 +150,15 @@ def _step(
     good = [one for one in good if one.name not in ruled_out]
     tried = (*good, *(one for one in tried if one not in good))
     if not good:
-        return StrokeStep(balance, here[0], threshold, tried, None, (), ruled_out), here
+        return StrokeStep(balance, here[0], tried, None, (), ruled_out), here
     least = good[0].score - max(_CLOSE[0], _CLOSE[1] * good[0].score)
     close, name = tuple(one for one in good if one.score >= least), good[0].name
     there = [
         one.settled(j[name].linear, (*taken, name)) for one, j in zip(searches, judged, strict=True)
     ]
     if len(close) > 1:
-        return StrokeStep(balance, here[0], threshold, tried, None, close, ruled_out), there
-    return StrokeStep(balance, here[0], threshold, tried, name, (), ruled_out), there
+        return StrokeStep(balance, here[0], tried, None, close, ruled_out), there
+    return StrokeStep(balance, here[0], tried, name, (), ruled_out), there
 
 
 def _shown(here: Linear, balance: str) -> set[str]:
@@ -166,8 +169,8 @@ def _shown(here: Linear, balance: str) -> set[str]:
     return {name.partition(".")[0] for name, e in named if e > 0 and not name.startswith("/")}
 
 
-def _earned(one: Candidate, threshold: float) -> bool:
-    return one.score > threshold and one.explained > _EXPLAINED and one.size >= _MATERIAL
+def _earned(one: Candidate) -> bool:
+    return one.score > one.threshold and one.explained > _EXPLAINED and one.size >= _MATERIAL
 
 
 def _differ(found: Sequence[Estimates], name: str) -> str:
