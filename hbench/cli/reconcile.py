@@ -19,6 +19,9 @@ def reconcile(
     fail: bool = typer.Option(
         False, "--fail", help="Exit with 6 unless the model is as good as the bench repeats itself."
     ),
+    series: str | None = typer.Option(
+        None, help="Which of an imported campaign's series, such as a seal."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json instead of tables."),
 ) -> None:
     """Find where CAMPAIGN and a model disagree, name the effect that is missing, and add it.
@@ -35,7 +38,7 @@ def reconcile(
 
     progress = ProgressLine(sys.stderr)
     try:
-        found = workflow.reconcile(campaign, model, progress.counted)
+        found = workflow.reconcile(campaign, model, progress.counted, series)
     finally:
         progress.close()
     workflow.write_diagnosis(output, found)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from hbench.errors import DataError
+from hbench.errors import ConfigError
 from hbench.records import Diagnosis
 from hbench.report.diagnosis_json import diagnosis_json
 from hbench.report.diagnosis_page import diagnosis_page
@@ -14,22 +14,29 @@ from hbench.store.atomic import write_files
 from hbench.store.campaign import load_campaign
 
 
-def reconcile(folder: Path, model_file: Path, report: Callable[[int, int], None]) -> Diagnosis:
+def reconcile(
+    folder: Path,
+    model_file: Path,
+    report: Callable[[int, int], None],
+    series: str | None = None,
+) -> Diagnosis:
     """Find where a campaign and a model disagree, and which effect the model lacks.
 
     The model is a bench file, or a plant file that is laid over the campaign's bench. ``report`` is
-    told how many of how many simulations are done. Raises ``ConfigError``, ``DataError``.
+    told how many of how many simulations are done. No simulation can make an imported campaign's
+    motion: its steady strokes are compared, those of one ``series``, which must be told where there
+    are several. Raises ``ConfigError``, ``DataError``.
     """
-    from hbench.workflow.modelled import diagnosed  # compiles; only who reconciles waits for it
+    # Compiles; only who reconciles waits for it.
+    from hbench.workflow import modelled
+    from hbench.workflow.strokes import diagnosed_strokes
 
     campaign = load_campaign(folder)
-    bench = campaign.bench()
-    if bench is None:
-        raise DataError(
-            f"{folder}: tells no bench, whose controllers and sensors the comparison needs",
-            "Lay a bench file 'bench.yaml' beside the logs and import them again.",
-        )
-    return diagnosed(campaign, bench, model_file, report)
+    if campaign.imported:
+        return diagnosed_strokes(campaign, model_file, series)
+    if series is not None:
+        raise ConfigError(f"{folder}: has no series; only imported campaigns have")
+    return modelled.diagnosed(campaign, campaign.bench(), model_file, report)
 
 
 def write_diagnosis(folder: Path, found: Diagnosis) -> None:

@@ -13,11 +13,6 @@ from hbench.store.campaign import Campaign
 from hbench.workflow.results import screened_runs
 
 
-def only_strokes(campaign: Campaign) -> bool:
-    """Tell whether no run's motion is known."""
-    return all(plan.motion is None for plan in campaign.plans)
-
-
 def diagnosed_strokes(campaign: Campaign, model_file: Path, series: str | None) -> Diagnosis:
     """Diagnose the steady strokes of one ``series``, which must be told where there are several.
 

@@ -9,7 +9,7 @@ import yaml
 from typer.testing import CliRunner
 
 from hbench.cli.main import app
-from hbench.errors import ConfigError, DataError
+from hbench.errors import ConfigError
 from hbench.workflow import modelled
 from tests.conftest import ROOT
 
@@ -71,13 +71,20 @@ def test_a_model_with_an_effect_that_is_not_in_the_catalogue_is_refused(tmp_path
     assert "model.yaml: effects.gremlins" in error.message
 
 
-def test_a_campaign_without_a_bench_is_refused(tmp_path):
+def test_foreign_runs_without_what_friction_needs_name_nothing(tmp_path):
     logs = tmp_path / "logs"
     logs.mkdir()
     (logs / "runs.csv").write_text("run,file,kind,trial,v_ref_m_s\n1,1.csv,steady,1,0.1\n")
     (logs / "1.csv").write_text("t_s,x_m\n0,0\n0.1,0.01\n0.2,0.02\n")
     imported = CliRunner().invoke(app, ["import", str(logs), "-o", str(tmp_path / "campaign")])
     assert imported.exit_code == 0, imported.output
-    error = run(tmp_path / "campaign", "--model", MODEL, "-o", tmp_path / "out").exception
-    assert isinstance(error, DataError)
-    assert "tells no bench" in error.message
+    result = run(tmp_path / "campaign", "--model", MODEL, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith("unknown: these data are too few for a verdict.")
+    assert "two strokes each way or more: 0, of 4 at least" in result.stdout
+    assert "missing_channel: friction needs p_tp_pa and" in result.stdout
+
+
+def test_a_series_is_of_imported_campaigns_alone(tmp_path):
+    found = run(SAMPLE, "--model", MODEL, "-o", tmp_path / "out", "--series", "NAPN").exception
+    assert isinstance(found, ConfigError)

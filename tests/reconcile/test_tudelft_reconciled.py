@@ -13,7 +13,7 @@ from hbench.errors import ConfigError
 from hbench.report.diagnosis_text import diagnosis_text
 from hbench.store.campaign import load_campaign
 from hbench.workflow.reconciliation import write_diagnosis
-from hbench.workflow.strokes import diagnosed_strokes, only_strokes
+from hbench.workflow.strokes import diagnosed_strokes
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data" / "tudelft-cylinder"
@@ -95,7 +95,6 @@ def test_one_seal_alone_leaves_guides_and_seal_ambiguous(campaign, tmp_path):
 
 
 def test_a_series_must_be_told_and_its_cylinder_be_the_models(campaign):
-    assert only_strokes(campaign)
     with pytest.raises(ConfigError, match="holds several series: 'O-ring', 'NAPN'"):
         diagnosed_strokes(campaign, MODEL, None)
     with pytest.raises(ConfigError, match=r"piston of 4.909 cm\^2; the campaign's has 5.187"):

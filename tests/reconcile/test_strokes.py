@@ -1,0 +1,107 @@
+"""Steady strokes of a made-up foreign bench, whose friction follows laws of its own."""
+
+import numpy as np
+import pytest
+
+from hbench.config.strokes import parse_strokes
+from hbench.reconcile.stroke_diagnosis import StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes import pairs_of
+from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
+
+BORE_M = 0.040
+AREA = np.pi / 4 * BORE_M**2
+SPECIMEN = Specimen(AREA, AREA)
+MODEL = {
+    "test_cylinder": {"piston_diameter": "40 mm"},
+    "friction": {
+        "test": {
+            "law": "tustin",
+            "coulomb": "40 N",
+            "stiction": "40 N",
+            "stribeck_velocity": "1 mm/s",
+        }
+    },
+}
+BARS = (10, 20, 30, 45, 60)
+
+
+def strokes(friction, bars=BARS, trials=3, seed=0, gain=1.0, ways=(1, -1)):
+    """Runs at constant pressures; ``friction(bar)`` [N], the same both ways, and 1 % scatter."""
+    rng, screened = np.random.default_rng(seed), []
+    for trial in range(1, trials + 1):
+        for bar in bars:
+            for way in ways:
+                speed = way * 0.05
+                own = way * friction(bar) * (1 + 0.01 * rng.standard_normal())
+                applied = gain * (bar * 1e5 * AREA - own)
+                plan = RunPlan(
+                    f"{len(screened)}", "steady", trial, speed, SPECIMEN, f_load_n=bar * 1e5 * AREA
+                )
+                f_test = bar * 1e5 * AREA
+                means = SteadyMeans(
+                    0.0, 1.0, 100, speed, f_test - applied, f_test, applied, bar * 1e5, 0.0
+                )
+                run = Run(plan, np.zeros(0), np.zeros(0))
+                screened.append(ScreenedRun(run, (), means))
+    return tuple(screened)
+
+
+def diagnosed(**series):
+    plant = parse_strokes(MODEL, "model")
+    made = Provenance("made", "imported", "", "", "2026-01-01", "2026-01-01")
+    return diagnose_strokes(StrokeTask(made, "model.yaml", plant, MODEL, series))
+
+
+def saturating(most, half):
+    """Seals that are pressed home: the catalogue's law is a straight line."""
+    return lambda bar: 30 + most * bar / (bar + half)
+
+
+def test_friction_that_saturates_with_pressure_is_named_with_the_seals_law():
+    """Two seals that differ: guides are ruled out."""
+    found = diagnosed(soft=strokes(saturating(120, 120)), hard=strokes(saturating(40, 120), seed=1))
+    assert found.verdict == "named"
+    (effect,) = found.effects
+    assert effect.name == "seal_pressure_friction"
+    secant = (saturating(120, 120)(60) - saturating(120, 120)(10)) / 50
+    assert effect.parameters["test"].value == pytest.approx(secant, rel=0.2)
+    assert "load_friction" in found.not_tried
+    band = found.gap_heldout.balances["force_band"]
+    assert band.after < 0.5 * band.refitted
+    assert not found.alternatives
+
+
+def test_constant_friction_of_another_size_is_no_effect():
+    found = diagnosed(one=strokes(lambda bar: 55.0))
+    assert found.verdict == "none"
+    assert not found.effects and not found.alternatives
+    assert found.refitted["friction.test.coulomb"].value == pytest.approx(55 / 40, rel=0.02)
+
+
+def test_a_load_cell_that_shows_too_much_is_not_taken_for_friction():
+    found = diagnosed(one=strokes(lambda bar: 42.0, gain=1.02))
+    (effect,) = found.effects
+    assert effect.name == "load_cell_gain"
+    assert effect.parameters["error"].value == pytest.approx(2.0, rel=0.05)
+    assert any("a piston whose area is not the model's" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("lacking", "said"),
+    [
+        ({"bars": (10,)}, "two strokes each way or more: 1, of 4 at least"),
+        ({"trials": 1}, "two strokes each way or more: 0, of 4 at least"),
+        ({"ways": (1,)}, "the other direction: friction turns with it"),
+    ],
+)
+def test_too_few_strokes_get_what_is_missing(lacking, said):
+    found = diagnosed(one=strokes(saturating(120, 120), **lacking))
+    assert found.verdict == "unknown" and not found.effects
+    assert any(said in one for one in found.missing)
+
+
+def test_strokes_of_one_trial_are_its_repeats_until_a_second_trial_is_there():
+    """Five strokes each way in one file are five pairs; with a second file each file is one."""
+    one = [stroke for seed in range(5) for stroke in strokes(lambda bar: 50, trials=1, seed=seed)]
+    assert len(pairs_of(one)) == 5 * len(BARS)
+    assert len(pairs_of([*one, *strokes(lambda bar: 50, trials=2)])) == 2 * len(BARS)
