@@ -41,9 +41,9 @@ class Estimates:
         found = {}
         for i, (path, prior) in enumerate(nuisances(self.plant).items()):
             value, wide = values[path], prior * self._half(i)
-            bound, se = self._bound(i), prior * value * float(np.sqrt(self.spread[i, i]))
-            ci95 = (float(value * np.exp(-wide)), float(value * np.exp(wide)))
-            found[path] = FitParameter(value, se, ci95, bound, "1")
+            ends = (float(value * np.exp(-wide)), float(value * np.exp(wide)))
+            se = prior * value * float(np.sqrt(self.spread[i, i]))
+            found[path] = self._parameter(i, value, se, ends, "1")
         return found
 
     def coefficients(self, name: str) -> dict[str, FitParameter]:
@@ -57,9 +57,7 @@ class Estimates:
             size = typical(one) / parse_unit(unit).factor
             value = at.coefficient(one) / parse_unit(unit).factor
             wide, se = size * self._half(i), size * float(np.sqrt(self.spread[i, i]))
-            found[one[1]] = FitParameter(
-                value, se, (value - wide, value + wide), self._bound(i), unit
-            )
+            found[one[1]] = self._parameter(i, value, se, (value - wide, value + wide), unit)
         return found
 
     def draws(self, count: int, seed: int = 1) -> list[Hypothesis]:
@@ -67,6 +65,15 @@ class Estimates:
         rng = np.random.default_rng(seed)
         drawn = rng.multivariate_normal(self.beta, self.spread, count, method="svd")
         return [self.hypothesis(np.clip(one, self.low, self.high)) for one in drawn]
+
+    def _parameter(
+        self, i: int, value: float, se: float, ends: tuple[float, float], unit: str
+    ) -> FitParameter:
+        bound = self._bound(i)
+        if bound is None:
+            return FitParameter(value, se, ends, None, unit)
+        ci95 = (value, ends[1]) if bound == "lower" else (ends[0], value)
+        return FitParameter(value, None, ci95, bound, unit)
 
     def _half(self, i: int) -> float:
         return float(student_factor(int(self.dof[i])) * np.sqrt(self.spread[i, i]))

@@ -41,8 +41,8 @@ _OVERLAY = (
 )
 _RANKING = (
     "Score of each candidate on operating points left out, and the share of the excess gap that it "
-    "explains there. Upright line: its threshold, from simulated campaigns of this plan without an "
-    "effect. Filled: simulated with the effect; hollow: judged by its signature alone. Blue: named "
+    "explains there. Upright line: its threshold, of these differences with random signs of the "
+    "points. Filled: simulated with the effect; hollow: judged by its signature alone. Blue: named "
     "or in the ambiguous set."
 )
 _REFITTED = (
