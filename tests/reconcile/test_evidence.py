@@ -1,0 +1,283 @@
+"""Fits and scores of differences drawn here: their columns, sizes and truth are known."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from hbench.analysis.student import student_factor
+from hbench.reconcile.evidence import (
+    Freedom,
+    Products,
+    _touched,
+    fit,
+    intervals,
+    left_at,
+    left_out,
+    log_likelihood,
+    random_signs,
+    score,
+)
+
+NOISE = 1e-3  # variance of d, in squares of the scatter
+NEAR = 0.1  # nats: a search decides by 3 and by 5
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Windows of a campaign: d and columns of each (point, group)."""
+
+    d: np.ndarray  # (p, g, w)
+    columns: np.ndarray  # (p, g, w, q)
+
+    def products(self, noise=NOISE) -> Products:
+        p, g, w, q = self.columns.shape
+        return Products(
+            names=tuple(f"c{j}" for j in range(q)),
+            columns=np.einsum("pgwj,pgwk->pgjk", self.columns, self.columns),
+            mixed=np.einsum("pgw,pgwj->pgj", self.d, self.columns),
+            squares=np.sum(self.d**2, axis=2),
+            noise=np.full((p, g), noise * w),
+            windows=np.full((p, g), w),
+            groups=tuple((f"balance {i}", "steady") for i in range(g)),
+        )
+
+    def cost(self, beta, free, chosen, points, noise=NOISE):
+        """- ln L by the module's equation, window by window."""
+        left = self.d[points] - self.columns[points][..., chosen] @ beta
+        variance = np.maximum(np.mean(left**2, axis=(0, 2)), noise)
+        off = (beta - free.centre[chosen]) / free.prior[chosen]
+        return 0.5 * len(points) * np.sum(np.log(variance)) + 0.5 * np.sum(off**2)
+
+
+def drawn(rng, truth, points=30, spread=(0.3, 1.0, 4.0), windows=8, within=0.6):
+    """d = columns @ truth + what is left, part of which holds within a point."""
+    spread = np.asarray(spread)
+    shape = points, len(spread), windows
+    own = rng.standard_normal(shape) * np.sqrt(1 - within**2)
+    shared = rng.standard_normal(shape[:2])[..., None] * within
+    columns = rng.standard_normal((*shape, len(truth)))
+    return Drawn(columns @ np.asarray(truth) + spread[:, None] * (own + shared), columns)
+
+
+def freedom(count, centre=0.0, prior=10.0, low=-50.0, high=50.0):
+    return Freedom(
+        *(np.broadcast_to(one, count).astype(float) for one in (centre, prior, low, high))
+    )
+
+
+def everywhere(data):
+    return np.arange(len(data.mixed))
+
+
+# ---- fit
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_fit_is_at_the_maximum_of_ln_l(seed):
+    """Another optimiser, on the windows themselves, finds the same place."""
+    rng = np.random.default_rng(seed)
+    raw = drawn(rng, [1.5, -0.7, 0.0, 0.2])
+    free, chosen, points = freedom(4, prior=[10, 0.1, 1, 3]), [0, 1, 3], np.arange(0, 30, 2)
+    beta = fit(raw.products(), free, chosen, points)[0]
+    best = minimize(raw.cost, np.zeros(3), (free, chosen, points), tol=1e-10)
+    assert raw.cost(beta, free, chosen, points) == pytest.approx(best.fun, abs=NEAR)
+    assert beta == pytest.approx(best.x, abs=0.05)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_bounds_hold_and_the_others_are_the_best_within_them(seed):
+    rng = np.random.default_rng(100 + seed)
+    raw = drawn(rng, [3.0, -2.0, 0.5])
+    mixing = np.array([[1, 0.5, 0.3], [0, 1, 0.5], [0, 0, 1]])  # so that one's bound moves others
+    raw = Drawn(raw.d, raw.columns @ mixing)
+    free, points = freedom(3, low=-1.0, high=[1.0, 1.0, 9.0]), np.arange(30)
+    beta = fit(raw.products(), free, [0, 1, 2], points)[0]
+    best = minimize(
+        raw.cost,
+        np.zeros(3),
+        (free, [0, 1, 2], points),
+        method="L-BFGS-B",
+        bounds=list(zip(free.low, free.high, strict=True)),
+    )
+    assert np.all((beta >= free.low) & (beta <= free.high)) and beta[0] == pytest.approx(1.0)
+    assert raw.cost(beta, free, [0, 1, 2], points) == pytest.approx(best.fun, abs=NEAR)
+
+
+def test_one_group_is_generalised_least_squares_with_a_prior():
+    """With variances known to be the noise, the closed form: (C'C/v + 1/p^2)^-1 C'd/v."""
+    rng = np.random.default_rng(1)
+    raw = drawn(rng, [0.4, -0.3], spread=(0.1,), windows=6, within=0.0)
+    noise, p = 1.0, 0.05
+    beta = fit(raw.products(noise), freedom(2, prior=p), [0, 1], np.arange(30))[0]
+    columns, d = raw.columns.reshape(-1, 2), raw.d.ravel()
+    weight = 30 / (30 * 6 * noise)  # an operating point counts once
+    matrix = weight * columns.T @ columns + np.eye(2) / p**2
+    assert beta == pytest.approx(np.linalg.solve(matrix, weight * columns.T @ d), rel=1e-9)
+
+
+def test_without_a_word_from_the_data_parameters_stay_at_their_priors():
+    rng = np.random.default_rng(2)
+    raw = drawn(rng, [1.0, 0.0])
+    silent = Drawn(raw.d, raw.columns * [1.0, 0.0])
+    beta = fit(silent.products(), freedom(2, centre=[0.0, -0.7]), [0, 1], np.arange(30))[0]
+    assert beta[1] == pytest.approx(-0.7)
+
+
+def test_groups_of_small_variance_outweigh_the_others():
+    """The same column means 1 in a quiet group and 2 in a loud one."""
+    rng = np.random.default_rng(3)
+    raw = drawn(rng, [1.0], spread=(0.1, 10.0))
+    d = raw.d + np.array([0.0, 1.0])[:, None] * raw.columns[..., 0]
+    beta = fit(Drawn(d, raw.columns).products(), freedom(1), [0], np.arange(30))[0]
+    assert beta[0] == pytest.approx(1.0, abs=0.05)
+
+
+def test_nulls_are_fitted_as_if_their_signs_were_in_the_data():
+    rng = np.random.default_rng(4)
+    raw, points = drawn(rng, [1.0, 0.5]), np.arange(25)
+    signs = random_signs(3, 30, seed=7)
+    together = fit(raw.products(), freedom(2), [0, 1], points, signs)
+    for own, beta in zip(signs, together, strict=True):
+        turned = Drawn(raw.d * own[:, None, None], raw.columns)
+        assert beta == pytest.approx(fit(turned.products(), freedom(2), [0, 1], points)[0])
+
+
+def test_random_signs_are_fair_and_repeatable():
+    signs = random_signs(400, 50, seed=1)
+    assert set(np.unique(signs)) == {-1.0, 1.0}
+    assert abs(signs.mean()) < 4 / np.sqrt(signs.size)
+    assert np.array_equal(signs, random_signs(400, 50, seed=1))
+    assert not np.array_equal(signs, random_signs(400, 50, seed=2))
+
+
+# ---- scores
+
+
+def scores(truth, more, count=40):
+    found = []
+    for seed in range(count):
+        raw = drawn(np.random.default_rng(seed), truth)
+        data = raw.products()
+        found.append(score(data, freedom(len(truth)), [0], more, everywhere(data))[0])
+    return np.array(found)
+
+
+def test_columns_of_noise_do_not_gain_on_points_left_out():
+    """k columns of white noise lose k / 2 over the windows of a point, fitted to 4/5 of them."""
+    found = scores([1.0, *[0.0] * 5], [1, 2, 3, 4, 5])
+    assert found.mean() == pytest.approx(-5 / 2 / 0.8 / 8, abs=0.2)
+    assert found.max() < 5  # nats, the least threshold of a search
+
+
+def test_the_true_column_gains_what_theory_says():
+    """n/2 ln(v_before / v_after) in each group, with v_before = v + beta^2 <c^2>."""
+    found = scores([1.0, 0.5], [1])
+    spread = np.array([0.3, 1.0, 4.0])
+    theory = 15 * np.sum(np.log1p(0.5**2 / spread**2))
+    assert found.mean() == pytest.approx(theory, rel=0.1)
+    assert found.min() > 5
+
+
+def test_the_null_of_a_true_column_gains_nothing():
+    raw = drawn(np.random.default_rng(5), [1.0])
+    data = raw.products()
+    null = score(data, freedom(1), [], [0], everywhere(data), random_signs(100, 30, seed=1))
+    true = score(data, freedom(1), [], [0], everywhere(data))[0]
+    assert np.median(null) < 0.5 and true > 3 * null.max()
+
+
+def test_groups_that_a_candidate_does_not_touch_change_no_score():
+    """Columns in some groups alone; shared and unshared nuisances."""
+    rng = np.random.default_rng(6)
+    raw = drawn(rng, [1.0, 0.4, -0.6, 0.3], spread=(0.5, 1.0, 2.0, 1.0))
+    shown = np.array([[1, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]], bool)  # (g, q)
+    data = Drawn(raw.d, raw.columns * shown[:, None]).products()
+    free, points = freedom(4), everywhere(data)
+    part, base, joined, groups = _touched(data, [0, 2], [1])
+    assert list(groups) == [True, True, False, False] and part.groups == data.groups[:2]
+    assert base == [0] and joined == [0, 1]
+
+    def whole(chosen):
+        return log_likelihood(left_out(data, free, chosen, points))[0]
+
+    assert score(data, free, [0, 2], [1], points)[0] == pytest.approx(
+        whole([0, 2, 1]) - whole([0, 2]), abs=1e-6
+    )
+
+
+def test_points_left_out_are_predicted_by_the_others_alone():
+    """By hand, fold after fold; and a beta that is given is not fitted at all."""
+    raw = drawn(np.random.default_rng(7), [1.0, -0.5])
+    data, free, points = raw.products(), freedom(2), np.arange(3, 28)
+    total = np.zeros(3)
+    for number in range(5):
+        out = points[np.arange(len(points)) % 5 == number]
+        beta = fit(data, free, [0, 1], np.setdiff1d(points, out))[0]
+        total += np.sum((raw.d[out] - raw.columns[out] @ beta) ** 2, axis=(0, 2))
+    found = left_out(data, free, [0, 1], points)
+    assert found.variance[0] == pytest.approx(total / (25 * 8))
+    beta = np.array([0.9, -0.4])
+    left = raw.d[points] - raw.columns[points] @ beta
+    given = left_at(data, [0, 1], beta, points)
+    assert given.variance[0] == pytest.approx(np.mean(left**2, axis=(0, 2)))
+    assert log_likelihood(given)[0] == pytest.approx(
+        -0.5 * 25 * np.sum(np.log(np.mean(left**2, axis=(0, 2))))
+    )
+
+
+# ---- intervals
+
+
+def covered(points, slow, count=200):
+    """Share of intervals that hold the truth; each point has slopes of its own."""
+    truth, hits = np.array([1.0, -0.5]), 0
+    for seed in range(count):
+        rng = np.random.default_rng(seed)
+        raw = drawn(rng, truth, points, windows=10)
+        columns = np.repeat(raw.columns[:, :, :1], 10, axis=2) if slow else raw.columns
+        own = truth + 0.5 * rng.standard_normal((points, 1, 1, 2))
+        d = raw.d - raw.columns @ truth + np.sum(columns * own, axis=-1)
+        data, free = Drawn(d, columns).products(), freedom(2)
+        beta = fit(data, free, [0, 1], everywhere(data))[0]
+        spread, dof = intervals(data, free, [0, 1], beta, everywhere(data))
+        half = [
+            student_factor(int(n)) * np.sqrt(v) for n, v in zip(dof, np.diag(spread), strict=True)
+        ]
+        hits += np.abs(beta - truth) < half
+    return np.mean(hits) / count
+
+
+@pytest.mark.parametrize("points", [12, 40])
+def test_nine_of_ten_intervals_hold_the_truth_though_windows_of_a_point_depend(points):
+    """Columns that hold within a point; a sandwich of few points is narrower than 95 %."""
+    assert 0.86 < covered(points, slow=True) < 0.98
+
+
+def test_intervals_are_rather_too_wide_where_a_points_windows_tell_more_than_one():
+    """An operating point counts once in the curvature, however its column varies."""
+    assert covered(30, slow=False) > 0.95
+
+
+def test_degrees_of_freedom_are_the_points_that_tell_a_parameter():
+    raw = drawn(np.random.default_rng(8), [1.0, 1.0], points=20, spread=(1.0, 1.0))
+    shown = np.array([[1, 0], [0, 1]])
+    data = Drawn(raw.d, raw.columns * shown[:, None]).products()
+    few = Products(
+        **{
+            **data.__dict__,
+            **{
+                name: np.where(
+                    (np.arange(20) < 5).reshape(-1, *[1] * (getattr(data, name).ndim - 1))
+                    | (np.arange(2) == 0).reshape(1, 2, *[1] * (getattr(data, name).ndim - 2)),
+                    getattr(data, name),
+                    0,
+                )
+                for name in ("columns", "mixed", "squares", "noise", "windows")
+            },
+        }
+    )  # the second group is measured at five points alone
+    beta = fit(few, freedom(2), [0, 1], np.arange(20))[0]
+    _, dof = intervals(few, freedom(2), [0, 1], beta, np.arange(20))
+    assert dof == pytest.approx([19, 4])
