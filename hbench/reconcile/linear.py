@@ -283,12 +283,10 @@ def motion_of(found: GapMap) -> np.ndarray:
     inside = found.point[:-2] == found.point[2:]
     change = np.zeros_like(v)
     change[1:-1] = np.where(inside, np.abs(v[2:] - v[:-2]), 0.0)
-    # A run's first and last window are like their neighbours.
-    edge = np.flatnonzero(np.diff(found.point)) if len(v) else np.zeros(0, int)
-    for i in (0, *(edge + 1)):
-        change[i] = change[min(i + 1, len(v) - 1)]
-    for i in (*edge, len(v) - 1):
-        change[i] = change[max(i - 1, 0)]
+    for i in range(len(found.points)):
+        own = np.flatnonzero(found.point == i)
+        if len(own) > 2:  # a run's first and last window are like their neighbours
+            change[own[[0, -1]]] = change[own[[1, -2]]]
     unsteady = change > _UNSTEADY * np.abs(v) + REST_M_S
     return np.where(unsteady, 2, np.where(np.abs(v) < REST_M_S, 0, 1))
 
