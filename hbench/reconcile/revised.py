@@ -5,10 +5,13 @@ from collections.abc import Mapping
 from copy import deepcopy
 from typing import Any
 
+from hbench.config.friction import LuGre
 from hbench.reconcile.linear import Hypothesis
 from hbench.records import FitParameter
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
+# The nuisances that a file may leave out, as it would have them.
+_DEFAULTS = {"bristle_stiffness": f"{LuGre.model_fields['bristle_stiffness'].default:g} N/m"}
 
 
 def revised(
@@ -21,7 +24,8 @@ def revised(
         section = found
         for name in above:
             section = section[name]
-        section[last] = _times(section[last], factor.value)
+        given = section[last] if last in section else _DEFAULTS[last]
+        section[last] = _times(given, factor.value)
     if hypothesis.effects:
         found["effects"] = {**found.get("effects", {}), **hypothesis.section()}
     return found

@@ -1,0 +1,225 @@
+"""Verdicts, what data lacks, runs that take no part, and the revised model's sections."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rounds import plant_of
+
+from hbench.config.bench import merge, parse_plant, plant_sections
+from hbench.config.examples import example
+from hbench.config.loading import parse_yaml
+from hbench.config.schedule import parse_schedule
+from hbench.errors import ConfigError
+from hbench.experiment.plan import plan_runs
+from hbench.model.effects import EFFECTS, read_effects
+from hbench.reconcile.diagnose import Task, _usable, diagnose
+from hbench.reconcile.linear import Hypothesis
+from hbench.reconcile.nuisance import nuisances
+from hbench.reconcile.revised import revised
+from hbench.reconcile.search import Found, Step, Tried
+from hbench.reconcile.verdict import judge, rest, what_is_missing
+from hbench.records import Candidate, FitParameter, Gap, Run, RunPlan, Specimen
+
+LEAK = Candidate("internal_leakage", 80.0, 0.9, 1.0, {"test": 1e-12}, "simulated", 7.0)
+OTHER = Candidate("external_leakage", 78.0, 0.9, 1.0, {"tp": 1e-12}, "simulated", 7.0)
+LACKS = Gap("flow_tp", 9.0, 8.9, 0.01, 1e-7, 100)
+
+
+def found(*steps):
+    """Steps are (taken, close); every one has tried both."""
+    tried = Tried(LEAK, None), Tried(OTHER, None)
+    return Found(None, tuple(Step(None, tried, *step) for step in steps), None)
+
+
+# ---- verdicts
+
+
+def test_an_effect_that_was_taken_is_named_and_the_rest_is_told():
+    verdict, why = judge(found(("internal_leakage", ()), (None, ())), ())
+    assert verdict == "named" and "internal_leakage" in why and "rest" not in why
+    verdict, why = judge(found(("internal_leakage", ()), (None, ())), (LACKS,))
+    assert verdict == "named" and "flow_tp (9.0)" in why
+    both = found(("internal_leakage", ()), ("supply_droop", ()), (None, ()))
+    assert "internal_leakage, then supply_droop" in judge(both, ())[1]
+
+
+def test_a_set_beside_a_named_effect_is_told():
+    verdict, why = judge(found(("supply_droop", ()), (None, (LEAK, OTHER))), (LACKS,))
+    assert verdict == "named" and "internal_leakage or external_leakage" in why
+
+
+def test_candidates_that_are_close_are_ambiguous():
+    verdict, why = judge(found((None, (LEAK, OTHER))), (LACKS,))
+    assert verdict == "ambiguous" and "internal_leakage (80), external_leakage (78)" in why
+
+
+def test_what_nothing_explains_is_unknown_and_no_gap_is_none():
+    verdict, why = judge(found((None, ())), (LACKS,))
+    assert verdict == "unknown" and "flow_tp (9.0)" in why and "threshold 7.0" in why
+    assert judge(Found(None, (Step(None, (), None, ()),), None), (LACKS,))[0] == "unknown"
+    assert judge(found((None, ())), ())[0] == "none"
+
+
+def test_a_balance_lacks_something_if_it_is_far_and_not_by_chance():
+    ranked = [LACKS, replace(LACKS, p_value=0.3), replace(LACKS, gap=1.9), replace(LACKS, gap=2.1)]
+    assert rest(ranked) == (LACKS, ranked[3])
+
+
+# ---- what data lacks
+
+
+def plans_of(bench, kinds=None, **changes):
+    """Return the plans of some kinds of discriminate.yaml; ``changes`` are of the steady ones."""
+    data = parse_yaml(example("discriminate.yaml").decode())
+    data["experiments"] = [
+        one | (changes if one["kind"] == "steady" else {})
+        for one in data["experiments"]
+        if kinds is None or one["kind"] in kinds
+    ]
+    return plan_runs(parse_schedule(data, "plan"), bench, "plan").runs
+
+
+def test_the_plan_made_for_telling_effects_apart_lacks_nothing(bench):
+    assert what_is_missing(plans_of(bench)) == ()
+
+
+@pytest.mark.parametrize(
+    "lacks, kinds, changes",
+    [
+        ("three or more speeds", None, {"velocities": ["30 mm/s", "80 mm/s"]}),
+        ("closed valves", ("steady", "triangle", "steps"), {}),
+        ("reversals", ("steady", "steps", "hold"), {}),
+    ],
+)
+def test_what_is_left_out_is_missing_and_nothing_else(bench, lacks, kinds, changes):
+    (said,) = what_is_missing(plans_of(bench, kinds, **changes))
+    assert lacks in said
+
+
+def test_one_speed_at_one_load_in_one_direction_lacks_everything(bench):
+    one = [plan for plan in plans_of(bench, ("steady",)) if plan.label == "extending, again"]
+    said = " ".join(what_is_missing(one[:1]))
+    for lack in ("speeds", "second load", "other direction", "reversals", "steps", "closed valves"):
+        assert lack in said
+    assert "two pressures" in said
+    assert len(what_is_missing([])) == len(what_is_missing(one[:1]))
+
+
+def test_the_same_load_at_two_pressures_is_asked_for(bench):
+    level = [plan for plan in plans_of(bench) if plan.label != "extending, high pressures"]
+    (said,) = what_is_missing(level)
+    assert "two pressures" in said
+
+
+# ---- runs that take no part
+
+
+def test_runs_that_are_not_whole_take_no_part_and_it_is_told_why(bench):
+    plan = plans_of(bench)[0]
+    at = np.zeros(3)
+    whole = Run(plan, at, at)
+    unknown = Run(RunPlan("0009", "steady", 1, 0.1, Specimen(1e-3, 8e-4)), at, at)
+    runs = [
+        whole,
+        replace(whole, aborted="emergency stop"),
+        replace(whole, truncated="the link broke"),
+        replace(whole, missing_records=7),
+        unknown,
+    ]
+    usable, left_out = _usable(runs)
+    assert usable == (whole,)
+    reasons = ("emergency stop", "the link broke", "7 records", "motion is not known")
+    assert len(left_out) == len(reasons)
+    for said, reason in zip(left_out, reasons, strict=True):
+        assert reason in said and said.startswith("run 0")
+    assert left_out[-1].startswith("run 0009")
+
+
+def test_too_few_operating_points_name_nothing_and_simulate_nothing(bench):
+    """A pass over twelve points and seven again, of eight that it needs: no guess is made."""
+    plans = [plan for plan in plans_of(bench) if plan.label == "extending"][: 12 + 7]
+    at = np.zeros(3)
+    runs = tuple(Run(plan, at, at) for plan in plans) + (
+        Run(plans_of(bench)[-1], at, at, aborted="emergency stop"),
+    )
+
+    def simulate(hypotheses, trials):
+        raise AssertionError("nothing is simulated")
+
+    task = Task(None, bench, "model.yaml", plant_of(bench), {"oil": {}}, runs, simulate)
+    found = diagnose(task)
+    assert found.verdict == "unknown" and not found.effects
+    assert "two trials or more: 7, of 8" in found.missing[0]
+    assert any("closed valves" in one for one in found.missing)
+    assert "discriminate.yaml" in found.next_experiment
+    assert found.revised == {"oil": {}} and set(found.not_tried) == set(EFFECTS)
+    assert len(found.left_out) == 1
+
+
+# ---- the revised model
+
+
+def test_the_revised_sections_read_as_the_plant_with_its_factors_and_effects(bench, bench_data):
+    """Every nuisance of the shipped model, each with a factor of its own."""
+    model = parse_yaml(example("model-aau.yaml").decode())
+    sections = plant_sections(bench_data, model, "model")
+    given = parse_plant(bench_data, model, "model")
+    factors = {path: 1 + 0.01 * (i + 1) for i, path in enumerate(nuisances(given))}
+    fitted = {path: FitParameter(value, 0.0, None, None, "1") for path, value in factors.items()}
+    hypothesis = Hypothesis(factors).with_coefficients({("internal_leakage", "test"): 1e-12})
+    made = revised(sections, fitted, hypothesis)
+    plant = parse_plant(bench_data, made, "revised")
+    assert len(factors) > 15
+    for path, factor in factors.items():
+        assert at(plant, path) == pytest.approx(factor * at(given, path), rel=1e-5), path
+    assert read_effects(plant.effects)["internal_leakage"]["test"] == pytest.approx(1e-12)
+    assert plant.model_copy(update={"effects": {}}).supply == given.supply
+    assert sections == plant_sections(bench_data, model, "model")  # untouched
+
+
+def test_effects_that_a_model_has_already_stay_in_the_revised_one(bench_data):
+    sections = merge(bench_data, {"effects": {"load_cell_gain": {"error": "1 %"}}})
+    hypothesis = Hypothesis().with_coefficients({("supply_droop", "slope"): 2e9})
+    assert set(revised(sections, {}, hypothesis)["effects"]) == {"load_cell_gain", "supply_droop"}
+    assert "effects" not in revised({"oil": {}}, {}, Hypothesis())
+
+
+@pytest.mark.parametrize(
+    "given, expected",
+    [
+        ("700 bar", "770 bar"),
+        ("3e5 N/m", "330000 N/m"),
+        ("-1.5e-3 m^2/V", "-0.00165 m^2/V"),
+        (2, 2.2),
+    ],
+)
+def test_quantities_keep_their_units(given, expected):
+    factor = FitParameter(1.1, None, None, None, "1")
+    found = revised({"a": {"b": given}}, {"a.b": factor}, Hypothesis())
+    assert found["a"]["b"] == expected
+
+
+def test_what_a_file_leaves_to_its_default_is_written_with_its_factor(bench_data):
+    """Of all nuisances: each key that a file can do without."""
+    model = parse_yaml(example("model-aau.yaml").decode())
+    for path in nuisances(parse_plant(bench_data, model, "model")):
+        sections = plant_sections(bench_data, model, "model")
+        section, (*above, last) = sections, path.split(".")
+        for name in above:
+            section = section[name]
+        del section[last]
+        try:
+            before = parse_plant({}, sections, "model")
+        except ConfigError:
+            continue  # it must have one
+        factor = FitParameter(1.1, None, None, None, "1")
+        if path in nuisances(before):
+            after = parse_plant({}, revised(sections, {path: factor}, Hypothesis()), "model")
+            assert at(after, path) == pytest.approx(1.1 * at(before, path))
+
+
+def at(plant, path):
+    for name in path.split("."):
+        plant = getattr(plant, name)
+    return plant
