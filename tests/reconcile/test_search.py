@@ -1,0 +1,107 @@
+"""Searches for effects that the virtual rig was given, with a short plan and few candidates."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from rounds import plant_of, schedule, simulator
+
+from hbench.config.bench import merge, parse_bench, parse_plant
+from hbench.config.loading import read_yaml
+from hbench.experiment.closed_loop import record
+from hbench.model.effects import EFFECTS
+from hbench.reconcile.balances import prepared
+from hbench.reconcile.diagnose import HELD_OUT, touched_gap
+from hbench.reconcile.estimates import estimate
+from hbench.reconcile.linear import Hypothesis, Measured, linearise
+from hbench.reconcile.search import Search
+from hbench.reconcile.signatures import signatures
+from tests.conftest import ROOT
+
+PLAN = schedule(trials=2, speeds=("30 mm/s", "120 mm/s"))  # 10 operating points
+CANDIDATES = ("internal_leakage", "tank_back_pressure", "supply_droop")
+UNTUNED = {"oil": {"bulk_modulus": "680 bar"}, "valve": {"gain": "7.5e-7 m^2/V"}}
+
+
+@cache
+def before(candidates):
+    """The bench, and the simulations that do not depend on what is measured."""
+    data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
+    bench = parse_bench(data, "bench")
+    simulate = simulator(bench, PLAN, seed=100)
+    (runs,) = simulate([Hypothesis()], 2)
+    known = Measured(bench, plant_of(bench), ()).known(Hypothesis())
+    return data, bench, simulate, runs, signatures(candidates, simulate, known, runs)
+
+
+def searched(effects, seed=5, candidates=CANDIDATES):
+    """Search a campaign with these effects; return the find, its estimates and points held out."""
+    data, bench, simulate, runs, seen = before(candidates)
+    hidden = parse_plant(data, merge(UNTUNED, {"effects": effects}), "hidden")
+    made = record(bench, PLAN, hidden, seed=seed)
+    assert not made.stopped
+    own = Measured(bench, plant_of(bench), tuple(prepared(run) for run in made.runs))
+    given = linearise(own, Hypothesis(), runs, seen)
+    points = np.arange(len(given.lacking.points))
+    out = points[points % HELD_OUT == 2]
+    train = np.setdiff1d(points, out)
+    found = Search(own, simulate, 2, seen, train, candidates).run(given)
+    return found, estimate(own.plant, found.final, found.names, train), out
+
+
+def gap(linear, name, out):
+    return touched_gap(linear.lacking, EFFECTS[name].balances, out)
+
+
+def test_a_leak_through_an_orifice_is_named_and_given_its_exponent():
+    found, best, out = searched({"internal_leakage": {"test": "1e-2 l/min/bar", "exponent": "0.5"}})
+    assert found.names == ("internal_leakage",)
+    form = best.coefficients("internal_leakage")
+    print(
+        form,
+        gap(found.refitted, "internal_leakage", out),
+        gap(found.final, "internal_leakage", out),
+    )
+    exponent = found.final.hypothesis.effects["internal_leakage"]["exponent"]
+    assert exponent == pytest.approx(0.5, abs=0.1)
+    assert gap(found.refitted, "internal_leakage", out) > 5
+    assert gap(found.final, "internal_leakage", out) < 1.5
+
+
+def test_without_an_effect_nothing_is_taken():
+    found, _, _ = searched({})
+    assert not found.names and not found.steps[-1].close
+    assert len(found.steps) == 1 and found.final is found.steps[0].before
+
+
+def test_two_effects_are_found_one_after_the_other():
+    """Both of the catalogue's own law, so their intervals hold the truth."""
+    found, best, out = searched(
+        {"internal_leakage": {"load": "5e-3 l/min/bar"}, "supply_droop": {"slope": "0.1 bar min/l"}}
+    )
+    assert set(found.names) == {"internal_leakage", "supply_droop"}
+    one = best.coefficients("internal_leakage")["load"]
+    assert one.ci95[0] < 5e-3 < one.ci95[1]
+    slope = best.coefficients("supply_droop")["slope"]
+    assert slope.ci95[0] < 0.1 < slope.ci95[1]
+    for name in found.names:
+        assert gap(found.final, name, out) < 1.5
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_of_an_effect_of_the_catalogues_own_law():
+    """Two leaks and the two untuned parameters of 20 campaigns."""
+    truth = {"oil.bulk_modulus": 680 / 700, "valve.gain": 7.5 / 7.43}
+    inside = []
+    for seed in range(20):
+        leaks = np.random.default_rng(seed).uniform(2e-3, 8e-3, 2)
+        both = dict(zip(("test", "load"), leaks, strict=True))
+        section = {key: f"{value} l/min/bar" for key, value in both.items()}
+        found, best, _ = searched({"internal_leakage": section}, seed, ("internal_leakage",))
+        assert found.names == ("internal_leakage",)
+        own = best.coefficients("internal_leakage") | best.factors()
+        row = [own[key].ci95[0] < value < own[key].ci95[1] for key, value in (both | truth).items()]
+        inside.append(row)
+    share = np.mean(inside, axis=0)
+    print("test leak, load leak, bulk modulus, valve gain: inside 95 % intervals", share)
+    assert share[:2].mean() >= 0.9
