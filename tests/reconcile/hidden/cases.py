@@ -71,6 +71,15 @@ def small_sample() -> tuple[Case, ...]:
     )
 
 
+def stored() -> tuple[Case, ...]:
+    """Return those whose campaigns lie in ``data_samples/blind``, of its own short schedule."""
+    return (
+        _case("single", {"internal_leakage": 1.0}, 1),
+        _case("none", {}, 5),
+        _case("outside", {"flow_force": 1.0}, 10),
+    )
+
+
 def _case(group: str, effects: dict[str, float], seed: int) -> Case:
     words = {size: word for word, size in SEVERITIES.items()}
     said = "+".join(effects) or "none"

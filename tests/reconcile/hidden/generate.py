@@ -10,7 +10,7 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from hidden.cases import Case, cases, small_sample, truth
+from hidden.cases import Case, cases, small_sample, stored, truth
 
 TABLE = Path(__file__).parent / "laws" / "table.py"
 DISCRIMINATE = Path(__file__).parents[3] / "configs" / "discriminate.yaml"
@@ -20,12 +20,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Write campaigns; return 0, or 1 where the board stopped itself in one."""
     parser = argparse.ArgumentParser(description="Write the blind benchmark's campaigns.")
     parser.add_argument("out", type=Path)
-    parser.add_argument("--cases", default="small", help="small, all, or a part of their names")
+    parser.add_argument(
+        "--cases", default="small", help="stored, small, all, or a part of their names"
+    )
     parser.add_argument("--schedule", type=Path, default=DISCRIMINATE)
     given = parser.parse_args(arguments)
-    listed = small_sample() if given.cases == "small" else cases()
-    if given.cases not in ("small", "all"):
-        listed = tuple(case for case in listed if given.cases in case.name)
+    lists = {"stored": stored, "small": small_sample, "all": cases}
+    if given.cases in lists:
+        listed = lists[given.cases]()
+    else:
+        listed = tuple(case for case in cases() if given.cases in case.name)
     return write_all(listed, given.schedule, given.out)
 
 

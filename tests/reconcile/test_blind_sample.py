@@ -1,0 +1,52 @@
+"""Blind campaigns that lie in ``data_samples/blind``: other laws, another plant, other noise.
+
+Made by ``cd tests/reconcile && python -m hidden.generate ../../data_samples/blind --cases stored
+--schedule ../../data_samples/blind.yaml``. The whole benchmark is ``blind.py``.
+"""
+
+import json
+
+import blind
+import pytest
+from hidden.cases import stored
+
+from tests.conftest import ROOT
+
+SAMPLE = ROOT / "data_samples" / "blind"
+
+
+@pytest.fixture(scope="module")
+def said():
+    """What reconcile says of each, by what is hidden in it."""
+    folders = {next(iter(case.effects), "none"): SAMPLE / case.name for case in stored()}
+    first = next(iter(folders.values()))
+    prior = blind.before_measuring(blind.task_of(first), tuple(blind.EFFECTS))
+    return {hidden: blind.outcome(folder, prior) for hidden, folder in folders.items()}
+
+
+def test_a_leak_through_an_orifice_is_named_and_the_gap_of_held_out_runs_shrinks(said):
+    found = said["internal_leakage"]
+    assert found.named == ("internal_leakage",)
+    assert found.before > 10 and found.after < 2
+
+
+def test_where_nothing_is_hidden_nothing_is_named(said):
+    assert said["none"].verdict == "none"
+    assert not said["none"].named and not said["none"].close
+
+
+def test_flow_forces_on_the_valves_are_no_effect_of_the_catalogue(said):
+    found = said["flow_force"]
+    assert found.verdict == "unknown"
+    assert {"flow_tp", "flow_tr"} <= set(found.rest)
+
+
+def test_the_stored_campaigns_tell_what_was_hidden_in_them_only_beside_them():
+    told = json.loads((SAMPLE / "truth.json").read_text())
+    assert told.keys() == {case.name for case in stored()}
+    for name in told:
+        assert not [
+            one
+            for one in told[name]["effects"]
+            if one in (SAMPLE / name / "campaign.yaml").read_text()
+        ]
