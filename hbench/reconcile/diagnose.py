@@ -277,8 +277,8 @@ def touched_gap(found: GapMap, balances: Sequence[str], points: np.ndarray) -> f
     return float(np.sqrt(max(1 + np.nanmean(own), 0.0)))
 
 
-def too_little(task: Task, missing: tuple[str, ...], left_out: tuple[str, ...]) -> Diagnosis:
-    """Return the diagnosis of data that no effect can be named from."""
+def too_little(task: Any, missing: tuple[str, ...], left_out: tuple[str, ...]) -> Diagnosis:
+    """Return the diagnosis of data that no effect can be named from; ``task`` as for a search."""
     nothing = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
     none = np.zeros(0)
     no_map = ResidualMap(

@@ -11,7 +11,7 @@ Units: nuisances in priors of their logarithms, coefficients in typical sizes.
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -49,8 +49,8 @@ class Hypothesis:
     factors: Mapping[str, float] = field(default_factory=dict)
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
-    def plant(self, given: Plant) -> Plant:
-        """Return the plant that was given, with these."""
+    def plant(self, given: Any) -> Any:
+        """Return the plant that was given, or the part of one, with these."""
         changed = scaled(given, self.factors)
         return changed.model_copy(update={"effects": {**given.effects, **self.section()}})
 
@@ -78,7 +78,7 @@ class Hypothesis:
         return self.effects.get(name, {}).get(key, row.to_si(row.default))
 
 
-Simulate = Callable[[Sequence[Hypothesis], int], Iterable[tuple[Run, ...] | None]]
+Simulate = Callable[[Sequence[Hypothesis], int], Iterable[Any]]
 """Makes the campaign's runs, as many trials as told, of each hypothesis; None where it stopped."""
 
 
@@ -131,9 +131,11 @@ def less(one: Column, other: Column) -> Column:
 class Compared(Protocol):
     """What a search needs of the measurement."""
 
-    plant: Plant  # the model that was given
+    @property
+    def plant(self) -> Any:
+        """The model that was given: a ``Plant`` or a part of one."""
 
-    def lacking(self, hypothesis: Hypothesis, simulated: Sequence) -> GapMap:
+    def lacking(self, hypothesis: Hypothesis, simulated: Any) -> GapMap:
         """Return what the balances lack, with the runs that the hypothesis made."""
 
     def slopes(self, factors: Mapping[str, float]) -> dict[str, Column]:
@@ -187,7 +189,7 @@ class Linear:
     """A hypothesis, what its balances lack, and its columns' products."""
 
     hypothesis: Hypothesis
-    runs: tuple[Run, ...]  # simulated
+    runs: tuple[Any, ...]  # simulated: ``Run``, or what stands for one
     lacking: GapMap
     data: Products
     free: Freedom
@@ -213,7 +215,7 @@ class Linear:
 def linearise(
     measured: Compared,
     hypothesis: Hypothesis,
-    simulated: Sequence[Run],
+    simulated: Sequence[Any],
     signatures: Mapping[Coefficient, Column],
     unit: GapMap | None = None,
 ) -> Linear:

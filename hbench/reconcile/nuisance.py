@@ -45,7 +45,7 @@ BOUND = 3.0  # priors
 _STEP = 1e-3  # of a logarithm, for its derivative
 
 
-def nuisances(plant: Plant) -> dict[str, float]:
+def nuisances(plant: Any) -> dict[str, float]:
     """Return the priors of the nuisances that a plant has, by dotted path."""
     return {
         path: prior

@@ -14,6 +14,7 @@ Candidates whose scores are too close to the best one's are an ambiguous set, an
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,6 @@ from hbench.reconcile.linear import (
     Column,
     Hypothesis,
     Linear,
-    Measured,
     Simulate,
     linearise,
     moved,
@@ -92,7 +92,7 @@ class Found:
 class Search:
     """What a search needs besides a model."""
 
-    measured: Measured
+    measured: Any  # ``Measured``, or strokes of another bench
     simulate: Simulate
     trials: int
     signatures: Mapping[Coefficient, Column]

@@ -97,7 +97,8 @@ def search_strokes(series: Sequence[tuple[SeriesSearch, Linear]]) -> StrokesFoun
     """Look for effects; ``series`` are those of one cylinder, the first is asked for."""
     searches = [search for search, _ in series]
     here = [search.settled(given, ()) for search, given in series]
-    refitted, steps, assumed = here[0], [], ()
+    refitted, steps = here[0], []
+    assumed: tuple[str, ...] = ()
     for balance in BALANCES:
         while True:
             step, there = _step(searches, here, assumed, balance)

@@ -179,9 +179,16 @@ def window_of(pair: Pair, par: PlantParameters) -> Windowed:
     out, back = pair.extend, pair.retract
     lacks = lacking_force(out, par), lacking_force(back, par)
     speed, load = (out.v_m_s - back.v_m_s) / 2, (out.f_applied_n + back.f_applied_n) / 2
-    one = (np.array([value]) for value in ((out.t_s + back.t_s) / 2, np.nan, speed, load))
-    values = np.array([[(lacks[0] - lacks[1]) / 2, (lacks[0] + lacks[1]) / 2]])
-    return Windowed(pair.plan, BALANCES, values, *one, np.zeros(2))
+    return Windowed(
+        plan=pair.plan,
+        names=BALANCES,
+        values=np.array([[(lacks[0] - lacks[1]) / 2, (lacks[0] + lacks[1]) / 2]]),
+        t_s=np.array([(out.t_s + back.t_s) / 2]),
+        x_m=np.array([np.nan]),
+        v_m_s=np.array([speed]),
+        load_n=np.array([load]),
+        resolution=np.zeros(2),
+    )
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,9 @@ def reconcile(
         return diagnosed_strokes(campaign, model_file, series)
     if series is not None:
         raise ConfigError(f"{folder}: has no series; only imported campaigns have")
-    return modelled.diagnosed(campaign, campaign.bench(), model_file, report)
+    bench = campaign.bench()
+    assert bench is not None  # only imported campaigns may lack one
+    return modelled.diagnosed(campaign, bench, model_file, report)
 
 
 def write_diagnosis(folder: Path, found: Diagnosis) -> None:
