@@ -18,15 +18,11 @@ from hbench.config.quantity import Section
 from hbench.config.sensors import Instruments, Sensors
 
 
-class Cylinder(Section):
-    """One asymmetrical cylinder."""
+class Bore(Section):
+    """A cylinder's diameters; without a rod its is 0."""
 
     piston_diameter: q.Length
-    rod_diameter: q.Length
-    stroke: q.Length
-    dead_volume_piston: q.Volume
-    dead_volume_rod: q.Volume
-    offset: q.Offset = 0.0  # of its piston against the test cylinder's (x_0)
+    rod_diameter: q.Position = 0.0
 
     @property
     def area_piston_m2(self) -> float:
@@ -39,10 +35,20 @@ class Cylinder(Section):
         return np.pi / 4 * (self.piston_diameter**2 - self.rod_diameter**2)
 
     @model_validator(mode="after")
-    def _rod_fits(self) -> "Cylinder":
+    def _rod_fits(self) -> "Bore":
         if self.rod_diameter >= self.piston_diameter:
             raise ValueError("rod_diameter must be smaller than piston_diameter")
         return self
+
+
+class Cylinder(Bore):
+    """One asymmetrical cylinder."""
+
+    rod_diameter: q.Length
+    stroke: q.Length
+    dead_volume_piston: q.Volume
+    dead_volume_rod: q.Volume
+    offset: q.Offset = 0.0  # of its piston against the test cylinder's (x_0)
 
 
 class MovingMass(Section):

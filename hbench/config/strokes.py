@@ -5,39 +5,15 @@ A bench or plant file serves too: its other sections say nothing of a steady str
 
 from typing import Any
 
-import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from hbench.config import quantity as q
+from hbench.config.bench import Bore
 from hbench.config.effects import Effects
 from hbench.config.friction import Friction
 from hbench.config.loading import validate
 from hbench.config.quantity import Section
 
 _KEYS = {"test_cylinder": ("piston_diameter", "rod_diameter"), "friction": ("test",)}
-
-
-class Bore(Section):
-    """The cylinder's diameters."""
-
-    piston_diameter: q.Length
-    rod_diameter: q.Position = 0.0
-
-    @property
-    def area_piston_m2(self) -> float:
-        """A_p."""
-        return np.pi / 4 * self.piston_diameter**2
-
-    @property
-    def area_rod_m2(self) -> float:
-        """A_r, the annulus."""
-        return np.pi / 4 * (self.piston_diameter**2 - self.rod_diameter**2)
-
-    @model_validator(mode="after")
-    def _rod_fits(self) -> "Bore":
-        if self.rod_diameter >= self.piston_diameter:
-            raise ValueError("rod_diameter must be smaller than piston_diameter")
-        return self
 
 
 class TestFriction(Section):
