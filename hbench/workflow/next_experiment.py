@@ -43,12 +43,11 @@ def next_experiment(
     names = " and ".join(rivals)
     label = f" {chosen['label']!r}" if "label" in chosen else ""
     words = (
-        f"Measure the {chosen['kind']} runs{label} of the schedule beside this file: there {names} "
+        f"Measure the {chosen['kind']} runs{label} of next.yaml: there {names} "
         f"differ by {best:.1f} trial scatters."
     )
     schedule = {
         "name": f"Telling {names} apart",
-        "bench": "bench.yaml",
         "experiments": [{**chosen, "trials": _TRIALS}],
     }
     return words, schedule
