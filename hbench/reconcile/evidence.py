@@ -114,8 +114,10 @@ def intervals(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the covariance (q, q) of ``beta`` (q,) and each one's degrees of freedom (q,).
 
-    Over whole operating points (a sandwich); a variance is not taken for less than what the
-    curvature of ln L tells. Degrees of freedom are the operating points that tell the parameter.
+    Over whole operating points (a sandwich), which is narrow where they are few: of drawn 95 %
+    intervals 91 % held the truth, with 12 and with 40 points. A variance is not taken for less than
+    what the curvature of ln L tells. Degrees of freedom are the operating points that tell the
+    parameter.
     """
     own, sums = free.of(chosen), _summed(data, chosen, points, None)
     weight = (sums.points / (sums.windows * sums.variance(beta[None])))[0]
@@ -198,14 +200,6 @@ def left_out(
 def log_likelihood(left: LeftOut) -> np.ndarray:
     """Return ln L (b,) less a constant; no group is known better than its noise."""
     return -0.5 * np.sum(left.points * np.log(np.maximum(left.variance, left.noise)), axis=-1)
-
-
-def left_at(data: Products, chosen: Sequence[int], beta: np.ndarray, points: np.ndarray) -> LeftOut:
-    """Return what is left at some points with a given beta (chosen,)."""
-    sums = _summed(data, chosen, points, None)
-    return LeftOut(
-        sums.squares_left(beta[None]) / sums.windows, sums.noise, sums.points, sums.windows
-    )
 
 
 def rotated(data: Products, count: int, seed: int) -> np.ndarray:
