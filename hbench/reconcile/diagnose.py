@@ -34,6 +34,7 @@ from hbench.reconcile.verdict import judge, rest, what_is_missing
 from hbench.records import (
     AddedEffect,
     BeforeAfter,
+    Candidate,
     Diagnosis,
     Gap,
     GapTable,
@@ -179,8 +180,8 @@ def _assembled(
         ranking=tuple(one.found for one in found.steps[0].tried),
         threshold=found.steps[0].tried[0].found.threshold,
         refitted=best.factors(),
-        residuals_before=_map(refitted, held),
-        residuals_after=_map(final, held),
+        residuals_before=residual_map(refitted, held),
+        residuals_after=residual_map(final, held),
         overlays=overlays(task.runs, refitted.runs, final.runs, measured.known(Hypothesis()), held),
         heldout_runs=tuple(run.plan.run for run in task.runs if point_of(run.plan) in held),
         not_tried=dict(not_tried),
@@ -231,7 +232,8 @@ def ranked(measured: Measured, model: Linear) -> tuple[Gap, ...]:
     return gaps(own, windows_of(model.runs, known))[0]
 
 
-def _map(model: Linear, held: frozenset[Hashable]) -> ResidualMap:
+def residual_map(model: Linear, held: frozenset[Hashable]) -> ResidualMap:
+    """Return what a model's balances lack; ``held`` are the operating points held out."""
     found = model.lacking
     with np.errstate(divide="ignore", invalid="ignore"):
         value = found.difference / found.scatter
@@ -244,25 +246,37 @@ def _map(model: Linear, held: frozenset[Hashable]) -> ResidualMap:
 def _added(found: Found, best: Estimates, out: np.ndarray) -> tuple[AddedEffect, ...]:
     effects = []
     for step in found.steps:
-        if step.taken is None:
-            continue
-        row = EFFECTS[step.taken]
-        first, *others = (one.found for one in step.tried)
-        rival = Rival(others[0].name, first.score - others[0].score) if others else None
-        effects.append(
-            AddedEffect(
-                name=step.taken,
-                says=row.says,
-                parameters=best.coefficients(step.taken),
-                of_sensor=row.of_sensor,
-                gap_before=touched_gap(step.before.lacking, row.balances, out),
-                gap_after=touched_gap(found.final.lacking, row.balances, out),
-                score=first.score,
-                runner_up=rival,
-                shape=shape_words(step.taken, found.final.hypothesis),
+        if step.taken is not None:
+            balances = EFFECTS[step.taken].balances
+            gap = tuple(
+                touched_gap(one.lacking, balances, out) for one in (step.before, found.final)
             )
-        )
+            one = added_effect(step.taken, [each.found for each in step.tried], best, gap)
+            effects.append(replace(one, shape=shape_words(step.taken, found.final.hypothesis)))
     return tuple(effects)
+
+
+def added_effect(
+    name: str, tried: Sequence[Candidate], best: Estimates, gap: tuple[float, ...]
+) -> AddedEffect:
+    """Return what was taken of some candidates; ``gap`` before and after.
+
+    Its rival is the best whose score is not above its own: one above it explained too little.
+    """
+    taken = next(one for one in tried if one.name == name)
+    below = [one for one in tried if one.name != name and one.score <= taken.score]
+    rival = max(below, key=lambda one: one.score, default=None)
+    row = EFFECTS[name]
+    return AddedEffect(
+        name=name,
+        says=row.says,
+        parameters=best.coefficients(name),
+        of_sensor=row.of_sensor,
+        gap_before=gap[0],
+        gap_after=gap[1],
+        score=taken.score,
+        runner_up=Rival(rival.name, taken.score - rival.score) if rival else None,
+    )
 
 
 def shape_words(name: str, hypothesis: Hypothesis) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from hbench.config.strokes import StrokePlant
 from hbench.errors import ConfigError
 from hbench.model.effects import EFFECTS
-from hbench.reconcile.diagnose import too_little, touched_gap
+from hbench.reconcile.diagnose import added_effect, residual_map, too_little, touched_gap
 from hbench.reconcile.estimates import Estimates
 from hbench.reconcile.gap import gaps
 from hbench.reconcile.linear import Linear
@@ -43,8 +43,6 @@ from hbench.records import (
     Diagnosis,
     Gap,
     Provenance,
-    ResidualMap,
-    Rival,
     ScreenedRun,
     Verdict,
 )
@@ -145,7 +143,8 @@ def _assembled(
     verdict, why = _judged(found, left)
     trial = without_each(search, given, names)
     held = table(trial)
-    every = np.arange(len(given.lacking.points))
+    points = frozenset(given.lacking.points)
+    every = np.arange(len(points))
     train = table([stages_at(search, given, names, every)], floor(measured, best))
     return Diagnosis(
         provenance=task.provenance,
@@ -164,8 +163,8 @@ def _assembled(
         ranking=found.steps[0].tried,
         threshold=found.steps[0].tried[0].threshold,
         refitted=best.factors(),
-        residuals_before=_map(found.refitted),
-        residuals_after=_map(found.final),
+        residuals_before=residual_map(found.refitted, points),
+        residuals_after=residual_map(found.final, points),
         overlays=(),
         heldout_runs=tuple(one.run.plan.run for one in task.series[labels[0]] if one.accepted),
         not_tried=not_tried | ruled_out,
@@ -211,30 +210,14 @@ def _next(alternatives: Sequence) -> str | None:
 def _added(found: StrokesFound, best: Estimates, points: np.ndarray) -> tuple[AddedEffect, ...]:
     effects = []
     for step in found.steps:
-        if step.taken is None:
-            continue
-        row, (first, *others) = EFFECTS[step.taken], step.tried
-        others = [one for one in others if one.name not in step.ruled_out]
-        rival = Rival(others[0].name, first.score - others[0].score) if others else None
-        effects.append(
-            AddedEffect(
-                name=step.taken,
-                says=row.says,
-                parameters=best.coefficients(step.taken),
-                of_sensor=row.of_sensor,
-                gap_before=touched_gap(step.before.lacking, (step.balance,), points),
-                gap_after=touched_gap(found.final.lacking, (step.balance,), points),
-                score=first.score,
-                runner_up=rival,
+        if step.taken is not None:
+            gap = tuple(
+                touched_gap(one.lacking, (step.balance,), points)
+                for one in (step.before, found.final)
             )
-        )
+            tried = [one for one in step.tried if one.name not in step.ruled_out]
+            effects.append(added_effect(step.taken, tried, best, gap))
     return tuple(effects)
-
-
-def _map(model: Linear) -> ResidualMap:
-    found = model.lacking
-    value, every = found.difference / found.scatter, np.ones(len(found.point), bool)
-    return ResidualMap(found.names, value, found.v_m_s, found.load_n, found.x_m, found.t_s, every)
 
 
 def _notes(

@@ -13,13 +13,15 @@ from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
 from hbench.model.effects import EFFECTS, read_effects
-from hbench.reconcile.diagnose import Task, _usable, diagnose
-from hbench.reconcile.linear import Hypothesis
+from hbench.reconcile.diagnose import Task, _usable, added_effect, diagnose
+from hbench.reconcile.estimates import Estimates
+from hbench.reconcile.evidence import Products
+from hbench.reconcile.linear import Hypothesis, Linear
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.revised import revised
 from hbench.reconcile.search import Found, Step, Tried
 from hbench.reconcile.verdict import judge, rest, what_is_missing
-from hbench.records import Candidate, FitParameter, Gap, Run, RunPlan, Specimen
+from hbench.records import Candidate, FitParameter, Gap, Rival, Run, RunPlan, Specimen
 
 LEAK = Candidate("internal_leakage", 80.0, 0.9, 1.0, {"test": 1e-12}, "simulated", 7.0)
 OTHER = Candidate("external_leakage", 78.0, 0.9, 1.0, {"tp": 1e-12}, "simulated", 7.0)
@@ -223,3 +225,19 @@ def at(plant, path):
     for name in path.split("."):
         plant = getattr(plant, name)
     return plant
+
+
+def test_an_effect_that_was_taken_keeps_its_own_score_though_another_scored_more(bench):
+    """The other explained too little; the rival is the next below."""
+    tried = [
+        Candidate("pressure_offset", 33.0, 0.45, 0.1, {}, "simulated"),
+        Candidate("load_friction", 12.0, 0.9, 1.0, {}, "simulated"),
+        Candidate("load_cell_gain", 4.0, 0.1, 0.1, {}, "linear"),
+    ]
+    empty = Linear(Hypothesis(), (), None, Products((), *[np.zeros(0)] * 5, ()), None)
+    nothing = Estimates(bench, empty, (), *[np.zeros(19)] * 5)
+    found = added_effect("load_friction", tried, nothing, (3.0, 1.0))
+    assert (found.name, found.score, found.gap_before, found.gap_after) == (
+        "load_friction", 12.0, 3.0, 1.0,
+    )  # fmt: skip
+    assert found.runner_up == Rival("load_cell_gain", 8.0)
