@@ -10,6 +10,12 @@ s^2 is the variance between measured trials (pure error), s_q^2 that between sim
 of the means is subtracted, so a model that is the trials' expectation has g = 1: it is as far from
 a trial as another trial's expectation is. sqrt(g^2 - 1) is the structured part.
 
+A single run is off by d_i = r_i - mean q, with its own scatter in it:
+
+    g_i^2 = mean of (d_i^2 - s_q^2/k) / s^2
+
+It is 1 too where the model is right; over an operating point's trials the mean of g_i^2 is g^2.
+
 A variance of few trials is uncertain, so it is drawn towards that of all windows by empirical Bayes
 (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 2004): s^2 = (nu_0 s_0^2 + nu s^2) / (nu_0 + nu), with
 s_0 and nu_0 from the spread of ln s^2. The log's rounding adds to it where it is no noise.
@@ -20,7 +26,7 @@ exchanged. So whole runs change places at random, 999 times; windows of a run st
 
 from collections import defaultdict
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -53,6 +59,12 @@ class GapMap:
         """(d^2 - noise) / s^2 (w, c): its mean is the square of the structured part."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return (self.difference**2 - self.noise) / self.scatter**2
+
+    def at(self, points: np.ndarray) -> "GapMap":
+        """Return the windows of some operating points, told by their numbers."""
+        own = np.isin(self.point, points)
+        rows = ("difference", "scatter", "noise", "t_s", "x_m", "v_m_s", "load_n", "point")
+        return replace(self, **{name: getattr(self, name)[own] for name in rows})
 
     def over(self, bins: np.ndarray) -> np.ndarray:
         """Return gaps (b, c) of the windows in each of the bins 0..b-1 that ``bins`` (w,) tells.
@@ -114,6 +126,27 @@ def gaps(
 def differences(measured: Sequence[Windowed], modelled: Sequence[Windowed]) -> GapMap:
     """Return the map of ``gaps`` alone. Raises ``DataError``."""
     return _map(_pairs(measured, modelled))
+
+
+def gaps_of_runs(
+    measured: Sequence[Windowed], modelled: Sequence[Windowed]
+) -> dict[str, np.ndarray]:
+    """Return the gaps (c,) of each measured run, by its id; nan where nothing was compared.
+
+    Runs are left out as in ``gaps``. Raises ``DataError``.
+    """
+    pairs = _pairs(measured, modelled)
+    found = _map(pairs)
+    single = {}
+    for number, (_, trials, r, q) in enumerate(pairs):
+        own = found.at(np.array([number]))
+        of_model = own.noise - own.scatter**2 / len(r)
+        for trial, values in zip(trials, r, strict=True):
+            off = values - q.mean(axis=0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                square = column_means((off**2 - of_model) / own.scatter**2)
+                single[trial.plan.run] = np.sqrt(np.maximum(square, 0.0))
+    return single
 
 
 def pooled_variance(variance: np.ndarray, dof: np.ndarray) -> np.ndarray:

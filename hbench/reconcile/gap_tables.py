@@ -1,21 +1,24 @@
-"""Gaps before and after over some runs, with the floor of a model that is right."""
+"""Gaps before and after, over some runs and of each, with the floor of a model that is right."""
 
-from collections.abc import Callable, Hashable, Sequence
-from functools import partial
+from collections.abc import Callable, Hashable, Mapping, Sequence
 
 import numpy as np
 
 from hbench.reconcile.balances import Model, Prepared, Windowed, prepared, residuals
-from hbench.reconcile.gap import GapMap, column_means, differences, point_of
+from hbench.reconcile.gap import GapMap, column_means, differences, gaps_of_runs, point_of
 from hbench.reconcile.signals import astray, signals
-from hbench.records import BeforeAfter, GapTable, Run
+from hbench.records import BeforeAfter, GapTable, Run, RunGap
 
-View = Callable[[Prepared, Model], Windowed]
 Logs = Sequence[Prepared]
+_VIEWS: Mapping[str, Callable[[Prepared, Model], Windowed]] = {
+    "balances": residuals,
+    "signals": signals,
+    "open_loop": astray,
+}
 
 
 class Stages:
-    """The logs of the measured runs and of those that the models on the way have made."""
+    """What the models on the way lack, window by window and run by run, in every view."""
 
     def __init__(
         self,
@@ -27,44 +30,82 @@ class Stages:
 
         ``uncertain`` are runs of the last with parameters drawn from their uncertainty.
         """
-        self._measured = measured
-        self._models = [([prepared(run) for run in runs], known) for runs, known in models]
-        self._uncertain = [[prepared(run) for run in runs] for runs in uncertain]
+        made = [([prepared(run) for run in runs], known) for runs, known in models]
+        drawn = [[prepared(run) for run in runs] for runs in uncertain]
+        self._plans = [log.run.plan for log in measured]
+        self._views = {name: _View(view, measured, made, drawn) for name, view in _VIEWS.items()}
 
-    def table(self, points: frozenset[Hashable], open_loop: bool) -> GapTable:
+    def table(self, points: frozenset[Hashable]) -> GapTable:
         """Return the gaps over some operating points."""
-        balances = self._gaps(residuals, points)
-        total = BeforeAfter(
-            *(
-                float(np.sqrt(np.mean([getattr(one, name) ** 2 for one in balances.values()])))
-                for name in ("before", "refitted", "after", "floor")
+        return _table({name: view.over(points) for name, view in self._views.items()})
+
+    def runs(self, held_out: frozenset[Hashable]) -> tuple[RunGap, ...]:
+        """Return the gaps of each run; ``held_out`` are operating points."""
+        return tuple(
+            RunGap(
+                plan,
+                point_of(plan) in held_out,
+                _table({name: view.of_run(plan.run) for name, view in self._views.items()}),
             )
-        )
-        return GapTable(
-            total=total,
-            balances=balances,
-            signals=self._gaps(signals, points),
-            open_loop=self._gaps(astray, points) if open_loop else {},
+            for plan in self._plans
         )
 
-    def _gaps(self, view: View, points: frozenset[Hashable]) -> dict[str, BeforeAfter]:
-        stages = []
-        for logs, known in self._models:
-            see = partial(_seen, view, known, points)
-            stages.append(differences(see(self._measured), see(logs)))
-        last = see(self._models[-1][0])
-        floors = [_structured(differences(last, see(logs)), stages[-1]) for logs in self._uncertain]
-        floor = np.sqrt(1 + np.mean(floors, axis=0)) if floors else np.ones(len(stages[0].names))
-        columns = [_gaps(found) for found in stages]
+
+class _View:
+    """Balances or signals, of the measured runs and of those that the models have made."""
+
+    def __init__(
+        self,
+        view: Callable[[Prepared, Model], Windowed],
+        measured: Logs,
+        made: Sequence[tuple[Logs, Model]],
+        drawn: Sequence[Logs],
+    ):
+        sides = [
+            ([view(log, known) for log in measured], [view(log, known) for log in logs])
+            for logs, known in made
+        ]
+        self._maps = [differences(*both) for both in sides]
+        self._runs = [gaps_of_runs(*both) for both in sides]
+        self._points = {log.run.plan.run: point_of(log.run.plan) for log in measured}
+        last, known = sides[-1][1], made[-1][1]
+        self._drawn = [differences(last, [view(log, known) for log in logs]) for logs in drawn]
+
+    def over(self, points: frozenset[Hashable]) -> dict[str, BeforeAfter]:
+        return self._named([_gaps(_at(found, points)) for found in self._maps], points)
+
+    def of_run(self, run: str) -> dict[str, BeforeAfter]:
+        return self._named([each[run] for each in self._runs], frozenset({self._points[run]}))
+
+    def _named(
+        self, columns: Sequence[np.ndarray], points: frozenset[Hashable]
+    ) -> dict[str, BeforeAfter]:
+        """Return the gaps, a column a stage, with the floors of ``points``, by name."""
+        unit = _at(self._maps[-1], points)
+        floors = [_structured(_at(found, points), unit) for found in self._drawn]
+        floor = np.sqrt(1 + np.mean(floors, axis=0)) if floors else np.ones(len(unit.names))
         return {
             name: BeforeAfter(*[float(column[i]) for column in (*columns, floor)])
-            for i, name in enumerate(stages[0].names)
+            for i, name in enumerate(unit.names)
             if all(np.isfinite(column[i]) for column in columns)
         }
 
 
-def _seen(view: View, known: Model, points: frozenset[Hashable], logs: Logs) -> list[Windowed]:
-    return [view(log, known) for log in logs if point_of(log.run.plan) in points]
+def _table(parts: dict[str, dict[str, BeforeAfter]]) -> GapTable:
+    balances = parts["balances"].values()
+    total = BeforeAfter(
+        *(
+            float(np.sqrt(np.mean([getattr(one, step) ** 2 for one in balances])))
+            if balances
+            else float("nan")
+            for step in ("before", "refitted", "after", "floor")
+        )
+    )
+    return GapTable(total=total, **parts)
+
+
+def _at(found: GapMap, points: frozenset[Hashable]) -> GapMap:
+    return found.at(np.array([i for i, point in enumerate(found.points) if point in points]))
 
 
 def _gaps(found: GapMap) -> np.ndarray:

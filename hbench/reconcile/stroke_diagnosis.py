@@ -160,6 +160,7 @@ def _assembled(
         next_schedule=None,
         gap_heldout=with_floor(held, train),
         gap_train=train,
+        gap_runs=(),
         ranking=found.steps[0].tried,
         threshold=found.steps[0].tried[0].threshold,
         refitted=best.factors(),

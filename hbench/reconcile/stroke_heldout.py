@@ -26,7 +26,7 @@ def stages_at(
     for stage, here, own in (("refitted", refitted, ()), ("after", after, names)):
         best = search.estimates(here, own)
         found[stage] = _lacking(search.measured, best.hypothesis(best.beta))
-    return {stage: _only(one, points) for stage, one in found.items()}
+    return {stage: one.at(points) for stage, one in found.items()}
 
 
 def without_each(search: SeriesSearch, given: Linear, names: Sequence[str]) -> list[Stages]:
@@ -41,12 +41,6 @@ def without_each(search: SeriesSearch, given: Linear, names: Sequence[str]) -> l
 def _lacking(measured: Strokes, hypothesis: Hypothesis) -> GapMap:
     (made,) = measured.simulate([hypothesis], 1)
     return measured.lacking(hypothesis, made)
-
-
-def _only(found: GapMap, points: np.ndarray) -> GapMap:
-    own = np.isin(found.point, points)
-    rows = ("difference", "scatter", "noise", "t_s", "x_m", "v_m_s", "load_n", "point")
-    return replace(found, **{name: getattr(found, name)[own] for name in rows})
 
 
 def floor(measured: Strokes, best: Estimates) -> np.ndarray:

@@ -20,6 +20,7 @@ from hbench.records.diagnosis import (
     Region,
     ResidualMap,
     Rival,
+    RunGap,
     Verdict,
 )
 from hbench.records.differences import (
@@ -141,6 +142,7 @@ __all__ = [
     "ResidualMap",
     "Results",
     "Rival",
+    "RunGap",
     "RootLocus",
     "Run",
     "RunPlan",

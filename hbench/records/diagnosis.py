@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hbench.records.flow import FitParameter, Provenance
+from hbench.records.flow import FitParameter, Provenance, RunPlan
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
 
@@ -68,6 +68,15 @@ class GapTable:
     balances: dict[str, BeforeAfter]
     signals: dict[str, BeforeAfter]  # closed loop
     open_loop: dict[str, BeforeAfter]  # how far the model goes astray under measured commands
+
+
+@dataclass(frozen=True)
+class RunGap:
+    """The gaps of a single run; the floors are those of its operating point."""
+
+    plan: RunPlan
+    held_out: bool
+    gap: GapTable
 
 
 @dataclass(frozen=True)
@@ -136,6 +145,7 @@ class Diagnosis:
     next_schedule: dict[str, Any] | None  # for `hbench run`
     gap_heldout: GapTable
     gap_train: GapTable
+    gap_runs: tuple[RunGap, ...]  # in the campaign's order; none where strokes are compared
     ranking: tuple[Candidate, ...]  # of the first search, best first
     threshold: float  # score that a candidate must exceed, from nulls of this plan
     refitted: dict[str, FitParameter]  # factors on the model's values, by dotted path

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from hbench.records import AddedEffect, Candidate, Diagnosis, FitParameter, Gap, GapTable
+from hbench.records import AddedEffect, Candidate, Diagnosis, FitParameter, Gap, GapTable, RunGap
 from hbench.report.tables import plain
 
 SCHEMA = "hbench.diagnosis/1"
@@ -29,7 +29,11 @@ def diagnosis_json(found: Diagnosis) -> str:
         "rest": [_gap(one) for one in found.rest],
         "next_experiment": found.next_experiment,
         "next_schedule": found.next_schedule,
-        "gap": {"heldout": _gap_table(found.gap_heldout), "train": _gap_table(found.gap_train)},
+        "gap": {
+            "heldout": _gap_table(found.gap_heldout),
+            "train": _gap_table(found.gap_train),
+            "runs": [_run_gap(one) for one in found.gap_runs],
+        },
         "ranking": [_candidate(one) for one in found.ranking],
         "threshold": found.threshold,
         "refitted": _parameters(found.refitted),
@@ -84,6 +88,12 @@ def _parameters(parameters: Mapping[str, FitParameter]) -> dict[str, dict[str, A
 def _candidate(one: Candidate) -> dict[str, Any]:
     numbers = {name: value for name, value in asdict(one).items() if name != "parameters"}
     return numbers | {"parameters_si": one.parameters}
+
+
+def _run_gap(one: RunGap) -> dict[str, Any]:
+    names = ("run", "kind", "label", "direction", "v_ref_m_s", "f_load_n", "p_lr_ref_pa", "trial")
+    about = {name: getattr(one.plan, name) for name in names}
+    return {**about, "held_out": one.held_out, **_gap_table(one.gap)}
 
 
 def _gap_table(table: GapTable) -> dict[str, Any]:

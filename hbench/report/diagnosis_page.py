@@ -1,12 +1,15 @@
 """The page of a diagnosis."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report import diagnosis_text as text
 from hbench.report.document import Section, document
 from hbench.report.figures import Drawing
+from hbench.report.run_gaps import run_table
 
+_MOST_RUNS = 40  # rows of the page
 _SIMULATED = (
     "The campaign was made on the virtual rig: these numbers are simulated, and say nothing of a "
     "real bench."
@@ -19,6 +22,11 @@ _CLOSED = (
     "The balances decide and the closed loop confirms: small errors of all values add up in it, "
     "which its own floor tells. Refitted: the model with its badly known values fitted, and no "
     "effect added."
+)
+_RUNS = (
+    "A single run is compared with the mean of the simulated ones: its own scatter is in its gap, "
+    "which is 1 too where the model is right. The last columns are the worst balance and signals "
+    "of the run, at the last step. gaps_by_run.csv beside this page has every run and signal."
 )
 _WHERE = (
     "A balance is a law that the measured signals must obey: continuity of the oil in a chamber, "
@@ -37,7 +45,7 @@ _REFITTED = (
 )
 _FILES = (
     "Beside this page: model.yaml, the model with what was refitted and added, which hbench run "
-    "--plant takes as it is; diagnosis.json; the figures as SVG and PNG."
+    "--plant takes as it is; diagnosis.json; gaps_by_run.csv; the figures as SVG and PNG."
 )
 _NEXT_FILE = (
     "next.yaml beside this page is that experiment: hbench run next.yaml --bench BENCH -o NEXT."
@@ -60,6 +68,7 @@ def diagnosis_page(found: Diagnosis, drawings: Sequence[Drawing]) -> str:
         (_CLOSED, f"Held-out runs: {held}."),
         drawings=drawn("gap"),
         tables=text.gap_tables(found, found.gap_heldout, "held-out runs"),
+        parts=_run_part(found),
     )
     where = Section(
         "Where",
@@ -113,6 +122,12 @@ def _answer(found: Diagnosis) -> Section:
         paragraphs=tuple(filter(None, paragraphs)),
         tables=_with_rows(text.effects_table(found), text.alternatives_table(found)),
     )
+
+
+def _run_part(found: Diagnosis) -> tuple[Section, ...]:
+    table = run_table(found, _MOST_RUNS)
+    part = Section(table.title, (_RUNS,), tables=(replace(table, title=""),), folded=True)
+    return (part,) if table.rows else ()
 
 
 def _with_rows(*tables: WordTable) -> tuple[WordTable, ...]:

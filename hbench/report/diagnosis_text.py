@@ -19,19 +19,15 @@ from hbench.report.diagnosis_words import (
     scatter_words,
     share,
     signal,
+    steps_of,
 )
 from hbench.report.phenomenon_text import aligned
+from hbench.report.run_gaps import run_table
 from hbench.report.text import NONE, number, short
 
 Rows = tuple[tuple[str, ...], ...]
 
 _UNIT_OF_GAP = "Gaps are in trial scatters: 1 is as good as the bench repeats itself."
-STEPS = {
-    "before": "as given",
-    "refitted": "refitted",
-    "after": "with the effects",
-    "floor": "floor",
-}
 
 
 def diagnosis_text(found: Diagnosis) -> str:
@@ -99,6 +95,7 @@ def tables(found: Diagnosis) -> tuple[WordTable, ...]:
         alternatives_table(found),
         where_table(found),
         *gap_tables(found, found.gap_heldout, "held-out runs"),
+        run_table(found, _FEW),
         ranking_table(found, _FEW),
         refitted_table(found),
     )
@@ -198,12 +195,7 @@ def with_total(table: GapTable) -> dict[str, BeforeAfter]:
     return {"all": table.total, **table.balances} if table.balances else {}
 
 
-def steps_of(found: Diagnosis) -> dict[str, str]:
-    """Return the fields of ``BeforeAfter`` that tell something, and their words."""
-    return {step: words for step, words in STEPS.items() if found.effects or step != "after"}
-
-
-_FEW = 8  # candidates that a terminal is shown
+_FEW = 8  # candidates, and runs, that a terminal is shown
 _RANK_HEAD = ("candidate", "score nats", "must exceed", "explains", "size", "tried")
 
 

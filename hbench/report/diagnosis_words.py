@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from hbench.records import FitParameter, Gap
+from hbench.records import Diagnosis, FitParameter, Gap
 from hbench.report.text import number, significant, with_ends
 from hbench.units import from_si
 
@@ -49,6 +49,13 @@ AXES = {
     "time_s": Words("time in the run", "s"),
     "t_s": Words("time in the run", "s"),
 }
+# Fields of BeforeAfter.
+STEPS = {
+    "before": "as given",
+    "refitted": "refitted",
+    "after": "with the effects",
+    "floor": "floor",
+}
 # Edges that meter a chamber's flow: what feeds it while the piston extends, and while it retracts.
 EDGES = {
     "flow_tp": ("supply", "tank"),
@@ -68,6 +75,11 @@ def balance(name: str) -> Words:
 def signal(name: str) -> Words:
     """Return the words of a signal."""
     return SIGNALS.get(name, Words(name.replace("_", " "), ""))
+
+
+def steps_of(found: Diagnosis) -> dict[str, str]:
+    """Return the fields of ``BeforeAfter`` that tell something, and their words."""
+    return {step: words for step, words in STEPS.items() if found.effects or step != "after"}
 
 
 def scatter_words(gap: Gap) -> str:

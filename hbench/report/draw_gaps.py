@@ -10,8 +10,17 @@ from matplotlib.figure import Figure
 
 from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
 from hbench.report import style
-from hbench.report.diagnosis_text import steps_of, with_total
-from hbench.report.diagnosis_words import AXES, Words, balance, drawn, share, shown, signal
+from hbench.report.diagnosis_text import with_total
+from hbench.report.diagnosis_words import (
+    AXES,
+    Words,
+    balance,
+    drawn,
+    share,
+    shown,
+    signal,
+    steps_of,
+)
 from hbench.report.series import behind
 from hbench.report.text import number, short
 

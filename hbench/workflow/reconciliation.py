@@ -10,6 +10,7 @@ from hbench.report.diagnosis_page import diagnosis_page
 from hbench.report.draw_diagnosis import draw_diagnosis
 from hbench.report.figures import figure_files
 from hbench.report.revised_yaml import revised_yaml, schedule_yaml
+from hbench.report.run_gaps import run_gaps_csv
 from hbench.store.atomic import write_files
 from hbench.store.campaign import load_campaign
 
@@ -48,6 +49,8 @@ def write_diagnosis(folder: Path, found: Diagnosis) -> None:
     files["model.yaml"] = revised_yaml(found).encode()
     if found.next_schedule:
         files["next.yaml"] = schedule_yaml(found).encode()
+    if found.gap_runs:
+        files["gaps_by_run.csv"] = run_gaps_csv(found).encode()
     files["diagnosis.json"] = diagnosis_json(found).encode()
     files["report.html"] = diagnosis_page(found, drawings).encode()
     write_files(folder, files)

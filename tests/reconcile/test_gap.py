@@ -8,7 +8,7 @@ from scipy.stats import kstest
 
 from hbench.errors import DataError
 from hbench.reconcile.balances import Windowed
-from hbench.reconcile.gap import _exchange, _pairs, gaps, pooled_variance
+from hbench.reconcile.gap import _exchange, _pairs, gaps, gaps_of_runs, pooled_variance
 from hbench.records import RunPlan, Specimen
 
 NAMES = ("first", "second", "third")
@@ -128,3 +128,57 @@ def test_one_simulated_run_is_taken_as_exact():
     ]
     ranked, _ = gaps(seen, means)
     assert all(one.gap == pytest.approx(np.sqrt(1 - 1 / 4), rel=0.02) for one in ranked)
+
+
+def test_a_single_run_is_as_far_off_as_it_is_from_the_simulated_mean():
+    """Trials at -1, 0 and 1, simulated ones at -2 +- a: 1, 2 and 3, each less a^2 in the square.
+
+    The variance of three trials is 1 in each window, in which the mean logarithm of a chi-square of
+    two degrees of freedom is low by Euler's constant.
+    """
+    a, unit = 0.6, np.exp(np.euler_gamma)
+    rng = np.random.default_rng(8)
+    seen, simulated = drawn(rng, 3), drawn(rng, 2)
+    for run in seen:
+        run.values[:] = SIGMA * (run.plan.trial - 1)
+    for run in simulated:
+        run.values[:] = SIGMA * (-2 + a * (-1) ** run.plan.trial)
+    found = gaps_of_runs(seen, simulated)
+    assert list(found) == [run.plan.run for run in seen]
+    for run in seen:
+        square = (1 + run.plan.trial) ** 2 - a**2
+        assert found[run.plan.run] == pytest.approx(np.full(3, np.sqrt(square / unit)))
+
+
+def test_runs_of_a_right_model_have_a_gap_of_one_and_one_that_went_astray_has_its_own():
+    rng = np.random.default_rng(9)
+    seen, simulated = drawn(rng, 3, points=60), drawn(rng, 3, points=60)
+    astray = seen[70]
+    astray.values[:, 1] += 8 * SIGMA[1]
+    found = gaps_of_runs(seen, simulated)
+    others = [found[run.plan.run] ** 2 for run in seen if run.plan.v_ref_m_s != 0.23]
+    assert np.mean(others, axis=0) == pytest.approx(1, abs=0.15)
+    assert max(found, key=lambda run: found[run][1]) == astray.plan.run
+    assert found[astray.plan.run][1] > 3
+    assert found[astray.plan.run][[0, 2]] == pytest.approx(1, abs=0.7)
+
+
+def test_the_gap_of_all_runs_is_the_root_mean_square_of_theirs():
+    """Their own scatter stands in them, and in g as the one that is added."""
+    rng = np.random.default_rng(10)
+    seen = drawn(rng, 3, points=60, shift=SIGMA * [0, 2, 5])
+    simulated = drawn(rng, 3, points=60)
+    single = np.sqrt(np.mean([gap**2 for gap in gaps_of_runs(seen, simulated).values()], axis=0))
+    ranked, _ = gaps(seen, simulated)
+    together = {one.name: one.gap for one in ranked}
+    assert single == pytest.approx([together[name] for name in NAMES], rel=0.05)
+
+
+def test_a_run_has_no_gap_where_it_was_not_compared():
+    rng = np.random.default_rng(11)
+    seen, simulated = drawn(rng, 3), drawn(rng, 3)
+    seen[4].values[:, 2] = np.nan
+    found = gaps_of_runs(seen, simulated)
+    assert np.isnan(found[seen[4].plan.run][2])
+    assert np.isfinite(found[seen[4].plan.run][:2]).all()
+    assert np.isfinite(found[seen[7].plan.run]).all()

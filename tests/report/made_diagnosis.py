@@ -7,21 +7,20 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from rounds import schedule
 
 from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.reconcile.balances import model, prepared, residuals
 from hbench.reconcile.gap import by_point, gaps, point_of
+from hbench.reconcile.gap_tables import Stages
 from hbench.reconcile.regions import regions
-from hbench.reconcile.signals import astray, signals
 from hbench.records import (
     AddedEffect,
-    BeforeAfter,
     Candidate,
     Diagnosis,
     FitParameter,
-    GapTable,
     Overlay,
     Provenance,
     ResidualMap,
@@ -30,45 +29,13 @@ from hbench.records import (
 from tests.conftest import ROOT
 
 BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
-STEADY = {
-    "kind": "steady",
-    "velocities": ["20 mm/s", "60 mm/s", "150 mm/s"],
-    "travel": {"start": "60 mm", "end": "330 mm"},
-    "acceleration": "1 m/s^2",
-    "window": "1 s",
-    "trials": 3,
-    "hold": "0.2 s",
-}
-REVERSALS = {
-    "kind": "triangle",
-    "p_lr": "15 bar",
-    "loads": ["500 N", "5000 N"],
-    "speed": "100 mm/s",
-    "cycles": 1,
-    "travel": {"start": "120 mm", "end": "280 mm"},
-    "trials": 3,
-    "hold": "0.2 s",
-}
-PUSHED = {"direction": "extend", "p_lr": "15 bar", "loads": ["500 N", "5000 N"]}
-PULLED = {"direction": "retract", "p_lr": "110 bar", "loads": ["-500 N", "-5000 N"]}
-SHORT = {"name": "made", "experiments": [STEADY | PUSHED, STEADY | PULLED, REVERSALS]}
 GIVEN = {"valve": {"gain": "7.6e-7 m^2/V"}, "friction": {"test": {"viscous": "2600 N s/m"}}}
 LEAK = {"internal_leakage": {"test": "0.006 l/min/bar"}}
 FOUND = {"internal_leakage": {"test": "0.0058 l/min/bar"}}
 SHOWN = {"v": ("v_m_s", "m/s"), "p_tp": ("p_tp_pa", "Pa"), "f_applied": ("f_applied_n", "N")}
-VIEWS = {"balances": residuals, "signals": signals, "open_loop": astray}
 
 
-class _Side:
-    """The runs of one plant with their windows, as the model that is put to the test sees them."""
-
-    def __init__(self, runs, known):
-        logs = [prepared(run) for run in runs]
-        self.runs = runs
-        self.views = {name: [view(log, known) for log in logs] for name, view in VIEWS.items()}
-
-
-def diagnosis(hidden=LEAK, found=FOUND, schedule=SHORT) -> Diagnosis:
+def diagnosis(hidden=LEAK, found=FOUND) -> Diagnosis:
     """Return what a search would, had it added ``found`` to the model of a bench with ``hidden``.
 
     With nothing found the verdict is ``unknown``, or ``none`` where nothing is hidden.
@@ -76,26 +43,26 @@ def diagnosis(hidden=LEAK, found=FOUND, schedule=SHORT) -> Diagnosis:
     bench = parse_bench(BENCH, "bench")
 
     def made(over, seed):
-        made = record(bench, schedule, parse_plant(BENCH, over, "plant"), seed=seed)
+        made = record(bench, schedule(), parse_plant(BENCH, over, "plant"), seed=seed)
         assert not made.stopped
         return made.runs
 
     measured = made({"effects": hidden}, 5)
-    plants = {"before": GIVEN, "refitted": {}, "after": {"effects": found}}
+    plants = (GIVEN, {}, {"effects": found})
+    before, refitted, after = (made(over, seed) for seed, over in enumerate(plants, 77))
     known = model(bench)
-    held = held_out(measured)
-    sides = {
-        name: _Side(made(over, seed), known) for seed, (name, over) in enumerate(plants.items(), 77)
-    }
-    real = _Side(measured, known)
-    twin = _Side(made({"effects": hidden}, 99), known)
-    tables = {
-        out: _table(real, sides, twin, {run for run in held if held[run] == out})
-        for out in (True, False)
-    }
-    where, before = gaps(real.views["balances"], sides["refitted"].views["balances"])
-    rest, after = gaps(real.views["balances"], sides["after"].views["balances"])
-    heldout_runs = tuple(run.plan.run for run in measured if held[run.plan.run])
+    held = _held_out(measured)
+    stages = Stages(
+        [prepared(run) for run in measured],
+        tuple((runs, known) for runs in (before, refitted, after)),
+        [made({"effects": found}, 99)],
+    )
+    own, *sides = (
+        [residuals(prepared(run), known) for run in runs] for runs in (measured, refitted, after)
+    )
+    (where, lacked), (rest, lacks) = (gaps(own, side) for side in sides)
+    table = stages.table(held)
+    heldout_runs = tuple(run.plan.run for run in measured if point_of(run.plan) in held)
     verdict = "named" if found else "unknown" if hidden else "none"
     return Diagnosis(
         provenance=Provenance("made <up>", "simulated", "bench", "sim", "2026-01-01T00:00:00", ""),
@@ -103,14 +70,15 @@ def diagnosis(hidden=LEAK, found=FOUND, schedule=SHORT) -> Diagnosis:
         verdict=verdict,
         why=_WHY[verdict],
         where=where,
-        regions=regions(before),
-        effects=tuple(_added(name, tables[True]) for name in found),
+        regions=regions(lacked),
+        effects=tuple(_added(name, table) for name in found),
         alternatives=(),
         rest=tuple(one for one in rest if one.p_value < 0.05) if verdict == "unknown" else (),
         next_experiment=None,
         next_schedule=None,
-        gap_heldout=tables[True],
-        gap_train=tables[False],
+        gap_heldout=table,
+        gap_train=stages.table(frozenset(by_point(measured)) - held),
+        gap_runs=stages.runs(held),
         ranking=_ranking(found),
         threshold=14.0,
         refitted={
@@ -118,9 +86,9 @@ def diagnosis(hidden=LEAK, found=FOUND, schedule=SHORT) -> Diagnosis:
             "friction.test.viscous": FitParameter(0.96, 0.011, (0.938, 0.982), None, "1"),
             "moving_mass.test": FitParameter(0.55, None, None, "lower", "1"),
         },
-        residuals_before=_map(before, measured, held),
-        residuals_after=_map(after, measured, held),
-        overlays=_overlays(measured, sides, heldout_runs),
+        residuals_before=_map(lacked, held),
+        residuals_after=_map(lacks, held),
+        overlays=_overlays(measured, refitted, after, heldout_runs),
         heldout_runs=heldout_runs,
         not_tried={"presliding": "no run reverses"},
         missing=(),
@@ -160,52 +128,26 @@ def ambiguous() -> Diagnosis:
         effects=(),
         alternatives=(first, second),
         next_experiment="Hold at two pressures with closed valves.",
-        next_schedule={"name": "next", "experiments": [PUSHED | STEADY]},
+        next_schedule=schedule(),
         missing=("closed valves (runs of kind hold)",),
     )
 
 
-def held_out(runs):
-    """Return for each run whether its operating point is one of every third."""
-    order = {point: i for i, point in enumerate(dict.fromkeys(point_of(r.plan) for r in runs))}
-    return {run.plan.run: order[point_of(run.plan)] % 3 == 1 for run in runs}
+def _held_out(runs):
+    """Return every third operating point."""
+    return frozenset(list(by_point(runs))[1::3])
 
 
-def _table(real, sides, twin, chosen):
-    def pick(side, view):
-        return [one for one in side.views[view] if one.plan.run in chosen]
-
-    found = {}
-    for view in VIEWS:
-        each = {
-            name: {one.name: one.gap for one in gaps(pick(real, view), pick(side, view))[0]}
-            for name, side in (sides | {"floor": twin}).items()
-        }
-        found[view] = {
-            name: BeforeAfter(**{step: own[name] for step, own in each.items()})
-            for name in each["before"]
-        }
-    total = {
-        step: float(np.sqrt(np.mean([getattr(o, step) ** 2 for o in found["balances"].values()])))
-        for step in ("before", "refitted", "after", "floor")
-    }
-    return GapTable(BeforeAfter(**total), **found)
-
-
-def _map(found, runs, held):
-    trials = by_point(runs)
-    out = np.array([held[own[0].plan.run] for own in trials.values()])
+def _map(found, held):
+    out = np.array([point in held for point in found.points])
     with np.errstate(divide="ignore", invalid="ignore"):
         value = found.difference / found.scatter
     places = (found.v_m_s, found.load_n, found.x_m, found.t_s)
     return ResidualMap(found.names, value, *places, out[found.point])
 
 
-def _overlays(measured, sides, chosen):
-    by_run = [
-        {run.plan.run: run for run in side}
-        for side in (measured, sides["refitted"].runs, sides["after"].runs)
-    ]
+def _overlays(measured, before, after, chosen):
+    by_run = [{run.plan.run: run for run in side} for side in (measured, before, after)]
     shown = (chosen[0], chosen[-1])
     found = []
     for run in shown:

@@ -1,5 +1,6 @@
 """A diagnosis in words, as JSON, on its page and as files, from runs of the virtual rig."""
 
+import csv
 import json
 import re
 from dataclasses import replace
@@ -19,12 +20,13 @@ from hbench.records import BeforeAfter, FitParameter, GapTable
 from hbench.report import diagnosis_words as words
 from hbench.report.diagnosis_json import diagnosis_json
 from hbench.report.diagnosis_page import diagnosis_page
-from hbench.report.diagnosis_text import diagnosis_text, edges_table
+from hbench.report.diagnosis_text import diagnosis_text, edges_table, tables
 from hbench.report.draw_diagnosis import draw_diagnosis
 from hbench.report.draw_gaps import gap_figures, ranking_figure, region_figure
 from hbench.report.draw_overlays import overlay_figures
 from hbench.report.draw_residuals import maps_figure, shape_figure
 from hbench.report.revised_yaml import revised_yaml, schedule_yaml
+from hbench.report.run_gaps import run_gaps_csv
 from hbench.units import parse_unit
 
 
@@ -129,7 +131,8 @@ def test_a_number_that_does_not_exist_is_null(named):
 
 def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
     none = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
-    empty = {name: () for name in ("where", "regions", "rest", "ranking", "overlays")}
+    names = ("where", "regions", "rest", "gap_runs", "ranking", "overlays")
+    empty = {name: () for name in names}
     gaps = {"gap_heldout": none, "gap_train": none, "refitted": {}, "threshold": float("nan")}
     few = replace(unknown, **empty, **gaps, missing=("a second load",), heldout_runs=())
     text = diagnosis_text(few)
@@ -265,6 +268,44 @@ def test_a_model_that_needs_no_revision_is_still_a_file_that_reads_back(unknown,
     assert read_yaml(path) == whole
 
 
+def test_every_run_has_its_gaps_of_every_view_in_json_and_csv(named):
+    """30 runs, 8 balances and 12 signals; 8 of these in open loop."""
+    runs = json.loads(diagnosis_json(named))["gap"]["runs"]
+    assert [one["run"] for one in runs] == [one.plan.run for one in named.gap_runs]
+    assert {one["run"] for one in runs if one["held_out"]} == set(named.heldout_runs)
+    steady = next(one for one in runs if one["kind"] == "steady")
+    assert (len(steady["balances"]), len(steady["signals"])) == (8, 12)
+    assert set(steady["open_loop"]) == {"x", "v", "p_tp", "p_tr", "p_lp", "p_lr", "f_applied"} | {
+        "friction"
+    }
+    rows = list(csv.DictReader(run_gaps_csv(named).splitlines()))
+    assert len(rows) == sum(
+        1 + sum(len(one[part]) for part in ("balances", "signals", "open_loop")) for one in runs
+    )
+    row = next(row for row in rows if (row["run"], row["name"]) == (steady["run"], "flow_tp"))
+    assert float(row["before"]) == steady["balances"]["flow_tp"]["before"]
+    assert (row["of"], row["trial"], float(row["f_load_n"])) == ("balances", "1", 500.0)
+
+
+def test_a_leak_stands_in_each_run_and_goes_with_the_effect(named):
+    for one in named.gap_runs:
+        flow = one.gap.balances["flow_tp"]
+        assert flow.refitted > max(5, 5 * flow.after)
+    heldout = [one.gap.balances["flow_tp"].refitted for one in named.gap_runs if one.held_out]
+    together = named.gap_heldout.balances["flow_tp"].refitted
+    assert min(heldout) < together < max(heldout)
+
+
+def test_the_worst_runs_stand_first_on_the_terminal_and_the_page_has_more(named, drawings):
+    (table,) = [one for one in tables(named) if one.title.startswith("Gap of each run")]
+    assert "(the worst 8 of 42)" in table.title
+    gaps = [float(row[table.head.index("with the effects")]) for row in table.rows]
+    assert gaps == sorted(gaps, reverse=True) and len(gaps) == 8
+    assert gaps[0] == pytest.approx(max(one.gap.total.after for one in named.gap_runs), abs=0.01)
+    page = diagnosis_page(named, drawings)
+    assert "<summary>Gap of each run" in page and "gaps_by_run.csv beside this page" in page
+
+
 def test_the_next_schedule_reads_back_as_a_schedule(ambiguous, tmp_path):
     path = tmp_path / "next.yaml"
     path.write_text(schedule_yaml(ambiguous))
@@ -278,6 +319,7 @@ def test_the_folder_gets_page_numbers_figures_and_a_model(named, ambiguous, tmp_
         folder = tmp_path / found.verdict
         workflow.write_diagnosis(folder, replace(found, overlays=(), where=()))
         written = {path.name for path in folder.iterdir()}
-        assert written == {"report.html", "diagnosis.json", "model.yaml", "figures"} | more
+        every = {"report.html", "diagnosis.json", "model.yaml", "gaps_by_run.csv", "figures"}
+        assert written == every | more
         parse_plant(made.BENCH, read_yaml(folder / "model.yaml"), "model")
         assert json.loads((folder / "diagnosis.json").read_text())["verdict"] == found.verdict
