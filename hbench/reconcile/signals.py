@@ -39,9 +39,10 @@ from hbench.records import Run
 # Signals that are logged, by their channel: fields of Run.
 _FIELDS = {name: field for name, field in FIELDS.items() if name != "v_ref"}
 _PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr")  # that the open loop begins with
-_INPUTS = ("p_s", "u_t", "u_l1", "u_l2")  # of the open loop
+INPUTS = ("p_s", "u_t", "u_l1", "u_l2")  # of the open loop
+NEEDED = (*_PRESSURES, *INPUTS)  # for the open loop
 SIGNALS = (*_FIELDS, "friction")
-FOLLOWED = tuple(name for name in SIGNALS if name not in _INPUTS)
+FOLLOWED = tuple(name for name in SIGNALS if name not in INPUTS)
 
 
 def signal_field(name: str) -> str | None:
@@ -56,7 +57,7 @@ def signals(log: Prepared, known: Model) -> Windowed:
 
 def astray(log: Prepared, known: Model) -> Windowed:
     """Return measured less open-loop means of ``FOLLOWED``; nan without commands and pressures."""
-    if any(getattr(log.run, _FIELDS[name]) is None for name in (*_PRESSURES, *_INPUTS)):
+    if any(getattr(log.run, _FIELDS[name]) is None for name in NEEDED):
         return _windowed(log, known, FOLLOWED, _nan(log, FOLLOWED))
     followed = replace(log, run=open_loop(log.run, known))
     off = _means(log, known, FOLLOWED) - _means(followed, known, FOLLOWED)
@@ -71,7 +72,7 @@ def open_loop(run: Run, known: Model) -> Run:
     """
     par = known.par
     ticks = max(1, round(float(np.median(np.diff(run.t_s))) / TICK_S))
-    inputs = np.array([getattr(run, _FIELDS[name]) for name in _INPUTS])
+    inputs = np.array([getattr(run, _FIELDS[name]) for name in INPUTS])
     out = np.zeros((N_CHANNELS + 1, len(run.t_s)))
     state = _first_state(run, known)
     memory = np.concatenate([state[V : V + 1], np.zeros(3)])

@@ -83,6 +83,7 @@ from hbench.records.phenomenon import (
     Phenomenon,
     WordTable,
 )
+from hbench.records.replay import Off, Replay
 from hbench.records.results import Results
 
 __all__ = [
@@ -130,6 +131,7 @@ __all__ = [
     "Motion",
     "Motions",
     "Outcome",
+    "Off",
     "Overlay",
     "Panel",
     "Phenomenon",
@@ -139,6 +141,7 @@ __all__ = [
     "RawRun",
     "Region",
     "Reproduced",
+    "Replay",
     "ResidualMap",
     "Results",
     "Rival",

@@ -25,7 +25,7 @@ def revised_yaml(found: Diagnosis) -> str:
     lines = [
         f"{found.model}, revised by `hbench reconcile` after campaign {made.name!r} of "
         f"{made.started[:10]} (bench {made.bench!r}), {_SOURCES[made.source]}.",
-        "Give it to `hbench run --plant`, or to `hbench reconcile --model`.",
+        "Give it to `hbench run --plant`, or to `hbench simulate` or `reconcile` as --model.",
         f"Verdict: {found.verdict}. {found.why}",
         gap_line(found),
         "Values with 95 % intervals; what has no comment is as in the model.",

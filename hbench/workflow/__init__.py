@@ -25,7 +25,7 @@ _FILES = {
     "reconciliation": ("reconcile", "write_diagnosis"),
     "exports": ("export",),
     "controllers": ("design", "write_design"),
-    "simulation": ("phenomena", "simulate", "write_phenomenon"),
+    "simulation": ("phenomena", "replay", "simulate", "write_phenomenon", "write_replay"),
 }
 _HOMES = {name: file for file, names in _FILES.items() for name in names}
 __all__ = sorted(_HOMES)

@@ -1,14 +1,20 @@
-"""The model alone: phenomena of friction and of the bench."""
+"""The model alone: phenomena of friction and of the bench, and measured commands replayed."""
 
+from dataclasses import replace
 from pathlib import Path
 
+from hbench.analysis.calibrate import calibrate
 from hbench.config.loading import read_yaml
-from hbench.errors import ConfigError
-from hbench.records import Phenomenon
+from hbench.errors import ConfigError, DataError
+from hbench.records import Phenomenon, Replay, Run
 from hbench.report.draw_phenomena import draw_phenomenon
 from hbench.report.figures import figure_files
 from hbench.report.phenomenon_page import phenomenon_page
+from hbench.report.replay_text import replay_json
 from hbench.store.atomic import write_files
+from hbench.store.campaign import load_campaign
+from hbench.store.export import csv_files
+from hbench.workflow.board import physics_of
 
 
 def phenomena() -> tuple[str, ...]:
@@ -36,3 +42,46 @@ def write_phenomenon(folder: Path, phenomenon: Phenomenon) -> None:
     page = phenomenon_page(phenomenon, drawings)
     files = figure_files(drawings) | {f"{phenomenon.name}.html": page.encode()}
     write_files(folder, files)
+
+
+def replay(folder: Path, model_file: Path) -> Replay:
+    """Simulate a campaign's runs in open loop: a model under the measured valve commands.
+
+    The model is a bench file, or a plant file that is laid over the campaign's bench. Raises
+    ``ConfigError``, ``DataError``.
+    """
+    from hbench.reconcile.replay import off_by, replayed  # compiles
+
+    campaign = load_campaign(folder)
+    bench = campaign.bench()
+    if bench is None:
+        raise DataError(f"{folder}: has no bench, which the model is laid over")
+    content = campaign.header["bench"]["content"]
+    plant = physics_of(content, model_file) or bench
+    if campaign.imported:
+        measured = tuple(campaign.runs())
+    else:
+        measured = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())
+    made, left_out = replayed(measured, bench, plant)
+    if not made:
+        raise DataError(f"{folder}: no run can be simulated: {'; '.join(left_out[:3])}")
+    off = off_by(measured, made)
+    return Replay(
+        provenance=campaign.provenance(),
+        model=model_file.name,
+        bench=content | {"name": f"{content['name']}, SIMULATED by {model_file.name}"},
+        runs=tuple(_labelled(run, f"SIMULATED by {model_file.name}") for run in made),
+        off=off,
+        left_out=left_out,
+    )
+
+
+def _labelled(run: Run, words: str) -> Run:
+    label = ", ".join(filter(None, (run.plan.label, words)))
+    return replace(run, plan=replace(run.plan, label=label))
+
+
+def write_replay(destination: Path, found: Replay) -> None:
+    """Write the runs as ``hbench export`` does, each labelled as simulated, and the numbers."""
+    files = dict(csv_files(((run, "") for run in found.runs), found.bench))
+    write_files(destination, files | {"replay.json": replay_json(found).encode()})
