@@ -22,10 +22,11 @@ def simulate(
     """Simulate a phenomenon of friction or of the bench; print its defining numbers.
 
     Without --phenomenon, list them. With CAMPAIGN and --model, simulate its runs in open loop
-    instead: print how far the model is off, write the runs as CSV that 'import' reads.
-    ('hbench run --plant MODEL' is the closed loop.)
+    instead: print how far the model is off, write the runs as CSV that 'import' reads, as in
+    'hbench simulate telling --model diagnosis/model.yaml -o replay'. The closed loop is
+    'hbench run --plant MODEL'.
 
-    Example: hbench simulate telling --model diagnosis/model.yaml -o replay
+    Example: hbench simulate --phenomenon stick-slip -o stick-slip
     """
     if campaign is not None or model is not None:
         _replay(campaign, model, phenomenon, bench, output, as_json)
