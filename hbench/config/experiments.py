@@ -9,6 +9,10 @@ from hbench.config.quantity import Section
 from hbench.config.velocities import Adaptive, Velocities
 
 Direction = Literal["extend", "retract"]
+NOT_ADAPTIVE = (
+    "order: passes does not go with adaptive velocities: a speed's trials are needed to choose the "
+    "next speed"
+)
 
 
 class Travel(Section):
@@ -52,10 +56,7 @@ class Steady(Loaded):
     def _follows_friction(self) -> "Steady":
         if isinstance(self.velocities, Adaptive):
             if self.order == "passes":
-                raise ValueError(
-                    "order: passes does not go with adaptive velocities: a speed's trials are "
-                    "needed to choose the next speed"
-                )
+                raise ValueError(NOT_ADAPTIVE)
             if self.trials < 2:
                 raise ValueError(
                     "adaptive velocities need trials: 2 or more, whose scatter tells noise from "

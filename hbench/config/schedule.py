@@ -1,13 +1,14 @@
 """The schedule file: which runs to make, and when a run counts as steady."""
 
-from typing import Any
+from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
-from hbench.config.experiments import Experiment
+from hbench.config.experiments import NOT_ADAPTIVE, Experiment, Steady
 from hbench.config.loading import validate
 from hbench.config.quantity import Section
+from hbench.config.velocities import Adaptive
 
 
 class Screening(Section):
@@ -42,12 +43,31 @@ class Screening(Section):
 
 
 class Schedule(Section):
-    """A campaign to run: experiments in order."""
+    """A campaign to run: experiments in order, or all of them again and again, a trial each time.
+
+    Passes over the whole plan put a point's trials far apart in time, so that what drifts shows
+    as their scatter and not as a difference between points.
+    """
 
     name: str
     bench: str | None = None  # path of the bench file, from the schedule's own folder
+    order: Literal["experiments", "passes"] = "experiments"
     experiments: tuple[Experiment, ...] = Field(min_length=1, max_length=100)
     screening: Screening = Screening()
+
+    @model_validator(mode="after")
+    def _one_order(self) -> "Schedule":
+        if self.order == "experiments":
+            return self
+        for number, experiment in enumerate(self.experiments):
+            if "order" in experiment.model_fields_set:
+                raise ValueError(
+                    f"experiments.{number}.order: the schedule's order: passes is that of all "
+                    "experiments; leave this one out"
+                )
+            if isinstance(experiment, Steady) and isinstance(experiment.velocities, Adaptive):
+                raise ValueError(f"experiments.{number}.velocities: {NOT_ADAPTIVE}")
+        return self
 
 
 def parse_schedule(data: dict[str, Any], source: str) -> Schedule:

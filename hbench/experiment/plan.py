@@ -1,6 +1,6 @@
 """From a schedule to the plan: every run with its references, checked before anything moves."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -48,6 +48,7 @@ def plan_runs(
     (naming ``source`` and the key) where the bench can't make a run.
     """
     planner = _Planner(bench, friction or {}, source)
+    passes: dict[int, list[tuple[Loaded, Reference, float]]] = defaultdict(list)  # over all
     for number, experiment in enumerate(schedule.experiments):
         key = f"{source}: experiments.{number}"
         for load in experiment.loads:
@@ -58,8 +59,17 @@ def plan_runs(
         found = references(experiment, schedule.screening, bench, key)
         for reference in found:
             _check_motion(reference, bench, key)
+        if schedule.order == "passes":
+            pairs = product(experiment.loads, found)
+            one = [(experiment, reference, load) for load, reference in pairs]
+            for number in range(experiment.trials):
+                passes[number] += one
+            continue
         for load, reference in _in_order(experiment, found):
             planner.add(experiment, reference, load)
+    for number in sorted(passes):
+        for run in passes[number]:
+            planner.add(*run)
     runs = tuple(planner.runs)
     return Plan(runs[: planner.decided], runs[planner.decided :])
 

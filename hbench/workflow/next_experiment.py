@@ -48,6 +48,7 @@ def next_experiment(
     )
     schedule = {
         "name": f"Telling {names} apart",
+        "order": "passes",
         "experiments": [{**chosen, "trials": _TRIALS}],
     }
     return words, schedule

@@ -141,6 +141,25 @@ def test_a_fault_in_velocities_is_one_line_with_the_key_as_it_stands_in_the_file
         assert word in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"order": "row"}, ["experiments.0.order", "leave this one out"]),
+        ({"order": "passes"}, ["experiments.0.order", "leave this one out"]),
+        ({"velocities": ADAPTIVE}, ["experiments.0.velocities", "adaptive"]),
+    ],
+)
+def test_passes_over_the_whole_plan_go_with_no_other_order_and_no_adaptive_speeds(change, words):
+    data = copy.deepcopy(SCHEDULE) | {"order": "passes"}
+    data["experiments"][0].pop("order", None)
+    assert parse_schedule(data, "my.yaml").order == "passes"
+    data["experiments"][0] |= change
+    with pytest.raises(ConfigError) as error:
+        parse_schedule(data, "my.yaml")
+    for word in ["my.yaml", *words]:
+        assert word in str(error.value)
+
+
 def test_a_plant_file_replaces_single_keys_of_the_bench():
     over = {"friction": {"test": {"viscous": "3000 N s/m"}}, "oil": {"bulk_modulus": "900 bar"}}
     plant = parse_plant(BENCH, over, "plant.yaml")

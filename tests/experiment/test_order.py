@@ -49,3 +49,75 @@ def test_an_experiment_listed_twice_adds_trials_to_the_same_points(analyzed, sho
     assert [plan.trial for plan in campaign.plans] == [1, 2, 1, 2, 3, 4, 3, 4]
     (curve,) = results.curves
     assert [(point.trials, point.n) for point in curve.points] == [((1, 2, 3, 4), 4)] * 2
+
+
+@pytest.fixture
+def whole_plan(short_schedule):
+    """Two directions with two trials each, as passes over both; four points."""
+    schedule = short_schedule()
+    data = yaml.safe_load(schedule.read_text())
+    back = data["experiments"][0] | {
+        "direction": "retract", "p_lr": "110 bar", "loads": ["-2000 N"]
+    }  # fmt: skip
+    schedule.write_text(
+        yaml.safe_dump(data | {"order": "passes", "experiments": [*data["experiments"], back]})
+    )
+    return schedule
+
+
+def points(results):
+    return {
+        (curve.direction, point.v_m_s > 0, point.n, point.trials)
+        for curve in results.curves
+        for point in curve.points
+    }
+
+
+def test_passes_over_the_whole_plan_are_averaged_by_point(analyzed, whole_plan):
+    campaign, results = analyzed(whole_plan, "passes")
+    assert [(plan.trial, plan.direction) for plan in campaign.plans] == [
+        (trial, way) for trial in (1, 2) for way in ("extend",) * 2 + ("retract",) * 2
+    ]
+    assert all(run.accepted for run in results.runs)
+    assert [len(curve.points) for curve in results.curves] == [2, 2]
+    assert points(results) == {("extend", True, 2, (1, 2)), ("retract", False, 2, (1, 2))}
+
+
+def test_passes_over_the_whole_plan_interrupted_in_the_second_go_on_there(
+    analyzed, whole_plan, tmp_path, clock, on_the_rig
+):
+    """Who watches sees the trials of a point, and what was made until then."""
+    seen = []
+
+    def interrupt(progress):
+        seen.append((progress.plan.run, progress.plan.trial, progress.trials, progress.runs_total))
+        if progress.runs_done == 5 and abs(progress.v_m_s) > 0.05:
+            raise KeyboardInterrupt
+
+    folder = tmp_path / "campaign"
+    with pytest.raises(KeyboardInterrupt):
+        on_the_rig(whole_plan, folder, clock=clock, report=interrupt)
+    assert seen[-1] == ("0006", 2, 2, 8)
+    watch = workflow.Watch(folder)
+    assert watch.state()["state"] == "ended"
+    assert [row["run"] for row in watch.runs()["runs"]] == [f"000{n}" for n in range(1, 7)]
+    campaign = on_the_rig(whole_plan, folder, clock=clock, resume=True)
+    assert [entry.plan.run for entry in campaign.entries] == [
+        *("0001", "0002", "0003", "0004", "0005", "0006"), *("0006", "0007", "0008")
+    ]  # fmt: skip
+    results = workflow.analyze(folder)
+    assert points(results) == {("extend", True, 2, (1, 2)), ("retract", False, 2, (1, 2))}
+
+
+def test_a_rejected_run_of_a_pass_is_made_again_before_the_next_point(
+    whole_plan, tmp_path, clock, on_the_rig
+):
+    """A limit of ripple that no run keeps: each is made twice."""
+    data = yaml.safe_load(whole_plan.read_text())
+    limits = {"speed_oscillation": "1e-6 m/s", "speed_oscillation_relative": 0}
+    whole_plan.write_text(yaml.safe_dump(data | {"screening": limits}))
+    campaign = on_the_rig(whole_plan, tmp_path / "campaign", clock=clock, retry=1)
+    assert [entry.plan.run for entry in campaign.entries] == [
+        f"000{number}" for number in range(1, 9) for _ in range(2)
+    ]
+    assert all(entry.after_rejection for entry in campaign.entries[1::2])

@@ -1,6 +1,7 @@
 """A schedule becomes the source's runs, and what a bench can't do is refused in words."""
 
 import copy
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,32 @@ def test_passes_go_over_all_loads_and_speeds_before_the_next_trial():
         for load, speed in zip(loads, [0.05, 0.06] * 4, strict=True)
     ]
     assert [len(step) for step in trials_in_a_row(plans)] == [1] * 24
+
+
+def test_passes_over_the_whole_plan_make_a_trial_of_each_point_before_the_next():
+    """Two directions, of three and of two trials; the last pass has but the first."""
+    extend, retract = (
+        {**one, "velocities": ["50 mm/s"], "loads": one["loads"][:2]}
+        for one in STRIBECK["experiments"]
+    )
+    data = {**STRIBECK, "order": "passes", "experiments": [extend, {**retract, "trials": 2}]}
+    data["experiments"] = [
+        {key: value for key, value in one.items() if key != "order"} for one in data["experiments"]
+    ]
+    plans = plans_of(data)
+    assert [plan.run for plan in plans] == [f"{number:04d}" for number in range(1, 11)]
+    once = [("extend", 500), ("extend", 1000), ("retract", -500), ("retract", -1000)]
+    assert [(plan.trial, plan.direction, plan.f_load_n) for plan in plans] == [
+        (trial, *point) for trial in (1, 2, 3) for point in once if trial < 3 or point in once[:2]
+    ]
+
+
+def test_passes_over_the_whole_plan_are_the_same_runs_as_experiments_in_order():
+    data = copy.deepcopy(STRIBECK)
+    row, passes = (plans_of({**data, "order": order}) for order in ("experiments", "passes"))
+    assert {replace(plan, run="") for plan in row} == {replace(plan, run="") for plan in passes}
+    assert row != passes
+    assert plans_of(data) == row
 
 
 def test_trials_of_an_experiment_that_is_listed_twice_go_on_counting():
