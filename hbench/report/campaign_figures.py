@@ -25,7 +25,7 @@ from hbench.report.draw_pressure import friction_pressure, has_pressures
 from hbench.report.draw_ramps import comparisons, has_comparisons, has_ramps, ramps
 from hbench.report.draw_rejected import has_rejected, rejected
 from hbench.report.draw_traces import has_traces, traces
-from hbench.report.figures import Drawing, drawn
+from hbench.report.figures import Drawing, Sketch, drawn
 from hbench.report.style import RC
 
 
@@ -43,7 +43,7 @@ class FigureKind:
 
 def draw_all(results: Results) -> tuple[Drawing, ...]:
     """Draw every figure that applies to ``results``, in the order of the page."""
-    drawings: list[Drawing] = []
+    sketches: list[Sketch] = []
     for kind in FIGURES:
         for series, words in _series(results) if kind.each_series else [(results, "")]:
             if kind.applies(series):
@@ -51,11 +51,11 @@ def draw_all(results: Results) -> tuple[Drawing, ...]:
                     figures = kind.draw(series)
                     for part, figure in figures.items():
                         name = _unique(
-                            _slug(kind.name, part, words), {drawing.name for drawing in drawings}
+                            _slug(kind.name, part, words), {sketch.name for sketch in sketches}
                         )
                         title = ", ".join(filter(None, (words, figure.axes[0].get_title("left"))))
-                        drawings.append(drawn(name, kind.section, title, kind.caption, figure))
-    return tuple(drawings)
+                        sketches.append(Sketch(name, kind.section, title, kind.caption, figure))
+    return drawn(sketches)
 
 
 def _series(results: Results) -> Iterator[tuple[Results, str]]:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import ControlLoop, Design
 from hbench.report import style
-from hbench.report.figures import Drawing, drawn
+from hbench.report.figures import Drawing, Sketch, drawn
 
 # A colour, a line and a marker for each chain of dynamics.
 LOOKS = {
@@ -21,7 +21,7 @@ LOOKS = {
 
 def draw_design(design: Design) -> tuple[Drawing, ...]:
     """Draw every kind of figure for every loop."""
-    drawings = []
+    sketches = []
     for loop in design.loops:
         for name, (draw, title, caption) in FIGURES.items():
             with rc_context(style.RC):
@@ -29,8 +29,8 @@ def draw_design(design: Design) -> tuple[Drawing, ...]:
                 figure.axes[0].set_title(f"{title}, {loop.name}")
                 slug = f"{loop.name.replace(' ', '-')}-{name}"
                 words = f"{title}, {loop.name}"
-                drawings.append(drawn(slug, loop.name, words, caption, figure))
-    return tuple(drawings)
+                sketches.append(Sketch(slug, loop.name, words, caption, figure))
+    return drawn(sketches)
 
 
 def bode(loop: ControlLoop) -> Figure:

@@ -12,7 +12,7 @@ from hbench.report.diagnosis_words import balance
 from hbench.report.draw_gaps import gap_figures, ranking_figure, refitted_figure, region_figure
 from hbench.report.draw_overlays import overlay_figures
 from hbench.report.draw_residuals import maps_figure, shape_figure, worst
-from hbench.report.figures import Drawing, drawn
+from hbench.report.figures import Drawing, Sketch, drawn
 
 _MOST_SHAPES = 4
 
@@ -53,11 +53,12 @@ _REFITTED = (
 
 def draw_diagnosis(found: Diagnosis) -> tuple[Drawing, ...]:
     """Draw every figure that applies, in the order of the page."""
-    drawings = []
     with rc_context(style.RC):
-        for section, name, title, caption, figure in _figures(found):
-            drawings.append(drawn(_slug(name), section, title, caption, figure))
-    return tuple(drawings)
+        sketches = [
+            Sketch(_slug(name), section, title, caption, figure)
+            for section, name, title, caption, figure in _figures(found)
+        ]
+    return drawn(sketches)
 
 
 def _figures(found: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]]:

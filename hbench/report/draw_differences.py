@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from hbench.records import CampaignDifferences, Curve, CurveDifference
 from hbench.report import style
 from hbench.report.draw_friction import of_trials
-from hbench.report.figures import Drawing, drawn
+from hbench.report.figures import Drawing, Sketch, drawn
 from hbench.report.rod_side import kind_words, load_words
 from hbench.report.series import behind
 
@@ -19,15 +19,15 @@ _CAPTION = (
 
 def draw_differences(found: CampaignDifferences) -> tuple[Drawing, ...]:
     """Draw each pair of curves that has at least two speeds."""
-    drawings = []
+    sketches = []
     for number, one in enumerate(found.curves):
         if len(one.points) < 2:
             continue
         with rc_context(style.RC):
             figure = draw_pair(one, found)
         title = figure.axes[0].get_title("left")
-        drawings.append(drawn(f"pair-{number + 1}", "comparison", title, _CAPTION, figure))
-    return tuple(drawings)
+        sketches.append(Sketch(f"pair-{number + 1}", "comparison", title, _CAPTION, figure))
+    return drawn(sketches)
 
 
 def draw_pair(one: CurveDifference, found: CampaignDifferences) -> Figure:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from hbench.records import Followed, Identification, Trace
 from hbench.records.identification import PARTS
 from hbench.report import style
-from hbench.report.figures import Drawing, drawn
+from hbench.report.figures import Drawing, Sketch, drawn
 from hbench.report.text import force
 
 _FOLLOWED = (
@@ -26,11 +26,11 @@ _ERRORS = (
 
 def draw_identification(found: Identification) -> tuple[Drawing, ...]:
     """Draw the errors of all laws, then each law along each load's profile; none unverified."""
-    drawings = []
+    sketches = []
     if any(law.errors for law in found.laws):
         with rc_context(style.RC):
             figure = _errors(found)
-        drawings.append(drawn("errors", "errors", "Errors by law", _ERRORS, figure))
+        sketches.append(Sketch("errors", "errors", "Errors by law", _ERRORS, figure))
     for index, law in enumerate(found.laws):
         for one in found.followed:
             if law.law not in one.modelled:
@@ -40,8 +40,8 @@ def draw_identification(found: Identification) -> tuple[Drawing, ...]:
             with rc_context(style.RC):
                 figure = _along(title, index, one, one.modelled[law.law], found)
             name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {one.run}".lower())
-            drawings.append(drawn(name, law.law, title, _FOLLOWED, figure))
-    return tuple(drawings)
+            sketches.append(Sketch(name, law.law, title, _FOLLOWED, figure))
+    return drawn(sketches)
 
 
 def _along(title: str, index: int, one: Followed, model: Trace, found: Identification) -> Figure:

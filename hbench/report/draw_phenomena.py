@@ -7,18 +7,18 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from hbench.records import Panel, Phenomenon
 from hbench.report import style
-from hbench.report.figures import Drawing, drawn
+from hbench.report.figures import Drawing, Sketch, drawn
 
 
 def draw_phenomenon(phenomenon: Phenomenon) -> tuple[Drawing, ...]:
     """Draw every panel of a phenomenon by itself."""
-    drawings = []
+    sketches = []
     for panel in phenomenon.panels:
         name = f"{phenomenon.name}-{panel.name}"
         with rc_context(style.RC):
             figure = draw_panel(panel)
-        drawings.append(drawn(name, phenomenon.name, panel.title, "", figure))
-    return tuple(drawings)
+        sketches.append(Sketch(name, phenomenon.name, panel.title, "", figure))
+    return drawn(sketches)
 
 
 def draw_panel(panel: Panel) -> Figure:

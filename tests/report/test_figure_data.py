@@ -10,7 +10,7 @@ import pytest
 
 from hbench.report import style
 from hbench.report.campaign_figures import draw_all
-from hbench.report.figures import drawn, figure_files
+from hbench.report.figures import Sketch, drawn, figure_files
 from hbench.report.series import behind
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -31,7 +31,8 @@ def plot(draw):
     axes = figure.add_subplot()
     axes.set(xlabel="Time (s)", ylabel="Force $F_{L}$ (N)")
     draw(axes)
-    return drawn("one", "section", "One figure", "caption", figure)
+    (drawing,) = drawn([Sketch("one", "section", "One figure", "caption", figure)])
+    return drawing
 
 
 def test_every_figure_of_a_campaign_has_its_points_as_data(small):

@@ -1,0 +1,45 @@
+"""Two processes make what one would."""
+
+import os
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from hbench.report.side_by_side import side_by_side
+
+IN_A_PROCESS_OF_ITS_OWN = """
+import os
+from hbench.report.side_by_side import side_by_side
+
+def work(thing):
+    return thing(), os.getpid()
+
+made = side_by_side(work, [lambda n=n: n * n for n in range(20)])  # no lambda can be pickled
+assert [square for square, _ in made] == [n * n for n in range(20)]
+assert os.getpid() not in {pid for _, pid in made}
+try:
+    side_by_side(lambda thing: 1 / thing, [1, 0])
+except ZeroDivisionError:
+    print("told")
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks on Linux alone")
+def test_other_processes_make_all_in_order_and_their_errors_are_raised():
+    done = subprocess.run(
+        [sys.executable, "-c", IN_A_PROCESS_OF_ITS_OWN], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, "told\n"), done.stderr
+
+
+def test_where_there_is_a_thread_nothing_is_forked():
+    stop = threading.Event()
+    thread = threading.Thread(target=stop.wait)
+    thread.start()
+    try:
+        assert side_by_side(lambda _: os.getpid(), [1, 2, 3]) == [os.getpid()] * 3
+    finally:
+        stop.set()
+        thread.join()
