@@ -1,4 +1,4 @@
-"""Sensors: from the plant to ADC counts, and the calibration back (appendices B and C).
+"""Sensors: their scaling to ADC counts, and the calibration back (appendices B and C).
 
 Every channel is linear: counts = per_unit * value + zero, with 2^bits counts over the reference
 voltage (code = 4096 V / 3 V). A control tick averages several conversions and keeps the mean in
@@ -6,17 +6,9 @@ voltage (code = 4096 V / 3 V). A control tick averages several conversions and k
 """
 
 from math import sqrt
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from hbench.config.sensors import Sensors, Transducer
-from hbench.model.compiled import compiled
-from hbench.model.noise import normal
-from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, load_cell_force
-
-if TYPE_CHECKING:
-    from hbench.model.parameters import PlantParameters
 
 # In the converter's order.
 CHANNELS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
@@ -79,42 +71,3 @@ def _scaling(sensors: Sensors, name: str) -> tuple[float, float]:
         return sensors.load_cell.volts_per_newton, float(sensors.load_cell.level)
     sensor: Transducer = sensors.position if name == "x" else sensors.pressure
     return sensor.output / sensor.span * sensor.amplifier, float(sensor.offset)
-
-
-@compiled
-def sensed(
-    state: np.ndarray,
-    levels: np.ndarray,
-    par: "PlantParameters",
-    values: np.ndarray,
-    work: np.ndarray,
-) -> None:
-    """Write what the sensors see at this moment into ``values``, SI, in ``CHANNELS`` order.
-
-    ``work`` is scratch of the plant's ``new_work``.
-    """
-    values[0] = state[X]
-    values[1] = state[P_TP]
-    values[2] = state[P_TR]
-    values[3] = state[P_LP]
-    values[4] = state[P_LR]
-    values[5] = state[P_S]
-    values[6] = load_cell_force(state, levels, par, work)
-
-
-@compiled
-def convert(
-    values: np.ndarray, sensors: SensorParameters, noise: np.ndarray, words: np.ndarray
-) -> None:
-    """Write one tick's means of ``values`` (SI) into ``words``, uint16 in 1/16 count.
-
-    The converter clips at 0 and its top code; a clipped channel stands at exactly that.
-    """
-    for i in range(N_CHANNELS):
-        counts = sensors.per_unit[i] * values[i] + sensors.zero[i]
-        if sensors.noise > 0.0:
-            counts += sensors.noise * normal(noise)
-        if sensors.whole:
-            counts = np.floor(counts + 0.5)
-        counts = min(max(counts, 0.0), sensors.top)
-        words[i] = np.uint16(np.floor(FRACTION * counts + 0.5))

@@ -32,7 +32,8 @@ from hbench.model.plant import (
     new_work,
     step,
 )
-from hbench.model.sensors import CHANNELS, N_CHANNELS, sensed
+from hbench.model.sensing import sensed
+from hbench.model.sensors import CHANNELS, N_CHANNELS
 from hbench.reconcile.balances import Model, Prepared, Windowed, windowed
 from hbench.records import Run
 

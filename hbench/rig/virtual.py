@@ -13,7 +13,7 @@ from hbench.config.bench import Bench, Plant
 from hbench.model.compiled import compiled
 from hbench.model.plant import TICK_S, V, step
 from hbench.model.scatter import update_levels
-from hbench.model.sensors import convert, sensed
+from hbench.model.sensing import convert, sensed
 from hbench.model.simulated_bench import VOLTS_PER_CODE, new_simulated_bench
 from hbench.rig.firmware import POLL_TICKS, HostFirmware
 

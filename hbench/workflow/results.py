@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,6 +31,9 @@ from hbench.report.motion_tables import motion_tables
 from hbench.report.tables import TABLES
 from hbench.store.campaign import Campaign, load_campaign, write_results
 from hbench.store.diagnoses import diagnoses
+
+if TYPE_CHECKING:
+    from hbench.report.document import Document
 
 _SHARED_STROKES = (
     "the points of a ramp's curve share their strokes, while the intervals of its fitted "
@@ -62,7 +66,6 @@ def report(
     from hbench.report.figures import figure_files
     from hbench.report.markdown import markdown
     from hbench.report.page import report_document
-    from hbench.report.pdf import pdf
     from hbench.report.reconciled import reconciled_section
 
     results = derive(load_campaign(folder), _fitting(fit_file))
@@ -72,12 +75,18 @@ def report(
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,
         "md": markdown,
-        "pdf": pdf,
+        "pdf": _pdf,
     }
     made = forms[form](document)
     text = {f"report.{form}": made if isinstance(made, bytes) else made.encode()}
     write_results(folder, _tables(results) | figure_files(drawings) | text)
     return results
+
+
+def _pdf(document: "Document") -> bytes:
+    from hbench.report.pdf import pdf  # what embeds fonts; only who wants a PDF waits
+
+    return pdf(document)
 
 
 def _fitting(path: Path | None) -> Fitting:

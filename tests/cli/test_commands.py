@@ -57,6 +57,17 @@ def test_help_loads_nothing_heavy():
     assert not heavy & set(done.stdout.split())
 
 
+def test_who_analyzes_and_reports_waits_for_no_compiler_and_no_embedded_font():
+    code = """
+import sys
+import hbench.report.campaign_figures, hbench.workflow.results
+print(*sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    heavy = {"numba", "pandas", "scipy.stats", "matplotlib.pyplot", "fontTools.subset"}
+    assert not heavy & set(done.stdout.split())
+
+
 def test_check_estimates_and_writes_nothing(hbench, short_schedule, tmp_path):
     schedule = short_schedule()
     before = set(tmp_path.iterdir())

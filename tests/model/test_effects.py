@@ -29,7 +29,8 @@ from hbench.model.plant import (
     initial_state,
     n_states,
 )  # fmt: skip
-from hbench.model.sensors import CHANNELS, FRACTION, convert, sensor_gains, sensor_parameters
+from hbench.model.sensing import convert
+from hbench.model.sensors import CHANNELS, FRACTION, sensor_gains, sensor_parameters
 from hbench.model.simulation import simulate
 
 BAR, LITRE_MIN = 1e5, 1e-3 / 60

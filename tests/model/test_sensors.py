@@ -3,13 +3,8 @@ import pytest
 
 from hbench.model.noise import new_noise
 from hbench.model.plant import initial_state, new_work
-from hbench.model.sensors import (
-    CHANNELS,
-    convert,
-    sensed,
-    sensor_gains,
-    sensor_parameters,
-)
+from hbench.model.sensing import convert, sensed
+from hbench.model.sensors import CHANNELS, sensor_gains, sensor_parameters
 
 BAR = 1e5
 VALUES = np.array([0.17, 78.84 * BAR, 28.42 * BAR, 12.7 * BAR, 8.9 * BAR, 150 * BAR, 1234.0])

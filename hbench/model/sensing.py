@@ -1,0 +1,52 @@
+"""What the sensors see of the plant, and its way to ADC counts."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hbench.model.compiled import compiled
+from hbench.model.noise import normal
+from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, load_cell_force
+from hbench.model.sensors import FRACTION, N_CHANNELS, SensorParameters
+
+if TYPE_CHECKING:
+    from hbench.model.parameters import PlantParameters
+
+
+@compiled
+def sensed(
+    state: np.ndarray,
+    levels: np.ndarray,
+    par: "PlantParameters",
+    values: np.ndarray,
+    work: np.ndarray,
+) -> None:
+    """Write what the sensors see at this moment into ``values``, SI, in ``CHANNELS`` order.
+
+    ``work`` is scratch of the plant's ``new_work``.
+    """
+    values[0] = state[X]
+    values[1] = state[P_TP]
+    values[2] = state[P_TR]
+    values[3] = state[P_LP]
+    values[4] = state[P_LR]
+    values[5] = state[P_S]
+    values[6] = load_cell_force(state, levels, par, work)
+
+
+@compiled
+def convert(
+    values: np.ndarray, sensors: SensorParameters, noise: np.ndarray, words: np.ndarray
+) -> None:
+    """Write one tick's means of ``values`` (SI) into ``words``, uint16 in 1/16 count.
+
+    The converter clips at 0 and its top code; a clipped channel stands at exactly that.
+    """
+    for i in range(N_CHANNELS):
+        counts = sensors.per_unit[i] * values[i] + sensors.zero[i]
+        if sensors.noise > 0.0:
+            counts += sensors.noise * normal(noise)
+        if sensors.whole:
+            counts = np.floor(counts + 0.5)
+        counts = min(max(counts, 0.0), sensors.top)
+        words[i] = np.uint16(np.floor(FRACTION * counts + 0.5))
