@@ -75,16 +75,24 @@ def valve_deadband(
 
 
 @compiled
+def uneven(u: float, share: float, knee: float) -> float:
+    """Opening [V] with an even part: ``share`` of |u|, and less where |u| is below ``knee``."""
+    size = abs(u)
+    return u + share * size if knee == 0.0 else u + share * size * size / (size + knee)
+
+
+@compiled
 def valve_asymmetry(
     u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: "PlantParameters",
 ) -> Openings:  # fmt: skip
-    """Unequal gain of the two directions: u (1 + k sign u). c: k [1], test and load valves."""
-    test, load = c
+    """Unequal gain of the two directions: u (1 + k sign u). c: k [1], test and load valves.
+
+    A knee [V] other than 0 makes small openings more equal: k |u| / (|u| + knee).
+    """
+    test, load, knee = c
     return Openings(
-        u.test + test * abs(u.test),
-        u.load_1 + load * abs(u.load_1),
-        u.load_2 + load * abs(u.load_2),
+        uneven(u.test, test, knee), uneven(u.load_1, load, knee), uneven(u.load_2, load, knee)
     )
 
 
@@ -172,16 +180,18 @@ def warmth(
     q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: "PlantParameters",
 ) -> Flows:  # fmt: skip
-    """Oil warms by theta: tau d theta/dt = R P - theta; its fluidity grows by exp(k theta).
+    """Oil warms by theta: tau d theta/dt = theta_0 + R P - theta; fluidity grows by exp(k theta).
 
-    P = P_s Q drawn from the supply: all of it ends as heat. c: R [K/W], tau [s], k [1/K]; the
-    exponential is that of Vogel and Barus near one temperature. Fluidity scales laminar leaks.
+    P = P_s Q drawn from the supply: all of it ends as heat. So does what the pump drives over its
+    relief valve, whatever the bench draws: theta_0, from the session's start on. c: R [K/W],
+    theta_0 [K], tau [s], k [1/K]; the exponential is that of Vogel and Barus near one temperature.
+    Fluidity scales laminar leaks.
     """
-    rise, tau, k = c
-    if rise == 0.0:
+    rise, pump, tau, k = c
+    if rise == 0.0 and pump == 0.0:
         rates[at] = 0.0
         return q
-    rates[at] = (rise * state[P_S] * q.drawn - state[at]) / tau
+    rates[at] = (pump + rise * state[P_S] * q.drawn - state[at]) / tau
     return Flows(q.tp, q.tr, q.lp, q.lr, q.drawn, q.returned, exp(k * state[at]))
 
 

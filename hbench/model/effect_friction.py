@@ -41,16 +41,17 @@ def seal_pressure_friction(
     f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: "PlantParameters",
 ) -> Rubbing:  # fmt: skip
-    """Seals pressed by the oil: dry friction grows by k (|P_p - P_r| + P_r), after 3.7.
+    """Seals pressed by the oil: dry friction grows by k_p P_p + k_r P_r.
 
-    The drop across the piston's seal and the rod's. c: k [N/Pa] of the test and load cylinder,
-    and an exponent of the pressure other than 1: the same at 50 bar.
+    Of a piston's two lips one faces each chamber; the rod's faces the rod chamber. With the drop
+    across one piston seal instead, as in 3.7, a falling pressure behind it could add friction.
+    c: k_p, k_r [N/Pa] of the test and of the load cylinder, and an exponent of the pressures other
+    than 1: the same at 50 bar.
     """
-    test, load, n = c
-    p_tp, p_tr, p_lp, p_lr = state[P_TP], state[P_TR], state[P_LP], state[P_LR]
-    on_test = power_law(abs(p_tp - p_tr) + p_tr, PRESSURE_PA, n)
-    on_load = power_law(abs(p_lp - p_lr) + p_lr, PRESSURE_PA, n)
-    return more(f, test * on_test, load * on_load)
+    test_p, test_r, load_p, load_r, n = c
+    p_tp, p_tr = power_law(state[P_TP], PRESSURE_PA, n), power_law(state[P_TR], PRESSURE_PA, n)
+    p_lp, p_lr = power_law(state[P_LP], PRESSURE_PA, n), power_law(state[P_LR], PRESSURE_PA, n)
+    return more(f, test_p * p_tp + test_r * p_tr, load_p * p_lp + load_r * p_lr)
 
 
 @compiled
@@ -155,8 +156,8 @@ def thinner_film(
 
     See ``effect_flows.warmth``. A law without a viscous part B does not change.
     """
-    rise, _, k = c
-    if rise == 0.0:
+    rise, pump, _, k = c
+    if rise == 0.0 and pump == 0.0:
         return f
     change = (exp(-k * state[at]) - 1.0) * state[V]
     return against(f, change * par.test.friction.viscous, change * par.load.friction.viscous)
@@ -179,3 +180,21 @@ def end_cushion(
     distance = par.test.stroke_m - position if v > 0.0 else position
     depth = min(max(1.0 - distance / length, 0.0), 1.0)
     return against(f, damping * depth * v, 0.0)
+
+
+@compiled
+def added_mass(
+    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: "PlantParameters",
+) -> Rubbing:  # fmt: skip
+    """Masses m on damped mounts, on either side of the load cell: m dw/dt, tau dw/dt = v - w.
+
+    A rigid mass would take phase from the loops at frequencies that no joint is rigid at.
+    c: m [kg] of the test and load side, tau [s].
+    """
+    test, load, tau = c
+    if test == 0.0 and load == 0.0:
+        rates[at] = 0.0
+        return f
+    rates[at] = (state[V] - state[at]) / tau
+    return against(f, test * rates[at], load * rates[at])

@@ -1,22 +1,15 @@
-"""Effects that are other numbers in the plant, its sensors or its board, not other equations."""
+"""Effects that are other numbers in the sensors or the board, not other equations."""
 
 from typing import TYPE_CHECKING
 
 from hbench.config.bench import Controllers
 
 if TYPE_CHECKING:
-    from hbench.model.parameters import PlantParameters
     from hbench.model.sensors import SensorParameters
 
 Coefficients = tuple[float, ...]
 _FORCE = 6  # of sensors.CHANNELS
 _PRESSURES = slice(1, 6)
-
-
-def added_mass(par: "PlantParameters", c: Coefficients) -> "PlantParameters":
-    """More moving mass on either side of the load cell. c: kg, test and load side."""
-    test, load = c
-    return par._replace(mass_test_kg=par.mass_test_kg + test, mass_load_kg=par.mass_load_kg + load)
 
 
 def load_cell_gain(sensors: "SensorParameters", c: Coefficients) -> "SensorParameters":

@@ -18,7 +18,7 @@ from hbench.model.compiled import OWN_EFFECTS
 from hbench.units import parse_unit
 
 MOVING = ("openings", "oil", "flows", "friction")  # places in the equations of motion
-_PARAMETERS = ("plant", "sensors", "board")  # places of other numbers
+_PARAMETERS = ("sensors", "board")  # places of other numbers
 _HINT = "HBENCH_EFFECTS names this file; hbench/model/effects.py begins with an example."
 
 
@@ -30,6 +30,7 @@ class Effect(NamedTuple):
     balances: tuple[str, ...]  # of reconcile/balances.py, in which it shows
     laws: dict[str, Callable]  # by place
     states: int = 0
+    builds_up: bool = False  # over many runs, so that a trial is not like the one before
 
     @property
     def of_sensor(self) -> bool:

@@ -9,9 +9,9 @@ An effect is a row of ``EFFECTS`` and a law, a pure compiled function for the pl
 from ``at`` on, and it writes their rates at the same places of ``rates``, always. With all
 coefficients at their defaults it must hand back ``what`` to the bit. Places: ``openings`` of the
 valves, ``oil``, ``flows`` into the chambers, ``friction``. An effect with two laws has the same
-states in both. Three more places take parameters and return others, ``law(parameters, c)``:
-``plant``, ``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/balances.py``
-know the plant without effects, but for those in ``plant``.
+states in both. Two more places take parameters and return others, ``law(parameters, c)``:
+``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/balances.py`` know the
+plant without effects.
 
 Your own effect: one function and one row, in a file that ``HBENCH_EFFECTS`` in the environment
 names (``effect_rows.py``); everything that simulates or reconciles then knows it.
@@ -77,7 +77,7 @@ _CATALOGUE: dict[str, Effect] = {
     ),
     "valve_asymmetry": Effect(
         "a valve opens further in one direction than in the other",
-        _BOTH_SHARE,
+        {**_BOTH_SHARE, "knee": _c("V", 0, 0, 10)},
         _FLOWS, {"openings": flows.valve_asymmetry},
     ),
     "entrained_air": Effect(
@@ -104,13 +104,15 @@ _CATALOGUE: dict[str, Effect] = {
         ("supply",), {"flows": flows.supply_droop},
     ),
     "oil_warming": Effect(
-        "the oil warms with the power drawn: less viscous friction, more leakage",
+        "the oil warms with the pump and the power drawn: less viscous friction, more leakage",
         {
             "rise": _c("K/kW", 10, 0, 1e3),
+            "pump": _c("K", 10, 0, 200),
             "time": _c("s", 0, 0.1, 1e5, 300),
             "viscosity": _c("1/K", 0, 0, 0.1, 0.03),
         },
         (*_FORCES, *_FLOWS), {"flows": flows.warmth, "friction": rubbing.thinner_film}, states=1,
+        builds_up=True,
     ),
     "internal_leakage": Effect(
         "oil leaks across the piston with the pressure drop",
@@ -123,10 +125,10 @@ _CATALOGUE: dict[str, Effect] = {
         _FLOWS, {"flows": flows.external_leakage},
     ),
     "seal_pressure_friction": Effect(
-        "dry friction grows with the pressures at piston and rod seal",
+        "dry friction grows with the pressures on piston and rod side",
         {
-            "test": _c("N/bar", 0.5, 0, 1e3),
-            "load": _c("N/bar", 0.5, 0, 1e3),
+            **{f"{side}_{chamber}": _c("N/bar", 0.5, 0, 1e3)
+               for side in ("test", "load") for chamber in ("piston", "rod")},
             "exponent": _LINEAR,
         },
         _FORCES, {"friction": rubbing.seal_pressure_friction},
@@ -163,8 +165,8 @@ _CATALOGUE: dict[str, Effect] = {
     ),
     "added_mass": Effect(
         "the moving masses are larger",
-        {"test": _c("kg", 20, 0, 1e4), "load": _c("kg", 20, 0, 1e4)},
-        _FORCES, {"plant": numbers.added_mass},
+        {"test": _c("kg", 20, 0, 500), "load": _c("kg", 20, 0, 500), "lag": _c("ms", 0, 1, 100, 3)},
+        _FORCES, {"friction": rubbing.added_mass}, states=1,
     ),
     "load_cell_gain": Effect(
         "the load cell shows a share too much",
@@ -212,7 +214,6 @@ def with_effects(par: "PlantParameters", values: Values) -> "PlantParameters":
             "effects.supply_droop: the supply has a pump, whose pressure falls by itself",
             "Change supply.pump.band, or leave supply.pump out.",
         )
-    par = changed_by("plant", par, values)
     if all(set(MOVING).isdisjoint(EFFECTS[name].laws) for name in values):
         return par
     return par._replace(effects=tuple(_in_order(name, values.get(name, {})) for name in EFFECTS))

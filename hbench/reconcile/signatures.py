@@ -34,14 +34,20 @@ def signatures(
 ) -> dict[Coefficient, Column]:
     """Return the columns of all coefficients of some effects, a typical size each.
 
-    ``base`` are the runs of the model without them. Where the board stops, a quarter of the
-    size is tried alone; an effect that still stops it has no signature.
+    ``base`` are the runs of the model without them. One trial is simulated of each, or all of what
+    builds up over them. Where the board stops, a quarter of the size is tried alone; an effect that
+    still stops it has no signature.
     """
     wanted = [one for name in names for one in coefficients(name)]
     before = windows_of(base, known)
-    found = _made([(group, 1.0) for group in packed(wanted)], simulate, known, before)
-    alone = [((one,), _SMALLER) for one in wanted if one not in found]
-    found |= _made(alone, simulate, known, before)
+    most = max(len(own) for own in by_point(before).values())
+    found: dict[Coefficient, Column] = {}
+    for trials in {1, most}:
+        own = [one for one in wanted if trials == (most if EFFECTS[one[0]].builds_up else 1)]
+        groups = [(group, 1.0) for group in packed(own)]
+        found |= _made(groups, simulate, trials, known, before)
+        alone = [((one,), _SMALLER) for one in own if one not in found]
+        found |= _made(alone, simulate, trials, known, before)
     return {one: found[one] for one in wanted if one in found}
 
 
@@ -63,6 +69,7 @@ def packed(wanted: Iterable[Coefficient]) -> list[tuple[Coefficient, ...]]:
 def _made(
     tasks: Sequence[tuple[tuple[Coefficient, ...], float]],
     simulate: Simulate,
+    trials: int,
     known: Model,
     base: Sequence[Windowed],
 ) -> dict[Coefficient, Column]:
@@ -71,7 +78,7 @@ def _made(
         for group, size in tasks
     ]
     found = {}
-    for (group, size), runs in zip(tasks, simulate(hypotheses, 1), strict=True):
+    for (group, size), runs in zip(tasks, simulate(hypotheses, trials), strict=True):
         if runs is not None:
             made = windows_of(runs, known)
             for one in group:
@@ -86,8 +93,8 @@ def _scaled(column: Mapping, factor: float) -> Column:
 def signature(name: str, runs: Sequence[Windowed], base: Sequence[Windowed]) -> Column:
     """Return what an effect changes in the balances it touches, from simulations with and without.
 
-    ``runs`` have one trial, ``base`` several. A balance in which the change is lost in the sensors'
-    noise is left out: noise in a column would look like a misfit.
+    ``runs`` have one trial or more, ``base`` several. A balance in which the change is lost in the
+    sensors' noise is left out: noise in a column would look like a misfit.
     """
     before = mean_column(base)
     change = less(mean_column(runs), before)

@@ -52,7 +52,7 @@ _STROKE_M = 1.0  # any: the piston stands in its middle
 _STEP = 1e-3  # of a logarithm, and of an effect's state
 _NOTHING_N = 1e-9  # change of force that a typical size must exceed to be one
 _LEAST = 0.1  # of a coefficient's change in one balance: less in the other is left out
-_PLACES = {"friction", "plant", "sensors"}  # where an effect can act on a stroke's forces
+_PLACES = {"friction", "sensors"}  # where an effect can act on a stroke's forces
 _ONE = SensorParameters((1.0,) * N_CHANNELS, (0.0,) * N_CHANNELS, 0.0, 0.0, False)
 _P_TP, _P_TR, _FORCE = 1, 2, 6  # of sensors.CHANNELS
 

@@ -51,7 +51,7 @@ def test_a_plant_file_lays_its_effects_over_those_of_the_bench():
     over = {"effects": {"added_mass": {"load": "2 kg"}, "load_cell_gain": {"error": "1 %"}}}
     assert read_effects(parse_plant(bench, over, "plant").effects) == {
         "valve_lag": {"time": 0.002},
-        "added_mass": {"test": 1.0, "load": 2.0},
+        "added_mass": {"test": 1.0, "load": 2.0, "lag": 0.003},
         "load_cell_gain": {"error": pytest.approx(0.01)},
     }
     assert parse_plant(BENCH, {}, "plant").effects == parse_bench(BENCH, "bench").effects == {}

@@ -139,6 +139,18 @@ def test_an_asymmetric_valve_is_one_with_another_gain_in_each_direction(par, sta
     assert one.state[:, X : P_LR + 1] == pytest.approx(other.state[:, X : P_LR + 1], rel=1e-9)
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_small_openings_of_an_uneven_valve_with_a_knee_are_more_equal(par, start, way):
+    """Half of the share at the knee; the gain of each direction is that of its opening."""
+    section = {"valve_asymmetry": {"test": 0.1, "load": 0.1, "knee": 0.7}}
+    u = way * np.array([0.7, 0.3, -1.4])
+    gain = 1 + way * np.array([0.1 / 2, 0.1 * 0.3, -0.1 * 2 / 3])
+    one, other = run(with_effects(par, section), start, u), run(par, start, u * gain)
+    # once the spools, of second order, stand
+    assert one.q_supply_m3_s[-1] == pytest.approx(other.q_supply_m3_s[-1], rel=1e-3)
+    assert one.state[-1, V] == pytest.approx(other.state[-1, V], rel=1e-3)
+
+
 def test_a_slow_valve_is_the_spool_with_a_first_order_lag(par, start):
     omega, tau = 2 * np.pi * 90, 0.004
     lagged = run(with_effects(par, {"valve_lag": {"time": tau}}), start, [0.7, 0.3, -1.4], 0.05)
@@ -216,14 +228,15 @@ def test_a_pump_droops_by_itself(bench):
 
 def test_warm_oil_has_less_viscous_friction_and_leaks_more(par, start, fixed):
     """theta follows the power with its lag; viscosity is exp(-k theta) of the cold one."""
-    rise, tau, k = 0.03, 0.5, 0.03
-    values = {"oil_warming": {"rise": rise, "time": tau, "viscosity": k}}
+    rise, pump, tau, k = 0.03, 5.0, 0.5, 0.03
+    values = {"oil_warming": {"rise": rise, "pump": pump, "time": tau, "viscosity": k}}
     warmed = run(with_effects(par, values), start, [0.7, 0.3, -1.4])
     power = 150 * BAR * warmed.q_supply_m3_s
     lag = np.exp(-TICK_S / tau)
     theta = np.zeros(len(power))
     for i in range(1, len(theta)):
-        theta[i] = lag * theta[i - 1] + (1 - lag) * rise * (power[i] + power[i - 1]) / 2
+        mean = (power[i] + power[i - 1]) / 2
+        theta[i] = lag * theta[i - 1] + (1 - lag) * (pump + rise * mean)
     at = STATE["oil_warming"]
     assert warmed.state[:, at] == pytest.approx(theta, rel=1e-4, abs=1e-4)
     assert theta[-1] > 10
@@ -270,13 +283,17 @@ def test_friction_effects_add_their_closed_forms(friction_of, start, v):
     own = np.array([dry(v, p_tp, p_tr, 80, 450), dry(v, p_lp, p_lr, 180, 260)])
     viscous = np.array([2500, 3000]) * v
     assert friction_of(v, {}) == pytest.approx(way * own + viscous, rel=1e-9)
-    seal = np.array([abs(p_tp - p_tr) + p_tr, abs(p_lp - p_lr) + p_lr])
+    seal = np.array([p_tp + 3 * p_tr, 2 * p_lp + 4 * p_lr])
+    chambers = dict(
+        zip(("test_piston", "test_rod", "load_piston", "load_rod"), (1, 3, 2, 4), strict=True)
+    )
+    lips = {key: times * 1e-5 for key, times in chambers.items()}
     load = np.abs([p_tp * A_P - p_tr * A_R, p_lp * A_P - p_lr * A_R])
     two, factor = {"test": 0.1, "load": 0.2}, np.array([0.1, 0.2])
     bent = [30 * (2 * 0.35 / 0.4 - 1) + 50 * (2 * 0.35 / 0.4 - 1) ** 2, 0]
     slower = np.array([dry(0.02, p_tp, p_tr, 80, 450), dry(0.02, p_lp, p_lr, 180, 260)]) - own
     for more, name, values, extra in (
-        (factor * 1e-4 * seal, "seal_pressure_friction", {"test": 1e-5, "load": 2e-5}, {}),
+        (1e-5 * seal, "seal_pressure_friction", lips, {}),
         (factor * load, "load_friction", two, {}),
         (factor * way * own, "direction_asymmetry", two, {}),
         (bent, "position_friction", {"slope": 30, "bow": 50}, {"x": 0.35}),
@@ -331,16 +348,20 @@ def test_a_cushion_brakes_only_towards_its_end(friction_of, x, v, depth):
 # ---- numbers
 
 
-def test_added_mass_takes_acceleration_off_and_loads_the_cell(par, start):
-    heavier = with_effects(par, {"added_mass": {"test": 5.0, "load": 10.0}})
-    assert heavier.effects is None
-    pushed = start.copy()
+def test_masses_that_move_with_the_piston_take_acceleration_off_and_load_the_cell(par, start):
+    """In a push that is slow beside the mounts' lag: as many kg more on either side."""
+    heavier = with_effects(par, {"added_mass": {"test": 5.0, "load": 10.0, "lag": 1e-4}})
+    pushed = np.append(start, np.zeros(n_states(heavier) - len(start)))
     pushed[P_TP] += 10 * BAR
-    rates = np.zeros(len(start))
-    light, heavy = (forces(pushed, np.ones(2), p, rates) for p in (par, heavier))
-    assert heavy.acceleration == pytest.approx(light.acceleration * 10 / 25, rel=1e-12)
+    light = forces(pushed[: len(start)], np.ones(2), par, np.zeros(len(start)))
+    at, rates = STATE["added_mass"], np.zeros(len(pushed))
+    together = light.acceleration * 10 / 25
+    pushed[at] = pushed[V] - 1e-4 * together  # the mounts, once they are pressed
+    heavy = forces(pushed, np.ones(2), heavier, rates)
+    assert rates[at] == pytest.approx(together, rel=1e-9)
+    assert heavy.acceleration == pytest.approx(together, rel=1e-9)
     assert heavy.applied - 15 * heavy.acceleration == pytest.approx(
-        light.applied - 5 * light.acceleration, rel=1e-12
+        light.applied - 5 * light.acceleration, rel=1e-9
     )
 
 

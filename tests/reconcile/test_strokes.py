@@ -64,7 +64,7 @@ def test_friction_that_saturates_with_pressure_is_named_with_the_seals_law():
     (effect,) = found.effects
     assert effect.name == "seal_pressure_friction"
     secant = (saturating(120, 120)(60) - saturating(120, 120)(10)) / 50
-    assert effect.parameters["test"].value == pytest.approx(secant, rel=0.2)
+    assert effect.parameters["test_piston"].value == pytest.approx(secant, rel=0.2)
     assert "load_friction" in found.not_tried
     band = found.gap_heldout.balances["force_band"]
     assert band.after < 0.5 * band.refitted

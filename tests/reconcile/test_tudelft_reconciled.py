@@ -49,7 +49,7 @@ def test_friction_of_the_seal_that_grows_with_pressure_is_named_for_both_seals(s
     slope = np.polyfit(BARS, HALF_BANDS[label], 1)[0]  # N/bar
     # The O-ring's friction bends over pressure, and the strokes at 7 bar, which scatter most, weigh
     # least: so the coefficient is above the slope of the four half bands.
-    assert effect.parameters["test"].value == pytest.approx(slope, rel=0.2)
+    assert effect.parameters["test_piston"].value == pytest.approx(slope, rel=0.2)
     assert effect.gap_after < 0.3 * effect.gap_before
 
 
@@ -78,8 +78,8 @@ def test_the_diagnosis_is_written_as_for_any_campaign(seal, tmp_path):
     write_diagnosis(tmp_path, found)
     assert "seal_pressure_friction" in (tmp_path / "report.html").read_text()
     written = stroke_sections(read_yaml(tmp_path / "model.yaml"))
-    coefficient = parse_strokes(written, "model").effects["seal_pressure_friction"]["test"]
-    value = found.effects[0].parameters["test"].value
+    coefficient = parse_strokes(written, "model").effects["seal_pressure_friction"]["test_piston"]
+    value = found.effects[0].parameters["test_piston"].value
     assert float(coefficient.split()[0]) == pytest.approx(value, rel=1e-6)
     assert "Error at loads left out" in diagnosis_text(found)
 
