@@ -76,6 +76,12 @@ def fit(
     return np.where(better[:, None], other, settled)
 
 
+def cost(data: Products, free: Freedom, chosen: Sequence[int], points: np.ndarray) -> float:
+    """Return - ln L of a model as it is, less a constant: at beta = 0 of what is ``chosen``."""
+    sums = _summed(data, chosen, points, None)
+    return float(_cost(sums, free.of(chosen), np.zeros((1, len(chosen))))[0])
+
+
 def _cost(sums: "_Sums", own: Freedom, beta: np.ndarray) -> np.ndarray:
     """Return - ln L (b,) of beta (b, q), less a constant."""
     off = (beta - own.centre) / own.prior

@@ -301,7 +301,7 @@ def _products(
     with np.errstate(divide="ignore", invalid="ignore"):
         d = found.difference / scatter
         relative = noise / scatter**2
-    usable = np.isfinite(d)
+    usable = np.isfinite(d) & np.isfinite(relative)
     places = [np.flatnonzero(found.point == i) for i in range(len(found.points))]
     matrix = np.zeros((w, c, len(columns) + 1))
     matrix[:, :, 0] = d

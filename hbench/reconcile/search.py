@@ -4,9 +4,9 @@ Around the refitted model every candidate is judged by its signature (``evidence
 are simulated with the coefficient found, and judged again there. One is taken if, on operating
 points left out,
 
-    its score exceeds the largest that any candidate for the same balances reaches in 90 % of nulls
-    of this very plan, and 5 nats at least,
-    it explains more than half of the excess gap in the balances it touches, and
+    its score exceeds 5 nats, and the largest that any candidate for the same balances reaches in
+    98 % of nulls of this very plan: what it leaves itself, with random signs,
+    it explains more than a quarter of the excess gap in the balances it touches, and
     its coefficient is at least a fifth of the typical size.
 
 Candidates whose scores are too close to the best one's are an ambiguous set, and none is taken.
@@ -14,13 +14,14 @@ Candidates whose scores are too close to the best one's are an ambiguous set, an
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from hbench.model.effects import EFFECTS
 from hbench.reconcile.evidence import (
     LeftOut,
+    cost,
     fit,
     left_out,
     log_likelihood,
@@ -42,15 +43,15 @@ from hbench.reconcile.linear import (
 from hbench.reconcile.signatures import signature
 from hbench.records import Candidate
 
-_NULLS = 100
-_QUANTILE = 0.9  # of the nulls' largest scores
+_NULLS = 200
+_QUANTILE = 0.98  # of the nulls' largest scores
 _LEAST = 5.0  # nats: the least threshold, e^5 = 150 to 1
-_EXPLAINED = 0.5
+_EXPLAINED = 0.25  # the rest may be other effects'
 _MATERIAL = 0.2  # typical sizes
 _CLOSE = 3.0, 0.1  # nats, share of the best score: closer candidates are ambiguous
 _TRIED = 6  # candidates that are simulated
 _WORTH = 0.3  # of the best score: others are not simulated
-_PROMISING = 0.5  # of its threshold: others are not simulated
+_PROMISING = 0.5  # of the least threshold: others are not simulated
 _MOST = 4  # effects
 _ROUNDS = 2  # of simulating and refitting
 _STILL = 0.05  # priors of nuisances and typical sizes: no need to simulate again
@@ -120,18 +121,21 @@ class Search:
         return linearise(self.measured, hypothesis, runs, self.signatures)
 
     def settled(self, start: Linear, effects: Sequence[str]) -> Linear:
-        """Move to the best nuisances and coefficients of ``effects``."""
+        """Move to the best nuisances and coefficients of ``effects``, but nowhere that is worse."""
         which = start.coefficients_of(effects)
-        here = start
+        here, lacks = start, self._cost(start, which)
         for _ in range(_ROUNDS):
             beta = fit(here.data, here.free, here.index(which), self.train)[0]
             if np.abs(beta).max() < _STILL:
                 break
             there = self.at(moved(here, self.measured.plant, which, beta))
-            if there is None:
+            if there is None or (less := self._cost(there, which)) > lacks + _LEAST:
                 break
-            here = there
+            here, lacks = there, less
         return here
+
+    def _cost(self, here: Linear, which: Sequence[Coefficient]) -> float:
+        return cost(here.data, here.free, here.index(which), self.train)
 
     def _refined(self, here: Linear, taken: tuple[str, ...]) -> tuple["Search", Linear]:
         """Give the effect that was taken last the shape that operating points left out support."""
@@ -168,20 +172,17 @@ class Search:
         rest = [
             name for name in self.candidates if name not in taken and here.coefficients_of([name])
         ]
-        thresholds = self._thresholds(here, base, rest)
         judged = sorted(
-            (self._linear(here, base, name, thresholds[name]) for name in rest),
-            key=lambda one: -one.found.score,
+            (self._linear(here, base, name) for name in rest), key=lambda one: -one.found.score
         )
         best = judged[0].found.score if judged else 0.0
-        worth = [
-            one
-            for one in judged
-            if one.found.score > max(_WORTH * best, _PROMISING * one.found.threshold)
-        ]
+        worth = [one for one in judged if one.found.score > max(_WORTH * best, _PROMISING * _LEAST)]
         simulated = self._simulated(here, taken, [one.found for one in worth[:_TRIED]])
         tried = sorted(
-            (simulated.get(one.found.name, one) for one in judged),
+            (
+                self._with_threshold(simulated.get(one.found.name, one), here, base, rest)
+                for one in judged
+            ),
             key=lambda one: -one.found.score,
         )
         good = [one for one in tried if one.linear and _earned(one.found)]
@@ -196,7 +197,7 @@ class Search:
         step = Step(here, tuple(tried), name, ())
         return step, self.settled(first.linear, (*taken, name))
 
-    def _linear(self, here: Linear, base: Sequence[int], name: str, threshold: float) -> Tried:
+    def _linear(self, here: Linear, base: Sequence[int], name: str) -> Tried:
         which = here.coefficients_of([name])
         more = [i for i in here.index(which) if i not in base]
         gain = float(score(here.data, here.free, base, more, self.train)[0])
@@ -205,7 +206,7 @@ class Search:
         after = left_out(here.data, here.free, [*base, *more], self.train)
         values = {one: float(b) * typical(one) for one, b in zip(which, beta, strict=True)}
         share = explained(name, here, before, after)
-        return Tried(_candidate(name, gain, share, values, threshold), None)
+        return Tried(_candidate(name, gain, share, values, "linear"), None)
 
     def _simulated(
         self, here: Linear, taken: tuple[str, ...], worth: Sequence[Candidate]
@@ -233,26 +234,29 @@ class Search:
                 for key in there.coefficients_of([one.name])
             }
             share = explained(one.name, here, before, after)
-            found[one.name] = Tried(
-                _candidate(one.name, gain, share, values, one.threshold, True), there
-            )
+            found[one.name] = Tried(_candidate(one.name, gain, share, values, "simulated"), there)
         return found
 
-    def _thresholds(
-        self, here: Linear, base: Sequence[int], names: Sequence[str]
-    ) -> dict[str, float]:
-        """Return what each candidate's score must exceed."""
+    def _with_threshold(
+        self, one: Tried, here: Linear, base: Sequence[int], names: Sequence[str]
+    ) -> Tried:
+        """Return a candidate with what its score must exceed, if it could earn its place.
+
+        Nulls are what its own simulation lacks, with random signs: not yet what it explains.
+        """
+        if one.linear is None or not _earned(one.found):
+            return one
+        data = one.linear.data
         signs = random_signs(_NULLS, len(here.lacking.points), seed=1)
-        reached = {}
+        largest = np.zeros(_NULLS)
+        own = set(EFFECTS[one.found.name].balances)
         for name in names:
-            more = [i for i in here.index(here.coefficients_of([name])) if i not in base]
-            reached[name] = score(here.data, here.free, base, more, self.train, signs)
-        found = {}
-        for name in names:
-            own = set(EFFECTS[name].balances)
-            rivals = [reached[one] for one in names if own.issuperset(EFFECTS[one].balances)]
-            found[name] = max(_LEAST, float(np.quantile(np.max(rivals, axis=0), _QUANTILE)))
-        return found
+            if own.issuperset(EFFECTS[name].balances):
+                more = [i for i in here.index(here.coefficients_of([name])) if i not in base]
+                reached = score(data, here.free, base, more, self.train, signs)
+                largest = np.maximum(largest, reached)
+        threshold = max(_LEAST, float(np.quantile(largest, _QUANTILE)))
+        return replace(one, found=replace(one.found, threshold=threshold))
 
 
 def _taken(steps: Sequence[Step]) -> tuple[str, ...]:
@@ -283,11 +287,8 @@ def _candidate(
     gain: float,
     share: float,
     values: Mapping[Coefficient, float],
-    threshold: float,
-    own: bool = False,
+    tried: Literal["simulated", "linear"],
 ) -> Candidate:
     size = max((abs(value) / typical(one) for one, value in values.items()), default=0.0)
     parameters = {key: value for (_, key), value in values.items()}
-    return Candidate(
-        name, gain, share, size, parameters, "simulated" if own else "linear", threshold
-    )
+    return Candidate(name, gain, share, size, parameters, tried, _LEAST)

@@ -41,7 +41,7 @@ class SeriesSearch(Search):
     ) -> dict[str, Tried]:
         """Judge candidates with a simulation of each."""
         base = here.index(here.coefficients_of(taken))
-        linear = [self._linear(here, base, name, 0.0).found for name in names]
+        linear = [self._linear(here, base, name).found for name in names]
         return self._simulated(here, taken, linear)
 
     def nulls(self, here: Linear, taken: tuple[str, ...], name: str, seed: int) -> np.ndarray:

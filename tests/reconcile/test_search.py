@@ -1,5 +1,6 @@
 """Searches for effects that the virtual rig was given, with a short plan and few candidates."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -13,8 +14,10 @@ from hbench.model.effects import EFFECTS
 from hbench.reconcile.balances import prepared
 from hbench.reconcile.diagnose import HELD_OUT, touched_gap
 from hbench.reconcile.estimates import estimate
-from hbench.reconcile.linear import Hypothesis, Measured, linearise
-from hbench.reconcile.search import Search
+from hbench.reconcile.evidence import Freedom, Products
+from hbench.reconcile.gap import GapMap
+from hbench.reconcile.linear import Hypothesis, Linear, Measured, linearise
+from hbench.reconcile.search import Search, Tried
 from hbench.reconcile.signatures import signatures
 from tests.conftest import ROOT
 
@@ -88,6 +91,20 @@ def test_two_effects_are_found_one_after_the_other():
         assert gap(found.final, name, out) < 1.5
 
 
+def test_what_builds_up_over_the_runs_is_simulated_with_all_trials():
+    """Warmth after one trial is not that of the second."""
+    asked = set()
+
+    def stopped(hypotheses, trials):
+        asked.update((name, trials) for one in hypotheses for name in one.effects)
+        return [None] * len(hypotheses)
+
+    _, bench, _, runs, _ = before(CANDIDATES)
+    known = Measured(bench, plant_of(bench), ()).known(Hypothesis())
+    assert signatures(("oil_warming", "supply_droop"), stopped, known, runs) == {}
+    assert asked == {("oil_warming", 2), ("supply_droop", 1)}
+
+
 @pytest.mark.slow
 def test_intervals_hold_the_truth_of_an_effect_of_the_catalogues_own_law():
     """Two leaks and the two untuned parameters of 20 campaigns."""
@@ -105,3 +122,53 @@ def test_intervals_hold_the_truth_of_an_effect_of_the_catalogues_own_law():
     share = np.mean(inside, axis=0)
     print("test leak, load leak, bulk modulus, valve gain: inside 95 % intervals", share)
     assert share[:2].mean() >= 0.9
+
+
+# ---- thresholds
+
+
+def lacking(force_test):
+    """A model whose balance of force lacks this at each operating point, a window each."""
+    points = len(force_test)
+    cushion, bore = np.zeros(points), np.linspace(-1.0, 1.0, points)
+    cushion[[3, 11, 23]] = 1.0  # the points that come near an end
+    columns = np.stack([cushion, bore], axis=1)
+    data = Products(
+        names=("end_cushion.damping", "position_friction.slope"),
+        columns=np.einsum("pj,pk->pjk", columns, columns)[:, None],
+        mixed=(force_test[:, None] * columns)[:, None],
+        squares=force_test[:, None] ** 2,
+        noise=np.full((points, 1), 0.01),
+        windows=np.ones((points, 1)),
+        groups=(("force_test", "steady"),),
+    )
+    nothing = np.zeros(0)
+    at = GapMap(("force_test",), *[nothing] * 8, points=tuple(range(points)))
+    free = Freedom(np.zeros(2), np.full(2, 10.0), np.array([0.0, -50.0]), np.full(2, 50.0))
+    return Linear(Hypothesis(), (), at, data, free), cushion
+
+
+def test_an_effect_that_few_points_hold_is_judged_by_what_it_leaves():
+    """Random signs of the effect itself are the effect again in one of eight draws."""
+    scatter = np.random.default_rng(4).standard_normal(40)
+    after, cushion = lacking(scatter)
+    before, _ = lacking(scatter + 6 * cushion)
+    train = np.arange(40)
+    search = Search(None, None, 1, {}, train, ("end_cushion", "position_friction"))
+    one = search._linear(before, [], "end_cushion").found
+    assert one.score > 10 and one.explained > 0.5
+    here, left = (
+        search._with_threshold(Tried(one, there), before, [], search.candidates).found.threshold
+        for there in (before, after)
+    )
+    assert left < 6 < 10 < here
+
+
+def test_what_leaves_much_has_a_high_threshold():
+    """A bore that explains a little of what the cushion does."""
+    scatter = np.random.default_rng(4).standard_normal(40)
+    before, _ = lacking(scatter + 20 * lacking(scatter)[1])
+    search = Search(None, None, 1, {}, np.arange(40), ("end_cushion", "position_friction"))
+    one = replace(search._linear(before, [], "position_friction").found, explained=1.0, score=9.0)
+    threshold = search._with_threshold(Tried(one, before), before, [], search.candidates)
+    assert threshold.found.threshold > 9
