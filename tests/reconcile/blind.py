@@ -4,8 +4,9 @@
 
 generates the campaigns of ``hidden`` in ``OUT`` (a process of its own: its laws and plants are
 others than the catalogue's and the model's), reconciles each with ``configs/model-aau.yaml``, and
-prints the verdicts and the confusion table. What is there already is not made again. Campaigns
-share the simulations of the model as it is given, which are the same for all.
+prints the verdicts and the confusion table. What is there already is not made again, and the seeds
+of a cell are far apart in the order, so that a part is a sample of the whole. Campaigns share the
+simulations of the model as it is given, which are the same for all.
 """
 
 import json
@@ -101,7 +102,7 @@ def outcomes(folder: Path) -> list[Outcome]:
     if known.exists():
         rows = (json.loads(line) for line in known.read_text().splitlines())
         done = {row["name"]: Outcome(**row) for row in rows}
-    campaigns = sorted(one.parent for one in folder.glob("*/campaign.yaml"))
+    campaigns = sorted((one.parent for one in folder.glob("[!.]*/campaign.yaml")), key=_turn)
     left = [one for one in campaigns if one.name not in done]
     for one in on_all_cores(partial(_one, campaigns[0]), left) if left else ():
         done[one.name] = one
@@ -109,6 +110,11 @@ def outcomes(folder: Path) -> list[Outcome]:
             file.write(json.dumps(asdict(one)) + "\n")
         print(row(one), flush=True)
     return [done[one.name] for one in campaigns if one.name in done]
+
+
+def _turn(folder: Path) -> tuple[int, str]:
+    """Return a campaign's place: a cell's seeds, which follow one another, take turns."""
+    return int(folder.name.rpartition("-")[2]) % 4, folder.name
 
 
 def row(one: Outcome) -> str:
