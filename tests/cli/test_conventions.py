@@ -2,14 +2,16 @@
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import typer.main
 
 from hbench import __version__, errors, workflow
-from hbench.cli.main import main
+from hbench.cli.main import app, main
 from hbench.errors import ExitCode
 
 README = Path(__file__).parents[2] / "README.md"
@@ -19,6 +21,26 @@ NAMED = "import sys; sys.argv[0] = 'hbench'; from hbench.cli.main import main; m
 def test_the_readme_tells_every_exit_code():
     told = re.findall(r"^\| (\d+) \| [a-z]", README.read_text(), re.M)
     assert [int(code) for code in told] == [*ExitCode, 130]
+
+
+def lines_of_the_readme():
+    blocks = re.findall(r"^```sh\n(.*?)^```", README.read_text(), re.M | re.S)
+    lines = [line for block in blocks for line in block.splitlines()]
+    return [line for line in lines if line.startswith("hbench ")]
+
+
+@pytest.mark.parametrize("line", lines_of_the_readme())
+def test_each_line_of_the_readme_is_one_that_the_command_takes(line):
+    """Its arguments are read as the command reads them; nothing is run."""
+    name, *arguments = shlex.split(line, comments=True)[1:]
+    command = typer.main.get_command(app).commands[name]
+    command.make_context(name, arguments)
+
+
+def test_the_readme_names_no_file_that_is_not_there():
+    named = re.findall(r"\]\(([^)#:]+)\)", README.read_text())
+    assert len(named) > 10
+    assert [one for one in named if not (README.parent / one).exists()] == []
 
 
 @pytest.mark.parametrize(
