@@ -1,9 +1,8 @@
-"""Every command as a user calls it: exit codes, what goes where, and how soon it answers."""
+"""Every command as a user calls it: exit codes, what goes where, what it loads."""
 
 import json
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -38,16 +37,6 @@ def test_help_tells_what_a_command_does(hbench, command):
     done = hbench(*command, "--help")
     assert done.returncode == 0 and "Usage" in done.stdout
     assert not command or "Example: hbench" in done.stdout
-
-
-def test_help_answers_at_once(hbench):
-    """Under 0.3 s on a quiet machine; the best of five, with room for a busy one."""
-    took = []
-    for _ in range(5):
-        start = time.perf_counter()
-        hbench("--help")
-        took.append(time.perf_counter() - start)
-    assert min(took) < 0.5
 
 
 def test_help_loads_nothing_heavy():

@@ -1,0 +1,122 @@
+"""How long each command lets its user wait, beside what else would do the same.
+
+``pytest -s -m slow tests/benchmarks/test_speed_budget.py`` prints the table; without ``-m slow`` it
+is that of the small campaign alone. A command is a fresh process; its compiled code is on disk, as
+after its first use. Wall time, the best of some rounds in which both sides take turns.
+"""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+HERE = Path(__file__).parent
+ROUNDS = 3
+HBENCH = [sys.executable, "-m", "hbench"]
+REPORT_S = 5.0  # for 360 runs
+
+
+@dataclass(frozen=True)
+class Row:
+    """What is measured; a ratio at or above ``most`` fails."""
+
+    task: str
+    ours: list[str | Path]
+    beside: str
+    other: list[str | Path] | float  # a command, or how long the bench itself takes [s]
+    most: float
+    rounds: int = ROUNDS
+
+
+def python(*arguments) -> list[str | Path]:
+    return [sys.executable, *arguments]
+
+
+def call(command) -> str:
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def start_up() -> Iterator[Row]:
+    ours = [*HBENCH, "--help"]
+    yield Row("start-up: --help", ours, "python -c pass", python("-c", "pass"), 20.0, 7)
+    yield Row("start-up: --help", ours, "import pandas", python("-c", "import pandas"), 0.5, 7)
+
+
+def campaign(schedule: str, folder: Path) -> Iterator[Row]:
+    """From the runs to the report. The first call compiles and leaves what the others read."""
+    file, made = CONFIGS / f"{schedule}.yaml", folder / schedule
+    told = json.loads(call([*HBENCH, "run", file, "-o", made, "--json"]))
+    runs, bench_s = told["runs"], told["seconds"]
+    again = [*HBENCH, "run", file, "-o", folder / f"{schedule}-again"]
+    yield Row(f"run, {runs} runs", again, "the bench itself", bench_s, 0.03, 1)
+    analyze = [*HBENCH, "analyze", made]
+    plain = python(HERE / "plain_analysis.py", made)
+    yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 1.2)
+    report = [*HBENCH, "report", made]
+    call(report)
+    plain = python(HERE / "plain_figures.py", made, folder)
+    yield Row(f"report, {runs} runs", report, "as many figures, plainly", plain, 2.5)
+
+
+def reconciled(schedule: str, folder: Path) -> Iterator[Row]:
+    made, model = folder / schedule, CONFIGS / "model-aau.yaml"
+    told = json.loads(call([*HBENCH, "run", CONFIGS / f"{schedule}.yaml", "-o", made, "--json"]))
+    ours = [*HBENCH, "reconcile", made, "--model", model, "-o", folder / "diagnosis"]
+    task = f"reconcile, {told['runs']} runs"
+    yield Row(task, ours, "the bench itself", told["seconds"], 0.15, 1)
+
+
+def measured(rows: Iterator[Row]) -> dict[str, float]:
+    """Print the table as it comes; return the seconds of each task. A slow one fails at the end."""
+    print(f"\n{'task':24}{'hbench':>8}   {'beside':28}{'':>8}{'ratio':>8}{'limit':>7}")
+    seconds, slow = {}, []
+    for row in rows:
+        other = row.other if isinstance(row.other, float) else float("inf")
+        ours = float("inf")
+        for _ in range(row.rounds):
+            ours = min(ours, timed(row.ours))
+            if not isinstance(row.other, float):
+                other = min(other, timed(row.other))
+        ratio = ours / other
+        line = f"{row.task:24}{ours:7.2f} s   {row.beside:28}{other:7.2f} s{ratio:8.3g}{row.most:7}"
+        print(line, flush=True)
+        seconds[row.task] = min(ours, seconds.get(row.task, ours))
+        if ratio >= row.most:
+            slow.append(line)
+    assert not slow, slow
+    return seconds
+
+
+def timed(command) -> float:
+    begin = time.perf_counter()
+    call(command)
+    return time.perf_counter() - begin
+
+
+def test_the_small_campaign_keeps_its_budget(tmp_path):
+    def rows():
+        yield from start_up()
+        yield from campaign("demo", tmp_path)
+
+    measured(rows())
+
+
+@pytest.mark.slow
+def test_the_whole_campaign_and_reconcile_keep_their_budget(tmp_path):
+    """Seconds are those of a machine that has nothing else to do."""
+
+    def rows():
+        yield from start_up()
+        yield from campaign("demo", tmp_path)
+        yield from campaign("stribeck", tmp_path)
+        yield from reconciled("discriminate", tmp_path)
+
+    assert measured(rows())["report, 360 runs"] < REPORT_S

@@ -1,0 +1,53 @@
+"""The wheel works in another environment, where there is no compiler."""
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wheel")
+    command = ["-m", "pip", "wheel", "-q", "--no-deps", "-w", folder, ROOT]
+    subprocess.run([sys.executable, *command], check=True)
+    (made,) = folder.glob("hbench-*.whl")
+    return made
+
+
+@pytest.mark.slow
+def test_the_wheel_holds_what_it_runs_on_and_no_tests(wheel):
+    names = set(zipfile.ZipFile(wheel).namelist())
+    beside = {f"hbench/{name}" for name in ("report/document.html.j2", "report/page.js")}
+    beside |= {"hbench/config/examples/bench-aau.yaml", "hbench/report/results.schema.json"}
+    assert beside <= names
+    assert any(name.startswith("hbench/rig/") and name.endswith(".so") for name in names)
+    assert {name.split("/")[0] for name in names} == {"hbench", "hbench-0.1.0.dist-info"}
+    assert not [name for name in names if "test_" in name or name.endswith((".c", ".h"))]
+
+
+@pytest.mark.slow
+def test_where_there_is_no_compiler_it_runs_a_campaign_and_reports_it(wheel, tmp_path):
+    """Its dependencies come as wheels too. The first run compiles the plant, by numba."""
+    other = tmp_path / "other"
+    subprocess.run([sys.executable, "-m", "venv", other], check=True)
+    path = str(other / "bin")
+    assert not any(shutil.which(tool, path=path) for tool in ("cc", "gcc", "clang", "cmake"))
+    bare = {"PATH": path, "HOME": os.environ["HOME"]}
+    install = ["python", "-m", "pip", "install", "-q", "--only-binary", ":all:", wheel]
+    for command in (
+        install,
+        ["hbench", "init", "bench"],
+        ["hbench", "run", "bench/demo.yaml", "-o", "demo"],
+        ["hbench", "report", "demo"],
+    ):
+        subprocess.run(
+            [other / "bin" / command[0], *command[1:]], env=bare, cwd=tmp_path, check=True
+        )
+    assert (tmp_path / "demo" / "results" / "report.html").stat().st_size > 100_000
