@@ -11,10 +11,14 @@ from pathlib import Path
 
 import pytest
 import yaml
+from hypothesis import settings
 
 from hbench import workflow
 
 ROOT = Path(__file__).parents[1]
+
+settings.register_profile("patient", deadline=None)  # a busy machine is no failure
+settings.load_profile("patient")
 
 SHORT = {
     "name": "short",

@@ -58,7 +58,7 @@ segments = st.builds(
 )
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.lists(segments, min_size=1, max_size=4), st.integers(1, 2))
 def test_the_way_is_that_of_the_boards_rule_integrated(row, cycles):
     motion = Motion(0.2, 0.1, 0.3, 0.0, tuple(row), cycles)

@@ -266,7 +266,6 @@ def run(new_board, examples):
         settings=settings(
             max_examples=examples,
             stateful_step_count=40,
-            deadline=None,
             derandomize=True,
             database=None,
             suppress_health_check=checks,

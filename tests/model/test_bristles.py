@@ -108,7 +108,7 @@ def test_the_virgin_curve_of_leuven_is_that_of_springs_that_slip_one_by_one():
     np.testing.assert_allclose(force, expected, atol=1.0)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     turns=st.lists(st.floats(-2e-3, 2e-3), min_size=2, max_size=6),
     shape=st.sampled_from((0.7, 1.0, 2.0)),

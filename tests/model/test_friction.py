@@ -72,7 +72,7 @@ def test_level_scales_the_dry_part_alone():
     assert higher - nominal == pytest.approx(0.1 * (nominal - 1500 * v), rel=1e-12)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     speeds=st.lists(st.floats(-0.2, 0.2), min_size=2, max_size=20),
     law=st.sampled_from((PAR, TUSTIN)),
