@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from statistics import median_low
+from statistics import median_low, stdev
 
 from hbench.records import Curve, CurvePoint, EfficiencyCurve, EfficiencyPoint, Results
 from hbench.report.document import Section, Tile
@@ -24,6 +24,8 @@ class Number:
     value: float
     u95: float | None  # of the trials alone where the instruments are not known
     flag: str = ""
+    trials: float | None = None  # half-width of the trials' own interval
+    se: float | None = None  # standard error of the trials' mean
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,6 @@ class Glance:
     curve: Curve
     v_m_s: float | None  # measured, next to the working speed
     friction_n: Number | None
-    trials_n: float | None  # half-width of the trials' own interval
     breakaway_n: Number | None
     efficiency: Number | None
 
@@ -59,7 +60,6 @@ def glances(results: Results, speed_m_s: float | None = None) -> tuple[Glance, .
                 curve,
                 None if point is None else abs(point.v_m_s),
                 None if point is None else _friction(point),
-                None if point is None else point.ci95_n,
                 _breakaway(curve, results),
                 _efficiency(curve, point, results),
             )
@@ -133,7 +133,7 @@ def _table(found: tuple[Glance, ...]) -> Table:
             *who(one.curve)[2:],
             _cell(one.breakaway_n),
             _cell(one.friction_n),
-            "" if one.trials_n is None else f"±{number(one.trials_n)}",
+            _trials(one.friction_n),
             number(None if one.v_m_s is None else 1e3 * one.v_m_s),
             _cell(one.efficiency, 100.0),
         )
@@ -148,6 +148,10 @@ def _cell(one: Number | None, scale: float = 1.0) -> Cell:
         return Cell("–")
     half = None if one.u95 is None else scale * one.u95
     return Cell(with_interval(scale * one.value, half), one.flag)
+
+
+def _trials(one: Number | None) -> str:
+    return "" if one is None or one.trials is None else f"±{number(one.trials)}"
 
 
 def _verdict(grade: str) -> Cell:
@@ -172,7 +176,7 @@ def _breakaway(curve: Curve, results: Results) -> Number | None:
         first = min((abs(v) for fit in ramp.fits for v, _ in fit.line), default=None)
         slid = [p for p in ramp.points if first is not None and abs(p.v_m_s) >= first - 1e-9]
         if slid:
-            return Number(abs(slid[0].friction_n), slid[0].u95_n or slid[0].ci95_n)
+            return _friction(slid[0])
     for fit in curve.fits:
         stiction = fit.parameters.get("f_stiction_n")
         if stiction is None or stiction.ci95 is None or not fit.converged:
@@ -181,12 +185,15 @@ def _breakaway(curve: Curve, results: Results) -> Number | None:
         half = max(stiction.value - low, high - stiction.value)
         slowest = min(curve.points, key=lambda point: abs(point.v_m_s))
         sigma = slowest.sigma_instruments_n or 0.0
-        return Number(stiction.value, math.hypot(half, _K95 * sigma), "extrapolated")
+        u95 = math.hypot(half, _K95 * sigma)
+        return Number(stiction.value, u95, "extrapolated", half, stiction.se)
     return None
 
 
 def _friction(point: CurvePoint) -> Number:
-    return Number(abs(point.friction_n), point.u95_n or point.ci95_n)
+    se = stdev(point.trials_n) / math.sqrt(point.n) if len(point.trials_n) > 1 else None
+    u95 = point.u95_n or point.ci95_n
+    return Number(abs(point.friction_n), u95, trials=point.ci95_n, se=se)
 
 
 def _efficiency(curve: Curve, point: CurvePoint | None, results: Results) -> Number | None:
@@ -197,7 +204,8 @@ def _efficiency(curve: Curve, point: CurvePoint | None, results: Results) -> Num
             at: EfficiencyPoint = min(own.points, key=lambda p: abs(p.v_m_s - point.v_m_s))
             sigma = at.sigma_combined if at.sigma_combined is not None else at.sigma_trials
             if at.efficiency is not None:
-                return Number(at.efficiency, None if sigma is None else _K95 * sigma)
+                half = None if sigma is None else _K95 * sigma
+                return Number(at.efficiency, half, se=at.sigma_trials)
     return None
 
 

@@ -1,8 +1,8 @@
 """Writes a file so that it is there whole or not at all."""
 
 import os
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
@@ -19,21 +19,29 @@ def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bo
     """
     if not overwrite and path.exists():
         raise DataError(f"{path}: exists already and is never overwritten")
+    with whole_file(path, lasting=lasting) as file:
+        file.write(data)
+
+
+@contextmanager
+def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
+    """Give a file to write into, which becomes ``path`` when all went well, as ``write_atomic``."""
     part = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         part.unlink(missing_ok=True)
         with part.open("xb") as file:  # never through a link that somebody laid there
-            file.write(data)
+            yield file
             if lasting:
                 _flush(file)
         os.replace(part, path)
         if lasting:
             _flush_folder(path.parent)
     except OSError as error:
+        raise _refused(path, error) from error
+    finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
-        raise _refused(path, error) from error
 
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:

@@ -27,7 +27,7 @@ def test_the_working_speed_is_the_middle_one_of_those_measured(small):
     assert working_speed_m_s(small) == pytest.approx(speeds[2])
     for one, curve in zip(glances(small), small.curves, strict=True):
         assert one.friction_n.value == abs(curve.points[2].friction_n)
-        assert one.friction_n.u95 == one.trials_n == curve.points[2].ci95_n
+        assert one.friction_n.u95 == one.friction_n.trials == curve.points[2].ci95_n
 
 
 def test_a_point_stands_for_a_speed_asked_for_only_if_it_is_near(small):
@@ -39,7 +39,7 @@ def test_a_point_stands_for_a_speed_asked_for_only_if_it_is_near(small):
 
 def test_the_interval_is_that_of_trials_and_instruments_where_these_are_known(small):
     known = with_points(small, u95_n=77.0)
-    assert all(one.friction_n.u95 == 77.0 != one.trials_n for one in glances(known))
+    assert all(one.friction_n.u95 == 77.0 != one.friction_n.trials for one in glances(known))
 
 
 def test_breakaway_without_ramps_is_the_fits_at_rest_and_says_so(small):
