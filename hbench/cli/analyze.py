@@ -53,7 +53,7 @@ def report(
     """
     from hbench import workflow
 
-    v = None if speed is None else _speed_m_s(speed)
+    v = None if speed is None else speed_m_s(speed)
     results = workflow.report(campaign, fit, form=form.value, speed_m_s=v)
     typer.echo(f"{campaign / 'results' / f'report.{form.value}'}", err=True)
     typer.echo(_result(results, as_json))
@@ -65,7 +65,8 @@ def _result(results: "Results", as_json: bool) -> str:
     return results_json(results) if as_json else summary_text(results)
 
 
-def _speed_m_s(text: str) -> float:
+def speed_m_s(text: str) -> float:
+    """Return the value of ``--speed``. Raises ``ConfigError``."""
     from hbench.errors import ConfigError
     from hbench.units import to_si
 

@@ -12,6 +12,7 @@ from hbench.cli import (
     design,
     export,
     flash,
+    fleet,
     identify,
     imports,
     init,
@@ -43,6 +44,7 @@ app.command("export")(export.export)
 app.command("analyze")(analyze.analyze)
 app.command("report")(analyze.report)
 app.command("compare")(compare.compare)
+app.command("fleet")(fleet.fleet)
 app.command("identify")(identify.identify)
 app.command("reconcile")(reconcile.reconcile)
 app.command("design")(design.design)

@@ -30,12 +30,16 @@ class ProgressLine:
             text = f"{done} of at most {total} runs, {reference}"
         else:
             text = f"{done}/{total} runs, {reference}, {self._left(done, total)}"
-        if self._redraws:
-            filled = _BAR * done // total
-            self._redraw(f"[{'#' * filled}{'.' * (_BAR - filled)}] {text}")
-        elif 10 * done // total > self._shown:
-            self._shown = 10 * done // total
-            self._write(text + "\n")
+        self._show(done, total, text)
+
+    def campaigns(self, done: int, total: int, failed: int) -> None:
+        """Show how many campaigns of a fleet are analyzed."""
+        words = f", {failed} failed" if failed else ""
+        self._show(done, total, f"{done}/{total} campaigns{words}, {self._left(done, total)}")
+
+    def note(self, words: str) -> None:
+        """Tell something that stays above the line."""
+        self.close(f"note: {words}")
 
     def counted(self, done: int, total: int) -> None:
         """Show on a terminal how many simulations of a round are done."""
@@ -49,6 +53,14 @@ class ProgressLine:
             self._write("\r")
         if last:
             self._write(last + "\n")
+
+    def _show(self, done: int, total: int, text: str) -> None:
+        if self._redraws:
+            filled = _BAR * done // total
+            self._redraw(f"[{'#' * filled}{'.' * (_BAR - filled)}] {text}")
+        elif 10 * done // total > self._shown:
+            self._shown = 10 * done // total
+            self._write(text + "\n")
 
     def _redraw(self, text: str) -> None:
         self._write("\r" + text.ljust(self._width))

@@ -1,4 +1,4 @@
-"""The products of hbench: of the flow, of ``identify``, of ``design`` and of ``simulate``."""
+"""The products of hbench: of the flow, of ``identify``, ``design``, ``simulate`` and ``fleet``."""
 
 from hbench.records.design import (
     Check,
@@ -29,6 +29,18 @@ from hbench.records.differences import (
     Difference,
     FitDifference,
     FrictionDifference,
+)
+from hbench.records.fleet import (
+    QUANTITIES,
+    Block,
+    Deviation,
+    Fleet,
+    FleetNumber,
+    FleetRow,
+    Quantity,
+    Spread,
+    Suspect,
+    Trend,
 )
 from hbench.records.flow import (
     Band,
@@ -87,9 +99,11 @@ from hbench.records.replay import Off, Replay
 from hbench.records.results import Results
 
 __all__ = [
+    "QUANTITIES",
     "AddedEffect",
     "Band",
     "BeforeAfter",
+    "Block",
     "CampaignDifferences",
     "Candidate",
     "Check",
@@ -100,6 +114,7 @@ __all__ = [
     "CurvePoint",
     "Decay",
     "Design",
+    "Deviation",
     "Diagnosis",
     "Difference",
     "Direction",
@@ -109,6 +124,9 @@ __all__ = [
     "Fit",
     "FitDifference",
     "FitParameter",
+    "Fleet",
+    "FleetNumber",
+    "FleetRow",
     "Followed",
     "FrictionDifference",
     "Gap",
@@ -137,6 +155,7 @@ __all__ = [
     "Phenomenon",
     "Proposal",
     "Provenance",
+    "Quantity",
     "RampComparison",
     "RawRun",
     "Region",
@@ -154,9 +173,12 @@ __all__ = [
     "Selection",
     "Series",
     "Specimen",
+    "Spread",
     "SteadyMeans",
     "Surface",
+    "Suspect",
     "Trace",
+    "Trend",
     "Verdict",
     "WordTable",
 ]

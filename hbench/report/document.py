@@ -112,6 +112,7 @@ def _environment() -> Environment:
         "csv_link": _csv_link,
         "numeric": _numeric,
         "flag": lambda cell: cell.flag if isinstance(cell, Cell) else "",
+        "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
         "words": lambda cell: cell.text if isinstance(cell, Cell) else _subscripts(cell),
         "subscripts": _subscripts,
     }

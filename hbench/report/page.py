@@ -18,7 +18,7 @@ from hbench.report.word_tables import Table
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _FEW = 3  # and a longer one of a fit's remarks
 
-_BANNERS = {
+BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
     "real": "Measured on a bench that hbench ran.",
@@ -73,7 +73,7 @@ def report_document(
         " · ".join(filter(None, words)),
         sections,
         verdict(results),
-        _BANNERS[made.source],
+        BANNERS[made.source],
         made.source,
     )
 

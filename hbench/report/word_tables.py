@@ -9,6 +9,7 @@ class Cell:
 
     text: str
     flag: str = ""
+    link: str = ""  # where its text leads to, relative to the page
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ _FILES = {
     "seeds": ("measure_seeds",),
     "watching": ("Watch",),
     "results": ("analyze", "report"),
+    "fleet": ("analyze_fleet", "write_fleet"),
     "comparison": ("compare", "write_comparison"),
     "identification": ("identify", "write_identification"),
     "reconciliation": ("reconcile", "write_diagnosis"),

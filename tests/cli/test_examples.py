@@ -52,6 +52,11 @@ def campaigns(*names):
     return make
 
 
+def line(world):
+    for name in ("A", "B"):
+        shutil.copytree(ROOT / "data_samples" / "bad-runs", world / "line-1" / name)
+
+
 def bench_file(world):
     (world / "my-bench").mkdir()
     shutil.copy(ROOT / "configs" / "bench-aau.yaml", world / "my-bench")
@@ -91,6 +96,7 @@ EXAMPLES = {
     "design": (bench_file, []),
     "export": (campaigns("demo"), ["demo-mat/campaign.mat", "demo-mat/curves.mat"]),
     "flash": (image, []),
+    "fleet": (line, ["fleet/fleet.html", "fleet/fleet.parquet", "fleet/fleet.json"]),
     "identify": (campaigns("dynamics"), ["laws/identification.html", "laws/identification.json"]),
     "import": (logs, ["campaign/campaign.yaml"]),
     "init": (nothing, ["my-bench/bench-aau.yaml", "my-bench/demo.yaml"]),

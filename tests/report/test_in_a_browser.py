@@ -7,16 +7,20 @@ import numpy as np
 import pytest
 from browser import Browser
 from made_diagnosis import named
+from made_fleet import made_table
 
 from hbench.records import Line, Panel, Phenomenon, WordTable
 from hbench.report.campaign_figures import draw_all
 from hbench.report.diagnosis_page import diagnosis_page
 from hbench.report.draw_diagnosis import draw_diagnosis
+from hbench.report.draw_fleet import draw_fleet
 from hbench.report.draw_phenomena import draw_phenomenon
+from hbench.report.fleet_page import fleet_page
 from hbench.report.page import page_html
 from hbench.report.phenomenon_page import phenomenon_page
+from hbench.workflow.fleet_summary import summarize
 
-PAGES = ("campaign", "seals", "diagnosis", "phenomenon")
+PAGES = ("campaign", "seals", "diagnosis", "phenomenon", "fleet")
 WIDTHS = (360, 768, 1440)
 LONG = "W" * 300
 
@@ -48,6 +52,8 @@ def pages(small, seals, drawings, tmp_path_factory):
         "phenomenon": phenomenon_page(phenomenon, draw_phenomenon(phenomenon)),
     }
     folder = tmp_path_factory.mktemp("pages")
+    fleet = summarize(made_table(folder, 30, drift_n=90, off={7: 300.0}, failed=(3,), name=LONG))
+    texts["fleet"] = fleet_page(fleet, draw_fleet(fleet))
     for name, text in texts.items():
         (folder / f"{name}.html").write_text(text)
     return {name: folder / f"{name}.html" for name in texts}

@@ -1,0 +1,160 @@
+"""Many campaigns side by side: a row each, and what their numbers show together."""
+
+from dataclasses import dataclass, field
+from datetime import datetime
+
+from hbench.records.flow import Direction
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that a row holds for each direction."""
+
+    name: str  # of its columns, in SI
+    words: str
+    unit: str  # that people think in
+    scale: float  # from SI to it
+
+
+QUANTITIES = (
+    Quantity("friction_n", "Friction at the working speed", "N", 1.0),
+    Quantity("breakaway_n", "Breakaway, measured by ramps", "N", 1.0),
+    Quantity("breakaway_fit_n", "Breakaway, extrapolated by the fit", "N", 1.0),
+    Quantity("efficiency", "Efficiency at the working speed", "%", 100.0),
+    Quantity("f_coulomb_n", "Coulomb friction", "N", 1.0),
+    Quantity("v_stribeck_m_s", "Stribeck speed", "mm/s", 1e3),
+    Quantity("b_viscous_n_s_m", "Viscous coefficient", "N s/m", 1.0),
+)
+
+
+@dataclass(frozen=True)
+class FleetNumber:
+    """The mean over the loads of one direction, in SI.
+
+    The interval's ends are the means of those of the loads: as wide as if all errors were the
+    same at each load, which is an upper bound. The trials of the loads are independent.
+    """
+
+    value: float
+    low: float | None = None  # 95 % interval; with instruments where they are known and count
+    high: float | None = None
+    se: float | None = None  # standard error of the trials alone
+
+
+@dataclass(frozen=True)
+class FleetRow:
+    """A campaign in a row. ``failed`` says why it could not be analyzed; else it is empty."""
+
+    path: str
+    failed: str = ""
+    name: str = ""
+    source: str = ""
+    bench: str = ""
+    seed: int | None = None  # of the virtual rig
+    started: datetime | None = None
+    # What must be the same where cylinders are compared: diameters, loads, working speed.
+    protocol: str = ""
+    area_piston_m2: float | None = None
+    area_rod_m2: float | None = None
+    stroke_m: float | None = None
+    quality: str = ""  # good, with care, poor
+    runs: int = 0
+    accepted: int = 0
+    v_m_s: float | None = None  # working speed
+    numbers: dict[tuple[str, Direction], FleetNumber] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Trend:
+    """A straight line through a number over time, after Theil and Sen."""
+
+    change: float  # over the whole span
+    low: float  # its 95 % interval
+    high: float
+    start: float  # the line at the first campaign
+    p_holm: float  # of no trend (Kendall), corrected for the number of trends
+
+    @property
+    def real(self) -> bool:
+        """Told from none."""
+        return self.p_holm < 0.05
+
+
+@dataclass(frozen=True)
+class Block:
+    """Campaigns that follow each other: one, with its interval, or many with their quantiles."""
+
+    at: float  # mean of their times, or of their numbers in the order
+    n: int
+    median: float
+    low: float  # of one: its value ∓ 1.96 standard errors; of many: the 5 % quantile
+    high: float
+
+
+@dataclass(frozen=True)
+class Spread:
+    """One number of one direction over the campaigns, in SI."""
+
+    quantity: Quantity
+    direction: Direction
+    n: int  # campaigns that have it
+    median: float
+    between: float  # standard deviation from cylinder to cylinder, robust, without own scatter
+    own: float | None  # standard error of a campaign's own trials, median
+    low: float  # 5 % quantile
+    high: float  # 95 % quantile
+    edges: tuple[float, ...]  # of the histogram
+    counts: tuple[int, ...]
+    below: int  # campaigns left of the first edge, and right of the last
+    above: int
+    blocks: tuple[Block, ...]
+    trend: Trend | None  # None with too few campaigns
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A number of one campaign, and how far it is from the others."""
+
+    quantity: Quantity
+    direction: Direction
+    value: float
+    median: float
+    z: float  # in standard deviations between cylinders and of its own scatter
+    p_bonferroni: float  # corrected for the number of campaigns and of their numbers
+
+    @property
+    def outlier(self) -> bool:
+        """Told from the others."""
+        return self.p_bonferroni < 0.05
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A campaign that deviates, with its worst number first."""
+
+    path: str
+    name: str
+    started: datetime | None
+    quality: str
+    report: str  # its page, relative to the fleet's; empty where there is none
+    deviations: tuple[Deviation, ...]
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """What a table of campaigns shows. Its size does not depend on their number."""
+
+    campaigns: int
+    failed: int
+    reasons: tuple[tuple[str, int], ...]  # why, and how many; the most frequent first
+    failures: tuple[tuple[str, str], ...]  # path and reason, of the first ones
+    qualities: tuple[tuple[str, int], ...]
+    sources: tuple[tuple[str, int], ...]
+    protocols: tuple[tuple[str, int], ...]  # the most frequent is the one that is judged
+    judged: int  # campaigns of that protocol
+    by_date: bool  # blocks and trends are over days since ``first``; else over the order of paths
+    first: datetime | None
+    last: datetime | None
+    spreads: tuple[Spread, ...]
+    outliers: int
+    worst: tuple[Suspect, ...]  # the most deviating, outliers or not

@@ -1,0 +1,117 @@
+"""The page of a fleet, of tables whose truth is known."""
+
+import json
+import re
+
+import pytest
+from made_fleet import made_table
+
+from hbench.report.draw_fleet import draw_fleet
+from hbench.report.fleet_page import fleet_page
+from hbench.report.fleet_text import fleet_json, fleet_text, verdict
+from hbench.workflow.fleet_summary import summarize
+
+OFF = {17: 120.0, 60: -140.0, 150: 100.0}
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fleet") / "out"
+    name = "<b>=1+1\"'&amp;"
+    made_table(folder, 200, drift_n=60.0, off=OFF, failed=(3, 8), noisy=(25,), name=name)
+    report = folder / "line" / f"{name}0000017" / "results" / "report.html"
+    report.parent.mkdir(parents=True)
+    report.write_text("")
+    return summarize(folder)
+
+
+@pytest.fixture(scope="module")
+def page(found):
+    return fleet_page(found, draw_fleet(found))
+
+
+def spread(found, name, direction="extend"):
+    return next(
+        one for one in found.spreads if (one.quantity.name, one.direction) == (name, direction)
+    )
+
+
+def test_the_campaigns_that_are_off_are_the_outliers_worst_first(found):
+    assert found.outliers == 3
+    worst = [suspect.path[-3:] for suspect in found.worst[:3]]
+    assert worst == ["060", "017", "150"]
+    assert all(one.deviations[0].quantity.name == "friction_n" for one in found.worst[:3])
+    assert "3 of 198 stand out" in verdict(found)
+
+
+def test_a_drift_is_told_with_its_change_and_the_others_are_not(found):
+    trend = spread(found, "friction_n").trend
+    assert trend.real and trend.low < 60.0 * 197 / 200 < trend.high
+    assert sum(one.trend.real for one in found.spreads) == 1
+    assert "friction at the working speed, extending: +" in verdict(found)
+
+
+def test_the_spread_between_cylinders_is_that_of_the_truth(found):
+    assert spread(found, "friction_n", "retract").between == pytest.approx(9.0, rel=0.2)
+    assert spread(found, "friction_n", "retract").own == pytest.approx(4.0, rel=1e-6)
+    assert spread(found, "efficiency").between == pytest.approx(0.002, rel=0.2)
+
+
+def test_failed_campaigns_are_counted_with_their_reason_and_named(found, page):
+    assert (found.campaigns, found.failed, found.judged) == (200, 2, 198)
+    assert found.reasons == (("campaign.yaml: key 'name' is missing", 2),)
+    assert "2 of 200 campaigns could not be analyzed" in page
+    assert "key &#39;name&#39; is missing" in page
+
+
+def test_a_campaigns_name_stays_words_and_its_link_leads_to_its_report(found, page):
+    links = re.findall(r'<a href="([^"#]*report\.html)">([^<]*)', page)
+    assert links == [
+        ("line/%3Cb%3E%3D1%2B1%22%27%26amp%3B0000017/results/report.html",
+         "&lt;b&gt;=1+1&#34;&#39;&amp;amp;0000017")
+    ]  # fmt: skip
+    assert "<b>=1" not in page
+    assert [bool(suspect.report) for suspect in found.worst[:3]] == [False, True, False]
+
+
+def test_figures_have_words_and_data_and_name_the_unit(found):
+    drawings = draw_fleet(found)
+    assert len({drawing.name for drawing in drawings}) == len(drawings) == 8
+    for drawing in drawings:
+        assert drawing.csv.count(b"\n") > 8 and len(drawing.seen) > 40
+        assert re.search(rb"\((N|%|mm/s|N s/m)\)", drawing.csv)
+    again = draw_fleet(found)
+    assert [one.svg for one in again] == [one.svg for one in drawings]
+
+
+def test_the_page_of_many_campaigns_is_no_larger_and_holds_no_row_each(tmp_path, page):
+    many = summarize(made_table(tmp_path, 20_000, drift_n=60.0, off=OFF))
+    text = fleet_page(many, draw_fleet(many))
+    assert len(text) < 1.3 * len(page)
+    assert many.outliers == 3 and len(fleet_json(many)) < 300_000
+    assert sum(spread(many, "friction_n").counts) > 19_900
+
+
+def test_a_few_campaigns_are_shown_and_not_judged(tmp_path):
+    few = summarize(made_table(tmp_path, 4, off={2: 500.0}))
+    assert few.outliers == 0 and few.worst == () and few.judged == 4
+    assert "Too few campaigns" in verdict(few)
+    assert all(one.trend is None and len(one.blocks) == 4 for one in few.spreads)
+    assert "Fleet of 4 campaigns" in fleet_page(few, draw_fleet(few))
+
+
+def test_where_all_have_failed_the_page_says_why(tmp_path):
+    none = summarize(made_table(tmp_path, 3, failed=(0, 1, 2)))
+    assert none.spreads == () and draw_fleet(none) == ()
+    assert "No campaign has a number to compare" in fleet_page(none, ())
+    assert "3 failed" in fleet_text(none)
+
+
+def test_the_terminal_gets_ascii_and_json_the_verdicts(found):
+    text = fleet_text(found)
+    assert text.isascii() and "outlier" in text and "drifts" in text
+    document = json.loads(fleet_json(found))
+    assert document["schema"] == "hbench.fleet/1"
+    assert [one["outlier"] for one in document["worst"]].count(True) == 3
+    assert sum(one["trend"]["real"] for one in document["spreads"]) == 1
+    assert document["first"].startswith("2026-03-02")

@@ -1,0 +1,96 @@
+"""A campaign as a row of a fleet's table says what its own report says."""
+
+import math
+from dataclasses import replace
+from datetime import UTC, datetime
+from statistics import fmean
+
+import numpy as np
+import pytest
+
+from hbench.report.fleet_row import fleet_row
+from hbench.report.quality import checks, worst
+from hbench.report.summary import glances
+from hbench.store.fleet_table import cells_of
+
+
+@pytest.fixture
+def one_load(stribeck):
+    """The same with the lowest load alone, in both directions."""
+    return replace(
+        stribeck,
+        runs=tuple(one for one in stribeck.runs if abs(one.run.plan.f_load_n) == 500.0),
+        curves=tuple(one for one in stribeck.curves if abs(one.f_load_n) == 500.0),
+        efficiency=tuple(one for one in stribeck.efficiency if abs(one.f_load_n) == 500.0),
+    )
+
+
+def test_a_row_has_the_reports_friction_and_its_fits_parameters(one_load):
+    row = fleet_row("/a", one_load)
+    assert len(glances(one_load, row.v_m_s)) == 2
+    for one in glances(one_load, row.v_m_s):
+        found = row.numbers["friction_n", one.curve.direction]
+        assert found.value == one.friction_n.value
+        assert found.high - found.value == pytest.approx(one.friction_n.u95)
+        (point,) = [p for p in one.curve.points if abs(p.v_m_s) == one.v_m_s]
+        trials = np.array(point.trials_n)
+        assert found.se == pytest.approx(trials.std(ddof=1) / math.sqrt(len(trials)))
+        fitted = one.curve.fits[0].parameters["b_viscous_n_s_m"]
+        found = row.numbers["b_viscous_n_s_m", one.curve.direction]
+        assert (found.value, found.low, found.high) == (fitted.value, *fitted.ci95)
+        assert found.se == fitted.se
+    assert row.quality == worst(checks(one_load)) and row.runs == len(one_load.runs)
+    assert row.accepted == sum(run.accepted for run in one_load.runs)
+
+
+def test_several_loads_give_their_mean_with_an_interval_that_is_no_narrower_than_needed(stribeck):
+    row = fleet_row("/a", stribeck)
+    own = [g.friction_n for g in glances(stribeck, row.v_m_s) if g.curve.direction == "extend"]
+    assert len(own) > 1
+    found = row.numbers["friction_n", "extend"]
+    assert found.value == pytest.approx(fmean(one.value for one in own))
+    assert found.high - found.value == pytest.approx(fmean(one.u95 for one in own))
+    assert found.se == pytest.approx(math.sqrt(sum(one.se**2 for one in own)) / len(own))
+
+
+def test_a_load_that_is_missing_leaves_no_mean_of_the_others(stribeck):
+    gone = next(curve for curve in stribeck.curves if curve.direction == "extend")
+    curves = tuple(curve for curve in stribeck.curves if curve is not gone)
+    row = fleet_row("/a", replace(stribeck, curves=curves))
+    assert ("friction_n", "extend") not in row.numbers
+    assert ("friction_n", "retract") in row.numbers
+    assert row.protocol == fleet_row("/a", stribeck).protocol
+
+
+def test_the_working_speed_is_that_of_the_schedule_whatever_was_rejected(small):
+    runs = tuple(
+        replace(one, reasons=("lost: x",)) if abs(one.run.plan.v_ref_m_s) > 0.1 else one
+        for one in small.runs
+    )
+    speed = fleet_row("/a", small).v_m_s
+    assert fleet_row("/a", replace(small, runs=runs)).v_m_s == speed
+    assert fleet_row("/a", small, 0.123).v_m_s == 0.123
+
+
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        ("2026-03-01T12:00:00+02:00", datetime(2026, 3, 1, 10, tzinfo=UTC)),
+        ("2026-03-01", datetime(2026, 3, 1, tzinfo=UTC)),
+        ("yesterday", None),
+        ("9999-12-31T23:59:59-23:00", None),
+    ],
+)
+def test_a_moment_that_is_none_is_left_out(small, written, read):
+    row = fleet_row("/a", replace(small, provenance=replace(small.provenance, started=written)))
+    assert row.started == read
+
+
+def test_long_or_odd_words_of_a_campaign_become_a_line(small):
+    made = replace(
+        small.provenance, name="a\x1b[31m\n" + "b" * 500, bench="x", details={"seed": 2**80}
+    )
+    row = fleet_row("/a", replace(small, provenance=made))
+    assert len(row.name) == 200 and "\x1b" not in row.name and "\n" not in row.name
+    assert row.seed is None
+    assert cells_of(row)[0] == "/a"
