@@ -170,10 +170,12 @@ def _quiet() -> Iterator[None]:
     """Keep the log of Dask's own attempts to connect off the terminal."""
     import logging
 
-    own = logging.getLogger("distributed")
-    level = own.level
-    own.setLevel(logging.CRITICAL)
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
-        own.setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import Fleet, Quantity, Spread
 from hbench.report import style
-from hbench.report.figures import Drawing, drawn
+from hbench.report.figures import Drawing, Sketch, drawn
 from hbench.report.series import behind
 
 DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
@@ -21,18 +21,18 @@ _DAYS = 2.0  # a shorter fleet is shown over hours
 
 def draw_fleet(found: Fleet) -> tuple[Drawing, ...]:
     """Draw the distribution of each number and its course, both directions in each figure."""
-    drawings = []
+    sketches = []
     for quantity in dict.fromkeys(one.quantity for one in found.spreads):
         own = [one for one in found.spreads if one.quantity == quantity]
         name = quantity.name.replace("_", "-")
         with rc_context(style.RC):
             spread = draw_distribution(quantity, own, found)
             drift = draw_drift(quantity, own, found)
-        drawings += [
-            drawn(f"distribution-{name}", DISTRIBUTIONS, quantity.words, _outside(own), spread),
-            drawn(f"drift-{name}", DRIFTS, quantity.words, _trends(own), drift),
+        sketches += [
+            Sketch(f"distribution-{name}", DISTRIBUTIONS, quantity.words, _outside(own), spread),
+            Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(own), drift),
         ]
-    return tuple(drawings)
+    return drawn(sketches)
 
 
 def draw_distribution(quantity: Quantity, own: Iterable[Spread], found: Fleet) -> Figure:

@@ -85,7 +85,7 @@ def test_a_straight_line_is_found_through_a_third_of_wild_values():
 
 def test_the_interval_of_a_slope_holds_the_truth_in_95_percent_for_few_and_many():
     rng = np.random.default_rng(9)
-    for n, fleets in ((15, 400), (3000, 40)):
+    for n, fleets in ((15, 300), (3000, 12)):
         held = 0
         for _ in range(fleets):
             t = rng.uniform(0, 10, n)
