@@ -12,6 +12,7 @@ from hbench.report.rod_side import load_words
 from hbench.report.summary import Glance, Number, glances
 from hbench.report.text import short
 
+_DIRECTIONS: tuple[Direction, ...] = ("extend", "retract")
 _LONGEST = 200  # characters of a campaign's own words
 _FITTED = {
     "breakaway_fit_n": "f_stiction_n",
@@ -50,7 +51,7 @@ def fleet_row(path: str, results: Results, speed_m_s: float | None = None) -> Fl
         v_m_s=speed,
         numbers={
             (name, direction): number
-            for direction in ("extend", "retract")
+            for direction in _DIRECTIONS
             for name, number in _numbers(
                 [one for one in found if one.curve.direction == direction],
                 _series(plans, direction),
@@ -118,8 +119,7 @@ def _protocol(plans: list[RunPlan], speed: float | None) -> str:
     """Say what must be the same where cylinders are compared."""
     areas = sorted({(p.specimen.area_piston_m2, p.specimen.area_rod_m2) for p in plans})
     words = ["; ".join(f"{short(1e6 * a)}/{short(1e6 * b)} mm²" for a, b in areas)]
-    directions: tuple[Direction, ...] = ("extend", "retract")
-    for direction in directions:
+    for direction in _DIRECTIONS:
         own = [plan for plan in plans if plan.direction == direction]
         loads = dict.fromkeys(load_words(p.f_load_n, p.p_lr_ref_pa) or "no load" for p in own)
         if own:

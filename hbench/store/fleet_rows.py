@@ -58,7 +58,9 @@ class FleetRows:
     def __enter__(self) -> "FleetRows":
         return self
 
-    def __exit__(self, kind: type | None, error: BaseException | None, at: TracebackType | None):
+    def __exit__(
+        self, kind: type | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
         self._rows.close()
 
     def known(self, path: str) -> str | None:

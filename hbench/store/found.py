@@ -31,7 +31,7 @@ def fingerprint(folder: str, made_by: str) -> str:
 
     No file is read: one that was changed, and kept its size and time, is not noticed.
     """
-    files = [_stat(os.path.join(folder, JOURNAL))]
+    files: list[tuple] = [_stat(os.path.join(folder, JOURNAL))]
     with suppress(OSError), os.scandir(os.path.join(folder, "runs")) as entries:
         files += sorted((entry.name, *_stat(entry.path)) for entry in entries)
     text = repr((made_by, files)).encode("utf-8", "surrogateescape")

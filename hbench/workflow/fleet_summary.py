@@ -62,9 +62,9 @@ def summarize(folder: Path) -> Fleet:
     lines = [line(one.at, one.x) for one in _numbers(table, judged, at)]
     sizes = [len(one.x) for one in _numbers(table, judged, at)]
     p_values = iter(holm([found.p for found in lines if found is not None]))
-    worst = defaultdict(list)
+    worst: dict[int, list[Deviation]] = defaultdict(list)
     outlier = np.zeros(table.rows, dtype=bool)
-    spreads = []
+    spreads: list[Spread] = []
     for one, found in zip(_numbers(table, judged, at), lines, strict=True):
         trend = None if found is None else _trend(one, found, float(next(p_values)))
         centre = _centre(one, found, trend)

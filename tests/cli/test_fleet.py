@@ -17,6 +17,7 @@ from hbench.errors import ConfigError, DataError
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 DEADLY = Path(__file__).parents[1] / "experiment" / "deadly.py"
+LIMIT_S = 300.0  # of a wait; it takes some seconds
 ODD = "=1+1 <b>\"'; ä,"
 
 
@@ -126,11 +127,11 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_goes_on(tmp_path):
         while "/30 campaigns" not in told.read_text():
             assert host.poll() is None, told.read_text()
         os.killpg(host.pid, signal.SIGINT)
-        assert host.wait(60) == 130
+        assert host.wait(LIMIT_S) == 130
         text = told.read_text()
         assert "interrupted; the same command goes on" in text and "Traceback" not in text
         host = start()
-        assert host.wait(120) == 0
+        assert host.wait(LIMIT_S) == 0
         assert "of 30 campaigns are done already and unchanged" in told.read_text()
         assert len(rows(tmp_path / "out")) == 30
     finally:
