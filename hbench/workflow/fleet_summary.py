@@ -177,7 +177,7 @@ def _suspects(
 def _report_of(folder: Path, campaign: str) -> str:
     """Return the link from the fleet's page to a campaign's report; empty where there is none."""
     report = Path(campaign) / "results" / "report.html"
-    if not report.is_file():
+    if not os.path.isfile(report):
         return ""
     try:
         return quote(Path(os.path.relpath(report, folder.resolve())).as_posix())
