@@ -7,6 +7,7 @@ when one of these files changes; what it imports from elsewhere must not have an
 """
 
 import importlib.util
+import inspect
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -18,8 +19,11 @@ from hbench.model.compiled import OWN_EFFECTS
 from hbench.units import parse_unit
 
 MOVING = ("openings", "oil", "flows", "friction")  # places in the equations of motion
-_PARAMETERS = ("sensors", "board")  # places of other numbers
-_HINT = "HBENCH_EFFECTS names this file; hbench/model/effects.py begins with an example."
+_ARGUMENTS = {  # of a law, by its place
+    **dict.fromkeys(MOVING, ("what", "c", "state", "at", "rates", "par")),
+    **dict.fromkeys(("sensors", "board"), ("parameters", "c")),
+}
+HINT = "HBENCH_EFFECTS names this file; hbench/model/effects.py begins with an example."
 
 
 class Effect(NamedTuple):
@@ -44,7 +48,7 @@ def own_effects(catalogue: Mapping[str, Effect]) -> dict[str, Effect]:
         return {}
     rows = getattr(_imported(Path(OWN_EFFECTS)), "EFFECTS", None)
     if not isinstance(rows, dict) or not rows:
-        raise ConfigError(f"{OWN_EFFECTS}: has no table EFFECTS = {{name: Effect(...)}}", _HINT)
+        raise ConfigError(f"{OWN_EFFECTS}: has no table EFFECTS = {{name: Effect(...)}}", HINT)
     balances = {name for row in catalogue.values() for name in row.balances}
     faults = []
     for name, row in rows.items():
@@ -55,22 +59,22 @@ def own_effects(catalogue: Mapping[str, Effect]) -> dict[str, Effect]:
         else:
             faults += [f"{name}: {fault}" for fault in _faults(row, balances)]
     if faults:
-        raise ConfigError("\n".join(f"{OWN_EFFECTS}: {fault}" for fault in faults), _HINT)
+        raise ConfigError("\n".join(f"{OWN_EFFECTS}: {fault}" for fault in faults), HINT)
     return rows
 
 
 def _imported(path: Path) -> Any:
     if not path.is_file():
-        raise ConfigError(f"{path}: no such file", _HINT)
+        raise ConfigError(f"{path}: no such file", HINT)
     spec = importlib.util.spec_from_file_location("hbench_own_effects", path)
     if spec is None or spec.loader is None:
-        raise ConfigError(f"{path}: not a Python file; its name must end in .py", _HINT)
+        raise ConfigError(f"{path}: not a Python file; its name must end in .py", HINT)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise ConfigError(f"{path}: {type(error).__name__}: {error}", _HINT) from error
+        raise ConfigError(f"{path}: {type(error).__name__}: {error}", HINT) from error
     return module
 
 
@@ -115,8 +119,12 @@ def _of(one: Coefficient) -> list[str]:
 
 
 def _at(place: str, law: Callable) -> list[str]:
-    if place in _PARAMETERS:
-        return []
-    if place not in MOVING:
-        return [f"no such place; there are {', '.join((*MOVING, *_PARAMETERS))}"]
-    return [] if hasattr(law, "py_func") else ["its function needs @compiled"]
+    if place not in _ARGUMENTS:
+        return [f"no such place; there are {', '.join(_ARGUMENTS)}"]
+    if place in MOVING and not hasattr(law, "py_func"):
+        return ["its function needs @compiled"]
+    try:
+        inspect.signature(getattr(law, "py_func", law)).bind(*_ARGUMENTS[place])
+    except TypeError as error:
+        return [f"its function is called with ({', '.join(_ARGUMENTS[place])}): {error}"]
+    return []

@@ -45,6 +45,7 @@ from hbench.model import effect_flows as flows
 from hbench.model import effect_friction as rubbing
 from hbench.model import effect_numbers as numbers
 from hbench.model.effect_rows import MOVING, Effect, own_effects
+from hbench.model.effect_trial import try_laws, try_parameters
 
 if TYPE_CHECKING:
     from hbench.model.parameters import PlantParameters
@@ -190,7 +191,9 @@ _CATALOGUE: dict[str, Effect] = {
     ),
 }  # fmt: skip
 
-EFFECTS: dict[str, Effect] = {**_CATALOGUE, **own_effects(_CATALOGUE)}
+_OWN = own_effects(_CATALOGUE)
+EFFECTS: dict[str, Effect] = {**_CATALOGUE, **_OWN}
+_untried = set(_OWN)
 
 
 def read_effects(section: Section) -> dict[str, dict[str, float]]:
@@ -203,8 +206,15 @@ def changed_by(place: str, what: Any, values: Values) -> Any:
     for name, coefficients in values.items():
         law = EFFECTS[name].laws.get(place)
         if law is not None:
-            what = law(what, _in_order(name, coefficients))
+            what = _changed(name, law, what, _in_order(name, coefficients))
     return what
+
+
+def _changed(name: str, law: Any, what: Any, c: tuple[float, ...]) -> Any:
+    """Return what a law makes of parameters; a user's own may fail."""
+    if name not in _OWN:
+        return law(what, c)
+    return try_parameters(name, law, what, c)
 
 
 def with_effects(par: "PlantParameters", values: Values) -> "PlantParameters":
@@ -216,7 +226,11 @@ def with_effects(par: "PlantParameters", values: Values) -> "PlantParameters":
         )
     if all(set(MOVING).isdisjoint(EFFECTS[name].laws) for name in values):
         return par
-    return par._replace(effects=tuple(_in_order(name, values.get(name, {})) for name in EFFECTS))
+    par = par._replace(effects=tuple(_in_order(name, values.get(name, {})) for name in EFFECTS))
+    if _untried:
+        try_laws({name: EFFECTS[name] for name in _untried}, par)
+        _untried.clear()
+    return par
 
 
 def _in_order(name: str, values: Mapping[str, float]) -> tuple[float, ...]:

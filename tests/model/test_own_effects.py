@@ -5,11 +5,20 @@ import re
 import shutil
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
+import numba
 import pytest
 
 import hbench
+from hbench.config.bench import parse_plant
+from hbench.config.loading import read_yaml
+from hbench.errors import ConfigError
+from hbench.model.effect_places import Oil
+from hbench.model.effect_trial import try_laws
+from hbench.model.effects import Coefficient, Effect
+from hbench.model.parameters import plant_parameters
 from tests.conftest import ROOT
 
 HOSE = Path(__file__).parent / "soft_hose.py"
@@ -90,6 +99,26 @@ BAD = {
     "no balance": (HOSE.read_text().replace("flow_tr", "flow"), "", "its balances are a tuple"),
     "no place": (HOSE.read_text().replace('"oil"', '"hose"'), "", "hose: no such place"),
     "not compiled": (HOSE.read_text().replace("@compiled", ""), "", "its function needs @compiled"),
+    "too few arguments": (
+        HOSE.read_text().replace("rates, par)", "rates)"),
+        "",
+        "soft_hose: oil: its function is called with (what, c, state, at, rates, par)",
+    ),
+    "another place's law": (
+        HOSE.read_text().replace('"oil":', '"sensors":'),
+        "",
+        "soft_hose: sensors: its function is called with (parameters, c)",
+    ),
+    "an unknown name": (
+        HOSE.read_text().replace("c[0]", "stiffness"),
+        "",
+        "soft_hose: oil: can't be compiled: NameError: name 'stiffness' is not defined",
+    ),
+    "parameters that it can't change": (
+        HOSE.read_text().replace('"oil": cavity', '"sensors": lambda one, c: one.hose'),
+        "",
+        "soft_hose: AttributeError: 'SensorParameters' object has no attribute 'hose'",
+    ),
     "the plant itself": ("from hbench.model.plant import step", "", "ImportError"),
 }
 
@@ -102,6 +131,35 @@ def test_a_file_that_cannot_be_used_ends_with_exit_code_2_and_its_name(tmp_path,
     ended = python(*command, effects=own)
     assert ended.returncode == 2, ended.stderr
     assert str(own) in ended.stderr and says in ended.stderr and "hint: " in ended.stderr
+    assert "Traceback" not in ended.stderr and not (tmp_path / "campaign").exists()
+
+
+@numba.njit
+def other(oil, soft):
+    return Oil(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
+
+
+LAWS = {
+    lambda oil, c, state, at, rates, par: other(oil, oil.beta): "can't be compiled: ",
+    lambda oil, c, state, at, rates, par: other(oil, c[3]): "tuple index out of range",
+    lambda oil, c, state, at, rates, par: open("log.txt"): "Untyped global name 'open'",
+    lambda oil, c, state, at, rates, par: oil.beta_tr: "returns a float; expected Oil(...)",
+    lambda oil, c, state, at, rates, par: other(oil, 0.9 * oil.beta_tr): "changes beta_tr with its",
+    lambda oil, c, state, at, rates, par: other(oil, oil.beta_tr + c[0]): "",
+}
+
+
+@pytest.mark.parametrize("law", LAWS, ids=LAWS.values())
+def test_a_law_is_tried_alone_before_it_is_part_of_a_plant(law):
+    given = {"effects": {"valve_lag": {"time": "3 ms"}}}
+    bench = read_yaml(ROOT / "configs" / "bench-aau.yaml")
+    par = plant_parameters(parse_plant(bench, given, "plant"))
+    own = Effect("own", {"soft": Coefficient("1", 1, 0, 2)}, ("flow_tr",), {"oil": numba.njit(law)})
+    with pytest.raises(ConfigError) if LAWS[law] else nullcontext() as error:
+        try_laws({"own": own}, par)
+    if LAWS[law]:
+        assert "own: oil: " in error.value.message and LAWS[law] in error.value.message
+        assert len(error.value.message) < 200
 
 
 def test_a_file_that_is_not_there_is_told_and_help_works_without_it(tmp_path, command):
