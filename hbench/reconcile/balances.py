@@ -147,9 +147,9 @@ def residuals(log: Prepared, known: Model, names: tuple[str, ...] = BALANCES) ->
     return windowed(run, names, values, rounding, one, known.par.load)
 
 
-def has_channels(run: Run, name: str) -> bool:
-    """Tell whether a run has all channels of a balance."""
-    return _has(run, *_CHANNELS[name])
+def lacking_channels(run: Run, name: str) -> tuple[str, ...]:
+    """Return the channels of a balance that a run does not have."""
+    return tuple(channel for channel in _CHANNELS[name] if not _has(run, channel))
 
 
 def _has(run: Run, *names: str) -> bool:

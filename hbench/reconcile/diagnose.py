@@ -10,7 +10,7 @@ import numpy as np
 from hbench.config.bench import Bench, Plant
 from hbench.errors import DataError
 from hbench.model.effects import EFFECTS
-from hbench.reconcile.balances import BALANCES, has_channels, prepared, residuals
+from hbench.reconcile.balances import BALANCES, lacking_channels, prepared, residuals
 from hbench.reconcile.estimates import Estimates, estimate
 from hbench.reconcile.gap import GapMap, gaps, point_of
 from hbench.reconcile.gap_tables import Stages
@@ -30,7 +30,7 @@ from hbench.reconcile.regions import regions
 from hbench.reconcile.revised import revised
 from hbench.reconcile.search import Found, Search
 from hbench.reconcile.signatures import signatures
-from hbench.reconcile.verdict import judge, rest, what_is_missing
+from hbench.reconcile.verdict import judge, missing_channels, rest, too_few, what_is_missing
 from hbench.records import (
     AddedEffect,
     BeforeAfter,
@@ -47,8 +47,8 @@ from hbench.records import (
 HELD_OUT = 5  # every fifth operating point takes no part in any choice
 _FIRST_HELD_OUT = 2
 _DRAWS = 3  # of the parameters' uncertainty, for the floor
+_LIBRARY = "configs/discriminate.yaml is a schedule with all runs that are needed."
 _MOST_TRIALS = 3  # that a simulation makes
-_FEWEST = 8  # operating points: fewer name nothing
 
 
 Propose = Callable[
@@ -116,12 +116,12 @@ def diagnose(task: Task) -> Diagnosis:
     Data that is too little for a search gets a diagnosis that says what it lacks.
     """
     usable, left_out = _usable(task.runs)
-    missing = what_is_missing([run.plan for run in usable])
+    missing = (*missing_channels(usable), *what_is_missing([run.plan for run in usable]))
+    if few := too_few(usable):
+        found = too_little(task, tuple(dict.fromkeys((*few, *missing))), left_out)
+        return replace(found, next_experiment=f"{found.next_experiment} {_LIBRARY}")
     trials = Counter(point_of(run.plan) for run in usable)
     repeated = {point for point, count in trials.items() if count > 1}
-    if len(repeated) < _FEWEST:
-        few = f"operating points with two trials or more: {len(repeated)}, of {_FEWEST} at least"
-        return too_little(task, (few, *missing), left_out)
     task = replace(task, runs=tuple(run for run in usable if point_of(run.plan) in repeated))
     names, not_tried = _told(task.runs, task.plant)
     prior = before_measuring(task, names)
@@ -216,7 +216,7 @@ def _told(runs: Sequence[Run], plant: Plant) -> tuple[tuple[str, ...], dict[str,
     """Return the effects that these channels can tell, and why not the others."""
     told, not_tried = [], {}
     for name, row in EFFECTS.items():
-        without = [one for one in row.balances if not any(has_channels(run, one) for run in runs)]
+        without = [one for one in row.balances if all(lacking_channels(run, one) for run in runs)]
         if name in plant.effects:
             not_tried[name] = "the model has it already; its coefficients stay as they are"
         elif len(without) == len(row.balances):
@@ -293,7 +293,10 @@ def touched_gap(found: GapMap, balances: Sequence[str], points: np.ndarray) -> f
 
 
 def too_little(task: Any, missing: tuple[str, ...], left_out: tuple[str, ...]) -> Diagnosis:
-    """Return the diagnosis of data that no effect can be named from; ``task`` as for a search."""
+    """Return the diagnosis of data that no effect can be named from; ``task`` as for a search.
+
+    ``missing`` begins with what it lacks most.
+    """
     nothing = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
     none = np.zeros(0)
     no_map = ResidualMap(
@@ -303,13 +306,13 @@ def too_little(task: Any, missing: tuple[str, ...], left_out: tuple[str, ...]) -
         provenance=task.provenance,
         model=task.model,
         verdict="unknown",
-        why="These runs are too few to tell an effect from the trials' scatter.",
+        why=f"To name an effect would be a guess. These runs lack {missing[0]}.",
         where=(),
         regions=(),
         effects=(),
         alternatives=(),
         rest=(),
-        next_experiment=f"Measure {missing[0]}; configs/discriminate.yaml has all that is needed.",
+        next_experiment=f"Measure {missing[0]}.",
         next_schedule=None,
         gap_heldout=nothing,
         gap_train=nothing,

@@ -6,7 +6,7 @@ three.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -94,8 +94,7 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
         few = (
             f"loads or pressures with two strokes each way or more: {loads}, of {_FEWEST} at least"
         )
-        found = too_little(task, (few, *missing), left_out)
-        return replace(found, next_experiment=f"Measure {few}.")
+        return too_little(task, (few, *missing), left_out)
     _check_area(task, pairs)
     same = {label: pairs}
     for other, runs in others:

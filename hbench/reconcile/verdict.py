@@ -1,12 +1,20 @@
 """What a search means: the verdict in words, and what the data lacks for a better one."""
 
+from collections import Counter
 from collections.abc import Sequence
 
+from hbench.analysis.calibrate import FIELDS
+from hbench.reconcile.balances import BALANCES, lacking_channels
+from hbench.reconcile.gap import point_of
 from hbench.reconcile.search import Found
-from hbench.records import Gap, RunPlan, Verdict
+from hbench.records import Gap, Run, RunPlan, Verdict
 
 _REST = 2.0  # gap of a balance that is as far again from the model as its trials from one another
 _P = 0.1
+_FEWEST = 8  # operating points: fewer name nothing
+_SPEEDS = "three or more speeds: what grows with speed is not told from what does not"
+_LOADS = "a second load: effects of load and pressure look like offsets"
+_OF_MANY_SPEEDS = {"ramp", "triangle", "steps", "verification"}
 
 
 def rest(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
@@ -42,15 +50,49 @@ def judge(found: Found, left: Sequence[Gap]) -> tuple[Verdict, str]:
     return "none", "No balance of the refitted model lacks more than its trials scatter."
 
 
+def too_few(runs: Sequence[Run]) -> tuple[str, ...]:
+    """Return why no effect can be named from whole runs, in words; empty where a search may begin.
+
+    One speed or one load alone: then too many effects look the same for a name to be no guess.
+    """
+    plans = [run.plan for run in runs]
+    repeated = sum(count > 1 for count in Counter(map(point_of, plans)).values())
+    speeds = {abs(plan.v_ref_m_s) for plan in plans if plan.kind == "steady"}
+    lacks = []
+    if repeated < _FEWEST:
+        lacks.append(f"operating points with two trials or more: {repeated}, of {_FEWEST} at least")
+    if len(speeds) < 2 and not any(plan.kind in _OF_MANY_SPEEDS for plan in plans):
+        lacks.append(_SPEEDS)
+    if len({plan.f_load_n for plan in plans if plan.f_load_n is not None}) < 2:
+        lacks.append(_LOADS)
+    if runs and not set(_compared(runs)) - {"kinematics", "supply"}:
+        lacks.append("the chambers' pressures, with the valves' commands or the load cell's force")
+    return tuple(lacks)
+
+
+def missing_channels(runs: Sequence[Run]) -> tuple[str, ...]:
+    """Return which channels no run has, and what can't be compared without them, in words."""
+    without = [name for name in BALANCES if name not in _compared(runs)]
+    lacking = {one for run in runs for name in without for one in lacking_channels(run, name)}
+    if not lacking:
+        return ()
+    channels = ", ".join(name for name, field in FIELDS.items() if field in lacking)
+    return (f"{channels} (not measured): {', '.join(without)} are not compared",)
+
+
+def _compared(runs: Sequence[Run]) -> tuple[str, ...]:
+    return tuple(name for name in BALANCES if any(not lacking_channels(run, name) for run in runs))
+
+
 def what_is_missing(plans: Sequence[RunPlan]) -> tuple[str, ...]:
     """Return what runs lack for telling effects apart, in words."""
     steady = [plan for plan in plans if plan.kind == "steady"]
     kinds = {plan.kind for plan in plans}
     lacks = []
     if len({abs(plan.v_ref_m_s) for plan in steady}) < 3:
-        lacks.append("three or more speeds: what grows with speed is not told from what does not")
+        lacks.append(_SPEEDS)
     if len({plan.f_load_n for plan in plans if plan.f_load_n is not None}) < 2:
-        lacks.append("a second load: effects of load and pressure look like offsets")
+        lacks.append(_LOADS)
     if len({plan.direction for plan in steady}) < 2:
         lacks.append("the other direction: friction turns with it, a sensor's error does not")
     if not kinds & {"triangle", "verification"}:

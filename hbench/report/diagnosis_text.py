@@ -12,6 +12,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.diagnosis_words import (
+    BALANCES,
     EDGES,
     Words,
     balance,
@@ -60,7 +61,10 @@ def headline(found: Diagnosis) -> str:
     if found.verdict == "unknown":
         where = _list(found.rest or found.where[:1])
         return f"unknown: no effect of the catalogue explains what disagrees in {where}.{also}"
-    return "none: the model agrees with the measurement as well as the bench repeats itself."
+    agrees = "the model agrees with the measurement as well as the bench repeats itself"
+    if {one.name for one in found.where} < BALANCES.keys():
+        return f"none: in the balances that these channels tell, {agrees}."
+    return f"none: {agrees}."
 
 
 def gap_line(found: Diagnosis) -> str:

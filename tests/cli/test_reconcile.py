@@ -1,11 +1,13 @@
 """``hbench reconcile`` as a user calls it; the diagnosis is one of runs that were made here."""
 
 import json
+import re
 from dataclasses import replace
 
 import made_diagnosis as made
 import pytest
 import yaml
+from thinned import thinned
 from typer.testing import CliRunner
 
 from hbench.cli.main import app
@@ -14,6 +16,7 @@ from hbench.workflow import modelled
 from tests.conftest import ROOT
 
 MODEL = ROOT / "configs" / "model-aau.yaml"
+LEAKING = ROOT / "data_samples" / "blind" / "internal_leakage-clear-1"
 SAMPLE = ROOT / "data_samples" / "stribeck-small"
 
 
@@ -61,6 +64,48 @@ def test_too_few_runs_get_what_is_missing_instead_of_a_guess(tmp_path):
     assert "missing for a better verdict: a hold with closed valves" in result.stdout
     assert "not tried (too few runs): " in result.stdout
     assert json.loads((tmp_path / "out" / "diagnosis.json").read_text())["effects"] == []
+
+
+def speed_of_60_mm_s(plan):
+    return plan.kind == "steady" and abs(plan.v_ref_m_s) == 0.06
+
+
+LACKING = {
+    "one speed": (speed_of_60_mm_s, (), ["three or more speeds"]),
+    "one load": (lambda plan: plan.f_load_n == 5000, (), ["a second load"]),
+    "one trial": (
+        lambda plan: plan.trial == 1, (), ["two trials or more: 0, of 8 at least"]
+    ),
+    "one chamber": (
+        lambda plan: True,
+        ("p_tr", "p_lp", "p_lr"),
+        ["the chambers' pressures", "p_tr, p_lp, p_lr (not measured): flow_tp"],
+    ),
+    "no pressure, no load cell": (
+        lambda plan: True,
+        ("p_tp", "p_tr", "p_lp", "p_lr", "f_applied"),
+        ["the chambers' pressures", "f_applied (not measured)", "force_test"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("lacking", LACKING)
+def test_too_little_is_told_in_text_json_and_page_and_nothing_is_named(lacking, tmp_path):
+    """Of a campaign with a leak that is named from all of it."""
+    keep, without, words = LACKING[lacking]
+    campaign = thinned(LEAKING, tmp_path / "campaign", keep, without)
+    result = run(campaign, "--model", MODEL, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith("unknown: these data are too few for a verdict.")
+    found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert (found["verdict"], found["effects"], found["alternatives"]) == ("unknown", [], [])
+    page = (tmp_path / "out" / "report.html").read_text()
+    page = re.sub("<sub>(.*?)</sub>", r"_\1", page).replace("&#39;", "'")
+    for word in words:
+        assert word in result.stdout
+        assert any(word in line for line in found["missing"])
+        assert word in page
+    assert f"lack {found['missing'][0]}" in found["why"]
 
 
 def test_a_model_with_an_effect_that_is_not_in_the_catalogue_is_refused(tmp_path):

@@ -20,7 +20,7 @@ from hbench.reconcile.linear import Hypothesis, Linear
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.revised import revised
 from hbench.reconcile.search import Found, Step, Tried
-from hbench.reconcile.verdict import judge, rest, what_is_missing
+from hbench.reconcile.verdict import judge, missing_channels, rest, too_few, what_is_missing
 from hbench.records import Candidate, FitParameter, Gap, Rival, Run, RunPlan, Specimen
 
 LEAK = Candidate("internal_leakage", 80.0, 0.9, 1.0, {"test": 1e-12}, "simulated", 7.0)
@@ -112,6 +112,40 @@ def test_the_same_load_at_two_pressures_is_asked_for(bench):
     level = [plan for plan in plans_of(bench) if plan.label != "extending, high pressures"]
     (said,) = what_is_missing(level)
     assert "two pressures" in said
+
+
+def repeated(plans):
+    """Return runs with all channels, two of each plan."""
+    at = np.zeros(3)
+    channels = ("v_m_s", "p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa", "f_applied_n")
+    every = dict.fromkeys((*channels, "u_t_v", "u_l1_v", "u_l2_v"), at)
+    return [Run(plan, at, at, **every) for plan in plans for _ in range(2)]
+
+
+def test_many_points_of_one_speed_or_of_one_load_name_nothing(bench):
+    """Twelve points each: enough of them, but effects look alike."""
+    plans = plans_of(bench, ("steady",), trials=1)
+    speed = [replace(plan, p_lr_ref_pa=p) for plan in plans for p in (1e6, 2e6)]
+    speed = [plan for plan in speed if abs(plan.v_ref_m_s) == 0.08]
+    assert [one.split(":")[0] for one in too_few(repeated(speed))] == ["three or more speeds"]
+    load = [replace(plan, f_load_n=500.0, p_lr_ref_pa=1e5 * i) for i, plan in enumerate(plans)]
+    assert [one.split(":")[0] for one in too_few(repeated(load))] == ["a second load"]
+    assert too_few(repeated(plans)) == ()
+
+
+def test_reversals_have_many_speeds(bench):
+    moving = plans_of(bench, ("triangle", "steps", "hold"), trials=1)
+    assert too_few(repeated([replace(one, p_lr_ref_pa=p) for one in moving for p in (0, 1)])) == ()
+
+
+def test_channels_that_no_run_has_are_named_with_what_is_not_compared(bench):
+    runs = repeated(plans_of(bench))
+    assert missing_channels(runs) == ()
+    (said,) = missing_channels([replace(run, p_s_pa=None) for run in runs])
+    assert said.startswith("p_s (not measured): flow_tp, flow_tr, flow_lp, flow_lr, supply")
+    assert too_few([replace(run, p_s_pa=None) for run in runs]) == ()  # forces are compared
+    some = [replace(runs[0], p_s_pa=None), *runs[1:]]
+    assert missing_channels(some) == ()
 
 
 # ---- runs that take no part
