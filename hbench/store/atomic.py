@@ -1,7 +1,7 @@
 """Writes a file so that it is there whole or not at all."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -52,6 +52,19 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
     for name, data in files.items():
         check_inside(folder, (folder / name).parent)
         write_atomic(folder / name, data)
+
+
+def remove_files(folder: Path, names: Iterable[str]) -> None:
+    """Remove files by their paths below ``folder``, as far as they are there.
+
+    Raises ``DataError``, also for a path that leads out of ``folder``.
+    """
+    for name in sorted(names):
+        check_inside(folder, (folder / name).parent)
+        try:
+            (folder / name).unlink(missing_ok=True)
+        except OSError as error:
+            raise _refused(folder / name, error) from error
 
 
 def append(path: Path, data: bytes) -> None:

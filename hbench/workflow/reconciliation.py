@@ -11,8 +11,11 @@ from hbench.report.draw_diagnosis import draw_diagnosis
 from hbench.report.figures import figure_files
 from hbench.report.revised_yaml import revised_yaml, schedule_yaml
 from hbench.report.run_gaps import run_gaps_csv
-from hbench.store.atomic import write_files
+from hbench.store.atomic import remove_files, write_files
 from hbench.store.campaign import load_campaign
+from hbench.store.diagnoses import NAME
+
+_ONCE = ("next.yaml", "gaps_by_run.csv")  # that not every diagnosis has
 
 
 def reconcile(
@@ -43,7 +46,11 @@ def reconcile(
 
 
 def write_diagnosis(folder: Path, found: Diagnosis) -> None:
-    """Write the page, its figures, the numbers as JSON, the revised model and the next schedule."""
+    """Write the page, its figures, the numbers as JSON, the revised model and the next schedule.
+
+    What an earlier diagnosis left in ``folder`` goes: no schedule or figure stands beside a verdict
+    that is not its own.
+    """
     drawings = draw_diagnosis(found)
     files = figure_files(drawings)
     files["model.yaml"] = revised_yaml(found).encode()
@@ -53,4 +60,13 @@ def write_diagnosis(folder: Path, found: Diagnosis) -> None:
         files["gaps_by_run.csv"] = run_gaps_csv(found).encode()
     files["diagnosis.json"] = diagnosis_json(found).encode()
     files["report.html"] = diagnosis_page(found, drawings).encode()
+    if (folder / NAME).is_file():
+        remove_files(folder, {*_ONCE, *_figures(folder)} - files.keys())
     write_files(folder, files)
+
+
+def _figures(folder: Path) -> set[str]:
+    found = (
+        path for path in (folder / "figures").glob("*") if path.suffix in (".svg", ".png", ".csv")
+    )
+    return {f"figures/{path.name}" for path in found}

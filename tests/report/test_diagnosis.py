@@ -4,6 +4,7 @@ import csv
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import made_diagnosis as made
 import numpy as np
@@ -15,8 +16,9 @@ from hbench.config.loading import read_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.model.effects import read_effects
 from hbench.reconcile.balances import UNITS
+from hbench.reconcile.diagnose import too_little
 from hbench.reconcile.signals import SIGNALS
-from hbench.records import BeforeAfter, FitParameter, GapTable
+from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance
 from hbench.report import diagnosis_words as words
 from hbench.report.diagnosis_json import diagnosis_json
 from hbench.report.diagnosis_page import diagnosis_page
@@ -323,3 +325,30 @@ def test_the_folder_gets_page_numbers_figures_and_a_model(named, ambiguous, tmp_
         assert written == every | more
         parse_plant(made.BENCH, read_yaml(folder / "model.yaml"), "model")
         assert json.loads((folder / "diagnosis.json").read_text())["verdict"] == found.verdict
+
+
+@pytest.fixture
+def quick():
+    """Return a diagnosis without figures."""
+    about = Provenance("made", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
+    task = SimpleNamespace(provenance=about, model="model.yaml", plant_data={})
+    return too_little(task, ("a second load",), ())
+
+
+def test_a_diagnosis_leaves_nothing_of_an_earlier_one_in_its_folder(quick, tmp_path):
+    """But what else lies there stays."""
+    schedule = {"name": "next", "experiments": []}
+    workflow.write_diagnosis(tmp_path, replace(quick, next_schedule=schedule))
+    assert (tmp_path / "next.yaml").exists()
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / "run-0007.svg").write_text("of an earlier diagnosis")
+    (tmp_path / "notes.txt").write_text("mine")
+    workflow.write_diagnosis(tmp_path, quick)
+    left = {path.name for path in tmp_path.rglob("*") if path.is_file()}
+    assert left == {"report.html", "diagnosis.json", "model.yaml", "notes.txt"}
+
+
+def test_a_schedule_that_no_diagnosis_left_stays(quick, tmp_path):
+    (tmp_path / "next.yaml").write_text("mine")
+    workflow.write_diagnosis(tmp_path, quick)
+    assert (tmp_path / "next.yaml").read_text() == "mine"
