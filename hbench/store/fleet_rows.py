@@ -21,7 +21,7 @@ _BATCH = 1000
 _MAKE = """
     CREATE TABLE rows (
         path BLOB PRIMARY KEY, round INTEGER NOT NULL, fingerprint TEXT, failed INTEGER, cells TEXT
-    ) WITHOUT ROWID
+    )
 """
 
 
