@@ -83,7 +83,9 @@ def parse_unit(text: str) -> Unit:
         if name is not None:
             if name not in UNITS:
                 known = ", ".join(sorted(UNITS))
-                raise ValueError(f"unknown unit {name!r}; known are {known}")
+                meant = [unit for unit in UNITS if unit.lower() == name.lower()]
+                asked = f"; did you mean {' or '.join(map(repr, meant))}?" if meant else ""
+                raise ValueError(f"unknown unit {name!r}{asked or f'; known are {known}'}")
             power = sign * signs[-1]
             last = Unit(UNITS[name].factor ** power, _scale(UNITS[name].dimension, power))
             factor, dimension = factor * last.factor, _add(dimension, last.dimension)
@@ -137,6 +139,8 @@ def to_si(value: object, unit: str) -> float:
     if match is None:
         raise ValueError(f"is not a number with a unit; write for example '1 {unit}'")
     number, found = float(match[1]), match[2]
+    if re.match(r",\d", found):
+        raise ValueError("has a decimal comma; write a point")
     if not found and any(wanted.dimension):
         raise ValueError(f"has no unit; write for example '{match[1]} {unit}'")
     parsed = parse_unit(found)

@@ -196,22 +196,28 @@ class Bench(Plant):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Bench":
-        if not self.limits.travel_min < self.limits.travel_max <= self.test_cylinder.stroke:
-            raise ValueError(
-                "limits.travel_min < limits.travel_max <= test_cylinder.stroke does not hold: "
-                f"{self.limits.travel_min:g}, {self.limits.travel_max:g}, "
-                f"{self.test_cylinder.stroke:g} m"
+        low, high, stroke = (
+            f"{key} = {1e3 * length:g} mm"
+            for key, length in (
+                ("limits.travel_min", self.limits.travel_min),
+                ("limits.travel_max", self.limits.travel_max),
+                ("test_cylinder.stroke", self.test_cylinder.stroke),
             )
+        )
+        if self.limits.travel_min >= self.limits.travel_max:
+            raise ValueError(f"{low} must be less than {high}")
+        if self.limits.travel_max > self.test_cylinder.stroke:
+            raise ValueError(f"{high} lies beyond {stroke}; lower it, and the schedules' travel")
         head = self.load_cylinder.stroke - self.load_cylinder.offset
         if self.limits.travel_max > head:
             raise ValueError(
-                f"limits.travel_max = {self.limits.travel_max:g} m lies beyond the load "
-                f"cylinder's head at {head:g} m (its stroke less its offset)"
+                f"{high} lies beyond the load cylinder's head at {1e3 * head:g} mm "
+                "(load_cylinder.stroke less load_cylinder.offset)"
             )
         if self.controllers.return_speed > 0.9 * self.limits.speed_max:
             raise ValueError(
-                f"controllers.return_speed = {self.controllers.return_speed:g} m/s is above 90 % "
-                f"of limits.speed_max = {self.limits.speed_max:g} m/s"
+                f"controllers.return_speed = {1e3 * self.controllers.return_speed:g} mm/s is above "
+                f"90 % of limits.speed_max = {1e3 * self.limits.speed_max:g} mm/s"
             )
         divider = self.controllers.rate / self.controllers.log_rate
         if abs(divider - round(divider)) > 1e-9 or not 1 <= divider <= 65535:

@@ -1,5 +1,6 @@
 """Reads a YAML file into a validated section, with errors that name file, key, value and limit."""
 
+import difflib
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +18,26 @@ if TYPE_CHECKING:
 _Model = TypeVar("_Model", bound=BaseModel)
 _MAX_BYTES = 1_000_000
 _BRIEF = 100  # characters of a value
+_YAML = (
+    "The file is not valid YAML: indent by spaces, the keys of one section alike; put what holds "
+    "[ ] { } , # or ': ' between quotes."
+)
+_SAID = {  # what pydantic says in the words of Python
+    "tuple_type": "must be a list, such as [A, B]",
+    "dict_type": "must be 'key: value' lines",
+    "model_type": "must be 'key: value' lines",
+    "model_attributes_type": "must be 'key: value' lines",
+    "int_parsing": "must be a whole number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "float_parsing": "must be a number",
+    "float_type": "must be a number",
+    "string_type": "must be text",
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "literal_error": "must be {expected}",
+    "union_tag_invalid": "must be one of {expected_tags}",
+}
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -27,12 +48,13 @@ def read_yaml(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: {error}; not a configuration file") from None
     except OSError as error:
         raise ConfigError(
-            f"{path}: {error.strerror or error}", "Check the path; `hbench init DIR` writes one."
+            f"{path}: {error.strerror or error}",
+            "Check the path; `hbench init DIR` writes a bench file and schedules.",
         ) from None
     except UnicodeDecodeError:
         raise ConfigError(f"{path}: not a text file in UTF-8") from None
     except ValueError as error:
-        raise ConfigError(f"{path}: {error}", "The file is not valid YAML.") from None
+        raise ConfigError(f"{path}: {error}", _YAML) from None
     if not isinstance(data, dict):
         raise ConfigError(f"{path}: holds no keys; expected 'key: value' lines")
     return data
@@ -48,13 +70,48 @@ def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        faults = [f"{source}: {_explain(fault, data)}" for fault in _own_faults(error)]
-        raise ConfigError("\n".join(faults), _hint(error)) from None
+        faults = error.errors()
+        meant = _meant(faults)
+        if not meant and _is_another_kind(model, data):
+            wanted, there = (", ".join(map(str, [*keys][:5])) for keys in (_required(model), data))
+            raise ConfigError(
+                f"{source}: not a file of this kind: it lacks {wanted}, and has {brief(there)}",
+                "Is a bench file given for a schedule, or the other way round?",
+            ) from None
+        told = [
+            f"{source}: {_explain(fault, data, meant)}"
+            for fault in _own_faults(faults)
+            if fault["loc"] not in meant.values()
+        ]
+        raise ConfigError("\n".join(told), _hint(faults)) from None
 
 
-def _own_faults(error: ValidationError) -> list["ErrorDetails"]:
+def _required(model: type[BaseModel]) -> list[str]:
+    """Return the keys that only files of this kind must have; a name has each."""
+    fields = model.model_fields.items()
+    return [key for key, field in fields if field.is_required() and key != "name"]
+
+
+def _is_another_kind(model: type[BaseModel], data: dict[str, Any]) -> bool:
+    required = set(_required(model))
+    return bool(required) and not required & set(data) and not set(data) <= set(model.model_fields)
+
+
+def _meant(faults: list["ErrorDetails"]) -> dict[tuple, tuple]:
+    """Return for each unknown key the missing one beside it that it looks like."""
+    missing = [fault["loc"] for fault in faults if fault["type"] == "missing"]
+    meant: dict[tuple, tuple] = {}
+    for fault in faults:
+        if fault["type"] == "extra_forbidden":
+            *above, key = fault["loc"]
+            beside = {str(loc[-1]): loc for loc in missing if list(loc[:-1]) == above}
+            for name in difflib.get_close_matches(str(key), beside, n=1):
+                meant[fault["loc"]] = beside[name]
+    return meant
+
+
+def _own_faults(faults: list["ErrorDetails"]) -> list["ErrorDetails"]:
     """Return the faults, but no list that is too short only because its items have faults."""
-    faults = error.errors()
 
     def follows(fault: "ErrorDetails") -> bool:
         depth = len(fault["loc"])
@@ -65,15 +122,23 @@ def _own_faults(error: ValidationError) -> list["ErrorDetails"]:
     return [fault for fault in faults if not follows(fault)]
 
 
-def _explain(fault: "ErrorDetails", data: Any) -> str:
-    key = ".".join(_keys(fault, data)) or "(whole file)"
+def _explain(fault: "ErrorDetails", data: Any, meant: dict[tuple, tuple]) -> str:
+    key = ".".join(_keys(fault, data))
     if fault["type"] == "extra_forbidden":
-        return f"unknown key '{key}'"
+        right = meant.get(fault["loc"])
+        return f"unknown key '{key}'" + (f"; did you mean '{right[-1]}'?" if right else "")
     if fault["type"] == "missing":
         return f"key '{key}' is missing"
     message = fault["msg"].removeprefix("Value error, ")
     message = message[0].lower() + message[1:]
+    if fault["type"] in _SAID:
+        message = _SAID[fault["type"]].format(**fault.get("ctx", {}))
     value = fault["input"]
+    if fault["type"] == "union_tag_invalid":
+        tag = fault["ctx"]
+        key, value = f"{key}.{tag['discriminator'].strip(chr(39))}", tag["tag"]
+    if not key:
+        return message
     return f"{key}: {message}" if isinstance(value, dict) else f"{key} = {brief(value)}: {message}"
 
 
@@ -100,7 +165,7 @@ def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
             yield str(part)
 
 
-def _hint(error: ValidationError) -> str:
-    if any(fault["type"] == "extra_forbidden" for fault in error.errors()):
+def _hint(faults: list["ErrorDetails"]) -> str:
+    if any(fault["type"] == "extra_forbidden" for fault in faults):
         return "Keys are checked so that a misspelt one is not ignored; see the commented examples."
     return ""

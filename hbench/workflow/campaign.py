@@ -68,6 +68,11 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
         if schedule.bench is None:
             raise ConfigError(f"{schedule_file}: names no bench", "Add 'bench: FILE' or --bench.")
         bench_file = schedule_file.parent / schedule.bench
+        if not bench_file.exists():
+            raise ConfigError(
+                f"{schedule_file}: bench = {schedule.bench!r}: there is no {bench_file}",
+                "It is looked for from the schedule's folder; or give --bench FILE.",
+            )
     bench_data = read_yaml(bench_file)
     bench = parse_bench(bench_data, str(bench_file))
     check_effects(bench, bench_file)

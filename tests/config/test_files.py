@@ -55,7 +55,16 @@ def test_the_shipped_import_map_is_good():
         ("supply.pressure", "-1 bar", ["supply.pressure", "at least 0 bar"]),
         ("valve.gian", "1 V", ["unknown key 'valve.gian'"]),
         ("test_cylinder.rod_diameter", "41 mm", ["test_cylinder", "smaller than piston"]),
-        ("limits.travel_max", "500 mm", ["travel_max", "stroke"]),
+        (
+            "limits.travel_max",
+            "500 mm",
+            ["my-bench.yaml: limits.travel_max = 500 mm lies beyond test_cylinder.stroke = 400 mm"],
+        ),
+        ("limits.travel_min", "376 mm", ["limits.travel_min = 376 mm must be less than"]),
+        ("limits.travel_max", "390 mm", ["390 mm lies beyond", "head at 380 mm"]),
+        ("test_cylinder.stroke", "400,5 mm", ["decimal comma"]),
+        ("supply.pressure", "150 Bar", ["unknown unit 'Bar'; did you mean 'bar'?"]),
+        ("supply.pressure", "150 at", ["unknown unit 'at'; known are", "psi"]),
         ("controllers.log_rate", "300 Hz", ["whole multiple"]),
         ("sensors.adc.bits", 40, ["sensors.adc.bits"]),
     ],
@@ -75,6 +84,26 @@ def test_a_missing_key_is_named():
         parse_bench(data, "b.yaml")
 
 
+@pytest.mark.parametrize(("right", "wrong"), [("oil.density", "densty"), ("oil", "oli")])
+def test_a_misspelt_key_is_told_once_with_the_one_that_is_meant(right, wrong):
+    data = copy.deepcopy(BENCH)
+    *above, key = right.split(".")
+    section = data[above[0]] if above else data
+    section[wrong] = section.pop(key)
+    with pytest.raises(ConfigError) as error:
+        parse_bench(data, "b.yaml")
+    told = ".".join([*above, wrong])
+    assert error.value.message == f"b.yaml: unknown key '{told}'; did you mean '{key}'?"
+
+
+def test_a_file_of_another_kind_is_told_in_one_line():
+    with pytest.raises(ConfigError, match=r"^b.yaml: not a file of this kind: .*experiments") as e:
+        parse_schedule(BENCH, "b.yaml")
+    assert "\n" not in e.value.message
+    with pytest.raises(ConfigError, match=r"^s.yaml: not a file of this kind: .*test_cylinder"):
+        parse_bench(SCHEDULE, "s.yaml")
+
+
 def test_every_fault_of_a_file_is_told_at_once():
     data = changed(changed(BENCH, "oil.density", "1 m"), "supply.tank", "2")
     with pytest.raises(ConfigError) as error:
@@ -85,7 +114,11 @@ def test_every_fault_of_a_file_is_told_at_once():
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
-        ("experiments.0.kind", "stedy", ["experiments.0"]),
+        ("experiments.0.kind", "stedy",
+         ["experiments.0.kind = 'stedy': must be one of 'steady', 'ramp'"]),
+        ("experiments.0.trials", "three", ["experiments.0.trials = 'three'", "a whole number"]),
+        ("experiments.0.direction", "out", ["must be 'extend' or 'retract'"]),
+        ("experiments.0.loads", "500 N", ["experiments.0.loads = '500 N': must be a list"]),
         ("experiments.0.velocities", {"first": "50 mm/s", "last": "200 mm/s", "count": 15},
          ["would not grow"]),
         ("experiments.0.travel", {"start": "300 mm", "end": "20 mm"}, ["'start' must be less"]),
