@@ -1,5 +1,6 @@
 """From a schedule to the plan: every run with its references, checked before anything moves."""
 
+import math
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -57,7 +58,7 @@ def plan_runs(
             planner.follow(experiment, experiment.velocities, schedule.screening, key)
             continue
         found = references(experiment, schedule.screening, bench, key)
-        for reference in found:
+        for reference in sorted(found, key=lambda one: -abs(one.v_ref_m_s)):  # the worst is told
             _check_motion(reference, bench, key)
         if schedule.order == "passes":
             pairs = product(experiment.loads, found)
@@ -196,12 +197,16 @@ def _check_motion(reference: Reference, bench: Bench, key: str) -> None:
     lag = _LAG_S * top
     low = gone.x_low_m - (lag if gone.x_low_m < reference.motion.x_start_m else 0.0)
     high = gone.x_high_m + (lag if gone.x_high_m > reference.motion.x_start_m else 0.0)
-    if not (limits.travel_min <= low and high <= limits.travel_max):
+    beyond = max(limits.travel_min - low, high - limits.travel_max)
+    if beyond > 1e-9:  # beyond what sums are rounded by
+        less = (
+            f"Shorten the travel there by {math.ceil(1e3 * beyond - 1e-6)} mm, or lower the speed."
+        )
         raise ConfigError(
             f"{key}.{'travel' if top else 'positions'}: at up to {1e3 * top:.4g} mm/s the piston "
             f"would move between {1e3 * low:.4g} and {1e3 * high:.4g} mm, way to brake included; "
             f"limits.travel are {1e3 * limits.travel_min:.4g} to {1e3 * limits.travel_max:.4g} mm",
-            "Give a smaller travel or a lower speed.",
+            less if top else "Give positions inside the limits.",
         )
 
 
@@ -211,7 +216,13 @@ def _check_pressures(load: float, p_lr: float, bench: Bench, key: str) -> None:
     for name, pressure in (("p_lr", p_lr), ("P_Lp", p_lp)):
         if not low < pressure < high:
             raise ConfigError(
-                f"{key}: the load of {load:g} N needs {name} = {pressure / 1e5:.4g} bar, not "
-                f"between tank ({low / 1e5:.4g} bar) and supply ({high / 1e5:.4g} bar)",
+                f"{key}: the load of {load:g} N needs {name} = {pressure / 1e5:.4g} bar; it must "
+                f"be above tank ({low / 1e5:.4g} bar) and below supply ({high / 1e5:.4g} bar)",
                 "P_Lp = (A_r/A_p) P_Lr + F_L/A_p; choose another load or p_lr.",
+            )
+        if pressure > bench.limits.pressure_max:
+            raise ConfigError(
+                f"{key}: the load of {load:g} N needs {name} = {pressure / 1e5:.4g} bar, above "
+                f"limits.pressure_max ({bench.limits.pressure_max / 1e5:.4g} bar)",
+                "The board would stop the run; choose another load, p_lr or limit.",
             )

@@ -1,6 +1,7 @@
 """A schedule becomes the source's runs, and what a bench can't do is refused in words."""
 
 import copy
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -113,11 +114,12 @@ def test_trials_of_an_experiment_that_is_listed_twice_go_on_counting():
     [
         (
             {"travel": {"start": "20 mm", "end": "350 mm"}},
-            ["travel", "20 and 380 mm", "5 to 375 mm", "brake"],
+            ["travel", "20 and 380 mm", "5 to 375 mm", "brake", "200 mm/s"],
         ),
         ({"travel": {"start": "100 mm", "end": "160 mm"}}, ["steady window", "mm/s"]),
         ({"loads": ["30 kN"]}, ["30000 N", "supply"]),
         ({"loads": ["-5000 N"]}, ["-5000 N", "tank"]),
+        ({"p_lr": "150 bar"}, ["p_lr = 150 bar", "below supply (150 bar)"]),
         ({"velocities": ["0.39 m/s"]}, ["travel"]),
     ],
 )
@@ -128,3 +130,30 @@ def test_what_the_bench_cant_do_is_refused_before_anything_moves(change, words):
         plans_of(data)
     for word in ["s.yaml", "experiments.0", *words]:
         assert any(part in str(error.value) for part in word.split("|"))
+
+
+def test_the_hint_tells_by_how_much_the_travel_is_too_long():
+    data = copy.deepcopy(STRIBECK)
+    first = data["experiments"][0]
+
+    def plan(end: int):
+        travel = {"start": "20 mm", "end": f"{end} mm"}
+        data["experiments"] = [{**first, "travel": travel}]
+        return plans_of(data)
+
+    with pytest.raises(ConfigError) as error:
+        plan(360)
+    too_long = int(re.search(r"Shorten the travel there by (\d+) mm", error.value.hint)[1])
+    assert plan(360 - too_long)
+    with pytest.raises(ConfigError):
+        plan(360 - too_long + 1)
+
+
+def test_a_load_pressure_at_which_the_board_would_stop_is_refused():
+    bench = BENCH.model_copy(
+        update={"limits": BENCH.limits.model_copy(update={"pressure_max": 100e5})}
+    )
+    schedule = parse_schedule(STRIBECK, "s.yaml")
+    told = r"experiments.1: .* p_lr = 110 bar, above limits.pressure_max \(100 bar\)"
+    with pytest.raises(ConfigError, match=told):
+        plan_runs(schedule, bench, "s.yaml")
