@@ -120,7 +120,12 @@ def fact_lines(design: Design) -> tuple[str, ...]:
     """Return what is known beside the loops, a sentence each."""
     rod, piston = design.feedforward
     stable = "stable" if design.coupled_modulus < 1 else "UNSTABLE"
+    board = [(loop.name, loop.merits[-1]) for loop in design.loops]
+    phase, of_phase = min((merits.phase_margin_deg, name) for name, merits in board)
+    gain, of_gain = min((gain_db(merits), name) for name, merits in board)
     return (
+        f"smallest margins on the board: {_finite(phase, 1)} deg ({of_phase}), "
+        f"{_finite(gain, 1)} dB ({of_gain})",
         f"feedforward C_ffLr {rod:.5g}, C_ffLp {piston:.5g} V s/m",
         f"ramp error of the velocity at 100 mm/s^2: {1e3 * design.ramp_error_m_s:.3f} mm/s",
         f"three loops on the board: largest |z| {design.coupled_modulus:.6f}, {stable}",

@@ -1,6 +1,7 @@
 """``hbench design`` as a user calls it."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -45,6 +46,10 @@ def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path):
     done = design(BENCH, "--operating-point", "v=-80 mm/s, load=-2 kN, x=150 mm", "-o", "out")
     assert done.returncode == 0, done.stderr
     assert "x 150 mm, v -80 mm/s" in done.stdout and done.stdout.isascii()
+    board = [line for line in done.stdout.splitlines() if re.search(r"\bboard +\d", line)]
+    phase, gain = (min(float(line.split()[at]) for line in board) for at in (2, 3))
+    margins = rf"margins on the board: {phase} deg \(.*\), {gain} dB \(velocity\)"
+    assert re.search(margins, done.stdout)
     assert "agree" not in done.stdout  # the source's numbers are for the source's bench
     out = tmp_path / "out"
     numbers = json.loads((out / "design.json").read_text())
