@@ -1,5 +1,6 @@
 """``hbench import``: brings in the logs of another bench."""
 
+import shlex
 from pathlib import Path
 
 import typer
@@ -30,3 +31,4 @@ def import_(
         typer.echo(as_object("import", campaign=output, **found))
     else:
         typer.echo(f"{output}: {summary.runs} runs from {summary.files} files")
+        typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)

@@ -1,5 +1,6 @@
 """``hbench init``: writes a bench file and schedules to edit."""
 
+import shlex
 from pathlib import Path
 
 import typer
@@ -8,7 +9,6 @@ from hbench.cli.printed import AS_JSON, as_object
 
 _FILES = (
     "bench-aau.yaml",
-    "model-aau.yaml",
     "stribeck.yaml",
     "adaptive.yaml",
     "dynamics.yaml",
@@ -22,7 +22,7 @@ _FILES = (
 def init(
     directory: Path = typer.Argument(help="Folder to write into."), as_json: bool = AS_JSON
 ) -> None:
-    """Write commented example files to edit: a bench, its model, six schedules and a fit file.
+    """Write commented example files to edit: a bench, six schedules and a fit file.
 
     Example: hbench init my-bench
     """
@@ -40,4 +40,13 @@ def init(
     except OSError as error:
         raise ConfigError(f"{directory}: {error.strerror}") from None
     paths = [str(directory / name) for name in _FILES]
-    typer.echo(as_object("init", files=paths) if as_json else "\n".join(paths))
+    if as_json:
+        typer.echo(as_object("init", files=paths))
+        return
+    typer.echo("\n".join(paths))
+    schedule = shlex.quote(str(directory / "demo.yaml"))
+    typer.echo(
+        f"next: put your bench's numbers into {directory / _FILES[0]}, then "
+        f"hbench run {schedule} --check",
+        err=True,
+    )

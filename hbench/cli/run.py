@@ -1,5 +1,6 @@
 """``hbench run``: makes the runs of a schedule on a bench or on the virtual rig."""
 
+import shlex
 import sys
 from datetime import datetime
 from pathlib import Path
@@ -61,6 +62,12 @@ def run(
     if check:
         if as_json:
             typer.echo(as_object("estimate", name=experiment.schedule.name, **vars(estimate)))
+        else:
+            typer.echo(
+                "checked: travel, speeds and load pressures lie inside the bench's limits; "
+                "nothing has moved",
+                err=True,
+            )
         return
     if output is None:
         raise typer.BadParameter("a campaign folder is needed", param_hint="'-o'")
@@ -88,7 +95,7 @@ def run(
                 **common,
             )
     except KeyboardInterrupt:
-        display.close("interrupted; go on with --resume")
+        display.close("interrupted; the same command with --resume goes on")
         raise
     finally:
         display.close()
@@ -96,6 +103,8 @@ def run(
         typer.echo(as_object("run", campaign=output, **vars(summary)))
     else:
         typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
+        if campaigns is None:
+            typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)
 
 
 def _now() -> datetime:

@@ -276,7 +276,8 @@ def refuse_existing(folder: Path) -> None:
     """Raise ``ConfigError`` where ``folder`` holds a campaign already."""
     if (folder / JOURNAL).exists():
         raise ConfigError(
-            f"{folder}: holds a campaign already", "Choose another folder, or go on with --resume."
+            f"{folder}: holds a campaign already",
+            "Choose another folder; `hbench run --resume` goes on with an interrupted one.",
         )
 
 

@@ -63,6 +63,7 @@ def test_check_estimates_and_writes_nothing(hbench, short_schedule, tmp_path):
     done = hbench("run", schedule, "--check")
     assert done.returncode == 0 and not done.stdout
     assert "4 runs" in done.stderr and "MB" in done.stderr
+    assert "checked: travel, speeds and load pressures" in done.stderr
     assert set(tmp_path.iterdir()) == before
 
 
@@ -96,14 +97,16 @@ def test_from_a_schedule_to_the_page(hbench, short_schedule, tmp_path):
         (("run", "short.yaml"), 2, "-o"),
         (("run", "short.yaml", "-o", "out", "--port", "/dev/none"), 3, "/dev/none"),
         (("run", "short.yaml", "-o", "out", "--resume"), 4, "campaign.yaml"),
+        (("run", "lost.yaml", "-o", "out"), 2, "lost.yaml: bench = 'b.yaml': there is no"),
         (("analyze", "nothing"), 4, "nothing/campaign.yaml"),
         (("import", "nothing", "-o", "out"), 2, "nothing"),
     ],
 )
 def test_an_error_has_its_exit_code_and_names_its_cause_on_stderr(
-    hbench, short_schedule, arguments, code, words
+    hbench, short_schedule, tmp_path, arguments, code, words
 ):
-    short_schedule()
+    lost = short_schedule().read_text().replace("bench.yaml", "b.yaml")
+    (tmp_path / "lost.yaml").write_text(lost)
     done = hbench(*arguments)
     assert done.returncode == code, done.stderr
     assert words in done.stderr and "Traceback" not in done.stderr
@@ -122,6 +125,7 @@ def test_init_writes_files_that_run_accepts_and_keeps_those_that_are_there(hbenc
     if "examples" in done.stderr:
         pytest.skip("the examples are put in place when hbench is installed")
     assert done.returncode == 0
+    assert done.stderr.splitlines()[-1].endswith("then hbench run mine/demo.yaml --check")
     for schedule in (
         "stribeck.yaml",
         "adaptive.yaml",

@@ -38,7 +38,8 @@ def in_a_pipe(tmp_path, *arguments):
 def test_a_pipe_gets_one_line_a_run(quick_schedule, tmp_path):
     done = in_a_pipe(tmp_path, quick_schedule(), "-o", "out")
     assert done.returncode == 0
-    _, *lines = done.stderr.splitlines()
+    _, *lines, after = done.stderr.splitlines()
+    assert after == "next: hbench report out"
     pattern = (
         r"{0} of 4 000{0} steady \+{1}\.0 mm/s, \+2000 N, trial {2}: accepted, "
         r"friction \+\d+\.\d N; \d+:\d\d left"
@@ -55,7 +56,7 @@ def test_a_pipe_gets_one_line_a_run(quick_schedule, tmp_path):
 def test_a_pipe_gets_each_rejection_with_its_reason(picky_schedule, tmp_path):
     done = in_a_pipe(tmp_path, picky_schedule, "-o", "out", "--retry", "1")
     assert done.returncode == 0
-    _, *lines = done.stderr.splitlines()
+    _, *lines, _ = done.stderr.splitlines()
     assert len(lines) == 8
     assert all("rejected: off_reference: mean speed" in line for line in lines)
     assert [line.endswith("; made again") for line in lines] == [True, False] * 4
@@ -81,7 +82,7 @@ def test_a_terminal_shows_a_block_and_keeps_the_rejections(picky_schedule, tmp_p
     kept = [line for line in end if "rejected: off_reference" in line]
     assert [line[:4] for line in kept] == ["0001", "0002", "0003", "0004"]
     assert not any(line.startswith(("[", "speed", "pressure")) for line in end), "a block is left"
-    assert end[-2].startswith("out: 4 runs in ")
+    assert end[-3].startswith("out: 4 runs in ")
 
 
 def test_ctrl_c_at_the_terminal_takes_the_block_away_and_leaves_nothing_live(
@@ -93,7 +94,9 @@ def test_ctrl_c_at_the_terminal_takes_the_block_away_and_leaves_nothing_live(
     os.kill(terminal.process.pid, signal.SIGINT)
     assert terminal.end() == 130
     end = screen(terminal.shown)
-    assert end[-2] == "interrupted; go on with --resume" and "Traceback" not in "\n".join(end)
+    assert end[
+        -2
+    ] == "interrupted; the same command with --resume goes on" and "Traceback" not in "\n".join(end)
     assert not any(line.startswith(("[", "speed", "pressure")) for line in end), "a block is left"
     assert not (tmp_path / "out" / "live.json").exists()
     stop = load_campaign(tmp_path / "out").entries[-1].stop

@@ -81,6 +81,7 @@ def test_a_replay_comes_back_as_a_campaign_that_says_it_is_simulated(leaking, tm
     assert done.stdout.startswith("SIMULATED: ")
     done = hbench(tmp_path / "replay", "-o", tmp_path / "again", command=("import",))
     assert done.returncode == 0, done.stderr
+    assert done.stderr.endswith(f"next: hbench report {tmp_path / 'again'}\n")
     again = load_campaign(tmp_path / "again")
     assert len(again.plans) == len(load_campaign(leaking / "campaign").plans)
     assert all("SIMULATED by model.yaml" in plan.label for plan in again.plans)

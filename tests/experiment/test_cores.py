@@ -151,7 +151,7 @@ def test_what_ends_the_host_ends_all_within_seconds_and_resume_goes_on(run, quic
         assert host.leaves_nobody()
         assert code == (-signal.SIGKILL if number == signal.SIGKILL else 130), told
         assert "Traceback" not in told
-        assert code < 0 or "interrupted; go on with --resume" in told
+        assert code < 0 or "interrupted; the same command with --resume goes on" in told
         begun = [folder for folder in campaigns if (folder / "campaign.yaml").exists()]
         made = sum(len(load_campaign(folder).done) for folder in begun)
         assert made < 100
