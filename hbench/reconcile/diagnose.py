@@ -118,8 +118,8 @@ def diagnose(task: Task) -> Diagnosis:
     usable, left_out = _usable(task.runs)
     missing = (*missing_channels(usable), *what_is_missing([run.plan for run in usable]))
     if few := too_few(usable):
-        found = too_little(task, tuple(dict.fromkeys((*few, *missing))), left_out)
-        return replace(found, next_experiment=f"{found.next_experiment} {_LIBRARY}")
+        nothing = too_little(task, tuple(dict.fromkeys((*few, *missing))), left_out)
+        return replace(nothing, next_experiment=f"{nothing.next_experiment} {_LIBRARY}")
     trials = Counter(point_of(run.plan) for run in usable)
     repeated = {point for point, count in trials.items() if count > 1}
     task = replace(task, runs=tuple(run for run in usable if point_of(run.plan) in repeated))
