@@ -19,7 +19,7 @@ BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 
 
 def hbench(*arguments, command=("simulate",)):
-    python = [sys.executable, "-c", "from hbench.cli.main import main; main()"]
+    python = [sys.executable, "-P", "-c", "from hbench.cli.main import main; main()"]
     return subprocess.run(
         [*python, *map(str, (*command, *arguments))], capture_output=True, text=True
     )
