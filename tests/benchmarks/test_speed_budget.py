@@ -18,7 +18,7 @@ import pytest
 CONFIGS = Path(__file__).parents[2] / "configs"
 HERE = Path(__file__).parent
 ROUNDS = 3
-HBENCH = [sys.executable, "-m", "hbench"]
+HBENCH = [sys.executable, "-P", "-m", "hbench"]  # the installed one
 REPORT_S = 5.0  # for 360 runs
 
 

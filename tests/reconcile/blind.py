@@ -101,7 +101,7 @@ def outcomes(folder: Path) -> list[Outcome]:
     done = {}
     if known.exists():
         rows = (json.loads(line) for line in known.read_text().splitlines())
-        done = {row["name"]: Outcome(**row) for row in rows}
+        done = {row["name"]: _read(row) for row in rows}
     campaigns = sorted((one.parent for one in folder.glob("[!.]*/campaign.yaml")), key=_turn)
     left = [one for one in campaigns if one.name not in done]
     for one in on_all_cores(partial(_one, campaigns[0]), left) if left else ():
@@ -110,6 +110,12 @@ def outcomes(folder: Path) -> list[Outcome]:
             file.write(json.dumps(asdict(one)) + "\n")
         print(row(one), flush=True)
     return [done[one.name] for one in campaigns if one.name in done]
+
+
+def _read(row: dict) -> Outcome:
+    """Return an outcome from its line, whose lists were tuples."""
+    tuples = {key: tuple(value) for key, value in row.items() if isinstance(value, list)}
+    return Outcome(**row | tuples)
 
 
 def _turn(folder: Path) -> tuple[int, str]:
