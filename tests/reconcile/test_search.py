@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -122,6 +123,25 @@ def test_intervals_hold_the_truth_of_an_effect_of_the_catalogues_own_law():
     share = np.mean(inside, axis=0)
     print("test leak, load leak, bulk modulus, valve gain: inside 95 % intervals", share)
     assert share[:2].mean() >= 0.9
+
+
+# ---- moving
+
+
+@pytest.mark.parametrize(("found", "moves"), [(1.0, True), (12.0, False)])
+def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(found, moves):
+    """What a simulation makes of the best step may be worse than before it."""
+    scatter = np.random.default_rng(4).standard_normal(40)
+    before, cushion = lacking(scatter + 6 * lacking(scatter)[1])
+    there, _ = lacking(found * scatter)
+
+    class Simulated(Search):
+        def at(self, hypothesis):
+            return there
+
+    measured = SimpleNamespace(plant=None)
+    search = Simulated(measured, None, 1, {}, np.arange(40), ("end_cushion",))
+    assert search.settled(before, ("end_cushion",)) is (there if moves else before)
 
 
 # ---- thresholds
