@@ -152,6 +152,12 @@ def lacking_channels(run: Run, name: str) -> tuple[str, ...]:
     return tuple(channel for channel in _CHANNELS[name] if not _has(run, channel))
 
 
+def incomplete(run: Run) -> str:
+    """Tell what a run's log lacks at its end or inside; empty for a whole one."""
+    inside = f"{run.missing_records} records are missing inside the log"
+    return run.truncated or (inside if run.missing_records else "")
+
+
 def _has(run: Run, *names: str) -> bool:
     return all(getattr(run, name) is not None for name in names)
 

@@ -10,7 +10,7 @@ import numpy as np
 from hbench.config.bench import Bench, Plant
 from hbench.errors import DataError
 from hbench.model.effects import EFFECTS
-from hbench.reconcile.balances import BALANCES, lacking_channels, prepared, residuals
+from hbench.reconcile.balances import BALANCES, incomplete, lacking_channels, prepared, residuals
 from hbench.reconcile.estimates import Estimates, estimate
 from hbench.reconcile.gap import GapMap, gaps, point_of
 from hbench.reconcile.gap_tables import Stages
@@ -200,9 +200,7 @@ def _usable(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
     """Return whole runs, and why the others take no part."""
     usable, left_out = [], []
     for run in runs:
-        why = run.aborted or run.truncated
-        if not why and run.missing_records:
-            why = f"{run.missing_records} records are missing inside the log"
+        why = run.aborted or incomplete(run)
         if not why and run.plan.motion is None:
             why = "its motion is not known, so no simulation can make it"
         if why:

@@ -16,7 +16,7 @@ from hbench.errors import DataError
 from hbench.model.effects import changed_by, read_effects
 from hbench.model.sensors import CHANNELS, sensor_gains, sensor_parameters
 from hbench.model.simulated_bench import as_run
-from hbench.reconcile.balances import model
+from hbench.reconcile.balances import incomplete, model
 from hbench.reconcile.signals import INPUTS, NEEDED, SIGNALS, open_loop
 from hbench.reconcile.weak import sampling
 from hbench.records import Off, Run
@@ -75,8 +75,8 @@ def _why_not(run: Run) -> str:
     lacks = [FIELDS[name] for name in NEEDED if getattr(run, FIELDS[name]) is None]
     if lacks:
         return f"the model needs {', '.join(lacks)}"
-    if run.truncated or run.missing_records:
-        return run.truncated or f"{run.missing_records} records are missing inside the log"
+    if why := incomplete(run):
+        return why
     try:
         sampling(run)
     except DataError as error:
