@@ -29,7 +29,7 @@ def reconcile(
     Verdicts: named; ambiguous (with the experiment that would tell, as next.yaml); unknown (the
     disagreement's shape is shown); none.
 
-    Example: hbench reconcile telling --model configs/model-aau.yaml -o diagnosis
+    Example: hbench reconcile telling --model my-bench/bench-aau.yaml -o diagnosis
     """
     from hbench import workflow
     from hbench.cli.progress import ProgressLine

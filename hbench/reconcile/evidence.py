@@ -14,9 +14,9 @@ n_g is the number of operating points in the group. v_g is not taken for less th
 The maximum is found by weighted least squares with weights n_g / v_g, a few times over.
 
 The score of a candidate is its gain in ln L on operating points that its fit has not seen: each of
-five folds is predicted by the others. Nulls are the same differences with the sign of each
-operating point drawn at random, which keeps their sizes and whatever holds within a run: what no
-effect explains, however large it is.
+five folds is predicted by the others. Nulls are differences with the sign of each operating point
+drawn at random, which keeps their sizes and whatever holds within a run. A candidate's are those
+that it leaves itself: what it does not explain, however large it is.
 """
 
 from collections.abc import Sequence

@@ -41,9 +41,9 @@ _OVERLAY = (
 )
 _RANKING = (
     "Score of each candidate on operating points left out, and the share of the excess gap that it "
-    "explains there. Upright line: its threshold, the most that its like reach in 98 % of draws in "
-    "which what it leaves has random signs; 5 nats at least. Filled: simulated with the effect; "
-    "hollow: judged by its signature alone. Blue: named or in the ambiguous set."
+    "explains there. Upright line: its threshold; where it was simulated and could be named, drawn "
+    "by chance from what it leaves. Filled: simulated with the effect; hollow: judged by its "
+    "signature alone. Blue: named or in the ambiguous set."
 )
 _REFITTED = (
     "Factors on values of the model that are known badly, fitted before effects are sought, with "

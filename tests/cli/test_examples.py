@@ -81,8 +81,7 @@ def image(world):
 def too_few_runs(world):
     """Answered without a search: what is missing."""
     shutil.copytree(ROOT / "data_samples" / "bad-runs", world / "telling")
-    for name in ("model-aau.yaml", "bench-aau.yaml"):
-        shutil.copy(ROOT / "configs" / name, world / "configs")
+    bench_file(world)
 
 
 def nothing(world):
