@@ -15,6 +15,9 @@ from typing import Any
 from hbench.errors import DeviceError
 
 _AHEAD = 2  # arguments a process: it never waits for the next one
+_INTERRUPTS = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+]
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -97,15 +100,38 @@ def usable_cores() -> int:
 
 @contextmanager
 def _deaf_to_ctrl_c() -> Iterator[None]:
-    """Let processes that are started in here never hear Ctrl-C, this one only when it's over."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows: they end by it, and say so
+    """Let processes that are started in here never hear Ctrl-C.
+
+    What would interrupt this process in between does it when they have all that they wait for.
+    """
+    masks = hasattr(signal, "pthread_sigmask")  # not on Windows: they end by it, and say so
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
+    try:
+        with _interrupted_afterwards():  # the mask is this thread's; others still hear it
+            yield
+    finally:
+        if masks:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _interrupted_afterwards() -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():  # only that one is interrupted
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    heard: list[int] = []
+    handlers = {
+        number: handler for number in _INTERRUPTS if callable(handler := signal.getsignal(number))
+    }
     try:
+        for number in handlers:
+            signal.signal(number, lambda number, _: heard.append(number))
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for number in heard[:1]:
+            signal.raise_signal(number)
 
 
 @contextmanager

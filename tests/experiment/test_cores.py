@@ -32,6 +32,28 @@ from hbench.cli.main import main
 main()
 """
 
+INTERRUPTED_WHILE_STARTING = """
+import signal, threading, time
+from multiprocessing import util
+from hbench.experiment.cores import on_all_cores
+
+def start(path, arguments, descriptors):
+    pid = plain_start(path, arguments, descriptors)
+    if "spawn_main" in str(arguments):  # it waits for what it is to do
+        signal.pthread_kill(another.ident, signal.SIGINT)
+        time.sleep(0.2)
+    return pid
+
+plain_start, util.spawnv_passfds = util.spawnv_passfds, start
+signal.signal(signal.SIGINT, signal.default_int_handler)
+another = threading.Thread(target=time.sleep, args=(60,), daemon=True)
+another.start()
+try:
+    list(on_all_cores(abs, range(3)))
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
 
 class Host:
     """``hbench run SCHEDULE -o OUT ...`` as the leader of a group of processes."""
@@ -169,6 +191,17 @@ def test_ctrl_c_before_anything_is_made_ends_it_without_a_traceback(run, quick_s
     code, told = host.ended(AT_ONCE_S)
     assert host.leaves_nobody()
     assert code == 130 and "Traceback" not in told, told
+
+
+def test_ctrl_c_that_another_thread_hears_while_a_process_is_started_waits_for_it():
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED_WHILE_STARTING],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert (done.stdout, done.stderr) == ("interrupted\n", "")
 
 
 def test_a_killed_worker_ends_all_with_a_cause_and_leaves_what_is_finished(
