@@ -14,7 +14,10 @@ from hbench import __version__, errors, workflow
 from hbench.cli.main import app, main
 from hbench.errors import ExitCode
 
-README = Path(__file__).parents[2] / "README.md"
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+PAGES = [README, *ROOT.glob("configs/README.md"), *ROOT.glob("firmware/**/README.md")]
+PAGES += sorted(ROOT.glob("hbench/*/README.md"))
 NAMED = "import sys; sys.argv[0] = 'hbench'; from hbench.cli.main import main; main()"
 
 
@@ -23,24 +26,41 @@ def test_the_readme_tells_every_exit_code():
     assert [int(code) for code in told] == [*ExitCode, 130]
 
 
-def lines_of_the_readme():
-    blocks = re.findall(r"^```sh\n(.*?)^```", README.read_text(), re.M | re.S)
+def lines_of_the_pages():
+    blocks = [
+        block
+        for page in PAGES
+        for block in re.findall(r"^```sh\n(.*?)^```", page.read_text(), re.M | re.S)
+    ]
     lines = [line for block in blocks for line in block.splitlines()]
     return [line for line in lines if line.startswith("hbench ")]
 
 
-@pytest.mark.parametrize("line", lines_of_the_readme())
-def test_each_line_of_the_readme_is_one_that_the_command_takes(line):
+@pytest.mark.parametrize("line", lines_of_the_pages())
+def test_each_line_of_a_page_is_one_that_the_command_takes(line):
     """Its arguments are read as the command reads them; nothing is run."""
     name, *arguments = shlex.split(line, comments=True)[1:]
     command = typer.main.get_command(app).commands[name]
     command.make_context(name, arguments)
 
 
-def test_the_readme_names_no_file_that_is_not_there():
-    named = re.findall(r"\]\(([^)#:]+)\)", README.read_text())
-    assert len(named) > 10
-    assert [one for one in named if not (README.parent / one).exists()] == []
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_page_links_to_files_that_are_there_and_to_headings_that_are_in_them(page):
+    linked = re.findall(r"\]\(([^)#:]*)(?:#([^)]+))?\)", page.read_text())
+    for file, heading in linked:
+        there = page.parent / file if file else page
+        assert there.exists(), file
+        titles = re.findall(r"^#+ (.*)$", there.read_text(), re.M) if heading else []
+        assert not heading or heading in [
+            re.sub(r"[^a-z0-9 -]", "", title.lower()).replace(" ", "-") for title in titles
+        ]
+
+
+def test_all_pages_can_be_reached_from_the_readme():
+    named = re.findall(r"\]\(([^)#:]+)", README.read_text())
+    reached = {(ROOT / one / "README.md" if (ROOT / one).is_dir() else ROOT / one) for one in named}
+    assert len(PAGES) > 7
+    assert set(PAGES) - reached - {README} == set()
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 """Each fault against the simulated bench: how soon the valves are neutral, how far it still goes.
 
-``pytest -s tests/firmware/test_safety_on_the_plant.py`` prints the table of the README.
+``pytest -s tests/firmware/test_safety_on_the_plant.py`` prints the table of firmware/README.md.
 """
 
 import pytest
