@@ -18,6 +18,8 @@ _AHEAD = 3  # arguments a thread of the cluster: the next ones are there when on
 _CONNECT_S = 10.0
 _PATIENCE_S = 60.0  # without any worker, or without the scheduler
 _LOOK_S = 1.0  # how often that is looked at
+_PLUGIN = "hbench: no profiles"
+_PROFILES = ("profile", "profile-cycle")  # of a worker's periodic callbacks
 
 
 @contextmanager
@@ -56,10 +58,33 @@ def connected(address: str) -> "Iterator[Client]":
                 "Start one with 'dask scheduler', which prints its address.",
             ) from None
         try:
+            with suppress(Exception):  # what is wrong with the workers is told of the first work
+                client.register_plugin(_without_profiles(), _PLUGIN)
             yield client
         finally:
             with suppress(Exception):  # a scheduler that is gone
+                client.unregister_worker_plugin(_PLUGIN)
+            with suppress(Exception):
                 client.close(timeout=5)
+
+
+def _without_profiles() -> Any:
+    """Return what ends the workers' profiles, of which each second's is kept for an hour."""
+    from distributed import WorkerPlugin
+
+    class WithoutProfiles(WorkerPlugin):
+        def setup(self, worker):
+            periodic = worker.periodic_callbacks
+            self.ended = {name: periodic.pop(name) for name in _PROFILES if name in periodic}
+            for each in self.ended.values():
+                each.stop()
+
+        def teardown(self, worker):
+            worker.periodic_callbacks |= self.ended
+            for each in self.ended.values():
+                each.start()
+
+    return WithoutProfiles()
 
 
 def on_cluster(

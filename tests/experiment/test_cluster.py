@@ -136,6 +136,31 @@ def test_ctrl_c_keeps_what_is_done_and_frees_the_cluster(loopback, line, tmp_pat
     assert code == 0 and "of 40 campaigns are done already" in told, told
 
 
+def profiles(client) -> list[bool]:
+    """Tell of each worker whether it makes profiles."""
+
+    def makes(dask_worker):
+        made = [dask_worker.periodic_callbacks.get(name) for name in ("profile", "profile-cycle")]
+        return all(each is not None and each.is_running() for each in made)
+
+    return list(client.run(makes).values())
+
+
+def test_workers_make_no_profiles_while_hbench_is_connected_also_those_that_join(loopback):
+    """Each second's is kept for an hour: a worker's memory would grow by some 50 kB a second."""
+    from distributed import Client
+
+    dask = loopback(1)
+    with Client(dask.address, set_as_default=False) as other:
+        assert profiles(other) == [True]
+        with cluster.connected(dask.address):
+            assert profiles(other) == [False]
+            dask.worker()
+            other.wait_for_workers(2, timeout=60)
+            assert profiles(other) == [False, False]
+        assert profiles(other) == [True, True]
+
+
 def test_no_worker_for_long_and_nobody_at_the_address_are_errors_with_a_hint(
     loopback, line, tmp_path, monkeypatch
 ):
