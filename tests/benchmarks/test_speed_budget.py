@@ -6,6 +6,7 @@ after its first use. Wall time, the best of some rounds in which both sides take
 """
 
 import json
+import shutil
 import subprocess
 import sys
 import time
@@ -74,6 +75,17 @@ def reconciled(schedule: str, folder: Path) -> Iterator[Row]:
     yield Row(task, ours, "the bench itself", told["seconds"], 0.15, 1)
 
 
+def fleet(schedule: str, folder: Path, campaigns: int = 20) -> Iterator[Row]:
+    """Many copies of a campaign; without ``hbench fleet`` one would analyze them in a loop."""
+    line = [folder / "line" / str(number) for number in range(campaigns)]
+    for copy in line:
+        shutil.copytree(folder / schedule, copy)
+    ours = [*HBENCH, "fleet", folder / "line", "-o", folder / "fleet"]
+    loop = 'for campaign in "$@"; do "$0" -P -m hbench analyze "$campaign" > /dev/null; done'
+    other = ["sh", "-c", loop, sys.executable, *line]
+    yield Row(f"fleet, {campaigns} campaigns", ours, "analyze, in a loop", other, 0.5, 1)
+
+
 def measured(rows: Iterator[Row]) -> dict[str, float]:
     """Print the table as it comes; return the seconds of each task. A slow one fails at the end."""
     print(f"\n{'task':24}{'hbench':>8}   {'beside':28}{'':>8}{'ratio':>8}{'limit':>7}")
@@ -105,6 +117,7 @@ def test_the_small_campaign_keeps_its_budget(tmp_path):
     def rows():
         yield from start_up()
         yield from campaign("demo", tmp_path)
+        yield from fleet("demo", tmp_path)
 
     measured(rows())
 
@@ -117,6 +130,7 @@ def test_the_whole_campaign_and_reconcile_keep_their_budget(tmp_path):
         yield from start_up()
         yield from campaign("demo", tmp_path)
         yield from campaign("stribeck", tmp_path)
+        yield from fleet("demo", tmp_path)
         yield from reconciled("discriminate", tmp_path)
 
     assert measured(rows())["report, 360 runs"] < REPORT_S
