@@ -17,10 +17,11 @@ from statistics import median
 import pytest
 import yaml
 from loopback import Loopback
-from made_fleet import made_table
+from made_fleet import MIDDLE, made_table
 
 from hbench import workflow
 from hbench.experiment import cores
+from hbench.records import QUANTITIES
 from hbench.workflow.fleet_summary import summarize
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -168,6 +169,7 @@ def test_a_thousand_campaigns(loopback, tmp_path):
     for kind, memory in seen.memory.items():
         print(f"{kind}: {seen.cpu_ms(kind, 100):.1f} ms of CPU time a campaign, "
               f"{memory[99]:.0f} MB at 100, {memory[-1]:.0f} MB at 1000")  # fmt: skip
+    two.close()
     here = Watched(line, tmp_path / "here", None)
     print(f"1000 campaigns on this machine's {cores.usable_cores()} cores: {here.wall_s:.0f} s")
     tables = [(tmp_path / name / "fleet.parquet").read_bytes() for name in ("out", "here")]
@@ -203,15 +205,16 @@ def _made(folder: Path) -> list[Path]:
 
 
 def _a_million(folder: Path, seen: Watched) -> None:
-    """Print what a million would take: from the thousand, and from the page of 30 000 rows."""
+    """Print what a million would take: from the thousand, and from 30 000 rows that are drawn."""
     each = seen.cpu_ms("workers", 100) / 1e3
     out = folder / "out"
-    table = (out / "fleet.parquet").stat().st_size / 1000
     rows = (out / "fleet.sqlite").stat().st_size / 1000
     made_table(folder / "rows", 30_000)
+    table = (folder / "rows" / "fleet.parquet").stat().st_size / 30_000
     before, memory = time.perf_counter(), _rss_mb(os.getpid())
     summarize(folder / "rows")
     took, more = time.perf_counter() - before, _rss_mb(os.getpid()) - memory
     print(f"a million, from this: {each * MILLION / 3600:.0f} h of one core; fleet.parquet "
-          f"{table * MILLION / 1e6:.0f} MB, fleet.sqlite {rows * MILLION / 1e6:.0f} MB; the page's "
+          f"{table * MILLION / 1e6:.0f} MB with {2 * len(MIDDLE)} of its {2 * len(QUANTITIES)} "
+          f"numbers, fleet.sqlite {rows * MILLION / 1e6:.0f} MB; the page's "
           f"numbers of 30 000 rows took {took:.1f} s and {more:.0f} MB")  # fmt: skip
