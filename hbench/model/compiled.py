@@ -30,7 +30,7 @@ def _cache_folder() -> str:
 
 
 _CACHE = _cache_folder()
-_OPTIONS = {"forceinline": True, "error_model": "numpy", "_nrt": False}
+_OPTIONS = {"forceinline": True, "error_model": "numpy", "nogil": True, "_nrt": False}
 
 
 def compiled(function: Callable) -> Any:

@@ -1,6 +1,7 @@
 """Gaps before and after, over some runs and of each, with the floor of a model that is right."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -61,15 +62,12 @@ class _View:
         made: Sequence[tuple[Logs, Model]],
         drawn: Sequence[Logs],
     ):
-        sides = [
-            ([view(log, known) for log in measured], [view(log, known) for log in logs])
-            for logs, known in made
-        ]
+        sides = [(_seen(view, measured, known), _seen(view, logs, known)) for logs, known in made]
         self._maps = [differences(*both) for both in sides]
         self._runs = [gaps_of_runs(*both) for both in sides]
         self._points = {log.run.plan.run: point_of(log.run.plan) for log in measured}
         last, known = sides[-1][1], made[-1][1]
-        self._drawn = [differences(last, [view(log, known) for log in logs]) for logs in drawn]
+        self._drawn = [differences(last, _seen(view, logs, known)) for logs in drawn]
 
     def over(self, points: frozenset[Hashable]) -> dict[str, BeforeAfter]:
         return self._named([_gaps(_at(found, points)) for found in self._maps], points)
@@ -89,6 +87,12 @@ class _View:
             for i, name in enumerate(unit.names)
             if all(np.isfinite(column[i]) for column in columns)
         }
+
+
+def _seen(view: Callable[[Prepared, Model], Windowed], logs: Logs, known: Model) -> list[Windowed]:
+    """Return a view of each log; open loops, which are compiled, run side by side."""
+    with ThreadPoolExecutor() as pool:
+        return list(pool.map(lambda log: view(log, known), logs))
 
 
 def _table(parts: dict[str, dict[str, BeforeAfter]]) -> GapTable:
