@@ -17,10 +17,15 @@ from hbench.report.inline_svg import inline
 from hbench.report.style import DARK
 from hbench.report.word_tables import Cell, Table
 
-_NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|")
+_NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not shown|")
 _SYMBOL = re.compile(
-    r"\b(?:([AFPp])_(\w+)|(k)_(\d)\b|(v)_(SW|stribeck)\b|(m)_(T)\b|(U)_(95)(?!\d))"
+    r"\b(?:([AFPp])_(\w+)|(k|a)_(\d)\b|(v)_(SW|stribeck)\b|(m)_(T)\b|(U)_(95)(?!\d))"
 )
+BANNERS = {
+    "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
+    "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
+    "real": "Measured on a bench that hbench ran.",
+}
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
 
@@ -61,11 +66,25 @@ class Document:
     verdict: str = ""
     banner: str = ""  # what must not be missed: where the numbers come from
     source: str = ""  # simulated, imported, real: the banner's colour
+    folder: str = ""  # tells reports of the same title apart, in a browser's tab or a reader's list
+
+    @property
+    def tab(self) -> str:
+        """Return the title with the folder's name before it and the source behind."""
+        source = f" ({self.source})" if self.source else ""
+        return ": ".join(filter(None, (self.folder, self.title))) + source
 
 
-def document(title: str, subtitle: str, sections: tuple[Section, ...], verdict: str = "") -> str:
-    """Return a page of sections."""
-    return page(Document(title, subtitle, sections, verdict))
+def document(
+    title: str,
+    subtitle: str,
+    sections: tuple[Section, ...],
+    verdict: str = "",
+    source: str = "",
+) -> str:
+    """Return a page of sections; ``source`` is that of the numbers, where they are simulated."""
+    banner = BANNERS["simulated"] if source == "simulated" else ""
+    return page(Document(title, subtitle, sections, verdict, banner, source if banner else ""))
 
 
 def page(made: Document) -> str:
@@ -110,7 +129,7 @@ def _environment() -> Environment:
         "slug": slug,
         "inline": inline,
         "csv_link": _csv_link,
-        "numeric": _numeric,
+        "numeric": numeric,
         "flag": lambda cell: cell.flag if isinstance(cell, Cell) else "",
         "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
         "words": lambda cell: cell.text if isinstance(cell, Cell) else _subscripts(cell),
@@ -125,7 +144,7 @@ def _csv_link(drawing: Drawing) -> str:
     return "data:text/csv;charset=utf-8," + quote(drawing.csv, safe="!$()*+,-./:;=?@_~")
 
 
-def _numeric(table: WordTable | Table) -> set[int]:
+def numeric(table: WordTable | Table) -> set[int]:
     """Return the columns that hold numbers, or that there are none."""
     if isinstance(table, Table):
         return {i for i, name in enumerate(table.head) if name not in table.words}

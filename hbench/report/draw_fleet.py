@@ -132,8 +132,8 @@ def _read_as(own: Iterable[Spread]) -> str:
 
 def _trends(own: Iterable[Spread]) -> str:
     if any(one.trend is not None and one.trend.real for one in own):
-        return "A line is a trend that is told from none, after Theil and Sen."
-    return "No trend is told from none."
+        return "Line: a trend that chance does not explain (Theil and Sen's line)."
+    return "No trend: chance explains what is seen."
 
 
 def _span_days(found: Fleet) -> float:

@@ -1,11 +1,12 @@
 """The page's tables of fits: parameters of each law, and how well laws predict unseen speeds."""
 
 import math
+import re
 
 from hbench.records import Fit, FitParameter, Results, Selection
 from hbench.report.page_tables import WHO, table, who, who_text
 from hbench.report.rod_side import told_apart
-from hbench.report.text import short, significant, with_ends
+from hbench.report.text import significant, with_ends
 from hbench.report.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -19,11 +20,18 @@ PARAMETERS = {
     "low_slope_n_s_m": ("Slope below v_SW", "N s/m"),
     "high_slope_n_s_m": ("Slope above v_SW", "N s/m"),
     "v_switch_m_s": ("Switch velocity v_SW", "mm/s"),
-    "k1_n": ("k1", "N"),
-    "k2_s_m": ("k2", "s/m"),
-    "k3_n_pa": ("k3", "N/bar"),
-    "k4_n_pa": ("k4", "N/bar"),
-    "k5_n_s_m": ("k5", "N s/m"),
+    "k1_n": ("k_1", "N"),
+    "k2_s_m": ("k_2", "s/m"),
+    "k3_n_pa": ("k_3", "N/bar"),
+    "k4_n_pa": ("k_4", "N/bar"),
+    "k5_n_s_m": ("k_5", "N s/m"),
+}
+LAWS = {
+    "tustin": "Tustin",
+    "marton_lantos": "Marton and Lantos",
+    "pressure_based": "Pressure-based",
+    "lugre": "LuGre",
+    "leuven": "Leuven",
 }
 _ALL = "all loads and directions"
 
@@ -48,7 +56,7 @@ def fit_tables(results: Results) -> dict[str, Table]:
         for _, words, fit in chosen:
             if fit.message:
                 told.setdefault(fit.message, []).append(words)
-        messages = [f"{'; '.join(words)}: {message}" for message, words in told.items()]
+        messages = [f"{'; '.join(words)}: {in_words(message)}" for message, words in told.items()]
         tables[law] = table((*WHO, *heads, "RMS residual (N)"), rows, messages)
     return tables
 
@@ -63,7 +71,9 @@ def selection_table(results: Results) -> Table:
 
 
 def _selected(found: Selection) -> tuple[str, ...]:
-    best, following = (f"{one.law} ({short(one.rmse_n)} N)" for one in found.laws[:2])
+    best, following = (
+        f"{law_words(one.law)} ({significant(one.rmse_n, 3)} N)" for one in found.laws[:2]
+    )
     verdict = "told apart" if found.told_apart else "not told apart"
     return (
         best,
@@ -72,6 +82,18 @@ def _selected(found: Selection) -> tuple[str, ...]:
         significant(found.difference_se_n2, 2),
         f"{verdict} by {found.speeds} speeds",
     )
+
+
+def law_words(law: str) -> str:
+    """Return what a friction law is called; one that is not in the table keeps its name."""
+    return LAWS.get(law, law.replace("_", " "))
+
+
+def in_words(text: str) -> str:
+    """Write parameters of laws in a sentence by what they are called, not by their keys."""
+    for name, (words, _) in PARAMETERS.items():
+        text = re.sub(rf"\b{name}\b", words, text)
+    return text
 
 
 def _parameter_head(name: str, unit: str) -> str:

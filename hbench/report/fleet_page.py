@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import PurePath
 
 from hbench.records import Fleet, WordTable
-from hbench.report.document import Document, Section, Tile, page
+from hbench.report.document import BANNERS, Document, Section, Tile, page
 from hbench.report.draw_fleet import DISTRIBUTIONS, DRIFTS
 from hbench.report.figures import Drawing
 from hbench.report.fleet_text import (
@@ -15,12 +15,12 @@ from hbench.report.fleet_text import (
     trend_table,
     verdict,
 )
-from hbench.report.page import BANNERS
 from hbench.report.style import TITLES
-from hbench.report.text import span
+from hbench.report.text import alike
 from hbench.report.word_tables import Cell, Table
 
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
+_ALSO = 2  # further outlying numbers that a row names
 _METHOD = (
     (
         "Numbers",
@@ -30,8 +30,8 @@ _METHOD = (
     ),
     (
         "Compared",
-        "Only campaigns of the same kind: diameters, loads and working speed. Those of the most "
-        "frequent kind are judged here; analyze others by a call of their own.",
+        "Only campaigns of the same kind: areas of piston and rod side, loads and working speed. "
+        "Those of the most frequent kind are judged here; analyze others by a call of their own.",
     ),
     (
         "Spread",
@@ -75,7 +75,8 @@ def fleet_document(found: Fleet, drawings: Iterable[Drawing]) -> Document:
     banner = "Some of the campaigns are simulated." if "simulated" in sources else ""
     if len(sources) == 1:
         banner = BANNERS.get(sources[0], "") if sources[0] == "simulated" else ""
-    span = "" if found.first is None else f"{found.first:%Y-%m-%d} to {found.last:%Y-%m-%d}"
+    days = [] if found.first is None else [f"{day:%Y-%m-%d}" for day in (found.first, found.last)]
+    span = " to ".join(dict.fromkeys(days))
     return Document(
         f"Fleet of {found.campaigns} campaigns",
         " · ".join(filter(None, ("Friction and efficiency of cylinders side by side", span))),
@@ -114,7 +115,7 @@ def _tiles(found: Fleet) -> Iterator[Tile]:
         if one.quantity.name in ("friction_n", "efficiency"):
             scale = one.quantity.scale
             words = f"{one.quantity.words.split()[0].lower()}, {TITLES[one.direction].lower()}"
-            value = span((scale * one.low, scale * one.high))
+            value = alike((scale * one.low, scale * one.high))
             words = f"{words}: 5 to 95 % of the campaigns"
             yield Tile(value, one.quantity.unit, words, "method-spread")
     for grade, count in found.qualities:
@@ -127,7 +128,7 @@ def _protocols(found: Fleet) -> tuple[Table, ...]:
         for i, (words, count) in enumerate(found.protocols)
     )
     title = "Kinds of campaigns" if len(rows) > 1 else "Kind of campaign"
-    words = frozenset({"Diameters, loads, working speed"})
+    words = frozenset({"Piston and rod-side areas, loads, working speed"})
     return (Table(("Campaigns", *words), rows, words, title=title),) if rows else ()
 
 
@@ -139,14 +140,24 @@ def _worst(found: Fleet) -> Table:
         remarks = (
             *([] if one.started is None else [f"{one.started:%Y-%m-%d}"]),
             *([] if one.quality == "good" else [f"data: {one.quality}"]),
-            *(f"also {words}" for words in others(one)),
+            _also(tuple(others(one))),
             one.path,
         )
         numbers = map(Cell, cells(one)[:-1])
-        rows.append((Cell(name, flag, one.report), *numbers, Cell("; ".join(remarks))))
+        rows.append(
+            (Cell(name, flag, one.report), *numbers, Cell("; ".join(filter(None, remarks))))
+        )
     last = "Started; remarks; folder"
     words = frozenset({"Campaign", "Number", last})
     return Table(("Campaign", *WORST_HEAD[:-1], last), tuple(rows), words)
+
+
+def _also(further: tuple[str, ...]) -> str:
+    """Write the first of the further numbers in which a campaign is an outlier."""
+    if not further:
+        return ""
+    rest = f" and {len(further) - _ALSO} more" if len(further) > _ALSO else ""
+    return f"also {', '.join(further[:_ALSO])}{rest}"
 
 
 def _failures(found: Fleet) -> Section:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 
 from hbench.records import WordTable
-from hbench.report.document import Document, Section
+from hbench.report.document import Document, Section, numeric
 from hbench.report.word_tables import Cell, Table
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
@@ -51,7 +51,9 @@ def _blocks(section: Section, level: int) -> Iterator[str]:
 
 def _table(table: WordTable | Table) -> Iterator[str]:
     yield _row(table.head)
-    yield _row(["---"] * len(table.head), as_it_is=True)
+    right = numeric(table)
+    rules = ["---:" if column in right else "---" for column in range(len(table.head))]
+    yield _row(rules, as_it_is=True)
     yield from (_row([words(cell) for cell in row]) for row in table.rows)
 
 

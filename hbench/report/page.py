@@ -5,10 +5,10 @@ from dataclasses import replace
 
 from hbench.records import Results
 from hbench.report import page_motions, page_tables
-from hbench.report.document import Document, Section, page
+from hbench.report.document import BANNERS, Document, Section, page
 from hbench.report.draw_rejected import has_rejected
 from hbench.report.figures import Drawing
-from hbench.report.fit_tables import fit_tables, selection_table
+from hbench.report.fit_tables import fit_tables, law_words, selection_table
 from hbench.report.method import method_section
 from hbench.report.quality import verdict
 from hbench.report.settings import settings_section
@@ -18,11 +18,6 @@ from hbench.report.word_tables import Table
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _FEW = 3  # and a longer one of a fit's remarks
 
-BANNERS = {
-    "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
-    "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
-    "real": "Measured on a bench that hbench ran.",
-}
 _PREDICTS = (
     "Each speed but the lowest and the highest is left out in turn and predicted from the rest. In "
     "parentheses the RMS error of these predictions; then the difference of the mean squares with "
@@ -45,17 +40,22 @@ def report_document(
     drawings: Iterable[Drawing],
     speed_m_s: float | None = None,
     more: tuple[Section, ...] = (),
+    folder: str = "",
 ) -> Document:
     """Return the report; ``speed_m_s`` is the working speed, ``more`` stands before the rejected.
 
-    Without a working speed it is the middle one of those measured.
+    Without a working speed it is the middle one of those measured. ``folder`` is the name of the
+    campaign's folder, which tells campaigns of one schedule apart.
     """
     figures: dict[str, tuple[Drawing, ...]] = {}
     for drawing in drawings:
         figures[drawing.section] = (*figures.get(drawing.section, ()), drawing)
     made = results.provenance
     bench = made.bench if made.bench != made.name else ""
-    words = ("Friction and efficiency of a cylinder", bench, made.started[:10])
+    folder = folder if folder != made.name else ""
+    imported = "imported " if made.source == "imported" else ""
+    day = imported + made.started[:10]
+    words = (folder, "Friction and efficiency of a cylinder", bench, day)
     sections = (
         summary_section(results, speed_m_s),
         _friction(results, figures.get("friction", ())),
@@ -75,6 +75,7 @@ def report_document(
         verdict(results),
         BANNERS[made.source],
         made.source,
+        folder,
     )
 
 
@@ -97,7 +98,7 @@ def _fits(results: Results) -> tuple[Section, ...]:
     sections = []
     parts: list[Section] = []
     for law, table in fit_tables(results).items():
-        parts.append(Section(law.replace("_", " ").capitalize(), tables=(table,)))
+        parts.append(Section(law_words(law), tables=(table,)))
         if len(table.messages) > _FEW:
             words = f"Remarks on these fits ({len(table.messages)})"
             parts.append(Section(words, items=table.messages, folded=True))

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from hbench.records import WordTable
-from hbench.report.document import Document, Section
+from hbench.report.document import Document, Section, numeric
 from hbench.report.figures import PNG_DPI, Drawing
 from hbench.report.markdown import words
 from hbench.report.style import RC
@@ -36,7 +36,7 @@ def pdf(made: Document) -> bytes:
     """Return ``made`` as an A4 PDF; the same document gives the same bytes."""
     target = io.BytesIO()
     with rc_context({**RC, "pdf.fonttype": 42}):
-        with PdfPages(target, metadata={"CreationDate": None, "Title": made.title}) as file:
+        with PdfPages(target, metadata={"CreationDate": None, "Title": made.tab}) as file:
             for sheet in sheets(made):
                 file.savefig(sheet)
     return target.getvalue()
@@ -164,8 +164,14 @@ def _aligned(table: WordTable | Table) -> list[str]:
     rows = [tuple(table.head), *(tuple(map(words, row)) for row in table.rows)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     most = int(_WIDE_IN * 72 / (_CELLS * _LETTER))
+    needed = [max(map(len, cells)) for cells in zip(*rows[1:], strict=True)] or widths
     while sum(widths) + 2 * (len(widths) - 1) > most and max(widths) > _LEAST_CELL:
-        widths[widths.index(max(widths))] -= 1
+        spare = [width - cells for width, cells in zip(widths, needed, strict=True)]
+        heads = [place for place, width in enumerate(widths) if width > _LEAST_CELL]
+        # A long head is broken before any number is.
+        at = max(heads, key=lambda place: (spare[place] > 0, widths[place]))
+        widths[at] -= 1
+    right = numeric(table)
     lines = []
     for number, row in enumerate(rows):
         cells = [
@@ -173,7 +179,10 @@ def _aligned(table: WordTable | Table) -> list[str]:
         ]
         for i in range(max(map(len, cells))):
             parts = [cell[i] if i < len(cell) else "" for cell in cells]
-            line = "  ".join(part.ljust(w) for part, w in zip(parts, widths, strict=True))
+            line = "  ".join(
+                part.rjust(width) if column in right else part.ljust(width)
+                for column, (part, width) in enumerate(zip(parts, widths, strict=True))
+            )
             lines.append(line.rstrip())
         if number == 0:
             lines.append("─" * min(most, sum(widths) + 2 * (len(widths) - 1)))

@@ -6,6 +6,7 @@ from statistics import median
 from typing import Literal
 
 from hbench.records import Curve, CurvePoint, Results
+from hbench.report.fit_tables import law_words
 from hbench.report.text import number
 
 Grade = Literal["good", "with care", "poor"]
@@ -50,7 +51,7 @@ def verdict(results: Results) -> str:
         return f"The data is good: all {len(found)} checks of its quality hold."
     reasons = "; ".join(f"{c.name.lower()}: {c.found}" for c in found if c.grade == grade)
     if grade == "poor":
-        return f"The data is too poor to state numbers from. {_capital(reasons)}."
+        return f"The data is poor; rely on no number below. {_capital(reasons)}."
     return f"The data is to be used with care. {_capital(reasons)}."
 
 
@@ -92,7 +93,7 @@ def _checks(results: Results) -> Iterator[Check]:
         if not all(sound) and sum(sound) >= len(sound) / 2:
             grade = "with care"
         yield Check(
-            f"Fits of {fits[0].law.replace('_', ' ')}",
+            f"Fits, {law_words(fits[0].law)}",
             f"{sum(sound)} of {len(sound)} converged with every parameter determined",
             "good if all, poor below half",
             grade,

@@ -9,7 +9,7 @@ from hbench.report.document import Section, Tile
 from hbench.report.page_tables import WHO, table, who
 from hbench.report.quality import RULE, checks, worst
 from hbench.report.rod_side import told_apart
-from hbench.report.text import number, span, with_interval
+from hbench.report.text import alike, number, significant, span, with_interval
 from hbench.report.word_tables import Cell, Table
 
 NEAR = 0.2  # a measured speed stands for the working speed if it is no further off than this part
@@ -116,14 +116,17 @@ def _tile(
         return None
     halves = [one.u95 for one in known if one.u95 is not None]
     flags = dict.fromkeys(one.flag for one in known if one.flag)
-    words = ", ".join([words, *flags])
+    partly = "" if all(one.flag for one in known) else "partly "
+    words = ", ".join([words, *(partly + flag for flag in flags)])
     anchor = f"method-{how}"
     if len(known) == 1:
         half = scale * halves[0] if halves else None
         return Tile(with_interval(scale * known[0].value, half), unit, words, anchor)
-    value = span([scale * one.value for one in known])
-    most = f"; U95 ±{number(scale * max(halves), 0)} {unit} at most" if halves else ""
-    return Tile(value, unit, f"{words}, all loads and directions{most}", anchor)
+    values = [scale * one.value for one in known]
+    points = "percentage points" if unit == "%" else unit  # not per cent of the value
+    widest = significant(scale * max(halves), 2) if halves else ""
+    most = f"; 95 % interval ±{widest} {points} at most" if halves else ""
+    return Tile(alike(values), unit, f"{words}, all loads and directions{most}", anchor)
 
 
 def _table(found: tuple[Glance, ...]) -> Table:
@@ -131,15 +134,15 @@ def _table(found: tuple[Glance, ...]) -> Table:
         (
             *who(one.curve)[:1],
             *who(one.curve)[2:],
-            _cell(one.breakaway_n),
+            number(None if one.v_m_s is None else 1e3 * one.v_m_s),
             _cell(one.friction_n),
             _trials(one.friction_n),
-            number(None if one.v_m_s is None else 1e3 * one.v_m_s),
+            _cell(one.breakaway_n),
             _cell(one.efficiency, 100.0),
         )
         for one in found
     ]
-    head = ("Breakaway (N)", "Friction (N)", "Trials alone (N)", "at (mm/s)", "Efficiency (%)")
+    head = ("At (mm/s)", "Friction (N)", "Trials alone (N)", "Breakaway (N)", "Efficiency (%)")
     return table((WHO[0], *WHO[2:], *head), rows)
 
 
@@ -193,7 +196,8 @@ def _breakaway(curve: Curve, results: Results) -> Number | None:
 def _friction(point: CurvePoint) -> Number:
     se = stdev(point.trials_n) / math.sqrt(point.n) if len(point.trials_n) > 1 else None
     u95 = point.u95_n or point.ci95_n
-    return Number(abs(point.friction_n), u95, trials=point.ci95_n, se=se)
+    flag = "one trial" if point.n == 1 else ""
+    return Number(abs(point.friction_n), u95, flag, trials=point.ci95_n, se=se)
 
 
 def _efficiency(curve: Curve, point: CurvePoint | None, results: Results) -> Number | None:

@@ -8,7 +8,8 @@ NONE = "–"  # what stands for a number that does not exist
 
 
 def _minus(text: str) -> str:
-    return text.replace("-", "−")
+    """Write a minus sign, and none before a zero."""
+    return text.lstrip("-") if not text.strip("-0.") else text.replace("-", "−")
 
 
 def number(value: float | None, decimals: int = 1) -> str:
@@ -67,6 +68,13 @@ def span(values: Collection[float]) -> str:
     low, high = min(values), max(values)
     decimals = len(significant(high, 3).partition(".")[2])
     return "–".join(dict.fromkeys((_without_end_zeros(number(low, decimals)), short(high))))
+
+
+def alike(values: Collection[float]) -> str:
+    """Write the range of measured numbers with the larger one's decimals: ``67.7–93.0``."""
+    low, high = min(values), max(values)
+    decimals = len(significant(max(abs(low), abs(high)), 3).partition(".")[2])
+    return "–".join(dict.fromkeys((number(low, decimals), number(high, decimals))))
 
 
 def _without_end_zeros(text: str) -> str:

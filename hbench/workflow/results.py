@@ -71,7 +71,8 @@ def report(
     results = derive(load_campaign(folder), _fitting(fit_file))
     drawings = draw_all(results)
     reconciled = tuple(reconciled_section(*found) for found in diagnoses(folder))
-    document = report_document(results, drawings, speed_m_s, reconciled)
+    name = folder.resolve().name
+    document = report_document(results, drawings, speed_m_s, reconciled, name)
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,
         "md": markdown,

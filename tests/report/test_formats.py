@@ -38,6 +38,27 @@ def campaign(tmp_path):
     return Path(shutil.copytree(SAMPLE, tmp_path / "bad"))
 
 
+def test_the_folders_name_tells_campaigns_of_one_schedule_apart_in_every_form(campaign):
+    campaign = campaign.rename(campaign.with_name("cylinder-7"))
+    results = campaign / "results"
+    for form in ("html", "md", "pdf"):
+        workflow.report(campaign, form=form)
+    page_text = (results / "report.html").read_text()
+    assert "<title>cylinder-7: bad runs (simulated)</title>" in page_text
+    assert "<h1>bad runs</h1>" in page_text and '<p class="sub">cylinder-7 · ' in page_text
+    assert (results / "report.md").read_text().startswith("# bad runs\n\ncylinder-7 · ")
+    assert b"cylinder-7: bad runs" in (results / "report.pdf").read_bytes()
+    assert "cylinder-7" not in (results / "results.json").read_text()
+
+
+def test_numbers_stand_at_the_right_of_their_column_in_markdown_and_pdf():
+    table = WordTable("", ("name", "value (N)"), (("a", "7"), ("bcd", "1234")))
+    made = Document("t", "", (Section("s", tables=(table,)),))
+    assert "| --- | ---: |" in markdown(made)
+    lines = [text.get_text() for sheet in sheets(made) for text in sheet.texts]
+    assert "a             7" in lines and "bcd        1234" in lines
+
+
 def test_markdown_has_every_section_table_and_figure(made, drawings):
     text = markdown(made)
     heads = re.findall(r"^## (.+)$", text, re.MULTILINE)

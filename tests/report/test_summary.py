@@ -8,6 +8,7 @@ import pytest
 from hbench.records import FitParameter
 from hbench.report.quality import checks, verdict, worst
 from hbench.report.summary import glances, summary_section, working_speed_m_s
+from hbench.report.text import alike, number
 
 
 def grade(results, name):
@@ -112,7 +113,7 @@ def test_a_fit_with_a_parameter_on_its_bound_asks_for_care(small):
 def test_the_verdict_is_the_worst_check_and_names_it(small):
     few = with_points(small, n=1)
     assert worst(checks(few)) == "poor"
-    assert verdict(few).startswith("The data is too poor") and "trials of a point" in (
+    assert verdict(few).startswith("The data is poor") and "trials of a point" in (
         verdict(few).lower()
     )
     assert "instruments" not in verdict(few).lower()
@@ -126,3 +127,16 @@ def test_a_campaign_without_anything_is_poor_and_has_a_summary(small):
     bare = replace(small, runs=(), curves=(), efficiency=())
     assert worst(checks(bare)) == "poor"
     assert summary_section(bare).tiles[0].value == "0 of 0"
+
+
+def test_ranges_of_measured_numbers_keep_their_decimals_and_zero_has_no_sign():
+    assert alike([67.71, 92.96]) == "67.7–93.0" and alike([402.4, 529.0]) == "402–529"
+    assert number(-0.04) == "0.0" and number(-0.06) == "−0.1" and number(-10.0) == "−10.0"
+
+
+def test_a_tile_says_that_a_flag_is_of_some_and_that_efficiency_is_in_points(small):
+    one, *others = small.curves
+    few = replace(one, points=tuple(replace(p, n=1, ci95_n=None) for p in one.points))
+    friction, _, efficiency, *_ = summary_section(replace(small, curves=(few, *others))).tiles
+    assert "partly one trial" in friction.more and friction.unit == "N"
+    assert efficiency.unit == "%" and "percentage points at most" in efficiency.more
