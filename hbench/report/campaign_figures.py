@@ -53,7 +53,8 @@ def draw_all(results: Results) -> tuple[Drawing, ...]:
                         name = _unique(
                             _slug(kind.name, part, words), {sketch.name for sketch in sketches}
                         )
-                        title = ", ".join(filter(None, (words, figure.axes[0].get_title("left"))))
+                        own = " ".join(figure.axes[0].get_title("left").split())
+                        title = ", ".join(filter(None, (words, own)))
                         sketches.append(Sketch(name, kind.section, title, kind.caption, figure))
     return drawn(sketches)
 
@@ -99,8 +100,8 @@ FIGURES = (
     FigureKind(
         name="friction-signed",
         section="friction",
-        caption="Friction over velocity with their signs, after the source's figure 6.14. A colour "
-        "is one size of the load, whichever way it acts.",
+        caption="Friction over velocity with their signs, after figure 6.14 of the method's "
+        "source. A colour is one size of the load, whichever way it acts.",
         applies=has_both_directions,
         draw=signed,
         each_series=True,
@@ -129,8 +130,9 @@ FIGURES = (
         section="ramps",
         caption="Ramps of each acceleration, and steady runs and levels of steps where there are "
         "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
-        "interval of the trials. Lines: Tustin's law fitted to the ramp from breakaway on. Below: "
-        "the same without what the ramps did before breakaway.",
+        "interval of the trials. Positive friction opposes the motion; before breakaway the seals "
+        "may still pull from the stroke before. Lines: Tustin's law fitted to the ramp from "
+        "breakaway on. Below: the same from breakaway on, so that differences show.",
         applies=has_ramps,
         draw=ramps,
     ),

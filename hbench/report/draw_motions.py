@@ -36,7 +36,9 @@ def loops(results: Results) -> dict[str, Figure]:
         over_v.set_xlabel("Velocity v (mm/s)")
         over_x.set_xlabel("Position x (mm)")
         name = series_words(loop.series)
-        title = f"Hysteresis {name}, to {short(1e3 * loop.v_top_m_s)} mm/s"
+        title = f"{name[:1].upper()}{name[1:]}" or "Hysteresis"
+        if [one.series for one in results.motions.loops].count(loop.series) > 1:
+            title += f", to {short(1e3 * loop.v_top_m_s)} mm/s"
         style.head(over_v, title, results)
         style.read_as(figure, "Mean of all cycles but the first.")
         style.legend_above(figure, over_v)

@@ -15,7 +15,7 @@ from hbench.report.rod_side import load_words, told_apart
 from hbench.report.series import behind
 from hbench.report.text import short
 
-_READ = "Points: means of the trials; bars: their 95 % intervals; lines: Tustin's law. Below: slid."
+_READ = "Points: means of the trials; bars: their 95 % intervals; lines: Tustin's law."
 _KINDS = ("steady", "ramp", "steps")
 
 
@@ -25,9 +25,10 @@ def has_ramps(results: Results) -> bool:
 
 
 def ramps(results: Results) -> dict[str, Figure]:
-    """Draw |F| [N] over |v| [mm/s] of steady runs, ramps and steps, one figure a load.
+    """Draw friction [N] against the motion over |v| [mm/s] of steady runs, ramps and steps.
 
-    The lower panel leaves out what the ramps did before breakaway, so that differences show.
+    One figure a load. The lower panel leaves out what the ramps did before breakaway, so that
+    differences show.
     """
     groups: dict[tuple, list[Curve]] = defaultdict(list)
     for curve in told_apart(curve for curve in results.curves if curve.kind in _KINDS):
@@ -44,7 +45,7 @@ def ramps(results: Results) -> dict[str, Figure]:
                 _points(axes, curve, found)
                 _points(below, _from_breakaway(curve), found)
             for one in (axes, below):
-                one.set_ylabel("Friction |F| (N)")
+                one.set_ylabel("Friction (N)")
             below.set_xlabel("Speed |v| (mm/s)")
             style.start_at_zero(axes)
             words = (label, style.TITLES[direction], load_words(load, p_lr))
@@ -68,7 +69,7 @@ def comparisons(results: Results) -> dict[str, Figure]:
     figures = {}
     for what, title, less in (
         ("acceleration", "Accelerations", "fastest less slowest"),
-        ("steady", "Ramp and steady", "ramp less steady"),
+        ("steady", "Ramp less steady", "ramp less steady"),
     ):
         found = [
             one
@@ -137,7 +138,7 @@ def _differences(results: Results, found: list[Comparison], title: str, less: st
     for face, words in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not told from none")):
         colour = style.COLOURS[1] if face == "C" else style.COLOURS[0]
         axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=words)
-    style.head(axes, f"Differences: {title.lower()}", results)
+    style.head(axes, title, results)
     style.read_as(figure, "Bars: 95 % intervals; the unit is the trial.")
     style.legend_above(figure, axes)
     return figure

@@ -1,5 +1,6 @@
 """How all figures look: colours, markers, sizes, and what keeps their bytes the same."""
 
+import textwrap
 from collections.abc import Iterable
 from typing import Any
 
@@ -35,6 +36,7 @@ DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
 TITLES = {"extend": "Extending", "retract": "Retracting"}
 
 WIDTH_IN = 5.2  # two side by side on a desktop page; the type stays legible at half this width
+_TITLE_LINE = 30  # letters of a line of its title
 WIDE_IN = 10.8  # over the whole width of a desktop page
 
 RC: Any = {
@@ -105,7 +107,10 @@ def head(axes: Axes, title: str, results: Results | Diagnosis, last: Axes | None
 
     ``last`` are the axes at the right of a row, where this stands.
     """
-    axes.set_title(safe(title))
+    title = safe(title)
+    if last is None and axes.figure.get_figwidth() <= WIDTH_IN:
+        title = textwrap.fill(title, _TITLE_LINE)  # beside it stands that it is simulated
+    axes.set_title(title)
     simulated(last or axes, results)
 
 

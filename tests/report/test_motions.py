@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from hbench.records import (
     Comparison,
@@ -26,6 +28,7 @@ from hbench.report.figures import Drawing
 from hbench.report.motion_tables import MOTION_TABLES, motion_tables
 from hbench.report.page import page_html
 from hbench.report.page_tables import point_table
+from hbench.report.style import RC
 from hbench.report.tables import results_json, summary_text
 
 SERIES = Series("seal A", 500.0, 15e5)
@@ -103,6 +106,24 @@ def moving(small):
         replace(curve, kind="ramp", a_ref_m_s2=a) for curve in small.curves for a in (0.03, 0.1)
     )
     return replace(small, curves=small.curves + ramps, motions=MOTIONS)
+
+
+def test_no_title_runs_into_the_word_that_its_figure_is_simulated(moving):
+    series = replace(SERIES, label="reversals at 150 mm/s of the last seal")
+    loops = (replace(MOTIONS.loops[0], series=series),)
+    moving = replace(moving, motions=replace(MOTIONS, loops=loops))
+    seen = 0
+    for kind in FIGURES:
+        with rc_context(RC):
+            for figure in kind.draw(moving).values() if kind.applies(moving) else ():
+                renderer = FigureCanvasAgg(figure).get_renderer()
+                figure.draw(renderer)
+                axes = figure.axes[0]
+                left, right = axes._left_title, axes._right_title  # no public way to their boxes
+                seen += bool(right.get_text())
+                boxes = (text.get_window_extent(renderer) for text in (left, right))
+                assert not next(boxes).overlaps(next(boxes)), left.get_text()
+    assert seen > 8
 
 
 def page_of(results):
