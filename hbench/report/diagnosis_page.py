@@ -10,10 +10,6 @@ from hbench.report.figures import Drawing
 from hbench.report.run_gaps import run_table
 
 _MOST_RUNS = 40  # rows of the page
-_SIMULATED = (
-    "The campaign was made on the virtual rig: these numbers are simulated, and say nothing of a "
-    "real bench."
-)
 _SENSOR = (
     "Effects in a sensor are errors of what measures: the bench itself is as the model says. Put "
     "the instrument right rather than the model."
@@ -100,13 +96,24 @@ def diagnosis_page(found: Diagnosis, drawings: Sequence[Drawing]) -> str:
         f"{found.model} against {made.name}",
         f"Campaign {made.name}, {made.source}, {made.started}; bench {made.bench}.",
         tuple(one for one in sections if one is sections[0] or _holds_something(one)),
-        text.headline(found),
+        _verdict(found),
+        made.source,
     )
+
+
+def _verdict(found: Diagnosis) -> str:
+    """Return the terminal's headline as sentences."""
+    kind, _, words = text.headline(found).partition(": ")
+    names = [effect.name for effect in found.effects] + [one.name for one in found.alternatives]
+    for name in names:
+        words = words.replace(name, name.replace("_", " "))
+    if found.verdict in ("named", "ambiguous"):
+        return f"Verdict: {kind}. The model lacks {words}"
+    return f"Verdict: {kind}. {words[:1].upper()}{words[1:]}"
 
 
 def _answer(found: Diagnosis) -> Section:
     """What a reader wants first: why, which effects with their numbers, what to do next."""
-    simulated = found.provenance.source == "simulated"
     next_ = f"Next experiment: {found.next_experiment}" if found.next_experiment else ""
     paragraphs = (
         found.why,
@@ -115,7 +122,6 @@ def _answer(found: Diagnosis) -> Section:
         _SENSOR if any(one.of_sensor for one in found.effects) else "",
         next_,
         _NEXT_FILE if found.next_schedule else "",
-        _SIMULATED if simulated else "",
         _FILES,
     )
     return Section(

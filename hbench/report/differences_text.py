@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from hbench.records import (
@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.report.document import Section, document
 from hbench.report.figures import Drawing
-from hbench.report.fit_tables import PARAMETERS
+from hbench.report.fit_tables import PARAMETERS, law_words
 from hbench.report.phenomenon_text import aligned
 from hbench.report.rod_side import kind_words
 from hbench.report.style import TITLES
@@ -78,7 +78,7 @@ def differences_page(found: CampaignDifferences, drawings: Iterable[Drawing]) ->
     """Return the page with ``drawings`` inside."""
     sections = [
         Section("What differs", tables=(_means(found),), drawings=tuple(drawings)),
-        Section("Fitted parameters", tables=(_parameters(found),)),
+        Section("Fitted parameters", tables=(replace(_parameters(found), title=""),)),
         Section("Speed by speed", tables=(_points(found),)),
         Section("How it was computed", items=(_instruments(found), *_METHOD)),
     ]
@@ -91,6 +91,7 @@ def differences_page(found: CampaignDifferences, drawings: Iterable[Drawing]) ->
             section for section in sections if any(t.rows for t in section.tables) or section.items
         ),
         _verdict(found),
+        "simulated" if "simulated" in (found.a.source, found.b.source) else "",
     )
 
 
@@ -114,7 +115,7 @@ def _verdict(found: CampaignDifferences) -> str:
     words = "; ".join(
         f"{_who(curve)}: {_signed(mean)} N ({_percent(mean)})" for curve, mean in real
     )
-    return f"Mean friction differs in {len(real)} of {len(found.curves)} curves. {words}."
+    return f"Mean friction differs in {len(real)} of {len(found.curves)} curves: {words}."
 
 
 def _instruments(found: CampaignDifferences) -> str:
@@ -132,7 +133,7 @@ def _means(found: CampaignDifferences) -> WordTable:
         ):
             if difference is not None:
                 rows.append((_who(one.a), words, *_cells(difference, scale)))
-    return WordTable("Means over the speeds", ("curve", "mean of", *_HEAD), tuple(rows))
+    return WordTable("Means over the speeds", ("Curve", "Mean of", *_HEAD), tuple(rows))
 
 
 def _parameters(found: CampaignDifferences) -> WordTable:
@@ -141,8 +142,10 @@ def _parameters(found: CampaignDifferences) -> WordTable:
         for p in one.parameters:
             words, unit = PARAMETERS.get(p.name, (p.name, p.unit))
             scale = from_si(1.0, unit) if p.name in PARAMETERS else 1.0
-            rows.append((_who(one.a), p.law, f"{words} ({unit})", *_cells(p.value, scale)))
-    return WordTable("Fitted parameters", ("curve", "law", "parameter", *_HEAD), tuple(rows))
+            rows.append(
+                (_who(one.a), law_words(p.law), f"{words} ({unit})", *_cells(p.value, scale))
+            )
+    return WordTable("Fitted parameters", ("Curve", "Law", "Parameter", *_HEAD), tuple(rows))
 
 
 def _points(found: CampaignDifferences) -> WordTable:
@@ -158,10 +161,10 @@ def _points(found: CampaignDifferences) -> WordTable:
     title = "Friction (N)"
     if any(point.between for one in found.curves for point in one.points):
         title += "; * between two speeds of B"
-    return WordTable(title, ("curve", "speed (mm/s)", *_HEAD), tuple(rows))
+    return WordTable(title, ("Curve", "Velocity (mm/s)", *_HEAD), tuple(rows))
 
 
-_HEAD = ("A", "B", "B - A", "U95", "p (Holm)", "verdict")
+_HEAD = ("A", "B", "B − A", "U95", "p (Holm)", "Verdict")
 
 
 def _cells(difference: Difference, scale: float) -> tuple[str, ...]:

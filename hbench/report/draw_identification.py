@@ -11,6 +11,7 @@ from hbench.records import Followed, Identification, Trace
 from hbench.records.identification import PARTS
 from hbench.report import style
 from hbench.report.figures import Drawing, Sketch, drawn
+from hbench.report.fit_tables import law_words
 from hbench.report.text import force
 
 _FOLLOWED = (
@@ -36,7 +37,7 @@ def draw_identification(found: Identification) -> tuple[Drawing, ...]:
             if law.law not in one.modelled:
                 continue
             load = force(one.f_load_n)
-            title = f"{law.law.replace('_', ' ')}, {load}, run {one.run}"
+            title = f"{law_words(law.law)}, {load}, run {one.run}"
             with rc_context(style.RC):
                 figure = _along(title, index, one, one.modelled[law.law], found)
             name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {one.run}".lower())
@@ -72,7 +73,7 @@ def _errors(found: Identification) -> Figure:
     rows = figure.subplots(2, sharex=True)
     laws = [law for law in found.laws if law.errors]
     width = 0.8 / len(laws)
-    for axes, name, factor, label in (
+    for axes, name, factor, along in (
         (rows[0], "friction_n", 1.0, "Friction (N)"),
         (rows[1], "v_m_s", 1e3, "Velocity (mm/s)"),
     ):
@@ -80,15 +81,14 @@ def _errors(found: Identification) -> Figure:
             place = np.arange(len(PARTS)) + (i - (len(laws) - 1) / 2) * width
             heights = [factor * getattr(law.errors[part], name) for part in PARTS]
             look = style.series_style(found.laws.index(law))
-            label = law.law.replace("_", " ")
-            label = label if axes is rows[0] else f"_{label}"
+            label = law_words(law.law) if axes is rows[0] else f"_{law_words(law.law)}"
             axes.plot(place, heights, linestyle="none", label=label, **look)
         for i, part in enumerate(PARTS):
             if found.scatter:
                 floor = factor * getattr(found.scatter[part], name)
                 axes.hlines(floor, i - 0.42, i + 0.42, color="black", linestyle="--", linewidth=1.2)
         axes.set_yscale("log")
-        axes.set_ylabel(label)
+        axes.set_ylabel(along)
         axes.grid(False, axis="x")
     rows[1].set_xticks(range(len(PARTS)), PARTS)
     rows[1].set_xlabel("Part of the profile")

@@ -12,11 +12,13 @@ from hbench.report.tables import plain
 from hbench.report.text import NONE, force, number, significant
 
 SCHEMA = "hbench.identification/1"
-_ERRORS_HEAD = ("law", "part", "friction N", "velocity mm/s", "P_Tp bar", "P_Tr bar", "samples")
-_PARAMETERS_HEAD = ("law", "parameter", "unit", "value", "95 % interval", "at bound")
+_ERRORS_HEAD = (
+    *("Law", "Part", "Friction (N)", "Velocity (mm/s)", "P_Tp (bar)", "P_Tr (bar)", "Samples"),
+)
+_PARAMETERS_HEAD = ("Law", "Parameter", "Unit", "Value", "95 % interval", "At bound")
 _RAMPS_HEAD = (
-    *("direction", "load", "ramp m/s^2", "steady fit on steady N", "on ramp N"),
-    *("ramp fit on steady N", "on ramp N"),
+    *("Direction", "Load", "Ramp (m/s²)", "Steady fit on steady (N)", "on ramp (N)"),
+    *("Ramp fit on steady (N)", "on ramp (N)"),
 )
 _FLOOR = "trials' scatter"
 
@@ -44,7 +46,7 @@ def identification_text(found: Identification) -> str:
     """Return every table in aligned columns, then what could not be done and why."""
     parts = ["\n".join(aligned(table)) for table in tables(found)]
     sentences = [*reasons(found), *found.notes]
-    return "\n\n".join([*parts, "\n".join(sentences)])
+    return "\n\n".join([*parts, "\n".join(sentences)]).replace("m/s²", "m/s^2")
 
 
 def tables(found: Identification) -> tuple[WordTable, ...]:

@@ -197,7 +197,10 @@ def test_json_and_table_tell_the_same(found):
 
 def test_page_and_figures_say_that_the_data_is_simulated(written):
     page = (written / "identification.html").read_text()
-    assert "these numbers are simulated" in page and len(page) > 100_000
+    assert "Simulated. The virtual rig made these numbers" in page and len(page) > 100_000
+    assert "Closest in friction: " in page
+    assert "Panel 1 of 2: Friction (N) over Part of the profile. Tustin: " in page
+    assert "Panel 2 of 2: Velocity (mm/s) over Part of the profile. Tustin: " in page
     drawn = {path.stem for path in (written / "figures").glob("*.png")}
     assert len(drawn) == 1 + len(LAWS) and page.count("<figure ") == len(drawn)
 

@@ -173,7 +173,8 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     assert "made &lt;up&gt;" in page and "<up>" not in page
     assert page.count('class="plot"') == len(drawings) == len({one.name for one in drawings})
     assert page.count('class="wide"') == sum(one.wide for one in drawings)
-    assert "simulated, and say nothing of a real bench" in page
+    assert "no cylinder was measured" in page
+    assert "Verdict: named. The model lacks internal leakage (test 0.00580" in page
     for table in ("Gap of held-out runs: signals, open loop", "Refitted before the search"):
         assert table in page
     assert page.index("The gap before and after") < page.index("Residuals of each balance")

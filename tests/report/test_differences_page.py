@@ -28,7 +28,7 @@ def found(small):
 
 def test_the_verdict_stands_first_with_the_interval_of_trials_and_instruments(found):
     page = differences_page(found, draw_differences(found))
-    assert "Mean friction differs in 1 of 1 curves. extending, 500 N: +40.0 ± 8.0 N" in page
+    assert "Mean friction differs in 1 of 1 curves: extending, 500 N: +40.0 ± 8.0 N" in page
     assert "&lt;after&gt; against before" in page
     assert "retract: only in A" in page
 
