@@ -141,6 +141,8 @@ def to_si(value: object, unit: str) -> float:
     number, found = float(match[1]), match[2]
     if re.match(r",\d", found):
         raise ValueError("has a decimal comma; write a point")
+    if re.search(r"[,;]", found):
+        raise ValueError("is more than a number with its unit")
     if not found and any(wanted.dimension):
         raise ValueError(f"has no unit; write for example '{match[1]} {unit}'")
     parsed = parse_unit(found)

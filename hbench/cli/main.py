@@ -80,7 +80,9 @@ def main() -> None:
     try:
         app()
     except HbenchError as error:
-        print(f"error: {printable(error.message)}", file=sys.stderr)
+        from hbench.config.places import with_lines
+
+        print(f"error: {printable(with_lines(error.message))}", file=sys.stderr)
         if error.hint:
             print(f"hint: {printable(error.hint)}", file=sys.stderr)
         sys.exit(error.exit_code)

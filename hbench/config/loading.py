@@ -19,17 +19,26 @@ _Model = TypeVar("_Model", bound=BaseModel)
 _MAX_BYTES = 1_000_000
 _BRIEF = 100  # characters of a value
 _YAML = (
-    "The file is not valid YAML: indent by spaces, the keys of one section alike; put what holds "
-    "[ ] { } , # or ': ' between quotes."
+    "The file is not valid YAML there or just above: indent by spaces, the keys of one section "
+    "alike; a space after each ':'; put what holds [ ] { } , # or ': ' between quotes."
 )
+_KINDS = {  # a key that only files of this kind have
+    "test_cylinder": "a bench file",
+    "experiments": "a schedule",
+    "columns": "an import map",
+}
 _SAID = {  # what pydantic says in the words of Python
     "tuple_type": "must be a list, such as [A, B]",
-    "dict_type": "must be 'key: value' lines",
-    "model_type": "must be 'key: value' lines",
-    "model_attributes_type": "must be 'key: value' lines",
+    "dict_type": "must be 'key: value' lines, or {{key: value}}",
+    "model_type": "must be 'key: value' lines, or {{key: value}}",
+    "model_attributes_type": "must be 'key: value' lines, or {{key: value}}",
     "int_parsing": "must be a whole number",
     "int_type": "must be a whole number",
     "int_from_float": "must be a whole number",
+    "greater_than": "must be greater than {gt}",
+    "greater_than_equal": "must be at least {ge}",
+    "less_than": "must be less than {lt}",
+    "less_than_equal": "must be at most {le}",
     "float_parsing": "must be a number",
     "float_type": "must be a number",
     "string_type": "must be text",
@@ -46,6 +55,8 @@ def read_yaml(path: Path) -> dict[str, Any]:
         data = parse_yaml(read_regular(path, _MAX_BYTES).decode("utf-8"))
     except NoSuchSize as error:
         raise ConfigError(f"{path}: {error}; not a configuration file") from None
+    except IsADirectoryError:
+        raise ConfigError(f"{path}: is a folder; a YAML file is wanted here") from None
     except OSError as error:
         raise ConfigError(
             f"{path}: {error.strerror or error}",
@@ -70,14 +81,9 @@ def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
+        _refuse_another_kind(model, data, source)
         faults = error.errors()
-        meant = _meant(faults)
-        if not meant and _is_another_kind(model, data):
-            wanted, there = (", ".join(map(str, [*keys][:5])) for keys in (_required(model), data))
-            raise ConfigError(
-                f"{source}: not a file of this kind: it lacks {wanted}, and has {brief(there)}",
-                "Is a bench file given for a schedule, or the other way round?",
-            ) from None
+        meant = _meant(faults, model)
         told = [
             f"{source}: {_explain(fault, data, meant)}"
             for fault in _own_faults(faults)
@@ -86,19 +92,22 @@ def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
         raise ConfigError("\n".join(told), _hint(faults)) from None
 
 
-def _required(model: type[BaseModel]) -> list[str]:
-    """Return the keys that only files of this kind must have; a name has each."""
-    fields = model.model_fields.items()
-    return [key for key, field in fields if field.is_required() and key != "name"]
+def _refuse_another_kind(model: type[BaseModel], data: dict[str, Any], source: str) -> None:
+    fields = model.model_fields
+    wanted = [kind for key, kind in _KINDS.items() if key in fields]
+    there = [kind for key, kind in _KINDS.items() if key in data]
+    if any(key in fields and key in data for key in _KINDS):
+        return
+    if there:
+        raise ConfigError(f"{source}: is {there[0]}, not {(*wanted, 'what is wanted here')[0]}")
+    if wanted and not data.keys() & fields.keys() - {"name"}:
+        has = brief(", ".join(map(str, data)))
+        raise ConfigError(f"{source}: is not {wanted[0]}; it has {has}")
 
 
-def _is_another_kind(model: type[BaseModel], data: dict[str, Any]) -> bool:
-    required = set(_required(model))
-    return bool(required) and not required & set(data) and not set(data) <= set(model.model_fields)
-
-
-def _meant(faults: list["ErrorDetails"]) -> dict[tuple, tuple]:
-    """Return for each unknown key the missing one beside it that it looks like."""
+def _meant(faults: list["ErrorDetails"], model: type[BaseModel]) -> dict[tuple, tuple]:
+    """Return for each unknown key the one that it looks like: a missing one beside it, or any."""
+    known = _names(model)
     missing = [fault["loc"] for fault in faults if fault["type"] == "missing"]
     meant: dict[tuple, tuple] = {}
     for fault in faults:
@@ -107,7 +116,20 @@ def _meant(faults: list["ErrorDetails"]) -> dict[tuple, tuple]:
             beside = {str(loc[-1]): loc for loc in missing if list(loc[:-1]) == above}
             for name in difflib.get_close_matches(str(key), beside, n=1):
                 meant[fault["loc"]] = beside[name]
+            if fault["loc"] not in meant and key not in known:
+                for name in difflib.get_close_matches(str(key), known, n=1, cutoff=0.8):
+                    meant[fault["loc"]] = (*above, name)
     return meant
+
+
+def _names(model: type[BaseModel]) -> set[str]:
+    """Return the keys of all sections of a file."""
+    schema = model.model_json_schema()
+    return {
+        name
+        for section in (schema, *schema.get("$defs", {}).values())
+        for name in section.get("properties", {})
+    }
 
 
 def _own_faults(faults: list["ErrorDetails"]) -> list["ErrorDetails"]:
@@ -134,6 +156,8 @@ def _explain(fault: "ErrorDetails", data: Any, meant: dict[tuple, tuple]) -> str
     if fault["type"] in _SAID:
         message = _SAID[fault["type"]].format(**fault.get("ctx", {}))
     value = fault["input"]
+    if fault["type"] == "tuple_type" and isinstance(value, str):
+        message = f"must be a list: [{brief(value)[1:-1]}]"
     if fault["type"] == "union_tag_invalid":
         tag = fault["ctx"]
         key, value = f"{key}.{tag['discriminator'].strip(chr(39))}", tag["tag"]
@@ -168,4 +192,6 @@ def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
 def _hint(faults: list["ErrorDetails"]) -> str:
     if any(fault["type"] == "extra_forbidden" for fault in faults):
         return "Keys are checked so that a misspelt one is not ignored; see the commented examples."
+    if any(isinstance(key, int) for fault in faults for key in fault["loc"][-1:]):
+        return "In a list a comma stands between two values, each with its unit: [0.5 kN, 5 kN]."
     return ""

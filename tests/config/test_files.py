@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from hbench.config.bench import Plant, parse_bench, parse_plant
+from hbench.config.fitting import parse_fitting
 from hbench.config.importmap import parse_import_map
 from hbench.config.loading import read_yaml
 from hbench.config.schedule import parse_schedule
@@ -97,11 +98,22 @@ def test_a_misspelt_key_is_told_once_with_the_one_that_is_meant(right, wrong):
 
 
 def test_a_file_of_another_kind_is_told_in_one_line():
-    with pytest.raises(ConfigError, match=r"^b.yaml: not a file of this kind: .*experiments") as e:
-        parse_schedule(BENCH, "b.yaml")
-    assert "\n" not in e.value.message
-    with pytest.raises(ConfigError, match=r"^s.yaml: not a file of this kind: .*test_cylinder"):
-        parse_bench(SCHEDULE, "s.yaml")
+    columns, laws = read_yaml(CONFIGS / "tudelft.yaml"), read_yaml(CONFIGS / "fit.yaml")
+    for parse, data, told in (
+        (parse_schedule, BENCH, "x.yaml: is a bench file, not a schedule"),
+        (parse_bench, SCHEDULE, "x.yaml: is a schedule, not a bench file"),
+        (parse_bench, columns, "x.yaml: is an import map, not a bench file"),
+        (parse_import_map, BENCH, "x.yaml: is a bench file, not an import map"),
+        (parse_fitting, SCHEDULE, "x.yaml: is a schedule, not what is wanted here"),
+        (
+            parse_schedule,
+            laws,
+            "x.yaml: is not a schedule; it has 'laws, bounds, weights",
+        ),
+    ):
+        with pytest.raises(ConfigError) as error:
+            parse(data, "x.yaml")
+        assert error.value.message.startswith(told) and "\n" not in error.value.message
 
 
 def test_every_fault_of_a_file_is_told_at_once():
@@ -123,7 +135,11 @@ def test_every_fault_of_a_file_is_told_at_once():
          ["would not grow"]),
         ("experiments.0.travel", {"start": "300 mm", "end": "20 mm"}, ["'start' must be less"]),
         ("experiments.0.loads", [], ["experiments.0.loads"]),
+        ("experiments.0.loads", "500 N, 1 kN", ["must be a list: [500 N, 1 kN]"]),
         ("experiments.0.loads", [500], ["no unit"]),
+        ("experiments.0.loads", ["500 N; 5 kN"], ["is more than a number with its unit"]),
+        ("experiments.0.trial", 3, ["experiments.0.trial'; did you mean 'trials'?"]),
+        ("experiments.0.trials", 0, ["must be at least 1"]),
         ("speed", "1 m/s", ["unknown key 'speed'"]),
     ],
 )  # fmt: skip
@@ -133,6 +149,13 @@ def test_a_fault_in_a_schedule_is_named(key, value, words):
     assert str(error.value).count("my.yaml") == 1  # nothing follows from it
     for word in ["my.yaml", *words]:
         assert word in str(error.value)
+
+
+def test_a_list_of_decimal_commas_is_told_what_a_comma_means_in_a_list():
+    data = changed(SCHEDULE, "experiments.0.loads", [0, "5 kN"])  # of [0,5 kN]
+    with pytest.raises(ConfigError) as error:
+        parse_schedule(data, "my.yaml")
+    assert "comma stands between two values" in error.value.hint
 
 
 ENDS = {"first": "5 mm/s", "last": "200 mm/s"}
@@ -246,3 +269,8 @@ def test_a_file_that_is_no_yaml_mapping_is_refused_with_its_line(tmp_path, text,
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ConfigError, match=r"nothing\.yaml"):
         read_yaml(tmp_path / "nothing.yaml")
+
+
+def test_a_folder_is_not_taken_for_a_file(tmp_path):
+    with pytest.raises(ConfigError, match="is a folder; a YAML file is wanted here"):
+        read_yaml(tmp_path)

@@ -1,0 +1,47 @@
+"""A message tells in which line of the file a key stands."""
+
+import pytest
+
+from hbench.config.places import with_lines
+
+TEXT = """\
+# a comment
+name: x
+experiments:
+  - kind: steady
+    loads: [500 N,
+            5000]
+    velocities: &speeds {first: 5 mm/s,
+      last: 2}
+  - kind: ramp
+    velocities: *speeds
+"""
+
+
+@pytest.mark.parametrize(
+    ("told", "line"),
+    [
+        ("experiments.0.loads.1 = 5000: has no unit", 6),
+        ("experiments.0.loads: 5000 N is beyond what the load cell shows", 5),
+        ("experiments.1.velocities.last = 2: has no unit", 8),  # where the alias's value stands
+        ("unknown key 'experiments.1.kind'", 9),
+        ("key 'experiments.1.loads' is missing", 9),  # in the section that begins there
+        ("experiments: is wrong", 3),
+        ("key 'bench' is missing", None),
+        ("is a bench file, not a schedule", None),
+    ],
+)
+def test_the_line_of_a_key_or_of_the_nearest_above_it(tmp_path, told, line):
+    file = tmp_path / "my schedule.yaml"
+    file.write_text(TEXT)
+    placed = f"{file}: line {line}: {told}" if line else f"{file}: {told}"
+    assert with_lines(f"{file}: {told}") == placed
+    assert with_lines(f"first\n{file}: {told}") == f"first\n{placed}"
+
+
+@pytest.mark.parametrize("content", [None, b"a: [1", b"\xff\xfe", b"- 1\n", b"a: 1\n---\na: 2\n"])
+def test_a_file_without_keys_leaves_the_message_as_it_is(tmp_path, content):
+    file = tmp_path / "x.yaml"
+    if content is not None:
+        file.write_bytes(content)
+    assert with_lines(f"{file}: a = 1: is wrong") == f"{file}: a = 1: is wrong"
