@@ -64,7 +64,7 @@ def run(
             typer.echo(as_object("estimate", name=experiment.schedule.name, **vars(estimate)))
         else:
             typer.echo(
-                "checked: travel, speeds and load pressures lie inside the bench's limits; "
+                "checked: travel, speeds, loads and pressures lie inside the bench's limits; "
                 "nothing has moved",
                 err=True,
             )

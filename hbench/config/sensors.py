@@ -66,6 +66,13 @@ class Sensors(Section):
     pressure: PressureSensor
     load_cell: LoadCell
 
+    @property
+    def force_range_n(self) -> tuple[float, float]:
+        """The load cell's forces between the converter's ends [N]."""
+        cell = self.load_cell
+        per_newton = cell.volts_per_newton
+        return -cell.level / per_newton, (self.adc.reference - cell.level) / per_newton
+
 
 class Instrument(Section):
     """The stated tolerance of an instrument."""

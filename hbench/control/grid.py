@@ -67,6 +67,13 @@ def conditions(bench: Bench, par: PlantParameters) -> tuple[tuple[Condition, ...
                     load_of(bench, load, direction),
                     share * bench.supply.pressure,
                 )
+                lowest, highest = bench.sensors.force_range_n
+                if not lowest < condition.f_load_n < highest:
+                    left_out.append(
+                        f"at {1e3 * condition.v_m_s:g} mm/s, load {condition.f_load_n:.4g} N "
+                        f"the load cell is at its end; it shows {lowest:.0f} to {highest:.0f} N"
+                    )
+                    continue
                 try:
                     condition.point(par, bench.limits.travel_min)
                     reached.append(condition)

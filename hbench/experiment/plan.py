@@ -53,7 +53,7 @@ def plan_runs(
     for number, experiment in enumerate(schedule.experiments):
         key = f"{source}: experiments.{number}"
         for load in experiment.loads:
-            _check_pressures(load, experiment.p_lr, bench, key)
+            _check_load(load, experiment.p_lr, bench, key)
         if isinstance(experiment, Steady) and isinstance(experiment.velocities, Adaptive):
             planner.follow(experiment, experiment.velocities, schedule.screening, key)
             continue
@@ -210,19 +210,56 @@ def _check_motion(reference: Reference, bench: Bench, key: str) -> None:
         )
 
 
+def _check_load(load: float, p_lr: float, bench: Bench, key: str) -> None:
+    supply = bench.supply
+    if load > 0:
+        what, reach = "push", supply.pressure * bench.test_cylinder.area_piston_m2
+        reach -= supply.tank * bench.test_cylinder.area_rod_m2
+    else:
+        what, reach = "pull", supply.pressure * bench.test_cylinder.area_rod_m2
+        reach -= supply.tank * bench.test_cylinder.area_piston_m2
+    if abs(load) >= reach:
+        raise ConfigError(
+            f"{key}.loads: {load:g} N is more than the test cylinder can {what} at "
+            f"{supply.pressure / 1e5:.4g} bar, {reach:.0f} N without friction",
+            "Choose a smaller load.",
+        )
+    lowest, highest = bench.sensors.force_range_n
+    if not lowest < load < highest:
+        raise ConfigError(
+            f"{key}.loads: {load:g} N is beyond what the load cell shows, {lowest:.0f} to "
+            f"{highest:.0f} N",
+            "Choose a smaller load; sensors.load_cell in the bench file tells the range.",
+        )
+    _check_pressures(load, p_lr, bench, key)
+
+
 def _check_pressures(load: float, p_lr: float, bench: Bench, key: str) -> None:
     low, high = bench.supply.tank, bench.supply.pressure
     p_lp = load_pressure(bench, load, p_lr)
-    for name, pressure in (("p_lr", p_lr), ("P_Lp", p_lp)):
+    for name, pressure, where in (("p_lr", p_lr, "p_lr"), ("P_Lp", p_lp, "loads")):
         if not low < pressure < high:
             raise ConfigError(
-                f"{key}: the load of {load:g} N needs {name} = {pressure / 1e5:.4g} bar; it must "
-                f"be above tank ({low / 1e5:.4g} bar) and below supply ({high / 1e5:.4g} bar)",
-                "P_Lp = (A_r/A_p) P_Lr + F_L/A_p; choose another load or p_lr.",
+                f"{key}.{where}: the load of {load:g} N needs {name} = {pressure / 1e5:.4g} bar; "
+                f"it must be above tank ({low / 1e5:.4g} bar) and below supply "
+                f"({high / 1e5:.4g} bar)",
+                _loads_at(p_lr, bench) if name == "P_Lp" else "Choose another p_lr.",
             )
         if pressure > bench.limits.pressure_max:
             raise ConfigError(
-                f"{key}: the load of {load:g} N needs {name} = {pressure / 1e5:.4g} bar, above "
-                f"limits.pressure_max ({bench.limits.pressure_max / 1e5:.4g} bar)",
+                f"{key}.{where}: the load of {load:g} N needs {name} = {pressure / 1e5:.4g} bar, "
+                f"above limits.pressure_max ({bench.limits.pressure_max / 1e5:.4g} bar)",
                 "The board would stop the run; choose another load, p_lr or limit.",
             )
+
+
+def _loads_at(p_lr: float, bench: Bench) -> str:
+    cylinder, supply = bench.load_cylinder, bench.supply
+    high = min(supply.pressure, bench.limits.pressure_max)
+    lowest, highest = (
+        cylinder.area_piston_m2 * p_lp - cylinder.area_rod_m2 * p_lr for p_lp in (supply.tank, high)
+    )
+    return (
+        f"P_Lp = (A_r/A_p) P_Lr + F_L/A_p: at p_lr = {p_lr / 1e5:.4g} bar loads lie between "
+        f"{lowest:.0f} and {highest:.0f} N; choose another load or p_lr."
+    )

@@ -117,8 +117,9 @@ def test_trials_of_an_experiment_that_is_listed_twice_go_on_counting():
             ["travel", "20 and 380 mm", "5 to 375 mm", "brake", "200 mm/s"],
         ),
         ({"travel": {"start": "100 mm", "end": "160 mm"}}, ["steady window", "mm/s"]),
-        ({"loads": ["30 kN"]}, ["30000 N", "supply"]),
-        ({"loads": ["-5000 N"]}, ["-5000 N", "tank"]),
+        ({"loads": ["30 kN"]}, ["30000 N", "can push at 150 bar, 18696 N"]),
+        ({"loads": ["-5000 N"]}, ["experiments.0.loads", "-5000 N", "tank"]),
+        ({"loads": ["13 kN"]}, ["13000 N", "load cell shows, -12257 to 12257 N"]),
         ({"p_lr": "150 bar"}, ["p_lr = 150 bar", "below supply (150 bar)"]),
         ({"velocities": ["0.39 m/s"]}, ["travel"]),
     ],
@@ -149,11 +150,35 @@ def test_the_hint_tells_by_how_much_the_travel_is_too_long():
         plan(360 - too_long + 1)
 
 
+def test_the_hint_tells_the_loads_that_a_rod_side_pressure_allows():
+    """(P_t A_p - P_Lr A_r) and (P_s A_p - P_Lr A_r) of 40 mm and 25 mm: at 15 bar, by hand."""
+    data = copy.deepcopy(STRIBECK)
+    data["experiments"][0]["loads"] = ["-1 kN"]
+    with pytest.raises(ConfigError) as error:
+        plans_of(data)
+    assert "at p_lr = 15 bar loads lie between -897 and 17701 N" in error.value.hint
+
+
+def test_a_load_that_the_test_cylinder_cant_move_is_refused():
+    """At 150 bar a piston of 20 mm with a rod of 12 mm pushes 4672 N and pulls 2953 N.
+
+    That is 150 bar on one side and 2 bar of the tank on the other.
+    """
+    small = BENCH.test_cylinder.model_copy(update={"piston_diameter": 20e-3, "rod_diameter": 12e-3})
+    bench = BENCH.model_copy(update={"test_cylinder": small})
+    data = copy.deepcopy(STRIBECK)
+    for number, load, told in ((0, "4700 N", "can push"), (1, "-4000 N", "can pull")):
+        one = {**STRIBECK["experiments"][number], "loads": [load]}
+        data["experiments"] = [one]
+        with pytest.raises(ConfigError, match=rf"experiments.0.loads: .* {told} at 150 bar"):
+            plan_runs(parse_schedule(data, "s.yaml"), bench, "s.yaml")
+
+
 def test_a_load_pressure_at_which_the_board_would_stop_is_refused():
     bench = BENCH.model_copy(
         update={"limits": BENCH.limits.model_copy(update={"pressure_max": 100e5})}
     )
     schedule = parse_schedule(STRIBECK, "s.yaml")
-    told = r"experiments.1: .* p_lr = 110 bar, above limits.pressure_max \(100 bar\)"
+    told = r"experiments.1.p_lr: .* p_lr = 110 bar, above limits.pressure_max \(100 bar\)"
     with pytest.raises(ConfigError, match=told):
         plan_runs(schedule, bench, "s.yaml")
