@@ -183,6 +183,18 @@ def test_a_run_above_the_converters_end_is_rejected_and_not_averaged(bench, rule
     assert curves([screened]) == ()
 
 
+def test_a_sensor_at_its_end_in_the_whole_run_is_named_and_no_quiet_one_beside_it(bench, rules):
+    log = raw(300)
+    log.words[:, 2] = np.where(np.arange(300) == 299, 0b1001, 0b0001)
+    log.words[:, 3] = 16 * (600 + 4.55 * np.arange(300))  # 50 mm/s
+    log.words[:, 4] = 16 * (1000 + (np.arange(300) % 5 == 0))  # its lowest in four of five
+    log.words[:, 5] = 16 * 4095  # (3 V * 4095/4096 - 1.5 V) of equation C.6
+    screened = screen(replace(calibrate(log, bench), p_tr_pa=np.full(300, 20e5)), rules)
+    (reason,) = (r for r in screened.reasons if r.startswith("sensor_saturated"))
+    assert "f_applied_n shows 12251 N throughout" in reason
+    assert "p_tp_pa" not in reason
+
+
 def test_a_load_cell_at_either_end_is_flagged(bench):
     log = raw()
     log.words[1, 5], log.words[4, 5] = 0, 16 * 4095
