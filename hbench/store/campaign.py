@@ -269,7 +269,8 @@ def _made_again(content: journal.Journal) -> Iterator[str]:
 
 
 def _read_journal(path: Path) -> bytes:
-    return read_file(path, LARGEST_JOURNAL, "Is this a campaign folder?")
+    hint = "A campaign is a folder that `hbench run` or `hbench import` made, with campaign.yaml."
+    return read_file(path, LARGEST_JOURNAL, hint)
 
 
 def refuse_existing(folder: Path) -> None:

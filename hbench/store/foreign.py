@@ -46,6 +46,8 @@ def import_folder(
     ``DataError`` naming file and line; then nothing counts as imported.
     """
     if not source.is_dir():
+        if source.exists():
+            raise ConfigError(f"{source}: is a file", "Give the folder that it is in.")
         raise ConfigError(f"{source}: no such folder")
     refuse_existing(destination)
     header: dict[str, Any] = {"name": source.resolve().name, "source": "imported"}

@@ -125,7 +125,8 @@ def _zeroed(
         zero = zero_at_rest(t_s[rest], channels[key][rest])
         if zero is None:
             raise DataError(
-                f"{source}: {key} has no zero: less than {LEAST_S:g} s at rest before the motion"
+                f"{source}: {key} has no zero: less than {LEAST_S:g} s at rest before the motion",
+                "Leave out its zero: rest in the map, or tell its zero as an offset.",
             )
         out[key] = channels[key] - zero.mean
         words = f"{zero.mean:.4g} {CHANNELS[key]} (standard error {zero.se:.2g} {CHANNELS[key]})"

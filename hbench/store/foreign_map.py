@@ -104,6 +104,12 @@ def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
     return ForeignRuns(runs, (*_notes(len(runs), partial, short, rules), *notes))
 
 
+def _listed(names: list[str]) -> str:
+    if len(names) < 2:
+        return f"is {names[0]}" if names else "is no file"
+    return f"are {', '.join(name[:60] for name in names[:3])}{', ...' if len(names) > 3 else ''}"
+
+
 def _matches(folder: Path, rules: ImportMap) -> Iterator[_Match]:
     """Yield the files of each series by pressure and trial."""
     names = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()]
@@ -120,7 +126,7 @@ def _matches(folder: Path, rules: ImportMap) -> Iterator[_Match]:
         if not found:
             raise DataError(
                 f"{folder}: no file fits series {series.label!r}, files: {series.files}",
-                "Paths start at the imported folder.",
+                f"Paths start at the imported folder; there {_listed(sorted(names))}.",
             )
         yield from sorted(found, key=lambda m: m.order)
 

@@ -20,6 +20,8 @@ def only_host(folder: Path) -> Iterator[None]:
 
     Raises ``ConfigError`` where another host holds it.
     """
+    if folder.exists() and not folder.is_dir():
+        raise ConfigError(f"{folder}: is a file", "A campaign is a folder; name another.")
     made = not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)

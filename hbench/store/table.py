@@ -20,6 +20,11 @@ _BOMS = {
 }
 
 
+_FORMAT = (
+    "See 'format' in the map: separator, preamble (lines before the header), comment, skip_rows."
+)
+
+
 @dataclass(frozen=True)
 class Table:
     """Rows of a file as text; a column becomes numbers when it is asked for."""
@@ -43,7 +48,11 @@ class Table:
         if isinstance(column, str):
             have = ", ".join(self.names) or "no header"
             if column not in self.names:
-                raise DataError(f"{self.source}: no column {column!r}; there are: {have}")
+                mapped = self.layout != Format() or len(self.names) == 1
+                raise DataError(
+                    f"{self.source}: no column {column!r}; there are: {have}",
+                    _FORMAT if mapped else "",
+                )
             if self.names.count(column) > 1:
                 raise DataError(
                     f"{self.source}: column {column!r} stands there "
@@ -73,9 +82,11 @@ class Table:
             values = np.array([_float(cell) for cell in cells])
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             if not (gaps and cells[row].strip().lower() in _GAPS):
+                found = self.rows[row][position][:60]
                 raise DataError(
-                    f"{self.source}: {self.where(row)}: column {column}: "
-                    f"found {self.rows[row][position][:60]!r}; expected a number"
+                    f"{self.source}: {self.where(row)}: column {column}: found {found!r}; "
+                    "expected a number",
+                    "A decimal comma is told in a map: format.decimal." if "," in found else "",
                 )
         return values
 
@@ -132,7 +143,7 @@ def parse_table(data: bytes, source: str, layout: Format) -> Table:
             raise DataError(
                 f"{source}: line {lines[number]}: found {len(cells)} columns in "
                 f"{text[:60]!r}; expected {width}",
-                "See 'format' in the map: separator, preamble, comment, skip_rows.",
+                _FORMAT,
             )
     if units and len(units) < width:
         raise DataError(f"{source}: its row of units has {len(units)} columns; expected {width}")

@@ -156,6 +156,9 @@ def test_campaign_is_not_imported_over(bring_in):
 def test_missing_folder_is_named(tmp_path, at):
     with pytest.raises(ConfigError, match="nowhere: no such folder"):
         import_folder(tmp_path / "nowhere", tmp_path / "out", None, {}, at(0))
+    (tmp_path / "log.csv").write_text("t_s,x_m\n")
+    with pytest.raises(ConfigError, match=r"log.csv: is a file"):
+        import_folder(tmp_path / "log.csv", tmp_path / "out", None, {}, at(0))
 
 
 @pytest.mark.parametrize(

@@ -212,8 +212,15 @@ def test_map_that_cannot_work_is_refused(rules, change, message):
 
 def test_a_missing_column_is_told_with_those_that_are_there(bring_in, rules):
     rules["columns"]["f_applied_n"]["column"] = "force"
-    with pytest.raises(DataError, match="1.csv: no column 'force'; there are: t, x, p, f"):
+    with pytest.raises(DataError, match="1.csv: no column 'force'; there are: t, x, p, f") as told:
         bring_in()
+    assert "preamble" in told.value.hint
+
+
+def test_a_decimal_comma_that_the_map_does_not_tell_is_explained():
+    with pytest.raises(DataError, match="line 2: column x: found '0,5'") as caught:
+        column(b"t;x\n1;0,5\n", **SEMICOLON)
+    assert "format.decimal" in caught.value.hint
 
 
 def test_other_peoples_files_without_a_map_are_refused_with_what_to_do(tmp_path, at):

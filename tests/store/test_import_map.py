@@ -1,6 +1,7 @@
 """Import by a map: other columns, units, separators, several strokes a file."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -185,8 +186,9 @@ def test_time_that_goes_back_is_named_with_its_line(bring_in, source):
 
 def test_series_without_files_is_named(bring_in, rules):
     rules["series"][0]["files"] = "none_{pressure}.csv"
-    with pytest.raises(DataError, match="no file fits series 'NBR'"):
+    with pytest.raises(DataError, match="no file fits series 'NBR'") as caught:
         bring_in()
+    assert re.search(r"there are \d+/\d+bar.txt, ", caught.value.hint)
 
 
 def test_file_of_two_series_is_refused(bring_in, rules):
@@ -210,7 +212,7 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
         ({"format": {"decimal": ","}}, "decimal ',' can't be told from separator comma"),
         (
             {"columns": {"t_s": {"column": 0, "unit": "ms"}, "x_m": {"column": 1, "unit": "mm"}}},
-            "columns.t_s.column.*greater than or equal to 1",
+            "columns.t_s.column.*must be at least 1",
         ),
         (
             {"columns": {"t_s": {"column": 1, "unit": "ms"}, "x_m": {"column": "x", "unit": "mm"}}},
