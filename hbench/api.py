@@ -31,6 +31,7 @@ _SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2"
 _FIT = ("law", "rmse_n", "converged", "message")
 _STATE = {"x_m": X, "v_m_s": V, "p_tp_pa": P_TP, "p_tr_pa": P_TR, "p_lp_pa": P_LP, "p_lr_pa": P_LR}
 _START_PA = 15e5  # in the load chambers at the start of a simulation
+_FASTEST_M_S = 10.0  # that a bench's own speeds may be, too
 _UNKNOWN = Specimen(float("nan"), float("nan"))
 
 
@@ -76,7 +77,11 @@ class Campaign:
         for one in screened_runs(self._campaign):
             if one.run.plan.run == run:
                 return pd.DataFrame(channels(one.run))
-        raise DataError(f"{self._campaign.folder}: has no run {run!r}")
+        names = [plan.run for plan in self._campaign.plans]
+        raise DataError(
+            f"{self._campaign.folder}: has no run {run!r}",
+            f"There are {names[0]!r} to {names[-1]!r}." if names else "There are none.",
+        )
 
     def _points(self, part: str) -> pd.DataFrame:
         return pd.DataFrame(
@@ -116,6 +121,8 @@ def fit(
         raise ConfigError("fit: v_m_s and friction_n must be as many finite numbers each")
     if not (v > 0).all() and not (v < 0).all():
         raise ConfigError("fit: velocities must have one sign", "Fit each direction by itself.")
+    if (np.abs(v) > _FASTEST_M_S).any():
+        raise ConfigError(f"fit: {np.abs(v).max():g} m/s is no piston's velocity", "Is it in mm/s?")
     if law not in LAWS:
         raise ConfigError(f"fit: unknown law {law!r}; known are {', '.join(LAWS)}")
     direction: Direction = "extend" if (v > 0).all() else "retract"

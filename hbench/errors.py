@@ -30,6 +30,8 @@ class HbenchError(Exception):
         super().__init__(message)
         self.message = message
         self.hint = hint
+        if hint:
+            self.add_note(f"hint: {hint}")  # for those who see the traceback
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Between processes: as it is, whatever a subclass is made from.

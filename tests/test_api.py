@@ -73,6 +73,13 @@ def test_the_samples_of_a_run_give_its_mean_friction(demo, folder):
         demo.samples("9999")
 
 
+def test_a_run_that_is_not_there_is_told_with_those_that_are_and_the_hint_in_the_traceback(demo):
+    with pytest.raises(DataError, match="has no run '1'") as error:
+        demo.samples("1")
+    last = demo.runs.run.iloc[-1]
+    assert error.value.__notes__ == [f"hint: There are '0001' to '{last}'."]
+
+
 def test_how_to_fit_is_given_as_in_a_fit_file(folder, tmp_path):
     given = {"laws": ["tustin"], "bounds": {"f_coulomb_n": ["0 N", "1 N"]}}
     fits = hbench.load(folder, given).fits
@@ -99,6 +106,7 @@ def test_a_fit_to_points_finds_the_law_that_they_come_from(way):
         ([0.1, 0.2], [1], "tustin", "as many"),
         ([0.1, np.nan], [1, 1], "tustin", "finite"),
         ([0.1, 0.2], [1, 2], "newton", "newton"),
+        ([5, 50, 200], [3, 1, 2], "tustin", "200 m/s"),
     ],
 )
 def test_points_that_can_not_be_fitted_are_refused(v, friction, law, words):

@@ -30,6 +30,7 @@ from hbench.store.reading import LARGEST_JOURNAL, check_inside, read_file
 from hbench.store.run_csv import parse_run
 
 JOURNAL = "campaign.yaml"
+ADD_A_BENCH = "Lay a bench file 'bench.yaml' into what `hbench export` writes of it; import that."
 _SETTINGS = ("instruments", "sensors", "controllers", "limits", "screening")  # told in the report
 
 

@@ -13,7 +13,7 @@ from hbench.report.identification_page import identification_page
 from hbench.report.identification_text import identification_json
 from hbench.report.overlay import overlay_yaml
 from hbench.store.atomic import write_files
-from hbench.store.campaign import Campaign, load_campaign
+from hbench.store.campaign import ADD_A_BENCH, Campaign, load_campaign
 from hbench.workflow.results import derive
 
 _ADD = "configs/dynamics.yaml has all that is needed; `hbench init DIR` writes it."
@@ -38,7 +38,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     if bench is None:
         raise DataError(
             f"{folder}: tells no bench, whose moving mass and physics identification needs",
-            "Lay a bench file 'bench.yaml' beside the logs and import them again.",
+            ADD_A_BENCH,
         )
     results = derive(campaign)
     usable, left_out = _usable(results.runs, bench.moving_mass.test)

@@ -12,7 +12,7 @@ from hbench.report.figures import figure_files
 from hbench.report.phenomenon_page import phenomenon_page
 from hbench.report.replay_text import replay_json
 from hbench.store.atomic import write_files
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign import ADD_A_BENCH, load_campaign
 from hbench.store.export import csv_files
 from hbench.workflow.board import physics_of
 
@@ -55,7 +55,7 @@ def replay(folder: Path, model_file: Path) -> Replay:
     campaign = load_campaign(folder)
     bench = campaign.bench()
     if bench is None:
-        raise DataError(f"{folder}: has no bench, which the model is laid over")
+        raise DataError(f"{folder}: has no bench, which the model is laid over", ADD_A_BENCH)
     content = campaign.header["bench"]["content"]
     plant = physics_of(content, model_file) or bench
     if campaign.imported:
