@@ -7,6 +7,7 @@ from typing import Any
 from hbench.config.bench import Bench, Plant, parse_bench, parse_plant
 from hbench.config.loading import read_yaml
 from hbench.errors import ConfigError
+from hbench.model.sensors import sensor_gains
 from hbench.rig import boot_rom
 from hbench.rig.boot_image import BootImage, read_boot_image
 from hbench.rig.client import Identity
@@ -15,6 +16,7 @@ from hbench.rig.lines import open_line
 from hbench.rig.ports import BAUD, Port, SerialPort
 from hbench.rig.programmer import flash_through
 from hbench.rig.serve import FlatOut, WallClock, serve
+from hbench.units import from_si
 
 _SHARE_OF_HEARTBEAT = 0.5  # of a rig flat out: the rest is for the client's next word
 
@@ -128,6 +130,23 @@ def check_effects(plant: Plant, file: Path) -> None:
     except ConfigError as error:
         faults = (f"{file}: {fault}" for fault in error.message.splitlines())
         raise ConfigError("\n".join(faults), error.hint) from None
+
+
+def check_sensors(bench: Bench, file: Path) -> None:
+    """Check that no sensor is at its converter's end in use. Raises ``ConfigError``."""
+    top = 2**bench.sensors.adc.bits - 1
+    for key, si, channel, sensor, unit in (
+        ("limits.travel_max", bench.limits.travel_max, "x", "position", "mm"),
+        ("supply.pressure", bench.supply.pressure, "p_s", "pressure", "bar"),
+    ):
+        gain, offset = sensor_gains(bench.sensors)[channel]
+        most = gain * top + offset
+        if si >= most:
+            raise ConfigError(
+                f"{file}: {key} = {from_si(si, unit):.6g} {unit} is beyond what its sensor shows, "
+                f"{from_si(most, unit):.4g} {unit}",
+                f"Give sensors.{sensor} the span and the amplifier of yours.",
+            )
 
 
 def _virtual_rig(bench: Bench, physics: Plant | None, seed: int, baud: int | None) -> Port:

@@ -23,7 +23,7 @@ from hbench.rig.client import BoardClient
 from hbench.store.campaign import CampaignWriter, load_campaign
 from hbench.store.foreign import ImportSummary, import_folder
 from hbench.store.hold import only_host
-from hbench.workflow.board import check_effects, open_port, physics_of
+from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.live import published
 
 
@@ -76,6 +76,7 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
     bench_data = read_yaml(bench_file)
     bench = parse_bench(bench_data, str(bench_file))
     check_effects(bench, bench_file)
+    check_sensors(bench, bench_file)
     return Experiment(
         schedule=schedule,
         bench=bench,

@@ -63,7 +63,7 @@ def test_check_estimates_and_writes_nothing(hbench, short_schedule, tmp_path):
     done = hbench("run", schedule, "--check")
     assert done.returncode == 0 and not done.stdout
     assert "4 runs" in done.stderr and "MB" in done.stderr
-    assert "checked: travel, speeds and load pressures" in done.stderr
+    assert "checked: travel, speeds, loads and pressures" in done.stderr
     assert set(tmp_path.iterdir()) == before
 
 
@@ -97,7 +97,7 @@ def test_from_a_schedule_to_the_page(hbench, short_schedule, tmp_path):
         (("run", "short.yaml"), 2, "-o"),
         (("run", "short.yaml", "-o", "out", "--port", "/dev/none"), 3, "/dev/none"),
         (("run", "short.yaml", "-o", "out", "--resume"), 4, "campaign.yaml"),
-        (("run", "lost.yaml", "-o", "out"), 2, "lost.yaml: bench = 'b.yaml': there is no"),
+        (("run", "lost.yaml", "-o", "out"), 2, ": bench = 'b.yaml': there is no"),
         (("analyze", "nothing"), 4, "nothing/campaign.yaml"),
         (("import", "nothing", "-o", "out"), 2, "nothing"),
     ],
@@ -116,8 +116,25 @@ def test_an_error_has_its_exit_code_and_names_its_cause_on_stderr(
 def test_a_wrong_value_names_file_key_and_limit(hbench, short_schedule):
     done = hbench("run", short_schedule(bench={"supply": {"pressure": "2000 bar"}}), "--check")
     assert done.returncode == 2
-    for word in ("bench.yaml", "supply.pressure", "2000 bar", "at most 1000 bar"):
+    for word in ("bench.yaml: line ", "supply.pressure", "2000 bar", "at most 1000 bar"):
         assert word in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("bench", "told"),
+    [  # 3 V * 4095/4096 at the converter, after 0.316: 94.9 % of the span
+        ({"supply": {"pressure": "240 bar"}}, "supply.pressure = 240 bar is beyond what"),
+        (
+            {"sensors": {"position": {"span": "390 mm", "output": "10 V", "amplifier": 0.316}}},
+            "limits.travel_max = 375 mm is beyond what its sensor shows, 370.2 mm",
+        ),
+    ],
+)
+def test_a_sensor_that_would_be_at_its_end_is_told_before_anything_moves(
+    hbench, short_schedule, bench, told
+):
+    done = hbench("run", short_schedule(bench=bench), "--check")
+    assert done.returncode == 2 and told in done.stderr
 
 
 def test_init_writes_files_that_run_accepts_and_keeps_those_that_are_there(hbench, tmp_path):
