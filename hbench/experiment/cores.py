@@ -65,7 +65,7 @@ def on_all_cores(work: Callable[[Any], Any], arguments: Iterable[Any]) -> Iterat
             raise ProcessDied(
                 [*running.values(), *last],
                 "one of the processes that share the work has died: killed, or out of memory",
-                "What it had finished stays; go on with --resume.",
+                "Give the same command again; `hbench run` goes on with --resume.",
             ) from None
 
 
