@@ -297,12 +297,15 @@ def test_a_port_that_is_taken_is_an_error_with_a_hint():
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_the_command_prints_its_address_and_ends_with_ctrl_c(sample, number):
     process = hbench(sample.parent, "watch", sample, "--port", "0")
-    address = process.stdout.readline().strip()
-    match = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/", address)
-    assert match, process.communicate()
-    assert Page(int(match[1])).state()["state"] == "ended"
-    process.send_signal(number)
-    out, told = process.communicate(timeout=PATIENCE_S)
+    try:
+        address = process.stdout.readline().strip()
+        match = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/", address)
+        assert match, address
+        assert Page(int(match[1])).state()["state"] == "ended"
+        process.send_signal(number)
+        out, told = process.communicate(timeout=PATIENCE_S)
+    finally:
+        process.kill()
     assert process.returncode == 0 and not out and not told
 
 
