@@ -15,10 +15,12 @@ from hbench.analysis.budget import (
     LOAD_CELL,
     PISTON_SIDE,
     ROD_SIDE,
+    expanded,
     parts_of_mean,
     together,
     tolerances,
 )
+from hbench.analysis.student import student_factor
 from hbench.config.sensors import Instruments
 from hbench.records import (
     Curve,
@@ -148,6 +150,7 @@ def _point(
     parts = {} if instruments is None else instrument_parts(forces, instruments)
     sigma = together(parts) if parts else None
     sigma_trials = _trials_error(point, _RATIO[side])
+    ci95 = None if sigma_trials is None else student_factor(point.n - 1) * sigma_trials
     return EfficiencyPoint(
         v_m_s=point.v_m_s,
         efficiency=value,
@@ -155,6 +158,8 @@ def _point(
         sigma_trials=sigma_trials,
         reason="; ".join(reasons),
         sigma_combined=_combined(sigma, sigma_trials),
+        ci95=ci95,
+        u95=None if ci95 is None or sigma is None else expanded(ci95, sigma),
         parts=parts,
     )
 

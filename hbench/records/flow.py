@@ -274,6 +274,8 @@ class EfficiencyPoint:
     sigma_trials: float | None  # standard error of the trials' mean
     reason: str = ""
     sigma_combined: float | None = None  # both
+    ci95: float | None = None  # half-width of Student's interval of the trials
+    u95: float | None = None  # half-width of the 95 % interval of trials and instruments
     # The instruments' parts of sigma by name, with their signs: an error has the same sign at
     # all points of a campaign.
     parts: dict[str, float] = field(default_factory=dict)

@@ -171,8 +171,8 @@ FIGURES = (
     FigureKind(
         name="efficiency",
         section="efficiency",
-        caption="Efficiency over speed. Band: ±σ from the instruments' tolerances. Bars: standard "
-        "error of the trials' mean. Both directions share their axes.",
+        caption="Efficiency over speed. Band: the 95 % interval by the instruments' tolerances. "
+        "Bars: the 95 % Student interval of the trials. Both directions share their axes.",
         applies=has_efficiency,
         draw=efficiency,
         each_series=True,
@@ -180,7 +180,7 @@ FIGURES = (
     FigureKind(
         name="efficiency-map",
         section="efficiency",
-        caption="Efficiency over speed and load, and its standard uncertainty of trials and "
+        caption="Efficiency over speed and load, and half of its 95 % interval by trials and "
         "instruments together. Dots: what was measured; the colour between them is straight from "
         "dot to dot.",
         applies=has_efficiency_map,

@@ -8,13 +8,13 @@ from hbench.report import style
 from hbench.report.draw_friction import by_load, load_legend, load_ranks, load_style
 from hbench.report.rod_side import load_words, told_apart
 from hbench.report.series import behind
+from hbench.report.text import K95
 
 
 def efficiency(results: Results) -> dict[str, Figure]:
     """Draw efficiency [%] over |v| [mm/s], one figure a direction.
 
-    The band is +-sigma of the instruments (6.16 to 6.19); the bars are the standard error of the
-    trials' mean.
+    The band is the instruments' 95 % interval (6.16 to 6.19), the bars are that of the trials.
     """
     curves = told_apart(curve for curve in results.efficiency if _has_values(curve))
     ranks = load_ranks(curves)
@@ -33,15 +33,13 @@ def efficiency(results: Results) -> dict[str, Figure]:
             )
             label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_efficiency"
             bars = axes.errorbar(speed, value, bar, label=label, **look, **style.POINTS)
-            behind(bars, {"σ of the instruments (%)": band})
+            behind(bars, {"± instruments (%)": band})
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Efficiency (%)")
         style.start_at_zero(axes)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0), max(high, 100))
         style.head(axes, f"Efficiency, {style.TITLES[direction].lower()}", results)
-        style.read_as(
-            figure, "Bars: standard error of the trials' mean; band: ±σ of the instruments."
-        )
+        style.read_as(figure, "Bars: 95 % interval of the trials; band: that of the instruments.")
         load_legend(figure, axes, "Load $F_L$", chosen)
     style.share_limits(figure.axes[0] for figure in figures.values())
     return figures
@@ -61,5 +59,5 @@ def _columns(curve: EfficiencyCurve) -> tuple[np.ndarray, ...]:
         values = [getattr(point, name) for point in curve.points]
         return np.array([np.nan if value is None else value for value in values], dtype=float)
 
-    percent = 100 * np.array([column(name) for name in ("efficiency", "sigma", "sigma_trials")])
+    percent = 100 * np.array([column("efficiency"), K95 * column("sigma"), column("ci95")])
     return 1e3 * np.abs(column("v_m_s")), *percent

@@ -21,7 +21,7 @@ def has_efficiency_map(results: Results) -> bool:
 
 
 def efficiency_map(results: Results) -> dict[str, Figure]:
-    """Draw efficiency and sigma [%] over speed [mm/s] and load [kN], one figure a direction.
+    """Draw efficiency and its U95 [%] over speed [mm/s] and load [kN], one figure a direction.
 
     Loads that oppose the motion and loads that help it stand in figures of their own: power flows
     the other way there, and between them there is no efficiency.
@@ -34,13 +34,13 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
             for p in curve.points
             if p.efficiency is not None
         ]
-        speed, load, value, sigma = np.array(found).T
-        known = bool(np.isfinite(sigma).all())
+        speed, load, value, u95 = np.array(found).T
+        known = bool(np.isfinite(u95).all())
         figure = style.new_figure(height_in=6.0 if known else 3.8)
         panels = figure.subplots(2 if known else 1, sharex=True, squeeze=False)[:, 0]
         _map(figure, panels[0], speed, load, value, "Efficiency (%)")
         if known:
-            _map(figure, panels[1], speed, load, sigma, "σ, trials and instruments (%)")
+            _map(figure, panels[1], speed, load, u95, "U95, trials and instruments (%)")
         panels[-1].set_xlabel("Speed |v| (mm/s)")
         style.head(panels[0], f"Efficiency map, {words[0].lower()}{words[1:]}", results)
         style.read_as(figure, style.OF_MAPS)
@@ -49,7 +49,7 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
 
 
 def _percent(point: EfficiencyPoint) -> float:
-    return np.nan if point.sigma_combined is None else 100 * point.sigma_combined
+    return np.nan if point.u95 is None else 100 * point.u95
 
 
 def _groups(results: Results) -> dict[str, list[EfficiencyCurve]]:

@@ -85,7 +85,7 @@ _NUMBERS = {
     "Efficiency": "F_applied/F_T (6.10) where the oil drives the load, and its inverse where the "
     "load drives the oil. Its σ comes from the tolerances of force and pressures by first-order "
     "propagation (6.16 to 6.19); all points share it, so that it is no scatter, and a mean over "
-    "speeds does not lessen it. In the summary ± is 1.96 σ of trials and instruments.",
+    "speeds does not lessen it. ± is U_95, of trials and instruments as that of friction.",
     "Half band": "(F_extend − F_retract)/2. A constant error in force shifts both directions alike "
     "and cancels in it, but shows in the middle of the band. Its interval is Student's over the "
     "halves of the trials that both directions have.",

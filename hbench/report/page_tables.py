@@ -54,7 +54,7 @@ def efficiency_table(results: Results) -> Table:
             _percent(point.efficiency),
             _percent(point.sigma),
             _percent(point.sigma_trials),
-            _percent(point.sigma_combined),
+            _percent(point.u95),
             point.reason,
         )
         for curve in told_apart(results.efficiency)
@@ -63,9 +63,9 @@ def efficiency_table(results: Results) -> Table:
     head = (
         "Velocity (mm/s)",
         "Efficiency (%)",
-        "±σ instruments (%)",
+        "σ of instruments (%)",
         "s.e. of trials (%)",
-        "σ of both (%)",
+        "U95 of both (%)",
     )
     return table((*WHO, *head, "Remark"), rows)
 

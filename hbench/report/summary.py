@@ -9,11 +9,10 @@ from hbench.report.document import Section, Tile
 from hbench.report.page_tables import WHO, table, who
 from hbench.report.quality import RULE, checks, worst
 from hbench.report.rod_side import told_apart
-from hbench.report.text import alike, number, significant, span, with_interval
+from hbench.report.text import K95, alike, number, significant, span, with_interval
 from hbench.report.word_tables import Cell, Table
 
 NEAR = 0.2  # a measured speed stands for the working speed if it is no further off than this part
-_K95 = 1.96
 _LONG = 12  # rows; more start folded
 
 
@@ -188,7 +187,7 @@ def _breakaway(curve: Curve, results: Results) -> Number | None:
         half = max(stiction.value - low, high - stiction.value)
         slowest = min(curve.points, key=lambda point: abs(point.v_m_s))
         sigma = slowest.sigma_instruments_n or 0.0
-        u95 = math.hypot(half, _K95 * sigma)
+        u95 = math.hypot(half, K95 * sigma)
         return Number(stiction.value, u95, "extrapolated", half, stiction.se)
     return None
 
@@ -206,10 +205,8 @@ def _efficiency(curve: Curve, point: CurvePoint | None, results: Results) -> Num
     for own in told_apart(results.efficiency):
         if own.kind == curve.kind and _series(own) == _series(curve):
             at: EfficiencyPoint = min(own.points, key=lambda p: abs(p.v_m_s - point.v_m_s))
-            sigma = at.sigma_combined if at.sigma_combined is not None else at.sigma_trials
             if at.efficiency is not None:
-                half = None if sigma is None else _K95 * sigma
-                return Number(at.efficiency, half, se=at.sigma_trials)
+                return Number(at.efficiency, at.u95 or at.ci95, se=at.sigma_trials)
     return None
 
 

@@ -237,7 +237,7 @@ _FIT_COLUMNS = (
 _BAND_COLUMNS = (*"kind label f_load_n p_lr_ref_pa p_tp_pa half_n half_ci95_n middle_n n".split(),)
 _EFFICIENCY_COLUMNS = (
     *_SERIES,
-    *"v_m_s efficiency sigma sigma_trials sigma_combined reason".split(),
+    *"v_m_s efficiency sigma sigma_trials sigma_combined ci95 u95 reason".split(),
 )
 
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Collection
 
 _SYMMETRIC = 0.05  # of the half-width
+K95 = 1.96  # half of a normal 95 % interval, in standard deviations
 NONE = "–"  # what stands for a number that does not exist
 
 

@@ -24,6 +24,7 @@ from hbench.records import (
     Suspect,
     Trend,
 )
+from hbench.report.text import K95
 from hbench.store.fleet_table import TABLE, FleetTable, column_of, moment_of
 
 _NAMED = 20  # campaigns that are named: of the worst, and of those that failed
@@ -31,7 +32,6 @@ _WORDS = 10  # of reasons and protocols
 _SINGLE = 150  # campaigns that are drawn one by one; more are drawn in blocks
 _BLOCKS = 60
 _DAY_S = 86_400.0
-_K95 = 1.96
 _DIGITS = re.compile(r"\d+")
 
 
@@ -148,7 +148,7 @@ def _spread(one: _Number, stands: Standing, trend: Trend | None) -> Spread:
 def _blocks(one: _Number) -> Iterator[Block]:
     order = np.argsort(one.at, kind="stable")
     if len(order) <= _SINGLE:
-        half = _K95 * np.nan_to_num(one.se, nan=0.0, posinf=0.0)
+        half = K95 * np.nan_to_num(one.se, nan=0.0, posinf=0.0)
         for i in order:
             x = float(one.x[i])
             yield Block(float(one.at[i]), 1, x, x - float(half[i]), x + float(half[i]))

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from hbench.analysis.budget import together
 from hbench.analysis.efficiency import (
@@ -168,7 +169,9 @@ def test_another_benchs_log_has_no_sigma_and_says_so(make_curve):
 
 
 @pytest.mark.parametrize("direction", ["extend", "retract"])
-def test_sigma_of_trials_is_the_standard_error_of_their_efficiencies(make_curve, direction):
+def test_the_trials_part_is_the_standard_error_of_their_efficiencies_and_students_interval(
+    make_curve, direction
+):
     sign = 1 if direction == "extend" else -1
     curve = make_curve([0.1], [400.0], direction)
     f_test, f_applied = np.array([2390.0, 2400.0, 2430.0]), np.array([2000.0, 2010.0, 1990.0])
@@ -183,6 +186,11 @@ def test_sigma_of_trials_is_the_standard_error_of_their_efficiencies(make_curve,
     eta = f_applied / f_test if sign > 0 else f_test / f_applied
     found = efficiency(replace(curve, points=(point,)), None).points[0]
     assert found.sigma_trials == pytest.approx(np.std(eta, ddof=1) / np.sqrt(3))
+    low, high = stats.t.interval(0.95, 2, eta.mean(), stats.sem(eta))
+    assert found.ci95 == pytest.approx((high - low) / 2) and found.u95 is None
+    known = efficiency(replace(curve, points=(point,)), instruments()).points[0]
+    assert known.ci95 == found.ci95
+    assert known.u95 == pytest.approx(np.hypot(found.ci95, 1.959964 * known.sigma))
 
 
 @pytest.mark.parametrize(("v", "expected"), [(0.1, 2000 / 2400), (-0.1, 1600 / 2000)])

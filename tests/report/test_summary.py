@@ -70,7 +70,13 @@ def test_breakaway_of_ramps_is_where_the_slowest_begins_to_slide(small):
 def test_efficiency_is_that_of_the_same_direction_load_and_speed(small):
     for one, curve in zip(glances(small), small.efficiency, strict=True):
         assert one.efficiency.value == curve.points[2].efficiency
-        assert one.efficiency.u95 == pytest.approx(1.96 * curve.points[2].sigma_combined)
+        assert one.efficiency.u95 == curve.points[2].u95
+    without = [
+        replace(curve, points=tuple(replace(point, u95=None) for point in curve.points))
+        for curve in small.efficiency
+    ]
+    for one, curve in zip(glances(replace(small, efficiency=tuple(without))), without, strict=True):
+        assert one.efficiency.u95 == curve.points[2].ci95  # of the trials alone
 
 
 @pytest.mark.parametrize("rejected,expected", [(0, "good"), (4, "with care"), (20, "poor")])
