@@ -1,7 +1,8 @@
 """Quantities with units: "150 bar" to 1.5e7 Pa, and back for messages.
 
 A unit is a factor to SI and the exponents of (m, kg, s, V, K). Expressions combine unit
-names with ``*`` or a space, ``/``, ``^`` and parentheses: ``N s/m``, ``V/(Pa s)``, ``m^2/V``.
+names with ``*`` or a space, ``/``, ``^`` and parentheses: ``N s/m``, ``V/(Pa s)``, ``m^2/V`` or
+``m²/V``.
 """
 
 import math
@@ -64,6 +65,7 @@ UNITS: dict[str, Unit] = {
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _LONGEST = 200  # characters of a quantity
+_PRINTED = str.maketrans({"²": "^2", "³": "^3", "·": " "})  # as pages and data sheets write them
 _TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)|(\^)\s*(-?\d+)|([*/()])|$)")
 
 
@@ -71,6 +73,7 @@ def parse_unit(text: str) -> Unit:
     """Read a unit expression; raises ``ValueError`` with what was not understood."""
     if len(text) > _LONGEST:
         raise ValueError(f"unit {text[:20]!r}...: is {len(text)} characters long")
+    text = text.translate(_PRINTED)
     position, factor = 0, 1.0
     dimension: Dimension = (0,) * 5
     signs, sign = [1], 1  # sign of the open parentheses, sign of the next name

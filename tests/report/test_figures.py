@@ -287,7 +287,7 @@ def test_an_efficiency_map_has_a_dot_for_each_measured_point_and_says_its_units(
         assert len(dots) == sum(len(curve.points) for curve in curves)
         assert {round(1e3 * load) for load in dots[:, 1]} == {c.f_load_n for c in curves}
         labels = [axes.get_ylabel() for axes in figure.axes]
-        assert "Efficiency (%)" in labels and "σ, trials and instruments (%)" in labels
+        assert "Efficiency (%)" in labels and "U95, trials and instruments (%)" in labels
 
 
 def test_two_loads_make_no_efficiency_map(small):
