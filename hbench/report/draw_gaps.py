@@ -75,7 +75,7 @@ def _log_gaps(axes: Axes) -> None:
     axes.set_xscale("log")
     low, high = axes.get_xlim()
     axes.set_xlim(max(min(low, 0.7), 0.9 * _LEAST), max(high, 3))
-    axes.xaxis.set_major_formatter(lambda value, _: short(value))
+    style.plain_log(axes.xaxis)
     axes.set_xlabel("Gap (trial scatters)")
 
 

@@ -88,6 +88,7 @@ def _errors(found: Identification) -> Figure:
                 floor = factor * getattr(found.scatter[part], name)
                 axes.hlines(floor, i - 0.42, i + 0.42, color="black", linestyle="--", linewidth=1.2)
         axes.set_yscale("log")
+        style.plain_log(axes.yaxis)
         axes.set_ylabel(along)
         axes.grid(False, axis="x")
     rows[1].set_xticks(range(len(PARTS)), PARTS)

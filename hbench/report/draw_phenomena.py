@@ -1,9 +1,7 @@
 """Figures of a phenomenon: one a panel, simulated points beside lines of theory."""
 
 from matplotlib import rc_context
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from hbench.records import Panel, Phenomenon
 from hbench.report import style
@@ -39,9 +37,7 @@ def draw_panel(panel: Panel) -> Figure:
     axes.set_yscale("log" if panel.y_log else "linear")
     for axis, is_log in ((axes.xaxis, panel.x_log), (axes.yaxis, panel.y_log)):
         if is_log:
-            axis.set_major_locator(LogLocator(subs=(1, 2, 5) if _short(axis) else (1,)))
-            axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter(NullFormatter())
+            style.plain_log(axis)
     for x, words in panel.marks:
         axes.axvline(x, color=style.QUIET, linewidth=0.9, linestyle=":", zorder=1)
         axes.annotate(
@@ -59,9 +55,3 @@ def draw_panel(panel: Panel) -> Figure:
     axes.set_title("simulated", loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
     style.legend_above(figure, axes, columns=2)
     return figure
-
-
-def _short(axis: Axis) -> bool:
-    """Tell whether a logarithmic axis has so few decades that their ticks alone would be few."""
-    low, high = axis.get_view_interval()
-    return high < 300 * low

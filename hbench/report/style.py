@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from hbench.records import Curve, Diagnosis, Direction, Results
 
@@ -133,6 +135,14 @@ def legend_above(figure: Figure, axes: Axes, title: str = "", columns: int = 4) 
         figure.legend(
             handles, labels, title=title, ncols=columns, alignment="left", loc="outside upper left"
         )
+
+
+def plain_log(axis: Axis) -> None:
+    """Write a logarithmic axis's numbers as they are: 2, not 2 × 10^0; in few decades 1, 2, 5."""
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
 
 
 def start_at_zero(axes: Axes) -> None:
