@@ -12,6 +12,7 @@ from urllib.parse import quote
 import numpy as np
 
 from hbench.analysis.among import FEWEST, Line, Standing, histogram, line, standing
+from hbench.analysis.budget import NORMAL_95
 from hbench.analysis.holm import holm
 from hbench.records import (
     QUANTITIES,
@@ -24,7 +25,6 @@ from hbench.records import (
     Suspect,
     Trend,
 )
-from hbench.report.text import K95
 from hbench.store.fleet_table import TABLE, FleetTable, column_of, moment_of
 
 _NAMED = 20  # campaigns that are named: of the worst, and of those that failed
@@ -148,7 +148,7 @@ def _spread(one: _Number, stands: Standing, trend: Trend | None) -> Spread:
 def _blocks(one: _Number) -> Iterator[Block]:
     order = np.argsort(one.at, kind="stable")
     if len(order) <= _SINGLE:
-        half = K95 * np.nan_to_num(one.se, nan=0.0, posinf=0.0)
+        half = NORMAL_95 * np.nan_to_num(one.se, nan=0.0, posinf=0.0)
         for i in order:
             x = float(one.x[i])
             yield Block(float(one.at[i]), 1, x, x - float(half[i]), x + float(half[i]))
