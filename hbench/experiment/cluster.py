@@ -26,6 +26,7 @@ _PROFILES = ("profile", "profile-cycle")  # of a worker's periodic callbacks
 def connected(address: str) -> "Iterator[Client]":
     """Connect to the scheduler at ``address``, such as ``tcp://host:8786``.
 
+    Meanwhile its workers make no profiles, which would fill their memory.
     Raises ``ConfigError`` where Dask is missing or no address is given, ``DeviceError`` where
     nobody answers.
     """
