@@ -18,15 +18,15 @@ from pathlib import Path
 import numpy as np
 
 from hbench import workflow
-from hbench.analysis.calibrate import calibrate
-from hbench.analysis.screen import screen
+from hbench.analysis.screening.calibrate import calibrate
+from hbench.analysis.screening.screen import screen
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.experiment.runner import run_campaign
 from hbench.records import ScreenedRun
 from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
-from hbench.store.campaign import CampaignWriter, load_campaign
+from hbench.store.campaign.folder import CampaignWriter, load_campaign
 
 HERE = Path(__file__).parent
 SEED = 20

@@ -13,18 +13,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from hbench.analysis.fit import LAWS, fit_law
+from hbench.analysis.fitting.fit import LAWS, fit_law
 from hbench.config.bench import parse_bench
+from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
-from hbench.config.loading import read_yaml
 from hbench.errors import ConfigError, DataError
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
 from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate as trajectory
 from hbench.records import Curve, CurvePoint, Direction, Fit, Specimen
-from hbench.report.tables import results_json
-from hbench.store.campaign import load_campaign
-from hbench.store.export import channels
+from hbench.report.campaign.tables import results_json
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.exporting.runs import channels
 from hbench.workflow.results import derive, screened_runs
 
 _SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")

@@ -121,7 +121,7 @@ def quick_experiment(quick_schedule):
 def on_the_rig():
     """Return a function that makes a schedule's runs on the virtual rig and loads the campaign."""
     from hbench import workflow
-    from hbench.store.campaign import load_campaign
+    from hbench.store.campaign.folder import load_campaign
 
     def make(schedule: Path, folder: Path, **options):
         given = {

@@ -13,9 +13,9 @@ import pytest
 import hbench
 from hbench import workflow
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError, DataError
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
 
 ROOT = Path(__file__).parents[1]
 BENCH = ROOT / "configs" / "bench-aau.yaml"

@@ -1,23 +1,27 @@
-"""A file imports only from layers below its own; siblings in a row never meet."""
+"""The structure of the package: layers without circles, and folders that can be surveyed."""
 
 import ast
+from collections import Counter
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1] / "hbench"
 
-# Rooms from the ground up; those in one row don't know each other. Layer 0 is one room.
+# Rooms from the bottom up. Rooms of one row do not import each other, except in row 0.
 ROWS = (
-    {"errors", "units", "records", "config"},
+    {"errors", "units", "untrusted_text", "records", "config", "parallel"},
     {"model", "protocol", "store", "report"},
     {"analysis", "control", "rig"},
-    {"experiment", "reconcile"},
+    {"experiment"},
+    {"reconcile", "studies"},
     {"workflow"},
     {"api", "cli"},
     {"__main__"},
 )
-OWN_PARTS = {"model/compiled.py"}  # reads the model's own source, for its cache
+LARGEST_FOLDER = 16  # Python files besides __init__.py
+SOURCE_READERS = {"model/compiled.py"}  # hashes the model's own source for its cache
 FILES = sorted(path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py")
 
 
@@ -29,31 +33,72 @@ def row(name: str) -> int:
     return next(i for i, rooms in enumerate(ROWS) if name in rooms)
 
 
-def imported(path: Path) -> set[str]:
+def module_of(name: str) -> str:
+    """The module of this project that an imported name belongs to; empty for any other name."""
+    while name.startswith("hbench."):
+        path = ROOT.parent / name.replace(".", "/")
+        if path.with_suffix(".py").exists() or (path / "__init__.py").exists():
+            return name
+        name = name.rpartition(".")[0]
+    return ""
+
+
+def imported_modules(path: Path) -> set[str]:
     """Modules of this project that a file imports, wherever in the file."""
-    found = set()
+    names = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative import"
-            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-    return {name for name in found if name.startswith("hbench.") and name != "hbench.__version__"}
+            names |= {alias.name for alias in node.names}
+    return set(map(module_of, names)) - {""}
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_a_file_imports_only_from_layers_below_its_own(path):
-    own = path.relative_to(ROOT).with_suffix("").parts[0]
-    for module in imported(path):
-        other = room(module)
-        below = row(other) < row(own) or (row(own) == row(other) == 0)
-        assert other == own or below, f"{own} (row {row(own)}) imports {module}"
+def own_name(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT.parent).with_suffix("").parts).removesuffix(".__init__")
 
 
-def test_the_check_sees_every_room():
-    rooms = {p.relative_to(ROOT).with_suffix("").parts[0] for p in FILES}
-    assert rooms <= set().union(*ROWS)
-    assert {"model", "rig", "cli"} <= rooms
+def folder_of(module: str) -> str:
+    is_folder = (ROOT.parent / module.replace(".", "/")).is_dir()
+    return module if is_folder else module.rpartition(".")[0]
+
+
+IMPORTS = {own_name(path): imported_modules(path) - {own_name(path)} for path in FILES}
+
+
+def test_modules_import_only_from_lower_rows():
+    assert {room(module) for module in IMPORTS} == set().union(*ROWS)
+    wrong = [
+        f"{module} imports {other}"
+        for module, others in IMPORTS.items()
+        for other in others
+        if room(other) != room(module)
+        and not row(room(other)) < row(room(module))
+        and not row(room(other)) == row(room(module)) == 0
+    ]
+    assert not wrong
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    TopologicalSorter(IMPORTS).prepare()  # raises CycleError
+
+
+def test_no_folders_import_each_other_in_a_circle():
+    folders: dict[str, set[str]] = {}
+    for module, others in IMPORTS.items():
+        own = folder_of(module)
+        for other in map(folder_of, others):
+            nested = own.startswith(f"{other}.") or other.startswith(f"{own}.")
+            if other != own and not nested:
+                folders.setdefault(own, set()).add(other)
+    TopologicalSorter(folders).prepare()  # raises CycleError
+
+
+def test_no_folder_holds_more_files_than_can_be_surveyed():
+    sizes = Counter(path.parent for path in FILES if path.name != "__init__.py")
+    large = {str(path.relative_to(ROOT)): n for path, n in sizes.items() if n > LARGEST_FOLDER}
+    assert not large
 
 
 @pytest.mark.parametrize(
@@ -63,7 +108,7 @@ def test_only_config_store_rig_and_cli_touch_files_and_ports(forbidden):
     allowed = {"config", "store", "rig", "cli"}
     for path in FILES:
         name = path.relative_to(ROOT)
-        if name.parts[0] in allowed or str(name) in OWN_PARTS:
+        if name.parts[0] in allowed or str(name) in SOURCE_READERS:
             continue
         assert forbidden not in path.read_text(), path
 
@@ -73,15 +118,16 @@ def test_the_rooms_agree_on_what_they_write_down_twice():
     from typing import get_args
 
     from hbench.config.friction import Friction
-    from hbench.model import friction, sensors
+    from hbench.model import sensors
+    from hbench.model.friction import laws
     from hbench.protocol import dictionary
-    from hbench.rig import settings
+    from hbench.rig import board_settings
 
     assert sensors.CHANNELS == dictionary.SENSORS
     words = {word.name: word for word in dictionary.RECORD}
     assert {words[name].scale for name in dictionary.SENSORS} == {1 / sensors.FRACTION}
-    assert settings._PARTS == sensors.FRACTION
+    assert board_settings._PARTS == sensors.FRACTION
     kinds = get_args(get_args(Friction)[0])
-    laws = {get_args(kind.model_fields["law"].annotation)[0] for kind in kinds}
-    assert laws == set(friction.LAWS)
+    of_files = {get_args(kind.model_fields["law"].annotation)[0] for kind in kinds}
+    assert of_files == set(laws.LAWS)
     assert 32767 * words["v"].scale > 0.6  # the largest limits.speed_max

@@ -16,8 +16,8 @@ import yaml
 
 from hbench import workflow
 from hbench.cli import main
-from hbench.config.words import as_cell, from_cell, printable
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
+from hbench.untrusted_text import as_cell, from_cell, printable
 
 SAMPLES = Path(__file__).parents[1] / "data_samples"
 EVIL = "<x-evil onmouseover=alert(1)>\"'><x-evil>$\\frac{x-evil&"

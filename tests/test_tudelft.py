@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from hbench import workflow
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data" / "tudelft-cylinder"

@@ -23,8 +23,8 @@ from hbench.cli import (
     simulate,
     watch,
 )
-from hbench.config.words import printable
 from hbench.errors import HbenchError
+from hbench.untrusted_text import printable
 
 app = typer.Typer(
     name="hbench",
@@ -80,7 +80,7 @@ def main() -> None:
     try:
         app()
     except HbenchError as error:
-        from hbench.config.places import with_lines
+        from hbench.config.files.key_lines import with_lines
 
         print(f"error: {printable(with_lines(error.message))}", file=sys.stderr)
         if error.hint:

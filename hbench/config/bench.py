@@ -12,8 +12,8 @@ from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
 from hbench.config.effects import Effects
+from hbench.config.files.loading import validate
 from hbench.config.friction import FrictionPair
-from hbench.config.loading import validate
 from hbench.config.quantity import Section
 from hbench.config.sensors import Instruments, Sensors
 

@@ -65,5 +65,7 @@ def parse_effects(data: Effects, known: Specification) -> dict[str, dict[str, fl
                 faults.append(f"effects.{name}.{key} = {value!r}: {error}")
         found[name] = values
     if faults:
-        raise ConfigError("\n".join(faults), "The catalogue stands in hbench/model/effects.py.")
+        raise ConfigError(
+            "\n".join(faults), "The catalogue stands in hbench/model/effects/catalogue.py."
+        )
     return found

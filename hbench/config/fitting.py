@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 
 from hbench.config import quantity as q
-from hbench.config.loading import validate
+from hbench.config.files.loading import validate
 from hbench.config.quantity import Section
 
 LawName = Literal["tustin", "marton_lantos", "pressure_based"]

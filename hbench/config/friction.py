@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
-from hbench.config.loading import validate
+from hbench.config.files.loading import validate
 from hbench.config.quantity import Section
 
 Viscous = Annotated[float, q.quantity("N s/m", ge=0, le=1e7)]

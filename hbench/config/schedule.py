@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
 from hbench.config.experiments import NOT_ADAPTIVE, Experiment, Steady
-from hbench.config.loading import validate
+from hbench.config.files.loading import validate
 from hbench.config.quantity import Section
 from hbench.config.velocities import Adaptive
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from hbench.control.linearisation import Coefficients, OperatingPoint, state_space
 from hbench.model import plant
-from hbench.model.friction import TUSTIN
+from hbench.model.friction.laws import TUSTIN
 from hbench.model.parameters import FrictionParameters, PlantParameters
 from hbench.model.supply import rest_flow
 

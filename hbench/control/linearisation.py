@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from hbench.errors import ConfigError
 from hbench.model.cylinders import extending_volumes, retracting_volumes
-from hbench.model.friction import MARTON_LANTOS, steady_friction
+from hbench.model.friction.laws import MARTON_LANTOS, steady_friction
 from hbench.model.parameters import FrictionParameters, PlantParameters
 from hbench.model.supply import rest_flow
 

@@ -36,7 +36,7 @@ from hbench.control.merits import bandwidth
 from hbench.control.sampled import Pi, T
 from hbench.control.transfer import TransferFunction, pi
 from hbench.errors import ConvergenceError
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
 from hbench.records import Check
 
 ZERO_RATIO = 10.0  # of a pressure loop's bandwidth to its zero

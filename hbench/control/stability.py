@@ -13,7 +13,7 @@ from hbench.control.jacobian import plant_state
 from hbench.control.linearisation import OperatingPoint
 from hbench.control.sampled import Pi
 from hbench.model import plant
-from hbench.model.friction import LUGRE, steady_friction
+from hbench.model.friction.laws import LUGRE, steady_friction
 from hbench.model.parameters import PlantParameters
 
 # In the order of the commands.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.calibrate import calibrate
+from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.bench import Bench, Plant
 from hbench.config.schedule import parse_schedule
 from hbench.errors import DeviceError

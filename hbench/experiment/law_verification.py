@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from hbench.analysis.logged_motion import logged_motion
-from hbench.analysis.verification import model_errors
+from hbench.analysis.identification.verification import model_errors
+from hbench.analysis.screening.sample_friction import logged_motion
 from hbench.config.bench import Plant, merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record_plans
 from hbench.experiment.progress import Progress

@@ -20,7 +20,7 @@ from hbench.config.experiments import (
 from hbench.config.schedule import Screening
 from hbench.config.velocities import Adaptive
 from hbench.errors import ConfigError
-from hbench.experiment.speeds import speeds
+from hbench.experiment.fixed_speeds import speeds
 from hbench.records import Motion, Segment
 
 _LONGER = 1.05  # a piece that ends at a position may take than it should

@@ -8,8 +8,8 @@ import numpy as np
 
 from hbench.config.bench import Bench
 from hbench.errors import DeviceError
-from hbench.experiment.journal import Journal
 from hbench.experiment.progress import Ended, Progress
+from hbench.experiment.run_journal import Journal
 from hbench.protocol.dictionary import FLAGS, PHASES, RECORD
 from hbench.records import LogChannel, Outcome, RawRun, RunPlan, ScreenedRun
 

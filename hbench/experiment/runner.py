@@ -12,14 +12,14 @@ from typing import Any
 
 from hbench.config.bench import Bench
 from hbench.errors import ConfigError, DeviceError
-from hbench.experiment.journal import Journal
 from hbench.experiment.progress import Report
 from hbench.experiment.recorder import END_MISSING, Judge, Recorder
+from hbench.experiment.run_journal import Journal
 from hbench.experiment.upload import uploads
 from hbench.protocol.dictionary import FAULTS, STATES
 from hbench.records import RunPlan
+from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient, Identity, NoAnswer
-from hbench.rig.settings import board_settings
 
 POLL_S = 0.25  # between two looks at the board
 LEAST_LOG_S = 4.0  # that its log must hold: some lost looks and their repetitions

@@ -20,7 +20,7 @@ def _cache_folder() -> str:
     edited friction law would leave a stale plant in the cache. A file of the user's own effects,
     and those beside it, are the model's too.
     """
-    sources = sorted(_FOLDER.glob("*.py"))
+    sources = sorted(_FOLDER.rglob("*.py"))
     if OWN_EFFECTS:
         sources += sorted(Path(OWN_EFFECTS).resolve().parent.glob("*.py"))
     digest = zlib.crc32(OWN_EFFECTS.encode())

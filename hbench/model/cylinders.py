@@ -1,17 +1,13 @@
 """Cylinders: chamber volumes, pressure gradients (2.1 to 2.8), forces and end-stops."""
 
-from typing import TYPE_CHECKING
-
 from hbench.model.compiled import compiled
-
-if TYPE_CHECKING:
-    from hbench.model.parameters import CylinderParameters, EndStopParameters
+from hbench.model.parameters import CylinderParameters, EndStopParameters
 
 CAVITATION_PA = 1e5  # below it a chamber that is torn apart stops falling
 
 
 @compiled
-def extending_volumes(x: float, cylinder: "CylinderParameters") -> tuple[float, float]:
+def extending_volumes(x: float, cylinder: CylinderParameters) -> tuple[float, float]:
     """Piston and rod side [m^3] of the test cylinder: V_p0 + A_p x, V_r0 + A_r (stroke - x)."""
     position = x + cylinder.offset_m
     return (
@@ -21,7 +17,7 @@ def extending_volumes(x: float, cylinder: "CylinderParameters") -> tuple[float, 
 
 
 @compiled
-def retracting_volumes(x: float, cylinder: "CylinderParameters") -> tuple[float, float]:
+def retracting_volumes(x: float, cylinder: CylinderParameters) -> tuple[float, float]:
     """Piston and rod side [m^3] of the load cylinder, which retracts as x grows (2.5, 2.6)."""
     position = x + cylinder.offset_m
     return (
@@ -45,14 +41,14 @@ def pressure_rate(pressure: float, volume: float, inflow: float, bulk_modulus: f
 
 
 @compiled
-def pressure_force(p_p: float, p_r: float, cylinder: "CylinderParameters") -> float:
+def pressure_force(p_p: float, p_r: float, cylinder: CylinderParameters) -> float:
     """F = P_p A_p - P_r A_r [N]."""
     return p_p * cylinder.area_piston_m2 - p_r * cylinder.area_rod_m2
 
 
 @compiled
 def end_stop_force(
-    x: float, v: float, cylinder: "CylinderParameters", stop: "EndStopParameters"
+    x: float, v: float, cylinder: CylinderParameters, stop: EndStopParameters
 ) -> float:
     """Force [N] of the cylinder's heads on its piston, along +x: k depth + c d(depth)/dt.
 

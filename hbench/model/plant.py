@@ -4,7 +4,7 @@ The state is an array of floats (``states.py``), the commands u one of three, na
 Positive velocity extends the test cylinder; the load cylinder retracts with it.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,15 +17,16 @@ from hbench.model.cylinders import (
     pressure_rate,
     retracting_volumes,
 )
-from hbench.model.effect_places import Flows, Openings
-from hbench.model.effects_applied import (
+from hbench.model.effects.applied import (
     effect_states,
     flow_effects,
     friction_effects,
     oil,
     openings,
 )
-from hbench.model.friction import friction, hold_slipped
+from hbench.model.effects.couplings import Flows, Openings
+from hbench.model.friction.laws import friction, hold_slipped
+from hbench.model.parameters import PlantParameters
 from hbench.model.states import (  # noqa: F401  all of the state's places, for its readers
     P_LP,
     P_LR,
@@ -49,9 +50,6 @@ from hbench.model.states import (  # noqa: F401  all of the state's places, for 
 from hbench.model.supply import pump_rates, rest_flow
 from hbench.model.valves import port_flow, spool_acceleration
 
-if TYPE_CHECKING:
-    from hbench.model.parameters import PlantParameters
-
 # Commands in V: test valve, load valve 1 (rod side), load valve 2 (piston side).
 U_T, U_L1, U_L2 = 0, 1, 2
 
@@ -64,12 +62,12 @@ _FADED = 1e-100  # a state below it is 0: resting spools' denormal numbers would
 
 
 @compiled
-def n_states(par: "PlantParameters") -> int:
+def n_states(par: PlantParameters) -> int:
     """Return the length of the state; a constant of the parameters' type, so loops unroll."""
     return bristles_end(par) + effect_states(par.effects)
 
 
-def new_work(par: "PlantParameters") -> np.ndarray:
+def new_work(par: PlantParameters) -> np.ndarray:
     """Return the scratch of ``step``, so that it allocates nothing."""
     return np.zeros((4, n_states(par)))
 
@@ -85,7 +83,7 @@ class Forces(NamedTuple):
 
 @compiled
 def forces(
-    state: np.ndarray, levels: np.ndarray, par: "PlantParameters", rates: np.ndarray
+    state: np.ndarray, levels: np.ndarray, par: PlantParameters, rates: np.ndarray
 ) -> Forces:
     """Newton's law for the moving masses and for the load's part alone (2.10, 2.11).
 
@@ -113,16 +111,14 @@ def forces(
 
 @compiled
 def load_cell_force(
-    state: np.ndarray, levels: np.ndarray, par: "PlantParameters", work: np.ndarray
+    state: np.ndarray, levels: np.ndarray, par: PlantParameters, work: np.ndarray
 ) -> float:
     """F_applied [N] at this moment; positive opposes extension. ``work`` is from ``new_work``."""
     return forces(state, levels, par, work[3]).applied
 
 
 @compiled
-def valve_flows(
-    state: np.ndarray, opened: Openings, p_tank: float, par: "PlantParameters"
-) -> Flows:
+def valve_flows(state: np.ndarray, opened: Openings, p_tank: float, par: PlantParameters) -> Flows:
     """Flows from the valves into the chambers; from the supply line, and into the tank's."""
     p_s, valve = state[P_S], par.valve
     u_t, u_l1, u_l2 = opened
@@ -139,7 +135,7 @@ def valve_flows(
 
 
 @compiled
-def drawn_flow(state: np.ndarray, par: "PlantParameters", rates: np.ndarray) -> float:
+def drawn_flow(state: np.ndarray, par: PlantParameters, rates: np.ndarray) -> float:
     """Flow [m^3/s] from the supply line into the chambers; ``rates`` is scratch."""
     opened = openings(state, par, par.effects, rates)
     tank = oil(state, par, par.effects, rates).tank_pa
@@ -151,7 +147,7 @@ def derivatives(
     state: np.ndarray,
     u: np.ndarray,
     levels: np.ndarray,
-    par: "PlantParameters",
+    par: PlantParameters,
     out: np.ndarray,
 ) -> None:
     """Write the time derivative of ``state`` under the commands ``u`` into ``out``."""
@@ -184,7 +180,7 @@ def step(
     state: np.ndarray,
     u: np.ndarray,
     levels: np.ndarray,
-    par: "PlantParameters",
+    par: PlantParameters,
     dt: float,
     work: np.ndarray,
 ) -> None:
@@ -211,7 +207,7 @@ def step(
         hold_slipped(state, Z_L, par.load.friction)
 
 
-def initial_state(par: "PlantParameters", x_m: float, p_lr_pa: float, p_lp_pa: float) -> np.ndarray:
+def initial_state(par: PlantParameters, x_m: float, p_lr_pa: float, p_lp_pa: float) -> np.ndarray:
     """Return the bench at rest in equilibrium: closed valves, relaxed bristles, F_T = F_L.
 
     Of the pressures with F_T = F_L these lie on the line that the symmetric valve keeps in steady

@@ -6,16 +6,12 @@ changes sign after a stroke, and held to the next reversal. Only a motion above 
 a stroke, so that trembling about rest draws nothing.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from hbench.model.compiled import compiled
 from hbench.model.noise import normal
+from hbench.model.parameters import PlantParameters
 from hbench.model.plant import LEVEL_L, LEVEL_T
-
-if TYPE_CHECKING:
-    from hbench.model.parameters import PlantParameters
 
 STROKE_VELOCITY_M_S = 2e-3
 LOWEST_LEVEL = 0.1  # friction stays passive however large the scatter
@@ -23,7 +19,7 @@ LOWEST_LEVEL = 0.1  # friction stays passive however large the scatter
 _DIRECTION = 2  # of the stroke under way: +-1, or 0 until one is recognised
 
 
-def new_levels(noise: np.ndarray, par: "PlantParameters") -> np.ndarray:
+def new_levels(noise: np.ndarray, par: PlantParameters) -> np.ndarray:
     """Return the levels of a first stroke: those of both cylinders, then the direction."""
     levels = np.zeros(3)
     _draw(levels, noise, par)
@@ -31,7 +27,7 @@ def new_levels(noise: np.ndarray, par: "PlantParameters") -> np.ndarray:
 
 
 @compiled
-def update_levels(levels: np.ndarray, v: float, noise: np.ndarray, par: "PlantParameters") -> None:
+def update_levels(levels: np.ndarray, v: float, noise: np.ndarray, par: PlantParameters) -> None:
     """Draw new levels, in place, if the motion reversed at velocity ``v`` [m/s]. Once a tick."""
     if v * levels[_DIRECTION] < 0.0:
         _draw(levels, noise, par)
@@ -41,6 +37,6 @@ def update_levels(levels: np.ndarray, v: float, noise: np.ndarray, par: "PlantPa
 
 
 @compiled
-def _draw(levels: np.ndarray, noise: np.ndarray, par: "PlantParameters") -> None:
+def _draw(levels: np.ndarray, noise: np.ndarray, par: PlantParameters) -> None:
     levels[LEVEL_T] = max(LOWEST_LEVEL, 1.0 + par.test.friction.scatter * normal(noise))
     levels[LEVEL_L] = max(LOWEST_LEVEL, 1.0 + par.load.friction.scatter * normal(noise))

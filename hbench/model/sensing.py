@@ -1,23 +1,19 @@
 """What the sensors see of the plant, and its way to ADC counts."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from hbench.model.compiled import compiled
 from hbench.model.noise import normal
+from hbench.model.parameters import PlantParameters
 from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, load_cell_force
 from hbench.model.sensors import FRACTION, N_CHANNELS, SensorParameters
-
-if TYPE_CHECKING:
-    from hbench.model.parameters import PlantParameters
 
 
 @compiled
 def sensed(
     state: np.ndarray,
     levels: np.ndarray,
-    par: "PlantParameters",
+    par: PlantParameters,
     values: np.ndarray,
     work: np.ndarray,
 ) -> None:

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.config.bench import Bench, Plant
-from hbench.model.effects import changed_by, read_effects
+from hbench.model.build import plant_parameters
+from hbench.model.effects.catalogue import changed_by, read_effects
 from hbench.model.noise import new_noise
-from hbench.model.parameters import PlantParameters, plant_parameters
+from hbench.model.parameters import PlantParameters
 from hbench.model.plant import initial_state, new_work
 from hbench.model.scatter import new_levels
 from hbench.model.sensors import N_CHANNELS, SensorParameters, sensor_parameters

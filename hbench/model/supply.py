@@ -6,17 +6,13 @@ The pump's compensator asks for Q_max (P_cut - P_s) / band, limited to 0..Q_max;
 through two lags. C_s is the line's and the accumulator's capacity, gas volume over pressure.
 """
 
-from typing import TYPE_CHECKING
-
 from hbench.model.compiled import compiled
-
-if TYPE_CHECKING:
-    from hbench.model.parameters import SupplyParameters
+from hbench.model.parameters import SupplyParameters
 
 
 @compiled
 def pump_rates(
-    p_supply: float, command: float, flow: float, drawn: float, par: "SupplyParameters"
+    p_supply: float, command: float, flow: float, drawn: float, par: SupplyParameters
 ) -> tuple[float, float, float]:
     """Rates of the supply pressure [Pa/s], the compensator's command and the flow [m^3/s^2]."""
     if not par.has_pump:
@@ -32,7 +28,7 @@ def pump_rates(
     )
 
 
-def rest_flow(par: "SupplyParameters") -> tuple[float, float]:
+def rest_flow(par: SupplyParameters) -> tuple[float, float]:
     """Supply pressure [Pa] and flow [m^3/s] in equilibrium while nothing is drawn."""
     if not par.has_pump:
         return par.pressure_pa, 0.0

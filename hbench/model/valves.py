@@ -1,12 +1,9 @@
 """Servo valves: flow through a port (2.13, 2.14, 2.17, 2.18) and the spool's dynamics (2.16)."""
 
 from math import copysign, sqrt
-from typing import TYPE_CHECKING
 
 from hbench.model.compiled import compiled
-
-if TYPE_CHECKING:
-    from hbench.model.parameters import ValveParameters
+from hbench.model.parameters import ValveParameters
 
 REGULARISATION_PA = 1e3  # pressure drop below which an orifice turns linear
 
@@ -30,7 +27,7 @@ def clamp(value: float, limit: float) -> float:
 
 @compiled
 def port_flow(
-    spool: float, p_chamber: float, p_supply: float, p_tank: float, valve: "ValveParameters"
+    spool: float, p_chamber: float, p_supply: float, p_tank: float, valve: ValveParameters
 ) -> float:
     """Flow [m^3/s] from the valve into a chamber.
 
@@ -47,9 +44,7 @@ def port_flow(
 
 
 @compiled
-def spool_acceleration(
-    command: float, spool: float, rate: float, valve: "ValveParameters"
-) -> float:
+def spool_acceleration(command: float, spool: float, rate: float, valve: ValveParameters) -> float:
     """Second derivative [V/s^2] of the spool, in volts: 2.16 with the command limited.
 
     w^2 (u - y) - 2 zeta w dy/dt

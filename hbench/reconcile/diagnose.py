@@ -9,12 +9,12 @@ import numpy as np
 
 from hbench.config.bench import Bench, Plant
 from hbench.errors import DataError
-from hbench.model.effects import EFFECTS
-from hbench.reconcile.balances import BALANCES, incomplete, lacking_channels, prepared, residuals
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.estimates import Estimates, estimate
 from hbench.reconcile.gap import GapMap, gaps, point_of
+from hbench.reconcile.gap_regions import regions
 from hbench.reconcile.gap_tables import Stages
-from hbench.reconcile.linear import (
+from hbench.reconcile.linearised import (
     Coefficient,
     Column,
     Hypothesis,
@@ -25,9 +25,15 @@ from hbench.reconcile.linear import (
     shapes,
     windows_of,
 )
+from hbench.reconcile.measured.balances import (
+    BALANCES,
+    incomplete,
+    lacking_channels,
+    prepared,
+    residuals,
+)
 from hbench.reconcile.overlays import overlays
-from hbench.reconcile.regions import regions
-from hbench.reconcile.revised import revised
+from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search import Found, Search
 from hbench.reconcile.signatures import signatures
 from hbench.reconcile.verdict import judge, missing_channels, rest, too_few, what_is_missing

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hbench.analysis.intervals import Bound
-from hbench.analysis.student import student_factor
+from hbench.analysis.statistics.intervals import Bound
+from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Plant
-from hbench.model.effects import EFFECTS
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import fit, intervals
-from hbench.reconcile.linear import Coefficient, Hypothesis, Linear, moved, typical
+from hbench.reconcile.linearised import Coefficient, Hypothesis, Linear, moved, typical
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
 from hbench.units import parse_unit

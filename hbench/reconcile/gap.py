@@ -31,9 +31,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.holm import holm
+from hbench.analysis.statistics.holm import holm
 from hbench.errors import DataError
-from hbench.reconcile.balances import Windowed
+from hbench.reconcile.measured.balances import Windowed
 from hbench.records import Gap, RunPlan
 
 _EXCHANGES = 999

@@ -5,9 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from hbench.reconcile.balances import Model, Prepared, Windowed, prepared, residuals
 from hbench.reconcile.gap import GapMap, column_means, differences, gaps_of_runs, point_of
-from hbench.reconcile.signals import astray, signals
+from hbench.reconcile.measured.balances import Model, Prepared, Windowed, prepared, residuals
+from hbench.reconcile.measured.window_signals import astray, signals
 from hbench.records import BeforeAfter, GapTable, Run, RunGap
 
 Logs = Sequence[Prepared]

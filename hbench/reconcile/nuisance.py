@@ -12,7 +12,7 @@ import numpy as np
 
 from hbench.config.bench import Bench, Plant
 from hbench.config.scaling import scaled
-from hbench.reconcile.balances import FLOWS, Prepared, model, residuals
+from hbench.reconcile.measured.balances import FLOWS, Prepared, model, residuals
 
 _FRICTION = {
     "coulomb": 0.3,

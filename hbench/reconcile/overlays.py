@@ -4,9 +4,9 @@ from collections.abc import Hashable, Sequence
 
 import numpy as np
 
-from hbench.reconcile.balances import Model, prepared
 from hbench.reconcile.gap import differences, point_of
-from hbench.reconcile.signals import signal_field, signals
+from hbench.reconcile.measured.balances import Model, prepared
+from hbench.reconcile.measured.window_signals import signal_field, signals
 from hbench.records import Overlay, Run
 
 _SHOWN = 4

@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hbench.model.effects import EFFECTS
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import (
     LeftOut,
     cost,
@@ -28,7 +28,7 @@ from hbench.reconcile.evidence import (
     random_signs,
     score,
 )
-from hbench.reconcile.linear import (
+from hbench.reconcile.linearised import (
     Coefficient,
     Column,
     Hypothesis,

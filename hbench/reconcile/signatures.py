@@ -9,10 +9,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from hbench.model.effects import EFFECTS
-from hbench.reconcile.balances import Model, Windowed
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.gap import by_point
-from hbench.reconcile.linear import (
+from hbench.reconcile.linearised import (
     Coefficient,
     Column,
     Hypothesis,
@@ -23,6 +22,7 @@ from hbench.reconcile.linear import (
     typical,
     windows_of,
 )
+from hbench.reconcile.measured.balances import Model, Windowed
 from hbench.records import Run
 
 _SEEN = 2.0  # times the noise's variance: then a change is one

@@ -3,9 +3,9 @@
 from collections import Counter
 from collections.abc import Sequence
 
-from hbench.analysis.calibrate import FIELDS
-from hbench.reconcile.balances import BALANCES, lacking_channels
+from hbench.analysis.screening.calibrate import FIELDS
 from hbench.reconcile.gap import point_of
+from hbench.reconcile.measured.balances import BALANCES, lacking_channels
 from hbench.reconcile.search import Found
 from hbench.records import Gap, Run, RunPlan, Verdict
 

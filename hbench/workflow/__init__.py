@@ -18,7 +18,7 @@ _FILES = {
         "measure",
     ),
     "seeds": ("measure_seeds",),
-    "watching": ("Watch",),
+    "watch": ("Watch",),
     "results": ("analyze", "report"),
     "fleet": ("analyze_fleet", "write_fleet"),
     "comparison": ("compare", "write_comparison"),

@@ -5,16 +5,16 @@ from pathlib import Path
 from typing import Any
 
 from hbench.config.bench import Bench, Plant, parse_bench, parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
 from hbench.model.sensors import sensor_gains
-from hbench.rig import boot_rom
-from hbench.rig.boot_image import BootImage, read_boot_image
 from hbench.rig.client import Identity
-from hbench.rig.find import Found, Listed, look, system_ports
+from hbench.rig.discovery import Found, Listed, look, system_ports
+from hbench.rig.flash import boot_rom
+from hbench.rig.flash.boot_image import BootImage, read_boot_image
+from hbench.rig.flash.programmer import flash_through
 from hbench.rig.lines import open_line
 from hbench.rig.ports import BAUD, Port, SerialPort
-from hbench.rig.programmer import flash_through
 from hbench.rig.serve import FlatOut, WallClock, serve
 from hbench.units import from_si
 
@@ -123,7 +123,7 @@ def check_effects(plant: Plant, file: Path) -> None:
     """Check the section ``effects`` against the catalogue. Raises ``ConfigError``."""
     if not plant.effects:
         return
-    from hbench.model.parameters import plant_parameters
+    from hbench.model.build import plant_parameters
 
     try:
         plant_parameters(plant)

@@ -6,23 +6,28 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from hbench.analysis.calibrate import calibrate
-from hbench.analysis.screen import screen
+from hbench.analysis.screening.calibrate import calibrate
+from hbench.analysis.screening.screen import screen
 from hbench.config.bench import Bench, parse_bench
-from hbench.config.loading import file_sha256, read_yaml
+from hbench.config.files.loading import file_sha256, read_yaml
 from hbench.config.schedule import Schedule, parse_schedule
 from hbench.errors import ConfigError
-from hbench.experiment.header import campaign_header, refuse_another, session_seed, software
-from hbench.experiment.parts import parts
+from hbench.experiment.campaign_header import (
+    campaign_header,
+    refuse_another,
+    session_seed,
+    software,
+)
 from hbench.experiment.plan import Plan, plan_runs, run_seconds
 from hbench.experiment.progress import Report, WholeCampaign
 from hbench.experiment.runner import bring_to_rest, run_campaign
+from hbench.experiment.staged_plan import parts
 from hbench.protocol.dictionary import RECORD
 from hbench.records import RunPlan
 from hbench.rig.client import BoardClient
-from hbench.store.campaign import CampaignWriter, load_campaign
-from hbench.store.foreign import ImportSummary, import_folder
-from hbench.store.hold import only_host
+from hbench.store.campaign.folder import CampaignWriter, load_campaign
+from hbench.store.campaign.lock_file import only_host
+from hbench.store.importing.importer import ImportSummary, import_folder
 from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.live import published
 

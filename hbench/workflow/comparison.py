@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from hbench.analysis.differences import differences
+from hbench.analysis.comparison.differences import differences
 from hbench.errors import DataError
 from hbench.records import CampaignDifferences
-from hbench.report.differences_text import differences_json, differences_page
-from hbench.report.draw_differences import draw_differences
-from hbench.report.figures import figure_files
-from hbench.store.atomic import write_files
-from hbench.store.campaign import load_campaign
+from hbench.report.comparison.figures import draw_differences
+from hbench.report.comparison.text import differences_json, differences_page
+from hbench.report.render.figures import figure_files
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
 

@@ -5,15 +5,15 @@ from dataclasses import replace
 from pathlib import Path
 
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.experiment.progress import Progress
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
 from hbench.records import Design
-from hbench.report.design_page import design_page
-from hbench.report.design_text import design_json
-from hbench.report.draw_control import draw_design
-from hbench.report.figures import figure_files
-from hbench.store.atomic import write_files
+from hbench.report.design.figures import draw_design
+from hbench.report.design.page import design_page
+from hbench.report.design.text import design_json
+from hbench.report.render.figures import figure_files
+from hbench.store.files.atomic import write_files
 
 
 def design(
@@ -33,8 +33,8 @@ def design(
     """
     from hbench.control.grid import operating_point  # scipy.signal; only who designs waits for it
     from hbench.control.loops import design_at
-    from hbench.control.source import POINT, reproduce
-    from hbench.experiment.verify import proposal
+    from hbench.experiment.design_verification import proposal
+    from hbench.studies.source_design import POINT, reproduce
 
     bench = parse_bench(read_yaml(bench_file), str(bench_file))
     control, par = bench.controllers, plant_parameters(bench)

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from hbench.store.atomic import write_atomic
-from hbench.store.campaign import load_campaign
-from hbench.store.export import FORMATS
-from hbench.store.mat_curves import mat_curves
-from hbench.store.modelica import modelica_tables
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.exporting.mat_curves import mat_curves
+from hbench.store.exporting.modelica import modelica_tables
+from hbench.store.exporting.runs import FORMATS
+from hbench.store.files.atomic import write_atomic
 from hbench.workflow.results import derive, screened_runs
 
 

@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hbench import __version__
-from hbench.config.words import printable
 from hbench.errors import DataError, DeviceError, HbenchError
-from hbench.experiment.cores import on_all_cores, whatever_dies
+from hbench.parallel.process_pool import on_all_cores, whatever_dies
 from hbench.records import Fleet, FleetRow
-from hbench.report.fleet_row import fleet_row
-from hbench.store.arrays import require_pyarrow
-from hbench.store.campaign import load_campaign
-from hbench.store.fleet_rows import FleetRows
-from hbench.store.fleet_table import TABLE, cells_of, write_table
-from hbench.store.found import find_campaigns, fingerprint
+from hbench.report.fleet.row import fleet_row
+from hbench.store.campaign.discovery import find_campaigns, fingerprint
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.files.array_tables import require_pyarrow
+from hbench.store.fleet.rows import FleetRows
+from hbench.store.fleet.table import TABLE, cells_of, write_table
+from hbench.untrusted_text import printable
 from hbench.workflow.results import derive
 
 _DIED = (
@@ -80,11 +80,11 @@ def analyze_fleet(
 
 def write_fleet(folder: Path, found: Fleet) -> None:
     """Write a fleet's page, its figures and fleet.json."""
-    from hbench.report.draw_fleet import draw_fleet
-    from hbench.report.figures import figure_files
-    from hbench.report.fleet_page import fleet_page
-    from hbench.report.fleet_text import fleet_json
-    from hbench.store.atomic import write_files
+    from hbench.report.fleet.figures import draw_fleet
+    from hbench.report.fleet.page import fleet_page
+    from hbench.report.fleet.text import fleet_json
+    from hbench.report.render.figures import figure_files
+    from hbench.store.files.atomic import write_files
 
     drawings = draw_fleet(found)
     files = figure_files(drawings)
@@ -154,7 +154,7 @@ def _all(
     if scheduler is None:
         yield from whatever_dies(partial(on_all_cores, analyzed), tasks, _lost)
         return
-    from hbench.experiment.cluster import connected, on_cluster
+    from hbench.parallel.dask_cluster import connected, on_cluster
 
     with connected(scheduler) as client:
         run = partial(on_cluster, client, analyzed, tell=tell)

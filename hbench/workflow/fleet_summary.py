@@ -11,9 +11,9 @@ from urllib.parse import quote
 
 import numpy as np
 
-from hbench.analysis.among import FEWEST, Line, Standing, histogram, line, standing
-from hbench.analysis.budget import NORMAL_95
-from hbench.analysis.holm import holm
+from hbench.analysis.comparison.population import FEWEST, Line, Standing, histogram, line, standing
+from hbench.analysis.statistics.holm import holm
+from hbench.analysis.uncertainty.budget import NORMAL_95
 from hbench.records import (
     QUANTITIES,
     Block,
@@ -25,7 +25,7 @@ from hbench.records import (
     Suspect,
     Trend,
 )
-from hbench.store.fleet_table import TABLE, FleetTable, column_of, moment_of
+from hbench.store.fleet.table import TABLE, FleetTable, column_of, moment_of
 
 _NAMED = 20  # campaigns that are named: of the worst, and of those that failed
 _WORDS = 10  # of reasons and protocols

@@ -3,17 +3,17 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from hbench.analysis.logged_motion import LoggedMotion, logged_motion
+from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
 from hbench.experiment.progress import Progress
 from hbench.records import Identification, Run, ScreenedRun
-from hbench.report.draw_identification import draw_identification
-from hbench.report.figures import figure_files
-from hbench.report.identification_page import identification_page
-from hbench.report.identification_text import identification_json
-from hbench.report.overlay import overlay_yaml
-from hbench.store.atomic import write_files
-from hbench.store.campaign import ADD_A_BENCH, Campaign, load_campaign
+from hbench.report.identification.figures import draw_identification
+from hbench.report.identification.page import identification_page
+from hbench.report.identification.plant_file import overlay_yaml
+from hbench.report.identification.text import identification_json
+from hbench.report.render.figures import figure_files
+from hbench.store.campaign.folder import ADD_A_BENCH, Campaign, load_campaign
+from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
 _ADD = "configs/dynamics.yaml has all that is needed; `hbench init DIR` writes it."
@@ -28,9 +28,11 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
 
     Verification runs take no part in the identification. Raises ``DataError``.
     """
-    from hbench.analysis.identify import identify_laws  # these compile; only who identifies waits
-    from hbench.analysis.ramp_fits import compare_fits
-    from hbench.analysis.verification import trial_scatter
+    from hbench.analysis.curves.ramp_fits import compare_fits
+    from hbench.analysis.identification.identify import (
+        identify_laws,  # these compile; only who identifies waits
+    )
+    from hbench.analysis.identification.verification import trial_scatter
     from hbench.experiment.law_verification import Verified, verify_laws
 
     campaign = load_campaign(folder)

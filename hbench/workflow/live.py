@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hbench.experiment.progress import Progress, Report
-from hbench.store.live import remove_live, write_live
+from hbench.store.campaign.live_file import remove_live, write_live
 
 EVERY_S = 0.5  # on the wall's clock
 

@@ -5,15 +5,15 @@ from pathlib import Path
 
 from hbench.errors import ConfigError
 from hbench.records import Diagnosis
-from hbench.report.diagnosis_json import diagnosis_json
-from hbench.report.diagnosis_page import diagnosis_page
-from hbench.report.draw_diagnosis import draw_diagnosis
-from hbench.report.figures import figure_files
-from hbench.report.revised_yaml import revised_yaml, schedule_yaml
-from hbench.report.run_gaps import run_gaps_csv
-from hbench.store.atomic import remove_files, write_files
-from hbench.store.campaign import load_campaign
-from hbench.store.diagnoses import NAME
+from hbench.report.diagnosis.all_figures import draw_diagnosis
+from hbench.report.diagnosis.json_file import diagnosis_json
+from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
+from hbench.report.diagnosis.run_gaps import run_gaps_csv
+from hbench.report.render.figures import figure_files
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.stored_diagnosis import NAME
+from hbench.store.files.atomic import remove_files, write_files
 
 _ONCE = ("next.yaml", "gaps_by_run.csv")  # that not every diagnosis has
 
@@ -32,8 +32,8 @@ def reconcile(
     are several. Raises ``ConfigError``, ``DataError``.
     """
     # Compiles; only who reconciles waits for it.
-    from hbench.workflow import modelled
-    from hbench.workflow.strokes import diagnosed_strokes
+    from hbench.workflow import closed_loop_diagnosis
+    from hbench.workflow.stroke_diagnosis import diagnosed_strokes
 
     campaign = load_campaign(folder)
     if campaign.imported:
@@ -42,7 +42,7 @@ def reconcile(
         raise ConfigError(f"{folder}: has no series; only imported campaigns have")
     bench = campaign.bench()
     assert bench is not None  # only imported campaigns may lack one
-    return modelled.diagnosed(campaign, bench, model_file, report)
+    return closed_loop_diagnosis.diagnosed(campaign, bench, model_file, report)
 
 
 def write_diagnosis(folder: Path, found: Diagnosis) -> None:

@@ -7,33 +7,33 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hbench.analysis.average import curves
-from hbench.analysis.bands import bands
-from hbench.analysis.budget import with_instruments
-from hbench.analysis.calibrate import calibrate
-from hbench.analysis.compare import comparisons
-from hbench.analysis.efficiency import efficiency
-from hbench.analysis.fit import fits, left_out
-from hbench.analysis.hysteresis import hysteresis
-from hbench.analysis.joint import fitted, joint_fits
-from hbench.analysis.leakage import leakage
-from hbench.analysis.levels import level_runs, levels
-from hbench.analysis.missing import not_computed
-from hbench.analysis.ramps import ramp_curves, slid
-from hbench.analysis.screen import screen
-from hbench.analysis.surface import surfaces
+from hbench.analysis.curves.average import curves
+from hbench.analysis.curves.bands import bands
+from hbench.analysis.curves.hysteresis import hysteresis
+from hbench.analysis.curves.leakage import leakage
+from hbench.analysis.curves.ramp_tests import comparisons
+from hbench.analysis.curves.ramps import ramp_curves, slid
+from hbench.analysis.curves.step_levels import level_runs, levels
+from hbench.analysis.curves.surface import surfaces
+from hbench.analysis.fitting.fit import fits, left_out
+from hbench.analysis.fitting.joint import fitted, joint_fits
+from hbench.analysis.screening.calibrate import calibrate
+from hbench.analysis.screening.limitations import not_computed
+from hbench.analysis.screening.screen import screen
+from hbench.analysis.uncertainty.budget import with_instruments
+from hbench.analysis.uncertainty.efficiency import efficiency
 from hbench.config.bench import Bench
+from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
-from hbench.config.loading import read_yaml
 from hbench.errors import DataError
 from hbench.records import Curve, Motions, Results, Run, ScreenedRun
-from hbench.report.motion_tables import motion_tables
-from hbench.report.tables import TABLES
-from hbench.store.campaign import Campaign, load_campaign, write_results
-from hbench.store.diagnoses import diagnoses
+from hbench.report.campaign.motion_tables import motion_tables
+from hbench.report.campaign.tables import TABLES
+from hbench.store.campaign.folder import Campaign, load_campaign, write_results
+from hbench.store.campaign.stored_diagnosis import diagnoses
 
 if TYPE_CHECKING:
-    from hbench.report.document import Document
+    from hbench.report.render.document import Document
 
 _SHARED_STROKES = (
     "the points of a ramp's curve share their strokes, while the intervals of its fitted "
@@ -61,12 +61,14 @@ def report(
     ``form`` is html, md or pdf. ``speed_m_s`` is the speed at which the summary states friction; by
     default the middle one of those measured.
     """
-    from hbench.report.campaign_figures import draw_all  # matplotlib; only who reports waits
-    from hbench.report.document import Document, page
-    from hbench.report.figures import figure_files
-    from hbench.report.markdown import markdown
-    from hbench.report.page import report_document
-    from hbench.report.reconciled import reconciled_section
+    from hbench.report.campaign.figures.all_figures import (
+        draw_all,  # matplotlib; only who reports waits
+    )
+    from hbench.report.campaign.page import report_document
+    from hbench.report.campaign.reconciled import reconciled_section
+    from hbench.report.render.document import Document, page
+    from hbench.report.render.figures import figure_files
+    from hbench.report.render.markdown import markdown
 
     results = derive(load_campaign(folder), _fitting(fit_file))
     drawings = draw_all(results)
@@ -85,7 +87,7 @@ def report(
 
 
 def _pdf(document: "Document") -> bytes:
-    from hbench.report.pdf import pdf  # what embeds fonts; only who wants a PDF waits
+    from hbench.report.render.pdf import pdf  # what embeds fonts; only who wants a PDF waits
 
     return pdf(document)
 

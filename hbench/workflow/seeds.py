@@ -5,9 +5,9 @@ from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from hbench.experiment.cores import on_all_cores
 from hbench.experiment.progress import Progress
-from hbench.store.campaign import JOURNAL
+from hbench.parallel.process_pool import on_all_cores
+from hbench.store.campaign.folder import JOURNAL
 from hbench.workflow.board import open_port, physics_of
 from hbench.workflow.campaign import Experiment, Measured, measure
 

@@ -3,23 +3,23 @@
 from dataclasses import replace
 from pathlib import Path
 
-from hbench.analysis.calibrate import calibrate
-from hbench.config.loading import read_yaml
+from hbench.analysis.screening.calibrate import calibrate
+from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError, DataError
 from hbench.records import Phenomenon, Replay, Run
-from hbench.report.draw_phenomena import draw_phenomenon
-from hbench.report.figures import figure_files
-from hbench.report.phenomenon_page import phenomenon_page
-from hbench.report.replay_text import replay_json
-from hbench.store.atomic import write_files
-from hbench.store.campaign import ADD_A_BENCH, load_campaign
-from hbench.store.export import csv_files
+from hbench.report.render.figures import figure_files
+from hbench.report.simulation.figures import draw_phenomenon
+from hbench.report.simulation.page import phenomenon_page
+from hbench.report.simulation.replay_text import replay_json
+from hbench.store.campaign.folder import ADD_A_BENCH, load_campaign
+from hbench.store.exporting.runs import csv_files
+from hbench.store.files.atomic import write_files
 from hbench.workflow.board import physics_of
 
 
 def phenomena() -> tuple[str, ...]:
     """Return the names of what ``simulate`` knows."""
-    from hbench.experiment.phenomena import PHENOMENA  # compiles
+    from hbench.studies.catalogue import PHENOMENA  # compiles
 
     return tuple(PHENOMENA)
 
@@ -29,7 +29,7 @@ def simulate(name: str, bench_file: Path) -> Phenomenon:
 
     Raises ``ConfigError``.
     """
-    from hbench.experiment.phenomena import PHENOMENA
+    from hbench.studies.catalogue import PHENOMENA
 
     if name not in PHENOMENA:
         raise ConfigError(f"unknown phenomenon {name!r}", f"There are: {', '.join(PHENOMENA)}.")
@@ -50,7 +50,7 @@ def replay(folder: Path, model_file: Path) -> Replay:
     The model is a bench file, or a plant file that is laid over the campaign's bench. Raises
     ``ConfigError``, ``DataError``.
     """
-    from hbench.reconcile.replay import off_by, replayed  # compiles
+    from hbench.reconcile.measured.replay import off_by, replayed  # compiles
 
     campaign = load_campaign(folder)
     bench = campaign.bench()

@@ -11,12 +11,12 @@ import yaml
 from other_plant import OTHER_PLANT
 
 from hbench import workflow
-from hbench.analysis.calibrate import calibrate
+from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import Screening
 from hbench.records import Curve, CurvePoint, Run, RunPlan, Specimen
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 SPECIMEN = Specimen(area_piston_m2=1.25e-3, area_rod_m2=0.75e-3, stroke_m=0.4)
 RATE_HZ = 100.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from hbench.analysis.among import FEWEST, histogram, line, standing
+from hbench.analysis.comparison.population import FEWEST, histogram, line, standing
 
 TRIALS = 3
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from hbench.analysis.average import curves, student_interval
-from hbench.analysis.efficiency import efficiency
-from hbench.analysis.screen import screen
-from hbench.analysis.student import student_factor
+from hbench.analysis.curves.average import curves, student_interval
+from hbench.analysis.screening.screen import screen
+from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.uncertainty.efficiency import efficiency
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.bands import bands
+from hbench.analysis.curves.bands import bands
 
 
 @pytest.fixture

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from hbench.analysis.bootstrap import (
+from hbench.analysis.statistics.bootstrap import (
     drawn_means,
     drawn_residuals,
     leveraged,
     own_freedom,
     percentile_intervals,
 )
-from hbench.analysis.student import student_factor
+from hbench.analysis.statistics.student import student_factor
 
 
 def test_means_of_three_drawn_trials_scatter_by_their_standard_error():

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.average import student_interval
-from hbench.analysis.budget import expanded, friction_parts, together, with_instruments
-from hbench.analysis.efficiency import efficiency
+from hbench.analysis.curves.average import student_interval
+from hbench.analysis.uncertainty.budget import expanded, friction_parts, together, with_instruments
+from hbench.analysis.uncertainty.efficiency import efficiency
 from hbench.config.sensors import Instruments
 
 GAINS = {"load cell": 0.01, "piston-side pressure": 0.008, "rod-side pressure": 0.008}

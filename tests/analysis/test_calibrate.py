@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.average import curves
-from hbench.analysis.calibrate import calibrate
-from hbench.analysis.screen import screen
+from hbench.analysis.curves.average import curves
+from hbench.analysis.screening.calibrate import calibrate
+from hbench.analysis.screening.screen import screen
 from hbench.errors import DataError
 from hbench.records import LogChannel, RawRun, RunPlan, Specimen
 

@@ -7,10 +7,10 @@ import pytest
 from other_plant import OTHER_MASS_KG, OTHER_PLANT
 from scipy import stats
 
-from hbench.analysis.average import curves
-from hbench.analysis.compare import comparisons
-from hbench.analysis.ramps import ramp_curves, slid
-from hbench.analysis.screen import screen
+from hbench.analysis.curves.average import curves
+from hbench.analysis.curves.ramp_tests import comparisons
+from hbench.analysis.curves.ramps import ramp_curves, slid
+from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
 
 SPEEDS = np.linspace(0.02, 0.18, 17)

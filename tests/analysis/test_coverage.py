@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.fit import fit_law
-from hbench.analysis.tustin import NAMES, TUSTIN, tustin
+from hbench.analysis.fitting.fit import fit_law
+from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin
 from hbench.config.fitting import Fitting
 
 _STEPS = np.arange(1, 16)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.budget import with_instruments
-from hbench.analysis.differences import differences, welch
-from hbench.analysis.efficiency import efficiency
-from hbench.analysis.fit import fit_tustin
-from hbench.analysis.holm import holm
+from hbench.analysis.comparison.differences import differences, welch
+from hbench.analysis.fitting.fit import fit_tustin
+from hbench.analysis.statistics.holm import holm
+from hbench.analysis.uncertainty.budget import with_instruments
+from hbench.analysis.uncertainty.efficiency import efficiency
 from hbench.config.sensors import Instruments
 from hbench.records import FitParameter, Provenance, Results
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.budget import together
-from hbench.analysis.efficiency import (
+from hbench.analysis.screening.screen import screen
+from hbench.analysis.uncertainty.budget import together
+from hbench.analysis.uncertainty.efficiency import (
     Forces,
     driver,
     efficiency,
     efficiency_of,
     instrument_parts,
 )
-from hbench.analysis.screen import screen
 from hbench.config.sensors import Instruments
 from hbench.records import Specimen
 

@@ -7,8 +7,8 @@ import pytest
 from moving import TICK_S, filtered, moving_run, records, triangle_velocity
 from other_plant import OTHER_MASS_KG, OTHER_PLANT
 
-from hbench.analysis.hysteresis import hysteresis
-from hbench.analysis.screen import screen
+from hbench.analysis.curves.hysteresis import hysteresis
+from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
 from hbench.model.plant import V, X, forces
 from hbench.records import ScreenedRun

@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.fit import fit_law, fit_tustin
-from hbench.analysis.information import Information, covariance_of_all, identification_messages
-from hbench.analysis.tustin import TUSTIN, tustin, tustin_jacobian
+from hbench.analysis.fitting.fit import fit_law, fit_tustin
+from hbench.analysis.fitting.information import (
+    Information,
+    covariance_of_all,
+    identification_messages,
+)
+from hbench.analysis.fitting.tustin import TUSTIN, tustin, tustin_jacobian
 from hbench.config.fitting import Fitting
 
 TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from hbench.analysis.intervals import (
+from hbench.analysis.statistics.intervals import (
     bound_messages,
     covariance,
     covariance_over_runs,

@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 from scipy.integrate import solve_ivp
 
-from hbench.analysis.leakage import NAMES, leakage
-from hbench.analysis.screen import screen
+from hbench.analysis.curves.leakage import NAMES, leakage
+from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen
 

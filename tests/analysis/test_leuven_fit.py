@@ -5,16 +5,16 @@ import pytest
 from other_plant import LEUVEN_FRICTION, OTHER_MASS_KG, REVERSALS
 from scipy.stats import t as student
 
-from hbench.analysis.along import friction_along
-from hbench.analysis.leuven_fit import (
+from hbench.analysis.identification.driven_law import friction_along
+from hbench.analysis.identification.leuven import (
     STEADY,
     fit_leuven,
     hysteresis_at,
     identify_online,
     steady_curve,
 )
-from hbench.analysis.logged_motion import LoggedMotion, logged_motions
-from hbench.model.friction import LEUVEN
+from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motions
+from hbench.model.friction.laws import LEUVEN
 from hbench.model.parameters import FrictionParameters
 
 THETA = np.array([120.0, 80.0, 400.0])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from moving import TICK_S, levels_velocity, motion_of, moving_run
 
-from hbench.analysis.average import curves
-from hbench.analysis.levels import level_runs, levels
+from hbench.analysis.curves.average import curves
+from hbench.analysis.curves.step_levels import level_runs, levels
 from hbench.records import ScreenedRun
 
 LEVELS = [0.05, 0.1, -0.05, 0.05]

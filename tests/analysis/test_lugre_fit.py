@@ -6,11 +6,12 @@ from other_plant import OTHER_MASS_KG, OTHER_PLANT, REVERSALS
 from scipy.integrate import solve_ivp
 from scipy.optimize import curve_fit
 
-from hbench.analysis.along import friction_along
-from hbench.analysis.logged_motion import LoggedMotion, logged_motions
-from hbench.analysis.lugre_fit import UNKNOWNS, fit_lugre
-from hbench.model.friction import LUGRE
-from hbench.model.parameters import FrictionParameters, friction_parameters
+from hbench.analysis.identification.driven_law import friction_along
+from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
+from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motions
+from hbench.model.build import friction_parameters
+from hbench.model.friction.laws import LUGRE
+from hbench.model.parameters import FrictionParameters
 
 TRUTH = {
     "sigma0_n_m": 2.6e5,

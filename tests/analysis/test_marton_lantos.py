@@ -7,9 +7,9 @@ import pytest
 from other_plant import STEADY
 
 from hbench import workflow
-from hbench.analysis.fit import fit_tustin
-from hbench.analysis.marton_lantos import UNITS, lines, marton_lantos
-from hbench.analysis.tustin import NAMES
+from hbench.analysis.fitting.fit import fit_tustin
+from hbench.analysis.fitting.marton_lantos import UNITS, lines, marton_lantos
+from hbench.analysis.fitting.tustin import NAMES
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 TRUTH = (250.0, 500.0, 0.07, 1500.0)

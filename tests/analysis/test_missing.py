@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.average import curves
-from hbench.analysis.efficiency import efficiency
-from hbench.analysis.missing import not_computed
-from hbench.analysis.screen import screen
+from hbench.analysis.curves.average import curves
+from hbench.analysis.screening.limitations import not_computed
+from hbench.analysis.screening.screen import screen
+from hbench.analysis.uncertainty.efficiency import efficiency
 from hbench.records import Specimen
 
 

@@ -6,10 +6,10 @@ import pytest
 from moving import moving_run, ramp_velocity
 
 from hbench import workflow
-from hbench.analysis.screen import screen
+from hbench.analysis.screening.screen import screen
 from hbench.config.fitting import Fitting
 from hbench.config.schedule import Screening
-from hbench.report.tables import summary_text
+from hbench.report.campaign.tables import summary_text
 from hbench.workflow.results import _motions
 
 LOAD = {"p_lr": "15 bar", "loads": ["2000 N"], "hold": "0.2 s", "trials": 2}

@@ -10,8 +10,8 @@ import nist_strd
 import numpy as np
 import pytest
 
-from hbench.analysis.bounded import Problem, descend, solve
-from hbench.analysis.intervals import covariance
+from hbench.analysis.statistics.bounded import Problem, descend, solve
+from hbench.analysis.statistics.intervals import covariance
 
 if not nist_strd.FOLDER.is_dir() and not os.environ.get("HBENCH_CI"):
     pytest.skip(nist_strd.WHY_MISSING, allow_module_level=True)

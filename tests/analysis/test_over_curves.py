@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from hbench.analysis.identify import identify_laws
-from hbench.analysis.student import student_factor
-from hbench.analysis.tustin import NAMES
+from hbench.analysis.fitting.tustin import NAMES
+from hbench.analysis.identification.identify import identify_laws
+from hbench.analysis.statistics.student import student_factor
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 TRUTH = (250.0, 500.0, 0.07, 1500.0)

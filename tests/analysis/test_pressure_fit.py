@@ -8,8 +8,8 @@ from other_plant import PRESSURE_FRICTION, STEADY
 from scipy.optimize import curve_fit
 
 from hbench import workflow
-from hbench.analysis.fit import fit_pressure_based
-from hbench.analysis.pressure_fit import UNITS
+from hbench.analysis.fitting.fit import fit_pressure_based
+from hbench.analysis.fitting.pressure_based import UNITS
 
 SPEEDS = np.linspace(0.005, 0.2, 10)
 TRUTH = np.array([300.0, -15.0, 1.5e-5, 0.8e-5, 2000.0])

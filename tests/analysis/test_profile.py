@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hbench.analysis.bounded import Problem, cost, descend
-from hbench.analysis.profile import profile_interval
-from hbench.analysis.student import student_factor
+from hbench.analysis.statistics.bounded import Problem, cost, descend
+from hbench.analysis.statistics.profile import profile_interval
+from hbench.analysis.statistics.student import student_factor
 
 INFINITE = np.inf
 

@@ -7,7 +7,7 @@ import pytest
 from moving import SPECIMEN, moving_run, ramp_velocity
 from scipy import stats
 
-from hbench.analysis.ramps import ramp_curves, slid
+from hbench.analysis.curves.ramps import ramp_curves, slid
 from hbench.records import ScreenedRun
 
 MASS_KG = 40.0  # heavy, so that its inertia shows

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.recursive import Estimate, update
+from hbench.analysis.identification.recursive import Estimate, update
 
 TRUTH = np.array([120.0, 80.0, 400.0])
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from hbench.analysis.bounded import Problem, descend
-from hbench.analysis.fit import fit_law
-from hbench.analysis.robust import robust
-from hbench.analysis.tustin import NAMES, TUSTIN, tustin
+from hbench.analysis.fitting.fit import fit_law
+from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin
+from hbench.analysis.statistics.bounded import Problem, descend
+from hbench.analysis.statistics.robust import robust
 from hbench.config.fitting import Fitting
 
 SPEEDS = np.linspace(0.005, 0.2, 15)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.screen import CODES, screen
+from hbench.analysis.screening.screen import CODES, screen
 from hbench.records import Specimen
 
 

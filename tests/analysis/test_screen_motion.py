@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from moving import levels_velocity, motion_of, moving_run, ramp_velocity, triangle_velocity
 
-from hbench.analysis.screen import screen
+from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
 
 RULES = Screening()

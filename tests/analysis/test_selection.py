@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from hbench.analysis.joint import fitted, joint_fits
+from hbench.analysis.fitting.joint import fitted, joint_fits
 from hbench.config.fitting import Fitting
 
 SPEEDS = np.linspace(0.005, 0.2, 15)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.steadiness import (
+from hbench.analysis.screening.steadiness import (
     block_speeds,
     drift,
     mean_speed,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.surface import surfaces
+from hbench.analysis.curves.surface import surfaces
 
 
 def law(v, load):

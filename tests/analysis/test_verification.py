@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from other_plant import OTHER_MASS_KG, OTHER_PLANT
 
-from hbench.analysis.logged_motion import LoggedMotion
-from hbench.analysis.tustin import NAMES
-from hbench.analysis.verification import (
+from hbench.analysis.fitting.tustin import NAMES
+from hbench.analysis.identification.verification import (
     SETTLE_S,
     curve_error,
     model_errors,
@@ -17,7 +16,8 @@ from hbench.analysis.verification import (
     trial_scatter,
     unchanged,
 )
-from hbench.config.loading import read_yaml
+from hbench.analysis.screening.sample_friction import LoggedMotion
+from hbench.config.files.loading import read_yaml
 from hbench.errors import DataError
 from hbench.records import Fit, FitParameter, Motion
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.fit import fit_law
-from hbench.analysis.sample import sample
-from hbench.analysis.tustin import NAMES, TUSTIN, tustin
-from hbench.analysis.weights import pooled_sigma
+from hbench.analysis.fitting.fit import fit_law
+from hbench.analysis.fitting.fit_data import sample
+from hbench.analysis.fitting.trial_weights import pooled_sigma
+from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin
 from hbench.config.fitting import Fitting
 
 SPEEDS = np.linspace(0.005, 0.2, 15)

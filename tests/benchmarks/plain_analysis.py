@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from hbench.analysis.tustin import TABLE_6_1
+from hbench.analysis.fitting.tustin import TABLE_6_1
 from hbench.config.bench import parse_bench
 from hbench.model.sensors import sensor_gains
 

@@ -12,7 +12,7 @@ import yaml
 from plain_analysis import plain_pipeline
 
 from hbench import workflow
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 LOADS = 2  # of four: 180 runs

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hbench import workflow
-from hbench.experiment import cores
+from hbench.parallel import process_pool
 
 SCHEDULE = Path(__file__).parents[2] / "configs" / "stribeck.yaml"
 CAMPAIGNS = 6
@@ -18,12 +18,12 @@ CAMPAIGNS = 6
 @pytest.mark.slow
 def test_two_cores_make_campaigns_1_8_times_as_fast(tmp_path, monkeypatch):
     """Wall time with all that it takes to start, so on a machine that has nothing else to do."""
-    if cores.usable_cores() < 2 or os.getloadavg()[0] > 0.5:
+    if process_pool.usable_cores() < 2 or os.getloadavg()[0] > 0.5:
         pytest.skip("needs two idle cores")
     experiment = workflow.load_experiment(SCHEDULE, None)
     wall, cpu = {}, {}
     for count in (1, 2):
-        monkeypatch.setattr(cores, "usable_cores", lambda count=count: count)
+        monkeypatch.setattr(process_pool, "usable_cores", lambda count=count: count)
         before, used = time.perf_counter(), _cpu_s()
         workflow.measure_seeds(
             experiment,

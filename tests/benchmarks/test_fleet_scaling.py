@@ -20,7 +20,7 @@ from loopback import Loopback
 from made_fleet import MIDDLE, made_table
 
 from hbench import workflow
-from hbench.experiment import cores
+from hbench.parallel import process_pool
 from hbench.records import QUANTITIES
 from hbench.workflow.fleet_summary import summarize
 
@@ -171,14 +171,16 @@ def test_a_thousand_campaigns(loopback, tmp_path):
               f"{memory[99]:.0f} MB at 100, {memory[-1]:.0f} MB at 1000")  # fmt: skip
     two.close()
     here = Watched(line, tmp_path / "here", None)
-    print(f"1000 campaigns on this machine's {cores.usable_cores()} cores: {here.wall_s:.0f} s")
+    print(
+        f"1000 campaigns on this machine's {process_pool.usable_cores()} cores: {here.wall_s:.0f} s"
+    )
     tables = [(tmp_path / name / "fleet.parquet").read_bytes() for name in ("out", "here")]
     _a_million(tmp_path, seen)
 
     assert tables[0] == tables[1] and seen.fleet.failed == 0
     assert seen.memory["workers"][-1] < 1.05 * seen.memory["workers"][99]
     assert seen.memory["host"][-1] < 1.05 * seen.memory["host"][99]
-    if cores.usable_cores() < 2 or os.getloadavg()[0] > 4:
+    if process_pool.usable_cores() < 2 or os.getloadavg()[0] > 4:
         pytest.skip("the rest needs two cores without other work")
     assert median(ratios) >= 1.8
     assert seen.each_s(900, 1000) < 1.2 * seen.each_s(10, 110)

@@ -16,9 +16,9 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from hbench.config.bench import parse_bench, parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
+from hbench.model.build import plant_parameters
 from hbench.model.compiled import compiled
-from hbench.model.parameters import plant_parameters
 from hbench.model.plant import (
     P_LR,
     RATE_L2,

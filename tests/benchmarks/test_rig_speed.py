@@ -7,8 +7,8 @@ import pytest
 
 from hbench import workflow
 from hbench.experiment.upload import uploads
+from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient
-from hbench.rig.settings import board_settings
 from hbench.rig.virtual import VirtualRig
 
 SCHEDULE = Path(__file__).parents[2] / "configs" / "stribeck.yaml"

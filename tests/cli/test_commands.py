@@ -49,7 +49,7 @@ def test_help_loads_nothing_heavy():
 def test_who_analyzes_and_reports_waits_for_no_compiler_and_no_embedded_font():
     code = """
 import sys
-import hbench.report.campaign_figures, hbench.workflow.results
+import hbench.report.campaign.figures.all_figures, hbench.workflow.results
 print(*sys.modules)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

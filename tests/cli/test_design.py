@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 
 from hbench import workflow
 from hbench.cli.main import app
-from hbench.report import design_text
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 
@@ -93,7 +92,7 @@ def test_a_proposal_that_fails_says_so_and_is_no_error_by_itself(design, slow_va
 def test_fail_turns_a_negative_verdict_into_exit_code_6(monkeypatch, holds, code):
     found = SimpleNamespace(proposal=SimpleNamespace(holds=holds))
     monkeypatch.setattr(workflow, "design", lambda *args, **more: found)
-    monkeypatch.setattr(design_text, "design_text", lambda found: "text")
+    monkeypatch.setattr("hbench.report.design.text.design_text", lambda found: "text")
     done = CliRunner().invoke(app, ["design", str(BENCH), "--propose", "--fail"])
     assert done.exit_code == code and done.stdout == "text\n"
 

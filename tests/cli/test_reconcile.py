@@ -12,7 +12,6 @@ from typer.testing import CliRunner
 
 from hbench.cli.main import app
 from hbench.errors import ConfigError
-from hbench.workflow import modelled
 from tests.conftest import ROOT
 
 MODEL = ROOT / "configs" / "model-aau.yaml"
@@ -29,7 +28,7 @@ def finds(monkeypatch):
     """Return a function that sets what the search will find."""
 
     def set_(found):
-        monkeypatch.setattr(modelled, "diagnosed", lambda *given: found)
+        monkeypatch.setattr("hbench.workflow.closed_loop_diagnosis.diagnosed", lambda *given: found)
 
     return set_
 

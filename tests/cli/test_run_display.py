@@ -10,7 +10,7 @@ import pytest
 import yaml
 from terminal import Terminal, screen
 
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 TOO_STRICT = {"low_speed_error": "0.001 mm/s", "low_speed_error_relative": 1e-6}
 

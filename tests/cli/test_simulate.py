@@ -11,8 +11,8 @@ import pytest
 import rounds
 import yaml
 
-from hbench.experiment.phenomena import PHENOMENA
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
+from hbench.studies.catalogue import PHENOMENA
 from hbench.workflow import write_diagnosis
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"

@@ -22,9 +22,9 @@ import yaml
 from hbench import workflow
 from hbench.cli.watch_server import new_server
 from hbench.errors import ConfigError
-from hbench.store.campaign import load_campaign
-from hbench.store.live import LIVE, SCHEMA
-from hbench.workflow import live, watching
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.live_file import LIVE, SCHEMA
+from hbench.workflow import live, watch
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 PATIENCE_S = 60.0
@@ -102,7 +102,7 @@ def test_a_campaign_under_way_is_told_as_the_operator_sees_it(
     on_the_rig, short_schedule, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(live, "EVERY_S", 0.0)
-    monkeypatch.setattr(watching, "_SHARE", 1e9)  # the campaign is read each time
+    monkeypatch.setattr(watch, "_SHARE", 1e9)  # the campaign is read each time
     told, seen = [], []
     with watched(tmp_path / "campaign") as page:
         assert page.state()["state"] == "nothing"
@@ -142,7 +142,7 @@ def test_the_verdicts_are_those_of_analyze(page, sample):
 
 
 def test_a_killed_host_is_not_told_as_running(short_schedule, tmp_path, monkeypatch):
-    monkeypatch.setattr(watching, "STALE_S", 1.5)
+    monkeypatch.setattr(watch, "STALE_S", 1.5)
     host = hbench(tmp_path, "run", short_schedule(trials=20, window="5 s"), "-o", "out")
     with watched(tmp_path / "out") as page:
         deadline = time.monotonic() + PATIENCE_S

@@ -4,10 +4,10 @@ import pytest
 
 from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.effects import Coefficient, parse_effects
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
-from hbench.model.effects import EFFECTS, read_effects
-from hbench.reconcile.balances import BALANCES
+from hbench.model.effects.catalogue import EFFECTS, read_effects
+from hbench.reconcile.measured.balances import BALANCES
 from tests.conftest import ROOT
 
 BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")

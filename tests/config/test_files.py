@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from hbench.config.bench import Plant, parse_bench, parse_plant
+from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import parse_fitting
-from hbench.config.importmap import parse_import_map
-from hbench.config.loading import read_yaml
+from hbench.config.import_map import parse_import_map
 from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError, ExitCode
 

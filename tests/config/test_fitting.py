@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
-from hbench.config.loading import read_yaml
 from hbench.errors import ConfigError
 
 EXAMPLE = Path(__file__).parents[2] / "configs" / "fit.yaml"

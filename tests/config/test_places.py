@@ -2,7 +2,7 @@
 
 import pytest
 
-from hbench.config.places import with_lines
+from hbench.config.files.key_lines import with_lines
 
 TEXT = """\
 # a comment

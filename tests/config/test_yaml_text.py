@@ -5,7 +5,7 @@ import time
 import pytest
 import yaml
 
-from hbench.config.yaml_text import parse_yaml
+from hbench.config.files.yaml_text import parse_yaml
 
 BOMB = ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]
 BOMB += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 12)]

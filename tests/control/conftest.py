@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from hbench.config.bench import merge, parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.control.linearisation import linearise
-from hbench.control.source import POINT
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
+from hbench.studies.source_design import POINT
 
 _FILE = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 

@@ -10,8 +10,8 @@ from hbench.control.jacobian import disagreement, plant_state
 from hbench.control.linearisation import linearise, state_space, steady_point
 from hbench.errors import ConfigError
 from hbench.model import plant
-from hbench.model.friction import steady_parts
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
+from hbench.model.friction.laws import steady_parts
 
 POINTS = [
     (0.17, 0.05, 5000.0, 15e5),

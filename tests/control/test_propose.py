@@ -8,12 +8,12 @@ from hbench.control.grid import conditions, grid, margin_checks, operating_point
 from hbench.control.linearisation import linearise
 from hbench.control.loops import plants
 from hbench.control.propose import family, propose
-from hbench.control.source import LOOPS
 from hbench.control.transfer import pi
 from hbench.errors import ConvergenceError
-from hbench.experiment.verify import plants as variants
-from hbench.experiment.verify import proposal, verify, with_gains
-from hbench.model.parameters import plant_parameters
+from hbench.experiment.design_verification import plants as variants
+from hbench.experiment.design_verification import proposal, verify, with_gains
+from hbench.model.build import plant_parameters
+from hbench.studies.source_design import LOOPS
 
 STIFF = {"oil": {"bulk_modulus": "2000 bar"}}
 

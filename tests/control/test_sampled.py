@@ -6,10 +6,10 @@ import pytest
 from hbench.control import sampled
 from hbench.control.jacobian import plant_state
 from hbench.control.linearisation import linearise, state_space, steady_point
-from hbench.control.nonlinear import closed_loop, coulomb_viscous
 from hbench.control.sampled import L1, L2, TICK_S, T
-from hbench.control.source import LOOPS
 from hbench.control.transfer import pi, rod_pressure_plant, valve
+from hbench.studies.source_design import LOOPS
+from hbench.studies.source_nonlinear import closed_loop, coulomb_viscous
 
 
 @pytest.fixture(scope="module")

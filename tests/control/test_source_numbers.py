@@ -2,7 +2,7 @@
 
 import pytest
 
-from hbench.control.source import POINT, reproduce
+from hbench.studies.source_design import POINT, reproduce
 
 # Quantity: printed in the source, and the tolerance.
 PRINTED = {

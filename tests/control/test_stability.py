@@ -10,9 +10,9 @@ from hbench.control.stability import (
     loop_eigenvalues,
     plant_eigenvalues,
 )
-from hbench.experiment.instability import FITS, with_fit
 from hbench.model import plant as p
 from hbench.model.simulation import simulate
+from hbench.studies.instability import FITS, with_fit
 
 
 @pytest.fixture(scope="module")

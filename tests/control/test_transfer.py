@@ -7,8 +7,8 @@ from scipy import signal
 from hbench.control.linearisation import P_LP, P_LR, P_TR, SPOOL_L1, SPOOL_L2, SPOOL_T, state_space
 from hbench.control.loops import backward_euler, plants, root_locus
 from hbench.control.merits import ramp_error, step_response, velocity_constant
-from hbench.control.source import LOOPS
 from hbench.control.transfer import pi, valve
+from hbench.studies.source_design import LOOPS
 
 S = 1j * np.geomspace(0.1, 1e4, 50)
 

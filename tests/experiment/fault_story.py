@@ -18,8 +18,9 @@ from hbench import workflow
 from hbench.errors import DeviceError
 from hbench.protocol.dictionary import FLAGS as FLAG_NAMES
 from hbench.rig import virtual
-from hbench.store import atomic, campaign
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign import folder as campaign_folder
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.files import atomic
 
 LAST = 1 << FLAG_NAMES.index("last")
 MOST_SESSIONS = 150  # most of them while the port is gone, by an operator without patience
@@ -84,7 +85,7 @@ def mortal_disk(patch, world: World) -> None:
     Flushing is left out: a killed process loses nothing that it has given to the system.
     """
     writes = iter(range(10**6))
-    rename = campaign.rename
+    rename = campaign_folder.rename
 
     def dies() -> bool:
         world.check_alive()
@@ -112,7 +113,7 @@ def mortal_disk(patch, world: World) -> None:
 
     patch.setattr(atomic, "_flush", mortal_flush)
     patch.setattr(atomic, "_flush_folder", mortal_flush_folder)
-    patch.setattr(campaign, "rename", mortal_rename)
+    patch.setattr(campaign_folder, "rename", mortal_rename)
 
 
 def check_nothing_rewritten(folder: Path, before: dict) -> dict:

@@ -12,7 +12,7 @@ from loopback import Loopback
 
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError
-from hbench.experiment import cluster
+from hbench.parallel import dask_cluster
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 TABLE = "fleet.parquet"
@@ -153,7 +153,7 @@ def test_workers_make_no_profiles_while_hbench_is_connected_also_those_that_join
     dask = loopback(1)
     with Client(dask.address, set_as_default=False) as other:
         assert profiles(other) == [True]
-        with cluster.connected(dask.address):
+        with dask_cluster.connected(dask.address):
             assert profiles(other) == [False]
             dask.worker()
             other.wait_for_workers(2, timeout=60)
@@ -165,8 +165,8 @@ def test_no_worker_for_long_and_nobody_at_the_address_are_errors_with_a_hint(
     loopback, line, tmp_path, monkeypatch
 ):
     folder = line("a", "b", "c")
-    monkeypatch.setattr(cluster, "_PATIENCE_S", 1.5)
-    monkeypatch.setattr(cluster, "_CONNECT_S", 1.0)
+    monkeypatch.setattr(dask_cluster, "_PATIENCE_S", 1.5)
+    monkeypatch.setattr(dask_cluster, "_CONNECT_S", 1.0)
     with pytest.raises(DeviceError, match="no worker for") as error:
         analyze(folder, tmp_path / "out", loopback(0).address)
     assert "dask worker" in error.value.hint

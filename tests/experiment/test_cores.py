@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from hbench.cli.main import app
 from hbench.rig.client import Refused
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 LONG = {"velocities": [f"{v} mm/s" for v in range(60, 160, 20)], "trials": 10}  # 50 runs
 LIMIT_S = 100.0  # of a test's wait for anything; it takes some seconds
@@ -35,7 +35,7 @@ main()
 INTERRUPTED_WHILE_STARTING = """
 import signal, threading, time
 from multiprocessing import util
-from hbench.experiment.cores import on_all_cores
+from hbench.parallel.process_pool import on_all_cores
 
 def start(path, arguments, descriptors):
     pid = plain_start(path, arguments, descriptors)

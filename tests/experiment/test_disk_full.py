@@ -14,8 +14,8 @@ from hbench.errors import DataError, ExitCode
 from hbench.protocol.dictionary import FAULTS, STATES
 from hbench.rig import virtual
 from hbench.rig.client import BoardClient
-from hbench.store import atomic
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.files import atomic
 
 
 @pytest.fixture

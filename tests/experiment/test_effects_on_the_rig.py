@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import parse_bench, parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
-from hbench.model.effects import EFFECTS
+from hbench.model.effects.catalogue import EFFECTS
 from tests.conftest import ROOT
 
 BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")

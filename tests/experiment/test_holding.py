@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.analysis.calibrate import calibrate
-from hbench.analysis.screen import screen
-from hbench.config.loading import read_yaml
-from hbench.store.campaign import load_campaign
+from hbench.analysis.screening.calibrate import calibrate
+from hbench.analysis.screening.screen import screen
+from hbench.config.files.loading import read_yaml
+from hbench.store.campaign.folder import load_campaign
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 VARIED = ("coulomb", "stiction", "stribeck_velocity", "viscous", "bristle_stiffness")

@@ -21,7 +21,7 @@ from hbench import workflow
 from hbench.protocol.dictionary import FAULTS, RECORD, STATES
 from hbench.rig.client import BoardClient
 from hbench.rig.ports import SerialPort
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 PATIENCE_S = 120.0
 TAPPED_RIG = Path(__file__).parents[1] / "rig" / "tapped_rig.py"

@@ -11,14 +11,14 @@ from other_plant import OTHER_PLANT, STEADY
 from typer.testing import CliRunner
 
 from hbench import workflow
-from hbench.analysis.verification import model_errors
+from hbench.analysis.identification.verification import model_errors
 from hbench.cli.main import app
 from hbench.config.bench import merge, parse_plant
+from hbench.config.files.loading import read_yaml
 from hbench.config.friction import parse_friction
-from hbench.config.loading import read_yaml
 from hbench.errors import DataError
 from hbench.experiment.closed_loop import record_plans
-from hbench.report.identification_text import identification_json, identification_text
+from hbench.report.identification.text import identification_json, identification_text
 from hbench.workflow.results import derive
 
 CONFIGS = Path(__file__).parents[2] / "configs"

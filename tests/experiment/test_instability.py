@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
-from hbench.experiment.instability import FITS, fastest, least_slope, ripple, tried
-from hbench.model.parameters import plant_parameters
+from hbench.config.files.loading import read_yaml
+from hbench.model.build import plant_parameters
+from hbench.studies.instability import FITS, fastest, least_slope, ripple, tried
 
 DATA = read_yaml(Path(__file__).parents[2] / "configs" / "bench-aau.yaml")
 BENCH = parse_bench(DATA, "bench")
@@ -85,7 +85,7 @@ def test_the_slope_that_the_loops_need_parts_what_holds_from_what_does_not():
 
 
 def test_stiff_bristles_are_a_static_law_again(monkeypatch):
-    from hbench.experiment import instability
+    from hbench.studies import instability
 
     assert fastest(PAR, FITS["6.2 steady"], 0.05, LOOPS).lugre < 0
     monkeypatch.setattr(instability, "SIGMA_0", 1e6)

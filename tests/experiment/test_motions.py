@@ -9,9 +9,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hbench.analysis.calibrate import calibrate
+from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.motions import way

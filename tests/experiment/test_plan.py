@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.plan import load_pressure, plan_runs, trials_in_a_row

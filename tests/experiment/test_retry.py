@@ -6,7 +6,7 @@ from hbench import workflow
 from hbench.model.plant import V
 from hbench.model.sensors import CHANNELS
 from hbench.rig import virtual
-from hbench.store.campaign import load_campaign, sha256
+from hbench.store.campaign.folder import load_campaign, sha256
 
 LOAD_CELL = CHANNELS.index("f_applied")
 

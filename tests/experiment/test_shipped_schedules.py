@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 CLOSER = {"speed_error": "30 mm/s", "stopping_time": "20 ms", "speed_max": "300 mm/s"}

@@ -5,7 +5,7 @@ import pytest
 from pydantic import TypeAdapter
 
 from hbench.config.velocities import Velocities
-from hbench.experiment.speeds import speeds
+from hbench.experiment.fixed_speeds import speeds
 
 ENDS = {"first": "5 mm/s", "last": "200 mm/s"}
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.analysis.average import curves
-from hbench.analysis.calibrate import calibrate
-from hbench.analysis.fit import fit_tustin
-from hbench.analysis.screen import screen
-from hbench.config.loading import read_yaml
+from hbench.analysis.curves.average import curves
+from hbench.analysis.fitting.fit import fit_tustin
+from hbench.analysis.screening.calibrate import calibrate
+from hbench.analysis.screening.screen import screen
+from hbench.config.files.loading import read_yaml
 from hbench.records import Curve, ScreenedRun
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 ROOT = Path(__file__).parents[2]
 PLANTS = {"default rig": None, "data_samples/plant.yaml": ROOT / "data_samples" / "plant.yaml"}

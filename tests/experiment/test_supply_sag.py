@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import parse_plant
-from hbench.config.loading import read_yaml
-from hbench.experiment.supply_sag import SUPPLIES, deviation, least_capacity, measured, ramped
+from hbench.config.files.loading import read_yaml
 from hbench.model.supply import pump_rates
+from hbench.studies.supply_sag import SUPPLIES, deviation, least_capacity, measured, ramped
 
 DATA = read_yaml(Path(__file__).parents[2] / "configs" / "bench-aau.yaml")
 

@@ -11,7 +11,7 @@ from hbench.protocol.dictionary import STATES
 from hbench.protocol.frames import Receiver
 from hbench.rig import virtual
 from hbench.rig.client import BoardClient
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 
 @pytest.fixture

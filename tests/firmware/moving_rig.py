@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.experiment.plan import load_pressure
 from hbench.model.plant import P_LR, P_S, P_TP, TICK_S, V, X
 from hbench.model.sensors import CHANNELS
 from hbench.protocol.codec import BY_NAME, unpack
 from hbench.protocol.dictionary import FAULTS, PHASES, STATES
 from hbench.protocol.frames import Frame, Receiver, encode
+from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient
-from hbench.rig.settings import board_settings
 from hbench.rig.virtual import VirtualRig
 
 BENCH_FILE = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from f28335_board import COMPILER, CORE, PORT, ROOT, SOURCES
 
-from hbench.rig.boot_image import LOADABLE
+from hbench.rig.flash.boot_image import LOADABLE
 
 STRICT = (
     "-std=c99 -pedantic -ffreestanding -ffp-contract=off -O2 -Wall -Wextra -Wconversion "

@@ -26,7 +26,7 @@ from hbench.rig.client import BoardClient
 from hbench.rig.emulator import EmulatedFirmware
 from hbench.rig.firmware import HostFirmware
 from hbench.rig.stepped import SteppedRig
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 PORT = Path(__file__).parents[2] / "firmware" / "ports" / "mps2"
 PATIENCE_S = 60.0

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from moving_rig import BENCH, MovingRig
 
-from hbench.model.friction import TUSTIN
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
+from hbench.model.friction.laws import TUSTIN
 from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.logged_motion import logged_motion
-from hbench.analysis.steadiness import mean_speed
+from hbench.analysis.screening.sample_friction import logged_motion
+from hbench.analysis.screening.steadiness import mean_speed
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan, Specimen
-from hbench.store.resample import interval_means, whole_intervals
+from hbench.store.importing.resampling import interval_means, whole_intervals
 
 TICK_S, RATE_HZ = 1e-4, 100.0
 FREQUENCIES_HZ = np.array([0.4, 1.1, 2.7])

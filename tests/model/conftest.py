@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import Bench, parse_bench
-from hbench.config.loading import read_yaml
-from hbench.model.friction import LAWS
-from hbench.model.parameters import PlantParameters, plant_parameters
+from hbench.config.files.loading import read_yaml
+from hbench.model.build import plant_parameters
+from hbench.model.friction.laws import LAWS
+from hbench.model.parameters import PlantParameters
 
 
 @pytest.fixture(scope="session")

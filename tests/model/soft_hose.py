@@ -1,8 +1,8 @@
-"""A user's own effect, as the docstring of ``hbench/model/effects.py`` shows it."""
+"""A user's own effect, as the docstring of ``hbench/model/effects/catalogue.py`` shows it."""
 
 from hbench.model.compiled import compiled
-from hbench.model.effect_places import Oil
-from hbench.model.effects import Coefficient, Effect
+from hbench.model.effects.catalogue import Coefficient, Effect
+from hbench.model.effects.couplings import Oil
 
 
 @compiled

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hbench.model.friction import LAWS, friction, hold_slipped, steady_friction
+from hbench.model.friction.laws import LAWS, friction, hold_slipped, steady_friction
 from hbench.model.parameters import FrictionParameters
 
 P_P, P_R = 50e5, 10e5

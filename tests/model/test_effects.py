@@ -7,13 +7,13 @@ from scipy.signal import lsim
 from hbench.config.bench import Bench
 from hbench.config.effects import Coefficient
 from hbench.errors import ConfigError
+from hbench.model.build import plant_parameters
 from hbench.model.compiled import compiled
-from hbench.model.effect_flows import with_air
-from hbench.model.effect_places import Oil
-from hbench.model.effects import EFFECTS, Effect, changed_by, with_effects
-from hbench.model.effects_applied import together
+from hbench.model.effects.applied import together
+from hbench.model.effects.catalogue import EFFECTS, Effect, changed_by, with_effects
+from hbench.model.effects.couplings import Oil
+from hbench.model.effects.flows import with_air
 from hbench.model.noise import new_noise
-from hbench.model.parameters import plant_parameters
 from hbench.model.plant import (
     P_LP,
     P_LR,

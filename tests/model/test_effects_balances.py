@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from hbench.model.effects import EFFECTS, with_effects
+from hbench.model.effects.catalogue import EFFECTS, with_effects
 from hbench.model.plant import (
     P_LP,
     P_LR,

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hbench.model import friction as laws
-from hbench.model.friction import LAWS, steady_friction
+from hbench.model.friction import laws as laws
+from hbench.model.friction.laws import LAWS, steady_friction
 from hbench.model.parameters import FrictionParameters
 
 PAR = FrictionParameters(

@@ -13,12 +13,12 @@ import pytest
 
 import hbench
 from hbench.config.bench import parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
-from hbench.model.effect_places import Oil
-from hbench.model.effect_trial import try_laws
-from hbench.model.effects import Coefficient, Effect
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
+from hbench.model.effects.catalogue import Coefficient, Effect
+from hbench.model.effects.couplings import Oil
+from hbench.model.effects.trial import try_laws
 from tests.conftest import ROOT
 
 HOSE = Path(__file__).parent / "soft_hose.py"
@@ -28,9 +28,9 @@ DEMO = ROOT / "configs" / "demo.yaml"
 RATIO = """
 import numpy as np
 from hbench.config.bench import parse_plant
-from hbench.config.loading import read_yaml
-from hbench.model.effects_applied import oil
-from hbench.model.parameters import plant_parameters
+from hbench.config.files.loading import read_yaml
+from hbench.model.effects.applied import oil
+from hbench.model.build import plant_parameters
 from hbench.model.plant import initial_state, n_states
 from pathlib import Path
 
@@ -170,12 +170,12 @@ def test_a_file_that_is_not_there_is_told_and_help_works_without_it(tmp_path, co
 
 
 def test_the_example_in_the_catalogues_docstring_is_this_one():
-    from hbench.model import effects
+    from hbench.model.effects import catalogue
 
     def code(text):
         return [re.sub(r"\s+", "", line) for line in text.splitlines() if line.strip()]
 
-    shown = "".join(code(effects.__doc__))
+    shown = "".join(code(catalogue.__doc__))
     lines = code(HOSE.read_text().split('"""', 2)[2].replace('"""', "'''"))
     whole = "".join(lines).replace(",),}#fmt:skip", "),}")
     assert whole in shown

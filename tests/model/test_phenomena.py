@@ -5,11 +5,11 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from hbench.experiment.phenomena import PHENOMENA
 from hbench.model.parameters import FrictionParameters
-from hbench.model.phenomena import lag, presliding, stick_slip
-from hbench.model.phenomena.laws import LEUVEN, LUGRE, TUSTIN
-from hbench.model.scripted import driven_mass, friction_along
+from hbench.studies.catalogue import PHENOMENA
+from hbench.studies.phenomena import lag, presliding, stick_slip
+from hbench.studies.phenomena.driven_friction import driven_mass, friction_along
+from hbench.studies.phenomena.laws import LEUVEN, LUGRE, TUSTIN
 
 F_C, F_S, V_S, B = 300.0, 500.0, 0.03, 2500.0
 LAWS_ALONE = ("stribeck", "lag", "presliding", "stick-slip", "breakaway")

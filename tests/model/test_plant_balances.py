@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from hbench.model.friction import steady_friction
+from hbench.model.friction.laws import steady_friction
 from hbench.model.plant import (
     P_LP,
     P_LR,

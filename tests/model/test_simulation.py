@@ -66,9 +66,9 @@ import sys
 from pathlib import Path
 import numpy as np
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.model import simulation
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
 from hbench.model.plant import initial_state
 
 par = plant_parameters(parse_bench(read_yaml(Path(sys.argv[1])), "bench"))

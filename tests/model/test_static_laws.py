@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from hbench.config.friction import MartonLantos, PressureBased
-from hbench.model.friction import LAWS, steady_friction
-from hbench.model.parameters import FrictionParameters, friction_parameters
-from hbench.model.stribeck import REST_VELOCITY_M_S, regularised_sign
+from hbench.model.build import friction_parameters
+from hbench.model.friction.laws import LAWS, steady_friction
+from hbench.model.friction.static_laws import REST_VELOCITY_M_S, regularised_sign
+from hbench.model.parameters import FrictionParameters
 
 LINES = MartonLantos.model_validate(
     {

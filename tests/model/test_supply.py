@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from hbench.config.bench import parse_plant
-from hbench.config.loading import read_yaml
-from hbench.model.parameters import plant_parameters
+from hbench.config.files.loading import read_yaml
+from hbench.model.build import plant_parameters
 from hbench.model.plant import P_S, P_TP, PUMP_FLOW, V, derivatives, initial_state
 from hbench.model.simulation import simulate
 

@@ -19,17 +19,17 @@ from pathlib import Path
 
 import numpy as np
 
-from hbench.analysis.calibrate import calibrate
+from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.bench import parse_plant
-from hbench.config.loading import read_yaml
-from hbench.experiment.cores import on_all_cores
-from hbench.model.effects import EFFECTS
-from hbench.reconcile.balances import prepared
+from hbench.config.files.loading import read_yaml
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.parallel.process_pool import on_all_cores
 from hbench.reconcile.diagnose import Task, before_measuring, ranked, search, touched_gap
-from hbench.reconcile.linear import Measured
+from hbench.reconcile.linearised import Measured
+from hbench.reconcile.measured.balances import prepared
+from hbench.reconcile.simulated_runs import simulator
 from hbench.reconcile.verdict import judge, rest
-from hbench.store.campaign import load_campaign
-from hbench.workflow.modelled_runs import simulator
+from hbench.store.campaign.folder import load_campaign
 
 MODEL = Path(__file__).parents[2] / "configs" / "model-aau.yaml"
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from hbench.config.bench import parse_bench
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 

@@ -5,10 +5,10 @@ import numpy as np
 from hbench.config.bench import Plant
 from hbench.config.scaling import scaled
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.balances import model, prepared, residuals
 from hbench.reconcile.estimates import estimate
 from hbench.reconcile.gap import gaps
-from hbench.reconcile.linear import Hypothesis, Measured, linearise
+from hbench.reconcile.linearised import Hypothesis, Measured, linearise
+from hbench.reconcile.measured.balances import model, prepared, residuals
 from hbench.reconcile.search import Search
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from hbench.config.bench import parse_plant
 from hbench.errors import DataError
-from hbench.reconcile.balances import BALANCES, UNITS, model, prepared, residuals
+from hbench.reconcile.measured.balances import BALANCES, UNITS, model, prepared, residuals
 from hbench.records import Run, RunPlan, Specimen
 
 FINE_S, RECORD = 1e-5, 1000

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from hbench.analysis.student import student_factor
+from hbench.analysis.statistics.student import student_factor
 from hbench.reconcile.evidence import (
     Freedom,
     Products,

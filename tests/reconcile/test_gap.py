@@ -7,8 +7,8 @@ import pytest
 from scipy.stats import kstest
 
 from hbench.errors import DataError
-from hbench.reconcile.balances import Windowed
 from hbench.reconcile.gap import _exchange, _pairs, gaps, gaps_of_runs, pooled_variance
+from hbench.reconcile.measured.balances import Windowed
 from hbench.records import RunPlan, Specimen
 
 NAMES = ("first", "second", "third")

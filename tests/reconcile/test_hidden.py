@@ -15,18 +15,19 @@ from hidden.instruments import astray, rewritten
 from hidden.laws.table import EFFECTS as HIDDEN
 from hidden.sizes import KNOWN, OUTSIDE
 
-from hbench.model.effect_places import Flows, Oil, Openings, Rubbing
-from hbench.model.effects import EFFECTS
-from hbench.model.parameters import plant_parameters
+from hbench.model.build import plant_parameters
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.model.effects.couplings import Flows, Oil, Openings, Rubbing
 from hbench.model.sensors import FRACTION, sensor_parameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 from hbench.protocol.dictionary import RECORD
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 from tests.conftest import ROOT
 
 BENCH = ROOT / "configs" / "bench-aau.yaml"
 FOLDER = Path(__file__).parent / "hidden"
-CATALOGUE = {f"hbench.model.effect_{name}" for name in ("flows", "friction", "numbers")}
+CATALOGUE = {f"hbench.model.effects.{name}" for name in ("flows", "friction", "instruments")}
+CATALOGUE |= {"hbench.model.effects.catalogue.EFFECTS", "hbench.reconcile"}
 
 
 def imported(path):
@@ -43,7 +44,7 @@ def test_the_hidden_plants_do_not_import_the_catalogues_laws():
     assert len(files) > 8
     for path in files:
         found = set(imported(path))
-        assert not found & (CATALOGUE | {"hbench.model.effects.EFFECTS", "hbench.reconcile"}), path
+        assert not found & CATALOGUE, path
 
 
 def test_what_diagnoses_can_list_the_cases_without_their_laws():

@@ -5,11 +5,10 @@ import pytest
 from rounds import plant_of
 
 from hbench.config.bench import parse_plant
-from hbench.model.effects import EFFECTS, read_effects
-from hbench.model.parameters import plant_parameters
-from hbench.reconcile.balances import Windowed
+from hbench.model.build import plant_parameters
+from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.reconcile.gap import GapMap
-from hbench.reconcile.linear import (
+from hbench.reconcile.linearised import (
     MOTIONS,
     Hypothesis,
     Linear,
@@ -23,6 +22,7 @@ from hbench.reconcile.linear import (
     shapes,
     typical,
 )
+from hbench.reconcile.measured.balances import Windowed
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.signatures import packed, signature
 from hbench.records import RunPlan, Specimen

@@ -5,10 +5,10 @@ from rounds import plant_of
 
 from hbench.config.schedule import parse_schedule
 from hbench.experiment.plan import plan_runs
-from hbench.reconcile.balances import FLOWS
-from hbench.reconcile.linear import Hypothesis, typical
-from hbench.workflow import next_experiment as module
-from hbench.workflow.next_experiment import next_experiment
+from hbench.reconcile import next_experiment as module
+from hbench.reconcile.linearised import Hypothesis, typical
+from hbench.reconcile.measured.balances import FLOWS
+from hbench.reconcile.next_experiment import next_experiment
 
 SHORT = """
 experiments:

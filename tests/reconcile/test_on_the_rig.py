@@ -6,9 +6,9 @@ from rounds import compare, plant_of, reconciled, schedule, table
 
 from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.balances import FLOWS, model, prepared
 from hbench.reconcile.gap import gaps
-from hbench.reconcile.signals import astray, signals
+from hbench.reconcile.measured.balances import FLOWS, model, prepared
+from hbench.reconcile.measured.window_signals import astray, signals
 
 # What a bench file knows badly, off by 4 to 20 %.
 BADLY_TUNED = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hbench.reconcile.gap import GapMap
-from hbench.reconcile.regions import regions
+from hbench.reconcile.gap_regions import regions
 
 
 def made_up(lacking):

@@ -7,7 +7,7 @@ import pytest
 
 from hbench.config.bench import parse_plant
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.replay import off_by, replayed
+from hbench.reconcile.measured.replay import off_by, replayed
 
 PLAN = {
     "name": "replay",

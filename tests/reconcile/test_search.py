@@ -9,15 +9,15 @@ import pytest
 from rounds import plant_of, schedule, simulator
 
 from hbench.config.bench import merge, parse_bench, parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
-from hbench.model.effects import EFFECTS
-from hbench.reconcile.balances import prepared
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnose import HELD_OUT, touched_gap
 from hbench.reconcile.estimates import estimate
 from hbench.reconcile.evidence import Freedom, Products
 from hbench.reconcile.gap import GapMap
-from hbench.reconcile.linear import Hypothesis, Linear, Measured, linearise
+from hbench.reconcile.linearised import Hypothesis, Linear, Measured, linearise
+from hbench.reconcile.measured.balances import prepared
 from hbench.reconcile.search import Search, Tried
 from hbench.reconcile.signatures import signatures
 from tests.conftest import ROOT

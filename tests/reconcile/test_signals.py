@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import fsolve
 
 from hbench.config.bench import parse_plant
-from hbench.reconcile.balances import model, prepared
-from hbench.reconcile.signals import FOLLOWED, SIGNALS, astray, open_loop, signals
+from hbench.reconcile.measured.balances import model, prepared
+from hbench.reconcile.measured.window_signals import FOLLOWED, SIGNALS, astray, open_loop, signals
 from hbench.records import Run, RunPlan, Specimen
 
 A_P, A_R = np.pi / 4 * 0.04**2, np.pi / 4 * (0.04**2 - 0.025**2)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from hbench.config.strokes import parse_strokes
-from hbench.reconcile.stroke_diagnosis import StrokeTask, diagnose_strokes
-from hbench.reconcile.strokes import pairs_of
+from hbench.config.stroke_model import parse_strokes
+from hbench.reconcile.strokes.diagnose import StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.series import pairs_of
 from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 
 BORE_M = 0.040

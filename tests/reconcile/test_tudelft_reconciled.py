@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.config.loading import read_yaml
-from hbench.config.strokes import parse_strokes, stroke_sections
+from hbench.config.files.loading import read_yaml
+from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
-from hbench.report.diagnosis_text import diagnosis_text
-from hbench.store.campaign import load_campaign
+from hbench.report.diagnosis.text import diagnosis_text
+from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.reconciliation import write_diagnosis
-from hbench.workflow.strokes import diagnosed_strokes
+from hbench.workflow.stroke_diagnosis import diagnosed_strokes
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data" / "tudelft-cylinder"

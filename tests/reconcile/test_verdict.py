@@ -7,18 +7,18 @@ import pytest
 from rounds import plant_of
 
 from hbench.config.bench import merge, parse_plant, plant_sections
-from hbench.config.examples import example
-from hbench.config.loading import parse_yaml
+from hbench.config.files.examples import example
+from hbench.config.files.loading import parse_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
-from hbench.model.effects import EFFECTS, read_effects
+from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.reconcile.diagnose import Task, _usable, added_effect, diagnose
 from hbench.reconcile.estimates import Estimates
 from hbench.reconcile.evidence import Products
-from hbench.reconcile.linear import Hypothesis, Linear
+from hbench.reconcile.linearised import Hypothesis, Linear
 from hbench.reconcile.nuisance import nuisances
-from hbench.reconcile.revised import revised
+from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search import Found, Step, Tried
 from hbench.reconcile.verdict import judge, missing_channels, rest, too_few, what_is_missing
 from hbench.records import Candidate, FitParameter, Gap, Rival, Run, RunPlan, Specimen

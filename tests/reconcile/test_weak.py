@@ -5,7 +5,7 @@ import pytest
 from scipy.special import beta
 
 from hbench.errors import DataError
-from hbench.reconcile.weak import WIDTH_S, sampling, window
+from hbench.reconcile.measured.weak import WIDTH_S, sampling, window
 from hbench.records import Run, RunPlan, Specimen
 
 DT = 0.01

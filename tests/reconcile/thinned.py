@@ -5,7 +5,7 @@ from datetime import datetime
 from pathlib import Path
 
 from hbench.records import RunPlan
-from hbench.store.campaign import CampaignWriter, load_campaign
+from hbench.store.campaign.folder import CampaignWriter, load_campaign
 
 
 def thinned(

@@ -26,7 +26,7 @@ from hbench.records import (
     Specimen,
     SteadyMeans,
 )
-from hbench.report.campaign_figures import draw_all
+from hbench.report.campaign.figures.all_figures import draw_all
 
 SPECIMEN = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 T95_2DOF = 4.302653
@@ -204,8 +204,9 @@ def seal_results():
 def schema_faults():
     """Return a function that tells where a document is not all that its schema tells of."""
     validators = {}
-    for name in ("results", "diagnosis"):
-        schema = json.loads((files("hbench.report") / f"{name}.schema.json").read_text())
+    for room, name in (("campaign", "results"), ("diagnosis", "diagnosis")):
+        file = files(f"hbench.report.{room}") / f"{name}.schema.json"
+        schema = json.loads(file.read_text())
         Draft202012Validator.check_schema(schema)
         validators[name] = Draft202012Validator(_closed(schema))
     return lambda document, name="results": [

@@ -10,12 +10,12 @@ import numpy as np
 from rounds import schedule
 
 from hbench.config.bench import parse_bench, parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.balances import model, prepared, residuals
 from hbench.reconcile.gap import by_point, gaps, point_of
+from hbench.reconcile.gap_regions import regions
 from hbench.reconcile.gap_tables import Stages
-from hbench.reconcile.regions import regions
+from hbench.reconcile.measured.balances import model, prepared, residuals
 from hbench.records import (
     AddedEffect,
     Candidate,

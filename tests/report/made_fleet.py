@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from hbench.records import FleetNumber, FleetRow
-from hbench.store.fleet_table import TABLE, cells_of, write_table
+from hbench.store.fleet.table import TABLE, cells_of, write_table
 
 START = datetime(2026, 3, 2, 7, 0, tzinfo=UTC)
 SE = {"friction_n": 4.0, "efficiency": 0.0008, "b_viscous_n_s_m": 60.0, "v_stribeck_m_s": 0.004}

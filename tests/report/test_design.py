@@ -15,9 +15,9 @@ from hbench.records import (
     Reproduced,
     RootLocus,
 )
-from hbench.report.design_page import design_page
-from hbench.report.design_text import design_json, design_text
-from hbench.report.draw_control import draw_design
+from hbench.report.design.figures import draw_design
+from hbench.report.design.page import design_page
+from hbench.report.design.text import design_json, design_text
 
 OMEGA, T = np.geomspace(1, 1e4, 300), np.linspace(0, 0.5, 200)
 
@@ -104,7 +104,7 @@ def test_every_figure_names_its_axes_with_units_and_is_the_same_twice(design):
 
 
 def test_bode_tells_margins_and_marks_them_where_they_are_read(design):
-    from hbench.report.draw_control import bode, locus, pole_zero, step
+    from hbench.report.design.figures import bode, locus, pole_zero, step
 
     figure = bode(design.loops[0])
     gain, phase = figure.axes

@@ -12,23 +12,23 @@ import pytest
 
 from hbench import workflow
 from hbench.config.bench import parse_plant
-from hbench.config.loading import read_yaml
+from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import parse_schedule
-from hbench.model.effects import read_effects
-from hbench.reconcile.balances import UNITS
+from hbench.model.effects.catalogue import read_effects
 from hbench.reconcile.diagnose import too_little
-from hbench.reconcile.signals import SIGNALS
+from hbench.reconcile.measured.balances import UNITS
+from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance
-from hbench.report import diagnosis_words as words
-from hbench.report.diagnosis_json import diagnosis_json
-from hbench.report.diagnosis_page import diagnosis_page
-from hbench.report.diagnosis_text import diagnosis_text, edges_table, tables
-from hbench.report.draw_diagnosis import draw_diagnosis
-from hbench.report.draw_gaps import gap_figures, ranking_figure, region_figure
-from hbench.report.draw_overlays import overlay_figures
-from hbench.report.draw_residuals import maps_figure, shape_figure
-from hbench.report.revised_yaml import revised_yaml, schedule_yaml
-from hbench.report.run_gaps import run_gaps_csv
+from hbench.report.diagnosis import names as words
+from hbench.report.diagnosis.all_figures import draw_diagnosis
+from hbench.report.diagnosis.gap_figures import gap_figures, ranking_figure, region_figure
+from hbench.report.diagnosis.json_file import diagnosis_json
+from hbench.report.diagnosis.overlay_figures import overlay_figures
+from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.diagnosis.residual_figures import maps_figure, shape_figure
+from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
+from hbench.report.diagnosis.run_gaps import run_gaps_csv
+from hbench.report.diagnosis.text import diagnosis_text, edges_table, tables
 from hbench.units import parse_unit
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from hbench.records import CampaignDifferences, CurveDifference, Difference, FrictionDifference
-from hbench.report.differences_text import differences_json, differences_page, differences_text
-from hbench.report.draw_differences import draw_differences, draw_pair
+from hbench.report.comparison.figures import draw_differences, draw_pair
+from hbench.report.comparison.text import differences_json, differences_page, differences_text
 
 
 @pytest.fixture(scope="module")

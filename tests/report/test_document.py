@@ -3,7 +3,7 @@
 import re
 
 from hbench.records import WordTable
-from hbench.report.document import Section, document
+from hbench.report.render.document import Section, document
 
 
 def test_columns_of_numbers_are_aligned_as_numbers_and_others_are_not():

@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from hbench.report import style
-from hbench.report.campaign_figures import draw_all
-from hbench.report.figures import Sketch, drawn, figure_files
-from hbench.report.series import behind
+from hbench.report.campaign.figures.all_figures import draw_all
+from hbench.report.render import style
+from hbench.report.render.figures import Sketch, drawn, figure_files
+from hbench.report.render.series import behind
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from hbench.report import draw_efficiency, draw_friction, draw_pressure, draw_rejected
-from hbench.report.campaign_figures import FIGURES, draw_all
-from hbench.report.figures import render
-from hbench.report.style import COLOURS, series_style
+from hbench.report.campaign.figures import efficiency, friction, pressure, rejected
+from hbench.report.campaign.figures.all_figures import FIGURES, draw_all
+from hbench.report.render.figures import render
+from hbench.report.render.style import COLOURS, series_style
 
 UNIT = re.compile(r"\((mm/s|mm|k?N|%|bar|V|s|count)\)")
 
@@ -58,7 +58,7 @@ def test_every_axis_says_what_it_shows_and_its_unit(name, request):
 
 
 def test_stribeck_points_are_the_records_in_mm_s_and_newton_with_their_intervals(small):
-    figure = draw_friction.stribeck(small)["retract"]
+    figure = friction.stribeck(small)["retract"]
     axes, below = figure.axes
     drawn = series(axes)
     assert set(drawn) == {"−500 N", "−5000 N"}
@@ -74,7 +74,7 @@ def test_stribeck_points_are_the_records_in_mm_s_and_newton_with_their_intervals
 
 
 def test_the_fitted_line_stays_inside_the_measured_speeds(small):
-    axes = draw_friction.stribeck(small)["extend"].axes[0]
+    axes = friction.stribeck(small)["extend"].axes[0]
     speeds = [1000 * abs(point.v_m_s) for point in small.curves[0].points]
     lines = [line for line in axes.lines if len(line.get_xdata()) > len(speeds)]
     assert len(lines) == 2
@@ -85,7 +85,7 @@ def test_the_fitted_line_stays_inside_the_measured_speeds(small):
 
 @pytest.mark.parametrize("direction,sign", [("extend", 1), ("retract", -1)])
 def test_residuals_are_measured_less_fitted(small, direction, sign):
-    figure = draw_friction.stribeck(small)[direction]
+    figure = friction.stribeck(small)[direction]
     curve = next(c for c in small.curves if c.direction == direction and abs(c.f_load_n) == 500)
     line = dict(curve.fits[0].line)
     expected = [sign * (p.friction_n - line[p.v_m_s]) for p in curve.points]
@@ -94,14 +94,14 @@ def test_residuals_are_measured_less_fitted(small, direction, sign):
 
 
 def test_both_directions_share_their_limits(small):
-    figures = draw_friction.stribeck(small)
+    figures = friction.stribeck(small)
     for panel in (0, 1):
         assert figures["extend"].axes[panel].get_ylim() == figures["retract"].axes[panel].get_ylim()
         assert figures["extend"].axes[panel].get_xlim() == figures["retract"].axes[panel].get_xlim()
 
 
 def test_signed_figure_keeps_the_signs_and_one_colour_a_load(small):
-    (axes,) = draw_friction.signed(small)[""].axes
+    (axes,) = friction.signed(small)[""].axes
     assert len(axes.containers) == 4
     colours = {}
     for bars in axes.containers:
@@ -119,21 +119,21 @@ def test_a_load_that_helps_is_hollow_and_one_that_opposes_is_filled(small):
         (500.0, "retract", True),
     ]:
         curve = replace(small.curves[0], f_load_n=f_load, direction=direction)
-        ranks = draw_friction.load_ranks([curve])
-        face = draw_friction.load_style(curve, ranks)["markerfacecolor"]
+        ranks = friction.load_ranks([curve])
+        face = friction.load_style(curve, ranks)["markerfacecolor"]
         assert (face == "white") is hollow
 
 
 def test_curves_of_one_load_are_told_apart_by_their_rod_side_pressure(small, two_rod_sides):
-    assert set(series(draw_friction.stribeck(small)["extend"].axes[0])) == {"500 N", "5000 N"}
+    assert set(series(friction.stribeck(small)["extend"].axes[0])) == {"500 N", "5000 N"}
     loads = {f"{load} N, {bar} bar" for load in (500, 5000) for bar in (15, 60)}
-    for draw in (draw_friction.stribeck, draw_efficiency.efficiency):
+    for draw in (friction.stribeck, efficiency.efficiency):
         figure = draw(two_rod_sides)["extend"]
         bars = figure.axes[0].containers
         assert {one.get_label() for one in bars} == loads
         assert len({one.lines[0].get_color() for one in bars}) == 4
         assert "rod-side" in figure.legends[0].get_title().get_text()
-    signed = draw_friction.signed(two_rod_sides)[""]
+    signed = friction.signed(two_rod_sides)[""]
     assert len({one.lines[0].get_color() for one in signed.axes[0].containers}) == 4
 
 
@@ -152,7 +152,7 @@ def test_a_rod_side_pressure_for_each_direction_needs_no_words(small):
     curves = tuple(
         replace(c, p_lr_ref_pa=60e5 if c.direction == "extend" else 15e5) for c in small.curves
     )
-    axes = draw_friction.stribeck(replace(small, curves=curves))["extend"].axes[0]
+    axes = friction.stribeck(replace(small, curves=curves))["extend"].axes[0]
     assert set(series(axes)) == {"500 N", "5000 N"}
 
 
@@ -161,19 +161,19 @@ def test_a_curve_without_fit_or_interval_is_drawn_without_a_residual_panel(small
         replace(c, fits=(), points=tuple(replace(p, ci95_n=None) for p in c.points))
         for c in small.curves
     )
-    figures = draw_friction.stribeck(replace(small, curves=curves))
+    figures = friction.stribeck(replace(small, curves=curves))
     assert [len(figure.axes) for figure in figures.values()] == [1, 1]
 
 
 def test_a_fit_that_did_not_converge_is_dashed(small):
     fit = replace(small.curves[0].fits[0], converged=False)
     results = replace(small, curves=(replace(small.curves[0], fits=(fit,)),))
-    axes = draw_friction.stribeck(results)["extend"].axes[0]
+    axes = friction.stribeck(results)["extend"].axes[0]
     assert "--" in {line.get_linestyle() for line in axes.lines}
 
 
 def test_the_efficiency_band_is_the_95_percent_interval_of_the_instruments(small):
-    axes = draw_efficiency.efficiency(small)["extend"].axes[0]
+    axes = efficiency.efficiency(small)["extend"].axes[0]
     assert len(axes.collections) == 2 + 2  # a band and a set of bars for each load
     point = small.efficiency[0].points[0]
     corners = axes.collections[0].get_paths()[0].vertices
@@ -189,12 +189,12 @@ def test_an_efficiency_that_does_not_exist_leaves_a_gap(small):
     results = replace(
         small, efficiency=(replace(curve, points=(curve.points[0], missing, *curve.points[2:])),)
     )
-    _, y = draw_efficiency.efficiency(results)["extend"].axes[0].containers[0].lines[0].get_data()
+    _, y = efficiency.efficiency(results)["extend"].axes[0].containers[0].lines[0].get_data()
     assert np.isnan(y[1]) and np.isfinite(np.delete(y, 1)).all()
 
 
 def test_the_half_band_is_drawn_from_the_bands_with_their_intervals(seals):
-    _, below = draw_pressure.friction_pressure(seals)[""].axes
+    _, below = pressure.friction_pressure(seals)[""].axes
     bars = below.containers[0]
     oring = [band for band in seals.bands if band.label == "O-ring"]
     assert bars.lines[0].get_ydata() == pytest.approx([band.half_n for band in oring])
@@ -208,13 +208,13 @@ def test_pressure_series_are_told_apart_by_their_rod_side_pressure(seals):
         curves=seals.curves + tuple(replace(c, p_lr_ref_pa=60e5) for c in seals.curves),
         bands=seals.bands + tuple(replace(b, p_lr_ref_pa=60e5) for b in seals.bands),
     )
-    axes, below = draw_pressure.friction_pressure(again)[""].axes
+    axes, below = pressure.friction_pressure(again)[""].axes
     assert len(axes.containers) == 8 and "NAPN, 60 bar, extending" in series(axes)
     assert [list(bars.lines[0].get_xdata()) for bars in below.containers] == [[1, 3, 5, 7]] * 4
 
 
 def test_pressure_figure_shows_each_seal_and_direction_in_bar(seals):
-    axes, below = draw_pressure.friction_pressure(seals)[""].axes
+    axes, below = pressure.friction_pressure(seals)[""].axes
     drawn = series(axes)
     assert set(drawn) == {
         f"{seal}, {verb}" for seal in ("O-ring", "NAPN") for verb in ("extending", "retracting")
@@ -226,12 +226,12 @@ def test_pressure_figure_shows_each_seal_and_direction_in_bar(seals):
 def test_one_direction_alone_is_drawn_without_a_half_band(seals):
     curves = tuple(c for c in seals.curves if c.direction == "extend")
     alone = replace(seals, curves=curves, bands=())
-    axes, below = draw_pressure.friction_pressure(alone)[""].axes
+    axes, below = pressure.friction_pressure(alone)[""].axes
     assert len(axes.containers) == 2 and not below.containers
 
 
 def test_rejected_bars_count_every_reason(stribeck):
-    (axes,) = draw_rejected.rejected(stribeck)[""].axes
+    (axes,) = rejected.rejected(stribeck)[""].axes
     assert sum(bar.get_width() for bar in axes.patches) == 8
     assert len(axes.patches) == 6
 
@@ -268,16 +268,16 @@ def test_what_is_extrapolated_is_dotted_and_said_below_the_axis(small):
     curve = small.curves[0]
     beyond = (((0.0, 480.0), (0.005, 470.0)), ((0.2, 560.0), (0.24, 620.0)))
     fit = replace(curve.fits[0], beyond=beyond)
-    figure = draw_friction.stribeck(replace(small, curves=(replace(curve, fits=(fit,)),)))["extend"]
+    figure = friction.stribeck(replace(small, curves=(replace(curve, fits=(fit,)),)))["extend"]
     dotted = [line for line in figure.axes[0].lines if line.get_linestyle() == ":"]
     assert [line.get_xdata().tolist() for line in dotted] == [[0.0, 5.0], [200.0, 240.0]]
     assert "dotted: extrapolated" in figure.axes[-1].get_xlabel()
-    plain = draw_friction.stribeck(small)["extend"]
+    plain = friction.stribeck(small)["extend"]
     assert "extrapolated" not in plain.axes[-1].get_xlabel()
 
 
 def test_an_efficiency_map_has_a_dot_for_each_measured_point_and_says_its_units(stribeck):
-    from hbench.report.draw_efficiency_map import efficiency_map
+    from hbench.report.campaign.figures.efficiency_map import efficiency_map
 
     found = efficiency_map(stribeck)
     assert list(found) == ["Extending", "Retracting"]
@@ -291,6 +291,6 @@ def test_an_efficiency_map_has_a_dot_for_each_measured_point_and_says_its_units(
 
 
 def test_two_loads_make_no_efficiency_map(small):
-    from hbench.report.draw_efficiency_map import has_efficiency_map
+    from hbench.report.campaign.figures.efficiency_map import has_efficiency_map
 
     assert not has_efficiency_map(small)

@@ -6,9 +6,9 @@ import re
 import pytest
 from made_fleet import made_table
 
-from hbench.report.draw_fleet import draw_fleet
-from hbench.report.fleet_page import fleet_page
-from hbench.report.fleet_text import fleet_json, fleet_text, verdict
+from hbench.report.fleet.figures import draw_fleet
+from hbench.report.fleet.page import fleet_page
+from hbench.report.fleet.text import fleet_json, fleet_text, verdict
 from hbench.workflow.fleet_summary import summarize
 
 OFF = {17: 120.0, 60: -140.0, 150: 100.0}

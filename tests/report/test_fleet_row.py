@@ -8,10 +8,10 @@ from statistics import fmean
 import numpy as np
 import pytest
 
-from hbench.report.fleet_row import fleet_row
-from hbench.report.quality import checks, worst
-from hbench.report.summary import glances
-from hbench.store.fleet_table import cells_of
+from hbench.report.campaign.quality import checks, worst
+from hbench.report.campaign.summary import glances
+from hbench.report.fleet.row import fleet_row
+from hbench.store.fleet.table import cells_of
 
 
 @pytest.fixture

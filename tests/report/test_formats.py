@@ -12,13 +12,13 @@ from hbench import workflow
 from hbench.cli.main import app
 from hbench.errors import ConfigError
 from hbench.records import WordTable
-from hbench.report.campaign_figures import draw_all
-from hbench.report.document import Document, Section, page
-from hbench.report.markdown import markdown
-from hbench.report.page import report_document
-from hbench.report.pdf import pdf, sheets
-from hbench.report.reconciled import reconciled_section
-from hbench.store.diagnoses import diagnoses
+from hbench.report.campaign.figures.all_figures import draw_all
+from hbench.report.campaign.page import report_document
+from hbench.report.campaign.reconciled import reconciled_section
+from hbench.report.render.document import Document, Section, page
+from hbench.report.render.markdown import markdown
+from hbench.report.render.pdf import pdf, sheets
+from hbench.store.campaign.stored_diagnosis import diagnoses
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 

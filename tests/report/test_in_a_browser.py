@@ -10,14 +10,14 @@ from made_diagnosis import named
 from made_fleet import made_table
 
 from hbench.records import Line, Panel, Phenomenon, WordTable
-from hbench.report.campaign_figures import draw_all
-from hbench.report.diagnosis_page import diagnosis_page
-from hbench.report.draw_diagnosis import draw_diagnosis
-from hbench.report.draw_fleet import draw_fleet
-from hbench.report.draw_phenomena import draw_phenomenon
-from hbench.report.fleet_page import fleet_page
-from hbench.report.page import page_html
-from hbench.report.phenomenon_page import phenomenon_page
+from hbench.report.campaign.figures.all_figures import draw_all
+from hbench.report.campaign.page import page_html
+from hbench.report.diagnosis.all_figures import draw_diagnosis
+from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.fleet.figures import draw_fleet
+from hbench.report.fleet.page import fleet_page
+from hbench.report.simulation.figures import draw_phenomenon
+from hbench.report.simulation.page import phenomenon_page
 from hbench.workflow.fleet_summary import summarize
 
 PAGES = ("campaign", "seals", "diagnosis", "phenomenon", "fleet")

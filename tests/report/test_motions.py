@@ -22,14 +22,14 @@ from hbench.records import (
     Series,
     Surface,
 )
-from hbench.report import draw_motions, draw_ramps
-from hbench.report.campaign_figures import FIGURES
-from hbench.report.figures import Drawing
-from hbench.report.motion_tables import MOTION_TABLES, motion_tables
-from hbench.report.page import page_html
-from hbench.report.page_tables import point_table
-from hbench.report.style import RC
-from hbench.report.tables import results_json, summary_text
+from hbench.report.campaign.figures import motions, ramps
+from hbench.report.campaign.figures.all_figures import FIGURES
+from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
+from hbench.report.campaign.page import page_html
+from hbench.report.campaign.page_tables import point_table
+from hbench.report.campaign.tables import results_json, summary_text
+from hbench.report.render.figures import Drawing
+from hbench.report.render.style import RC
 
 SERIES = Series("seal A", 500.0, 15e5)
 BLANK = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
@@ -232,7 +232,7 @@ def test_untested_comparisons_say_why(small):
 
 
 def test_ramps_stand_on_one_figure_with_the_steady_points_of_their_load(moving):
-    figures = draw_ramps.ramps(moving)
+    figures = ramps.ramps(moving)
     assert len(figures) == 4
     axes = figures["Extending-500 N"].axes[0]
     drawn = {bars.get_label(): bars.lines[0].get_data() for bars in axes.containers}
@@ -240,22 +240,22 @@ def test_ramps_stand_on_one_figure_with_the_steady_points_of_their_load(moving):
     steady = next(c for c in moving.curves if (c.direction, c.f_load_n) == ("extend", 500.0))
     assert drawn["steady"][0] == pytest.approx([1e3 * p.v_m_s for p in steady.points])
     assert drawn["ramp 0.1 m/s²"][1] == pytest.approx([p.friction_n for p in steady.points])
-    back = draw_ramps.ramps(moving)["Retracting-−500 N"].axes[0].containers[0]
+    back = ramps.ramps(moving)["Retracting-−500 N"].axes[0].containers[0]
     assert (back.lines[0].get_ydata() > 0).all()
 
 
 def test_differences_that_stand_are_filled_and_others_hollow(moving):
-    axes = draw_ramps.comparisons(moving)["acceleration"].axes[0]
+    axes = ramps.comparisons(moving)["acceleration"].axes[0]
     faces = [bars.lines[0].get_markerfacecolor() for bars in axes.containers]
     effects = [bars.lines[0].get_xdata()[0] for bars in axes.containers]
     assert effects == [12.0, -2.0] and faces[0] != "white" and faces[1] == "white"
 
 
 def test_the_surface_shows_the_measured_points_and_the_loop_its_trace(moving):
-    (surface,) = draw_motions.surfaces(moving).values()
+    (surface,) = motions.surfaces(moving).values()
     x, y = surface.axes[0].lines[0].get_data()
     assert sorted(set(x)) == pytest.approx([10.0, 50.0, 200.0]) and set(y) == {0.5, 1.0, 5.0}
-    (loop,) = draw_motions.loops(moving).values()
+    (loop,) = motions.loops(moving).values()
     rising, falling = (line.get_ydata() for line in loop.axes[0].lines[:2])
     assert (np.isnan(rising) ^ np.isnan(falling)).all()
 

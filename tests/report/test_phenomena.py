@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from hbench.records import Finding, Line, Panel, Phenomenon, WordTable
-from hbench.report.draw_phenomena import draw_panel, draw_phenomenon
-from hbench.report.phenomenon_page import phenomenon_page
-from hbench.report.phenomenon_text import phenomenon_text
+from hbench.report.simulation.figures import draw_panel, draw_phenomenon
+from hbench.report.simulation.page import phenomenon_page
+from hbench.report.simulation.text import phenomenon_text
 
 X = np.array([1.0, 2.0, 50.0])
 PANEL = Panel(

@@ -8,9 +8,9 @@ from pathlib import Path
 import made_diagnosis as made
 import pytest
 
-from hbench.report.diagnosis_json import diagnosis_json
-from hbench.report.tables import results_json
-from hbench.store.campaign import load_campaign
+from hbench.report.campaign.tables import results_json
+from hbench.report.diagnosis.json_file import diagnosis_json
+from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"

@@ -7,11 +7,11 @@ import threading
 
 import pytest
 
-from hbench.report.side_by_side import side_by_side
+from hbench.parallel.forked import side_by_side
 
 IN_A_PROCESS_OF_ITS_OWN = """
 import os
-from hbench.report.side_by_side import side_by_side
+from hbench.parallel.forked import side_by_side
 
 def work(thing):
     return thing(), os.getpid()

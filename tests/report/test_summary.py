@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from hbench.records import FitParameter
-from hbench.report.quality import checks, verdict, worst
-from hbench.report.summary import glances, summary_section, working_speed_m_s
-from hbench.report.text import alike, number
+from hbench.report.campaign.quality import checks, verdict, worst
+from hbench.report.campaign.summary import glances, summary_section, working_speed_m_s
+from hbench.report.render.numbers import alike, number
 
 
 def grade(results, name):

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from hbench.records import Results
-from hbench.report.tables import (
+from hbench.report.campaign.tables import (
     bands_csv,
     curves_csv,
     efficiency_csv,

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hbench.records import Run
-from hbench.report.draw_traces import MOST_RUNS, traces
-from hbench.report.reasons import reason_counts
-from hbench.report.series import series_of
+from hbench.report.campaign.figures.traces import MOST_RUNS, traces
+from hbench.report.campaign.reasons import reason_counts
+from hbench.report.render.series import series_of
 
 T = np.arange(100) / 100
 

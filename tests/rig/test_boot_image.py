@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hbench.errors import ConfigError, DataError, ExitCode
-from hbench.rig.boot_image import parse_boot_image, read_boot_image
+from hbench.rig.flash.boot_image import parse_boot_image, read_boot_image
 
 GOOD = stream_of(0x008000, [(0x008000, [0x1234, 0xABCD]), (0x000000, [0x0040, 0x8000])])
 

@@ -14,7 +14,7 @@ from boot_rom_standin import FIRMWARE, PROGRAM_BAUD, BootLine, BootRom, Program
 from hbench import workflow
 from hbench.config.bench import parse_bench
 from hbench.errors import ConfigError, DeviceError, ExitCode
-from hbench.rig.programmer import flash_through, run_programmer
+from hbench.rig.flash.programmer import flash_through, run_programmer
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 

@@ -21,8 +21,8 @@ from hypothesis import strategies as st
 
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError, ExitCode
-from hbench.rig.boot_image import parse_boot_image
-from hbench.rig.boot_rom import WINDOW, NotInBoot, flash, load
+from hbench.rig.flash.boot_image import parse_boot_image
+from hbench.rig.flash.boot_rom import WINDOW, NotInBoot, flash, load
 
 BAUD = 57_600
 ID_WORDS = [ord(character) for character in FIRMWARE]

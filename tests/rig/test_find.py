@@ -13,7 +13,7 @@ from hbench.errors import DeviceError
 from hbench.protocol.codec import BY_NAME, pack
 from hbench.protocol.dictionary import REPLY, dictionary_hash
 from hbench.protocol.frames import Frame, Receiver, encode
-from hbench.rig.find import Listed, look, system_ports
+from hbench.rig.discovery import Listed, look, system_ports
 from hbench.rig.ports import PortBusy, SerialPort
 
 IDENTITY = {

@@ -15,7 +15,7 @@ from hbench.protocol.frames import Frame, Receiver, encode
 from hbench.rig.client import RECORDS_PER_FRAME, BoardClient
 from hbench.rig.firmware import HostFirmware
 from hbench.rig.virtual import VirtualRig
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 RECORD_OCTETS = 2 * len(RECORD)
 FRAMING = RECORDS_PER_FRAME * RECORD_OCTETS / (2 + 8 + RECORDS_PER_FRAME * RECORD_OCTETS + 2 + 2)

@@ -22,7 +22,7 @@ from hbench.rig.lines import PtyLine, SocketLine
 from hbench.rig.ports import PortBusy, SerialPort
 from hbench.rig.serve import WallClock, serve
 from hbench.rig.virtual import VirtualRig
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 
 @pytest.fixture

@@ -14,13 +14,13 @@ from hbench import workflow
 from hbench.errors import ConfigError, DeviceError
 from hbench.experiment.upload import uploads
 from hbench.protocol.dictionary import FAULTS, STATES
+from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient
 from hbench.rig.lines import SocketLine, open_line
 from hbench.rig.ports import SerialPort
 from hbench.rig.serve import FlatOut, WallClock, serve
-from hbench.rig.settings import board_settings
 from hbench.rig.virtual import VirtualRig
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 PATIENCE_S = 30.0
 ADDRESSES = [None, "localhost:0"]  # pseudo-terminal, socket

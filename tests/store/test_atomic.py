@@ -4,7 +4,7 @@ import os
 import pytest
 
 from hbench.errors import DataError
-from hbench.store import atomic
+from hbench.store.files import atomic
 
 
 @pytest.fixture

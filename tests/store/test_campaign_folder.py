@@ -7,8 +7,8 @@ import yaml
 
 from hbench.config.schedule import Screening
 from hbench.errors import ConfigError, DataError
-from hbench.store.campaign import CampaignWriter, load_campaign, write_results
-from hbench.store.dsp_log import parse_words
+from hbench.store.campaign.dsp_log import parse_words
+from hbench.store.campaign.folder import CampaignWriter, load_campaign, write_results
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from hbench import workflow
 from hbench.cli.main import app
-from hbench.store.campaign import load_campaign
+from hbench.store.campaign.folder import load_campaign
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 

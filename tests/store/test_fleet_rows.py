@@ -11,9 +11,9 @@ import pytest
 
 from hbench.errors import ConfigError, DataError
 from hbench.records import QUANTITIES, FleetNumber, FleetRow
-from hbench.store.fleet_rows import ROWS, FleetRows
-from hbench.store.fleet_table import FleetTable, cells_of, column_of, shown_path, write_table
-from hbench.store.found import find_campaigns, fingerprint
+from hbench.store.campaign.discovery import find_campaigns, fingerprint
+from hbench.store.fleet.rows import ROWS, FleetRows
+from hbench.store.fleet.table import FleetTable, cells_of, column_of, shown_path, write_table
 
 
 def campaign(folder):
@@ -93,7 +93,7 @@ def test_a_second_call_misses_what_is_new_or_changed_and_forgets_what_has_gone(t
 
 def test_rows_that_a_killed_process_has_kept_are_there(tmp_path):
     script = (
-        "import os, sys; from pathlib import Path; from hbench.store.fleet_rows import FleetRows\n"
+        "import os, sys; from pathlib import Path; from hbench.store.fleet.rows import FleetRows\n"
         "rows = FleetRows(Path(sys.argv[1])); rows.found([('/a', False), ('/b', False)])\n"
         "rows.keep('/a', 'f', False, [1]); os.kill(os.getpid(), 9)"
     )

@@ -8,8 +8,8 @@ import yaml
 from scipy.io import savemat
 
 from hbench.errors import ConfigError, DataError
-from hbench.store.campaign import load_campaign
-from hbench.store.foreign import import_folder
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.importing.importer import import_folder
 
 T = np.arange(0, 1.0, 0.01)
 X = 40.0 * T  # mm

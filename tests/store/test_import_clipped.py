@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.store.clipped import clipped
+from hbench.store.importing.clipping import clipped
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 N = 3000

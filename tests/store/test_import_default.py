@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from hbench.errors import ConfigError, DataError
-from hbench.store.campaign import load_campaign
-from hbench.store.foreign import import_folder
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.importing.importer import import_folder
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 HEAD = "t_s,x_m,p_tp_pa,p_tr_pa,f_applied_n\n"

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import yaml
 
-from hbench.config.importmap import parse_import_map
-from hbench.config.layout import Format
+from hbench.config.import_layout import Format
+from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
-from hbench.store.campaign import load_campaign
-from hbench.store.foreign import import_folder
-from hbench.store.table import parse_table
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.files.text_table import parse_table
+from hbench.store.importing.importer import import_folder
 
 SEMICOLON = {"separator": "semicolon"}
 GERMAN = {**SEMICOLON, "decimal": ","}

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import yaml
 
-from hbench.config.importmap import parse_import_map
+from hbench.config.import_map import parse_import_map
 from hbench.config.schedule import Screening
 from hbench.errors import ConfigError, DataError
-from hbench.store.campaign import load_campaign
-from hbench.store.foreign import import_folder
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.importing.importer import import_folder
 
 BORE_M = 0.025
 

@@ -5,12 +5,12 @@ import pytest
 import yaml
 from scipy.integrate import quad
 
-from hbench.config.importmap import parse_import_map
+from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
-from hbench.store.campaign import load_campaign
-from hbench.store.foreign import import_folder
-from hbench.store.resample import interval_means, whole_intervals
-from hbench.store.rest import zero_at_rest
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.importing.importer import import_folder
+from hbench.store.importing.resampling import interval_means, whole_intervals
+from hbench.store.importing.zero_offset import zero_at_rest
 
 
 @pytest.fixture

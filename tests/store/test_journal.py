@@ -2,8 +2,8 @@ import pytest
 import yaml
 
 from hbench.errors import DataError
-from hbench.store import journal
-from hbench.store.journal import Stop, intact_length, parse_journal
+from hbench.store.campaign import journal
+from hbench.store.campaign.journal import Stop, intact_length, parse_journal
 
 STOP = Stop("2024-05-01T12:00:02+00:00", "done", 4, "ab" * 32)
 

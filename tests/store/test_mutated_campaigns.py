@@ -24,9 +24,9 @@ import yaml
 
 from hbench import workflow
 from hbench.errors import ConfigError, DataError
-from hbench.report.tables import summary_text
-from hbench.store import journal
-from hbench.store.campaign import load_campaign
+from hbench.report.campaign.tables import summary_text
+from hbench.store.campaign import journal
+from hbench.store.campaign.folder import load_campaign
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "data_samples"

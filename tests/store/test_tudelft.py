@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hbench.store.campaign import load_campaign
-from hbench.store.foreign import import_folder
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.importing.importer import import_folder
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data" / "tudelft-cylinder"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from hbench.errors import DataError
-from hbench.store import arrays, mat_sizes
-from hbench.store.arrays import read_mat, read_parquet
+from hbench.store.files import array_tables, mat_sizes
+from hbench.store.files.array_tables import read_mat, read_parquet
 
 HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H2s", 0x0100, b"IM")
 DOUBLE, CHAR, CELL, STRUCT = 6, 4, 1, 2  # classes of arrays
@@ -101,7 +101,7 @@ def test_a_parquet_file_that_unpacks_to_too_much_is_refused_before_it_is():
 
 def test_what_fits_is_read(monkeypatch):
     """The same checks on sound files: those of an export (test_export.py) and a full one."""
-    monkeypatch.setattr(arrays, "LARGEST_UNPACKED", 100)
+    monkeypatch.setattr(array_tables, "LARGEST_UNPACKED", 100)
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
     file = io.BytesIO()

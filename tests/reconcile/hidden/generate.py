@@ -39,7 +39,7 @@ def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
     A campaign that is there already, whole, stays.
     """
     os.environ["HBENCH_EFFECTS"] = str(TABLE)  # before hbench's model is imported
-    from hbench.experiment.cores import on_all_cores
+    from hbench.parallel.process_pool import on_all_cores
     from hbench.workflow import load_experiment
     from hidden.measure import compile_for
 

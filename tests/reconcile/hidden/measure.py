@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.calibrate import calibrate
+from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.bench import Bench, Plant
 from hbench.config.friction import Leuven
 from hbench.config.scaling import scaled
 from hbench.config.schedule import parse_schedule
-from hbench.experiment.header import campaign_header
+from hbench.experiment.campaign_header import campaign_header
 from hbench.experiment.plan import plan_runs
 from hbench.experiment.recorder import CHANNELS
 from hbench.experiment.runner import run_campaign
@@ -24,7 +24,7 @@ from hbench.protocol.dictionary import FLAGS
 from hbench.records import Outcome, RawRun, Run, RunPlan
 from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
-from hbench.store.campaign import CampaignWriter
+from hbench.store.campaign.folder import CampaignWriter
 from hbench.workflow import Experiment
 from hidden.cases import Case, truth
 from hidden.draws import Drawn

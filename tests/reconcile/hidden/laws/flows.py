@@ -3,7 +3,7 @@
 from math import copysign, exp, pi, sin, sqrt
 
 from hbench.model.compiled import compiled
-from hbench.model.effect_places import Flows, Oil, Openings
+from hbench.model.effects.couplings import Flows, Oil, Openings
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 
 

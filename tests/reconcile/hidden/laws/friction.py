@@ -4,8 +4,8 @@ from math import copysign, cos, exp, log, pi, sin, sqrt
 
 from hbench.model.compiled import compiled
 from hbench.model.cylinders import pressure_force
-from hbench.model.effect_places import Rubbing
-from hbench.model.friction import steady_parts
+from hbench.model.effects.couplings import Rubbing
+from hbench.model.friction.laws import steady_parts
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 
 

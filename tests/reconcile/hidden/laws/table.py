@@ -1,6 +1,6 @@
 """The rows of the hidden plants' laws, for ``HBENCH_EFFECTS``."""
 
-from hbench.model.effects import Coefficient, Effect
+from hbench.model.effects.catalogue import Coefficient, Effect
 from hidden.laws import flows, friction
 
 _FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")

@@ -1,0 +1,1 @@
+"""Comparison of campaigns: two side by side, or one among many."""

@@ -1,0 +1,87 @@
+"""Friction curves: the accepted runs of each reference averaged, with Student's interval."""
+
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Iterable
+
+import numpy as np
+
+from hbench.analysis.statistics.student import student_factor
+from hbench.records import Curve, CurvePoint, RunPlan, ScreenedRun
+
+
+def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
+    """Average the accepted runs with means into curves, in the order of their first runs.
+
+    A curve is one kind, direction, load, rod-side pressure of the load cylinder, label and test
+    cylinder; a point is one reference speed.
+    The unit of the statistics is the trial: runs with the same trial number (the strokes of one
+    file) are averaged first, since they share one set-up and are not independent.
+    """
+    usable = [one for one in screened if one.accepted and one.means is not None]
+    return tuple(
+        Curve(
+            kind=runs[0].run.plan.kind,
+            direction=runs[0].run.plan.direction,
+            f_load_n=runs[0].run.plan.f_load_n,
+            p_lr_ref_pa=runs[0].run.plan.p_lr_ref_pa,
+            label=runs[0].run.plan.label,
+            specimen=runs[0].run.plan.specimen,
+            points=tuple(
+                sorted(
+                    (_point(group) for group in _grouped(runs, lambda plan: plan.v_ref_m_s)),
+                    key=lambda point: abs(point.v_m_s),
+                )
+            ),
+        )
+        for runs in _grouped(usable, _series)
+    )
+
+
+def student_interval(values: np.ndarray) -> float | None:
+    """Return the half-width of the 95 % interval of a mean: t S / sqrt(n), equations 6.3 and 6.4.
+
+    S is the standard deviation with n - 1 degrees of freedom, and t belongs to these. None for
+    fewer than two values.
+    """
+    n = len(values)
+    if n < 2:
+        return None
+    return float(student_factor(n - 1) * np.std(values, ddof=1) / np.sqrt(n))
+
+
+def _series(plan: RunPlan) -> tuple:
+    load = plan.f_load_n, plan.p_lr_ref_pa
+    return plan.kind, plan.direction, *load, plan.label, plan.specimen
+
+
+def _grouped(
+    runs: Iterable[ScreenedRun], key: Callable[[RunPlan], Hashable]
+) -> list[list[ScreenedRun]]:
+    groups: dict[Hashable, list[ScreenedRun]] = defaultdict(list)
+    for one in runs:
+        groups[key(one.run.plan)].append(one)
+    return list(groups.values())
+
+
+def _point(runs: list[ScreenedRun]) -> CurvePoint:
+    trials = _grouped(runs, lambda plan: plan.trial)
+
+    def of_trials(name: str) -> np.ndarray:
+        return np.array([np.mean([getattr(one.means, name) for one in trial]) for trial in trials])
+
+    friction, f_test = of_trials("friction_n"), of_trials("f_test_n")
+    has_rod_side = all(one.means.p_tr_pa is not None for one in runs)
+    return CurvePoint(
+        v_m_s=float(of_trials("v_m_s").mean()),
+        friction_n=float(friction.mean()),
+        ci95_n=student_interval(friction),
+        n=len(trials),
+        f_test_n=float(f_test.mean()),
+        f_applied_n=float(of_trials("f_applied_n").mean()),
+        p_tp_pa=float(of_trials("p_tp_pa").mean()),
+        p_tr_pa=float(of_trials("p_tr_pa").mean()) if has_rod_side else None,
+        trials=tuple(trial[0].run.plan.trial for trial in trials),
+        trials_n=tuple(friction.tolist()),
+        trials_f_test_n=tuple(f_test.tolist()),
+        runs=tuple(one.run.plan.run for one in runs),
+    )

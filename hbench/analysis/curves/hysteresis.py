@@ -1,0 +1,152 @@
+"""Hysteresis loops of triangles: friction over velocity and over position (sections 3.1.3, 6.2.3).
+
+    energy per cycle       W = integral of F dx around the loop = integral of F v dt
+    width at velocity v    |F| while |v| rises  -  |F| while it falls
+
+Phase. A filter that delays the velocity by tau opens a loop where there is none, of width
+2 tau a dF/dv. So the velocity is the position's own derivative without lag (``logged_motion``), the
+inertia is that of the same derivative, and pressures, force and position are all the unfiltered
+means over one interval of the log: they share their delay, and nothing else is left to match. The
+controller's own velocity has the lag of its filter (D.11); ``board_n`` is the width that it would
+give, to see what the filter makes.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.analysis.curves.average import student_interval
+from hbench.analysis.screening.reference_sections import whole_cycles
+from hbench.analysis.screening.sample_friction import logged_motion
+from hbench.errors import DataError
+from hbench.records import Loop, LoopWidth, Run, ScreenedRun, Series
+
+_SHARES = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the top speed: where widths are read
+_SPAN = 0.1  # of the top speed: samples on either side that a width's parabolas are made of
+_LEAST = 5  # samples of a parabola
+_PHASES = 240  # of the mean loop
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One cycle's numbers."""
+
+    area_j: float
+    widths_n: np.ndarray  # (6,) at ``_SHARES``; nan where there are too few samples
+    board_n: np.ndarray
+    trace: np.ndarray  # (phases, 3): x_m, v_m_s, friction_n
+
+
+def hysteresis(
+    screened: Iterable[ScreenedRun], mass_kg: float
+) -> tuple[tuple[Loop, ...], tuple[str, ...]]:
+    """Return a loop for each triangle (label, load, speed) of accepted runs, and notes.
+
+    A run's first cycle is left out where there are more: it begins with relaxed seals. Intervals
+    count trials, or with one trial its cycles. ``mass_kg`` is the test side's.
+    """
+    groups: dict[tuple, list[Run]] = defaultdict(list)
+    for one in screened:
+        plan = one.run.plan
+        if plan.kind == "triangle" and one.accepted:
+            key = plan.label, plan.f_load_n, plan.p_lr_ref_pa, abs(plan.v_ref_m_s), plan.specimen
+            groups[key].append(one.run)
+    loops, notes = [], []
+    for runs in groups.values():
+        trials: dict[int, list[Cycle]] = defaultdict(list)
+        for run in runs:
+            try:
+                trials[run.plan.trial] += cycles_of(run, mass_kg)
+            except DataError as error:
+                notes.append(f"left out of the hysteresis: {error.message}")
+        used = [found for found in trials.values() if found]
+        if used:
+            loops.append(_loop(runs, used))
+    return tuple(loops), tuple(notes)
+
+
+def cycles_of(run: Run, mass_kg: float) -> list[Cycle]:
+    """Return a run's complete cycles, without the first where there are more.
+
+    Raises ``DataError`` where a channel or a record is missing.
+    """
+    if run.v_ref_m_s is None:
+        raise DataError(f"run {run.plan.run}: its cycles can't be told without v_ref")
+    motion, top = logged_motion(run, mass_kg), abs(run.plan.v_ref_m_s)
+    parts = whole_cycles(run.v_ref_m_s)
+    found = []
+    for part in parts[1:] or parts:
+        v, friction = motion.v_m_s[part], motion.friction_n[part]
+        board = None if run.v_m_s is None else run.v_m_s[part]
+        rising = np.gradient(run.v_ref_m_s[part]) > 0
+        nothing = np.full(len(_SHARES), np.nan)
+        found.append(
+            Cycle(
+                area_j=float(np.sum(friction * v) * motion.dt_s),
+                widths_n=_widths(v, friction, rising, top),
+                board_n=nothing if board is None else _widths(board, friction, rising, top),
+                trace=_trace(np.column_stack([run.x_m[part], v, friction])),
+            )
+        )
+    return found
+
+
+def _widths(v: np.ndarray, friction: np.ndarray, rising: np.ndarray, top: float) -> np.ndarray:
+    found = []
+    for share in _SHARES:
+        near = np.abs(v - share * top) <= _SPAN * top
+        up, down = (
+            _at(share * top, v[near & one], friction[near & one]) for one in (rising, ~rising)
+        )
+        found.append(up - down)  # where v < 0, |v| falls while v rises, and |F| = -F
+    return np.array(found)
+
+
+def _at(v0: float, v: np.ndarray, friction: np.ndarray) -> float:
+    """Return friction at ``v0`` on the parabola through the samples near it."""
+    if len(v) < _LEAST or np.ptp(v) == 0:
+        return np.nan
+    return float(np.polynomial.Polynomial.fit(v, friction, 2)(v0))
+
+
+def _trace(samples: np.ndarray) -> np.ndarray:
+    """Return the means (phases, 3) of a cycle's samples (n, 3) in equal parts of its time."""
+    phases = min(_PHASES, len(samples))
+    edges = np.linspace(0, len(samples), phases + 1).astype(int)
+    return np.add.reduceat(samples, edges[:-1]) / np.diff(edges)[:, None]
+
+
+def _loop(runs: Sequence[Run], trials: list[list[Cycle]]) -> Loop:
+    plan = runs[0].plan
+    by_trial = len(trials) > 1
+    units = trials if by_trial else [[cycle] for cycle in trials[0]]
+    cycles = [cycle for found in trials for cycle in found]
+    phases = min(len(cycle.trace) for cycle in cycles)
+    area = np.array([np.mean([cycle.area_j for cycle in unit]) for unit in units])
+    widths = np.array([np.mean([cycle.widths_n for cycle in unit], axis=0) for unit in units])
+    board = np.mean([cycle.board_n for cycle in cycles], axis=0)
+    trace = np.mean([cycle.trace[:phases] for cycle in cycles], axis=0)
+    return Loop(
+        series=Series(plan.label, plan.f_load_n, plan.p_lr_ref_pa),
+        v_top_m_s=abs(plan.v_ref_m_s),
+        a_m_s2=plan.a_ref_m_s2,
+        cycles=len(cycles),
+        trials=len(trials),
+        unit="trial" if by_trial else "cycle",
+        area_j=float(area.mean()),
+        area_ci95_j=student_interval(area),
+        widths=tuple(
+            LoopWidth(
+                v_m_s=share * abs(plan.v_ref_m_s),
+                width_n=float(widths[:, i].mean()),
+                ci95_n=student_interval(widths[:, i]),
+                board_n=float(board[i]) if np.isfinite(board[i]) else None,
+            )
+            for i, share in enumerate(_SHARES)
+            if np.isfinite(widths[:, i]).all()
+        ),
+        trace=tuple((float(x), float(v), float(f)) for x, v, f in trace),
+        runs=tuple(run.plan.run for run in runs),
+    )

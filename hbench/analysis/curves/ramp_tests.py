@@ -1,0 +1,157 @@
+"""Whether the acceleration of a ramp matters, and whether ramps differ from steady runs: tested.
+
+The unit is the trial, never the sample: each trial counts with its mean |F| over a range of speeds
+that all of its rivals have. Two ranges, the lower and the upper half, since lag acts where friction
+still changes with the way or the speed, and an error of the inertia everywhere.
+
+    accelerations    F test of one-way analysis of variance over the groups; the effect is the
+                     largest acceleration less the smallest, with the pooled scatter
+    steady, ramp     Welch's t test
+
+Student's and Fisher's distributions take the trials as independent and normal. p values of the same
+kind are corrected for their number after Holm (1979).
+"""
+
+import warnings
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hbench.analysis.statistics.holm import holm
+from hbench.analysis.statistics.student import student_factor
+from hbench.records import Comparison, Curve, Series
+
+_GRID = 10  # speeds of a half at which ramps are compared
+_LEAST = 2  # steady speeds that make a range
+
+
+def comparisons(curves: Iterable[Curve]) -> tuple[Comparison, ...]:
+    """Test all ramps of the same load, direction and label, and those with steady runs beside."""
+    groups: dict[tuple, list[Curve]] = defaultdict(list)
+    for curve in curves:
+        if curve.kind in ("ramp", "steady"):
+            key = curve.label, curve.f_load_n, curve.p_lr_ref_pa, curve.direction, curve.specimen
+            groups[key].append(curve)
+    accelerations: list[Comparison] = []
+    steady: list[Comparison] = []
+    for group in groups.values():
+        ramps = [curve for curve in group if curve.kind == "ramp" and len(curve.points) > 1]
+        ramps.sort(key=lambda curve: curve.a_ref_m_s2 or 0.0)
+        if len(ramps) > 1:
+            accelerations += _accelerations(ramps)
+        for ramp in ramps:
+            for other in group:
+                if other.kind == "steady":
+                    steady += _steady(ramp, other)
+    return (*_corrected(accelerations), *_corrected(steady))
+
+
+def _accelerations(ramps: list[Curve]) -> Iterable[Comparison]:
+    low = max(abs(ramp.points[0].v_m_s) for ramp in ramps)
+    high = min(abs(ramp.points[-1].v_m_s) for ramp in ramps)
+    for a, b in _halves(low, high):
+        groups = [_levels(ramp, np.linspace(a, b, _GRID)) for ramp in ramps]
+        yield _anova(ramps, groups, a, b)
+
+
+def _anova(ramps: list[Curve], groups: list[np.ndarray], low: float, high: float) -> Comparison:
+    effect = float(groups[-1].mean() - groups[0].mean())
+    dof = sum(map(len, groups)) - len(groups)
+    half = p_value = None
+    message = "one trial at each acceleration: there is no scatter to test against"
+    if dof > 0:
+        within = sum(float(np.sum((group - group.mean()) ** 2)) for group in groups) / dof
+        error = np.sqrt(within * (1 / len(groups[0]) + 1 / len(groups[-1])))
+        half = float(student_factor(dof) * error)
+        from scipy.stats import f_oneway  # half a second, for who has ramps alone
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # groups without any scatter give nan
+            p_value = float(f_oneway(*groups).pvalue)
+        message = ""
+    return Comparison(
+        what="acceleration",
+        series=_series(ramps[0]),
+        direction=ramps[0].direction,
+        a_m_s2=tuple(ramp.a_ref_m_s2 or 0.0 for ramp in ramps),
+        v_low_m_s=low,
+        v_high_m_s=high,
+        effect_n=effect,
+        ci95_n=half,
+        p_value=p_value,
+        p_holm=None,
+        n=sum(map(len, groups)),
+        message=message,
+    )
+
+
+def _steady(ramp: Curve, steady: Curve) -> Iterable[Comparison]:
+    trials = {trial for point in steady.points for trial in point.trials}
+    low, high = (abs(ramp.points[i].v_m_s) for i in (0, -1))
+    points = [
+        point
+        for point in steady.points
+        if low <= abs(point.v_m_s) <= high and set(point.trials) == trials
+    ]
+    for a, b in _halves(low, high):
+        chosen = [point for point in points if a <= abs(point.v_m_s) <= b]
+        if len(chosen) < _LEAST:
+            continue
+        speeds = np.abs([point.v_m_s for point in chosen])
+        theirs = np.mean([_by_trial(point.trials, point.trials_n) for point in chosen], axis=0)
+        ours = _levels(ramp, speeds)
+        theirs = theirs if steady.direction == "extend" else -theirs
+        half = p_value = None
+        message = "a single trial: there is no scatter to test against"
+        if min(len(ours), len(theirs)) > 1:
+            from scipy.stats import ttest_ind
+
+            found = ttest_ind(ours, theirs, equal_var=False)
+            interval = found.confidence_interval()
+            half, p_value = float(interval.high - interval.low) / 2, float(found.pvalue)
+            message = ""
+        yield Comparison(
+            what="steady",
+            series=_series(ramp),
+            direction=ramp.direction,
+            a_m_s2=(ramp.a_ref_m_s2 or 0.0,),
+            v_low_m_s=float(speeds.min()),
+            v_high_m_s=float(speeds.max()),
+            effect_n=float(ours.mean() - theirs.mean()),
+            ci95_n=half,
+            p_value=p_value,
+            p_holm=None,
+            n=len(ours) + len(theirs),
+            message=message,
+        )
+
+
+def _halves(low: float, high: float) -> list[tuple[float, float]]:
+    middle = 0.5 * (low + high)
+    return [(low, middle), (middle, high)] if high > low else []
+
+
+def _by_trial(trials: Sequence[int], values: Sequence[float]) -> list[float]:
+    return [value for _, value in sorted(zip(trials, values, strict=True))]
+
+
+def _levels(curve: Curve, speeds_m_s: np.ndarray) -> np.ndarray:
+    """Return each trial's mean |F| over ``speeds_m_s``, straight between its points."""
+    v = np.abs([point.v_m_s for point in curve.points])
+    of_trials = np.array([point.trials_n for point in curve.points]).T
+    sign = 1.0 if curve.direction == "extend" else -1.0
+    return np.array([np.interp(speeds_m_s, v, sign * trial).mean() for trial in of_trials])
+
+
+def _series(curve: Curve) -> Series:
+    return Series(curve.label, curve.f_load_n, curve.p_lr_ref_pa)
+
+
+def _corrected(found: list[Comparison]) -> list[Comparison]:
+    tested = [i for i, one in enumerate(found) if one.p_value is not None]
+    corrected = holm([found[i].p_value for i in tested])
+    for i, p in zip(tested, corrected.tolist(), strict=True):
+        found[i] = replace(found[i], p_holm=p)
+    return found

@@ -1,0 +1,296 @@
+"""Friction laws fitted to curves, one by one or all at once, and what the data does not determine.
+
+Least squares of the trials' means within bounds, each weighed by the scatter of the trials, with a
+robust loss if asked for. The 95 % interval is that of the profile likelihood: in simulations it
+covers the truth where bounds are active, which the linearised one does not.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from hbench.analysis.fitting.fit_data import Sample, sample, sign
+from hbench.analysis.fitting.fittable_law import Law
+from hbench.analysis.fitting.information import Information, identification_messages
+from hbench.analysis.fitting.marton_lantos import TWO_LINES
+from hbench.analysis.fitting.messages import BEYOND, beyond_messages, bound_messages, disagreements
+from hbench.analysis.fitting.pressure_based import PRESSURE_BASED
+from hbench.analysis.fitting.tustin import TUSTIN
+from hbench.analysis.statistics.bootstrap import (
+    drawn_means,
+    drawn_residuals,
+    leveraged,
+    own_freedom,
+    percentile_intervals,
+)
+from hbench.analysis.statistics.bounded import Problem, Solution, cost, descend, solve
+from hbench.analysis.statistics.intervals import covariance
+from hbench.analysis.statistics.profile import profile_interval
+from hbench.analysis.statistics.robust import robust
+from hbench.analysis.statistics.student import student_factor
+from hbench.config.fitting import Fitting
+from hbench.records import Curve, Fit, FitParameter
+
+# Laws of one curve, and of the points of all loads and directions at once.
+LAWS: Mapping[str, Law] = {law.name: law for law in (TUSTIN, TWO_LINES)}
+JOINT_LAWS: Mapping[str, Law] = {PRESSURE_BASED.name: PRESSURE_BASED}
+
+_LINE_POINTS = 121
+_DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
+_LEAST_FORCE_N = 1e-6  # scale of a curve of zeros
+_LEAST_SPEEDS = 4
+_ROUNDING = 1e-9  # of friction
+_ENOUGH = 1e-10  # of the cost, from near: off by a hundred thousandth of the error
+_SEED = 1  # of the bootstrap: the same campaign gives the same intervals
+
+Ends = tuple[float, float] | None
+
+
+def fits(curve: Curve, how: Fitting | None = None) -> tuple[Fit, ...]:
+    """Fit the laws of one curve that ``how`` names; none to one with fewer than four speeds."""
+    how = how or Fitting()
+    if _speeds(curve) < _LEAST_SPEEDS:
+        return ()
+    return tuple(fit_law(LAWS[name], [curve], how) for name in how.laws if name in LAWS)
+
+
+def left_out(curves: Sequence[Curve]) -> tuple[str, ...]:
+    """Return a note on the curves that ``fits`` leaves out, if there are any."""
+    few = [_speeds(curve) for curve in curves if _speeds(curve) < _LEAST_SPEEDS]
+    if not few:
+        return ()
+    return (
+        f"{len(few)} of {len(curves)} curves have {max(few)} or fewer speeds and are not fitted; "
+        f"a fit needs {_LEAST_SPEEDS}",
+    )
+
+
+def _speeds(curve: Curve) -> int:
+    return len({point.v_m_s for point in curve.points})
+
+
+def fit_tustin(curve: Curve, bounds: Mapping[str, tuple[float, float]] | None = None) -> Fit:
+    """Fit the Tustin law (3.2) to a curve; within the bounds of table 6.1 if none are given."""
+    return fit_law(TUSTIN, [curve], Fitting(), bounds)
+
+
+def fit_pressure_based(curves: Sequence[Curve], k2_s_m: tuple[float, float] | None = None) -> Fit:
+    """Fit equation 3.7 to the points of all ``curves`` at once."""
+    return fit_law(PRESSURE_BASED, curves, Fitting(), k2_s_m and {"k2_s_m": k2_s_m})
+
+
+def fit_law(
+    law: Law,
+    curves: Sequence[Curve],
+    how: Fitting,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+) -> Fit:
+    """Fit a law to the points of one curve or more; ``bounds`` replace those of ``how``.
+
+    Points without a pressure that the law needs are left out. Standard errors come from the
+    Jacobian of the parameters off their bounds, with s^2 = RSS / (n - p), p being the number of
+    these; intervals from Student's t with n - p degrees of freedom. There is no standard error
+    where the interval lies inside one to either side. ``rmse_n`` is sqrt(RSS / n), not weighted.
+    What the data does not determine has neither, and the message says so.
+    """
+    data = sample(curves, how.weights)
+    if law.name == PRESSURE_BASED.name:
+        data = data.part(np.isfinite(data.inputs).all(axis=0))
+    n, p = len(data.friction_n), len(law.names)
+    if len(np.unique(data.inputs, axis=1).T) < p:
+        with_what = "points with both pressures" if law.name == PRESSURE_BASED.name else "points"
+        message = f"{n} {with_what} do not determine {p} parameters"
+        return Fit(law.name, {}, float("nan"), False, message)
+    problem, solution, weights = estimate(law, data, how, bounds or {})
+    freedom = n - int(solution.free.sum())
+    worth = _Worth(problem, solution, freedom)
+    found = {"linearised": worth.linearised(), "profile": worth.profile()}
+    if how.bootstrap and freedom > 0:
+        found["bootstrap"] = _bootstrap(law, data, problem, solution, weights, how.bootstrap)
+    parameters = _parameters(law, problem, solution, worth, found)
+    residual = law.model(data.inputs, solution.x) - data.friction_n
+    messages = [] if solution.converged else ["the search for the best fit did not converge"]
+    messages += bound_messages(parameters) + disagreements(parameters)
+    if freedom <= 0:
+        messages.append("as many parameters as points: no standard errors")
+    else:
+        seen = Information(
+            law, solution.x, worth.jacobian, worth.variance, problem.scale, data.inputs
+        )
+        widths = [np.nan if ends is None else ends[1] - ends[0] for ends in found["profile"]]
+        messages += identification_messages(seen, worth.factor, np.array(widths) / 2)
+        messages += beyond_messages(seen, worth.factor) if len(curves) == 1 else []
+    line, beyond = _lines(law, curves, data, solution.x)
+    return Fit(
+        law=law.name,
+        parameters=parameters,
+        rmse_n=float(np.sqrt(np.mean(residual**2))),
+        converged=solution.converged,
+        message="; ".join(messages),
+        line=line,
+        beyond=beyond,
+    )
+
+
+class Estimate(NamedTuple):
+    """A law's problem, its solution, and what weight (n,) a robust loss left to the points."""
+
+    problem: Problem
+    solution: Solution
+    weights: np.ndarray
+
+
+def estimate(
+    law: Law,
+    data: Sample,
+    how: Fitting,
+    bounds: Mapping[str, tuple[float, float]],
+    start: np.ndarray | None = None,
+) -> Estimate:
+    """Estimate a law's parameters from points; ``bounds`` replace those of ``how``.
+
+    The search begins where the law's own starts are, or for a rougher answer at ``start``. With a
+    robust loss the problem is that of the pseudo-values, which has the same solution.
+    """
+    inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
+    own = {name: value for name, value in how.bounds if name in law.names}
+    lower, upper = law.limits(inputs, {**own, **bounds})
+    force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
+    problem = Problem(
+        residual=lambda p: (law.model(inputs, p) - friction) / sigma,
+        lower=lower,
+        upper=upper,
+        scale=law.scale(inputs, force),
+        jacobian=lambda p: law.jacobian(inputs, p) / sigma[:, None],
+    )
+    if start is None:
+        solution = solve(problem, law.starts(inputs, friction, lower, upper))
+    else:
+        solution = descend(problem, start, (), _ENOUGH)
+    if how.loss == "linear":
+        return Estimate(problem, solution, np.ones(len(friction)))
+    found = robust(problem, solution, how.loss)
+    return Estimate(found.problem, found.solution, found.weights)
+
+
+class _Worth:
+    """Linearised and profile intervals of a solution."""
+
+    def __init__(self, problem: Problem, solution: Solution, freedom: int):
+        self.problem, self.solution = problem, solution
+        free = solution.free
+        self.jacobian = problem.derivatives(solution.x)
+        self.factor = student_factor(freedom) if freedom > 0 else np.nan
+        self.variance = cost(problem, solution.x) / freedom if freedom > 0 else np.nan
+        self.spread = np.full((len(free), len(free)), np.nan)
+        residual = problem.residual(solution.x)
+        self.spread[np.ix_(free, free)] = covariance(self.jacobian[:, free], residual)
+        self.se = np.sqrt(np.diag(self.spread))
+
+    def linearised(self) -> list[Ends]:
+        half = self.factor * self.se
+        return [
+            (float(x - h), float(x + h)) if np.isfinite(h) else None
+            for x, h in zip(self.solution.x, half, strict=True)
+        ]
+
+    def profile(self) -> list[Ends]:
+        """Return the profile's intervals; none where neither end is set by the data."""
+        level = self.factor**2 * self.variance
+        rest = cost(self.problem, self.solution.x)
+        whole = float(np.sum((self.jacobian * self.problem.scale) ** 2))  # of typical parameters
+        if not rest > _ROUNDING**2 * whole:
+            return self.linearised()  # an exact fit: what is left is rounding
+        return [self._profile(i, level) for i in range(len(self.se))]
+
+    def _profile(self, i: int, level: float) -> Ends:
+        if self.solution.free[i] and not np.isfinite(self.se[i]):
+            return None
+        along = np.where(self.solution.free, self.spread[:, i], 0.0) / self.se[i]
+        low, high = profile_interval(self.problem, self.solution, i, level, self.factor * along)
+        by_data = (self.problem.lower[i] < low, high < self.problem.upper[i])
+        return (low, high) if any(by_data) and np.isfinite([low, high]).all() else None
+
+
+def _bootstrap(
+    law: Law,
+    data: Sample,
+    problem: Problem,
+    solution: Solution,
+    weights: np.ndarray,
+    count: int,
+) -> list[Ends]:
+    """Refit drawn campaigns from the solution on; the weights stay those of the fit."""
+    rng = np.random.default_rng(_SEED)
+    sigma = data.sigma / np.sqrt(weights)
+    fitted = law.model(data.inputs, solution.x)
+    jacobian = law.jacobian(data.inputs, solution.x) / sigma[:, None]
+    freedom = np.full(len(solution.x), len(fitted) - float(solution.free.sum()))
+    drawn = drawn_means(data.trials_n, count, rng)
+    if drawn is None:
+        scaled = leveraged((data.friction_n - fitted) / sigma, jacobian[:, solution.free])
+        drawn = drawn_residuals(fitted, scaled, sigma, count, rng)
+    else:
+        counts = np.array([len(own) for own in data.trials_n])
+        freedom[solution.free] = own_freedom(jacobian[:, solution.free], counts)
+
+    def refit(friction: np.ndarray) -> np.ndarray:
+        again = problem._replace(
+            residual=lambda p: (law.model(data.inputs, p) - friction) / sigma,
+            jacobian=lambda p: law.jacobian(data.inputs, p) / sigma[:, None],
+        )
+        return descend(again, solution.x, (), _ENOUGH).x
+
+    ends = percentile_intervals(refit, drawn, freedom)
+    return [(float(low), float(high)) for low, high in ends.T]
+
+
+def _parameters(
+    law: Law,
+    problem: Problem,
+    solution: Solution,
+    worth: _Worth,
+    found: Mapping[str, Sequence[Ends]],
+) -> dict[str, FitParameter]:
+    parameters = {}
+    for i, (name, unit) in enumerate(law.units.items()):
+        intervals = {method: ends[i] for method, ends in found.items()}
+        ends, x, se = intervals["profile"], float(solution.x[i]), float(worth.se[i])
+        known = ends is not None and np.isfinite(worth.factor * se)
+        parameters[name] = FitParameter(
+            value=x,
+            se=se if known and se <= max(x - ends[0], ends[1] - x) else None,
+            ci95=ends,
+            at_bound=solution.at_bound(problem, i),
+            unit=unit,
+            intervals=intervals,
+            disagree=_disagree([ends for ends in intervals.values() if ends is not None]),
+        )
+    return parameters
+
+
+def _disagree(intervals: Sequence[tuple[float, float]]) -> bool:
+    if len(intervals) < 2:
+        return False
+    low, high = np.array(intervals).T
+    width = float(np.median(high - low))
+    return bool(max(np.ptp(low), np.ptp(high)) > _DISAGREE * width / 2)
+
+
+def _lines(law: Law, curves: Sequence[Curve], data: Sample, x: np.ndarray) -> tuple[tuple, tuple]:
+    """Return the line inside the measured speeds, and those below and above them."""
+    if len(curves) > 1 or law.name in JOINT_LAWS:
+        return (), ()
+    v = data.inputs[0]
+    low, high = v.min(), v.max()
+
+    def line(speeds: np.ndarray) -> tuple[tuple[float, float], ...]:
+        inputs = np.repeat(data.inputs[:, :1], len(speeds), axis=1)
+        inputs[0] = speeds
+        one, friction = sign(curves[0]), law.model(inputs, x)
+        return tuple(zip((one * speeds).tolist(), (one * friction).tolist(), strict=True))
+
+    inside = line(np.union1d(v, np.linspace(low, high, _LINE_POINTS)))
+    below, above = np.linspace(0.0, low, 9), np.linspace(high, BEYOND * high, 9)
+    return inside, tuple(line(part) for part in (below, above))

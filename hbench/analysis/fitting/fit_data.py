@@ -1,0 +1,78 @@
+"""What a fit sees of curves: magnitudes of friction over speed and pressures, and the trials."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.analysis.fitting.trial_weights import pooled_sigma
+from hbench.records import Curve
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The points of one curve or more. Friction along with the motion is negative."""
+
+    inputs: np.ndarray  # (3, n) speed [m/s], P_p and P_r [Pa]; nan where not measured
+    friction_n: np.ndarray  # (n,) means of the trials
+    sigma: np.ndarray  # (n,) relative standard deviations of these means; mean square 1
+    trials_n: tuple[np.ndarray, ...]  # of each point
+    weighted: bool  # whether ``sigma`` comes from the trials
+
+    @property
+    def speeds(self) -> int:
+        """The number of different speeds."""
+        return len(np.unique(self.inputs[0]))
+
+    def part(self, chosen: np.ndarray) -> "Sample":
+        """Return the points that are ``chosen`` (n,) bool."""
+        trials = tuple(t for t, own in zip(self.trials_n, chosen, strict=True) if own)
+        return Sample(
+            self.inputs[:, chosen],
+            self.friction_n[chosen],
+            self.sigma[chosen],
+            trials,
+            self.weighted,
+        )
+
+
+def sign(curve: Curve) -> float:
+    """Return what turns a curve's friction into a magnitude."""
+    return 1.0 if curve.direction == "extend" else -1.0
+
+
+def sample(curves: Sequence[Curve], weights: str = "equal") -> Sample:
+    """Return the points of ``curves``; ``weights`` are "equal", or from the "trials".
+
+    Weights need three points with two trials or more and some scatter; all are equal without.
+    """
+    signed = [(sign(curve), point) for curve in curves for point in curve.points]
+    rows = [
+        (
+            abs(point.v_m_s),
+            point.p_tp_pa,
+            np.nan if point.p_tr_pa is None else point.p_tr_pa,
+            one * point.friction_n,
+        )
+        for one, point in signed
+    ]
+    columns = np.array(rows, dtype=float).reshape(-1, 4).T
+    trials = tuple(one * np.array(point.trials_n) for one, point in signed)
+    sigma = _sigma(columns[0], trials) if weights == "trials" else None
+    return Sample(
+        inputs=columns[:3],
+        friction_n=columns[3],
+        sigma=np.ones(len(rows)) if sigma is None else sigma,
+        trials_n=trials,
+        weighted=sigma is not None,
+    )
+
+
+def _sigma(speed: np.ndarray, trials: Sequence[np.ndarray]) -> np.ndarray | None:
+    counts = np.array([len(own) for own in trials], dtype=float)
+    variance = np.array([own.var(ddof=1) if len(own) > 1 else 0.0 for own in trials])
+    pooled = pooled_sigma(speed, variance, counts - 1)
+    if pooled is None:
+        return None
+    of_means = pooled / np.sqrt(counts)
+    return of_means / np.sqrt(np.mean(of_means**2))

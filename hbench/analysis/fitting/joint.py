@@ -1,0 +1,43 @@
+"""All laws of a campaign: curve by curve, all loads at once, and which predicts best."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+
+from hbench.analysis.fitting.fit import JOINT_LAWS, fit_law, fits
+from hbench.analysis.fitting.selection import select, select_joint
+from hbench.config.fitting import Fitting
+from hbench.records import Curve, JointFit
+
+
+def fitted(curve: Curve, how: Fitting) -> Curve:
+    """Return the curve with its fits and the selection among them."""
+    with_fits = replace(curve, fits=fits(curve, how))
+    return replace(with_fits, selection=select(with_fits, how) if with_fits.fits else None)
+
+
+def joint_fits(curves: Sequence[Curve], how: Fitting) -> tuple[JointFit, ...]:
+    """Fit the laws of all loads to the curves of each kind and label.
+
+    Only curves that have fits of their own count, and two of them at least: one curve does not
+    tell pressure from speed.
+    """
+    names = [name for name in how.laws if name in JOINT_LAWS]
+    groups: dict[tuple, list[Curve]] = defaultdict(list)
+    for curve in curves:
+        if curve.fits and any(point.p_tr_pa is not None for point in curve.points):
+            groups[curve.kind, curve.label, curve.specimen].append(curve)
+    return tuple(_joint(group, names, how) for group in groups.values() if names and len(group) > 1)
+
+
+def _joint(curves: Sequence[Curve], names: Sequence[str], how: Fitting) -> JointFit:
+    found = tuple(fit_law(JOINT_LAWS[name], curves, how) for name in names)
+    points = [p for curve in curves for p in curve.points if p.p_tr_pa is not None]
+    return JointFit(
+        kind=curves[0].kind,
+        label=curves[0].label,
+        curves=len(curves),
+        points=len(points),
+        fits=found,
+        selection=select_joint(curves, found, how),
+    )

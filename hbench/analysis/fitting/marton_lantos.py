@@ -1,0 +1,134 @@
+"""The two lines of Marton and Lantos (3.3): fitted to a curve, and from a Tustin fit.
+
+Fitted (``TWO_LINES``), they meet at the switch velocity, which is a parameter like the slopes:
+
+    F = a_1 + b_1 min(|v|, v_SW) + b_2 max(|v| - v_SW, 0),    a_2 = a_1 + (b_1 - b_2) v_SW
+
+From a Tustin fit, as the source does it, they are tangents at rest and at the largest speed:
+
+    F_d1 = a_1 + b_1 |v|    a_1 = F_stiction,            b_1 = B - D / v_s               (3.4)
+    F_d2 = a_2 + b_2 |v|    a_2 = F_C + D e (1 + w),     b_2 = B - D e / v_s             (3.5)
+    v_SW = (a_1 - a_2) / (b_2 - b_1) = v_s (1 - e (1 + w)) / (1 - e)                     (3.6)
+
+with D = F_stiction - F_C, w = v_max / v_s, e = exp(-w). a_2 is the intercept at v = 0, not the
+value at v_max. v_SW depends on v_s and v_max alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hbench.analysis.fitting.fit_data import sample, sign
+from hbench.analysis.fitting.fittable_law import Law
+from hbench.analysis.fitting.over_curves import tustin_worth, without_impossible
+from hbench.analysis.fitting.tustin import NAMES
+from hbench.analysis.statistics.bounded import complex_step
+from hbench.analysis.statistics.intervals import fit_parameters
+from hbench.records import Curve, Fit
+
+UNITS = {
+    "low_force_n": "N",
+    "low_slope_n_s_m": "N s/m",
+    "high_force_n": "N",
+    "high_slope_n_s_m": "N s/m",
+    "v_switch_m_s": "m/s",
+}
+_SWITCH = "v_switch_m_s"
+
+
+def two_lines(speed_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Return friction [N] at speeds >= 0; p = a_1, b_1, b_2, v_SW."""
+    a_1, b_1, b_2, v_switch = p
+    low = np.minimum(speed_m_s, v_switch)
+    return a_1 + b_1 * low + b_2 * (speed_m_s - low)
+
+
+def _basis(inputs: np.ndarray, v_switch: float) -> np.ndarray:
+    low = np.minimum(inputs[0], v_switch)
+    return np.column_stack([np.ones(len(low)), low, inputs[0] - low])
+
+
+def _jacobian(inputs: np.ndarray, p: np.ndarray) -> np.ndarray:
+    _, b_1, b_2, v_switch = p
+    return np.column_stack([_basis(inputs, v_switch), np.where(inputs[0] > v_switch, b_1 - b_2, 0)])
+
+
+def _between(inputs: np.ndarray) -> dict[str, tuple[float, float]]:
+    """Bound v_SW so that two speeds or more lie on each line."""
+    speeds = np.unique(inputs[0])
+    return {"v_switch_m_s": (float(speeds[1]), float(speeds[-2]))}
+
+
+def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
+    v_max = inputs[0].max()
+    return np.array([force, force / v_max, force / v_max, v_max])
+
+
+TWO_LINES = Law(
+    name="marton_lantos",
+    units={name: unit for name, unit in UNITS.items() if name != "high_force_n"},
+    model=lambda inputs, p: two_lines(inputs[0], p),
+    jacobian=_jacobian,
+    basis=_basis,
+    nonlinear="v_switch_m_s",
+    bounds=_between,
+    scale=_scale,
+)
+
+
+def marton_lantos(curves: Sequence[Curve], tustin: Fit) -> Fit:
+    """Return the lines of one direction's curves, from their Tustin fit, on magnitudes as that fit.
+
+    Intervals follow from the Tustin parameters' covariance (``tustin_worth``) by the delta method.
+    Tangents at rest and at v_max meet between, so v_SW has no interval where that would reach
+    outside, nor where v_s has no standard error. ``rmse_n`` is that of the lines at the points.
+    """
+    data = sample(curves)
+    v, one = data.inputs[0], sign(curves[0])
+    p = np.array([tustin.parameters[name].value for name in NAMES])
+    v_max = float(v.max())
+    values = lines(p, v_max)
+    slopes = complex_step(lambda p: lines(p, v_max), p)
+    spread, dof = tustin_worth(curves, tustin)
+    parameters = fit_parameters(UNITS, values, slopes @ spread @ slopes.T, dof, [None] * 5)
+    parameters, messages = without_impossible(parameters, {_SWITCH: (0.0, v_max)})
+    if tustin.parameters["v_stribeck_m_s"].se is None and parameters[_SWITCH].ci95:
+        parameters[_SWITCH] = replace(parameters[_SWITCH], se=None, ci95=None)
+        messages.append(f"{_SWITCH} has no interval, as v_stribeck_m_s has no standard error")
+    if tustin.message:
+        messages.append(f"of the Tustin fit behind it: {tustin.message}")
+    return Fit(
+        law="marton_lantos",
+        parameters=parameters,
+        rmse_n=float(np.sqrt(np.mean((force(v, values) - data.friction_n) ** 2))),
+        converged=tustin.converged,
+        message="; ".join(messages),
+        line=tuple(
+            (one * speed, one * float(force(np.array(speed), values)))
+            for speed in sorted({float(v.min()), *v.tolist(), float(values[4])})
+            if v.min() <= speed <= v_max
+        ),
+    )
+
+
+def lines(p: np.ndarray, v_max_m_s: float) -> np.ndarray:
+    """Return a_1, b_1, a_2, b_2, v_SW, as in ``UNITS``, of Tustin's p = F_C, F_stiction, v_s, B."""
+    f_c, f_s, v_s, b = p
+    w = v_max_m_s / v_s
+    e, drop = np.exp(-w), f_s - f_c
+    return np.array(
+        [
+            f_s,
+            b - drop / v_s,
+            f_c + drop * e * (1 + w),
+            b - drop * e / v_s,
+            v_s * (1 - e * (1 + w)) / (1 - e),
+        ]
+    )
+
+
+def force(speed_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Return friction [N] at speeds >= 0 (3.3)."""
+    a_1, b_1, a_2, b_2, v_switch = p
+    return np.where(speed_m_s <= v_switch, a_1 + b_1 * speed_m_s, a_2 + b_2 * speed_m_s)

@@ -1,0 +1,53 @@
+"""What a Tustin fit to the points of several curves is worth: curves are the unit, not points.
+
+A curve's load and direction move all of its points together, so points of several curves are not
+independent; curves are. One curve alone has its points for that.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hbench.analysis.fitting.fit_data import sample
+from hbench.analysis.fitting.tustin import NAMES, tustin, tustin_jacobian
+from hbench.analysis.statistics.intervals import covariance, covariance_over_runs
+from hbench.config.fitting import Fitting
+from hbench.records import Curve, Fit, FitParameter
+
+Range = tuple[float, float]
+
+
+def tustin_worth(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, int]:
+    """Return the covariance (4, 4) of a Tustin fit to ``curves``, and its degrees of freedom.
+
+    Each point is weighed as in the fit. Of G > 1 curves it is ``covariance_over_runs`` with G - 1,
+    of one curve ``covariance`` with n - p. Rows of parameters at a bound are zero.
+    """
+    data = sample(curves, Fitting().weights)
+    p = np.array([fit.parameters[name].value for name in NAMES])
+    free = np.array([fit.parameters[name].at_bound is None for name in NAMES])
+    jacobian = (tustin_jacobian(data.inputs[0], p) / data.sigma[:, None])[:, free]
+    residual = (tustin(data.inputs[0], p) - data.friction_n) / data.sigma
+    spread = np.zeros((len(p), len(p)))
+    if len(curves) == 1:
+        spread[np.ix_(free, free)] = covariance(jacobian, residual)
+        return spread, len(residual) - int(free.sum())
+    curve = np.repeat(np.arange(len(curves)), [len(one.points) for one in curves])
+    spread[np.ix_(free, free)] = covariance_over_runs(jacobian, residual, curve)
+    return spread, len(curves) - 1
+
+
+def without_impossible(
+    parameters: Mapping[str, FitParameter], possible: Mapping[str, Range]
+) -> tuple[dict[str, FitParameter], list[str]]:
+    """Take away linearised intervals that leave what is ``possible``; tell which, in sentences."""
+    kept, messages = dict(parameters), []
+    for name, (least, most) in possible.items():
+        p = parameters[name]
+        if p.ci95 and not (least <= p.ci95[0] and p.ci95[1] <= most):
+            kept[name] = FitParameter(p.value, None, None, p.at_bound, p.unit)
+            messages.append(
+                f"{name} has no interval: the linearised one, {p.ci95[0]:.3g} … {p.ci95[1]:.3g} "
+                f"{p.unit}, leaves its range {least:.3g} … {most:.3g}"
+            )
+    return kept, messages

@@ -1,0 +1,51 @@
+"""The pressure-based law (3.7), for the points of all loads and directions at once.
+
+    sign(v) F = k1 exp(k2 |v|) + k3 |P_p - P_r| + k4 P_r + k5 |v|
+
+k4 needs both directions or rod-side pressures that differ: at one of them P_r is as good as
+constant over speed.
+"""
+
+import numpy as np
+
+from hbench.analysis.fitting.fittable_law import Law
+from hbench.config.fitting import FitBounds
+
+UNITS = {"k1_n": "N", "k2_s_m": "s/m", "k3_n_pa": "N/Pa", "k4_n_pa": "N/Pa", "k5_n_s_m": "N s/m"}
+
+
+def pressure_based(
+    speed_m_s: np.ndarray, p_p_pa: np.ndarray, p_r_pa: np.ndarray, k: np.ndarray
+) -> np.ndarray:
+    """Return the magnitude of friction [N] at speeds >= 0; k in the order of ``UNITS``."""
+    k1, k2, k3, k4, k5 = k
+    seals = k3 * np.abs(p_p_pa - p_r_pa) + k4 * p_r_pa
+    return k1 * np.exp(k2 * speed_m_s) + seals + k5 * speed_m_s
+
+
+def _basis(inputs: np.ndarray, k2: float) -> np.ndarray:
+    speed, p_p, p_r = inputs
+    return np.column_stack([np.exp(k2 * speed), np.abs(p_p - p_r), p_r, speed])
+
+
+def _jacobian(inputs: np.ndarray, k: np.ndarray) -> np.ndarray:
+    speed = inputs[0]
+    return np.insert(_basis(inputs, k[1]), 1, k[0] * speed * np.exp(k[1] * speed), axis=1)
+
+
+def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
+    speed, p_p, p_r = (float(np.abs(row).max()) for row in inputs)
+    pressure = max(p_p, p_r, 1.0)
+    return np.array([force, 1 / speed, force / pressure, force / pressure, force / speed])
+
+
+PRESSURE_BASED = Law(
+    name="pressure_based",
+    units=UNITS,
+    model=lambda inputs, k: pressure_based(inputs[0], inputs[1], inputs[2], k),
+    jacobian=_jacobian,
+    basis=_basis,
+    nonlinear="k2_s_m",
+    bounds=lambda inputs: {"k2_s_m": FitBounds().k2_s_m},
+    scale=_scale,
+)

@@ -1,0 +1,52 @@
+"""The Tustin law (3.2) on magnitudes, so that both directions give positive parameters.
+
+F(v) = F_C + (F_stiction - F_C) exp(-|v| / v_stribeck) + B |v|
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hbench.analysis.fitting.fittable_law import Law
+from hbench.config.fitting import FitBounds
+
+UNITS = {
+    "f_coulomb_n": "N",
+    "f_stiction_n": "N",
+    "v_stribeck_m_s": "m/s",
+    "b_viscous_n_s_m": "N s/m",
+}
+NAMES = tuple(UNITS)
+
+# The source's bounds. It warns that they were set after seeing its data.
+TABLE_6_1: Mapping[str, tuple[float, float]] = {name: getattr(FitBounds(), name) for name in NAMES}
+
+
+def tustin(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Return F_C + (F_s - F_C) exp(-v / v_s) + B v [N] for speeds >= 0; p in ``NAMES`` order."""
+    f_c, f_s, v_s, b = p
+    return f_c + (f_s - f_c) * np.exp(-v_m_s / v_s) + b * v_m_s
+
+
+def tustin_jacobian(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Return the derivatives (n, 4) of ``tustin`` by its parameters."""
+    f_c, f_s, v_s, _ = p
+    e = np.exp(-v_m_s / v_s)
+    return np.column_stack([1 - e, e, (f_s - f_c) * e * v_m_s / v_s**2, v_m_s])
+
+
+def _basis(inputs: np.ndarray, v_s: float) -> np.ndarray:
+    e = np.exp(-inputs[0] / v_s)
+    return np.column_stack([1 - e, e, inputs[0]])
+
+
+TUSTIN = Law(
+    name="tustin",
+    units=UNITS,
+    model=lambda inputs, p: tustin(inputs[0], p),
+    jacobian=lambda inputs, p: tustin_jacobian(inputs[0], p),
+    basis=_basis,
+    nonlinear="v_stribeck_m_s",
+    bounds=lambda inputs: TABLE_6_1,
+    scale=lambda inputs, force: np.array([force, force, 0.2, force / inputs[0].max()]),
+)

@@ -1,0 +1,131 @@
+"""The LuGre law fitted to logged runs with reversals: bristles and steady curve together.
+
+The law follows each run's measured velocity and pressures, and its friction is compared with the
+measured one, sample by sample (3.8 to 3.12). Presliding after each reversal tells sigma_0 and
+sigma_1, sliding the rest.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hbench.analysis.identification.driven_law import friction_along
+from hbench.analysis.screening.sample_friction import LoggedMotion
+from hbench.analysis.statistics.bounded import Problem, solve
+from hbench.analysis.statistics.intervals import (
+    bound_messages,
+    covariance_over_runs,
+    fit_parameters,
+)
+from hbench.model.friction.laws import LAWS
+from hbench.model.parameters import FrictionParameters
+from hbench.records import Fit
+
+
+class Unknown(NamedTuple):
+    """A parameter to be found: its field of ``FrictionParameters``, bounds and typical size."""
+
+    field: str
+    unit: str
+    lower: float
+    upper: float
+    size: float
+
+
+UNKNOWNS: Mapping[str, Unknown] = {
+    "sigma0_n_m": Unknown("bristle_stiffness", "N/m", 1e4, 1e8, 1e6),
+    "sigma1_n_s_m": Unknown("bristle_damping", "N s/m", 0.0, 1e5, 1e3),
+    "f_coulomb_n": Unknown("coulomb", "N", 0.0, 1e5, 300.0),
+    "f_stiction_n": Unknown("stiction", "N", 0.0, 1e5, 300.0),
+    "v_stribeck_m_s": Unknown("stribeck_velocity", "m/s", 2e-3, 0.5, 0.05),
+    "b_viscous_n_s_m": Unknown("viscous", "N s/m", 0.0, 1e5, 2e3),
+    "k_piston_n_pa": Unknown("piston_seal", "N/Pa", 0.0, 1e-2, 1e-5),
+    "k_rod_n_pa": Unknown("rod_seal", "N/Pa", 0.0, 1e-2, 1e-5),
+}
+_STIFFNESSES = np.geomspace(3e4, 3e6, 7)  # tried for a start
+_STEP = 1e-5  # of a parameter's size, for its derivative
+
+
+def fit_lugre(
+    motions: Sequence[LoggedMotion],
+    known: FrictionParameters,
+    names: Sequence[str] = tuple(UNKNOWNS),
+) -> Fit:
+    """Fit the ``UNKNOWNS`` in ``names``; the other parameters stay as in ``known``.
+
+    ``known`` is also where the search starts, but for sigma_0. Intervals are over whole runs
+    (``covariance_over_runs``), for the samples of a run are not independent. Their systematic
+    errors, such as a sensor's gain, are not in them.
+    """
+    law = known._replace(law=LAWS["lugre"].code)
+    unknowns = {name: UNKNOWNS[name] for name in names}
+
+    def put(x: np.ndarray) -> FrictionParameters:
+        new = zip(unknowns.values(), x.tolist(), strict=True)
+        values: dict[str, Any] = {u.field: value for u, value in new}
+        return law._replace(**values)
+
+    start = np.array([getattr(law, u.field) for u in unknowns.values()])
+    starts = [start]
+    if "sigma0_n_m" in unknowns:
+        place = list(unknowns).index("sigma0_n_m")
+        starts = [np.where(np.arange(len(start)) == place, s, start) for s in _STIFFNESSES]
+    return fit_along("lugre", motions, put, unknowns, [starts])
+
+
+def fit_along(
+    law: str,
+    motions: Sequence[LoggedMotion],
+    put: Callable[[np.ndarray], FrictionParameters],
+    unknowns: Mapping[str, Unknown],
+    starts: Sequence[Sequence[np.ndarray]],
+) -> Fit:
+    """Fit a law of any kind along ``motions``; ``put`` makes its parameters from the unknowns.
+
+    One search begins at the best of each group of ``starts``; the best that they find counts.
+    """
+    lower = np.array([u.lower for u in unknowns.values()])
+    upper = np.array([u.upper for u in unknowns.values()])
+    size = np.array([u.size for u in unknowns.values()])
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        par = put(x)
+        return np.concatenate(
+            [(friction_along(m, par) - m.friction_n)[m.compared] for m in motions]
+        )
+
+    def jacobian(x: np.ndarray) -> np.ndarray:
+        steps = np.where(x + _STEP * size > upper, -_STEP, _STEP) * size
+        here = residual(x)
+        columns = [
+            (residual(x + step * direction) - here) / step
+            for step, direction in zip(steps, np.eye(len(x)), strict=True)
+        ]
+        return np.column_stack(columns)
+
+    problem = Problem(residual, lower, upper, size, jacobian)
+
+    def cost(x: np.ndarray) -> float:
+        return float(np.sum(residual(x) ** 2))
+
+    inside = [[np.clip(start, lower, upper) for start in group] for group in starts]
+    solution = solve(problem, [min(group, key=cost) for group in inside])
+    left = residual(solution.x)
+    run = np.repeat(np.arange(len(motions)), [int(m.compared.sum()) for m in motions])
+    bounds = [solution.at_bound(problem, i) for i in range(len(size))]
+    parameters = fit_parameters(
+        {name: u.unit for name, u in unknowns.items()},
+        solution.x,
+        covariance_over_runs(jacobian(solution.x)[:, solution.free], left, run),
+        len(motions) - 1,
+        bounds,
+    )
+    messages = [] if solution.converged else ["the search for the best fit did not converge"]
+    return Fit(
+        law=law,
+        parameters=parameters,
+        rmse_n=float(np.sqrt(np.mean(left**2))),
+        converged=solution.converged,
+        message="; ".join(messages + bound_messages(parameters)),
+    )

@@ -1,0 +1,152 @@
+"""Friction laws put to the test: a law's model against the measured run, and steady against ramp.
+
+A model of the bench with the identified law follows the same profile under the same controller
+(sections 5.4 and 5.5). Its log is compared with the measured one sample by sample. Samples are
+steady where the reference has been the same speed for 0.3 s, at rest where it has been zero for
+as long (friction is then whatever holds the piston, which no static law knows), else unsteady.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hbench.analysis.fitting.fit_data import sign
+from hbench.analysis.fitting.tustin import NAMES, tustin
+from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
+from hbench.errors import DataError
+from hbench.records import Curve, CurvePoint, Fit, ModelErrors, Run
+from hbench.records.identification import PARTS
+
+SETTLE_S = 0.3  # as in the steady window
+
+
+def unchanged(v_ref_m_s: np.ndarray, dt_s: float) -> np.ndarray:
+    """Return at which samples (n,) the reference has been the same for 0.3 s."""
+    changed = np.concatenate(([True], np.diff(v_ref_m_s) != 0))
+    last = np.maximum.accumulate(np.where(changed, np.arange(len(changed)), 0))
+    return (np.arange(len(changed)) - last) * dt_s > SETTLE_S - 0.5 * dt_s
+
+
+def model_errors(
+    measured: Sequence[Run], modelled: Sequence[Run], mass_kg: float
+) -> dict[str, ModelErrors]:
+    """Return the errors of the ``steady``, ``unsteady`` and ``rest`` parts over all pairs of runs.
+
+    The runs have the same profile; where a segment ended a little earlier in one of them, the
+    time that both have counts. ``mass_kg`` is the test side's. Raises ``DataError``.
+    """
+    parts = _Parts()
+    for real, model in zip(measured, modelled, strict=True):
+        if real.v_ref_m_s is None or real.plan.motion != model.plan.motion:
+            raise DataError(f"run {real.plan.run}: its model has not followed the same profile")
+        n = min(len(real.t_s), len(model.t_s))
+        ours, theirs = logged_motion(real, mass_kg), logged_motion(model, mass_kg)
+        parts.add(real.v_ref_m_s[:n], ours.dt_s, _signals(theirs, n) - _signals(ours, n))
+    return parts.rms()
+
+
+def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErrors]:
+    """Return how far a trial lies from what is expected of all, by the same parts.
+
+    Each of n trials of a profile counts ``sqrt(n / (n - 1))`` times as far from the trials' mean
+    as it is: so a model that is their expectation would err. One that repeats how each trial
+    begins may err less. Empty where no profile was run twice. ``mass_kg`` is the test side's.
+    Raises ``DataError``.
+    """
+    profiles: dict[tuple, list[Run]] = defaultdict(list)
+    for run in measured:
+        plan = run.plan
+        profiles[plan.motion, plan.label, plan.f_load_n, plan.p_lr_ref_pa].append(run)
+    parts = _Parts()
+    for runs in profiles.values():
+        if len(runs) < 2 or any(run.v_ref_m_s is None for run in runs):
+            continue
+        n = min(len(run.t_s) for run in runs)
+        motions = [logged_motion(run, mass_kg) for run in runs]
+        signals = np.array([_signals(motion, n) for motion in motions])
+        factor = np.sqrt(len(runs) / (len(runs) - 1))
+        for run, motion, own in zip(runs, motions, signals, strict=True):
+            parts.add(run.v_ref_m_s[:n], motion.dt_s, factor * (own - signals.mean(axis=0)))
+    return parts.rms() if parts else {}
+
+
+def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndarray) -> Curve:
+    """Return friction over velocity of ramps: means of the samples between ``speeds_m_s`` (k,).
+
+    Only samples from the lowest of these speeds on, so breakaway itself is left out; bins without
+    samples are. Load, direction and cylinder are those of the steady curve ``like``.
+    """
+    v = np.concatenate([m.v_m_s for m in motions])
+    friction = np.concatenate([m.friction_n for m in motions])
+    p_p = np.concatenate([m.p_p_pa for m in motions])
+    p_r = np.concatenate([m.p_r_pa for m in motions])
+    applied = np.concatenate([m.f_applied_n for m in motions])
+    place = np.digitize(np.abs(v), speeds_m_s)
+    points = []
+    for i in range(1, len(speeds_m_s)):
+        own = (place == i) & (sign(like) * v > 0)
+        if own.any():
+            means = [float(values[own].mean()) for values in (v, friction, p_p, p_r, applied)]
+            points.append(_point(like, tuple(m.run for m in motions), *means))
+    return replace(like, kind="ramp", points=tuple(points), fits=())
+
+
+def curve_error(fit: Fit, curve: Curve) -> float:
+    """Return the root mean square [N] of a Tustin fit's differences from a curve's points."""
+    p = np.array([fit.parameters[name].value for name in NAMES])
+    v = np.abs([point.v_m_s for point in curve.points])
+    measured = sign(curve) * np.array([point.friction_n for point in curve.points])
+    return float(np.sqrt(np.mean((tustin(v, p) - measured) ** 2)))
+
+
+def _signals(motion: LoggedMotion, n: int) -> np.ndarray:
+    signals = motion.friction_n, motion.v_m_s, motion.p_p_pa, motion.p_r_pa
+    return np.array([signal[:n] for signal in signals])
+
+
+class _Parts(dict[str, list[np.ndarray]]):
+    """Differences (n, 4) of the four signals, part by part of the profile."""
+
+    def add(self, v_ref_m_s: np.ndarray, dt_s: float, difference: np.ndarray) -> None:
+        """Sort one run's differences (4, n)."""
+        held, rest = unchanged(v_ref_m_s, dt_s), v_ref_m_s == 0
+        for name, part in zip(PARTS, (held & ~rest, ~held, held & rest), strict=True):
+            self.setdefault(name, []).append(difference.T[part])
+
+    def rms(self) -> dict[str, ModelErrors]:
+        """Return the root mean square of each part, nan where it has no samples."""
+        found = {}
+        for name, pieces in self.items():
+            d = np.concatenate(pieces)
+            means = np.sqrt(np.mean(d**2, axis=0)).tolist() if len(d) else [float("nan")] * 4
+            friction, v, p_p, p_r = means
+            found[name] = ModelErrors(friction, v, p_p, p_r, samples=len(d))
+        return found
+
+
+def _point(
+    like: Curve,
+    runs: tuple[str, ...],
+    v: float,
+    friction: float,
+    p_p: float,
+    p_r: float,
+    applied: float,
+) -> CurvePoint:
+    f_test = p_p * like.specimen.area_piston_m2 - p_r * like.specimen.area_rod_m2
+    return CurvePoint(
+        v_m_s=v,
+        friction_n=friction,
+        ci95_n=None,
+        n=len(runs),
+        f_test_n=f_test,
+        f_applied_n=applied,
+        p_tp_pa=p_p,
+        p_tr_pa=p_r if like.specimen.area_rod_m2 > 0 else None,
+        trials=(),
+        trials_n=(),
+        trials_f_test_n=(),
+        runs=runs,
+    )

@@ -1,0 +1,1 @@
+"""Calibrated runs, and the verdict on each."""

@@ -1,0 +1,142 @@
+"""Which runs with changing velocity, or at rest, count: rules of their own for each kind.
+
+    ramp, verification  followed the reference; no valve at its limit, so that the load was held
+    triangle            followed the reference over a whole cycle at least. A load valve may be
+                        wide open: the source connects the load cylinder to the tank (section 5.2)
+    steps               each level was reached and held in the second half of its time; a jump
+                        itself drives the valve to its limit
+    hold                the piston rested
+
+The reference is compared with the position's speed over 0.1 s, as in the steady rules.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
+from hbench.analysis.screening.steadiness import block_speeds, mean_speed
+from hbench.config.schedule import Screening
+from hbench.records import Run
+
+_REACHED = 0.98  # of a ramp's top speed
+_NEAR_END_M = 0.005
+
+
+def motion_reasons(run: Run, rules: Screening) -> list[str]:
+    """Return what speaks against a run that is not steady; nothing about its log's integrity."""
+    if len(run.t_s) < 2:
+        return ["too_short: no motion was logged; limit 2 records"]
+    return [*_end_stop(run, rules), *_KINDS[run.plan.kind](run, rules)]
+
+
+def motion_notes(run: Run) -> list[str]:
+    """Return what a reader should know of a run that is not steady."""
+    notes = []
+    if run.v_ref_m_s is None and run.plan.kind != "hold":
+        notes.append("the reference was not logged: whether it was followed is not judged")
+    count = 0 if run.valve_saturated is None else int(run.valve_saturated.sum())
+    if count and run.plan.kind in ("triangle", "steps"):
+        notes.append(f"a valve was at its limit in {count} of {len(run.t_s)} records")
+    return notes
+
+
+def _end_stop(run: Run, rules: Screening) -> Iterator[str]:
+    stroke, margin = run.plan.specimen.stroke_m, rules.end_stop_margin
+    low, high = run.x_m.min(), run.x_m.max()
+    if stroke is not None and (low <= margin or high >= stroke - margin):
+        nearest = low if low <= margin else high
+        yield (
+            f"end_stop: the piston is at {1e3 * nearest:.1f} mm of a stroke of "
+            f"{1e3 * stroke:g} mm; limit {1e3 * margin:g} mm from either end"
+        )
+
+
+def _followed(run: Run, rules: Screening) -> Iterator[str]:
+    if run.v_ref_m_s is None:
+        return
+    t = run.t_s
+    way = np.concatenate(
+        ([0.0], np.cumsum(np.diff(t) * (run.v_ref_m_s[1:] + run.v_ref_m_s[:-1]) / 2))
+    )
+    error = block_speeds(t, run.x_m).v_m_s - block_speeds(t, way).v_m_s
+    if not len(error):
+        return
+    rms = float(np.sqrt(np.mean(error**2)))
+    limit = max(rules.tracking_error, rules.tracking_error_relative * np.abs(run.v_ref_m_s).max())
+    if rms > limit:
+        yield (
+            f"off_reference: the speed over 0.1 s is {1e3 * rms:.2f} mm/s (root mean square) off "
+            f"its reference; limit {1e3 * limit:.2f} mm/s"
+        )
+
+
+def _no_valve_at_its_limit(run: Run, rules: Screening) -> Iterator[str]:
+    count = 0 if run.valve_saturated is None else int(run.valve_saturated.sum())
+    if count:
+        yield f"valve_saturated: in {count} of the {len(run.t_s)} records of the run; limit 0"
+
+
+def _ramp(run: Run, rules: Screening) -> Iterator[str]:
+    yield from _followed(run, rules)
+    yield from _no_valve_at_its_limit(run, rules)
+    motion, top = run.plan.motion, abs(run.plan.v_ref_m_s)
+    if run.v_ref_m_s is None or motion is None:
+        return
+    reached = np.abs(run.v_ref_m_s).max()
+    end = motion.x_max_m if run.plan.v_ref_m_s > 0 else motion.x_min_m
+    if reached < _REACHED * top and abs(run.x_m[-1] - end) > _NEAR_END_M:
+        yield (
+            f"incomplete: the ramp ended at {1e3 * reached:.1f} of {1e3 * top:.1f} mm/s and at "
+            f"{1e3 * run.x_m[-1]:.1f} mm, before its travel's end; limit {100 * _REACHED:g} % or "
+            f"{1e3 * _NEAR_END_M:g} mm"
+        )
+
+
+def _verification(run: Run, rules: Screening) -> Iterator[str]:
+    yield from _followed(run, rules)
+    yield from _no_valve_at_its_limit(run, rules)
+
+
+def _triangle(run: Run, rules: Screening) -> Iterator[str]:
+    yield from _followed(run, rules)
+    if run.v_ref_m_s is not None and not whole_cycles(run.v_ref_m_s):
+        yield "incomplete: the triangle ended within its first cycle; limit 1 cycle"
+
+
+def _steps(run: Run, rules: Screening) -> Iterator[str]:
+    if run.v_ref_m_s is None:
+        return
+    for number, (level, held) in enumerate(level_windows(run), start=1):
+        if held.stop - held.start < 3:
+            yield f"incomplete: level {number} has less than 3 settled records"
+            continue
+        v, limit = mean_speed(run.t_s[held], run.x_m[held]), rules.speed_limit(level)
+        if abs(v - level) > limit:
+            yield (
+                f"off_reference: level {number} is held at {1e3 * v:.2f} mm/s instead of "
+                f"{1e3 * level:.2f} mm/s; limit {1e3 * limit:.2f} mm/s"
+            )
+        if run.valve_saturated is not None and run.valve_saturated[held].any():
+            yield f"valve_saturated: in the settled half of level {number}; limit 0 records"
+
+
+def _hold(run: Run, rules: Screening) -> Iterator[str]:
+    moved = float(np.ptp(run.x_m))
+    if moved > rules.rest_travel:
+        yield (
+            f"off_reference: the piston moved by {1e3 * moved:.2f} mm with its valves closed; "
+            f"limit {1e3 * rules.rest_travel:g} mm"
+        )
+    length = run.t_s[-1] - run.t_s[0] - rules.settle_time
+    if length < rules.min_window:
+        yield f"too_short: {max(length, 0):.2f} s at rest; limit {rules.min_window:g} s"
+
+
+_KINDS: dict[str, Callable[[Run, Screening], Iterator[str]]] = {
+    "ramp": _ramp,
+    "verification": _verification,
+    "triangle": _triangle,
+    "steps": _steps,
+    "hold": _hold,
+}

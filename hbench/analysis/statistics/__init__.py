@@ -1,0 +1,1 @@
+"""Least squares, intervals and tests that know nothing of hydraulics."""

@@ -1,0 +1,68 @@
+"""Bootstrap: the fit of campaigns whose trials are drawn again from those that were made.
+
+Each reference's n trials are drawn with replacement, whole. A mean of n drawn trials scatters by
+(n - 1) / n too little (two thirds for three trials), so its distance from the measured mean is
+stretched by sqrt(n / (n - 1)). With so few trials percentiles are too narrow as well; they are
+taken where Student's t puts them: at Phi(-t) and Phi(t) (Hesterberg, The American Statistician 69,
+2015, section 3.3), with the freedom that the parameter's own points have (Satterthwaite):
+
+    nu = (sum u_i)^2 / sum(u_i^2 / (n_i - 1)),   u_i = (d theta / d F_i)^2 sigma_i^2
+
+Where references have one trial, the fit's residuals are drawn instead, each divided by
+sqrt(1 - h) for what the fit took away from it.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy.special import ndtr
+
+from hbench.analysis.statistics.student import student_factor
+
+
+def drawn_means(
+    trials: Sequence[np.ndarray], count: int, rng: np.random.Generator
+) -> np.ndarray | None:
+    """Return ``count`` rows of means of drawn trials (count, n); None if a point has one trial."""
+    if min(map(len, trials)) < 2:
+        return None
+    columns = []
+    for own in trials:
+        n = len(own)
+        drawn = own[rng.integers(0, n, (count, n))].mean(axis=1)
+        columns.append(own.mean() + np.sqrt(n / (n - 1)) * (drawn - own.mean()))
+    return np.column_stack(columns)
+
+
+def drawn_residuals(
+    fitted: np.ndarray, scaled: np.ndarray, sigma: np.ndarray, count: int, rng: np.random.Generator
+) -> np.ndarray:
+    """Return ``count`` rows (count, n) of ``fitted`` plus ``sigma`` times drawn residuals."""
+    n = len(fitted)
+    return fitted + sigma * scaled[rng.integers(0, n, (count, n))]
+
+
+def leveraged(residual: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+    """Return residuals (n,) divided by sqrt(1 - h), h being the leverages; their mean is zero."""
+    q, _ = np.linalg.qr(jacobian)
+    raised = residual / np.sqrt(np.maximum(1 - np.sum(q**2, axis=1), 1e-3))
+    return raised - raised.mean()
+
+
+def own_freedom(jacobian: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Return nu (p,) from the weighted derivatives (n, p) and the trials of each point (n,)."""
+    shares = np.linalg.pinv(jacobian) ** 2
+    return shares.sum(axis=1) ** 2 / (shares**2 / (counts - 1)).sum(axis=1)
+
+
+def percentile_intervals(
+    refit: Callable[[np.ndarray], np.ndarray], drawn: np.ndarray, dof: np.ndarray
+) -> np.ndarray:
+    """Return the 95 % intervals (2, p) of ``refit`` over the rows of ``drawn`` (count, n).
+
+    ``dof`` (p,) are the degrees of freedom of each parameter.
+    """
+    found = np.array([refit(row) for row in drawn])
+    levels = [ndtr([-t, t]) for t in map(student_factor, dof)]
+    columns = zip(found.T, levels, strict=True)
+    return np.column_stack([np.quantile(column, level) for column, level in columns])

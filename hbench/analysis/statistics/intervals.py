@@ -1,0 +1,107 @@
+"""What a least-squares solution is worth: covariance, and 95 % intervals of its parameters.
+
+    independent residuals   C = s^2 (J'J)^-1,  s^2 = RSS / (n - p)
+    residuals of runs       C = (G-1)/G sum_g d_g d_g',  d_g = (J'J - J_g'J_g)^-1 J_g' r_g
+
+The second is the jackknife that leaves out one of G whole runs at a time, to first order. The
+samples of a log at 100 Hz follow one another and share the level of friction of their stroke, so
+they are not independent; runs are. Its intervals have G - 1 degrees of freedom.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+
+from hbench.analysis.statistics.student import student_factor
+from hbench.records import FitParameter
+
+Bound = Literal["lower", "upper"] | None
+_SINGULAR = 1e-13  # of the largest eigenvalue of J'J, with columns of length 1
+
+
+def covariance(jacobian: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    """Return the covariance (p, p) from derivatives (n, p) and independent residuals (n,).
+
+    What the data does not determine is nan.
+    """
+    n, p = jacobian.shape
+    if n <= p:
+        return np.full((p, p), np.nan)
+    inverse, unknown = _inverse(jacobian.T @ jacobian)
+    return _without(unknown, inverse * float(residual @ residual) / (n - p))
+
+
+def covariance_over_runs(jacobian: np.ndarray, residual: np.ndarray, run: np.ndarray) -> np.ndarray:
+    """Return the covariance (p, p) where only samples of different ``run`` (n,) are independent.
+
+    nan for what one run less does not determine.
+    """
+    p, numbers = jacobian.shape[1], np.unique(run)
+    total, spread = jacobian.T @ jacobian, np.zeros((p, p))
+    unknown = np.zeros(p, dtype=bool)
+    if len(numbers) < 2:
+        return np.full((p, p), np.nan)
+    for number in numbers:
+        own = run == number
+        j = jacobian[own]
+        inverse, lost = _inverse(total - j.T @ j)
+        step = inverse @ (j.T @ residual[own])
+        spread += np.outer(step, step)
+        unknown |= lost
+    return _without(unknown, spread * (len(numbers) - 1) / len(numbers))
+
+
+def fit_parameters(
+    units: Mapping[str, str],
+    values: np.ndarray,
+    covariance: np.ndarray,
+    dof: int,
+    at_bound: Sequence[Bound],
+) -> dict[str, FitParameter]:
+    """Return the parameters named by ``units`` (name -> unit) with Student's 95 % intervals.
+
+    ``covariance`` is of those off their bounds, in their order; the others have no interval.
+    """
+    t = student_factor(dof) if dof > 0 else np.nan
+    errors = iter(np.sqrt(np.diag(covariance)))
+    found = {}
+    for (name, unit), value, bound in zip(units.items(), values.tolist(), at_bound, strict=True):
+        error = float(next(errors)) if bound is None else np.nan
+        known = bool(np.isfinite(t * error))
+        found[name] = FitParameter(
+            value=value,
+            se=error if known else None,
+            ci95=(value - t * error, value + t * error) if known else None,
+            at_bound=bound,
+            unit=unit,
+        )
+    return found
+
+
+def bound_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
+    """Return a sentence on each parameter at a bound, and one on those that are not determined."""
+    messages = [
+        f"{name} is at its {p.at_bound} bound {p.value:g} {p.unit}: its value is the bound's, and "
+        "the other parameters depend on it"
+        for name, p in parameters.items()
+        if p.at_bound
+    ]
+    unknown = [name for name, p in parameters.items() if p.se is None and not p.at_bound]
+    if unknown:
+        messages.append(f"the data does not determine {' and '.join(unknown)}")
+    return messages
+
+
+def _inverse(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Invert J'J as far as J sees; tell which parameters have a part in a direction it does not."""
+    scale = np.sqrt(np.diag(normal))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    s2, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
+    seen = s2 > _SINGULAR * s2[-1]
+    inverse = (vectors[:, seen] / s2[seen]) @ vectors[:, seen].T / np.outer(scale, scale)
+    return inverse, np.any(np.abs(vectors[:, ~seen]) > 1e-3, axis=1)
+
+
+def _without(unknown: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    return np.where(unknown[:, None] | unknown, np.nan, matrix)

@@ -1,0 +1,1 @@
+"""Uncertainty budgets and the efficiency with its uncertainty."""

@@ -1,0 +1,79 @@
+"""``hbench analyze`` and ``hbench report``: from a campaign's logs to results and page."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from hbench.records import Results
+
+_FIT = typer.Option(None, help="Fit file: laws, bounds, weights, loss, bootstrap.")
+
+
+def analyze(
+    campaign: Path = typer.Argument(help="Campaign folder."),
+    fit: Path | None = _FIT,
+    as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
+) -> None:
+    """Screen, average and fit CAMPAIGN; write its results folder.
+
+    Example: hbench analyze demo
+    """
+    from hbench import workflow
+
+    typer.echo(_result(workflow.analyze(campaign, fit), as_json))
+
+
+class Form(StrEnum):
+    """What ``hbench report`` writes."""
+
+    html = "html"
+    md = "md"
+    pdf = "pdf"
+
+
+def report(
+    campaign: Path = typer.Argument(help="Campaign folder."),
+    fit: Path | None = _FIT,
+    form: Form = typer.Option(
+        Form.html,
+        "--format",
+        help="html: one page that needs nothing else; md: Markdown beside its figures; pdf: A4.",
+    ),
+    speed: str | None = typer.Option(
+        None, help="Working speed of the summary, such as '100 mm/s'; by default the middle one."
+    ),
+    as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
+) -> None:
+    """Analyze CAMPAIGN and write results/report.html with figures and tables.
+
+    Example: hbench report demo
+    """
+    from hbench import workflow
+
+    v = None if speed is None else speed_m_s(speed)
+    results = workflow.report(campaign, fit, form=form.value, speed_m_s=v)
+    typer.echo(f"{campaign / 'results' / f'report.{form.value}'}", err=True)
+    typer.echo(_result(results, as_json))
+
+
+def _result(results: "Results", as_json: bool) -> str:
+    from hbench.report.campaign.tables import results_json, summary_text
+
+    return results_json(results) if as_json else summary_text(results)
+
+
+def speed_m_s(text: str) -> float:
+    """Return the value of ``--speed``. Raises ``ConfigError``."""
+    from hbench.errors import ConfigError
+    from hbench.units import to_si
+
+    try:
+        speed = to_si(text, "mm/s")
+    except ValueError as error:
+        raise ConfigError(f"--speed: {text!r} {error}") from None
+    if not speed > 0:
+        raise ConfigError(f"--speed: is {text!r}; limit: above 0 mm/s")
+    return speed

@@ -1,0 +1,52 @@
+"""``hbench init``: writes a bench file and schedules to edit."""
+
+import shlex
+from pathlib import Path
+
+import typer
+
+from hbench.cli.printed import AS_JSON, as_object
+
+_FILES = (
+    "bench-aau.yaml",
+    "stribeck.yaml",
+    "adaptive.yaml",
+    "dynamics.yaml",
+    "discriminate.yaml",
+    "warm-up.yaml",
+    "demo.yaml",
+    "fit.yaml",
+)
+
+
+def init(
+    directory: Path = typer.Argument(help="Folder to write into."), as_json: bool = AS_JSON
+) -> None:
+    """Write commented example files to edit: a bench, six schedules and a fit file.
+
+    Example: hbench init my-bench
+    """
+    from hbench.config.files.examples import example
+    from hbench.errors import ConfigError
+
+    contents = {name: example(name) for name in _FILES}
+    taken = [name for name in _FILES if (directory / name).exists()]
+    if taken:
+        raise ConfigError(f"{directory / taken[0]} exists already", "Choose another folder.")
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        for name, content in contents.items():
+            (directory / name).write_bytes(content)
+    except OSError as error:
+        raise ConfigError(f"{directory}: {error.strerror}") from None
+    paths = [str(directory / name) for name in _FILES]
+    if as_json:
+        typer.echo(as_object("init", files=paths))
+        return
+    typer.echo("\n".join(paths))
+    schedule = shlex.quote(str(directory / "demo.yaml"))
+    typer.echo(
+        f"next: put your bench's numbers into {directory / _FILES[0]}, then "
+        f"hbench run {schedule} --check",
+        err=True,
+    )

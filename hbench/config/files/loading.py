@@ -1,0 +1,197 @@
+"""Reads a YAML file into a validated section, with errors that name file, key, value and limit."""
+
+import difflib
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from hbench.config.files.regular_file import NoSuchSize, read_regular
+from hbench.config.files.yaml_text import parse_yaml
+from hbench.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+_Model = TypeVar("_Model", bound=BaseModel)
+_MAX_BYTES = 1_000_000
+_BRIEF = 100  # characters of a value
+_YAML = (
+    "The file is not valid YAML there or just above: indent by spaces, the keys of one section "
+    "alike; a space after each ':'; put what holds [ ] { } , # or ': ' between quotes."
+)
+_KINDS = {  # a key that only files of this kind have
+    "test_cylinder": "a bench file",
+    "experiments": "a schedule",
+    "columns": "an import map",
+}
+_SAID = {  # what pydantic says in the words of Python
+    "tuple_type": "must be a list, such as [A, B]",
+    "dict_type": "must be 'key: value' lines, or {{key: value}}",
+    "model_type": "must be 'key: value' lines, or {{key: value}}",
+    "model_attributes_type": "must be 'key: value' lines, or {{key: value}}",
+    "int_parsing": "must be a whole number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "greater_than": "must be greater than {gt}",
+    "greater_than_equal": "must be at least {ge}",
+    "less_than": "must be less than {lt}",
+    "less_than_equal": "must be at most {le}",
+    "float_parsing": "must be a number",
+    "float_type": "must be a number",
+    "string_type": "must be text",
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "literal_error": "must be {expected}",
+    "union_tag_invalid": "must be one of {expected_tags}",
+}
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """Return the mapping in a YAML file. Raises ``ConfigError``."""
+    try:
+        data = parse_yaml(read_regular(path, _MAX_BYTES).decode("utf-8"))
+    except NoSuchSize as error:
+        raise ConfigError(f"{path}: {error}; not a configuration file") from None
+    except IsADirectoryError:
+        raise ConfigError(f"{path}: is a folder; a YAML file is wanted here") from None
+    except OSError as error:
+        raise ConfigError(
+            f"{path}: {error.strerror or error}",
+            "Check the path; `hbench init DIR` writes a bench file and schedules.",
+        ) from None
+    except UnicodeDecodeError:
+        raise ConfigError(f"{path}: not a text file in UTF-8") from None
+    except ValueError as error:
+        raise ConfigError(f"{path}: {error}", _YAML) from None
+    if not isinstance(data, dict):
+        raise ConfigError(f"{path}: holds no keys; expected 'key: value' lines")
+    return data
+
+
+def file_sha256(path: Path) -> str:
+    """Return the hash of a file that was read before."""
+    return hashlib.sha256(read_regular(path, _MAX_BYTES)).hexdigest()
+
+
+def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
+    """Check ``data`` against ``model``. Raises ``ConfigError`` with every fault in it."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        _refuse_another_kind(model, data, source)
+        faults = error.errors()
+        meant = _meant(faults, model)
+        told = [
+            f"{source}: {_explain(fault, data, meant)}"
+            for fault in _own_faults(faults)
+            if fault["loc"] not in meant.values()
+        ]
+        raise ConfigError("\n".join(told), _hint(faults)) from None
+
+
+def _refuse_another_kind(model: type[BaseModel], data: dict[str, Any], source: str) -> None:
+    fields = model.model_fields
+    wanted = [kind for key, kind in _KINDS.items() if key in fields]
+    there = [kind for key, kind in _KINDS.items() if key in data]
+    if any(key in fields and key in data for key in _KINDS):
+        return
+    if there:
+        raise ConfigError(f"{source}: is {there[0]}, not {(*wanted, 'what is wanted here')[0]}")
+    if wanted and not data.keys() & fields.keys() - {"name"}:
+        has = brief(", ".join(map(str, data)))
+        raise ConfigError(f"{source}: is not {wanted[0]}; it has {has}")
+
+
+def _meant(faults: list["ErrorDetails"], model: type[BaseModel]) -> dict[tuple, tuple]:
+    """Return for each unknown key the one that it looks like: a missing one beside it, or any."""
+    known = _names(model)
+    missing = [fault["loc"] for fault in faults if fault["type"] == "missing"]
+    meant: dict[tuple, tuple] = {}
+    for fault in faults:
+        if fault["type"] == "extra_forbidden":
+            *above, key = fault["loc"]
+            beside = {str(loc[-1]): loc for loc in missing if list(loc[:-1]) == above}
+            for name in difflib.get_close_matches(str(key), beside, n=1):
+                meant[fault["loc"]] = beside[name]
+            if fault["loc"] not in meant and key not in known:
+                for name in difflib.get_close_matches(str(key), known, n=1, cutoff=0.8):
+                    meant[fault["loc"]] = (*above, name)
+    return meant
+
+
+def _names(model: type[BaseModel]) -> set[str]:
+    """Return the keys of all sections of a file."""
+    schema = model.model_json_schema()
+    return {
+        name
+        for section in (schema, *schema.get("$defs", {}).values())
+        for name in section.get("properties", {})
+    }
+
+
+def _own_faults(faults: list["ErrorDetails"]) -> list["ErrorDetails"]:
+    """Return the faults, but no list that is too short only because its items have faults."""
+
+    def follows(fault: "ErrorDetails") -> bool:
+        depth = len(fault["loc"])
+        return fault["type"] == "too_short" and any(
+            len(other["loc"]) > depth and other["loc"][:depth] == fault["loc"] for other in faults
+        )
+
+    return [fault for fault in faults if not follows(fault)]
+
+
+def _explain(fault: "ErrorDetails", data: Any, meant: dict[tuple, tuple]) -> str:
+    key = ".".join(_keys(fault, data))
+    if fault["type"] == "extra_forbidden":
+        right = meant.get(fault["loc"])
+        return f"unknown key '{key}'" + (f"; did you mean '{right[-1]}'?" if right else "")
+    if fault["type"] == "missing":
+        return f"key '{key}' is missing"
+    message = fault["msg"].removeprefix("Value error, ")
+    message = message[0].lower() + message[1:]
+    if fault["type"] in _SAID:
+        message = _SAID[fault["type"]].format(**fault.get("ctx", {}))
+    value = fault["input"]
+    if fault["type"] == "tuple_type" and isinstance(value, str):
+        message = f"must be a list: [{brief(value)[1:-1]}]"
+    if fault["type"] == "union_tag_invalid":
+        tag = fault["ctx"]
+        key, value = f"{key}.{tag['discriminator'].strip(chr(39))}", tag["tag"]
+    if not key:
+        return message
+    return f"{key}: {message}" if isinstance(value, dict) else f"{key} = {brief(value)}: {message}"
+
+
+def brief(value: Any) -> str:
+    """Return a value as a message shows it: on one line, and not all of a long one."""
+    words = repr(value)
+    return words if len(words) <= _BRIEF else f"{words[:_BRIEF]}..."
+
+
+def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
+    """Yield the keys that stand in the file, and one that is missing there.
+
+    Pydantic adds the kind or strategy that it chose by one.
+    """
+    loc = fault["loc"]
+    for number, part in enumerate(loc):
+        if isinstance(data, list):
+            there = isinstance(part, int) and part < len(data)
+        else:
+            there = isinstance(data, dict) and part in data
+        if there:
+            data = data[part]
+        if there or (fault["type"] == "missing" and number == len(loc) - 1):
+            yield str(part)
+
+
+def _hint(faults: list["ErrorDetails"]) -> str:
+    if any(fault["type"] == "extra_forbidden" for fault in faults):
+        return "Keys are checked so that a misspelt one is not ignored; see the commented examples."
+    if any(isinstance(key, int) for fault in faults for key in fault["loc"][-1:]):
+        return "In a list a comma stands between two values, each with its unit: [0.5 kN, 5 kN]."
+    return ""

@@ -1,0 +1,115 @@
+"""Reads YAML text that anybody may have written: no surprises, no bombs, a line in each error."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+from hbench.untrusted_text import CONTROL
+
+DEEPEST = 50  # levels of nesting; what reads it is recursive
+MOST_REPEATED = 100_000  # values that aliases may add
+LONGEST_NUMBER = 400  # characters; some take quadratic time, and more than 4300 can't be shown
+
+_Base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_SCALARS = ("int", "float", "bool", "timestamp")
+
+
+class _Loader(_Base):
+    """A safe loader that names the line of a value that is none, such as the date 2026-99-99."""
+
+
+def _with_line(construct: Callable) -> Callable:
+    def read(loader: _Loader, node: yaml.Node) -> Any:
+        try:
+            if len(node.value) > LONGEST_NUMBER:
+                raise ValueError
+            return construct(loader, node)
+        except (ValueError, KeyError, OverflowError, AttributeError):
+            problem = f"{str(node.value)[:40]!r} can't be read as {node.tag.rsplit(':', 1)[-1]}"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark) from None
+
+    return read
+
+
+for _name in _SCALARS:
+    _tag = f"tag:yaml.org,2002:{_name}"
+    _Loader.add_constructor(_tag, _with_line(_Base.yaml_constructors[_tag]))
+
+
+def parse_yaml(text: str) -> Any:
+    """Return what YAML text says. Raises ``ValueError``: "line 3: what is wrong there".
+
+    Beyond what is no YAML it refuses keys that stand twice, nesting deeper than ``DEEPEST``,
+    aliases that repeat more than ``MOST_REPEATED`` values or that hold themselves, numbers longer
+    than ``LONGEST_NUMBER`` and control characters.
+    """
+    try:
+        _check(text)
+        return yaml.load(text, Loader=_Loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f"line {mark.line + 1}: " if mark else ""
+        problem = getattr(error, "problem", None) or getattr(error, "reason", None) or str(error)
+        raise ValueError(f"{where}{problem}") from None
+
+
+@dataclass
+class _Open:
+    """A mapping or sequence that has begun."""
+
+    anchor: str | None
+    mapping: bool
+    values: int = 1  # so far: itself, what it holds, aliases in full
+    items: int = 0  # keys and values
+    keys: dict[str, int] = field(default_factory=dict)  # and their lines
+
+
+def _check(text: str) -> None:
+    """Raise ``MarkedYAMLError`` for what a loader would take, or break at."""
+    stack: list[_Open] = []
+    anchors: dict[str | None, int] = {}  # to the number of values
+    repeated = 0
+    for event in yaml.parse(text, Loader=_Base):
+        if isinstance(event, yaml.CollectionEndEvent):
+            done = stack.pop()
+            anchors[done.anchor] = done.values
+            if stack:
+                stack[-1].values += done.values
+        elif isinstance(event, yaml.NodeEvent):
+            if stack:
+                _check_key(stack[-1], event)
+            if isinstance(event, yaml.CollectionStartEvent):
+                if len(stack) == DEEPEST:
+                    _refuse(f"nested more than {DEEPEST} deep", event)
+                stack.append(_Open(event.anchor, isinstance(event, yaml.MappingStartEvent)))
+                continue
+            values = 1
+            if isinstance(event, yaml.AliasEvent):
+                if event.anchor not in anchors:
+                    _refuse(f"alias *{event.anchor} stands for nothing, or within itself", event)
+                values = anchors[event.anchor]
+                repeated += values
+                if repeated > MOST_REPEATED:
+                    _refuse(f"aliases repeat more than {MOST_REPEATED} values", event)
+            else:
+                anchors[event.anchor] = 1
+                if CONTROL.search(event.value):
+                    _refuse("a control character, which a terminal would obey", event)
+            if stack:
+                stack[-1].values += values
+
+
+def _check_key(into: _Open, event: yaml.NodeEvent) -> None:
+    is_key = into.mapping and into.items % 2 == 0
+    into.items += 1
+    if is_key and isinstance(event, yaml.ScalarEvent):
+        key = event.value
+        if key in into.keys:
+            _refuse(f"key {key[:40]!r} stands twice (first in line {into.keys[key]})", event)
+        into.keys[key] = event.start_mark.line + 1
+
+
+def _refuse(problem: str, event: yaml.Event) -> None:
+    raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)

@@ -1,0 +1,155 @@
+"""The import map: how another bench's files become runs."""
+
+import math
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from hbench.config import quantity as q
+from hbench.config.files.loading import validate
+from hbench.config.import_layout import (
+    ALWAYS,
+    CHANNELS,
+    Column,
+    ForeignLoadCell,
+    Format,
+    check_column,
+)
+from hbench.config.quantity import Section
+from hbench.config.schedule import Screening
+from hbench.units import parse_unit, to_si
+
+FIELDS = ("pressure", "load", "speed", "trial")  # what a file's name can tell
+
+
+class ImportedCylinder(Section):
+    """The cylinder under test of another bench."""
+
+    piston_diameter: q.Length
+    rod_diameter: Annotated[float, q.quantity("mm", ge=0, le=20)] = 0.0
+    stroke: q.Length | None = None  # for end_stop: x_m is 0 where the piston is all the way in
+
+    @property
+    def area_piston_m2(self) -> float:
+        """A_p."""
+        return math.pi / 4 * self.piston_diameter**2
+
+    @property
+    def area_rod_m2(self) -> float:
+        """A_r, the annulus."""
+        return math.pi / 4 * (self.piston_diameter**2 - self.rod_diameter**2)
+
+    @model_validator(mode="after")
+    def _rod_fits(self) -> "ImportedCylinder":
+        if self.rod_diameter >= self.piston_diameter:
+            raise ValueError("rod_diameter must be smaller than piston_diameter")
+        return self
+
+
+class Series(Section):
+    """Files that belong together: one cylinder, one label, several trials, loads or speeds.
+
+    ``files`` is a path below the imported folder with fields in braces, each a number:
+    ``{pressure}``, ``{load}``, ``{speed}`` in the units given here, and ``{trial}``. The nominal
+    load is ``{load}``, or else the pressure times the piston's area, or else there is none.
+    Without ``{trial}`` a file is trial 1. Without ``speed`` and ``{speed}`` the nominal speed is
+    the median of the strokes of one load and direction, to two digits.
+    """
+
+    label: str
+    files: str
+    cylinder: ImportedCylinder
+    pressure_unit: str = "bar"
+    load_unit: str = "N"
+    speed_unit: str = "mm/s"
+    speed: q.Speed | None = None
+
+    @field_validator("files")
+    @classmethod
+    def _fields(cls, files: str) -> str:
+        rest = re.sub(rf"\{{({'|'.join(FIELDS)})\}}", "", files)
+        if "{" in rest or "}" in rest:
+            words = ", ".join(f"{{{name}}}" for name in FIELDS)
+            raise ValueError(f"only {words} can stand in braces")
+        if any(files.count(f"{{{name}}}") > 1 for name in FIELDS):
+            raise ValueError("a field can stand there once")
+        return files
+
+    @model_validator(mode="after")
+    def _units(self) -> "Series":
+        for name, si in (("pressure", "Pa"), ("load", "N"), ("speed", "m/s")):
+            unit = getattr(self, f"{name}_unit")
+            if parse_unit(unit).dimension != parse_unit(si).dimension:
+                raise ValueError(f"{name}_unit {unit!r} is not a unit of {name}")
+        if self.speed is not None and "{speed}" in self.files:
+            raise ValueError("speed stands there and in files too")
+        return self
+
+
+class ImportMap(Section):
+    """A map for ``hbench import``."""
+
+    name: str
+    kind: Literal["steady", "ramp", "triangle", "steps", "hold", "verification"] = "steady"
+    format: Format = Format()
+    columns: dict[str, Column] = Field(min_length=2)
+    # Channel: quantity, for what is known but not logged; it may name a field of the files' names,
+    # as in "{load} N".
+    constants: dict[str, str] = {}
+    load_cell: ForeignLoadCell | None = None  # f_applied_n is logged as a voltage: C.6
+    series: tuple[Series, ...] = Field(min_length=1, max_length=1000)
+    repeated_times: Literal["refuse", "drop"] = "refuse"  # drop: the first sample of each counts
+    resample: q.Frequency | None = None
+    cut: Literal["none", "reversals"] = "none"
+    min_stroke: q.Length = 0.01  # shorter pieces between reversals are dropped, and said so
+    screening: Screening = Screening()
+
+    def wanted(self, channel: str) -> str:
+        """Return the unit that a channel's column must have the dimension of."""
+        return "V" if channel == "f_applied_n" and self.load_cell else CHANNELS[channel]
+
+    @model_validator(mode="after")
+    def _channels(self) -> "ImportMap":
+        for name in (*self.columns, *self.constants):
+            if name not in CHANNELS:
+                raise ValueError(f"unknown channel '{name}'; known are {', '.join(CHANNELS)}")
+        for name in ALWAYS:
+            if name not in self.columns:
+                raise ValueError(f"columns.{name} is missing; nothing can be analyzed without it")
+        for name, column in self.columns.items():
+            if isinstance(column.column, str) and not self.format.header:
+                raise ValueError(
+                    f"columns.{name}: {column.column!r} is a name, but format.header is false"
+                )
+            check_column(name, column, self.format, self.wanted(name))
+            if column.offset is not None:
+                _quantity(f"columns.{name}.offset", column.offset, CHANNELS[name])
+        if self.load_cell and "f_applied_n" not in self.columns:
+            raise ValueError("load_cell stands there, but columns.f_applied_n does not")
+        return self
+
+    @model_validator(mode="after")
+    def _constants(self) -> "ImportMap":
+        for name, constant in self.constants.items():
+            if name in self.columns:
+                raise ValueError(f"{name} stands both in columns and in constants")
+            fields = [field for field in FIELDS if f"{{{field}}}" in constant]
+            for field in fields:
+                if any(f"{{{field}}}" not in series.files for series in self.series):
+                    raise ValueError(f"constants.{name}: {{{field}}} is not in every 'files'")
+            filled = constant.format_map(dict.fromkeys(fields, "1")) if fields else constant
+            _quantity(f"constants.{name}", filled, CHANNELS[name])
+        return self
+
+
+def _quantity(key: str, value: str, unit: str) -> float:
+    try:
+        return to_si(value, unit)
+    except ValueError as error:
+        raise ValueError(f"{key} = {value!r}: {error}") from None
+
+
+def parse_import_map(data: dict[str, Any], source: str) -> ImportMap:
+    """Check the mapping of an import map. Raises ``ConfigError``."""
+    return validate(ImportMap, data, source)

@@ -1,0 +1,45 @@
+"""The model of a cylinder whose steady strokes are all that is known: areas, friction, effects.
+
+A bench or plant file serves too: its other sections say nothing of a steady stroke.
+"""
+
+from typing import Any
+
+from pydantic import Field
+
+from hbench.config.bench import Bore
+from hbench.config.effects import Effects
+from hbench.config.files.loading import validate
+from hbench.config.friction import Friction
+from hbench.config.quantity import Section
+
+_KEYS = {"test_cylinder": ("piston_diameter", "rod_diameter"), "friction": ("test",)}
+
+
+class TestFriction(Section):
+    """Friction of the cylinder under test alone."""
+
+    test: Friction
+
+
+class StrokePlant(Section):
+    """What friction in steady strokes depends on."""
+
+    test_cylinder: Bore
+    friction: TestFriction
+    effects: Effects = Field(default_factory=dict)
+
+
+def stroke_sections(data: dict[str, Any]) -> dict[str, Any]:
+    """Return what of a bench or plant file is about steady strokes."""
+    found = {
+        section: {key: value for key, value in data[section].items() if key in keys}
+        for section, keys in _KEYS.items()
+        if isinstance(data.get(section), dict)
+    }
+    return found | ({"effects": data["effects"]} if data.get("effects") else {})
+
+
+def parse_strokes(data: dict[str, Any], source: str) -> StrokePlant:
+    """Check the sections of ``stroke_sections``. Raises ``ConfigError``."""
+    return validate(StrokePlant, data, source)

@@ -1,0 +1,189 @@
+"""Proposed gains in the nonlinear closed loop: the firmware against the bench, and its variants.
+
+Steady runs at the grid's slow, middle and fast speed, every load and both directions, through as
+much of the stroke as 6 s and the way to brake allow. Each is judged as ``hbench analyze`` would.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from hbench.analysis.screening.screen import screen
+from hbench.config.bench import Bench, Plant
+from hbench.config.scaling import replaced, scaled
+from hbench.config.schedule import Screening
+from hbench.control.grid import conditions
+from hbench.control.linearisation import OperatingPoint
+from hbench.control.loops import LOOPS
+from hbench.control.propose import propose
+from hbench.control.sampled import Pi
+from hbench.experiment.closed_loop import Recorded, record
+from hbench.experiment.progress import Progress
+from hbench.model.build import plant_parameters
+from hbench.records import Check, Proposal, Run
+
+OVERSHOOT = 0.5  # beyond the reference: of limits.speed_error, which stops the board
+PRESSURE_ERROR = 0.01  # of the supply pressure; mean error of a load pressure
+_LAG_S, _WINDOW_S, _SPARE_M = 0.06, 6.0, 2e-3
+
+
+def proposal(
+    bench: Bench, ratio: float, point: OperatingPoint, report: Callable[[Progress], None]
+) -> Proposal:
+    """Propose gains for ``bench``, designed at ``point``, and check them with the firmware.
+
+    ``ratio`` is that of neighbouring bandwidths. Raises ``ConfigError``, ``ConvergenceError``.
+    """
+    found = propose(bench, ratio, point)
+    names = [name for name, *_ in LOOPS]
+    ordered = zip(found.order, found.bandwidths_rad_s, strict=True)
+    return Proposal(
+        gains=dict(zip(names, found.loops, strict=True)),
+        bandwidths_rad_s={names[loop]: width for loop, width in ordered},
+        feedforward=found.feedforward,
+        ratio=ratio,
+        points=found.points,
+        left_out=found.left_out,
+        margins=found.checks,
+        closed_loop=verify(with_gains(bench, found.loops), report),
+    )
+
+
+def plants(bench: Bench) -> dict[str, dict[str, float]]:
+    """Return the bench's own plant, and two off by 20 % in what a bench file knows least.
+
+    Factors by the dotted path of the value; viscous friction where the law has it.
+    """
+    laws = [s for s in ("test", "load") if hasattr(getattr(bench.friction, s), "viscous")]
+    viscous = [f"friction.{side}.viscous" for side in laws]
+    masses = ["moving_mass.test", "moving_mass.load"]
+    return {
+        "bench": {},
+        "softer": {
+            "oil.bulk_modulus": 0.8,
+            **dict.fromkeys(masses, 1.2),
+            **dict.fromkeys(viscous, 0.8),
+        },
+        "stiffer": {
+            "oil.bulk_modulus": 1.2,
+            **dict.fromkeys(masses, 0.8),
+            **dict.fromkeys(viscous, 1.2),
+            "valve.gain": 1.2,
+            "valve.bandwidth": 0.8,
+        },
+    }
+
+
+def _constant(value: float) -> Callable[[float], float]:
+    return lambda _: value
+
+
+def with_gains(bench: Bench, loops: Sequence[Pi]) -> Bench:
+    """Return the bench with other gains: K_c and tau_c of velocity, rod and piston pressure."""
+    names = ("velocity", "rod_pressure", "piston_pressure")
+    for name, (gain, tau) in zip(names, loops, strict=True):
+        for key, value in (("gain", gain), ("time_constant", tau)):
+            path = ["controllers", name, key]
+            bench = replaced(bench, path, _constant(value))
+    return bench
+
+
+def verify(
+    bench: Bench, report: Callable[[Progress], None] = lambda progress: None
+) -> tuple[Check, ...]:
+    """Run the bench's gains against each of ``plants`` and judge the runs.
+
+    Raises ``ConfigError`` where the bench can't make the runs at all.
+    """
+    rules, motions = Screening(), schedule(bench)
+    checks: list[Check] = []
+    each, variants = len(motions["experiments"]), plants(bench)
+
+    for before, (name, factors) in enumerate(variants.items()):
+
+        def over_all(progress: Progress, made: int = before * each) -> None:
+            total = len(variants) * each
+            report(replace(progress, runs_done=made + progress.runs_done, runs_total=total))
+
+        recorded = record(bench, motions, _physics(bench, factors), over_all)
+        checks += judge(recorded, bench, rules, name)
+    return tuple(checks)
+
+
+def _physics(bench: Bench, factors: Mapping[str, float]) -> Plant:
+    changed = scaled(bench, factors)
+    return Plant.model_construct(**{key: getattr(changed, key) for key in Plant.model_fields})
+
+
+def schedule(bench: Bench) -> dict[str, Any]:
+    """Return the schedule of the check, as in a schedule file."""
+    limits, brake = bench.limits, bench.controllers.acceleration
+    experiments = []
+    for condition in conditions(bench, plant_parameters(bench))[0]:
+        speed = abs(condition.v_m_s)
+        spare = _LAG_S * speed + speed**2 / (2 * brake) + _SPARE_M
+        low, high = limits.travel_min + spare, limits.travel_max - spare
+        experiments.append(
+            {
+                "kind": "steady",
+                "direction": "extend" if condition.direction > 0 else "retract",
+                "p_lr": f"{condition.p_lr_pa} Pa",
+                "loads": [f"{condition.f_load_n} N"],
+                "velocities": [f"{speed} m/s"],
+                "trials": 1,
+                "travel": {"start": f"{low} m", "end": f"{high} m"},
+                "acceleration": f"{brake} m/s^2",
+                "hold": "0.5 s",
+                "window": f"{_WINDOW_S} s",
+            }
+        )
+    return {"name": "design", "experiments": experiments}
+
+
+def judge(recorded: Recorded, bench: Bench, rules: Screening, plant: str) -> Iterator[Check]:
+    """Yield the checks on the runs against one plant."""
+    whole, stop = sum(not run.aborted for run in recorded.runs), recorded.stopped
+    cut = max(recorded.planned - whole, 1 if stop else 0)
+    yield Check(f"{plant}: runs cut short", cut, 0, "runs", not cut, stop)
+    verdicts = [screen(run, rules) for run in recorded.runs]
+    rejected = [verdict for verdict in verdicts if not verdict.accepted]
+    why = f"{_where(rejected[0].run)}: {rejected[0].reasons[0]}" if rejected else ""
+    yield Check(f"{plant}: rejected runs", len(rejected), 0, "runs", not rejected, why)
+
+    found: dict[tuple[str, str], list[tuple[float, float, str]]] = {}
+    for verdict in verdicts:
+        run, means = verdict.run, verdict.means
+        if means is None:
+            continue  # rejected, so counted above
+        v_ref, window = run.plan.v_ref_m_s, _window(run, means.t_start_s, means.t_stop_s)
+        speed, side = abs(v_ref), np.sign(v_ref)
+        allowed = max(rules.low_speed_error, rules.low_speed_error_relative * speed)
+        if speed > rules.high_speed:
+            allowed = rules.high_speed_error
+        ripple = max(rules.speed_ripple, rules.speed_ripple_relative * speed)
+        beyond = OVERSHOOT * bench.limits.speed_error
+        off = max(
+            abs(run.p_lr_pa[window].mean() - run.plan.p_lr_ref_pa),
+            abs(run.p_lp_pa[window].mean() - run.plan.p_lp_ref_pa),
+        )
+        for what, unit, value, limit in (
+            ("mean speed error", "mm/s", 1e3 * abs(means.v_m_s - v_ref), 1e3 * allowed),
+            ("speed ripple", "mm/s", 1e3 * run.v_m_s[window].std(), 1e3 * ripple),
+            ("overshoot", "mm/s", 1e3 * max(0.0, (side * run.v_m_s).max() - speed), 1e3 * beyond),
+            ("load pressure error", "bar", off / 1e5, PRESSURE_ERROR * bench.supply.pressure / 1e5),
+        ):
+            found.setdefault((what, unit), []).append((float(value), limit, _where(run)))
+    for (what, unit), rows in found.items():
+        value, limit, where = max(rows, key=lambda row: row[0] / row[1])
+        yield Check(f"{plant}: {what}", value, limit, unit, value <= limit, where)
+
+
+def _window(run: Run, start_s: float, stop_s: float) -> np.ndarray:
+    return (run.t_s >= start_s) & (run.t_s <= stop_s)
+
+
+def _where(run: Run) -> str:
+    plan = run.plan
+    return f"{1e3 * plan.v_ref_m_s:+.4g} mm/s, {plan.f_load_n:.0f} N"

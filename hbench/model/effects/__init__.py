@@ -1,0 +1,1 @@
+"""Physical effects that a plant can have: the catalogue, and the law of each."""

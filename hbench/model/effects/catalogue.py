@@ -1,0 +1,237 @@
+"""The catalogue of physical effects that a plant can have.
+
+An effect is a row of ``EFFECTS`` and a law, a pure compiled function for the place where it acts:
+
+    law(what, c, state, at, rates, par) -> what
+
+``what`` is the place's tuple (``effect_places.py``) as the effects before it in the table left it;
+``c`` are the effect's coefficients in SI, in the row's order; its own states stand in ``state``
+from ``at`` on, and it writes their rates at the same places of ``rates``, always. With all
+coefficients at their defaults it must hand back ``what`` to the bit. Places: ``openings`` of the
+valves, ``oil``, ``flows`` into the chambers, ``friction``. An effect with two laws has the same
+states in both. Two more places take parameters and return others, ``law(parameters, c)``:
+``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/balances.py`` know the
+plant without effects.
+
+Your own effect: one function and one row, in a file that ``HBENCH_EFFECTS`` in the environment
+names (``rows.py``); everything that simulates or reconciles then knows it.
+
+    from hbench.model.compiled import compiled
+    from hbench.model.effects.couplings import Oil
+    from hbench.model.effects.catalogue import Coefficient, Effect
+
+    @compiled
+    def cavity(oil, c, state, at, rates, par):
+        '''A soft hose at the test cylinder's rod side: 1 / beta grows by c.'''
+        soft = 1.0 / (1.0 / oil.beta_tr + c[0])
+        return Oil(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
+
+    EFFECTS = {
+        "soft_hose": Effect("1 / beta of Tr grows", {"soft": Coefficient("1/bar", 1e-4, 0, 0.1)},
+                            ("flow_tr",), {"oil": cavity}),
+    }
+
+Without any of the effects that act in the equations of motion ``par.effects`` is None, and their
+code is not compiled at all. With one of them all are, so that coefficients vary without compiling.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from hbench.config.effects import Coefficient, parse_effects
+from hbench.config.effects import Effects as Section
+from hbench.errors import ConfigError
+from hbench.model.effects import flows as flows
+from hbench.model.effects import friction as rubbing
+from hbench.model.effects import instruments as numbers
+from hbench.model.effects.rows import MOVING, Effect, own_effects
+from hbench.model.effects.trial import try_laws, try_parameters
+from hbench.model.parameters import PlantParameters
+
+Values = Mapping[str, Mapping[str, float]]  # effect: coefficient: number in SI
+
+
+def _c(unit: str, typical: float, low: float, high: float, default: float = 0.0) -> Coefficient:
+    return Coefficient(unit, typical, low, high, default)
+
+
+_FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
+_FORCES = ("force_test", "force_load")
+_LINEAR = _c("1", 0, 0.3, 3, 1)  # exponent
+_LEAK = _c("l/min/bar", 3e-3, 0, 1)
+_BOTH_SHARE = {"test": _c("%", 5, -50, 50), "load": _c("%", 5, -50, 50)}
+_BAR = _c("bar", 0.5, -20, 20)
+
+# Where two act at one place, in this order.
+_CATALOGUE: dict[str, Effect] = {
+    "valve_lag": Effect(
+        "each valve's opening follows its spool with a first-order lag",
+        {"time": _c("ms", 3, 0.1, 100)},
+        _FLOWS, {"openings": flows.valve_lag}, states=3,
+    ),
+    "valve_deadband": Effect(
+        "a valve opens only beyond a voltage",
+        {"test": _c("V", 0.05, 0, 5), "load": _c("V", 0.05, 0, 5), "softness": _c("1", 0, 0, 5)},
+        _FLOWS, {"openings": flows.valve_deadband},
+    ),
+    "valve_asymmetry": Effect(
+        "a valve opens further in one direction than in the other",
+        {**_BOTH_SHARE, "knee": _c("V", 0, 0, 10)},
+        _FLOWS, {"openings": flows.valve_asymmetry},
+    ),
+    "entrained_air": Effect(
+        "free air makes the oil softer at low pressure",
+        {"fraction": _c("%", 2, 0, 20)},
+        _FLOWS, {"oil": flows.entrained_air},
+    ),
+    "tank_back_pressure": Effect(
+        "the pressure at the valves' return ports rises with the return flow's square",
+        {
+            "resistance": _c("bar min^2/l^2", 0.005, 0, 10),
+            "lag": _c("ms", 0, 1, 1e4, 5),
+            "exponent": _c("1", 0, 0.3, 3, 2),
+        },
+        _FLOWS, {"oil": flows.tank_back_pressure, "flows": flows.return_line}, states=1,
+    ),
+    "supply_droop": Effect(
+        "the supply pressure falls with the flow drawn",
+        {
+            "slope": _c("bar min/l", 0.1, 0, 50),
+            "lag": _c("ms", 0, 1, 1e4, 20),
+            "exponent": _LINEAR,
+        },
+        ("supply",), {"flows": flows.supply_droop},
+    ),
+    "oil_warming": Effect(
+        "the oil warms with the pump and the power drawn: less viscous friction, more leakage",
+        {
+            "rise": _c("K/kW", 10, 0, 1e3),
+            "pump": _c("K", 10, 0, 200),
+            "time": _c("s", 0, 0.1, 1e5, 300),
+            "viscosity": _c("1/K", 0, 0, 0.1, 0.03),
+        },
+        (*_FORCES, *_FLOWS), {"flows": flows.warmth, "friction": rubbing.thinner_film}, states=1,
+        builds_up=True,
+    ),
+    "internal_leakage": Effect(
+        "oil leaks across the piston with the pressure drop",
+        {"test": _LEAK, "load": _LEAK, "exponent": _LINEAR},
+        _FLOWS, {"flows": flows.internal_leakage},
+    ),
+    "external_leakage": Effect(
+        "oil leaks out of a chamber with its pressure",
+        {"tp": _LEAK, "tr": _LEAK, "lp": _LEAK, "lr": _LEAK, "exponent": _LINEAR},
+        _FLOWS, {"flows": flows.external_leakage},
+    ),
+    "seal_pressure_friction": Effect(
+        "dry friction grows with the pressures on piston and rod side",
+        {
+            **{f"{side}_{chamber}": _c("N/bar", 0.5, 0, 1e3)
+               for side in ("test", "load") for chamber in ("piston", "rod")},
+            "exponent": _LINEAR,
+        },
+        _FORCES, {"friction": rubbing.seal_pressure_friction},
+    ),
+    "load_friction": Effect(
+        "dry friction grows with the cylinder's force",
+        {"test": _c("%", 2, 0, 100), "load": _c("%", 2, 0, 100), "exponent": _LINEAR},
+        _FORCES, {"friction": rubbing.load_friction},
+    ),
+    "direction_asymmetry": Effect(
+        "dry friction is larger in one direction",
+        {"test": _c("%", 10, -90, 90), "load": _c("%", 10, -90, 90)},
+        _FORCES, {"friction": rubbing.direction_asymmetry},
+    ),
+    "friction_lag": Effect(
+        "dry friction follows the speed with a lag",
+        {"time": _c("ms", 60, 0.1, 1e3)},
+        _FORCES, {"friction": rubbing.friction_lag}, states=1,
+    ),
+    "presliding": Effect(
+        "a part of the test cylinder's dry friction builds up over a displacement",
+        {"force": _c("N", 100, 0, 1e5), "length": _c("mm", 0, 0.05, 100, 2)},
+        ("force_test",), {"friction": rubbing.presliding}, states=1,
+    ),
+    "position_friction": Effect(
+        "dry friction of the test cylinder depends on the position",
+        {"slope": _c("N", 40, -1e5, 1e5), "bow": _c("N", 40, -1e5, 1e5)},
+        ("force_test",), {"friction": rubbing.position_friction},
+    ),
+    "end_cushion": Effect(
+        "trapped oil brakes the test piston near the ends of its stroke",
+        {"length": _c("mm", 0, 1, 1e3, 100), "damping": _c("N s/m", 10000, 0, 1e6)},
+        ("force_test",), {"friction": rubbing.end_cushion},
+    ),
+    "added_mass": Effect(
+        "the moving masses are larger",
+        {"test": _c("kg", 20, 0, 500), "load": _c("kg", 20, 0, 500), "lag": _c("ms", 0, 1, 100, 3)},
+        _FORCES, {"friction": rubbing.added_mass}, states=1,
+    ),
+    "load_cell_gain": Effect(
+        "the load cell shows a share too much",
+        {"error": _c("%", 2, -50, 50)},
+        _FORCES, {"sensors": numbers.load_cell_gain},
+    ),
+    "load_cell_offset": Effect(
+        "the load cell shows a force too much",
+        {"force": _c("N", 30, -1e5, 1e5)},
+        _FORCES, {"sensors": numbers.load_cell_offset},
+    ),
+    "pressure_offset": Effect(
+        "a transducer shows a pressure too much",
+        {"p_tp": _BAR, "p_tr": _BAR, "p_lp": _BAR, "p_lr": _BAR, "p_s": _BAR},
+        (*_FLOWS, *_FORCES, "supply"), {"sensors": numbers.pressure_offset},
+    ),
+    "velocity_filter_lag": Effect(
+        "the board's velocity filter is slower than the bench file says",
+        {"time": _c("ms", 2, 0, 50)},
+        ("kinematics",), {"board": numbers.slower_filter},
+    ),
+}  # fmt: skip
+
+_OWN = own_effects(_CATALOGUE)
+EFFECTS: dict[str, Effect] = {**_CATALOGUE, **_OWN}
+_untried = set(_OWN)
+
+
+def read_effects(section: Section) -> dict[str, dict[str, float]]:
+    """Return the coefficients [SI] of a file's section ``effects``. Raises ``ConfigError``."""
+    return parse_effects(section, {name: row.coefficients for name, row in EFFECTS.items()})
+
+
+def changed_by(place: str, what: Any, values: Values) -> Any:
+    """Return the parameters ``what`` as a place's effects change them, without motion."""
+    for name, coefficients in values.items():
+        law = EFFECTS[name].laws.get(place)
+        if law is not None:
+            what = _changed(name, law, what, _in_order(name, coefficients))
+    return what
+
+
+def _changed(name: str, law: Any, what: Any, c: tuple[float, ...]) -> Any:
+    """Return what a law makes of parameters; a user's own may fail."""
+    if name not in _OWN:
+        return law(what, c)
+    return try_parameters(name, law, what, c)
+
+
+def with_effects(par: PlantParameters, values: Values) -> PlantParameters:
+    """Return a plant without effects with these ones. Raises ``ConfigError``."""
+    if "supply_droop" in values and par.supply.has_pump:
+        raise ConfigError(
+            "effects.supply_droop: the supply has a pump, whose pressure falls by itself",
+            "Change supply.pump.band, or leave supply.pump out.",
+        )
+    if all(set(MOVING).isdisjoint(EFFECTS[name].laws) for name in values):
+        return par
+    par = par._replace(effects=tuple(_in_order(name, values.get(name, {})) for name in EFFECTS))
+    if _untried:
+        try_laws({name: EFFECTS[name] for name in _untried}, par)
+        _untried.clear()
+    return par
+
+
+def _in_order(name: str, values: Mapping[str, float]) -> tuple[float, ...]:
+    """Coefficients in the row's order, defaults where there are none."""
+    row = EFFECTS[name].coefficients
+    return tuple(float(values.get(key, one.to_si(one.default))) for key, one in row.items())

@@ -1,0 +1,238 @@
+"""Effects of valves, oil, leaks and lines; see ``effects.py`` for how a law is called.
+
+Each is neutral, to the bit, where its coefficient is 0.
+"""
+
+from math import copysign, exp
+
+import numpy as np
+
+from hbench.model.compiled import compiled
+from hbench.model.effects.couplings import Flows, Oil, Openings
+from hbench.model.effects.shapes import power_law, soft_edge
+from hbench.model.parameters import PlantParameters
+from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
+
+FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
+PRESSURE_PA = 50e5
+ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
+
+Coefficients = tuple[float, ...]
+
+
+@compiled
+def valve_lag(
+    u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Openings:  # fmt: skip
+    """First-order lag of each opening behind its spool of 2.16: tau dy/dt = u - y. c: tau [s].
+
+    A pilot stage slower than the data sheet (Merritt, Hydraulic Control Systems, 1967, ch. 7).
+    """
+    (tau,) = c
+    if tau == 0.0:
+        rates[at] = rates[at + 1] = rates[at + 2] = 0.0
+        return u
+    y = Openings(state[at], state[at + 1], state[at + 2])
+    rates[at] = (u.test - y.test) / tau
+    rates[at + 1] = (u.load_1 - y.load_1) / tau
+    rates[at + 2] = (u.load_2 - y.load_2) / tau
+    return y
+
+
+@compiled
+def overlapped(u: float, width: float, softness: float) -> float:
+    """Opening [V] of a spool with overlap: u less ``width`` towards 0, and 0 within it.
+
+    A worn or rounded edge opens softly; the opening is 0 at u = 0 and never larger than u.
+    """
+    if width == 0.0:
+        return u
+    soft = softness * width
+    closed = soft_edge(-width, soft)
+    return copysign(min(soft_edge(abs(u) - width, soft) - closed, abs(u)), u)
+
+
+@compiled
+def valve_deadband(
+    u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Openings:  # fmt: skip
+    """Overlap: sign(u) max(|u| - w, 0). c: w [V] of the test valve and of both load valves, and
+    the softness of the edge in parts of w.
+
+    Merritt 1967, section 5.5 (closed-centre valves).
+    """
+    test, load, soft = c
+    return Openings(
+        overlapped(u.test, test, soft),
+        overlapped(u.load_1, load, soft),
+        overlapped(u.load_2, load, soft),
+    )
+
+
+@compiled
+def uneven(u: float, share: float, knee: float) -> float:
+    """Opening [V] with an even part: ``share`` of |u|, and less where |u| is below ``knee``."""
+    size = abs(u)
+    return u + share * size if knee == 0.0 else u + share * size * size / (size + knee)
+
+
+@compiled
+def valve_asymmetry(
+    u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Openings:  # fmt: skip
+    """Unequal gain of the two directions: u (1 + k sign u). c: k [1], test and load valves.
+
+    A knee [V] other than 0 makes small openings more equal: k |u| / (|u| + knee).
+    """
+    test, load, knee = c
+    return Openings(
+        uneven(u.test, test, knee), uneven(u.load_1, load, knee), uneven(u.load_2, load, knee)
+    )
+
+
+@compiled
+def with_air(beta: float, p: float, fraction: float) -> float:
+    """Bulk modulus [Pa] of oil with free air: 1 / (1 / beta + alpha p_0 / (p_0 + p)^2).
+
+    ``fraction`` alpha of the volume at atmospheric pressure p_0; isothermal. The air's volume is
+    V alpha p_0 / (p_0 + p), its compliance minus the derivative (Merritt 1967, section 2.5;
+    Wylie and Streeter, Fluid Transients, 1993, section 1.3).
+    """
+    if fraction == 0.0:
+        return beta
+    absolute = ATMOSPHERE_PA + max(p, 0.0)
+    return 1.0 / (1.0 / beta + fraction * ATMOSPHERE_PA / (absolute * absolute))
+
+
+@compiled
+def entrained_air(
+    oil: Oil, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Oil:  # fmt: skip
+    """Softer oil at low pressure, in every chamber; see ``with_air``. c: alpha [1]."""
+    (fraction,) = c
+    return Oil(
+        oil.tank_pa,
+        with_air(oil.beta_tp, state[P_TP], fraction),
+        with_air(oil.beta_tr, state[P_TR], fraction),
+        with_air(oil.beta_lp, state[P_LP], fraction),
+        with_air(oil.beta_lr, state[P_LR], fraction),
+    )
+
+
+@compiled
+def tank_back_pressure(
+    oil: Oil, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Oil:  # fmt: skip
+    """Raise the tank pressure at the valves by the return line's, which is a state."""
+    return Oil(oil.tank_pa + state[at], oil.beta_tp, oil.beta_tr, oil.beta_lp, oil.beta_lr)
+
+
+@compiled
+def return_line(
+    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Flows:  # fmt: skip
+    """Pressure p of the common return line: tau dp/dt = R Q |Q| - p, Q the valves' return flow.
+
+    c: R [Pa s^2/m^6], turbulent (Merritt 1967, section 3.2), tau [s], of the line's hose, and
+    an exponent other than 2: the same at 10 l/min.
+    """
+    resistance, tau, exponent = c
+    if resistance == 0.0:
+        rates[at] = 0.0
+    else:
+        flow = abs(q.returned)
+        drop = resistance * flow * flow
+        if exponent != 2.0 and flow > 0.0:
+            drop *= (flow / FLOW_M3_S) ** (exponent - 2.0)
+        rates[at] = (copysign(drop, q.returned) - state[at]) / tau
+    return q
+
+
+@compiled
+def supply_droop(
+    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Flows:  # fmt: skip
+    """Supply pressure falls with the flow drawn: tau dP_s/dt = P_0 - k Q - P_s.
+
+    c: k [Pa s/m^3], the regulation's slope, tau [s], and an exponent of Q other than 1: the same
+    at 10 l/min. Instead of a constant supply; a pump (``supply.py``) has a slope of its own, and
+    can't have this one.
+    """
+    slope, tau, exponent = c
+    if slope != 0.0:
+        fall = slope * power_law(q.drawn, FLOW_M3_S, exponent)
+        rates[P_S] = (par.supply.pressure_pa - fall - state[P_S]) / tau
+    return q
+
+
+@compiled
+def warmth(
+    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Flows:  # fmt: skip
+    """Oil warms by theta: tau d theta/dt = theta_0 + R P - theta; fluidity grows by exp(k theta).
+
+    P = P_s Q drawn from the supply: all of it ends as heat. So does what the pump drives over its
+    relief valve, whatever the bench draws: theta_0, from the session's start on. c: R [K/W],
+    theta_0 [K], tau [s], k [1/K]; the exponential is that of Vogel and Barus near one temperature.
+    Fluidity scales laminar leaks.
+    """
+    rise, pump, tau, k = c
+    if rise == 0.0 and pump == 0.0:
+        rates[at] = 0.0
+        return q
+    rates[at] = (pump + rise * state[P_S] * q.drawn - state[at]) / tau
+    return Flows(q.tp, q.tr, q.lp, q.lr, q.drawn, q.returned, exp(k * state[at]))
+
+
+@compiled
+def leaking(drop: float, exponent: float) -> float:
+    """Pressure drop [Pa] as a leak follows it."""
+    if exponent == 1.0:
+        return drop
+    return copysign(power_law(abs(drop), PRESSURE_PA, exponent), drop)
+
+
+@compiled
+def internal_leakage(
+    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Flows:  # fmt: skip
+    """Laminar leak across the piston, G (P_p - P_r): leaves one chamber and enters the other.
+
+    c: G [m^3/(s Pa)] of the test and the load cylinder (Merritt 1967, section 6.1), and an
+    exponent of the drop other than 1, that of an orifice being 0.5: the same at 50 bar.
+    """
+    g_t, g_l, exponent = c
+    across_t = g_t * q.fluidity * leaking(state[P_TP] - state[P_TR], exponent)
+    across_l = g_l * q.fluidity * leaking(state[P_LP] - state[P_LR], exponent)
+    return Flows(
+        q.tp - across_t, q.tr + across_t, q.lp - across_l, q.lr + across_l,
+        q.drawn, q.returned, q.fluidity,
+    )  # fmt: skip
+
+
+@compiled
+def external_leakage(
+    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Flows:  # fmt: skip
+    """Laminar leak out of a chamber, G P, past its rod seal or fittings: it is lost.
+
+    c: G [m^3/(s Pa)] of Tp, Tr, Lp, Lr (Merritt 1967, section 6.1), and an exponent of the
+    pressure other than 1: the same at 50 bar.
+    """
+    g_tp, g_tr, g_lp, g_lr, n = c
+    f = q.fluidity
+    return Flows(
+        q.tp - g_tp * f * leaking(state[P_TP], n), q.tr - g_tr * f * leaking(state[P_TR], n),
+        q.lp - g_lp * f * leaking(state[P_LP], n), q.lr - g_lr * f * leaking(state[P_LR], n),
+        q.drawn, q.returned, f,
+    )  # fmt: skip

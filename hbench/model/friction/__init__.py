@@ -1,0 +1,1 @@
+"""Friction laws of one cylinder: static, dynamic, and the table of all."""

@@ -1,0 +1,76 @@
+"""Dynamic friction laws: what is stored in the deflection of asperities.
+
+    LuGre (3.8 to 3.12)             F = sigma_0 z + sigma_1 dz/dt + B v
+                                    dz/dt = v - |v| z sigma_0 / F_dry(v)
+    modified Leuven (3.14 to 3.20)  F = F_h + sigma_1 dz/dt + B v,  F_h = sum_i theta_i y_i
+                                    dz/dt = v (1 - sign(r) |r|^n),  r = F_h / (sign(v) F_dry(v))
+
+Leuven's hysteresis force is that of N Maxwell-slip elements in parallel, each a spring that slips
+at its Coulomb force theta_i and deflection Delta_i = (i/N) Delta_max (the erratum after 3.19):
+y_i = delta_i / Delta_i, held at +-1 while it slips. As differential equations, with the elements
+driven by z: d(delta_i)/dt = dz/dt while |delta_i| < Delta_i or it is unloaded, else 0.
+With one element that never slips and n = 1, Leuven is LuGre with sigma_0 = theta_1 / Delta_1.
+"""
+
+import numpy as np
+
+from hbench.model.compiled import compiled
+from hbench.model.friction.static_laws import dry_friction
+from hbench.model.parameters import FrictionParameters
+
+
+@compiled
+def lugre(
+    v: float, z: float, p_p: float, p_r: float, level: float, par: FrictionParameters
+) -> tuple[float, float]:
+    """Return friction [N] and dz/dt [m/s]. At constant velocity it is the Tustin law."""
+    dry = dry_friction(v, p_p, p_r, level, par)
+    z_rate = v - abs(v) * z * par.bristle_stiffness / dry
+    force = par.bristle_stiffness * z + par.bristle_damping * z_rate + par.viscous * v
+    return force, z_rate
+
+
+@compiled
+def slip_deflection(i: int, par: FrictionParameters) -> float:
+    """Delta_i [m] of element i = 0..N-1."""
+    return par.presliding * (i + 1) / len(par.elements)
+
+
+@compiled
+def hysteresis_force(state: np.ndarray, first: int, par: FrictionParameters) -> float:
+    """F_h [N] (3.20) of the deflections [m]: every second one of ``state`` from ``first`` on."""
+    force = 0.0
+    for i in range(len(par.elements)):
+        y = state[first + 2 * i] / slip_deflection(i, par)
+        force += par.elements[i] * min(max(y, -1.0), 1.0)
+    return force
+
+
+@compiled
+def leuven(
+    v: float,
+    state: np.ndarray,
+    first: int,
+    p_p: float,
+    p_r: float,
+    level: float,
+    par: FrictionParameters,
+) -> tuple[float, float]:
+    """Return friction [N] and dz/dt [m/s] (3.14, 3.15)."""
+    force = hysteresis_force(state, first, par)
+    ratio = force / dry_friction(v, p_p, p_r, level, par)
+    if v < 0.0:
+        ratio = -ratio
+    shaped = ratio
+    if par.shape != 1.0:
+        shaped = abs(ratio) ** par.shape
+        if ratio < 0.0:
+            shaped = -shaped
+    z_rate = v * (1.0 - shaped)
+    return force + par.bristle_damping * z_rate + par.viscous * v, z_rate
+
+
+@compiled
+def slipping(deflection: float, z_rate: float, limit: float) -> bool:
+    """Whether an element slips: at its limit, and driven on."""
+    return abs(deflection) >= limit and z_rate * deflection > 0.0

@@ -1,0 +1,1 @@
+"""Process pools and a Dask cluster: one function applied to many arguments."""

@@ -1,0 +1,1 @@
+"""Balances of the bench evaluated along logged runs."""

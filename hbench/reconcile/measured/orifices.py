@@ -1,0 +1,115 @@
+"""Flows that a model's valves and pump would give under a log's commands and pressures.
+
+The spool (2.16) follows the logged command, limited, by the exact solution of its equation over a
+step; ten steps a record, in which all signals are parabolas with the record's mean, so that the
+means of products such as u sqrt(dP) are those of the products.
+"""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from hbench.analysis.identification.driven_law import within
+from hbench.model.compiled import compiled
+from hbench.model.cylinders import extending_volumes, retracting_volumes
+from hbench.model.parameters import PlantParameters, SupplyParameters, ValveParameters
+from hbench.model.valves import clamp, port_flow
+
+_STEPS = 10  # of a record
+_SPOOLS = (0, 0, 2, 1)  # the valve of Tp, Tr, Lp, Lr: test, test, load 2, load 1
+_SIDES = (1.0, -1.0, 1.0, 1.0)  # the test valve's other port opens the other way
+
+
+class Flows(NamedTuple):
+    """Means over each record; chambers are Tp, Tr, Lp, Lr."""
+
+    per_volume: np.ndarray  # (4, n) Q / V [1/s]
+    log_volume: np.ndarray  # (4, n) ln(V / 1 m^3)
+    drawn: np.ndarray  # (n,) from the supply line [m^3/s]
+
+
+def chamber_flows(
+    x_m: np.ndarray,
+    pressures_pa: np.ndarray,
+    p_supply_pa: np.ndarray,
+    commands_v: np.ndarray,
+    dt_s: float,
+    par: PlantParameters,
+) -> Flows:
+    """Return the valves' flows along a log of n records.
+
+    ``pressures_pa`` (4, n) of the chambers, ``commands_v`` (3, n) of the valves T, L1, L2. The
+    spools begin at their first command, at rest.
+    """
+    n = len(x_m)
+    signals = np.ascontiguousarray(np.vstack([x_m, pressures_pa, p_supply_pa, commands_v]))
+    out = np.zeros((9, n))
+    spools = np.zeros((3, 2))
+    spools[:, 0] = np.clip(commands_v[:, 0], -par.valve.limit_v, par.valve.limit_v)
+    _along(signals, _spool_step(par.valve, dt_s / _STEPS), par, spools, np.zeros(9), out)
+    return Flows(out[:4], out[4:8], out[8])
+
+
+@cache
+def _spool_step(valve: ValveParameters, h: float) -> np.ndarray:
+    """Return A (2, 2) of the spool's position and rate less the held command, over ``h`` [s]."""
+    from scipy.linalg import expm
+
+    omega = valve.natural_frequency_rad_s
+    return expm(h * np.array([[0.0, 1.0], [-(omega**2), -2 * valve.damping * omega]]))
+
+
+@compiled
+def _along(
+    signals: np.ndarray,
+    a: np.ndarray,
+    par: "PlantParameters",
+    spools: np.ndarray,
+    now: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    last, p_t = signals.shape[1] - 1, par.supply.tank_pa
+    for k in range(signals.shape[1]):
+        before, after = max(k - 1, 0), min(k + 1, last)
+        for i in range(_STEPS):
+            s = (i + 0.5) / _STEPS
+            for j in range(9):
+                now[j] = within(signals[j, before], signals[j, k], signals[j, after], s)
+            for j in range(3):
+                command = clamp(now[6 + j], par.valve.limit_v)
+                off, rate = spools[j, 0] - command, spools[j, 1]
+                spools[j, 0] = command + a[0, 0] * off + a[0, 1] * rate
+                spools[j, 1] = a[1, 0] * off + a[1, 1] * rate
+                now[6 + j] = 0.5 * (off + command + spools[j, 0])
+            v_tp, v_tr = extending_volumes(now[0], par.test)
+            v_lp, v_lr = retracting_volumes(now[0], par.load)
+            volumes = (v_tp, v_tr, v_lp, v_lr)
+            for j in range(4):
+                spool = _SIDES[j] * now[6 + _SPOOLS[j]]
+                flow = port_flow(spool, now[1 + j], now[5], p_t, par.valve)
+                out[j, k] += flow / volumes[j] / _STEPS
+                out[4 + j, k] += np.log(volumes[j]) / _STEPS
+                if spool > 0.0:
+                    out[8, k] += flow / _STEPS
+
+
+def pump_flow(p_supply_pa: np.ndarray, dt_s: float, source: SupplyParameters) -> np.ndarray:
+    """Return the flow [m^3/s] (n,) that a pump's compensator and swash give at these pressures.
+
+    Both lags by their exact solution over each record's held value; they begin settled.
+    """
+    asked = source.flow_m3_s * (source.cut_off_pa - p_supply_pa) / source.band_pa
+    flow = np.clip(asked, 0.0, source.flow_m3_s)
+    for lag in (source.compensator_lag_s, source.swash_lag_s):
+        flow = _lagged(flow, dt_s, lag)
+    return flow
+
+
+def _lagged(y: np.ndarray, dt_s: float, lag_s: float) -> np.ndarray:
+    """Return the records' means of y, held over each record, behind a lag that begins settled."""
+    out, state, decay = np.empty_like(y), y[0], np.exp(-dt_s / lag_s)
+    for k, value in enumerate(y):
+        out[k] = value + (state - value) * (1 - decay) * lag_s / dt_s
+        state = value + (state - value) * decay
+    return out

@@ -1,0 +1,210 @@
+"""All figures of a campaign: what is drawn when, under which name, with which caption."""
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from hbench.records import Results
+from hbench.report.campaign.figures.efficiency import efficiency, has_efficiency
+from hbench.report.campaign.figures.efficiency_map import efficiency_map, has_efficiency_map
+from hbench.report.campaign.figures.friction import (
+    has_both_directions,
+    has_curves,
+    signed,
+    stribeck,
+)
+from hbench.report.campaign.figures.motions import (
+    has_leakage,
+    has_levels,
+    has_loops,
+    has_surfaces,
+    leakage,
+    levels,
+    loops,
+    surfaces,
+)
+from hbench.report.campaign.figures.pressure import friction_pressure, has_pressures
+from hbench.report.campaign.figures.ramps import comparisons, has_comparisons, has_ramps, ramps
+from hbench.report.campaign.figures.rejected import has_rejected, rejected
+from hbench.report.campaign.figures.traces import has_traces, traces
+from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.style import RC
+
+
+@dataclass(frozen=True)
+class FigureKind:
+    """A row of the table of figures."""
+
+    name: str
+    section: str  # of the page
+    caption: str
+    applies: Callable[[Results], bool]
+    draw: Callable[[Results], dict[str, Figure]]  # the key tells figures of one kind apart
+    each_series: bool = False  # drawn for the steady runs of each label by itself
+
+
+def draw_all(results: Results) -> tuple[Drawing, ...]:
+    """Draw every figure that applies to ``results``, in the order of the page."""
+    sketches: list[Sketch] = []
+    for kind in FIGURES:
+        for series, words in _series(results) if kind.each_series else [(results, "")]:
+            if kind.applies(series):
+                with rc_context(RC):
+                    figures = kind.draw(series)
+                    for part, figure in figures.items():
+                        name = _unique(
+                            _slug(kind.name, part, words), {sketch.name for sketch in sketches}
+                        )
+                        own = " ".join(figure.axes[0].get_title("left").split())
+                        title = ", ".join(filter(None, (words, own)))
+                        sketches.append(Sketch(name, kind.section, title, kind.caption, figure))
+    return drawn(sketches)
+
+
+def _series(results: Results) -> Iterator[tuple[Results, str]]:
+    """Yield the steady part of each label, and the label."""
+    for label in dict.fromkeys(curve.label for curve in results.curves if curve.kind == "steady"):
+        chosen = "steady", label
+        part = replace(
+            results,
+            curves=tuple(c for c in results.curves if (c.kind, c.label) == chosen),
+            efficiency=tuple(c for c in results.efficiency if (c.kind, c.label) == chosen),
+        )
+        yield part, label
+
+
+def _slug(*parts: str) -> str:
+    words = re.findall(r"[a-z0-9]+", " ".join(parts).lower())
+    return "-".join(words)[:60].strip("-")
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    number, candidate = 1, name
+    while candidate in taken:
+        number += 1
+        candidate = f"{name}-{number}"
+    return candidate
+
+
+FIGURES = (
+    FigureKind(
+        name="stribeck",
+        section="friction",
+        caption="Friction over speed, both as magnitudes. Points: mean of the accepted trials with "
+        "the 95 % Student interval. Lines: the first fitted law inside the measured speeds "
+        "(dashed: the fit did not converge); dotted: extrapolated, nothing was measured there. "
+        "Hollow points: the load helps the motion. Below: measured less fitted, side by side. Both "
+        "directions share their axes.",
+        applies=has_curves,
+        draw=stribeck,
+        each_series=True,
+    ),
+    FigureKind(
+        name="friction-signed",
+        section="friction",
+        caption="Friction over velocity with their signs, after figure 6.14 of the method's "
+        "source. A colour is one size of the load, whichever way it acts.",
+        applies=has_both_directions,
+        draw=signed,
+        each_series=True,
+    ),
+    FigureKind(
+        name="friction-pressure",
+        section="friction",
+        caption="Friction against chamber pressure, one point a pressure and direction, with the "
+        "95 % Student interval where there are two trials or more. Below: half of the band, "
+        "(F extending − F retracting) / 2 in each trial, which is free of a constant error in "
+        "force. "
+        "Dotted lines guide the eye.",
+        applies=has_pressures,
+        draw=friction_pressure,
+    ),
+    FigureKind(
+        name="surface",
+        section="friction",
+        caption="Friction over speed and load, steady runs. Dots: what was measured; the colour "
+        "between them is straight from dot to dot.",
+        applies=has_surfaces,
+        draw=surfaces,
+    ),
+    FigureKind(
+        name="ramps",
+        section="ramps",
+        caption="Ramps of each acceleration, and steady runs and levels of steps where there are "
+        "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
+        "interval of the trials. Positive friction opposes the motion; before breakaway the seals "
+        "may still pull from the stroke before. Lines: Tustin's law fitted to the ramp from "
+        "breakaway on. Below: the same from breakaway on, so that differences show.",
+        applies=has_ramps,
+        draw=ramps,
+    ),
+    FigureKind(
+        name="differences",
+        section="ramps",
+        caption="Differences of friction over a range of speeds, with 95 % intervals; the unit is "
+        "the trial. Filled: a difference that stands after the correction for the number of tests.",
+        applies=has_comparisons,
+        draw=comparisons,
+    ),
+    FigureKind(
+        name="hysteresis",
+        section="hysteresis",
+        caption="Friction over velocity and over position, the mean of all cycles but the first. "
+        "The velocity is the position's own derivative, without a filter's lag.",
+        applies=has_loops,
+        draw=loops,
+    ),
+    FigureKind(
+        name="steps",
+        section="steps",
+        caption="Settled friction of each level, in the order of the levels. Lines: how far "
+        "friction went beyond on its way, where that stands above the noise.",
+        applies=has_levels,
+        draw=levels,
+    ),
+    FigureKind(
+        name="leakage",
+        section="leakage",
+        caption="Oil that left either chamber of the test cylinder, from the decay of its pressure "
+        "and the bench file's bulk modulus and volumes. A point is a hold; negative: oil came in.",
+        applies=has_leakage,
+        draw=leakage,
+    ),
+    FigureKind(
+        name="efficiency",
+        section="efficiency",
+        caption="Efficiency over speed. Band: the 95 % interval by the instruments' tolerances. "
+        "Bars: the 95 % Student interval of the trials. Both directions share their axes.",
+        applies=has_efficiency,
+        draw=efficiency,
+        each_series=True,
+    ),
+    FigureKind(
+        name="efficiency-map",
+        section="efficiency",
+        caption="Efficiency over speed and load, and half of its 95 % interval by trials and "
+        "instruments together. Dots: what was measured; the colour between them is straight from "
+        "dot to dot.",
+        applies=has_efficiency_map,
+        draw=efficiency_map,
+    ),
+    FigureKind(
+        name="rejected",
+        section="rejected",
+        caption="Rejected runs by reason; a run with two reasons counts under both.",
+        applies=has_rejected,
+        draw=rejected,
+    ),
+    FigureKind(
+        name="rejected",
+        section="rejected",
+        caption="Rejected runs of one reason, in the channel that shows it: velocity with its "
+        "reference, valve voltages, pressures, or else the position. Grey: the steady window, "
+        "where there is one.",
+        applies=has_traces,
+        draw=traces,
+    ),
+)

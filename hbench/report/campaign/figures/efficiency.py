@@ -1,0 +1,63 @@
+"""Efficiency over speed, with the instruments' band and the trials' spread."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from hbench.records import EfficiencyCurve, Results
+from hbench.report.campaign.figures.friction import by_load, load_legend, load_ranks, load_style
+from hbench.report.campaign.rod_side import load_words, told_apart
+from hbench.report.render import style
+from hbench.report.render.numbers import K95
+from hbench.report.render.series import behind
+
+
+def efficiency(results: Results) -> dict[str, Figure]:
+    """Draw efficiency [%] over |v| [mm/s], one figure a direction.
+
+    The band is the instruments' 95 % interval (6.16 to 6.19), the bars are that of the trials.
+    """
+    curves = told_apart(curve for curve in results.efficiency if _has_values(curve))
+    ranks = load_ranks(curves)
+    figures: dict[str, Figure] = {}
+    for direction in style.DIRECTIONS:
+        chosen = [curve for curve in curves if curve.direction == direction]
+        if not chosen:
+            continue
+        figure = figures[direction] = style.new_figure(height_in=3.9)
+        axes = figure.add_subplot()
+        for curve in by_load(chosen):
+            look = load_style(curve, ranks)
+            speed, value, band, bar = _columns(curve)
+            axes.fill_between(
+                speed, value - band, value + band, color=look["color"], alpha=0.22, linewidth=0
+            )
+            label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_efficiency"
+            bars = axes.errorbar(speed, value, bar, label=label, **look, **style.POINTS)
+            behind(bars, {"± instruments (%)": band})
+        axes.set(xlabel="Speed |v| (mm/s)", ylabel="Efficiency (%)")
+        style.start_at_zero(axes)
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, 0), max(high, 100))
+        style.head(axes, f"Efficiency, {style.TITLES[direction].lower()}", results)
+        style.read_as(figure, "Bars: 95 % interval of the trials; band: that of the instruments.")
+        load_legend(figure, axes, "Load $F_L$", chosen)
+    style.share_limits(figure.axes[0] for figure in figures.values())
+    return figures
+
+
+def has_efficiency(results: Results) -> bool:
+    """Tell whether any point has an efficiency, with at least two speeds."""
+    return any(_has_values(curve) for curve in results.efficiency)
+
+
+def _has_values(curve: EfficiencyCurve) -> bool:
+    return sum(point.efficiency is not None for point in curve.points) >= 2
+
+
+def _columns(curve: EfficiencyCurve) -> tuple[np.ndarray, ...]:
+    def column(name: str) -> np.ndarray:
+        values = [getattr(point, name) for point in curve.points]
+        return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+    percent = 100 * np.array([column("efficiency"), K95 * column("sigma"), column("ci95")])
+    return 1e3 * np.abs(column("v_m_s")), *percent

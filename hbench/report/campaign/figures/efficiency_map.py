@@ -1,0 +1,84 @@
+"""Efficiency and its uncertainty over speed and load."""
+
+from collections import defaultdict
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from hbench.records import EfficiencyCurve, EfficiencyPoint, Results
+from hbench.report.campaign.rod_side import told_apart
+from hbench.report.render import style
+from hbench.report.render.series import behind, plain
+
+_LEAST = 3  # loads, and speeds
+
+
+def has_efficiency_map(results: Results) -> bool:
+    """Tell whether a direction has efficiencies at three loads of one sign, or more."""
+    return bool(_groups(results))
+
+
+def efficiency_map(results: Results) -> dict[str, Figure]:
+    """Draw efficiency and its U95 [%] over speed [mm/s] and load [kN], one figure a direction.
+
+    Loads that oppose the motion and loads that help it stand in figures of their own: power flows
+    the other way there, and between them there is no efficiency.
+    """
+    figures = {}
+    for words, curves in _groups(results).items():
+        found = [
+            (1e3 * abs(p.v_m_s), curve.f_load_n / 1e3, 100 * p.efficiency, _percent(p))
+            for curve in curves
+            for p in curve.points
+            if p.efficiency is not None
+        ]
+        speed, load, value, u95 = np.array(found).T
+        known = bool(np.isfinite(u95).all())
+        figure = style.new_figure(height_in=6.0 if known else 3.8)
+        panels = figure.subplots(2 if known else 1, sharex=True, squeeze=False)[:, 0]
+        _map(figure, panels[0], speed, load, value, "Efficiency (%)")
+        if known:
+            _map(figure, panels[1], speed, load, u95, "U95, trials and instruments (%)")
+        panels[-1].set_xlabel("Speed |v| (mm/s)")
+        style.head(panels[0], f"Efficiency map, {words[0].lower()}{words[1:]}", results)
+        style.read_as(figure, style.OF_MAPS)
+        figures[words] = figure
+    return figures
+
+
+def _percent(point: EfficiencyPoint) -> float:
+    return np.nan if point.u95 is None else 100 * point.u95
+
+
+def _groups(results: Results) -> dict[str, list[EfficiencyCurve]]:
+    groups: dict[str, list[EfficiencyCurve]] = defaultdict(list)
+    for curve in told_apart(c for c in results.efficiency if c.kind == "steady" and c.f_load_n):
+        helps = (curve.f_load_n < 0) == (curve.direction == "extend")
+        words = [style.TITLES[curve.direction] + (", load helps" if helps else "")]
+        if curve.p_lr_ref_pa is not None:
+            words.append(f"{curve.p_lr_ref_pa / 1e5:g} bar")
+        if sum(point.efficiency is not None for point in curve.points) >= _LEAST:
+            groups[", ".join(filter(None, (curve.label, *words)))].append(curve)
+    return {
+        words: curves
+        for words, curves in groups.items()
+        if len({curve.f_load_n for curve in curves}) >= _LEAST
+    }
+
+
+def _map(
+    figure: Figure, axes: Axes, speed: np.ndarray, load: np.ndarray, value: np.ndarray, label: str
+) -> None:
+    """Fill between the points, straight from point to point on triangles of similar sides."""
+    corners = Triangulation(speed / speed.max(), load / np.abs(load).max()).triangles
+    mesh = Triangulation(speed, load, corners)
+    filled = axes.tricontourf(mesh, value, levels=12, cmap="cividis")
+    lines = axes.tricontour(mesh, value, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5)
+    axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
+    (dots,) = axes.plot(speed, load, label="_measured", **style.DOTS)
+    behind(dots, {plain(label): value})
+    axes.set_ylabel("Load $F_L$ (kN)")
+    axes.grid(visible=False)
+    figure.colorbar(filled, ax=axes, label=label)

@@ -1,0 +1,197 @@
+"""Stribeck curves: friction over velocity, measured points with intervals and fitted lines."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hbench.records import Curve, CurvePoint, Direction, EfficiencyCurve, Fit, Results
+from hbench.report.campaign.rod_side import load_words, told_apart
+from hbench.report.render import style
+from hbench.report.render.numbers import number
+from hbench.report.render.series import behind
+
+AnyCurve = TypeVar("AnyCurve", Curve, EfficiencyCurve)
+LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where it tells curves apart
+
+_EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
+_READ = "Points: means of the trials; bars: their 95 % Student intervals; lines: the fitted law."
+_ASIDE = 0.006  # residuals of one speed stand side by side, this part of the highest speed apart
+
+
+def over_velocity(results: Results) -> tuple[Curve, ...]:
+    """Return the steady curves that have enough speeds to be drawn over velocity."""
+    chosen = (curve for curve in results.curves if curve.kind == "steady")
+    return told_apart(curve for curve in chosen if curve.over_velocity)
+
+
+def stribeck(results: Results) -> dict[str, Figure]:
+    """Draw |F| [N] over |v| [mm/s], one figure a direction, with measured less fitted below."""
+    curves = over_velocity(results)
+    ranks = load_ranks(curves)
+    figures: dict[str, Figure] = {}
+    for direction in style.DIRECTIONS:
+        chosen = [curve for curve in curves if curve.direction == direction]
+        if chosen:
+            figures[direction] = _one_direction(results, direction, chosen, ranks)
+    for panel in range(min((len(figure.axes) for figure in figures.values()), default=0)):
+        style.share_limits(figure.axes[panel] for figure in figures.values())
+    return figures
+
+
+def signed(results: Results) -> dict[str, Figure]:
+    """Draw F [N] over v [mm/s] with their signs, both directions in one figure."""
+    figure = style.new_figure(height_in=4.8)
+    axes = figure.add_subplot()
+    curves = over_velocity(results)
+    ranks = load_ranks(curves)
+    named = set()
+    for curve in by_load(curves):
+        key = load_key(curve)
+        label = load_words(*key)
+        label = f"_{label}" if key in named else label or "_friction"
+        named.add(key)
+        look = load_style(curve, ranks)
+        _fitted(axes, curve, look["color"], sign=1, absolute=False)
+        v, friction, interval = style.columns(curve)
+        bars = axes.errorbar(1e3 * v, friction, interval, label=label, **look, **style.SMALL_POINTS)
+        behind(bars, of_trials(curve.points))
+    for line in (axes.axhline, axes.axvline):
+        line(0, color="#374151", linewidth=0.9, zorder=1)
+    axes.set(xlabel=_along("Velocity v (mm/s), positive extends", curves), ylabel="Friction F (N)")
+    style.head(axes, "Friction, both directions", results)
+    style.read_as(figure, _READ)
+    load_legend(figure, axes, "Load |$F_L$|", curves)
+    return {"": figure}
+
+
+def has_curves(results: Results) -> bool:
+    """Tell whether anything can be drawn over velocity."""
+    return bool(over_velocity(results))
+
+
+def has_both_directions(results: Results) -> bool:
+    """Tell whether both directions have curves over velocity."""
+    return len({curve.direction for curve in over_velocity(results)}) == 2
+
+
+def of_trials(points: Sequence[CurvePoint]) -> dict[str, list[float | str]]:
+    """Return what stands behind a curve's points: each trial's friction, the runs, and U95."""
+    behind_them: dict[str, list[float | str]] = {
+        "trials (N)": [", ".join(number(f) for f in point.trials_n) for point in points],
+        "runs": [" ".join(point.runs) for point in points],
+    }
+    if any(point.u95_n is not None for point in points):
+        known: list[float | str] = [
+            np.nan if point.u95_n is None else point.u95_n for point in points
+        ]
+        behind_them = {"U95 with instruments (N)": known} | behind_them
+    return behind_them
+
+
+def by_load(curves: Iterable[AnyCurve]) -> list[AnyCurve]:
+    """Sort by the size of the load, then by the rod-side pressure; none before all."""
+    return sorted(curves, key=lambda c: [-1 if part is None else part for part in load_key(c)])
+
+
+def load_key(curve: AnyCurve) -> LoadKey:
+    """Return what two curves of the same colour share: size of the load, rod-side pressure."""
+    return None if curve.f_load_n is None else abs(curve.f_load_n), curve.p_lr_ref_pa
+
+
+def load_ranks(curves: Iterable[AnyCurve]) -> dict[LoadKey, int]:
+    """Number the loads, smallest first."""
+    loads = dict.fromkeys(load_key(curve) for curve in by_load(curves))
+    return {load: rank for rank, load in enumerate(loads)}
+
+
+def load_style(curve: AnyCurve, ranks: dict[LoadKey, int]) -> dict[str, Any]:
+    """Return a load's colour and marker; hollow where the load helps the motion."""
+    load = curve.f_load_n
+    helps = bool(load) and (load < 0) == (curve.direction == "extend")
+    return style.series_style(ranks[load_key(curve)], hollow=helps)
+
+
+def load_legend(figure: Figure, axes: Axes, load: str, curves: Iterable[AnyCurve]) -> None:
+    """Put the legend above the axes, titled ``load``, and P_Lr where the entries name it."""
+    if any(curve.p_lr_ref_pa is not None for curve in curves):
+        style.legend_above(figure, axes, f"{load}, rod-side pressure $P_{{Lr}}$", columns=2)
+    else:
+        style.legend_above(figure, axes, load)
+
+
+def _one_direction(
+    results: Results, direction: Direction, curves: list[Curve], ranks: dict[LoadKey, int]
+) -> Figure:
+    fitted = any(fit.line for curve in curves for fit in curve.fits)
+    figure = style.new_figure(height_in=5.4 if fitted else 3.8)
+    if fitted:
+        axes, below = figure.subplots(2, sharex=True, height_ratios=(5, 2))
+    else:
+        axes, below = figure.add_subplot(), None
+    sign = 1 if direction == "extend" else -1
+    for rank, curve in enumerate(by_load(curves)):
+        look = load_style(curve, ranks)
+        v, friction, interval = style.columns(curve)
+        speed = 1e3 * np.abs(v)
+        _fitted(axes, curve, look["color"], sign, absolute=True)
+        label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_friction"
+        bars = axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
+        behind(bars, of_trials(curve.points))
+        if below is not None and curve.fits and curve.fits[0].line:
+            residual = sign * (friction - _at(curve.fits[0], v))
+            aside = (rank - (len(curves) - 1) / 2) * _ASIDE * speed.max()
+            bars = below.errorbar(
+                speed + aside,
+                residual,
+                interval,
+                label=f"_{label.removeprefix('_')}",
+                **look,
+                **style.SMALL_POINTS,
+            )
+            behind(bars, of_trials(curve.points))
+    axes.set_ylabel("Friction |F| (N)")
+    style.start_at_zero(axes)
+    if below is not None:
+        below.axhline(0, color="#374151", linewidth=0.9)
+        below.set_ylabel("Measured\n− fitted (N)")
+        reach = max(abs(limit) for limit in below.get_ylim())
+        below.set_ylim(-reach, reach)
+    figure.axes[-1].set_xlabel(_along("Speed |v| (mm/s)", curves))
+    style.head(axes, f"Friction, {style.TITLES[direction].lower()}", results)
+    style.read_as(figure, _READ)
+    load_legend(figure, axes, "Load $F_L$", curves)
+    return figure
+
+
+def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) -> None:
+    """Draw the first law: a line inside the measured speeds, dots where it is extrapolated."""
+    for fit in curve.fits[:1]:
+        who = f"_{fit.law}, {load_words(curve.f_load_n, curve.p_lr_ref_pa)}".removesuffix(", ")
+        inside: dict[str, Any] = {
+            "linestyle": "-" if fit.converged else "--",
+            "zorder": 2,
+            "label": who,
+        }
+        outside = {**_EXTRAPOLATED, "label": f"{who}, extrapolated"}
+        parts = [(fit.line, inside), *((part, outside) for part in fit.beyond)]
+        for line, look in parts:
+            if line:
+                v, friction = np.array(line, dtype=float).T
+                speed = np.abs(v) if absolute else v
+                axes.plot(1e3 * speed, sign * friction, color=colour, **look)
+
+
+def _along(words: str, curves: Iterable[Curve]) -> str:
+    """Return the words under the speeds, with a warning where lines are extrapolated."""
+    beyond = any(fit.beyond for curve in curves for fit in curve.fits[:1])
+    return words + ("\ndotted: extrapolated, nothing was measured there" if beyond else "")
+
+
+def _at(fit: Fit, v_m_s: np.ndarray) -> np.ndarray:
+    """Return the fitted friction at the points; the line holds their speeds."""
+    v, friction = np.array(fit.line, dtype=float).T
+    order = np.argsort(v)
+    return np.interp(v_m_s, v[order], friction[order])

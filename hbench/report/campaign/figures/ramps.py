@@ -1,0 +1,144 @@
+"""Ramps and steps beside steady runs, and what the tests of their differences found."""
+
+from collections import defaultdict
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hbench.records import Comparison, Curve, Results
+from hbench.report.campaign.figures.friction import of_trials
+from hbench.report.campaign.motion_rows import SIGNIFICANT, comparison_words, differs
+from hbench.report.campaign.rod_side import load_words, told_apart
+from hbench.report.render import style
+from hbench.report.render.numbers import short
+from hbench.report.render.series import behind
+
+_READ = "Points: means of the trials; bars: their 95 % intervals; lines: Tustin's law."
+_KINDS = ("steady", "ramp", "steps")
+
+
+def has_ramps(results: Results) -> bool:
+    """Tell whether there are ramps or steps to draw."""
+    return any(curve.kind in ("ramp", "steps") for curve in results.curves)
+
+
+def ramps(results: Results) -> dict[str, Figure]:
+    """Draw friction [N] against the motion over |v| [mm/s] of steady runs, ramps and steps.
+
+    One figure a load. The lower panel leaves out what the ramps did before breakaway, so that
+    differences show.
+    """
+    groups: dict[tuple, list[Curve]] = defaultdict(list)
+    for curve in told_apart(curve for curve in results.curves if curve.kind in _KINDS):
+        key = curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
+        groups[key].append(curve)
+    found = sorted({c.a_ref_m_s2 or 0.0 for c in results.curves if c.kind == "ramp"})
+    figures = {}
+    for (label, direction, load, p_lr), curves in groups.items():
+        kinds = {curve.kind for curve in curves}
+        if "ramp" in kinds or kinds == {"steady", "steps"}:
+            figure = style.new_figure(height_in=6.4)
+            axes, below = figure.subplots(2, sharex=True, height_ratios=(2, 3))
+            for curve in sorted(curves, key=lambda c: (_KINDS.index(c.kind), c.a_ref_m_s2 or 0)):
+                _points(axes, curve, found)
+                _points(below, _from_breakaway(curve), found)
+            for one in (axes, below):
+                one.set_ylabel("Friction (N)")
+            below.set_xlabel("Speed |v| (mm/s)")
+            style.start_at_zero(axes)
+            words = (label, style.TITLES[direction], load_words(load, p_lr))
+            title = ", ".join(filter(None, words))
+            style.head(axes, f"Ramps, {title[0].lower()}{title[1:]}", results)
+            style.read_as(figure, _READ)
+            style.legend_above(figure, axes, columns=3)
+            figures["-".join(filter(None, words))] = figure
+    for panel in (0, 1):
+        style.share_limits(figure.axes[panel] for figure in figures.values())
+    return figures
+
+
+def has_comparisons(results: Results) -> bool:
+    """Tell whether any difference was tested."""
+    return any(one.ci95_n is not None for one in results.motions.comparisons)
+
+
+def comparisons(results: Results) -> dict[str, Figure]:
+    """Draw the tested differences of friction [N] with their intervals, a figure a question."""
+    figures = {}
+    for what, title, less in (
+        ("acceleration", "Accelerations", "fastest less slowest"),
+        ("steady", "Ramp less steady", "ramp less steady"),
+    ):
+        found = [
+            one
+            for one in results.motions.comparisons
+            if one.what == what and one.ci95_n is not None
+        ]
+        if found:
+            figures[what] = _differences(results, found, title, less)
+    return figures
+
+
+def _from_breakaway(curve: Curve) -> Curve:
+    """Leave out the points at speeds below those of the curve's fits."""
+    lines = [abs(v) for fit in curve.fits for v, _ in fit.line]
+    first = min(lines, default=0.0) - 1e-9
+    return replace(curve, points=tuple(p for p in curve.points if abs(p.v_m_s) >= first))
+
+
+def _points(axes: Axes, curve: Curve, accelerations: list[float]) -> None:
+    v, friction, interval = style.columns(curve)
+    if curve.kind == "steady":
+        label = "steady"
+        look = {"color": "#000000", "marker": "o", "markerfacecolor": "white", "zorder": 4}
+    elif curve.kind == "steps":
+        label = "steps"
+        look = {"color": style.QUIET, "marker": "D", "zorder": 4}
+    else:
+        label = f"ramp {short(curve.a_ref_m_s2)} m/s²" if curve.a_ref_m_s2 else "ramp"
+        look = style.series_style(accelerations.index(curve.a_ref_m_s2 or 0.0))
+        for fit in curve.fits:
+            if fit.line and fit.law == "tustin":
+                speed, force = np.abs(np.array(fit.line, dtype=float)).T
+                dashes = "-" if fit.converged else "--"
+                line = {"color": look["color"], "linewidth": 1, "zorder": 2}
+                axes.plot(1e3 * speed, force, dashes, label=f"_tustin, {label}", **line)
+    friction = friction if curve.direction == "extend" else -friction
+    bars = axes.errorbar(
+        1e3 * np.abs(v), friction, interval, label=label, **{**style.SMALL_POINTS, **look}
+    )
+    behind(bars, of_trials(curve.points))
+
+
+def _differences(results: Results, found: list[Comparison], title: str, less: str) -> Figure:
+    figure = style.new_figure(height_in=1.6 + 0.27 * len(found))
+    axes = figure.add_subplot()
+    names = []
+    for place, one in enumerate(found):
+        colour = style.COLOURS[1] if differs(one) else style.COLOURS[0]
+        face = colour if differs(one) else "white"
+        a = f", {short(one.a_m_s2[0])} m/s²" if one.what == "steady" else ""
+        names.append(style.safe(comparison_words(one) + a, most=60))
+        axes.errorbar(
+            one.effect_n,
+            place,
+            label="_differs" if differs(one) else "_not told from none",
+            xerr=one.ci95_n,
+            color=colour,
+            marker="o",
+            markerfacecolor=face,
+            **style.POINTS,
+        )
+    axes.axvline(0, color="#374151", linewidth=0.9)
+    axes.set_yticks(range(len(found)), names, fontsize=8)
+    axes.set_ylim(len(found) - 0.5, -0.5)
+    axes.set_xlabel(f"|F|, {less} (N)")
+    for face, words in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not told from none")):
+        colour = style.COLOURS[1] if face == "C" else style.COLOURS[0]
+        axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=words)
+    style.head(axes, title, results)
+    style.read_as(figure, "Bars: 95 % intervals; the unit is the trial.")
+    style.legend_above(figure, axes)
+    return figure

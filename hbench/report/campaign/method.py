@@ -1,0 +1,93 @@
+"""How each number of the page was computed: its equation and where that comes from."""
+
+from hbench.records import Results
+from hbench.report.campaign.quality import RULE
+from hbench.report.campaign.summary import NEAR
+from hbench.report.render.document import Section
+
+SOURCE = (
+    "Equation numbers are those of the source of the method, M. Hvoldal and C. Olesen, Friction "
+    "Modelling and Parameter Estimation for Hydraulic Asymmetrical Cylinders, Aalborg University, "
+    "2011. What has no number is hbench's own."
+)
+
+
+def method_section(results: Results) -> Section:
+    """Return what was computed how, of the numbers that this campaign has."""
+    kinds = {curve.kind for curve in results.curves}
+    laws = {fit.law for curve in results.curves for fit in curve.fits}
+    laws |= {fit.law for joint in results.joint_fits for fit in joint.fits}
+    motions = results.motions
+    efficient = any(p.efficiency is not None for c in results.efficiency for p in c.points)
+    selections = [curve.selection for curve in results.curves]
+    selections += [joint.selection for joint in results.joint_fits]
+    applies = {
+        "Working speed": "steady" in kinds,
+        "Breakaway": "ramp" in kinds or "tustin" in laws,
+        "Tustin's law": "tustin" in laws,
+        "Marton and Lantos": "marton_lantos" in laws,
+        "Pressure-based law": "pressure_based" in laws,
+        "Parameters": bool(laws),
+        "Which law predicts best": any(selections),
+        "Friction of moving runs": bool(kinds - {"steady"} or motions.loops),
+        "Differences": bool(motions.comparisons),
+        "Loops": bool(motions.loops),
+        "Steps": bool(motions.levels),
+        "Leakage": bool(motions.leakages),
+        "Efficiency": efficient,
+        "Half band": bool(results.bands),
+    }
+    told = tuple((name, words) for name, words in _NUMBERS.items() if applies.get(name, True))
+    return Section("How each number was computed", (SOURCE,), facts=told, anchor="method")
+
+
+_NUMBERS = {
+    "Signs": "Positive velocity extends the cylinder. Positive F_L and F_applied oppose extension.",
+    "Friction": "Of a run: the mean over its steady window of F_fT = P_Tp A_p − P_Tr A_r − "
+    "F_applied (5.1).",
+    "Point and interval": "A point is the mean of the accepted trials of one reference. Its 95 % "
+    "interval is ± t s/√n with Student's t for n − 1 degrees of freedom (4.303 for three trials) "
+    "and s the standard deviation of the trials. One trial has no interval.",
+    "Instruments": "σ of friction by first-order propagation of the tolerances of force and "
+    "pressures (6.15) through 5.1; the tolerances count as standard uncertainties. "
+    "U_95² = (t s/√n)² + (1.96 σ)². An instrument's error is the same in all points: it moves a "
+    "curve, and hardly bends it.",
+    "Working speed": "The middle one (median) of the measured speeds, or what --speed asks for. A "
+    "curve's measured point next to it stands for it, if it is no further off than "
+    f"{100 * NEAR:g} %; nothing is interpolated.",
+    "Breakaway": "With ramps: the largest friction of the slowest ramp's first 20 mm, as the mean "
+    "of its bin of velocity. Without: F_stiction of Tustin's law (3.2), which is extrapolated to "
+    "rest; its interval is the parameter's together with the instruments' at the slowest point.",
+    "Tustin's law": "F = sign(v) (F_C + (F_stiction − F_C) exp(−|v|/v_stribeck)) + B v (3.2), "
+    "fitted by least squares inside bounds, for each direction and load by itself.",
+    "Marton and Lantos": "Two lines that meet at v_SW (3.3), fitted in the same way.",
+    "Pressure-based law": "F = sign(v) (k_1 exp(k_2 |v|) + k_3 |P_p − P_r| + k_4 P_r + k_5 |v|) "
+    "(3.7), fitted to the points of all loads and directions at once.",
+    "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side; a "
+    "parameter without an interval was not determined by these points.",
+    "Which law predicts best": "Each speed but the lowest and the highest is left out in turn and "
+    "predicted from the rest; laws are told apart where the 95 % interval of the difference of "
+    "their mean squares is above zero.",
+    "Friction of moving runs": "F_T − F_applied − m_T a (2.12 with the test side's mass, since the "
+    "load cell carries the load side's). Velocity and acceleration are the position's own "
+    "derivatives without lag.",
+    "Differences": "Each trial's mean friction over the lower and the upper half of the speeds "
+    "that all have, from breakaway on. Accelerations: F test of the analysis of variance. Ramp "
+    "against steady: Welch's test. p is corrected after Holm for the number of tests.",
+    "Loops": "Energy is the integral of F dx over a cycle. Width at a velocity is |F| while the "
+    "speed rises less |F| while it falls. The board's velocity has its filter's lag; the table's "
+    "last column shows what that would make of the width.",
+    "Steps": "Settled friction is the mean of the second half of a level; the overshoot is how far "
+    "friction goes beyond it on its way, where that stands above the noise.",
+    "Leakage": "Laminar leaks from the decay of both chambers' pressures with all valves closed, "
+    "V/β dp/dt less what the piston displaced; conditional on the bench file's bulk modulus and "
+    "volumes.",
+    "Efficiency": "F_applied/F_T (6.10) where the oil drives the load, and its inverse where the "
+    "load drives the oil. Its σ comes from the tolerances of force and pressures by first-order "
+    "propagation (6.16 to 6.19); all points share it, so that it is no scatter, and a mean over "
+    "speeds does not lessen it. ± is U_95, of trials and instruments as that of friction.",
+    "Half band": "(F_extend − F_retract)/2. A constant error in force shifts both directions alike "
+    "and cancels in it, but shows in the middle of the band. Its interval is Student's over the "
+    "halves of the trials that both directions have.",
+    "Verdict on the data": RULE,
+}

@@ -1,0 +1,138 @@
+"""What moving and resting runs tell, as plain rows for JSON and CSV, and as lines of text."""
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+from hbench.records import Comparison, Leakage, Level, Loop, Motions, Series, Surface
+from hbench.report.campaign.rod_side import load_words
+from hbench.report.render.numbers import number, short, significant, span, with_interval
+
+Row = dict[str, Any]
+SIGNIFICANT = 0.05  # of p after Holm
+
+LEAKS = {
+    "across_piston": "across the piston",
+    "piston_side_out": "out of the piston side",
+    "rod_side_out": "out of the rod side",
+}
+
+
+def motions_json(motions: Motions) -> dict[str, list[Row]]:
+    """Return the keys of ``results.json`` that hold what is not a curve."""
+    return {
+        "comparisons": [flat(one) for one in motions.comparisons],
+        "loops": [flat(one) for one in motions.loops],
+        "levels": [flat(one) for one in motions.levels],
+        "leakage": [
+            {**asdict(one), "decays": [flat(decay) for decay in one.decays]}
+            for one in motions.leakages
+        ],
+        "surfaces": [asdict(one) for one in motions.surfaces],
+    }
+
+
+def flat(record: Any) -> Row:
+    """Return a record as a row, its series' keys among its own."""
+    row = asdict(record)
+    return {**row.pop("series"), **row}
+
+
+def series_words(series: Series) -> str:
+    """Write a series, such as ``seal A, 500 N``."""
+    return ", ".join(filter(None, (series.label, load_words(series.f_load_n, None))))
+
+
+def motion_lines(motions: Motions) -> list[str]:
+    """Return a line or a few for each kind of experiment, for a terminal."""
+    return [
+        *_of_comparisons(motions.comparisons),
+        *map(_of_loop, motions.loops),
+        *_of_levels(motions.levels),
+        *(line for one in motions.leakages for line in _of_leakage(one)),
+        *map(_of_surface, motions.surfaces),
+    ]
+
+
+def comparison_words(one: Comparison) -> str:
+    """Write what a comparison compares, such as ``500 N, extend, 10–70 mm/s``."""
+    speeds = span([1e3 * one.v_low_m_s, 1e3 * one.v_high_m_s])
+    return ", ".join(filter(None, (series_words(one.series), one.direction, f"{speeds} mm/s")))
+
+
+def differs(one: Comparison) -> bool:
+    """Tell whether a difference stands after the correction for the number of tests."""
+    return one.p_holm is not None and one.p_holm < SIGNIFICANT
+
+
+def _of_comparisons(found: tuple[Comparison, ...]) -> Iterator[str]:
+    for what, words in (("acceleration", "ramps' acceleration"), ("steady", "ramp against steady")):
+        chosen = [one for one in found if one.what == what]
+        tested = [one for one in chosen if one.p_holm is not None]
+        if not tested:
+            if chosen:
+                yield f"{words}: not tested, {chosen[0].message}"
+            continue
+        clearest = min(tested, key=lambda one: (one.p_holm, -abs(one.effect_n)))
+        p = significant(clearest.p_holm, 2)
+        # No interval: that of one comparison is too narrow for the largest of many.
+        yield (
+            f"{words}: {sum(map(differs, tested))} of {len(tested)} comparisons differ "
+            f"(p < {SIGNIFICANT:g} after Holm); the clearest: "
+            f"{_signed(clearest.effect_n, None)} N, p {p} ({comparison_words(clearest)})"
+        )
+
+
+def _signed(value: float, half: float | None) -> str:
+    return ("+" if value > 0 else "") + with_interval(value, half).replace("±", "+-")
+
+
+def _of_loop(loop: Loop) -> str:
+    words = (
+        f"hysteresis ({series_words(loop.series)}, up to {short(1e3 * loop.v_top_m_s)} mm/s): "
+        f"{_signed(loop.area_j, loop.area_ci95_j)} J a cycle"
+    )
+    if loop.unit == "cycle":
+        words += f" over {loop.cycles} cycles of 1 trial"
+    widths = [
+        f"{_signed(one.width_n, one.ci95_n)} N at {number(1e3 * one.v_m_s, 0)}"
+        for one in loop.widths
+        if abs(abs(one.v_m_s) - loop.v_top_m_s / 2) < 1e-9
+    ]
+    return words + (f"; width {', '.join(widths)} mm/s" if widths else "")
+
+
+def _of_levels(found: tuple[Level, ...]) -> Iterator[str]:
+    if not found:
+        return
+    seen = [(one.overshoot_n, one.resolved) for one in found if one.overshoot_n is not None]
+    over = [overshoot_n for overshoot_n, resolved in seen if resolved]
+    settled = [one.settling_s for one in found if one.settling_s is not None]
+    step = f" in steps of {short(found[0].settling_step_s)} s" if found[0].settling_step_s else ""
+    hidden = len(seen) - len(over)
+    yield (
+        f"steps: {len(found)} levels"
+        + (f", friction overshoots by up to {short(max(over))} N" if over else "")
+        + (f", {hidden} overshoots that the log does not resolve" if hidden else "")
+        + (f", settled after {span(settled)} s{step}" if settled else "")
+    )
+
+
+def _of_leakage(found: Leakage) -> Iterator[str]:
+    holds = f"leakage ({len(found.decays)} holds)"
+    for one in found.coefficients:
+        if one.value is None:
+            yield f"{holds} {LEAKS[one.name]}: not determined"
+        else:
+            zero = one.ci95 is not None and one.ci95[0] <= 0 <= one.ci95[1]
+            half = "" if one.ci95 is None else f" +- {significant(one.ci95[1] - one.value, 2)}"
+            words = f"{significant(one.value, 2)}{half} m^3/(s Pa)"
+            yield f"{holds} {LEAKS[one.name]}: {words}{', the interval holds 0' if zero else ''}"
+
+
+def _of_surface(found: Surface) -> str:
+    label = f"{found.label}, " if found.label else ""
+    return (
+        f"friction over velocity and load ({label}{found.direction}): {len(found.f_load_n)} loads "
+        f"{span(found.f_load_n)} N, {len(found.v_m_s)} speeds"
+    )

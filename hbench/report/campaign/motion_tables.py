@@ -1,0 +1,104 @@
+"""CSV files (SI) of what moving and resting runs tell."""
+
+from collections.abc import Callable
+
+from hbench.records import Results
+from hbench.report.campaign.motion_rows import flat
+from hbench.report.render.csv_text import csv_text
+
+_SERIES = ("kind", "label", "f_load_n", "p_lr_ref_pa")
+
+
+def comparisons_csv(results: Results) -> str:
+    """Return one row a comparison; the accelerations stand in one cell."""
+    rows = (
+        {**flat(one), "a_m_s2": " ".join(map(repr, one.a_m_s2))}
+        for one in results.motions.comparisons
+    )
+    columns = "direction what a_m_s2 v_low_m_s v_high_m_s effect_n ci95_n p_value p_holm n message"
+    return csv_text((*_SERIES, *columns.split()), rows)
+
+
+def loops_csv(results: Results) -> str:
+    """Return one row a width of a loop; the loop's own numbers stand in each."""
+    rows = (
+        {**flat(loop), **vars(width)} for loop in results.motions.loops for width in loop.widths
+    )
+    columns = "v_top_m_s a_m_s2 cycles trials unit area_j area_ci95_j v_m_s width_n ci95_n board_n"
+    return csv_text((*_SERIES, *columns.split()), rows)
+
+
+def loop_traces_csv(results: Results) -> str:
+    """Return the mean loops, in the order of time."""
+    rows = (
+        {**flat(loop), "x_m": x, "v_m_s": v, "friction_n": friction}
+        for loop in results.motions.loops
+        for x, v, friction in loop.trace
+    )
+    return csv_text((*_SERIES, "v_top_m_s", "x_m", "v_m_s", "friction_n"), rows)
+
+
+def levels_csv(results: Results) -> str:
+    """Return one row a step of the reference."""
+    rows = ({**flat(one), "runs": " ".join(one.runs)} for one in results.motions.levels)
+    columns = (
+        "number v_from_m_s v_to_m_s before_n after_n after_ci95_n overshoot_n overshoot_ci95_n "
+        "settling_s settling_ci95_s settling_step_s n runs remark"
+    )
+    return csv_text((*_SERIES, *columns.split()), rows)
+
+
+def leakage_csv(results: Results) -> str:
+    """Return one row a leak."""
+    rows = []
+    for found in results.motions.leakages:
+        for one in found.coefficients:
+            low, high = one.ci95 or (None, None)
+            own = {"leak": one.name, "value_m3_s_pa": one.value, "se_m3_s_pa": one.se}
+            own |= {"ci95_low_m3_s_pa": low, "ci95_high_m3_s_pa": high}
+            rows.append({**vars(found), **own})
+    columns = (
+        "kind label leak value_m3_s_pa se_m3_s_pa ci95_low_m3_s_pa ci95_high_m3_s_pa "
+        "bulk_modulus_pa message"
+    )
+    return csv_text(tuple(columns.split()), rows)
+
+
+def decays_csv(results: Results) -> str:
+    """Return one row a hold."""
+    rows = (
+        {"kind": found.kind, **flat(one)}
+        for found in results.motions.leakages
+        for one in found.decays
+    )
+    columns = "run p_p_pa p_r_pa rate_p_pa_s rate_r_pa_s out_p_m3_s out_r_m3_s"
+    return csv_text((*_SERIES, *columns.split()), rows)
+
+
+def surface_csv(results: Results) -> str:
+    """Return one row a point of a surface."""
+    rows = (
+        {**vars(one), "f_load_n": load, "v_m_s": v, "friction_n": friction, "ci95_n": interval}
+        for one in results.motions.surfaces
+        for load, of_load, intervals in zip(one.f_load_n, one.friction_n, one.ci95_n, strict=True)
+        for v, friction, interval in zip(one.v_m_s, of_load, intervals, strict=True)
+    )
+    columns = "kind label direction p_lr_ref_pa f_load_n v_m_s friction_n ci95_n"
+    return csv_text(tuple(columns.split()), rows)
+
+
+def motion_tables(results: Results) -> dict[str, str]:
+    """Return the text of each of ``MOTION_TABLES`` that has rows, by its file's name."""
+    made = {name: table(results) for name, table in MOTION_TABLES.items()}
+    return {name: text for name, text in made.items() if len(text.splitlines()) > 1}
+
+
+MOTION_TABLES: dict[str, Callable[[Results], str]] = {
+    "comparisons.csv": comparisons_csv,
+    "loops.csv": loops_csv,
+    "loop_traces.csv": loop_traces_csv,
+    "levels.csv": levels_csv,
+    "leakage.csv": leakage_csv,
+    "decays.csv": decays_csv,
+    "surface.csv": surface_csv,
+}

@@ -1,0 +1,171 @@
+"""The report of a campaign: what its page, its Markdown and its PDF are made of."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from hbench.records import Results
+from hbench.report.campaign import page_motions, page_tables
+from hbench.report.campaign.figures.rejected import has_rejected
+from hbench.report.campaign.fit_tables import fit_tables, law_words, selection_table
+from hbench.report.campaign.method import method_section
+from hbench.report.campaign.quality import verdict
+from hbench.report.campaign.settings import settings_section
+from hbench.report.campaign.summary import summary_section
+from hbench.report.render.document import BANNERS, Document, Section, page
+from hbench.report.render.figures import Drawing
+from hbench.report.render.word_tables import Table
+
+LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
+_FEW = 3  # and a longer one of a fit's remarks
+
+_PREDICTS = (
+    "Each speed but the lowest and the highest is left out in turn and predicted from the rest. In "
+    "parentheses the RMS error of these predictions; then the difference of the mean squares with "
+    "its standard error. Laws that are not told apart are equally good as far as these points tell."
+)
+_RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
+_TESTED = (
+    "Difference of friction over a range of speeds ± half-width of its 95 % interval. The unit is "
+    "the trial, and p is corrected after Holm for the number of tests."
+)
+
+
+def page_html(results: Results, drawings: Iterable[Drawing], speed_m_s: float | None = None) -> str:
+    """Return the page with ``drawings`` inside. Every text of the campaign is escaped."""
+    return page(report_document(results, drawings, speed_m_s))
+
+
+def report_document(
+    results: Results,
+    drawings: Iterable[Drawing],
+    speed_m_s: float | None = None,
+    more: tuple[Section, ...] = (),
+    folder: str = "",
+) -> Document:
+    """Return the report; ``speed_m_s`` is the working speed, ``more`` stands before the rejected.
+
+    Without a working speed it is the middle one of those measured. ``folder`` is the name of the
+    campaign's folder, which tells campaigns of one schedule apart.
+    """
+    figures: dict[str, tuple[Drawing, ...]] = {}
+    for drawing in drawings:
+        figures[drawing.section] = (*figures.get(drawing.section, ()), drawing)
+    made = results.provenance
+    bench = made.bench if made.bench != made.name else ""
+    folder = folder if folder != made.name else ""
+    imported = "imported " if made.source == "imported" else ""
+    day = imported + made.started[:10]
+    words = (folder, "Friction and efficiency of a cylinder", bench, day)
+    sections = (
+        summary_section(results, speed_m_s),
+        _friction(results, figures.get("friction", ())),
+        *_fits(results),
+        *_moving(results, figures),
+        *_efficiency(results, figures.get("efficiency", ())),
+        *more,
+        _rejected(results, figures.get("rejected", ())),
+        *_points(results),
+        settings_section(results, LONG_LIST),
+        method_section(results),
+    )
+    return Document(
+        made.name,
+        " · ".join(filter(None, words)),
+        sections,
+        verdict(results),
+        BANNERS[made.source],
+        made.source,
+        folder,
+    )
+
+
+def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
+    if not any(curve.kind == "steady" for curve in results.curves):
+        others = any(run.accepted for run in results.runs)
+        none = (
+            "No steady run was accepted; what the other runs tell stands below."
+            if others
+            else "No run was accepted, so there is no friction to show."
+        )
+        return Section("Friction", (none,))
+    if not drawings:
+        return Section("Friction", ("Too few speeds for a curve; the points stand below.",))
+    pressure = page_tables.pressure_table(results)
+    return Section("Friction", drawings=drawings, tables=_titled(pressure, "Against pressure"))
+
+
+def _fits(results: Results) -> tuple[Section, ...]:
+    sections = []
+    parts: list[Section] = []
+    for law, table in fit_tables(results).items():
+        parts.append(Section(law_words(law), tables=(table,)))
+        if len(table.messages) > _FEW:
+            words = f"Remarks on these fits ({len(table.messages)})"
+            parts.append(Section(words, items=table.messages, folded=True))
+        elif table.messages:
+            parts.append(Section(items=table.messages))
+    if parts:
+        words = (
+            "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
+            "side. A parameter without an interval was not determined by these points."
+        )
+        sections.append(Section("Fitted parameters", (words,), parts=tuple(parts), anchor="fits"))
+    selection = selection_table(results)
+    if selection.rows:
+        sections.append(
+            Section("Which law predicts best", (_PREDICTS,), tables=(selection,), anchor="laws")
+        )
+    return tuple(sections)
+
+
+def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:
+    if found := figures.get("ramps"):
+        table = page_motions.comparison_table(results)
+        parts = (Section(_RAMPS, (_TESTED,), tables=(table,)),) if table.rows else ()
+        yield Section("Ramps", drawings=found, parts=parts)
+    for name, table in (
+        ("hysteresis", page_motions.loop_table(results)),
+        ("steps", page_motions.level_table(results)),
+        ("leakage", page_motions.leak_table(results)),
+    ):
+        if found := figures.get(name):
+            told = (Section(items=table.messages),) if table.messages else ()
+            yield Section(name.capitalize(), drawings=found, tables=(table,), parts=told)
+
+
+def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
+    if not drawings:
+        return ()
+    budget = page_tables.budget_table(results)
+    words = "Mean over the speeds, and what its uncertainty is made of"
+    return (Section("Efficiency", drawings=drawings, tables=_titled(budget, words)),)
+
+
+def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
+    parts = []
+    if has_rejected(results):
+        table = page_tables.rejected_table(results)
+        words = f"Rejected runs and why ({len(table.rows)})"
+        parts.append(Section(words, tables=(table,), folded=len(table.rows) > LONG_LIST))
+    remarks = page_tables.remark_table(results)
+    if remarks.rows:
+        words = f"Remarks on accepted runs ({len(remarks.rows)})"
+        parts.append(Section(words, tables=(remarks,), folded=True))
+    none = () if has_rejected(results) else ("None.",)
+    return Section("Rejected runs", none, drawings=drawings, parts=tuple(parts), anchor="rejected")
+
+
+def _points(results: Results) -> tuple[Section, ...]:
+    parts = [
+        Section(f"Points of the {words} curves ({len(table.rows)})", tables=(table,), folded=True)
+        for words, table in (
+            ("friction", page_tables.point_table(results)),
+            ("efficiency", page_tables.efficiency_table(results)),
+        )
+        if table.rows
+    ]
+    return (Section("All points", parts=tuple(parts), anchor="points"),) if parts else ()
+
+
+def _titled(table: Table, title: str) -> tuple[Table, ...]:
+    return (replace(table, title=title),) if table.rows else ()

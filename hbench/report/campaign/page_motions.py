@@ -1,0 +1,103 @@
+"""The page's tables of moving and resting runs."""
+
+from hbench.records import Comparison, Results
+from hbench.report.campaign.motion_rows import LEAKS, differs, series_words
+from hbench.report.campaign.page_tables import table
+from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
+from hbench.report.render.style import TITLES
+from hbench.report.render.word_tables import Cell, Table
+from hbench.units import from_si
+
+
+def comparison_table(results: Results) -> Table:
+    """Return the tested differences of ramps among themselves and from steady runs."""
+    head = ("Compared", "Load", "Direction", "Speeds (mm/s)", "Difference (N)", "p", "p after Holm")
+    rows = [
+        (
+            _compared(one),
+            series_words(one.series),
+            TITLES[one.direction].lower(),
+            span([1e3 * one.v_low_m_s, 1e3 * one.v_high_m_s]),
+            with_interval(one.effect_n, one.ci95_n),
+            significant(one.p_value, 2),
+            Cell(significant(one.p_holm, 2), "differs" if differs(one) else ""),
+            str(one.n),
+            one.message,
+        )
+        for one in results.motions.comparisons
+    ]
+    return table((*head, "Trials", "Remark"), rows, words=("Compared", "Load"))
+
+
+def loop_table(results: Results) -> Table:
+    """Return energy and widths of the hysteresis loops."""
+    head = (
+        *("Triangle", "Top speed (mm/s)", "Cycles", "Energy a cycle (J)", "At v (mm/s)"),
+        *("Width (N)", "Width by the board's velocity (N)"),
+    )
+    rows = [
+        (
+            series_words(loop.series),
+            short(1e3 * loop.v_top_m_s),
+            str(loop.cycles),
+            with_interval(loop.area_j, loop.area_ci95_j),
+            number(1e3 * width.v_m_s, 1),
+            with_interval(width.width_n, width.ci95_n),
+            number(width.board_n),
+        )
+        for loop in results.motions.loops
+        for width in loop.widths
+    ]
+    return table(head, rows, words=("Triangle",))
+
+
+def level_table(results: Results) -> Table:
+    """Return the steps of the reference and what friction did."""
+    head = (
+        *("Load", "From (mm/s)", "To (mm/s)", "Friction before (N)", "Friction after (N)"),
+        *("Overshoot (N)", "Settled after (s), in whole records", "Trials", "Remark"),
+    )
+    rows = [
+        (
+            series_words(one.series),
+            number(1e3 * one.v_from_m_s),
+            number(1e3 * one.v_to_m_s),
+            number(one.before_n),
+            with_interval(one.after_n, one.after_ci95_n),
+            Cell(
+                with_interval(one.overshoot_n, one.overshoot_ci95_n),
+                "" if one.resolved else "not resolved",
+            ),
+            number(one.settling_s, 2)
+            if one.settling_ci95_s is None
+            else with_interval(one.settling_s, one.settling_ci95_s),
+            str(one.n),
+            one.remark,
+        )
+        for one in results.motions.levels
+    ]
+    return table(head, rows, words=("Load",))
+
+
+def leak_table(results: Results) -> Table:
+    """Return the leak coefficients in mm^3/(s bar), and below what they depend on."""
+    scale = 1e9 * from_si(1.0, "bar") ** -1
+    rows = []
+    for found in results.motions.leakages:
+        for one in found.coefficients:
+            if one.value is None:
+                cell = Cell(NONE, "not determined")
+            else:
+                half = None if one.ci95 is None else scale * (one.ci95[1] - one.value)
+                cell = Cell(with_interval(scale * one.value, half), "" if half else "no interval")
+            rows.append((found.label, LEAKS[one.name], cell, str(len(found.decays))))
+    messages = tuple(found.message for found in results.motions.leakages)
+    head = ("Label", "Leak", "Coefficient (mm³/(s bar))", "Holds")
+    return table(head, rows, messages, words=("Leak",))
+
+
+def _compared(one: Comparison) -> str:
+    a = [short(value) for value in one.a_m_s2]
+    if one.what == "acceleration":
+        return f"ramps of {', '.join(a)} m/s²: the last less the first"
+    return f"ramp of {a[0]} m/s² less steady"

@@ -1,0 +1,217 @@
+"""The tables of the page: records as rows of text, in the units that people think in."""
+
+from collections.abc import Iterable
+
+from hbench.records import Curve, EfficiencyCurve, Results, RunPlan, ScreenedRun
+from hbench.report.campaign.reasons import code_of
+from hbench.report.campaign.rod_side import kind_words, load_words, told_apart
+from hbench.report.render.numbers import force, number, significant, with_interval
+from hbench.report.render.style import TITLES
+from hbench.report.render.word_tables import Cell, Table
+from hbench.units import from_si
+
+
+def point_table(results: Results) -> Table:
+    """Return the points of all friction curves."""
+    head = (
+        *WHO,
+        "Velocity (mm/s)",
+        "Friction (N)",
+        "Trials",
+        "U95 with instruments (N)",
+        "F_T (N)",
+        "F_applied (N)",
+        "p_Tp (bar)",
+        "p_Tr (bar)",
+    )
+    rows: list[tuple[str | Cell, ...]] = [
+        (
+            *who(curve),
+            number(1e3 * point.v_m_s, 2),
+            Cell(
+                with_interval(point.friction_n, point.ci95_n),
+                "" if point.ci95_n is not None else "no interval",
+            ),
+            str(point.n),
+            "" if point.u95_n is None else significant(point.u95_n, 2),
+            number(point.f_test_n),
+            number(point.f_applied_n),
+            _bar(point.p_tp_pa),
+            _bar(point.p_tr_pa),
+        )
+        for curve in told_apart(results.curves)
+        for point in curve.points
+    ]
+    return table(head, rows)
+
+
+def efficiency_table(results: Results) -> Table:
+    """Return the points of all efficiency curves."""
+    rows = [
+        (
+            *who(curve),
+            number(1e3 * point.v_m_s, 2),
+            _percent(point.efficiency),
+            _percent(point.sigma),
+            _percent(point.sigma_trials),
+            _percent(point.u95),
+            point.reason,
+        )
+        for curve in told_apart(results.efficiency)
+        for point in curve.points
+    ]
+    head = (
+        "Velocity (mm/s)",
+        "Efficiency (%)",
+        "σ of instruments (%)",
+        "s.e. of trials (%)",
+        "U95 of both (%)",
+    )
+    return table((*WHO, *head, "Remark"), rows)
+
+
+def budget_table(results: Results) -> Table:
+    """Return each curve's mean efficiency and what its uncertainty is made of, largest first."""
+    rows = []
+    for curve in told_apart(results.efficiency):
+        if curve.mean is None or curve.mean.sigma is None:
+            continue
+        parts = {name: abs(part) for name, part in curve.mean.parts.items()}
+        if curve.mean.sigma_trials is not None:
+            parts["trials"] = curve.mean.sigma_trials
+        ranked = sorted(parts, key=lambda name: -parts[name])
+        rows.append(
+            (
+                *who(curve),
+                str(curve.mean.points),
+                _percent(curve.mean.efficiency),
+                _percent(curve.mean.sigma_combined),
+                ", ".join(f"{name} {_percent(parts[name])}" for name in ranked),
+            )
+        )
+    head = ("Speeds", "Mean efficiency (%)", "σ (%)", "Parts of σ (%)")
+    return table((*WHO, *head), rows)
+
+
+def pressure_table(results: Results) -> Table:
+    """Return friction against pressure: both directions, half of the band and its middle."""
+    rows = [
+        (
+            band.label,
+            _rod_side(band.p_lr_ref_pa),
+            _bar(band.p_tp_pa),
+            with_interval(band.extend.friction_n, band.extend.ci95_n),
+            with_interval(band.retract.friction_n, band.retract.ci95_n),
+            with_interval(band.half_n, band.half_ci95_n),
+            significant(band.middle_n, 3),
+            str(band.n),
+        )
+        for band in told_apart(results.bands)
+    ]
+    head = (
+        "Label",
+        _ROD_SIDE,
+        "Pressure (bar)",
+        "Friction extending (N)",
+        "Friction retracting (N)",
+        "Half band (N)",
+        "Middle of band (N)",
+        "Trials of both",
+    )
+    return table(head, rows)
+
+
+def rejected_table(results: Results) -> Table:
+    """Return the rejected runs, each with every reason."""
+    rows = [
+        (*_run(plan), "; ".join(_reason_words(reason) for reason in run.reasons))
+        for run, plan in _planned(results)
+        if not run.accepted
+    ]
+    return table((*_RUN, "Reason"), rows)
+
+
+def remark_table(results: Results) -> Table:
+    """Return what a reader should know of accepted runs."""
+    rows = [
+        (*_run(plan), "; ".join(run.notes))
+        for run, plan in _planned(results)
+        if run.accepted and run.notes
+    ]
+    return table((*_RUN, "Remark"), rows)
+
+
+_ROD_SIDE = "P_Lr (bar)"
+WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
+_RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
+_WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark", "Parts of σ (%)"})
+_WHERE_GIVEN = ("Label", "Kind", _ROD_SIDE, "Remark", "U95 with instruments (N)")
+
+
+def table(
+    head: tuple[str, ...],
+    rows: Iterable[tuple[str | Cell, ...]],
+    messages: list[str] | tuple = (),
+    words: tuple[str, ...] = (),
+) -> Table:
+    """Build a table; a column of ``_WHERE_GIVEN`` without any entry is left out.
+    Among runs of other kinds, an empty one is steady.
+
+    Columns in ``words`` hold no numbers.
+    """
+    cells = [tuple(c if isinstance(c, Cell) else Cell(c) for c in row) for row in rows]
+    if "Kind" in head and any(row[head.index("Kind")].text for row in cells):
+        at = head.index("Kind")
+        steady = Cell("steady")
+        cells = [row if row[at].text else (*row[:at], steady, *row[at + 1 :]) for row in cells]
+    kept = [
+        i
+        for i, name in enumerate(head)
+        if name not in _WHERE_GIVEN or any(row[i].text for row in cells)
+    ]
+    return Table(
+        tuple(head[i] for i in kept),
+        tuple(tuple(row[i] for i in kept) for row in cells),
+        _WORDS | set(words),
+        tuple(messages),
+    )
+
+
+def who(curve: Curve | EfficiencyCurve | RunPlan) -> tuple[str, ...]:
+    """Return what tells a curve from others, in the columns ``WHO``."""
+    load = force(curve.f_load_n).removesuffix(" N")
+    direction = TITLES[curve.direction].lower()
+    return curve.label, kind_words(curve), direction, load, _rod_side(curve.p_lr_ref_pa)
+
+
+def _rod_side(pressure_pa: float | None) -> str:
+    return "" if pressure_pa is None else _bar(pressure_pa)
+
+
+def who_text(curve: Curve) -> str:
+    """Return the same as words."""
+    load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
+    words = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
+    return ", ".join(filter(None, words))
+
+
+def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:
+    plans = told_apart(run.run.plan for run in results.runs)
+    return list(zip(results.runs, plans, strict=True))
+
+
+def _run(plan: RunPlan) -> tuple[str, ...]:
+    return plan.run, *who(plan), number(1e3 * plan.v_ref_m_s, 1), str(plan.trial)
+
+
+def _reason_words(reason: str) -> str:
+    code = code_of(reason)
+    return reason.replace(code, code.replace("_", " "), 1)
+
+
+def _bar(pressure_pa: float | None) -> str:
+    return number(None if pressure_pa is None else from_si(pressure_pa, "bar"), 2)
+
+
+def _percent(ratio: float | None) -> str:
+    return number(None if ratio is None else 100 * ratio, 1)

@@ -1,0 +1,95 @@
+"""What ``hbench reconcile`` found, as a section of the campaign's report.
+
+It is read from ``diagnosis.json``, which may come from anywhere: what has another form than it
+should is left out.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from hbench.records import WordTable
+from hbench.report.render.document import Section
+from hbench.report.render.numbers import number, significant
+
+_GAPS = (
+    "Gaps of held-out runs, in trial scatters: 1 is as good as the bench repeats itself. Before: "
+    "the model as given; after: refitted and with the effects added; floor: what a model that is "
+    "right would have."
+)
+_HEAD = ("Of", "Name", "Before", "After", "Floor")
+_PARTS = {
+    "signals": "signal, closed loop",
+    "balances": "balance",
+    "open_loop": "signal, open loop",
+}
+
+
+def reconciled_section(folder: str, content: dict[str, Any] | str) -> Section:
+    """Return the section of the diagnosis in ``folder``, or the reason why there is none."""
+    title = f"Model against measurement ({folder})"
+    if isinstance(content, str):
+        return Section(title, (f"The diagnosis can't be read. {content}",))
+    held = _mapping(_mapping(content.get("gap")).get("heldout"))
+    rows = [_row("all", "balances together", held)]
+    for part, words in _PARTS.items():
+        rows += [_row(words, str(name), one) for name, one in _mapping(held.get(part)).items()]
+    rows = [row for row in rows if row is not None]
+    verdict = f"Verdict: {_text(content.get('verdict'))}. {_text(content.get('why'))}".strip()
+    next_ = _text(content.get("next_experiment"))
+    return Section(
+        title,
+        (
+            verdict,
+            *_effects(content),
+            *([f"Next experiment: {next_}"] if next_ else []),
+            *([_GAPS] if rows else []),
+            f"The folder {folder} of the campaign has its own report.",
+        ),
+        tables=(WordTable("The gap before and after", _HEAD, tuple(rows)),) if rows else (),
+    )
+
+
+def _effects(content: dict[str, Any]) -> Iterator[str]:
+    effects = content.get("effects")
+    for effect in effects if isinstance(effects, list) else ():
+        effect = _mapping(effect)
+        values = []
+        for name, one in _mapping(effect.get("parameters")).items():
+            one = _mapping(one)
+            values.append(f"{name} = {significant(_number(one.get('value')), 3)} {_interval(one)}")
+        words = ", ".join(values)
+        before, after = (number(_number(effect.get(key)), 2) for key in ("gap_before", "gap_after"))
+        name = _text(effect.get("name"))
+        yield f"Effect {name}: {words}; its gap goes from {before} to {after}."
+
+
+def _interval(one: dict[str, Any]) -> str:
+    unit, ends = _text(one.get("unit")), one.get("ci95")
+    if not isinstance(ends, list) or len(ends) != 2:
+        return unit
+    low, high = (significant(_number(end), 3) for end in ends)
+    return f"{unit} (95 %: {low} to {high})".strip()
+
+
+def _row(of: str, name: str, one: Any) -> tuple[str, ...] | None:
+    values = [_number(_mapping(one).get(key)) for key in ("before", "after", "floor")]
+    known = any(value is not None for value in values)
+    return (of, name, *(number(value, 2) for value in values)) if known else None
+
+
+def _mapping(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else ""
+
+
+def _number(value: Any) -> float | None:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return None
+    try:
+        return float(value) if math.isfinite(value) else None
+    except OverflowError:  # an integer beyond all floats
+        return None

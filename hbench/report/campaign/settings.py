@@ -1,0 +1,72 @@
+"""What was measured by what: instruments, settings, software, and notes of the analysis."""
+
+import json
+from collections.abc import Iterator, Mapping
+from datetime import datetime
+from typing import Any
+
+from hbench.records import Results, Specimen
+from hbench.report.render.document import Section
+from hbench.report.render.numbers import number
+
+
+def settings_section(results: Results, long_list: int) -> Section:
+    """Return the section; more notes than ``long_list`` start folded."""
+    notes: tuple[Section, ...] = ()
+    if results.notes:
+        words = f"Notes of the analysis ({len(results.notes)})"
+        notes = (Section(words, items=results.notes, folded=len(results.notes) > long_list),)
+    return Section(
+        "Instruments and settings", facts=tuple(_facts(results)), parts=notes, anchor="settings"
+    )
+
+
+def _facts(results: Results) -> Iterator[tuple[str, str]]:
+    made = results.provenance
+    told = {"Source": made.source, "Bench": made.bench, "Firmware": made.firmware}
+    if made.source == "imported":
+        told["Imported"] = _time(made.started)
+    else:
+        told |= {"Started": _time(made.started), "Stopped": _time(made.stopped)}
+    yield from ((name, value or "not recorded") for name, value in told.items())
+    specimens: dict[Specimen, dict[str, None]] = {}
+    for run in results.runs:
+        if run.accepted:
+            specimens.setdefault(run.run.plan.specimen, {})[run.run.plan.label] = None
+    for specimen, labels in specimens.items():
+        areas = (1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2)
+        words = f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²"
+        if specimen.stroke_m is not None:
+            words += f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
+        which = ", ".join(filter(None, labels)) if len(specimens) > 1 else ""
+        yield f"Cylinder {which}".strip(), words
+    for name, section in made.settings.items():
+        yield _name(name), _words(section)
+    yield from ((_name(name), _words(value)) for name, value in made.details.items())
+    if made.software:
+        yield "Software", ", ".join(f"{name} {value}" for name, value in made.software.items())
+
+
+def _time(written: str) -> str:
+    """Write ``2026-01-31T08:15:30.5+00:00`` as ``2026-01-31 08:15:30 UTC``."""
+    try:
+        at = datetime.fromisoformat(written)
+    except ValueError:
+        return written
+    return f"{at:%Y-%m-%d %H:%M:%S} {at.tzname() or ''}".strip()
+
+
+def _name(key: str) -> str:
+    words = key.replace("_", " ")
+    return f"{words[:1].upper()}{words[1:]}"
+
+
+def _words(value: Any, inside: bool = False) -> str:
+    """Write a section of a bench file in a line, with the values that stand there."""
+    if isinstance(value, Mapping):
+        parts = [
+            f"{str(name).replace('_', ' ')} {_words(one, inside=True)}"
+            for name, one in value.items()
+        ]
+        return f"({', '.join(parts)})" if inside else "; ".join(parts)
+    return value if isinstance(value, str) else json.dumps(value, default=str, ensure_ascii=False)

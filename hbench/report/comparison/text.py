@@ -1,0 +1,213 @@
+"""A comparison in words and numbers: for the terminal, as JSON, and its page."""
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, replace
+from typing import Any
+
+from hbench.records import (
+    CampaignDifferences,
+    Curve,
+    Difference,
+    WordTable,
+)
+from hbench.report.campaign.fit_tables import PARAMETERS, law_words
+from hbench.report.campaign.rod_side import kind_words
+from hbench.report.render.document import Section, document
+from hbench.report.render.figures import Drawing
+from hbench.report.render.json_values import plain
+from hbench.report.render.numbers import NONE, force, number, short, significant, with_interval
+from hbench.report.render.style import TITLES
+from hbench.report.render.terminal_table import aligned
+from hbench.units import from_si
+
+SCHEMA = "hbench.comparison/1"
+_REAL, _NOT = "differs", "not shown"
+
+
+def differences_text(found: CampaignDifferences) -> str:
+    """Return the tables for a terminal."""
+    parts = [f"A: {_name(found, 0)}", f"B: {_name(found, 1)}", _instruments(found), ""]
+    for table in (_means(found), _parameters(found)):
+        if table.rows:
+            parts += [*aligned(table), ""]
+    parts += [f"note: {note}" for note in found.notes]
+    text = "\n".join(parts).rstrip()
+    return text.replace("−", "-").replace("–", "-").replace("±", "+-").replace("²", "^2")
+
+
+def differences_json(found: CampaignDifferences) -> str:
+    """Return the text of ``comparison.json``."""
+    document = {
+        "schema": SCHEMA,
+        "a": asdict(found.a),
+        "b": asdict(found.b),
+        "same_instruments": found.same_instruments,
+        "curves": [
+            {
+                "kind": one.a.kind,
+                "direction": one.direction,
+                "f_load_n": one.a.f_load_n,
+                "p_lr_ref_pa": one.a.p_lr_ref_pa,
+                "a_ref_m_s2": one.a.a_ref_m_s2,
+                "label_a": one.a.label,
+                "label_b": one.b.label,
+                "friction_n": _numbers(one.mean_n),
+                "efficiency": _numbers(one.efficiency),
+                "points": [
+                    {
+                        "v_m_s": point.v_m_s,
+                        "between": point.between,
+                        "friction_n": _numbers(point.friction_n),
+                    }
+                    for point in one.points
+                ],
+                "parameters": [
+                    {"law": p.law, "name": p.name, "unit": p.unit, **_numbers(p.value)}
+                    for p in one.parameters
+                ],
+            }
+            for one in found.curves
+        ],
+        "notes": found.notes,
+    }
+    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+
+
+def differences_page(found: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
+    """Return the page with ``drawings`` inside."""
+    sections = [
+        Section("What differs", tables=(_means(found),), drawings=tuple(drawings)),
+        Section("Fitted parameters", tables=(replace(_parameters(found), title=""),)),
+        Section("Speed by speed", tables=(_points(found),)),
+        Section("How it was computed", items=(_instruments(found), *_METHOD)),
+    ]
+    if found.notes:
+        sections.append(Section("Not compared", items=found.notes))
+    return document(
+        f"{found.names[1]} against {found.names[0]}",
+        f"A: {_name(found, 0)}. B: {_name(found, 1)}. Differences are B less A.",
+        tuple(
+            section for section in sections if any(t.rows for t in section.tables) or section.items
+        ),
+        _verdict(found),
+        "simulated" if "simulated" in (found.a.source, found.b.source) else "",
+    )
+
+
+_METHOD = (
+    "Friction as magnitude. A point is the mean of its trials; ± is the half-width of the 95 % "
+    "interval of B less A, by Welch's t for the trials alone. U95 adds the instruments.",
+    "p is the probability of a difference this large between trials of the same cylinder, "
+    "corrected after Holm for the number of differences of its kind. A difference is called real "
+    "where p is below 0.05 and the difference exceeds its U95.",
+    "Means are over the speeds of A that B has or encloses, each speed with the same weight. "
+    "Steady runs count as independent, whatever drifts between passes; the points of a ramp or of "
+    "steps share their strokes, so there a trial's mean is one value.",
+)
+
+
+def _verdict(found: CampaignDifferences) -> str:
+    means = [(one.a, one.mean_n) for one in found.curves if one.mean_n is not None]
+    real = [(curve, mean) for curve, mean in means if mean.real]
+    if not real:
+        return f"No difference of mean friction is shown in any of {len(found.curves)} curves."
+    words = "; ".join(
+        f"{_who(curve)}: {_signed(mean)} N ({_percent(mean)})" for curve, mean in real
+    )
+    return f"Mean friction differs in {len(real)} of {len(found.curves)} curves: {words}."
+
+
+def _instruments(found: CampaignDifferences) -> str:
+    if found.same_instruments:
+        return "Same instruments: their errors are in both, and cancel where the readings agree."
+    return "Other instruments in each, or not known to be the same: the errors of both count."
+
+
+def _means(found: CampaignDifferences) -> WordTable:
+    rows = []
+    for one in found.curves:
+        for words, scale, difference in (
+            ("friction (N)", 1.0, one.mean_n),
+            ("efficiency (%)", 100.0, one.efficiency),
+        ):
+            if difference is not None:
+                rows.append((_who(one.a), words, *_cells(difference, scale)))
+    return WordTable("Means over the speeds", ("Curve", "Mean of", *_HEAD), tuple(rows))
+
+
+def _parameters(found: CampaignDifferences) -> WordTable:
+    rows = []
+    for one in found.curves:
+        for p in one.parameters:
+            words, unit = PARAMETERS.get(p.name, (p.name, p.unit))
+            scale = from_si(1.0, unit) if p.name in PARAMETERS else 1.0
+            rows.append(
+                (_who(one.a), law_words(p.law), f"{words} ({unit})", *_cells(p.value, scale))
+            )
+    return WordTable("Fitted parameters", ("Curve", "Law", "Parameter", *_HEAD), tuple(rows))
+
+
+def _points(found: CampaignDifferences) -> WordTable:
+    rows = [
+        (
+            _who(one.a),
+            number(1e3 * point.v_m_s, 1) + (" *" if point.between else ""),
+            *_cells(point.friction_n, 1.0),
+        )
+        for one in found.curves
+        for point in one.points
+    ]
+    title = "Friction (N)"
+    if any(point.between for one in found.curves for point in one.points):
+        title += "; * between two speeds of B"
+    return WordTable(title, ("Curve", "Velocity (mm/s)", *_HEAD), tuple(rows))
+
+
+_HEAD = ("A", "B", "B − A", "U95", "p (Holm)", "Verdict")
+
+
+def _cells(difference: Difference, scale: float) -> tuple[str, ...]:
+    half = None if difference.ci95 is None else scale * difference.ci95
+    u95 = None if difference.u95 is None else scale * difference.u95
+    return (
+        significant(scale * difference.a, 4),
+        significant(scale * difference.b, 4),
+        with_interval(scale * difference.value, half),
+        NONE if u95 is None else significant(u95, 2),
+        NONE if difference.p_holm is None else _p(difference.p_holm),
+        difference.untested or (_REAL if difference.real else _NOT),
+    )
+
+
+def _p(value: float) -> str:
+    return "< 0.0001" if value < 1e-4 else significant(value, 2)
+
+
+def _signed(difference: Difference) -> str:
+    text = with_interval(difference.value, difference.u95 or difference.ci95)
+    return f"+{text}" if difference.value > 0 else text
+
+
+def _percent(difference: Difference) -> str:
+    if difference.a == 0:
+        return NONE
+    share = 100 * difference.value / abs(difference.a)
+    return f"{'+' if share > 0 else ''}{short(share)} %"
+
+
+def _numbers(difference: Difference | None) -> Any:
+    if difference is None:
+        return None
+    return {**asdict(difference), "difference": difference.value, "real": difference.real}
+
+
+def _who(curve: Curve) -> str:
+    load = "" if curve.f_load_n is None else force(curve.f_load_n)
+    kind = kind_words(curve)
+    return ", ".join(filter(None, (curve.label, kind, TITLES[curve.direction].lower(), load)))
+
+
+def _name(found: CampaignDifferences, which: int) -> str:
+    own = (found.a, found.b)[which]
+    return ", ".join(filter(None, (found.names[which], own.name, own.source, own.started[:10])))

@@ -1,0 +1,1 @@
+"""Page, text and figures of a controller design."""

@@ -1,0 +1,1 @@
+"""Page, text, figures and files of a diagnosis."""

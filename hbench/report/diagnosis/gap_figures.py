@@ -1,0 +1,182 @@
+"""Figures of a diagnosis in numbers: gaps, where they stand, candidates, refitted values."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
+from hbench.report.diagnosis.names import (
+    AXES,
+    Words,
+    balance,
+    drawn,
+    share,
+    shown,
+    signal,
+    steps_of,
+)
+from hbench.report.diagnosis.text import with_total
+from hbench.report.render import style
+from hbench.report.render.numbers import number, short
+from hbench.report.render.series import behind
+
+BEFORE, AFTER, MEASURED = style.COLOURS[1], style.COLOURS[0], "#9ca3af"
+_ROW_IN, _HEAD_IN = 0.27, 1.6  # of a figure with a row for each thing
+_LOOKS: dict[str, dict[str, Any]] = {
+    "before": {"marker": "o", "color": style.QUIET, "markerfacecolor": "white"},
+    "refitted": {"marker": "D", "color": BEFORE},
+    "after": {"marker": "o", "color": AFTER},
+    "floor": {"marker": "|", "color": "black", "markersize": 13, "markeredgewidth": 2},
+}
+_LEAST = 0.3  # gap that is drawn; below, runs are closer than trials by chance
+_MOST = 3.0  # of the colour scale: a gap of 1000
+
+
+def gap_figures(found: Diagnosis) -> dict[str, Figure]:
+    """Draw the held-out gaps of balances, and of signals in closed and open loop."""
+    table = found.gap_heldout
+    parts: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], Words]], ...] = (
+        ("Balances", with_total(table), balance),
+        ("Signals, closed loop", table.signals, signal),
+        ("Signals, open loop", table.open_loop, signal),
+    )
+    return {title: _gaps(found, title, values, words) for title, values, words in parts if values}
+
+
+def _gaps(
+    found: Diagnosis,
+    title: str,
+    values: Mapping[str, BeforeAfter],
+    words: Callable[[str], Words],
+) -> Figure:
+    figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(values))
+    axes = figure.subplots()
+    steps, places = steps_of(found), np.arange(len(values))
+    every = {
+        step: np.maximum([getattr(one, step) for one in values.values()], _LEAST) for step in steps
+    }
+    across = [every[step] for step in steps if step != "floor"]
+    axes.hlines(places, np.min(across, 0), np.max(across, 0), color="#d1d5db", linewidth=2.5)
+    for step, label in steps.items():
+        axes.plot(every[step], places, linestyle="none", label=label, **_LOOKS[step])
+    axes.axvline(1, color="#374151", linewidth=0.9)
+    _log_gaps(axes)
+    _rows(axes, [drawn(words(name).says) for name in values])
+    style.head(axes, title, found)
+    style.legend_above(figure, axes, columns=2)
+    return figure
+
+
+def _log_gaps(axes: Axes) -> None:
+    axes.set_xscale("log")
+    low, high = axes.get_xlim()
+    axes.set_xlim(max(min(low, 0.7), 0.9 * _LEAST), max(high, 3))
+    style.plain_log(axes.xaxis)
+    axes.set_xlabel("Gap (trial scatters)")
+
+
+def _rows(axes: Axes, names: list[str]) -> None:
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.4, -0.6)
+    axes.grid(visible=False, axis="y")
+
+
+def region_figure(found: Diagnosis) -> Figure:
+    """Draw the refitted model's gap of each balance in each region as a table of colours."""
+    names = [one.name for one in found.where]
+    axes_names = list(dict.fromkeys(region.axis for region in found.regions))
+    groups = [[r for r in found.regions if r.axis == name] for name in axes_names]
+    figure = style.new_figure(height_in=1.5 + 0.34 * len(names), wide=True)
+    panels = figure.subplots(
+        1, len(groups), sharey=True, width_ratios=[len(group) for group in groups], squeeze=False
+    )[0]
+    for axes, group in zip(panels, groups, strict=True):
+        gaps = np.array([[region.gaps.get(name, np.nan) for region in group] for name in names])
+        look = {"norm": LogNorm(1, 10**_MOST), "cmap": "Blues", "label": "_gaps"}
+        image = axes.imshow(np.maximum(gaps, 1.0), aspect="auto", **look)
+        behind(image, {"Gap (trial scatters)": gaps.ravel()})
+        for (row, column), value in np.ndenumerate(gaps):
+            dark = np.log10(max(value, 1.0)) > 0.55 * _MOST
+            axes.text(
+                column,
+                row,
+                number(value, 1 if value < 99.95 else 0),
+                ha="center",
+                va="center",
+                fontsize=9,
+                color="white" if dark else "black",
+            )
+        axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
+        words = AXES[group[0].axis]
+        axes.set_xlabel(f"{words.says} ({words.unit})" if words.unit else words.says)
+        axes.grid(visible=False)
+        axes.tick_params(length=0)
+        axes.spines[:].set_visible(False)
+    _rows(panels[0], [balance(name).says for name in names])
+    panels[0].set_ylim(len(names) - 0.5, -0.5)
+    figure.colorbar(
+        image, ax=panels, label="Gap (trial scatters)", pad=0.01
+    ).ax.yaxis.set_major_formatter(lambda value, _: short(value))
+    style.head(panels[0], "Gap by region, refitted model", found, panels[-1])
+    return figure
+
+
+def _bounds(region: Region) -> str:
+    if region.label:
+        return region.label
+    words = AXES[region.axis]
+    low, high = (shown(value, words) for value in (region.low, region.high))
+    decimals = 1 if words.unit in ("kN", "s") else 0
+    return f"{number(low, decimals)}\nto\n{number(high, decimals)}"
+
+
+def ranking_figure(found: Diagnosis, most: int = 12) -> Figure:
+    """Draw the scores of the best candidates, with their thresholds."""
+    chosen = found.ranking[:most]
+    figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(chosen))
+    axes = figure.subplots()
+    top = max(max(one.threshold, one.score) for one in chosen)
+    named = {one.name for one in found.effects} | {one.name for one in found.alternatives}
+    for place, one in enumerate(chosen):
+        colour = AFTER if one.name in named else "#9ca3af"
+        look = {"color": colour} if one.tried == "simulated" else {"facecolor": "white"}
+        look["label"] = f"_{one.tried}"
+        axes.barh(place, one.score, height=0.62, edgecolor=colour, linewidth=1.4, **look)
+        axes.annotate(_remark(one), (max(one.score, 0.0), place), (4, 0), va="center", fontsize=9,
+                      textcoords="offset points")  # fmt: skip
+    needed = [one.threshold for one in chosen]
+    axes.plot(needed, range(len(chosen)), linestyle="none", label="threshold", **_LOOKS["floor"])
+    axes.set_xlim(min(0.0, max(-0.1 * top, min(one.score for one in chosen))), 1.65 * top)
+    axes.set_xlabel("Gain of log-likelihood, left out (nats)")
+    _rows(axes, [one.name for one in chosen])
+    style.head(axes, "Candidates", found)
+    style.legend_above(figure, axes)
+    return figure
+
+
+def _remark(one: Candidate) -> str:
+    return f"{short(round(one.score, 1))}; explains {share(one.explained)}"
+
+
+def refitted_figure(found: Diagnosis) -> Figure:
+    """Draw the factors on the model's values with their intervals."""
+    names = list(found.refitted)
+    figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(names))
+    axes = figure.subplots()
+    axes.axvline(1, color="#374151", linewidth=0.9)
+    for place, one in enumerate(found.refitted.values()):
+        if one.ci95 is not None:
+            axes.hlines(place, *one.ci95, color=BEFORE, linewidth=1.4)
+        face = "white" if one.ci95 is None or one.at_bound else BEFORE
+        look = {"color": BEFORE, "markerfacecolor": face, "label": "_factor"}
+        (mark,) = axes.plot(one.value, place, "D", **look)
+        if one.ci95 is not None:
+            behind(mark, {"from": [one.ci95[0]], "to": [one.ci95[1]]})
+    axes.set_xlabel("Factor on the model's value (1)")
+    _rows(axes, [name.replace("_", " ") for name in names])
+    style.head(axes, "Refitted values", found)
+    return figure

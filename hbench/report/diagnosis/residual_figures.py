@@ -1,0 +1,191 @@
+"""Figures of what balances lack, before and after: over velocity, load, position and time."""
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+from scipy.stats import binned_statistic_2d
+
+from hbench.records import Diagnosis, ResidualMap
+from hbench.report.diagnosis.names import AXES, balance, scatter_words, shown
+from hbench.report.render import style
+from hbench.report.render.series import behind
+
+_WORST = 4  # balances side by side in a map
+_CELLS = 24  # of a map, either way
+_PARTS = 8  # of an axis, each with its median
+_SEEN = 99.0  # percentile of what the axis shows
+_LEAST = 3.0  # scatters that an axis shows at least, either way
+_DPI = 150  # of the points, which are thousands
+# Each panel's axis, and what its points' colour tells.
+_PANELS = (("v_m_s", "load_n"), ("x_m", "load_n"), ("t_s", "load_n"), ("load_n", "v_m_s"))
+_COLOURS = {"load_n": "viridis", "v_m_s": "plasma"}
+_DARK = 0.9  # of a colour scale, whose light end can't be seen on white
+REST_M_S = 2e-3
+_TITLES = ("before", "after")
+
+
+def maps_figure(found: Diagnosis) -> Figure:
+    """Draw the worst balances over velocity and load, signed, in one scale of colours."""
+    names = worst(found)[:_WORST]
+    sides = _sides(found)
+    figure = style.new_figure(height_in=0.9 + 2.3 * len(sides), wide=True)
+    panels = figure.subplots(len(sides), len(names), sharex=True, sharey=True, squeeze=False)
+    cells = [[_cells(side, name) for name in names] for side in sides]
+    largest = max(float(np.max(np.abs(one[2]), initial=_LEAST)) for row in cells for one in row)
+    norm = Normalize(-largest, largest)
+    for row, panel_row, title in zip(cells, panels, _TITLES, strict=False):
+        for (v, load, value, count), axes, name in zip(row, panel_row, names, strict=True):
+            size = 14 + 46 * np.sqrt(count / max(count.max(initial=1), 1))
+            dots = axes.scatter(
+                1e3 * v, load / 1e3, c=value, s=size, norm=norm, cmap="RdBu_r",
+                edgecolors="#6b7280", linewidths=0.4, label=f"_{balance(name).says}, {title}",
+            )  # fmt: skip
+            behind(dots, {"Residual (trial scatters)": value, "windows": count})
+        panel_row[0].set_ylabel(
+            f"{title.capitalize()}\nLoad (kN)" if found.effects else "Load (kN)"
+        )
+    for axes, name in zip(panels[0], names, strict=True):
+        axes.set_title(balance(name).says, fontsize=11)
+    for axes in panels[-1]:
+        axes.set_xlabel("Velocity (mm/s)")
+    bar = figure.colorbar(
+        ScalarMappable(norm, "RdBu_r"), ax=panels, label="Residual (trial scatters)", pad=0.01
+    )
+    style.simulated(bar.ax, found)
+    return figure
+
+
+def shape_figure(found: Diagnosis, name: str) -> Figure:
+    """Draw one balance against each axis, before above after, in one scale."""
+    sides = _sides(found)
+    figure = style.new_figure(height_in=0.5 + 2.5 * len(sides), wide=True)
+    panels = figure.subplots(len(sides), len(_PANELS), sharex="col", sharey=True, squeeze=False)
+    values = [side.value[:, side.names.index(name)] for side in sides]
+    limits = _limits(np.concatenate(values))
+    for row, side, value, title in zip(panels, sides, values, _TITLES, strict=False):
+        for axes, (across, colour) in zip(row, _PANELS, strict=True):
+            _points(axes, side, value, across, colour, limits, bool(found.effects))
+        _windows(row[0], side, value, title)
+        row[0].set_ylabel(f"Residual {title if found.effects else ''}\n(trial scatters)")
+        row[0].set_ylim(*limits)
+    for axes, (across, _) in zip(panels[-1], _PANELS, strict=True):
+        words = AXES[across]
+        axes.set_xlabel(f"{words.says.capitalize()} ({words.unit})")
+    _colour_bars(figure, panels, sides[0])
+    style.head(panels[0, 0], balance(name).says, found, panels[0, -1])
+    (scatter,) = (scatter_words(one) for one in found.where if one.name == name)
+    panels[0, 2].set_title(
+        f"1 scatter = {scatter}", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
+    )
+    return figure
+
+
+def _limits(values: np.ndarray) -> tuple[float, float]:
+    low, high = np.nanpercentile(values, [100 - _SEEN, _SEEN])
+    low, high = min(float(low), -_LEAST), max(float(high), _LEAST)
+    room = 0.06 * (high - low)
+    return low - room, high + room
+
+
+def worst(found: Diagnosis) -> list[str]:
+    """Return the balances that are mapped: those that stand out, or else the one worst."""
+    known = [one for one in found.where if one.name in found.residuals_before.names]
+    out = [one.name for one in known if one.p_value < 0.05]
+    return out or [one.name for one in known[:1]]
+
+
+def _sides(found: Diagnosis) -> list[ResidualMap]:
+    before, after = found.residuals_before, found.residuals_after
+    return [before, after] if found.effects else [before]
+
+
+def _cells(side: ResidualMap, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the means of windows that lie close: velocity, load, residual; and their number."""
+    value = side.value[:, side.names.index(name)]
+    own = np.isfinite(value) & np.isfinite(side.load_n)
+    v, load, value = side.v_m_s[own], side.load_n[own], value[own]
+    if not len(value):
+        return v, load, value, value
+    wanted = [v, load, value]
+    means, *_, cell = binned_statistic_2d(v, load, wanted, "mean", bins=_CELLS)
+    count = binned_statistic_2d(v, load, None, "count", bins=_CELLS).statistic
+    some = count > 0
+    return (*(mean[some] for mean in means), count[some])
+
+
+def _points(
+    axes: Axes,
+    side: ResidualMap,
+    value: np.ndarray,
+    across: str,
+    colour: str,
+    limits: tuple[float, float],
+    only_held_out: bool,
+) -> None:
+    x = shown(getattr(side, across), AXES[across])
+    own = np.isfinite(value) & np.isfinite(x)
+    coloured = own & (side.held_out if only_held_out else True)
+    inside = np.clip(value, *limits)
+    axes.axhspan(-1, 1, color="#e5e7eb", zorder=0)
+    axes.axhline(0, color="#374151", linewidth=0.8, zorder=1)
+    grey = own & ~coloured
+    axes.scatter(
+        x[grey], inside[grey], s=5, color="#c4c9d1", rasterized=True, clip_on=False, linewidths=0
+    )
+    shade = shown(getattr(side, colour), AXES[colour])
+    colours = _scale(side, colour).to_rgba(shade[coloured])
+    axes.scatter(
+        x[coloured], inside[coloured], c=colours, s=9, rasterized=True, clip_on=False, linewidths=0
+    )
+    for way, marker in ((1, ">"), (-1, "<")):
+        going = own & (way * side.v_m_s > REST_M_S)
+        middles, medians = _medians(x[going], value[going])
+        axes.plot(
+            middles, np.clip(medians, *limits), marker, color="black",
+            markeredgecolor="white", markeredgewidth=0.7, markersize=6.5, linestyle="none",
+            label=f"_medians, {'extending' if way > 0 else 'retracting'}",
+        )  # fmt: skip
+
+
+def _windows(axes: Axes, side: ResidualMap, value: np.ndarray, title: str) -> None:
+    """Put every window's numbers behind the figure; the points of its panels are an image."""
+    own = np.isfinite(value)
+    (first, _), *others = _PANELS
+    axes.set_autoscale_on(False)
+    (line,) = axes.plot(shown(getattr(side, first), AXES[first])[own], value[own], " ")
+    line.set_label(f"_windows {title}")
+    columns = {}
+    for name, _ in others:
+        words, values = AXES[name], shown(getattr(side, name), AXES[name])
+        columns[f"{words.says.capitalize()} ({words.unit})"] = values[own]
+    behind(line, columns)
+
+
+def _medians(x: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the medians of up to ``_PARTS`` stretches of x with about as many windows each."""
+    if not len(x):
+        return x, value
+    cuts = np.unique(np.quantile(x, np.arange(1, _PARTS) / _PARTS))
+    place = np.searchsorted(cuts, x)
+    x_mid, y_mid = (
+        [float(np.median(what[place == part])) for part in np.unique(place)] for what in (x, value)
+    )
+    return np.array(x_mid), np.array(y_mid)
+
+
+def _scale(side: ResidualMap, colour: str) -> ScalarMappable:
+    values = shown(getattr(side, colour), AXES[colour])
+    shades = colormaps[_COLOURS[colour]](np.linspace(0, _DARK, 256))
+    span = Normalize(float(np.nanmin(values)), float(np.nanmax(values)))
+    return ScalarMappable(span, ListedColormap(shades))
+
+
+def _colour_bars(figure: Figure, panels: np.ndarray, side: ResidualMap) -> None:
+    """Put a bar for each colour beside the panels that it is for."""
+    for columns, colour in ((panels[:, :3], "load_n"), (panels[:, 3:], "v_m_s")):
+        words = AXES[colour]
+        label = f"{words.says.capitalize()} ({words.unit})"
+        figure.colorbar(_scale(side, colour), ax=columns, label=label, pad=0.02)

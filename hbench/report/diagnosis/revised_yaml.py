@@ -1,0 +1,93 @@
+"""The revised model as a file, with where each number comes from; the next schedule."""
+
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import yaml
+
+from hbench.records import AddedEffect, Diagnosis
+from hbench.report.diagnosis.names import quantity
+from hbench.report.diagnosis.text import gap_line
+
+_SOURCES = {
+    "simulated": "SIMULATED on the virtual rig: these numbers say nothing of a real bench",
+    "real": "measured on a bench",
+    "imported": "measured elsewhere and imported",
+}
+_WIDE = 96
+_COLUMN = 44  # where a comment beside a value begins
+
+
+def revised_yaml(found: Diagnosis) -> str:
+    """Return the text of ``model.yaml``: ``found.revised`` with comments."""
+    made = found.provenance
+    lines = [
+        f"{found.model}, revised by `hbench reconcile` after campaign {made.name!r} of "
+        f"{made.started[:10]} (bench {made.bench!r}), {_SOURCES[made.source]}.",
+        "Give it to `hbench run --plant`, or to `hbench simulate` or `reconcile` as --model.",
+        f"Verdict: {found.verdict}. {found.why}",
+        gap_line(found),
+        "Values with 95 % intervals; what has no comment is as in the model.",
+    ]
+    body = "".join(_lines(found.revised, _comments(found), ()))
+    return f"{_head(lines)}\n{body}"
+
+
+def schedule_yaml(found: Diagnosis) -> str:
+    """Return the text of ``next.yaml``, the schedule that would tell the alternatives apart."""
+    lines = [f"Made by `hbench reconcile` after campaign {found.provenance.name!r}."]
+    return _head([*lines, found.next_experiment or ""]) + _dump(found.next_schedule)
+
+
+def _head(lines: Sequence[str]) -> str:
+    wrapped = (part for line in lines for part in textwrap.wrap(line, _WIDE))
+    return "".join(f"# {part}\n" for part in wrapped)
+
+
+def _comments(found: Diagnosis) -> dict[tuple[str, ...], str]:
+    """Return what is to be said of the values, by their paths."""
+    said = {
+        tuple(path.split(".")): f"refitted: the model's times {quantity(factor)}"
+        for path, factor in found.refitted.items()
+    }
+    for effect in found.effects:
+        said["effects", effect.name] = _law(effect)
+        for name, parameter in effect.parameters.items():
+            said["effects", effect.name, name] = f"found: {quantity(parameter)}"
+    return said
+
+
+def _law(effect: AddedEffect) -> str:
+    place = "an error of a sensor: " if effect.of_sensor else ""
+    form = f"; form: {effect.shape}" if effect.shape else ""
+    return f"{place}{effect.says}{form}"
+
+
+def _lines(
+    values: Mapping[str, Any], said: Mapping[tuple[str, ...], str], above: tuple[str, ...]
+) -> Iterator[str]:
+    """Yield a mapping's lines; a section's comment stands above it, a value's beside it."""
+    indent = "  " * len(above)
+    for key, value in values.items():
+        path = (*above, key)
+        comment = " ".join(said.get(path, "").split())
+        name = _dump(key).strip()
+        if isinstance(value, Mapping) and value:
+            if comment:
+                yield f"{indent}# {comment}\n"
+            yield f"{indent}{name}:\n"
+            yield from _lines(value, said, path)
+        else:
+            line = f"{indent}{name}: {_dump(value)}"
+            yield f"{line:{_COLUMN}}# {comment}\n" if comment else f"{line}\n"
+
+
+def _dump(value: Any) -> str:
+    """Write a value on one line as YAML; a mapping in as many as it takes."""
+    if isinstance(value, Mapping) and value:
+        return yaml.safe_dump(dict(value), sort_keys=False, allow_unicode=True)
+    text = yaml.safe_dump(
+        value, default_flow_style=True, allow_unicode=True, width=float("inf"), sort_keys=False
+    )
+    return text.removesuffix("...\n").strip()

@@ -1,0 +1,69 @@
+"""The gaps of single runs: the worst as a table, all of them as CSV."""
+
+from collections.abc import Mapping
+
+from hbench.records import BeforeAfter, Diagnosis, GapTable, RunPlan, WordTable
+from hbench.report.campaign.rod_side import load_words
+from hbench.report.diagnosis.names import STEPS, balance, signal, steps_of
+from hbench.report.render.csv_text import csv_text
+from hbench.report.render.numbers import NONE, number, short
+
+_PLAN = ("kind", "label", "direction", "v_ref_m_s", "f_load_n", "p_lr_ref_pa", "trial")
+_PARTS = ("balances", "signals", "open_loop")
+_COLUMNS = ("run", *_PLAN, "held_out", "of", "name", *STEPS)
+
+
+def run_gaps_csv(found: Diagnosis) -> str:
+    """Return a row for each run and balance or signal, in the campaign's order.
+
+    ``of`` is balances, signals (closed loop) or open_loop; each run begins with all its balances.
+    """
+    rows = []
+    for one in found.gap_runs:
+        about = {"run": one.plan.run, **{name: getattr(one.plan, name) for name in _PLAN}}
+        about["held_out"] = one.held_out
+        parts: dict[str, Mapping[str, BeforeAfter]] = {
+            part: getattr(one.gap, part) for part in _PARTS
+        }
+        parts["balances"] = {"all": one.gap.total, **parts["balances"]}
+        for part, gaps in parts.items():
+            for name, gap in gaps.items():
+                rows.append({**about, "of": part, "name": name, **vars(gap)})
+    return csv_text(_COLUMNS, rows)
+
+
+def run_table(found: Diagnosis, most: int) -> WordTable:
+    """Return the ``most`` worst runs, by the balances of the model with its effects."""
+    compared = [one for one in found.gap_runs if one.gap.balances]
+    chosen = sorted(compared, key=lambda one: -one.gap.total.after)[:most]
+    steps = steps_of(found)
+    title = "Gap of each run: all balances, and what is worst in it"
+    if len(chosen) < len(compared):
+        title += f" (the worst {len(chosen)} of {len(compared)})"
+    rows = tuple(
+        (
+            one.plan.run,
+            _what(one.plan),
+            "yes" if one.held_out else "no",
+            *(number(getattr(one.gap.total, step), 2) for step in steps),
+            *_worst(one.gap),
+        )
+        for one in chosen
+    )
+    head = ("run", "what", "held out", *steps.values())
+    return WordTable(title, (*head, "balance", "signal, closed loop", "open loop"), rows)
+
+
+def _what(plan: RunPlan) -> str:
+    speed = f"{plan.kind} {short(1e3 * plan.v_ref_m_s)} mm/s" if plan.v_ref_m_s else plan.kind
+    load = load_words(plan.f_load_n, plan.p_lr_ref_pa)
+    return ", ".join(filter(None, (plan.label, speed, load, f"trial {plan.trial}")))
+
+
+def _worst(gap: GapTable) -> tuple[str, ...]:
+    cells = []
+    for part, words in zip(_PARTS, (balance, signal, signal), strict=True):
+        gaps: Mapping[str, BeforeAfter] = getattr(gap, part)
+        name = max(gaps, key=lambda one: gaps[one].after, default=None)
+        cells.append(f"{words(name).says} {number(gaps[name].after, 2)}" if name else NONE)
+    return tuple(cells)

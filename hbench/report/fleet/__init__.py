@@ -1,0 +1,1 @@
+"""Page, rows, text and figures of a fleet."""

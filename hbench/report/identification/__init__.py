@@ -1,0 +1,1 @@
+"""Page, text and figures of an identification, and its plant files."""

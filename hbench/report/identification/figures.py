@@ -1,0 +1,107 @@
+"""Figures of an identification: what each law makes of the verification profile, and its errors."""
+
+import re
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hbench.records import Followed, Identification, Trace
+from hbench.records.identification import PARTS
+from hbench.report.campaign.fit_tables import law_words
+from hbench.report.render import style
+from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.numbers import force
+
+_FOLLOWED = (
+    "Friction and velocity along the verification profile, measured (grey) and in the model with "
+    "the law (coloured); below, the velocity's difference, model minus measurement."
+)
+_ERRORS = (
+    "Root mean square errors of friction and velocity over all verification runs, by part of the "
+    "profile. Dashed: the scatter between the trials. It holds what differs in how they begin, of "
+    "which a model that makes the same trials repeats a part."
+)
+
+
+def draw_identification(found: Identification) -> tuple[Drawing, ...]:
+    """Draw the errors of all laws, then each law along each load's profile; none unverified."""
+    sketches = []
+    if any(law.errors for law in found.laws):
+        with rc_context(style.RC):
+            figure = _errors(found)
+        sketches.append(Sketch("errors", "errors", "Errors by law", _ERRORS, figure))
+    for index, law in enumerate(found.laws):
+        for one in found.followed:
+            if law.law not in one.modelled:
+                continue
+            load = force(one.f_load_n)
+            title = f"{law_words(law.law)}, {load}, run {one.run}"
+            with rc_context(style.RC):
+                figure = _along(title, index, one, one.modelled[law.law], found)
+            name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {one.run}".lower())
+            sketches.append(Sketch(name, law.law, title, _FOLLOWED, figure))
+    return drawn(sketches)
+
+
+def _along(title: str, index: int, one: Followed, model: Trace, found: Identification) -> Figure:
+    figure = style.new_figure(height_in=5.6)
+    top, middle, bottom = figure.subplots(3, sharex=True, height_ratios=(3, 2, 1.5))
+    colour = style.COLOURS[index % len(style.COLOURS)]
+    real, n = one.measured, min(len(one.measured.t_s), len(model.t_s))
+    for axes, name, factor in ((top, "friction_n", 1.0), (middle, "v_m_s", 1e3)):
+        mark = "" if axes is top else "_"  # one legend for both
+        grey = {"color": "#9ca3af", "linewidth": 3, "label": f"{mark}measured"}
+        own = {"color": colour, "linewidth": 1.1, "label": f"{mark}model"}
+        axes.plot(real.t_s, factor * getattr(real, name), **grey)
+        axes.plot(model.t_s, factor * getattr(model, name), **own)
+    difference = 1e3 * (model.v_m_s[:n] - real.v_m_s[:n])
+    own["label"] = "_model − measured"
+    bottom.plot(real.t_s[:n], difference, **own)
+    top.set_ylabel("Friction (N)")
+    middle.set_ylabel("Velocity (mm/s)")
+    bottom.set(xlabel="Time (s)", ylabel="Difference\n(mm/s)")
+    _head(top, title, found)
+    figure.align_ylabels()
+    style.legend_above(figure, top, columns=2)
+    return figure
+
+
+def _errors(found: Identification) -> Figure:
+    figure = style.new_figure(height_in=4.6)
+    rows = figure.subplots(2, sharex=True)
+    laws = [law for law in found.laws if law.errors]
+    width = 0.8 / len(laws)
+    for axes, name, factor, along in (
+        (rows[0], "friction_n", 1.0, "Friction (N)"),
+        (rows[1], "v_m_s", 1e3, "Velocity (mm/s)"),
+    ):
+        for i, law in enumerate(laws):
+            place = np.arange(len(PARTS)) + (i - (len(laws) - 1) / 2) * width
+            heights = [factor * getattr(law.errors[part], name) for part in PARTS]
+            look = style.series_style(found.laws.index(law))
+            label = law_words(law.law) if axes is rows[0] else f"_{law_words(law.law)}"
+            axes.plot(place, heights, linestyle="none", label=label, **look)
+        for i, part in enumerate(PARTS):
+            if found.scatter:
+                floor = factor * getattr(found.scatter[part], name)
+                axes.hlines(floor, i - 0.42, i + 0.42, color="black", linestyle="--", linewidth=1.2)
+        axes.set_yscale("log")
+        style.plain_log(axes.yaxis)
+        axes.set_ylabel(along)
+        axes.grid(False, axis="x")
+    rows[1].set_xticks(range(len(PARTS)), PARTS)
+    rows[1].set_xlabel("Part of the profile")
+    style.read_as(figure, "Points: rms errors; dashed: the trials' scatter.")
+    _head(rows[0], "Errors by law", found)
+    style.legend_above(figure, rows[0], columns=3)
+    return figure
+
+
+def _head(axes: Axes, title: str, found: Identification) -> None:
+    axes.set_title(style.safe(title))
+    if found.provenance.source == "simulated":
+        axes.set_title(
+            "simulated", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
+        )

@@ -1,0 +1,82 @@
+"""The page of an identification."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+from hbench.records import Identification, ModelErrors, WordTable
+from hbench.report.campaign.fit_tables import LAWS, law_words
+from hbench.report.identification.text import reasons, tables
+from hbench.report.render.document import Section, document
+from hbench.report.render.figures import Drawing
+from hbench.report.render.numbers import significant
+
+_SOURCE = (
+    "Equation and section numbers: M. Hvoldal and C. Olesen, Friction Modelling and Parameter "
+    "Estimation for Hydraulic Asymmetrical Cylinders, Aalborg University, 2011."
+)
+_PARTS = (
+    "Steady is where the reference has been the same speed for 0.3 s, rest where it has been zero "
+    "for as long (there friction is whatever holds the piston)."
+)
+_SCATTER = (
+    "The trials' scatter is what their mean, as a model, would leave; a part of it is how they "
+    "begin, which a model that makes the same trials repeats."
+)
+_RAMPS = (
+    "The source found a ramp's friction unlike the steady one (section 6.2): the last table has "
+    "each fit on its own data and on the other's."
+)
+
+
+def identification_page(found: Identification, drawings: Iterable[Drawing]) -> str:
+    """Return the page with ``drawings`` inside."""
+    made = found.provenance
+    files = ", ".join(f"{law.law}.yaml" for law in found.laws if law.fit is not None)
+    plants = f"As plant files beside this page: {files}. Give one to hbench run --plant, or put "
+    read = [_PARTS, _SCATTER] if found.scatter else [] if found.not_verified else [_PARTS]
+    read += [_RAMPS] if found.ramps else []
+    words = (*read, *found.notes, f"{plants}its section into a bench file.")
+    laws = Section(paragraphs=words, tables=tuple(map(_named, tables(found))))
+    missing = Section("What is missing or uncertain", items=reasons(found))
+    figures = Section("Along the verification profile", drawings=tuple(drawings))
+    return document(
+        "Friction laws of the test cylinder",
+        f"Campaign {made.name}, {made.source}, {made.started}; bench {made.bench}. {_SOURCE}",
+        tuple(one for one in (laws, missing, figures) if one is not figures or figures.drawings),
+        _verdict(found),
+        made.source,
+    )
+
+
+def _named(table: WordTable) -> WordTable:
+    """Return a table with the laws' names in place of their keys."""
+    rows = tuple((LAWS.get(first, first), *rest) for first, *rest in table.rows)
+    return replace(table, rows=rows)
+
+
+def _verdict(found: Identification) -> str:
+    if found.not_verified:
+        return f"{found.not_verified[0].upper()}{found.not_verified[1:]}."
+    return (
+        "Each law, in a model of the bench with the firmware in closed loop, followed the profile "
+        f"of the {len(found.verification_runs)} verification runs (section 5.5), which took no "
+        f"part in the identification.{_closest(found)}"
+    )
+
+
+def _closest(found: Identification) -> str:
+    """Name the law with the smallest error of friction over all parts of the runs."""
+    errors = {law.law: _rms_n(tuple(law.errors.values())) for law in found.laws if law.errors}
+    if not errors:
+        return ""
+    best = min(errors, key=errors.__getitem__)
+    words = f" Closest in friction: {law_words(best)}, {significant(errors[best], 2)} N rms"
+    scatter = found.scatter and _rms_n(tuple(found.scatter.values()))
+    return words + (f"; the trials scatter by {significant(scatter, 2)} N." if scatter else ".")
+
+
+def _rms_n(parts: tuple[ModelErrors, ...]) -> float:
+    seen = [part for part in parts if part.samples]
+    squares = sum(part.samples * part.friction_n**2 for part in seen)
+    return math.sqrt(squares / sum(part.samples for part in seen)) if seen else math.inf

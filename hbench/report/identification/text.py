@@ -1,0 +1,152 @@
+"""An identification in words and numbers: tables for terminal and page, and the JSON file."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from hbench.records import Identification, IdentifiedLaw, ModelErrors, WordTable
+from hbench.records.identification import PARTS
+from hbench.report.render.json_values import plain
+from hbench.report.render.numbers import NONE, force, number, significant
+from hbench.report.render.terminal_table import aligned
+
+SCHEMA = "hbench.identification/1"
+_ERRORS_HEAD = (
+    *("Law", "Part", "Friction (N)", "Velocity (mm/s)", "P_Tp (bar)", "P_Tr (bar)", "Samples"),
+)
+_PARAMETERS_HEAD = ("Law", "Parameter", "Unit", "Value", "95 % interval", "At bound")
+_RAMPS_HEAD = (
+    *("Direction", "Load", "Ramp (m/s²)", "Steady fit on steady (N)", "on ramp (N)"),
+    *("Ramp fit on steady (N)", "on ramp (N)"),
+)
+_FLOOR = "trials' scatter"
+
+
+def identification_json(found: Identification) -> str:
+    """Return ``identification.json``: all but the curves. A number that does not exist is null."""
+    document = {
+        "schema": SCHEMA,
+        "provenance": asdict(found.provenance),
+        "laws": [_law(law) for law in found.laws],
+        "verification": {
+            "runs": found.verification_runs,
+            "trial_scatter": _errors(found.scatter),
+            "not_verified": found.not_verified or None,
+        },
+        "steady_and_ramp": [asdict(ramp) for ramp in found.ramps],
+        "no_ramps": found.no_ramps or None,
+        "left_out": found.left_out,
+        "notes": found.notes,
+    }
+    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+
+
+def identification_text(found: Identification) -> str:
+    """Return every table in aligned columns, then what could not be done and why."""
+    parts = ["\n".join(aligned(table)) for table in tables(found)]
+    sentences = [*reasons(found), *found.notes]
+    return "\n\n".join([*parts, "\n".join(sentences)]).replace("m/s²", "m/s^2")
+
+
+def tables(found: Identification) -> tuple[WordTable, ...]:
+    """Return the tables that have rows: errors, parameters, ramps."""
+    every = (
+        WordTable("Errors on the verification runs (rms)", _ERRORS_HEAD, tuple(_error_rows(found))),
+        WordTable("Identified parameters", _PARAMETERS_HEAD, tuple(_parameter_rows(found))),
+        WordTable(
+            "Steady and ramp from breakaway on: rms error of Tustin fits",
+            _RAMPS_HEAD,
+            tuple(_ramps(found)),
+        ),
+    )
+    return tuple(table for table in every if table.rows)
+
+
+def reasons(found: Identification) -> tuple[str, ...]:
+    """Return what could not be identified or verified, and what a fit says, a sentence each."""
+    sentences = [found.not_verified] if found.not_verified else []
+    for law in found.laws:
+        if law.fit is None:
+            sentences.append(f"{law.law} is not identified: {law.reason}")
+        elif law.fit.message:
+            sentences.append(f"{law.law}: {law.fit.message}")
+        if law.not_verified:
+            sentences.append(f"{law.law}: {law.not_verified}")
+    if found.no_ramps:
+        sentences.append(f"steady fits and ramps are not compared: {found.no_ramps}")
+    if found.left_out:
+        sentences.append(f"runs left out: {len(found.left_out)}")
+        sentences += [f"  {line}" for line in found.left_out]
+    return tuple(sentences)
+
+
+def interval(limits: tuple[float, float] | None) -> str:
+    """Write the ends of an interval."""
+    return NONE if limits is None else " … ".join(significant(end, 4) for end in limits)
+
+
+def _law(law: IdentifiedLaw) -> dict[str, Any]:
+    fit = law.fit
+    return {
+        "law": law.law,
+        "identified": fit is not None,
+        "reason": law.reason or None,
+        "parameters": {name: asdict(p) for name, p in fit.parameters.items()} if fit else {},
+        "rmse_n": fit.rmse_n if fit else None,
+        "converged": fit.converged if fit else None,
+        "message": fit.message if fit else None,
+        "runs": law.runs,
+        "friction": law.section or None,
+        "errors": _errors(law.errors),
+        "not_verified": law.not_verified or None,
+    }
+
+
+def _errors(errors: Mapping[str, ModelErrors]) -> dict[str, Any] | None:
+    return {part: asdict(errors[part]) for part in PARTS} if errors else None
+
+
+def _error_rows(found: Identification) -> list[tuple[str, ...]]:
+    rows = []
+    for law in found.laws:
+        rows += [_error_row(law.law, part, law.errors[part]) for part in PARTS if law.errors]
+    if rows:
+        rows += [_error_row(_FLOOR, part, found.scatter[part]) for part in PARTS if found.scatter]
+    return rows
+
+
+def _error_row(name: str, part: str, errors: ModelErrors) -> tuple[str, ...]:
+    return (
+        name,
+        part,
+        number(errors.friction_n, 1),
+        number(1e3 * errors.v_m_s, 2),
+        number(errors.p_tp_pa / 1e5, 3),
+        number(errors.p_tr_pa / 1e5, 3),
+        str(errors.samples),
+    )
+
+
+def _parameter_rows(found: Identification) -> list[tuple[str, ...]]:
+    return [
+        (law.law, name, p.unit, significant(p.value, 4), interval(p.ci95), p.at_bound or "")
+        for law in found.laws
+        if law.fit is not None
+        for name, p in law.fit.parameters.items()
+    ]
+
+
+def _ramps(found: Identification) -> list[tuple[str, ...]]:
+    return [
+        (
+            ramp.direction,
+            force(ramp.f_load_n),
+            significant(ramp.a_ref_m_s2, 3),
+            number(ramp.steady_on_steady_n),
+            number(ramp.steady_on_ramp_n),
+            number(ramp.ramp_on_steady_n),
+            number(ramp.ramp_on_ramp_n),
+        )
+        for ramp in found.ramps
+    ]

@@ -1,0 +1,1 @@
+"""Documents, figures and numbers in HTML, SVG, Markdown and PDF."""

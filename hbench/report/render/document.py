@@ -1,0 +1,162 @@
+"""Pages: one HTML file each that needs nothing else, every text of it escaped."""
+
+import re
+from base64 import b64encode
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
+from urllib.parse import quote
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from hbench.records import WordTable
+from hbench.report.render.figures import Drawing
+from hbench.report.render.inline_svg import inline
+from hbench.report.render.style import DARK
+from hbench.report.render.word_tables import Cell, Table
+
+_NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not shown|")
+_SYMBOL = re.compile(
+    r"\b(?:([AFPp])_(\w+)|(k|a)_(\d)\b|(v)_(SW|stribeck)\b|(m)_(T)\b|(U)_(95)(?!\d))"
+)
+BANNERS = {
+    "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
+    "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
+    "real": "Measured on a bench that hbench ran.",
+}
+_MENU = 4  # sections with a title: a shorter page needs no menu
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A number that a reader looks for first."""
+
+    value: str
+    unit: str
+    more: str = ""
+    how: str = ""  # anchor of where it is told how it is computed
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a document: its words, then its figures, tables, facts and smaller parts."""
+
+    title: str = ""
+    paragraphs: tuple[str, ...] = ()
+    items: tuple[str, ...] = ()
+    code: str = ""
+    drawings: tuple[Drawing, ...] = ()
+    tables: tuple[WordTable | Table, ...] = ()
+    facts: tuple[tuple[str, str], ...] = ()  # a name, and what is told of it
+    parts: tuple["Section", ...] = ()
+    tiles: tuple[Tile, ...] = ()
+    anchor: str = ""  # by default made of the title
+    folded: bool | None = None  # behind its title: whether it starts folded; None: not at all
+
+
+@dataclass(frozen=True)
+class Document:
+    """What a page, a Markdown file or a PDF is made of."""
+
+    title: str
+    subtitle: str
+    sections: tuple[Section, ...]
+    verdict: str = ""
+    banner: str = ""  # what must not be missed: where the numbers come from
+    source: str = ""  # simulated, imported, real: the banner's colour
+    folder: str = ""  # tells reports of the same title apart, in a browser's tab or a reader's list
+
+    @property
+    def tab(self) -> str:
+        """Return the title with the folder's name before it and the source behind."""
+        source = f" ({self.source})" if self.source else ""
+        return ": ".join(filter(None, (self.folder, self.title))) + source
+
+
+def document(
+    title: str,
+    subtitle: str,
+    sections: tuple[Section, ...],
+    verdict: str = "",
+    source: str = "",
+) -> str:
+    """Return a page of sections; ``source`` is that of the numbers, where they are simulated."""
+    banner = BANNERS["simulated"] if source == "simulated" else ""
+    return page(Document(title, subtitle, sections, verdict, banner, source if banner else ""))
+
+
+def page(made: Document) -> str:
+    """Return ``made`` as HTML. The only script is the page's own, told to the browser by hash."""
+    script = _environment().loader.get_source(_environment(), "page.js")[0]
+    titled = [section for section in made.sections if section.title]
+    return (
+        _environment()
+        .get_template("document.html.j2")
+        .render(
+            made=made,
+            menu=titled if len(titled) >= _MENU else [],
+            script=Markup(script),
+            script_hash=b64encode(sha256(script.encode()).digest()).decode("ascii"),
+            dark=DARK,
+            version=version("hbench"),
+        )
+    )
+
+
+def anchor(section: Section) -> str:
+    """Return the name that links lead to."""
+    return section.anchor or slug(section.title)
+
+
+def slug(words: str) -> str:
+    """Return words as a name for links."""
+    return "-".join(re.findall(r"\w+", words.lower()))
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("hbench.report.render", ""),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    filters = {
+        "anchor": anchor,
+        "slug": slug,
+        "inline": inline,
+        "csv_link": _csv_link,
+        "numeric": numeric,
+        "flag": lambda cell: cell.flag if isinstance(cell, Cell) else "",
+        "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
+        "words": lambda cell: cell.text if isinstance(cell, Cell) else _subscripts(cell),
+        "subscripts": _subscripts,
+    }
+    environment.filters.update(filters)
+    return environment
+
+
+def _csv_link(drawing: Drawing) -> str:
+    """Return a figure's data as a link that holds it."""
+    return "data:text/csv;charset=utf-8," + quote(drawing.csv, safe="!$()*+,-./:;=?@_~")
+
+
+def numeric(table: WordTable | Table) -> set[int]:
+    """Return the columns that hold numbers, or that there are none."""
+    if isinstance(table, Table):
+        return {i for i, name in enumerate(table.head) if name not in table.words}
+    columns = enumerate(zip(*table.rows, strict=True))
+    return {i for i, cells in columns if all(_NUMBER.fullmatch(cell) for cell in cells)}
+
+
+def _subscripts(text: str) -> Markup:
+    """Write the index of a symbol such as F_C below the line; all else is escaped."""
+    return Markup(_SYMBOL.sub(_lowered, str(escape(text))))
+
+
+def _lowered(found: re.Match[str]) -> str:
+    symbol, index = filter(None, found.groups())
+    return f"{symbol}<sub>{index}</sub>"

@@ -1,0 +1,106 @@
+"""A figure in words and numbers: its data as CSV, what is seen in it, what each point tells."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from hbench.report.render.csv_text import csv_of
+from hbench.report.render.numbers import short, significant
+from hbench.report.render.series import Series
+from hbench.untrusted_text import as_cell
+
+_MOST_SERIES = 10  # of a panel, told one by one
+_TURN = 0.1  # of a series' range: less is no change of its course
+
+
+def data_csv(series: Sequence[Series]) -> str:
+    """Return all series as CSV: a row a point, a column a quantity, in the axes' units."""
+    several = len({one.panel for one in series}) > 1
+    names = list(dict.fromkeys(name for one in series for name in one.columns))
+    rows = []
+    for one in series:
+        who = [str(one.panel), as_cell(one.label)] if several else [as_cell(one.label)]
+        columns = [one.columns.get(name) for name in names]
+        for i in range(len(one.x)):
+            rows.append([*who, *("" if c is None else _cell(c[i]) for c in columns)])
+    head = ["panel", "series", *names] if several else ["series", *names]
+    return csv_of([as_cell(name) for name in head], rows)
+
+
+def point_notes(one: Series) -> list[str]:
+    """Return what each point tells when it is pointed at, a line for each quantity."""
+    head = [one.label] if one.label else []
+    return [
+        "\n".join([*head, *(line for line in _lines(one.columns, i) if line)])
+        for i in range(len(one.x))
+    ]
+
+
+def alternative_text(title: str, series: Sequence[Series]) -> str:
+    """Say what is seen in a figure to those who don't see it."""
+    sentences = [f"{title}."]
+    panels = sorted({one.panel for one in series})
+    for panel in panels:
+        own = [one for one in series if one.panel == panel]
+        shown = [one for one in own if one.points] or own
+        names = dict.fromkeys(f"{one.y_name} over {one.x_name}" for one in shown)
+        where = f"Panel {panel} of {len(panels)}: " if len(panels) > 1 else ""
+        sentences.append(f"{where}{'; '.join(names)}.")
+        sentences += [_course(one) for one in shown[:_MOST_SERIES]]
+        if len(shown) > _MOST_SERIES:
+            sentences.append(f"{len(shown) - _MOST_SERIES} more series.")
+    return " ".join(sentences)
+
+
+def _course(one: Series) -> str:
+    """Write how a series goes: its ends, and its extremes where it turns."""
+    label = f"{one.label}: " if one.label else ""
+    if isinstance(one.x[0], str) or isinstance(one.y[0], str):
+        pairs = zip(one.x, one.y, strict=True)
+        named = [" ".join((_shown(y), _shown(x))) for x, y in pairs]
+        return f"{label}{'; '.join(named[:_MOST_SERIES])}."
+    known = np.isfinite(one.x) & np.isfinite(one.y)
+    x, y = np.asarray(one.x)[known], np.asarray(one.y)[known]
+    if not len(x):
+        return f"{label}no values."
+    if len(x) == 1:
+        return f"{label}{short(y[0])} at {short(x[0])}."
+    points = f"{len(x)} points, " if one.points is not None else ""
+    if np.all(np.diff(x) < 0):
+        x, y = x[::-1], y[::-1]
+    if np.any(np.diff(x) <= 0):
+        return f"{label}{points}between {short(y.min())} and {short(y.max())}."
+    turns = [0, *sorted({int(y.argmin()), int(y.argmax())} - {0, len(y) - 1}), len(y) - 1]
+    reach = y.max() - y.min()
+    steps = [f"from {short(y[0])} at {short(x[0])}"]
+    for a, b in zip(turns[:-1], turns[1:], strict=True):
+        change = y[b] - y[a]
+        if abs(change) > _TURN * reach or b == turns[-1]:
+            level = abs(change) <= _TURN * reach
+            word = "stays near" if level else "falls to" if change < 0 else "rises to"
+            steps.append(f"{word} {short(y[b])} at {short(x[b])}")
+    return f"{label}{points}{', '.join(steps)}."
+
+
+def _lines(columns: dict, i: int) -> list[str]:
+    lines = []
+    for name, values in columns.items():
+        if name.startswith("± "):
+            continue
+        half = columns.get(f"± {name}")
+        text = _shown(values[i])
+        if half is not None and math.isfinite(half[i]):
+            text += f" ± {significant(half[i], 2)}"
+        lines.append(f"{name}: {text}" if text else "")
+    return lines
+
+
+def _shown(value: float | str) -> str:
+    return value if isinstance(value, str) else significant(float(value), 4)
+
+
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return as_cell(value)
+    return f"{value:.6g}" if math.isfinite(value) else ""

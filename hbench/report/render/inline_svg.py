@@ -1,0 +1,58 @@
+"""A figure's SVG as a part of a page: names of its own, and colours for light and dark."""
+
+import re
+from xml.etree import ElementTree
+
+from markupsafe import Markup
+
+from hbench.report.render.figures import POINT, Drawing
+from hbench.report.render.style import DARK
+
+_SVG = "{http://www.w3.org/2000/svg}"
+_HREF = "{http://www.w3.org/1999/xlink}href"
+_COLOUR = re.compile("|".join(DARK))
+_LONG = re.compile(r"(\d+\.\d\d)\d+")
+
+
+def inline(drawing: Drawing, number: int) -> Markup:
+    """Return the SVG element of ``drawing``, figure ``number`` of its page.
+
+    A colour that has another one in the dark becomes a variable of the page.
+    """
+    root = ElementTree.fromstring(drawing.svg)
+    for name in ("metadata", "style"):
+        for parent in list(root.iter()):
+            for child in parent.findall(f"{_SVG}{name}"):
+                parent.remove(child)
+    for element in root.iter():
+        _own(element, f"f{number}-")
+    points = any(group.get("class") == POINT for group in root.iter(f"{_SVG}g"))
+    for name in ("width", "height", "version"):
+        root.attrib.pop(name, None)
+    words = drawing.seen or f"{drawing.title}. {drawing.caption}"
+    root.attrib |= {"class": "plot", "role": "group" if points else "img", "aria-label": words}
+    if points:
+        root.set("tabindex", "0")
+    text = ElementTree.tostring(root, encoding="unicode").replace(f' xmlns="{_SVG[1:-1]}"', "")
+    return Markup(text)
+
+
+def _own(element: ElementTree.Element, prefix: str) -> None:
+    """Give an element names of its own, and colours that follow the page."""
+    attributes = element.attrib
+    if _HREF in attributes:  # of a mark or a letter, or data of an image
+        link = attributes.pop(_HREF)
+        attributes["href"] = f"#{prefix}{link[1:]}" if link.startswith("#") else link
+    if "id" in attributes:
+        attributes["id"] = prefix + attributes["id"]
+    if "clip-path" in attributes:
+        attributes["clip-path"] = attributes["clip-path"].replace("url(#", f"url(#{prefix}")
+    if "style" in attributes:
+        attributes["style"] = _COLOUR.sub(
+            lambda found: f"var(--c{found[0][1:]},{found[0]})", attributes["style"]
+        )
+    element.tail = None
+    if not (element.text or "").strip():
+        element.text = None
+    if "d" in attributes:
+        attributes["d"] = _LONG.sub(r"\1", " ".join(attributes["d"].split()))

@@ -1,0 +1,68 @@
+"""A document as Markdown, with its figures as files beside it."""
+
+import re
+from collections.abc import Iterator
+
+from hbench.records import WordTable
+from hbench.report.render.document import Document, Section, numeric
+from hbench.report.render.word_tables import Cell, Table
+
+_MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
+
+
+def markdown(made: Document) -> str:
+    """Return ``made`` as Markdown with tables (GitHub's dialect); what is folded is unfolded."""
+    head = [f"# {plain(made.title)}", plain(made.subtitle)]
+    head += [f"**{plain(words)}**" for words in (made.banner, made.verdict) if words]
+    blocks = [block for section in made.sections for block in _blocks(section, 2)]
+    return "\n\n".join([*filter(None, head), *blocks]) + "\n"
+
+
+def plain(text: str) -> str:
+    """Return text that Markdown takes as it is: one line, no markup of anybody's."""
+    line = _MARKS.sub(r"\\\1", " ".join(text.split()))
+    return re.sub(r"^(\d*)([-+=.)])(?=\s|$)", r"\1\\\2", line)  # no list, no rule
+
+
+def _blocks(section: Section, level: int) -> Iterator[str]:
+    if section.title:
+        yield f"{'#' * min(level, 6)} {plain(section.title)}"
+    yield from map(plain, section.paragraphs)
+    tiles = [f"- **{plain(t.value)}** {plain(t.unit)} ({plain(t.more)})" for t in section.tiles]
+    if tiles:
+        yield "\n".join(tiles)
+    if section.items:
+        yield "\n".join(f"- {plain(item)}" for item in section.items)
+    if section.code:
+        yield "\n".join(f"    {line}" for line in section.code.splitlines())
+    for one in section.drawings:
+        yield f"![{plain(one.seen or one.caption)}](figures/{one.name}.svg)"
+        data = f" [Data](figures/{one.name}.csv)" if one.csv else ""
+        yield f"**{plain(one.title)}.** {plain(one.caption)}{data}"
+    for table in section.tables:
+        if table.title:
+            yield f"**{plain(table.title)}**"
+        yield "\n".join(_table(table))
+    if section.facts:
+        yield "\n".join(f"- **{plain(name)}:** {plain(words)}" for name, words in section.facts)
+    for part in section.parts:
+        yield from _blocks(part, level + 1)
+
+
+def _table(table: WordTable | Table) -> Iterator[str]:
+    yield _row(table.head)
+    right = numeric(table)
+    rules = ["---:" if column in right else "---" for column in range(len(table.head))]
+    yield _row(rules, as_it_is=True)
+    yield from (_row([words(cell) for cell in row]) for row in table.rows)
+
+
+def _row(cells: list[str] | tuple[str, ...], as_it_is: bool = False) -> str:
+    return f"| {' | '.join(cells if as_it_is else map(plain, cells))} |"
+
+
+def words(cell: Cell | str) -> str:
+    """Return a cell with its flag as text."""
+    if isinstance(cell, str):
+        return cell
+    return " ".join(filter(None, (cell.text, cell.flag and f"({cell.flag})")))

@@ -1,0 +1,14 @@
+"""Tables in aligned columns, for a terminal."""
+
+from collections.abc import Iterable
+
+from hbench.records import WordTable
+
+
+def aligned(table: WordTable) -> Iterable[str]:
+    """Yield the title and the rows of a table in columns."""
+    rows = [table.head, *table.rows]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    yield table.title
+    for row in rows:
+        yield "  ".join(map(str.ljust, row, widths)).rstrip()

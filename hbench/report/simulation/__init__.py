@@ -1,0 +1,1 @@
+"""Pages and text of simulated phenomena and replayed campaigns."""

@@ -1,0 +1,50 @@
+"""A phenomenon in words and numbers: tables for the terminal and the page, and its data."""
+
+import json
+from dataclasses import asdict
+
+from hbench.records import Finding, Phenomenon, WordTable
+from hbench.report.render.json_values import plain
+from hbench.report.render.numbers import NONE, significant
+from hbench.report.render.terminal_table import aligned
+
+FINDINGS_HEAD = ("quantity", "unit", "simulated", "expected", "formula or source")
+
+
+def phenomenon_text(phenomenon: Phenomenon) -> str:
+    """Return the title and every table in aligned columns."""
+    parts = [phenomenon.title]
+    for table in tables(phenomenon):
+        parts.append("\n".join(aligned(table)))
+    return "\n\n".join(parts)
+
+
+def phenomenon_json(phenomenon: Phenomenon) -> str:
+    """Return what it shows and its numbers as one object; curves are in the CSV of its folder."""
+    document = {
+        "schema": "hbench.phenomenon/1",
+        "name": phenomenon.name,
+        "title": phenomenon.title,
+        "text": phenomenon.text,
+        "findings": [asdict(finding) for finding in phenomenon.findings],
+        "tables": [asdict(table) for table in phenomenon.tables],
+    }
+    return json.dumps(plain(document), indent=1, allow_nan=False)
+
+
+def tables(phenomenon: Phenomenon) -> tuple[WordTable, ...]:
+    """Return the table of the phenomenon's findings, then its own tables."""
+    rows = tuple(_finding(finding) for finding in phenomenon.findings)
+    own = WordTable("Defining numbers", FINDINGS_HEAD, rows)
+    return (own, *phenomenon.tables) if rows else phenomenon.tables
+
+
+def _finding(finding: Finding) -> tuple[str, ...]:
+    expected = NONE if finding.expected is None else significant(finding.expected, 5)
+    return (
+        finding.quantity,
+        finding.unit,
+        significant(finding.found, 5),
+        expected,
+        finding.note,
+    )

@@ -1,0 +1,192 @@
+"""Boot images of the F28335: the text that ``hex2000 -boot -sci8 -a`` writes, and its checks.
+
+The text is hex octets between whitespace, with or without a 0x02 before and a 0x03 after them.
+The octets are what the serial boot ROM takes, 16-bit words with the low octet first and 32-bit
+values with the high word first (TI SPRUI07 and SPRU513):
+
+    AA 08               key 0x08AA
+    8 words             reserved
+    2 words             entry point
+    blocks              {number of words, address (2 words), the words}
+    00 00               end: a block of no words
+
+Written from those documents; no image of TI's tool has been loaded into a board with it yet.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from hbench.config.files.regular_file import NoSuchSize, read_regular
+from hbench.errors import ConfigError, DataError
+
+KEY = b"\xaa\x08"
+_RESERVED_OCTETS = 16
+_LARGEST = 16_000_000  # bytes of text; the chip's memory takes less than two
+LOADABLE = ((0x000000, 0x000001), (0x000050, 0x0007FF), (0x008000, 0x00FFFF))
+"""First and last address of M0 and M1, less the ROM's own stack, and of L0 to L7."""
+
+_OCTET = re.compile(r"[0-9A-Fa-f]{2}")
+_MAKE = "Make it with `hex2000 -boot -sci8 -a -o image.txt program.out`."
+
+
+@dataclass(frozen=True)
+class Block:
+    """Words that go to consecutive addresses."""
+
+    address: int
+    words: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class BootImage:
+    """A checked image: ``stream`` is what goes over the line, end mark included."""
+
+    name: str
+    entry: int
+    blocks: tuple[Block, ...]
+    stream: bytes
+
+    @property
+    def words(self) -> int:
+        """How many words it loads."""
+        return sum(len(block.words) for block in self.blocks)
+
+    def holds_text(self, text: str) -> bool:
+        """Tell whether a string stands in the loaded memory, a character a word as on the C28x."""
+        memory: dict[int, int] = {}
+        for block in self.blocks:
+            memory.update(enumerate(block.words, block.address))
+        wanted = [ord(character) for character in text]
+        return any(
+            all(memory.get(address + i) == word for i, word in enumerate(wanted))
+            for address in memory
+        )
+
+
+def read_boot_image(path: Path) -> BootImage:
+    """Read and check an image file. Raises ``ConfigError`` (no file), ``DataError``."""
+    try:
+        text = read_regular(path, _LARGEST).decode(
+            "latin-1"
+        )  # never fails; what is not hex is shown
+    except NoSuchSize as error:
+        raise DataError(f"{path}: {error}", "It can't be an image for an F28335.") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror or error}", "Check the path.") from None
+    return parse_boot_image(text, str(path))
+
+
+def parse_boot_image(text: str, source: str) -> BootImage:
+    """Return the checked image in hex2000's text; ``source`` names it in errors.
+
+    Raises ``DataError``: not hex text, wrong key or header, truncated, or a block or the entry
+    point where the boot ROM can't load.
+    """
+    cursor = _Cursor(_octets(text, source), source)
+    _check_key(cursor.take(2, "the key"), source)
+    cursor.take(_RESERVED_OCTETS, "the reserved words")
+    entry = cursor.long("the entry point")
+    blocks: list[Block] = []
+    while count := cursor.word(f"the size of block {len(blocks) + 1}"):
+        number = len(blocks) + 1
+        address = cursor.long(f"the address of block {number}")
+        _check_place(number, address, count, source)
+        octets = cursor.take(2 * count, f"block {number} ({count} words at 0x{address:06X})")
+        blocks.append(Block(address, _words(octets)))
+    stream, rest = cursor.split()
+    if any(rest):
+        raise DataError(f"{source}: {len(rest)} octets follow the end mark", _MAKE)
+    if not any(b.address <= entry < b.address + len(b.words) for b in blocks):
+        raise DataError(
+            f"{source}: entry point 0x{entry:06X} is in none of the {len(blocks)} blocks",
+            "Link the program for RAM, with its entry point (-e) in a loaded section.",
+        )
+    return BootImage(source, entry, tuple(blocks), stream)
+
+
+class _Cursor:
+    """Goes through the octets and knows what was to come where they end."""
+
+    def __init__(self, octets: bytes, source: str):
+        self._octets = octets
+        self._source = source
+        self._at = 0
+
+    def take(self, count: int, what: str) -> bytes:
+        part = self._octets[self._at : self._at + count]
+        if len(part) < count:
+            raise DataError(
+                f"{self._source}: truncated in {what}: {len(part)} of {count} octets, "
+                f"{len(self._octets)} in all",
+                "Copy or make the image anew; a whole one ends with a block of size 0.",
+            )
+        self._at += count
+        return part
+
+    def word(self, what: str) -> int:
+        return _words(self.take(2, what))[0]
+
+    def long(self, what: str) -> int:
+        high, low = _words(self.take(4, what))
+        return high << 16 | low
+
+    def split(self) -> tuple[bytes, bytes]:
+        return self._octets[: self._at], self._octets[self._at :]
+
+
+def _words(octets: bytes) -> tuple[int, ...]:
+    return tuple(low | high << 8 for low, high in zip(octets[::2], octets[1::2], strict=True))
+
+
+def _octets(text: str, source: str) -> bytes:
+    octets = bytearray()
+    for number, line in enumerate(text.translate({2: " ", 3: " "}).split("\n"), 1):
+        for token in line.split():
+            if token.startswith("$A"):
+                raise DataError(
+                    f"{source}: line {number}: address record {token!r}: made without -boot", _MAKE
+                )
+            if not _OCTET.fullmatch(token):
+                raise DataError(
+                    f"{source}: line {number}: {token[:24]!r} is not a hex octet", _MAKE
+                )
+            octets.append(int(token, 16))
+    return bytes(octets)
+
+
+def _check_key(key: bytes, source: str) -> None:
+    if key == KEY:
+        return
+    stands = f"begins with {key.hex(' ').upper()} where AA 08 belongs"
+    if KEY[0] in key:
+        raise DataError(
+            f"{source}: {stands}: header of another boot mode, made without -sci8", _MAKE
+        )
+    raise DataError(
+        f"{source}: {stands}: wrong key, at which the boot ROM would run the program in flash",
+        _MAKE,
+    )
+
+
+def _check_place(number: int, address: int, count: int, source: str) -> None:
+    outside = _first_outside(address, count)
+    if outside is None:
+        return
+    regions = ", ".join(f"0x{first:06X}-0x{last:06X}" for first, last in LOADABLE)
+    raise DataError(
+        f"{source}: block {number} ({count} words at 0x{address:06X}): 0x{outside:06X} is outside "
+        f"loadable RAM, {regions}",
+        "The serial boot ROM loads RAM only, and 0x000002-0x00004F is its own stack; "
+        "link the program for RAM.",
+    )
+
+
+def _first_outside(address: int, count: int) -> int | None:
+    end = address + count
+    while address < end:
+        last = next((last for first, last in LOADABLE if first <= address <= last), None)
+        if last is None:
+            return address
+        address = last + 1
+    return None

@@ -1,0 +1,1 @@
+"""The campaign folder: journal, raw logs, checksums, lock file."""

@@ -1,0 +1,1 @@
+"""Runs and curves for other programs."""

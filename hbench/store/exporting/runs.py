@@ -1,0 +1,111 @@
+"""Runs in SI for other programs: CSV, Parquet and MATLAB files.
+
+CSV is an index ``runs.csv``, one CSV a run and ``bench.yaml``. Parquet is the same as tables. A
+MATLAB file holds a struct array ``runs`` with the channels of each in its field ``log``, and
+``bench.yaml`` lies beside it. ``hbench import`` reads each of them back without a map.
+Sample times are kept as they are, and a channel that a bench does not have is left out.
+"""
+
+import io
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import yaml
+
+from hbench.config.import_layout import CHANNELS, FLAGS
+from hbench.records import Run, RunPlan
+from hbench.store.files.array_tables import require_pyarrow
+from hbench.store.files.run_csv import format_run
+from hbench.untrusted_text import as_cell
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+_WORDS = ("label", "reason")  # that others may have written
+
+Files = Iterator[tuple[str, bytes]]  # paths below the folder, and what is in them
+
+_CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
+_INDEX = (
+    *"run file kind label trial v_ref_m_s a_ref_m_s2 f_load_n p_lr_ref_pa p_lp_ref_pa".split(),
+    *"accepted reason".split(),
+)
+
+
+def csv_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
+    """Yield the files of the layout that ``hbench import`` reads."""
+    rows = []
+    for run, reason in runs:
+        name = f"runs/{run.plan.run}.csv"
+        rows.append(_row(run.plan, name, reason))
+        yield name, format_run(channels(run))
+    for row in rows:
+        row |= {name: as_cell(row[name]) for name in _WORDS}
+    yield "runs.csv", _frame(rows).to_csv(index=False, lineterminator="\n").encode()
+    yield from _bench_file(bench)
+
+
+def parquet_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
+    """Yield a table a run, with its id in a column, and the index of runs.
+
+    Raises ``ConfigError`` where pyarrow is not installed.
+    """
+    require_pyarrow()
+    import pandas as pd
+
+    rows = []
+    for run, reason in runs:
+        name = f"runs/{run.plan.run}.parquet"
+        rows.append(_row(run.plan, name, reason))
+        table = pd.DataFrame({"run": run.plan.run, **channels(run)})
+        yield name, table.to_parquet(engine="pyarrow", index=False)
+    yield "runs.parquet", _frame(rows).to_parquet(engine="pyarrow", index=False)
+    yield from _bench_file(bench)
+
+
+def mat_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
+    """Yield ``campaign.mat`` (version 5) with the struct array ``runs``: plan, verdict, log."""
+    from scipy.io import savemat
+
+    names = [name for name in _INDEX if name != "file"]
+    kind = [(name, object) for name in (*names, "log")]
+    rows = []
+    for run, reason in runs:
+        row = _row(run.plan, "", reason)
+        own = [np.nan if row[name] is None else row[name] for name in names]
+        rows.append((*own, channels(run)))
+    data = io.BytesIO()
+    savemat(data, {"runs": np.array(rows, dtype=kind)}, do_compression=True, oned_as="column")
+    yield "campaign.mat", data.getvalue()
+    yield from _bench_file(bench)
+
+
+def channels(run: Run) -> dict[str, np.ndarray]:
+    """Return the channels (n,) that a run has, by their names in SI; flags are 0 or 1."""
+    found = {name: getattr(run, name) for name in (*_CHANNELS, *FLAGS)}
+    return {name: 1 * values for name, values in found.items() if values is not None}
+
+
+def _bench_file(bench: dict[str, Any] | None) -> Files:
+    if bench is not None:
+        yield "bench.yaml", yaml.safe_dump(bench, sort_keys=False, allow_unicode=True).encode()
+
+
+def _row(plan: RunPlan, file: str, reason: str) -> dict[str, Any]:
+    own = {name: getattr(plan, name, None) for name in _INDEX}
+    return own | {"file": file, "accepted": not reason, "reason": reason}
+
+
+def _frame(rows: list[dict[str, Any]]) -> "DataFrame":
+    import pandas as pd
+
+    return pd.DataFrame(rows, columns=list(_INDEX))
+
+
+FORMATS: dict[str, Callable[[Iterable[tuple[Run, str]], dict[str, Any] | None], Files]] = {
+    "csv": csv_files,
+    "parquet": parquet_files,
+    "mat": mat_files,
+}

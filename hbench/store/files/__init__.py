@@ -1,0 +1,1 @@
+"""Atomic writes, bounded reads, and tables as text, MATLAB and Parquet files."""

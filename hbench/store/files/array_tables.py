@@ -1,0 +1,190 @@
+"""Tables that are no text: MATLAB's .mat files (up to version 7) and Parquet."""
+
+import io
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hbench.config.import_layout import Format
+from hbench.errors import ConfigError, DataError
+from hbench.store.files.mat_sizes import LARGEST_UNPACKED, check_mat_sizes
+from hbench.store.files.text_table import Table, parse_table
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+_V73 = b"MATLAB 7.3 MAT-file"
+# One step of a path: a name, then (k) for an element or (:,k) for a column.
+_STEP = re.compile(r"(\w+)(?:\((?:\s*(\d+)\s*|\s*:\s*,\s*(\d+)\s*)\))?")
+_FEW = 40  # columns that a message lists
+
+
+class Arrays:
+    """Columns of numbers by name or path."""
+
+    def __init__(self, root: Mapping[str, Any], source: str):
+        self._root = root
+        self.source = source
+        self.names = tuple(root)
+
+    def where(self, row: int) -> str:
+        """Return the words for the place of a row in the file."""
+        return f"sample {row + 1}"
+
+    def unit(self, column: int | str) -> None:
+        """Return None: such a file has no row of units."""
+
+    def position(self, column: int | str) -> int:
+        """Return where a column stands, from 0. Raises ``DataError``."""
+        if column not in self.names:
+            raise self._missing(column)
+        return self.names.index(column)
+
+    def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
+        """Return a column (n,) as floats, with ``gaps`` also NaN. Raises ``DataError``."""
+        values = np.atleast_1d(np.asarray(self._found(column)))
+        if values.ndim != 1 or values.dtype.kind not in "fiu":
+            shape = "x".join(map(str, values.shape))
+            raise DataError(
+                f"{self.source}: column {column}: is {shape} of type {values.dtype}; expected a "
+                "column of numbers",
+                "A column of a matrix is M(:,3); an element of a struct array is runs(2).",
+            )
+        values = values.astype(float)
+        bad = np.flatnonzero(np.isinf(values) if gaps else ~np.isfinite(values))
+        if len(bad):
+            raise DataError(
+                f"{self.source}: {self.where(bad[0])}: column {column}: found {values[bad[0]]}; "
+                "expected a number"
+            )
+        return values
+
+    def seconds(self, column: int | str) -> np.ndarray:
+        """Return a column (n,) of date-times as seconds since the first. Raises ``DataError``."""
+        values = np.atleast_1d(np.asarray(self._found(column)))
+        if values.dtype.kind not in "Mm" or np.isnat(values).any():
+            raise DataError(
+                f"{self.source}: column {column}: holds no date-times",
+                "In MATLAB, write posixtime(t) to a column in s; a datenum has the unit d.",
+            )
+        return (values - values[0]) / np.timedelta64(1, "ns") * 1e-9
+
+    def _found(self, column: int | str) -> Any:
+        if isinstance(column, int):
+            return self._of_matrix(column)
+        if column in self._root:
+            return self._root[column]
+        at: Any = self._root
+        for step in column.split("."):
+            match = _STEP.fullmatch(step.strip())
+            if match is None or not isinstance(at, Mapping) or match[1] not in at:
+                raise self._missing(column)
+            at = at[match[1]]
+            try:
+                at = at[int(match[2]) - 1] if match[2] else at
+                at = np.atleast_2d(at)[:, int(match[3]) - 1] if match[3] else at
+            except (IndexError, KeyError, TypeError):
+                raise self._missing(column) from None
+        return at
+
+    def _of_matrix(self, column: int) -> np.ndarray:
+        matrices = {k: v for k, v in self._root.items() if np.ndim(v) == 2}
+        if len(matrices) != 1:
+            raise DataError(
+                f"{self.source}: column {column}: expected one matrix, found {len(matrices)}; "
+                f"there are: {self._listed()}",
+                "Write its name too, as in M(:,3).",
+            )
+        matrix = np.asarray(next(iter(matrices.values())))
+        if column > matrix.shape[1]:
+            raise DataError(f"{self.source}: no column {column}; there are {matrix.shape[1]}")
+        return matrix[:, column - 1]
+
+    def _missing(self, column: int | str) -> DataError:
+        return DataError(f"{self.source}: no column {column!r}; there are: {self._listed()}")
+
+    def _listed(self) -> str:
+        found = list(_paths(self._root))
+        more = f" and {len(found) - _FEW} more" if len(found) > _FEW else ""
+        return (", ".join(found[:_FEW]) or "nothing that can be read") + more
+
+
+AnyTable = Table | Arrays
+
+
+def open_table(data: bytes, source: str, layout: Format) -> AnyTable:
+    """Read a file as its name's ending tells. Raises ``DataError``, ``ConfigError``."""
+    ending = source.rsplit(".", 1)[-1].lower()
+    if ending == "mat":
+        return Arrays(read_mat(data, source), source)
+    if ending == "parquet":
+        frame = read_parquet(data, source)
+        return Arrays({str(name): frame[name].to_numpy() for name in frame.columns}, source)
+    return parse_table(data, source, layout)
+
+
+def read_mat(data: bytes, source: str) -> dict[str, Any]:
+    """Return a MATLAB file's variables; structs are dicts. Raises ``DataError``."""
+    from scipy.io import loadmat
+
+    if data.startswith(_V73):
+        raise DataError(
+            f"{source}: is a MATLAB file of version 7.3 (HDF5); up to version 7 can be read",
+            "In MATLAB: save('file.mat', '-v7').",
+        )
+    check_mat_sizes(data, source)
+    try:
+        content = loadmat(io.BytesIO(data), simplify_cells=True)
+    except Exception as error:  # of many kinds
+        raise DataError(f"{source}: can't be read as a MATLAB file: {error}") from None
+    return {name: value for name, value in content.items() if name and not name.startswith("__")}
+
+
+def read_parquet(data: bytes, source: str) -> "DataFrame":
+    """Return a Parquet file's data frame. Raises ``DataError``, ``ConfigError``."""
+    require_pyarrow()
+    import pandas as pd
+    from pyarrow.parquet import ParquetFile
+
+    try:
+        about = ParquetFile(io.BytesIO(data)).metadata
+        groups = [about.row_group(i).total_byte_size for i in range(about.num_row_groups)]
+        size = max(8 * about.num_rows * about.num_columns, sum(groups))
+        if size > LARGEST_UNPACKED:
+            raise DataError(
+                f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
+                "Is it the right file? Save fewer columns, or split it.",
+            )
+        return pd.read_parquet(io.BytesIO(data), engine="pyarrow")
+    except DataError:
+        raise
+    except Exception as error:  # of many kinds
+        raise DataError(f"{source}: can't be read as a Parquet file: {error}") from None
+
+
+def require_pyarrow() -> None:
+    """Raise ``ConfigError`` where pyarrow is not installed."""
+    try:
+        import pyarrow  # noqa: F401
+    except ImportError:
+        raise ConfigError(
+            "Parquet needs the package pyarrow", "pip install 'hbench[parquet]'"
+        ) from None
+
+
+def _paths(root: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    for name, value in root.items():
+        path = prefix + name
+        if isinstance(value, Mapping):
+            yield from _paths(value, f"{path}.")
+        elif isinstance(value, (list, np.ndarray)) and _structs(value):
+            yield from _paths(value[0], f"{path}(1..{len(value)}).")
+        else:
+            shape = "x".join(map(str, np.shape(value)))
+            yield f"{path} ({shape})" if shape else path
+
+
+def _structs(value: list | np.ndarray) -> bool:
+    return len(value) > 0 and isinstance(value[0], Mapping)

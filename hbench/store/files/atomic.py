@@ -1,0 +1,123 @@
+"""Writes a file so that it is there whole or not at all."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+from hbench.errors import DataError
+from hbench.store.files.bounded_read import check_inside
+
+
+def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bool = True) -> None:
+    """Write ``data`` to ``path``: a temporary file beside it, flushed to disk, then renamed.
+
+    What is not ``lasting`` may be lost where the machine's power fails, and is not flushed.
+    Raises ``DataError`` naming the path where the disk refuses, or where ``path`` exists and
+    ``overwrite`` is False. Then ``path`` is what it was before.
+    """
+    if not overwrite and path.exists():
+        raise DataError(f"{path}: exists already and is never overwritten")
+    with whole_file(path, lasting=lasting) as file:
+        file.write(data)
+
+
+@contextmanager
+def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
+    """Give a file to write into, which becomes ``path`` when all went well, as ``write_atomic``."""
+    part = path.with_name(f".{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.unlink(missing_ok=True)
+        with part.open("xb") as file:  # never through a link that somebody laid there
+            yield file
+            if lasting:
+                _flush(file)
+        os.replace(part, path)
+        if lasting:
+            _flush_folder(path.parent)
+    except OSError as error:
+        raise _refused(path, error) from error
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files, named by their paths below ``folder``, each whole or not at all.
+
+    Raises ``DataError``, also for a path that leads out of ``folder``.
+    """
+    for name, data in files.items():
+        check_inside(folder, (folder / name).parent)
+        write_atomic(folder / name, data)
+
+
+def remove_files(folder: Path, names: Iterable[str]) -> None:
+    """Remove files by their paths below ``folder``, as far as they are there.
+
+    Raises ``DataError``, also for a path that leads out of ``folder``.
+    """
+    for name in sorted(names):
+        check_inside(folder, (folder / name).parent)
+        try:
+            (folder / name).unlink(missing_ok=True)
+        except OSError as error:
+            raise _refused(folder / name, error) from error
+
+
+def append(path: Path, data: bytes) -> None:
+    """Append ``data`` to ``path`` and flush it to disk.
+
+    Raises ``DataError``, and then takes back what was half-written, if the disk lets it.
+    """
+    length = path.stat().st_size if path.exists() else 0
+    try:
+        with path.open("ab") as file:
+            file.write(data)
+            _flush(file)
+    except OSError as error:
+        with suppress(OSError):
+            os.truncate(path, length)
+        raise _refused(path, error) from error
+
+
+def rename(path: Path, name: str) -> None:
+    """Give a file another name in its folder. Raises ``DataError``."""
+    try:
+        path.rename(path.with_name(name))
+    except OSError as error:
+        raise _refused(path, error) from error
+
+
+def truncate(path: Path, length: int) -> None:
+    """Cut a file to ``length`` bytes and flush it to disk. Raises ``DataError``."""
+    try:
+        with path.open("r+b") as file:
+            file.truncate(length)
+            _flush(file)
+    except OSError as error:
+        raise _refused(path, error) from error
+
+
+def _flush(file: IO[bytes]) -> None:
+    file.flush()
+    os.fsync(file.fileno())
+
+
+def _refused(path: Path, error: OSError) -> DataError:
+    return DataError(
+        f"{path}: can't be written: {error.strerror or error}",
+        "Check the free space and the permissions of the folder.",
+    )
+
+
+def _flush_folder(folder: Path) -> None:
+    if os.name != "posix":  # elsewhere a folder can't be opened
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

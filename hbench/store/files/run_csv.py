@@ -1,0 +1,105 @@
+"""A run in SI as a CSV file, one named column a channel: the layout of imported runs."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from hbench.config.import_layout import ALWAYS, CHANNELS, FLAGS, LIMITS, LONGEST_S, Format
+from hbench.errors import DataError
+from hbench.records import Run, RunPlan
+from hbench.store.files.array_tables import AnyTable
+from hbench.store.files.text_table import parse_table
+
+_IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
+# A logged reference counts as the plan's within this: a count of 1e-5 m/s, or 0.1 %.
+_SAME_SPEED_M_S, _SAME_SPEED = 1e-5, 1e-3
+
+
+def format_run(channels: Mapping[str, np.ndarray]) -> bytes:
+    """Return the CSV of ``channels``, each (n,), with all digits that a float has."""
+    columns = [map(repr, values.tolist()) for values in channels.values()]
+    rows = map(",".join, zip(*columns, strict=True))
+    return "\n".join((",".join(channels), *rows, "")).encode()
+
+
+def read_channels(table: AnyTable) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
+    """Return the known channels of a table in SI, and the names of its other columns.
+
+    Empty cells are NaN. Raises ``DataError`` naming the line: for cells that are not numbers,
+    for time that does not rise, for gaps in ``t_s`` or ``x_m``, and for a file without these.
+    """
+    for name in ALWAYS:
+        table.position(name)
+    channels = {
+        name: table.numbers(name, gaps=name not in ALWAYS)
+        for name in table.names
+        if name in CHANNELS or name in FLAGS
+    }
+    check_lengths(channels, table)
+    check_limits(channels, table)
+    check_time(channels["t_s"], table)
+    return channels, tuple(name for name in table.names if name not in channels)
+
+
+def check_lengths(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
+    """Raise ``DataError`` where a channel has not as many samples as the time."""
+    n = len(channels["t_s"])
+    if n == 0:
+        raise DataError(f"{table.source}: holds no samples")
+    for name, values in channels.items():
+        if len(values) != n:
+            raise DataError(
+                f"{table.source}: {name} has {len(values)} samples and t_s has {n}",
+                "Channels of different rates must come to common times before.",
+            )
+
+
+def check_limits(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
+    """Raise ``DataError`` naming the line of a value that nothing measured can be."""
+    for name, unit in CHANNELS.items():
+        values = channels.get(name, np.zeros(0))
+        beyond = np.flatnonzero(np.abs(values) > LIMITS[unit])
+        if len(beyond):
+            row = beyond[0]
+            raise DataError(
+                f"{table.source}: {table.where(row)}: {name} is {values[row]:.6g} {unit}; "
+                f"limit {LIMITS[unit]:g} {unit}",
+                "Is the unit right?",
+            )
+
+
+def check_time(
+    t_s: np.ndarray, table: AnyTable, rows: np.ndarray | None = None, hint: str = ""
+) -> None:
+    """Raise ``DataError`` naming the line where time does not rise.
+
+    ``rows`` (n,) are the samples' rows in the table, where not all have been kept; ``hint`` helps
+    against times that stand still.
+    """
+    stuck = np.flatnonzero(np.diff(t_s) <= 0)
+    if len(stuck):
+        row = stuck[0] + 1
+        place = table.where(row if rows is None else rows[row])
+        raise DataError(
+            f"{table.source}: {place}: time goes from {t_s[row - 1]:.6g} s to {t_s[row]:.6g} s; "
+            "expected it to rise",
+            hint if t_s[row] == t_s[row - 1] else "",
+        )
+    if t_s[-1] - t_s[0] > LONGEST_S:
+        raise DataError(
+            f"{table.source}: lasts {t_s[-1] - t_s[0]:.6g} s; limit {LONGEST_S:g} s",
+            "Is the unit of time right?",
+        )
+
+
+def parse_run(data: bytes, plan: RunPlan, source: str) -> Run:
+    """Return the run in a CSV in SI. Raises ``DataError``."""
+    channels, _ = read_channels(parse_table(data, source, Format()))
+    run: dict[str, Any] = {name: values for name, values in channels.items() if name in _IN_RUN}
+    run |= {name: channels[name] > 0 for name in FLAGS if name in channels}
+    if (v_ref := run.get("v_ref_m_s")) is not None:
+        margin = max(_SAME_SPEED_M_S, _SAME_SPEED * abs(plan.v_ref_m_s))
+        run["at_reference"] = np.abs(v_ref - plan.v_ref_m_s) <= margin
+    return Run(plan=plan, **run)

@@ -1,0 +1,196 @@
+"""Reads a table of text: delimited columns, with or without a header."""
+
+import codecs
+import csv
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from hbench.config.import_layout import Format
+from hbench.errors import DataError
+
+_DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
+_GAPS = ("", "nan", "na", "n/a", "null")
+_BOMS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+
+
+_FORMAT = (
+    "See 'format' in the map: separator, preamble (lines before the header), comment, skip_rows."
+)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of a file as text; a column becomes numbers when it is asked for."""
+
+    names: tuple[str, ...]  # of the columns; empty without a header
+    units: tuple[str, ...]  # of the columns; empty without a row of units
+    rows: list[list[str]]
+    lines: np.ndarray  # (n,) line of each row in the file, from 1
+    layout: Format
+    source: str
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def where(self, row: int) -> str:
+        """Return the words for the place of a row in the file."""
+        return f"line {self.lines[row]}"
+
+    def position(self, column: int | str) -> int:
+        """Return where a column stands, from 0. Raises ``DataError``."""
+        if isinstance(column, str):
+            have = ", ".join(self.names) or "no header"
+            if column not in self.names:
+                mapped = self.layout != Format() or len(self.names) == 1
+                raise DataError(
+                    f"{self.source}: no column {column!r}; there are: {have}",
+                    _FORMAT if mapped else "",
+                )
+            if self.names.count(column) > 1:
+                raise DataError(
+                    f"{self.source}: column {column!r} stands there "
+                    f"{self.names.count(column)} times; there are: {have}",
+                    "Write the column's number, from 1.",
+                )
+            return self.names.index(column)
+        width = len(self.rows[0]) if self.rows else column
+        if not 1 <= column <= width:
+            raise DataError(f"{self.source}: no column {column}; there are {width}")
+        return column - 1
+
+    def unit(self, column: int | str) -> str | None:
+        """Return what the row of units says of a column, without brackets; None without a row."""
+        return self.units[self.position(column)].strip(" []()") if self.units else None
+
+    def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
+        """Return a column (n,) as floats; with ``gaps``, NaN where a cell is empty or "nan".
+
+        Raises ``DataError`` naming the line of any other cell that is not a finite number.
+        """
+        position = self.position(column)
+        cells = [self._plain(row[position]) for row in self.rows]
+        try:
+            values = np.array(cells, dtype=float)
+        except ValueError:
+            values = np.array([_float(cell) for cell in cells])
+        for row in np.flatnonzero(~np.isfinite(values)).tolist():
+            if not (gaps and cells[row].strip().lower() in _GAPS):
+                found = self.rows[row][position][:60]
+                raise DataError(
+                    f"{self.source}: {self.where(row)}: column {column}: found {found!r}; "
+                    "expected a number",
+                    "A decimal comma is told in a map: format.decimal." if "," in found else "",
+                )
+        return values
+
+    def seconds(self, column: int | str) -> np.ndarray:
+        """Return a column (n,) of ISO 8601 date-times as seconds since the first of them.
+
+        Raises ``DataError`` naming the line.
+        """
+        position, times = self.position(column), []
+        for row, cells in enumerate(self.rows):
+            try:
+                times.append(datetime.fromisoformat(cells[position].strip()))
+                times[-1] - times[0]  # with and without an offset from UTC don't mix
+            except (ValueError, TypeError):
+                raise DataError(
+                    f"{self.source}: {self.where(row)}: column {column}: found "
+                    f"{cells[position][:60]!r}; expected a date-time such as 2024-05-01T12:00:00.25"
+                ) from None
+        return np.array([(time - times[0]).total_seconds() for time in times])
+
+    def _plain(self, cell: str) -> str:
+        """Return a number as Python writes it; what is none stays none."""
+        decimal, thousands = self.layout.decimal, self.layout.thousands
+        if thousands is not None:
+            whole, mark, rest = cell.strip().partition(decimal)
+            groups = whole.lstrip("+-").split(thousands)
+            if 1 <= len(groups[0]) <= 3 and all(len(group) == 3 for group in groups[1:]):
+                cell = whole.replace(thousands, "") + mark + rest
+        if decimal != "." and cell:
+            cell = cell.translate({ord("."): "?", ord(decimal): "."})
+        return cell.replace("_", "?")  # Python takes 1_0 for 10
+
+
+def parse_table(data: bytes, source: str, layout: Format) -> Table:
+    """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
+    kept = list(_lines_of_data(decoded(data), layout))
+    rows, lines = _cells(kept, layout, source)
+    names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    if layout.header and rows:
+        names, rows, lines = tuple(name.strip() for name in rows[0]), rows[1:], lines[1:]
+    if layout.units_row and rows:
+        units, rows, lines = tuple(rows[0]), rows[1:], lines[1:]
+    rows, lines = rows[layout.skip_rows :], lines[layout.skip_rows :]
+    if not rows:
+        skipped = layout.preamble + layout.header + layout.units_row + layout.skip_rows
+        raise DataError(f"{source}: no rows of data after the first {skipped}")
+    width = len(names) or len(rows[0])
+    for number, cells in enumerate(rows):
+        if len(cells) == width + 1 and not cells[-1].strip():
+            cells.pop()  # the line ends with a separator
+        if len(cells) != width:
+            text = _DELIMITERS.get(layout.separator, " ").join(cells)
+            raise DataError(
+                f"{source}: line {lines[number]}: found {len(cells)} columns in "
+                f"{text[:60]!r}; expected {width}",
+                _FORMAT,
+            )
+    if units and len(units) < width:
+        raise DataError(f"{source}: its row of units has {len(units)} columns; expected {width}")
+    return Table(names, units, rows, np.array(lines), layout, source)
+
+
+def decoded(data: bytes) -> str:
+    """Return text of a character set that its first bytes, its zeros or its faults tell."""
+    for mark, name in _BOMS.items():
+        if data.startswith(mark):
+            return data.decode(name, errors="replace")
+    if data[1:200:2].count(0) > 50 or (len(data) > 3 and data[1] == data[3] == 0):
+        return data.decode("utf-16-le", errors="replace")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data.decode("cp1252", errors="replace")
+
+
+def _lines_of_data(text: str, layout: Format) -> Iterator[tuple[int, str]]:
+    for number, line in enumerate(text.splitlines(), start=1):
+        if number <= layout.preamble or not line.strip():
+            continue
+        if layout.comment is None or not line.lstrip().startswith(layout.comment):
+            yield number, line
+
+
+def _cells(
+    kept: list[tuple[int, str]], layout: Format, source: str
+) -> tuple[list[list[str]], list[int]]:
+    """Return the cells of each row, and the line in which it ends."""
+    texts = [line for _, line in kept]
+    if layout.separator == "whitespace":
+        return [line.split() for line in texts], [number for number, _ in kept]
+    reader, rows, lines = csv.reader(texts, delimiter=_DELIMITERS[layout.separator]), [], []
+    try:
+        for cells in reader:
+            rows.append(cells)
+            lines.append(kept[reader.line_num - 1][0])
+    except csv.Error as error:  # such as a cell of 100 kB, since a quote is not closed
+        after = f"after line {lines[-1]}" if lines else "in the first row"
+        raise DataError(f"{source}: {after}: {error}", "Is a quote not closed?") from None
+    return rows, lines
+
+
+def _float(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return np.nan

@@ -1,0 +1,1 @@
+"""The table of a fleet, and its rows while it is computed."""

@@ -1,0 +1,169 @@
+"""A fleet's table: Parquet, a row a campaign in the order of their paths.
+
+Of each number there are four columns: ``NAME`` is the mean over the loads of a direction,
+``NAME_low`` and ``NAME_high`` its 95 % interval, ``NAME_se`` the standard error of the trials
+alone. The same rows give the same bytes.
+"""
+
+import os
+from collections.abc import Iterable, Iterator
+from datetime import UTC, datetime
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hbench.errors import DataError
+from hbench.records import QUANTITIES, Direction, FleetRow
+from hbench.store.files.array_tables import require_pyarrow
+from hbench.store.files.atomic import whole_file
+from hbench.untrusted_text import printable
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+TABLE = "fleet.parquet"
+PARTS = ("low", "high", "se")
+_BATCH = 10_000  # rows
+_DIRECTIONS: tuple[Direction, ...] = ("extend", "retract")
+_PLAIN = {
+    "path": "string",
+    "failed": "string",
+    "name": "string",
+    "source": "string",
+    "bench": "string",
+    "seed": "int64",
+    "started": "moment",
+    "protocol": "string",
+    "area_piston_m2": "double",
+    "area_rod_m2": "double",
+    "stroke_m": "double",
+    "quality": "string",
+    "runs": "int64",
+    "accepted": "int64",
+    "v_m_s": "double",
+}
+
+
+def column_of(name: str, direction: Direction) -> str:
+    """Return the name of a number's column: ``friction_n`` is ``friction_extend_n``."""
+    unit = next((u for u in ("_n_s_m", "_m_s", "_n") if name.endswith(u)), "")
+    return f"{name.removesuffix(unit)}_{direction}{unit}"
+
+
+def cells_of(row: FleetRow) -> list[Any]:
+    """Return a row as JSON knows it, in the order of the table's columns."""
+    cells: list[Any] = []
+    for name, kind in _PLAIN.items():
+        value = getattr(row, name)
+        if kind == "moment":
+            value = value and round(value.timestamp() * 1e6)
+        elif name == "path":
+            value = shown_path(row.path)
+        cells.append(_finite(value))
+    for key in _numbers():
+        number = row.numbers.get(key)
+        cells.append(_finite(number and number.value))
+        cells += [_finite(number and getattr(number, part)) for part in PARTS]
+    return cells
+
+
+def shown_path(path: str) -> str:
+    """Return a path as text, whatever its bytes are, without what a terminal would obey."""
+    return printable(os.fsencode(path).decode("utf-8", "backslashreplace"))
+
+
+def write_table(path: Path, rows: Iterable[list[Any]]) -> None:
+    """Write rows of ``cells_of`` as Parquet, a batch at a time. Raises ``DataError``."""
+    import pyarrow.parquet as pq
+
+    schema = _schema()
+    left = iter(rows)
+    with whole_file(path) as file, pq.ParquetWriter(file, schema, compression="zstd") as writer:
+        while batch := list(islice(left, _BATCH)):
+            writer.write_batch(_batch(batch, schema), row_group_size=_BATCH)
+
+
+class FleetTable:
+    """A table on disk, read a column at a time. Raises ``DataError``, ``ConfigError``."""
+
+    def __init__(self, path: Path):
+        require_pyarrow()
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        self._path = path
+        try:
+            self.rows = pq.read_metadata(path).num_rows
+        except (OSError, pa.ArrowException) as error:
+            raise DataError(f"{path}: {error}") from None
+
+    def column(self, name: str) -> "pa.ChunkedArray":
+        """Return a column as it is."""
+        import pyarrow.parquet as pq
+
+        return pq.read_table(self._path, columns=[name]).column(0)
+
+    def numbers(self, name: str) -> np.ndarray:
+        """Return a column (rows,) of numbers; NaN where there is none."""
+        found = self.column(name).to_numpy()
+        return np.asarray(found, dtype=float)
+
+    def moments(self) -> np.ndarray:
+        """Return when the campaigns were started (rows,), in seconds since 1970; NaN: not known."""
+        import pyarrow as pa
+
+        found = self.column("started").cast(pa.int64()).to_numpy()
+        return np.asarray(found, dtype=float) / 1e6
+
+    def counts(self, name: str) -> list[tuple[str, int]]:
+        """Return the words of a column and how often they are there, the most frequent first."""
+        found = self.column(name).value_counts().to_pylist()
+        pairs = [(str(one["values"] or ""), one["counts"]) for one in found]
+        return sorted(pairs, key=lambda pair: (-pair[1], pair[0]))
+
+    def where(self, name: str, words: str) -> np.ndarray:
+        """Return where (rows,) a column says ``words``."""
+        import pyarrow.compute as pc
+
+        return np.asarray(pc.equal(self.column(name), words).fill_null(False).to_numpy(), bool)
+
+    def words(self, name: str, rows: np.ndarray) -> list[Any]:
+        """Return a column's values in some rows."""
+        return self.column(name).take(rows).to_pylist()
+
+
+def _numbers() -> Iterator[tuple[str, Direction]]:
+    yield from ((one.name, d) for one in QUANTITIES for d in _DIRECTIONS)
+
+
+def _schema() -> "pa.Schema":
+    import pyarrow as pa
+
+    moment = pa.timestamp("us", tz="UTC")
+    kinds = {
+        "string": pa.string(), "int64": pa.int64(), "double": pa.float64(), "moment": moment,
+    }  # fmt: skip
+    fields = [(name, kinds[kind]) for name, kind in _PLAIN.items()]
+    for key in _numbers():
+        own = column_of(*key)
+        fields += [(name, pa.float64()) for name in (own, *(f"{own}_{part}" for part in PARTS))]
+    return pa.schema(fields)
+
+
+def _batch(rows: list[list[Any]], schema: "pa.Schema") -> "pa.RecordBatch":
+    import pyarrow as pa
+
+    columns = zip(*rows, strict=True)
+    arrays = [pa.array(list(c), type=f.type) for c, f in zip(columns, schema, strict=True)]
+    return pa.RecordBatch.from_arrays(arrays, schema=schema)
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def moment_of(seconds: float) -> datetime:
+    """Return a moment from seconds since 1970."""
+    return datetime.fromtimestamp(seconds, UTC)

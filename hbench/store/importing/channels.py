@@ -1,0 +1,162 @@
+"""The channels of one foreign file by an import map: units, zeros, times."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.config.import_layout import ALWAYS, CHANNELS, DATE_TIME, Column
+from hbench.config.import_map import ImportMap
+from hbench.errors import DataError
+from hbench.store.files.array_tables import AnyTable, open_table
+from hbench.store.files.run_csv import check_lengths, check_limits, check_time
+from hbench.store.files.text_table import Table
+from hbench.store.importing.clipping import clipped
+from hbench.store.importing.resampling import interval_means, whole_intervals
+from hbench.store.importing.zero_offset import LEAST_S, rest_before_motion, zero_at_rest
+from hbench.units import parse_unit, to_si
+
+
+@dataclass(frozen=True)
+class FileChannels:
+    """A whole file in SI."""
+
+    channels: dict[str, np.ndarray]  # (n,) each
+    lines: np.ndarray  # (n,) where each sample stands in the file, from 1
+    notes: tuple[str, ...]  # what was done to it
+
+
+def read_file(
+    data: bytes, source: str, name: str, fields: Mapping[str, str], rules: ImportMap
+) -> FileChannels:
+    """Return the channels of a file. ``fields`` are those of its ``name``.
+
+    Raises ``DataError`` naming the line that can't be used.
+    """
+    table = open_table(data, source, rules.format)
+    channels = {key: _in_si(table, key, column, rules) for key, column in rules.columns.items()}
+    check_lengths(channels, table)
+    held = clipped(channels)
+    n = len(channels["t_s"])
+    for key, constant in rules.constants.items():
+        channels[key] = np.full(n, to_si(_filled(constant, fields), CHANNELS[key]))
+    check_limits(channels, table)
+    if held:
+        channels["sensor_saturated"] = np.logical_or.reduce(list(held.values())).astype(float)
+    told_held = [_held(name, key, channels[key], samples) for key, samples in held.items()]
+    channels, rows, notes = _without_repeats(channels, name, rules)
+    hint = "For a clock that is too coarse: 'repeated_times: drop' in the map."
+    check_time(channels["t_s"], table, rows, hint)
+    lines = table.lines[rows] if isinstance(table, Table) else rows + 1
+    notes += told_held
+    channels, told = _zeroed(channels, source, name, rules)
+    notes += told
+    channels, lines, told = _resampled(channels, lines, source, name, rules)
+    notes += told
+    return FileChannels(channels, lines, tuple(notes))
+
+
+def _filled(constant: str, fields: Mapping[str, str]) -> str:
+    for name, number in fields.items():
+        constant = constant.replace(f"{{{name}}}", number)
+    return constant
+
+
+def _in_si(table: AnyTable, name: str, column: Column, rules: ImportMap) -> np.ndarray:
+    unit = _unit(table, name, column, rules)
+    if unit == DATE_TIME:
+        return table.seconds(column.column)
+    numbers = table.numbers(column.column, gaps=name not in ALWAYS)
+    values = numbers * (parse_unit(unit).factor * column.scale)
+    if name == "f_applied_n" and rules.load_cell is not None:  # C.6
+        values = (values - rules.load_cell.level) / rules.load_cell.volts_per_newton
+    return values if column.offset is None else values + to_si(column.offset, CHANNELS[name])
+
+
+def _unit(table: AnyTable, name: str, column: Column, rules: ImportMap) -> str:
+    """Return a column's unit: the map's, the file's own, or SI. Raises ``DataError``."""
+    wanted, told = rules.wanted(name), table.unit(column.column)
+    if told is None:
+        return column.unit or wanted
+    where = f"{table.source}: column {column.column}: its row of units says {told!r}"
+    try:
+        found = parse_unit(told) if told else None
+    except ValueError:
+        found = None
+    if column.unit is not None:
+        if found and column.unit != DATE_TIME and found != parse_unit(column.unit):
+            raise DataError(f"{where}; the map says {column.unit!r}")
+        return column.unit
+    if found is None:
+        raise DataError(f"{where}, which is no known unit", "Write its unit in the map.")
+    if found.dimension != parse_unit(wanted).dimension:
+        raise DataError(f"{where}; {name} needs one like {wanted}")
+    return told
+
+
+def _held(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> str:
+    ends = " and ".join(f"{end:.6g}" for end in np.unique(values[samples]))
+    return (
+        f"{name}: {key}: clipped at {ends} {CHANNELS[key]} in {samples.sum()} of {len(samples)} "
+        "samples: it stays there while others move"
+    )
+
+
+def _without_repeats(
+    channels: dict[str, np.ndarray], name: str, rules: ImportMap
+) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
+    again = np.concatenate(([False], np.diff(channels["t_s"]) == 0))
+    if rules.repeated_times == "refuse" or not again.any():
+        return channels, np.arange(len(again)), []
+    note = f"{name}: {again.sum()} of {len(again)} samples have the time of the one before: dropped"
+    kept = {key: values[~again] for key, values in channels.items()}
+    return kept, np.flatnonzero(~again), [note]
+
+
+def _zeroed(
+    channels: dict[str, np.ndarray], source: str, name: str, rules: ImportMap
+) -> tuple[dict[str, np.ndarray], list[str]]:
+    asked = [key for key, column in rules.columns.items() if column.zero == "rest"]
+    if not asked:
+        return channels, []
+    t_s, out, notes = channels["t_s"], dict(channels), []
+    rest = rest_before_motion(t_s, channels["x_m"], channels.get("v_ref_m_s"))
+    for key in asked:
+        zero = zero_at_rest(t_s[rest], channels[key][rest])
+        if zero is None:
+            raise DataError(
+                f"{source}: {key} has no zero: less than {LEAST_S:g} s at rest before the motion",
+                "Leave out its zero: rest in the map, or tell its zero as an offset.",
+            )
+        out[key] = channels[key] - zero.mean
+        words = f"{zero.mean:.4g} {CHANNELS[key]} (standard error {zero.se:.2g} {CHANNELS[key]})"
+        notes.append(
+            f"{name}: {key}: {words} subtracted, its mean over {zero.seconds:.2f} s at rest"
+        )
+    return out, notes
+
+
+def _resampled(
+    channels: dict[str, np.ndarray], lines: np.ndarray, source: str, name: str, rules: ImportMap
+) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
+    t_s, rate = channels["t_s"], rules.resample
+    if rate is None:
+        return channels, lines, []
+    step = float(np.median(np.diff(t_s))) if len(t_s) > 1 else np.inf
+    if rate * step > 1 + 1e-6:
+        raise DataError(
+            f"{source}: resample = {rate:g} Hz, but its samples are {1e3 * step:.3g} ms apart",
+            "A mean needs a sample in each interval; none is made up.",
+        )
+    starts = whole_intervals(t_s, rate, rules.screening.max_gap)
+    middles = starts + 0.5 / rate
+    out = {key: interval_means(t_s, y, starts, rate) for key, y in channels.items()}
+    out["t_s"] = middles
+    if "sensor_saturated" in out:  # a mean in which some sample is clipped
+        out["sensor_saturated"] = (out["sensor_saturated"] > 0).astype(float)
+    lost = int(np.floor((t_s[-1] - t_s[0]) * rate + 1e-9)) - len(starts)
+    note = f"{name}: resampled from {len(t_s)} samples to {len(starts)} means over 1/{rate:g} s"
+    if lost:
+        note += f"; {lost} intervals reach into gaps and are left out"
+    nearest = np.clip(np.searchsorted(t_s, middles), 0, len(lines) - 1)
+    return out, lines[nearest], [note]

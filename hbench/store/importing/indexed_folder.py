@@ -1,0 +1,182 @@
+"""Reads a folder in the default layout: an index of runs and a table of each, all in SI.
+
+The index is ``runs.csv`` (one CSV or Parquet file a run), ``runs.parquet`` (the same), or
+``campaign.mat`` with the struct array ``runs`` that holds the logs too. ``bench.yaml`` beside it,
+if there, tells the cylinder and all else about the bench.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hbench.config.bench import parse_bench
+from hbench.config.files.loading import read_yaml
+from hbench.config.import_layout import Format
+from hbench.errors import DataError
+from hbench.records import RunPlan, Specimen
+from hbench.store.campaign.journal import check_run_id
+from hbench.store.campaign.plan_fields import KINDS, check_number
+from hbench.store.files.array_tables import AnyTable, Arrays, open_table, read_mat, read_parquet
+from hbench.store.files.run_csv import read_channels
+from hbench.store.files.text_table import Table, parse_table
+from hbench.store.importing.imported_run import ForeignRun, ForeignRuns, SourceFile, read_source
+from hbench.untrusted_text import from_cell
+
+INDICES = ("runs.csv", "runs.parquet", "campaign.mat")
+BENCH = "bench.yaml"
+
+_REQUIRED = ("run", "file", "v_ref_m_s")
+_OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa")
+_COLUMNS = (*_REQUIRED, "kind", "trial", "label", *_OPTIONAL)
+_OF_EXPORT = ("accepted", "reason")  # a verdict that is made anew
+# The source's own cylinder, 40/25/400 mm, for logs that come without a bench file.
+_REFERENCE = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
+
+
+# The index, and what gives a run's table and file for its number and the cell "file".
+_Index = tuple[Table, Callable[[int, str], tuple[AnyTable, SourceFile]]]
+
+
+def read_indexed(folder: Path) -> ForeignRuns:
+    """Read the runs that the folder's index lists. Raises ``DataError`` naming file and line."""
+    found = [name for name in INDICES if (folder / name).is_file()]
+    if not found:
+        raise DataError(
+            f"{folder}: holds none of {', '.join(INDICES)}",
+            "Write a map for other files and give it with --map; see configs/import-csv.yaml.",
+        )
+    name = found[0]
+    index, log = (_mat_index if name.endswith(".mat") else _table_index)(folder, name)
+    for column in (*_REQUIRED, *(name for name in index.names if name in _COLUMNS)):
+        index.position(column)
+    bench, specimen, notes = _bench(folder, name)
+    known = (*_COLUMNS, *_OF_EXPORT)
+    notes += _left_out(name, [column for column in index.names if column not in known])
+    runs: list[ForeignRun] = []
+    lines: dict[str, int] = {}
+    for row, cells in enumerate(index.rows):
+        plan, file_name = _plan(index, row, dict(zip(index.names, cells, strict=True)), specimen)
+        if plan.run in lines:
+            raise _fault(index, row, "run", plan.run, f"stands in line {lines[plan.run]} too")
+        lines[plan.run] = index.lines[row]
+        table, file = log(row, file_name)
+        channels, others = read_channels(table)
+        notes += _left_out(file.name, [column for column in others if column != "run"])
+        first = table.lines[0] if isinstance(table, Table) else 1
+        last = table.lines[-1] if isinstance(table, Table) else len(channels["t_s"])
+        runs.append(ForeignRun(plan, channels, file, (int(first), int(last))))
+    return ForeignRuns(tuple(runs), (*notes, *_unlisted(folder, name, runs)), bench)
+
+
+def _unlisted(folder: Path, index: str, runs: Sequence[ForeignRun]) -> Iterator[str]:
+    """Tell of files beside those of the index that are in none of its rows."""
+    listed = {(folder / run.file.name).resolve() for run in runs} | {(folder / index).resolve()}
+    beside = {(path.parent, path.suffix) for path in listed if path.name != index}
+    found = {path for at, suffix in beside for path in at.glob(f"*{suffix}")} - listed
+    if found:
+        names = sorted(path.relative_to(folder.resolve()).as_posix() for path in found)
+        few = ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")
+        yield f"{index}: has no row for {few}: left out ({len(names)} files)"
+
+
+def _table_index(folder: Path, name: str) -> _Index:
+    data = read_source(folder, name).data
+    if name.endswith(".parquet"):
+        data = read_parquet(data, str(folder / name)).to_csv(index=False).encode()
+
+    def log(_: int, file_name: str) -> tuple[AnyTable, SourceFile]:
+        file = read_source(folder, file_name)
+        return open_table(file.data, str(folder / file_name), Format()), file
+
+    return parse_table(data, str(folder / name), Format()), log
+
+
+def _mat_index(folder: Path, name: str) -> _Index:
+    file, source = read_source(folder, name), str(folder / name)
+    runs = read_mat(file.data, source).get("runs")
+    runs = [runs] if isinstance(runs, dict) else runs
+    if (
+        not isinstance(runs, (list, np.ndarray))
+        or not len(runs)
+        or not all(isinstance(run, dict) and "log" in run for run in runs)
+    ):
+        raise DataError(f"{source}: has no struct array 'runs' with the field 'log'")
+    names = [field for field in runs[0] if field != "log"]
+    rows = [[*(_cell(run.get(field)) for field in names), name] for run in runs]
+    count = np.arange(1, len(rows) + 1)
+    index = Table((*names, "file"), (), rows, count, Format(), source)
+    return index, lambda row, _: (Arrays(runs[row]["log"], f"{source}: runs({row + 1}).log"), file)
+
+
+def _cell(value: Any) -> str:
+    """Return a scalar of a struct as the cell of a table; empty for nothing and NaN."""
+    if np.size(value) != 1:
+        return ""
+    text = str(np.asarray(value).item())
+    return "" if text in ("nan", "None") else text
+
+
+def _left_out(name: str, columns: Sequence[str]) -> tuple[str, ...]:
+    known = f"{name}: unknown columns are left out: {', '.join(columns)}"
+    return (known,) if columns else ()
+
+
+def _bench(folder: Path, index: str) -> tuple[dict[str, Any] | None, Specimen, tuple[str, ...]]:
+    path = folder / BENCH
+    if not path.exists():
+        note = (
+            f"no {BENCH} beside {index}: the cylinder under test is taken to be the reference "
+            "bench's (40 mm piston, 25 mm rod, 400 mm stroke)"
+        )
+        return None, _REFERENCE, (note,)
+    content = read_yaml(path)
+    cylinder = parse_bench(content, str(path)).test_cylinder
+    specimen = Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke)
+    return {"file": BENCH, "content": content}, specimen, ()
+
+
+def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> tuple[RunPlan, str]:
+    """Return the plan and the file of one row of the index."""
+    cells = {name: cell.strip() for name, cell in cells.items()}
+    kind = cells.get("kind") or "steady"
+    if kind not in KINDS:
+        raise _fault(index, row, "kind", kind, f"expected one of {', '.join(KINDS)}")
+    trial = cells.get("trial") or "1"
+    if not trial.isdecimal() or len(trial) > 6 or int(trial) < 1:
+        raise _fault(index, row, "trial", trial, "expected a number from 1")
+    references: dict[str, Any] = {
+        name: _number(index, row, name, cells[name]) for name in _OPTIONAL if cells.get(name)
+    }
+    plan = RunPlan(
+        run=check_run_id(cells["run"], f"{index.source}: {index.where(row)}"),
+        kind=kind,
+        trial=int(trial),
+        v_ref_m_s=_number(index, row, "v_ref_m_s", cells["v_ref_m_s"]),
+        specimen=specimen,
+        label=_label(index, row, cells.get("label", "")),
+        **references,
+    )
+    return plan, cells["file"]
+
+
+def _label(index: Table, row: int, cell: str) -> str:
+    label = from_cell(cell)
+    if not label.isprintable():
+        raise _fault(index, row, "label", cell, "expected characters that can be printed")
+    return label
+
+
+def _number(index: Table, row: int, column: str, cell: str) -> float:
+    try:
+        value = float(cell)
+        check_number(column, value)
+    except ValueError as error:
+        what = str(error) if cell else "missing"
+        raise _fault(index, row, column, cell, f"expected a number: {what}") from None
+    return value
+
+
+def _fault(index: Table, row: int, column: str, found: str, expected: str) -> DataError:
+    return DataError(f"{index.source}: {index.where(row)}: {column} {found[:60]!r}: {expected}")

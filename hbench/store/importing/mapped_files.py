@@ -1,0 +1,218 @@
+"""Reads another bench's files by an import map: columns, units, cuts, nominal values."""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from hbench.config.import_map import ImportMap, Series
+from hbench.errors import ConfigError, DataError
+from hbench.records import RunPlan, Specimen
+from hbench.store.importing.channels import FileChannels, read_file
+from hbench.store.importing.imported_run import ForeignRun, ForeignRuns, SourceFile, read_source
+from hbench.store.importing.stroke_cuts import Strokes, cut_at_reversals, stroke_speed
+from hbench.units import parse_unit
+
+_NUMBER = r"\d+(?:\.\d+)?"
+_FIELDS = {"pressure": _NUMBER, "load": f"-?{_NUMBER}", "speed": _NUMBER, "trial": r"\d+"}
+
+
+@dataclass(frozen=True)
+class _Match:
+    """A file that a series names."""
+
+    name: str
+    series: Series
+    fields: dict[str, str]  # what its name tells
+
+    @property
+    def trial(self) -> int:
+        """1 where the name does not tell."""
+        return int(self.fields.get("trial", 1))
+
+    @property
+    def f_load_n(self) -> float | None:
+        """Nominal load: as named, or pressure times the piston's area."""
+        load, pressure = self._si("load"), self._si("pressure")
+        if load is None and pressure is not None:
+            return pressure * self.series.cylinder.area_piston_m2
+        return load
+
+    @property
+    def speed_m_s(self) -> float | None:
+        """Nominal speed, without sign."""
+        return self.series.speed if self.series.speed is not None else self._si("speed")
+
+    @property
+    def order(self) -> tuple[float, float, float, int]:
+        """Files of a series come by pressure, load, speed and trial."""
+        pressure, load, speed = (self._si(name) or 0.0 for name in ("pressure", "load", "speed"))
+        return pressure, load, speed, self.trial
+
+    def _si(self, name: str) -> float | None:
+        if name not in self.fields:
+            return None
+        return float(self.fields[name]) * parse_unit(getattr(self.series, f"{name}_unit")).factor
+
+
+@dataclass(frozen=True)
+class _Stroke:
+    """A piece of a file that becomes a run."""
+
+    match: _Match
+    file: SourceFile
+    lines: tuple[int, int]
+    channels: dict[str, np.ndarray]
+    v_m_s: float  # measured, signed
+
+    @property
+    def reference(self) -> tuple:
+        """What strokes of one nominal speed have in common."""
+        return (self.match.series.label, self.match.f_load_n, self.v_m_s > 0)
+
+
+def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
+    """Read every file below ``folder`` that a series of the map names.
+
+    Raises ``DataError`` naming the file and line that can't be used.
+    """
+    strokes: list[_Stroke] = []
+    notes: list[str] = []
+    partial = short = 0
+    for match in _matches(folder, rules):
+        file = read_source(folder, match.name)
+        source = str(folder / match.name)
+        read = read_file(file.data, source, match.name, match.fields, rules)
+        cut = _cut(read.channels["x_m"], source, rules)
+        strokes += [_stroke(match, file, read, piece, rules.kind) for piece in cut.pieces]
+        notes += read.notes
+        partial, short = partial + cut.partial, short + cut.short
+    if not strokes:
+        raise DataError(
+            f"{folder}: no stroke between two reversals is as long as min_stroke "
+            f"({1e3 * rules.min_stroke:g} mm)"
+        )
+    speeds = _nominal_speeds(strokes)
+    runs = tuple(
+        ForeignRun(_plan(number, s, rules.kind, speeds), s.channels, s.file, s.lines)
+        for number, s in enumerate(strokes, start=1)
+    )
+    return ForeignRuns(runs, (*_notes(len(runs), partial, short, rules), *notes))
+
+
+def _listed(names: list[str]) -> str:
+    if len(names) < 2:
+        return f"is {names[0]}" if names else "is no file"
+    return f"are {', '.join(name[:60] for name in names[:3])}{', ...' if len(names) > 3 else ''}"
+
+
+def _matches(folder: Path, rules: ImportMap) -> Iterator[_Match]:
+    """Yield the files of each series by pressure and trial."""
+    names = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()]
+    taken: dict[str, str] = {}
+    for series in rules.series:
+        pattern = _pattern(series.files)
+        found = []
+        for name in sorted(names):
+            if match := pattern.fullmatch(name):
+                if name in taken:
+                    raise ConfigError(f"{name}: belongs to series {taken[name]} and {series.files}")
+                taken[name] = series.files
+                found.append(_Match(name, series, match.groupdict()))
+        if not found:
+            raise DataError(
+                f"{folder}: no file fits series {series.label!r}, files: {series.files}",
+                f"Paths start at the imported folder; there {_listed(sorted(names))}.",
+            )
+        yield from sorted(found, key=lambda m: m.order)
+
+
+def _pattern(files: str) -> re.Pattern[str]:
+    text = re.escape(files)
+    for name, number in _FIELDS.items():
+        text = text.replace(re.escape(f"{{{name}}}"), f"(?P<{name}>{number})")
+    return re.compile(text)
+
+
+def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> Strokes:
+    if rules.cut == "reversals":
+        return cut_at_reversals(x_m, rules.min_stroke)
+    if rules.kind != "steady":
+        return Strokes((slice(0, len(x_m)),), partial=0, short=0)
+    if abs(x_m[-1] - x_m[0]) < rules.min_stroke:
+        raise DataError(
+            f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
+            f"one stroke of at least min_stroke = {1e3 * rules.min_stroke:g} mm",
+            "For files with strokes in both directions, write 'cut: reversals'.",
+        )
+    return Strokes((slice(0, len(x_m)),), partial=0, short=0)
+
+
+def _stroke(
+    match: _Match, file: SourceFile, read: FileChannels, piece: slice, kind: str
+) -> _Stroke:
+    part = {name: values[piece] for name, values in read.channels.items()}
+    measured = stroke_speed(part["t_s"], part["x_m"]) if kind == "steady" else None
+    return _Stroke(
+        match=match,
+        file=file,
+        lines=(int(read.lines[piece][0]), int(read.lines[piece][-1])),
+        channels=part,
+        v_m_s=_top(part, match, kind) if measured is None else measured,
+    )
+
+
+def _top(part: dict[str, np.ndarray], match: _Match, kind: str) -> float:
+    """Return the top speed [m/s] of a run that is not steady, with the sign of its reference."""
+    v_ref = part.get("v_ref_m_s")
+    if kind == "hold":
+        return 0.0
+    if v_ref is not None and np.isfinite(v_ref).any():
+        return float(v_ref[np.nanargmax(np.abs(v_ref))])
+    if match.speed_m_s is None:
+        raise DataError(
+            f"{match.name}: the top speed of a {kind} is not known",
+            "Give columns.v_ref_m_s, or the series' speed or {speed}.",
+        )
+    return match.speed_m_s
+
+
+def _nominal_speeds(strokes: list[_Stroke]) -> dict[tuple, float]:
+    """Return the signed nominal speed for each label, load and direction."""
+    measured = defaultdict(list)
+    for stroke in strokes:
+        measured[stroke.reference].append(stroke.v_m_s)
+    return {reference: float(f"{median(speeds):.2g}") for reference, speeds in measured.items()}
+
+
+def _plan(number: int, stroke: _Stroke, kind: str, speeds: dict[tuple, float]) -> RunPlan:
+    match = stroke.match
+    if kind != "steady":
+        v_ref = stroke.v_m_s
+    elif match.speed_m_s is not None:
+        v_ref = np.copysign(match.speed_m_s, stroke.v_m_s)
+    else:
+        v_ref = speeds[stroke.reference]
+    cylinder = match.series.cylinder
+    return RunPlan(
+        run=f"{number:04d}",
+        kind=kind,
+        trial=match.trial,
+        v_ref_m_s=float(v_ref),
+        specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
+        f_load_n=match.f_load_n,
+        label=match.series.label,
+    )
+
+
+def _notes(whole: int, partial: int, short: int, rules: ImportMap) -> tuple[str, ...]:
+    if rules.cut == "none":
+        return ()
+    return (
+        f"cut at reversals into {whole} strokes; left out: {partial} pieces before the first or "
+        f"after the last reversal of a file, {short} shorter than {1e3 * rules.min_stroke:g} mm",
+    )

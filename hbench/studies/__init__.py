@@ -1,0 +1,1 @@
+"""Studies of the source document that are reproduced by simulation."""
