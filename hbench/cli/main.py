@@ -6,7 +6,7 @@ import sys
 import typer
 
 from hbench import __version__
-from hbench.cli import (
+from hbench.cli.commands import (
     analyze,
     compare,
     design,

@@ -4,7 +4,7 @@
       internal_leakage: {test: 0.003 l/min/bar}
       valve_deadband: {test: 50 mV, load: 50 mV}
 
-What is not there is off. The catalogue itself stands in ``model/effects.py``.
+What is not there is off. The catalogue itself stands in ``model/effects/catalogue.py``.
 """
 
 from collections.abc import Mapping

@@ -26,7 +26,7 @@ _STEPS = {plant.V: 1e-6, plant.Z_T: 1e-8, plant.Z_L: 1e-8} | dict.fromkeys(
 def linearised(
     par: PlantParameters, point: OperatingPoint
 ) -> tuple[np.ndarray, np.ndarray, list[int]]:
-    """Return A (n, n) and B (n, 3) of the plant, and its states, as numbered in ``plant.py``.
+    """Return A (n, n) and B (n, 3) of the plant, and its states, as numbered in ``model/plant.py``.
 
     Position and supply are held. LuGre's deflections are states; they stand where they settle.
     """

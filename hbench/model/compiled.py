@@ -8,7 +8,7 @@ from typing import Any
 
 import numba
 
-OWN_EFFECTS = os.environ.get("HBENCH_EFFECTS", "")  # a file; see effect_rows.py
+OWN_EFFECTS = os.environ.get("HBENCH_EFFECTS", "")  # a file; see effects/rows.py
 
 _FOLDER = Path(__file__).parent
 

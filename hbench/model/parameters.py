@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class FrictionParameters(NamedTuple):
-    """Friction of one cylinder, the keys of the bench file in SI; see ``friction.py``.
+    """Friction of one cylinder, the keys of the bench file in SI; see ``friction/``.
 
     What the cylinder's law does not have stays at its default here and is not read.
     """
@@ -100,4 +100,4 @@ class PlantParameters(NamedTuple):
     valve: ValveParameters
     end_stop: EndStopParameters
     substeps: int  # of one control tick, as the stiffest friction law needs
-    effects: tuple[tuple[float, ...], ...] | None = None  # coefficients; see effects.py
+    effects: tuple[tuple[float, ...], ...] | None = None  # coefficients; see effects/catalogue.py

@@ -4,13 +4,13 @@ An effect is a row of ``EFFECTS`` and a law, a pure compiled function for the pl
 
     law(what, c, state, at, rates, par) -> what
 
-``what`` is the place's tuple (``effect_places.py``) as the effects before it in the table left it;
+``what`` is the place's tuple (``couplings.py``) as the effects before it in the table left it;
 ``c`` are the effect's coefficients in SI, in the row's order; its own states stand in ``state``
 from ``at`` on, and it writes their rates at the same places of ``rates``, always. With all
 coefficients at their defaults it must hand back ``what`` to the bit. Places: ``openings`` of the
 valves, ``oil``, ``flows`` into the chambers, ``friction``. An effect with two laws has the same
 states in both. Two more places take parameters and return others, ``law(parameters, c)``:
-``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/balances.py`` know the
+``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/measured/balances.py`` know the
 plant without effects.
 
 Your own effect: one function and one row, in a file that ``HBENCH_EFFECTS`` in the environment

@@ -1,4 +1,4 @@
-"""Effects of valves, oil, leaks and lines; see ``effects.py`` for how a law is called.
+"""Effects of valves, oil, leaks and lines; see ``catalogue.py`` for how a law is called.
 
 Each is neutral, to the bit, where its coefficient is 0.
 """
@@ -162,7 +162,7 @@ def supply_droop(
     """Supply pressure falls with the flow drawn: tau dP_s/dt = P_0 - k Q - P_s.
 
     c: k [Pa s/m^3], the regulation's slope, tau [s], and an exponent of Q other than 1: the same
-    at 10 l/min. Instead of a constant supply; a pump (``supply.py``) has a slope of its own, and
+    at 10 l/min. Instead of a constant supply; a pump (``model/supply.py``) has a slope of its own, and
     can't have this one.
     """
     slope, tau, exponent = c

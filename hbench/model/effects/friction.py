@@ -1,4 +1,4 @@
-"""Effects of friction and ends of the stroke; see ``effects.py`` for how a law is called.
+"""Effects of friction and ends of the stroke; see ``catalogue.py`` for how a law is called.
 
 Most change the magnitude of the cylinder's own dry friction, whatever its law, so that the law's
 memory carries the change too. Each is neutral, to the bit, where its coefficient is 0.

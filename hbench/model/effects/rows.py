@@ -1,7 +1,7 @@
 """A row of the catalogue of effects, and the rows that a user adds to it.
 
 ``HBENCH_EFFECTS=my_effects.py`` in the environment names a Python file with a table ``EFFECTS`` of
-rows like those of ``effects.py``, where an example stands. They follow the catalogue's own, in
+rows like those of ``catalogue.py``, where an example stands. They follow the catalogue's own, in
 the table's order. The file's compiled functions, and those of files beside it, are compiled anew
 when one of these files changes; what it imports from elsewhere must not have any.
 """
@@ -31,7 +31,7 @@ class Effect(NamedTuple):
 
     says: str  # the law in words
     coefficients: dict[str, Coefficient]
-    balances: tuple[str, ...]  # of reconcile/balances.py, in which it shows
+    balances: tuple[str, ...]  # of reconcile/measured/balances.py, in which it shows
     laws: dict[str, Callable]  # by place
     states: int = 0
     builds_up: bool = False  # over many runs, so that a trial is not like the one before

@@ -1,6 +1,6 @@
 """Friction of one cylinder by its own law: the table of laws, and the one call the plant makes.
 
-Static laws stand in ``stribeck.py``, those with a state in ``bristles.py``.
+Static laws stand in ``static_laws.py``, those with a state in ``dynamic_laws.py``.
 """
 
 from typing import NamedTuple
@@ -59,7 +59,7 @@ def friction(
     """Return the force [N]; write the rates [m/s] of the law's own states into ``rates``.
 
     The law's states stand in ``state`` at ``first`` and every second place after it (see
-    ``plant.py``), their rates at the same places: LuGre's z, Leuven's deflections, or one state
+    ``model/plant.py``), their rates at the same places: LuGre's z, Leuven's deflections, or one state
     that stays (static laws).
     """
     if par.law == LUGRE:

@@ -10,7 +10,7 @@ equation 3.9 and two seal terms after 3.7, which make it depend on load and dire
     F_seal  = k_piston |P_p - P_r| + k_rod P_r
     F_dry   = level (F_C + F_seal + (F_stiction - F_C) exp(-(|v|/v_s)^delta))
 
-``level`` is the scatter from stroke to stroke (see ``scatter.py``); 1 is nominal. Friction is
+``level`` is the scatter from stroke to stroke (see ``model/scatter.py``); 1 is nominal. Friction is
 positive where it opposes extension. At rest a static law is regularised: sign(v) becomes
 tanh(v / 1 mm/s), which makes rest stiff (an eigenvalue of -6e4 1/s on the reference bench).
 """
