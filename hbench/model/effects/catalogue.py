@@ -10,8 +10,8 @@ from ``at`` on, and it writes their rates at the same places of ``rates``, alway
 coefficients at their defaults it must hand back ``what`` to the bit. Places: ``openings`` of the
 valves, ``oil``, ``flows`` into the chambers, ``friction``. An effect with two laws has the same
 states in both. Two more places take parameters and return others, ``law(parameters, c)``:
-``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/measured/balances.py`` know the
-plant without effects.
+``sensors`` and ``board`` (its controllers). Linearisation and
+``reconcile/measured/balances.py`` know the plant without effects.
 
 Your own effect: one function and one row, in a file that ``HBENCH_EFFECTS`` in the environment
 names (``rows.py``); everything that simulates or reconciles then knows it.

@@ -162,8 +162,8 @@ def supply_droop(
     """Supply pressure falls with the flow drawn: tau dP_s/dt = P_0 - k Q - P_s.
 
     c: k [Pa s/m^3], the regulation's slope, tau [s], and an exponent of Q other than 1: the same
-    at 10 l/min. Instead of a constant supply; a pump (``model/supply.py``) has a slope of its own, and
-    can't have this one.
+    at 10 l/min. Instead of a constant supply; a pump (``model/supply.py``) has a slope of its own,
+    and can't have this one.
     """
     slope, tau, exponent = c
     if slope != 0.0:

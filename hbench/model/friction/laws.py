@@ -59,8 +59,8 @@ def friction(
     """Return the force [N]; write the rates [m/s] of the law's own states into ``rates``.
 
     The law's states stand in ``state`` at ``first`` and every second place after it (see
-    ``model/plant.py``), their rates at the same places: LuGre's z, Leuven's deflections, or one state
-    that stays (static laws).
+    ``model/plant.py``), their rates at the same places: LuGre's z, Leuven's deflections, or one
+    state that stays (static laws).
     """
     if par.law == LUGRE:
         force, rates[first] = lugre(v, state[first], p_p, p_r, level, par)

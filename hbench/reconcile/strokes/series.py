@@ -7,9 +7,9 @@ each way at one load is one window of two balances:
     force_middle   N    (r_extend + r_retract) / 2: what does not turn with the direction
 
 A hypothesis "makes" a stroke again by giving the load cell's force at the measured velocity and
-pressures. Its effects act as in the plant (``model/effects/applied.py``) on a state of these means, with
-their own states settled, and in the sensors. The piston stands in the middle of its stroke, for a
-mean over a stroke does not tell the position; nothing is known of load cylinder, valves and oil.
+pressures. Its effects act as in the plant (``model/effects/applied.py``) on a state of these means,
+with their own states settled, and in the sensors. The piston is in the middle of its stroke, for a
+mean over a stroke has no position; nothing is known of load cylinder, valves and oil.
 """
 
 from collections import defaultdict
