@@ -5,6 +5,7 @@ import os
 import resource
 import shutil
 import signal
+import sys
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -16,6 +17,7 @@ from hypothesis import settings
 from hbench import workflow
 
 ROOT = Path(__file__).parents[1]
+sys.path.append(str(ROOT))  # for ``tests.support``; behind the installed hbench
 
 settings.register_profile("patient", deadline=None)  # a busy machine is no failure
 settings.load_profile("patient")

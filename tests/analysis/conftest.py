@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from other_plant import OTHER_PLANT
 
 from hbench import workflow
 from hbench.analysis.screening.calibrate import calibrate
@@ -17,6 +16,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import Screening
 from hbench.records import Curve, CurvePoint, Run, RunPlan, Specimen
 from hbench.store.campaign.folder import load_campaign
+from tests.support.analysis.other_plant import OTHER_PLANT
 
 SPECIMEN = Specimen(area_piston_m2=1.25e-3, area_rod_m2=0.75e-3, stroke_m=0.4)
 RATE_HZ = 100.0

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from other_plant import OTHER_MASS_KG, OTHER_PLANT
 from scipy import stats
 
 from hbench.analysis.curves.average import curves
@@ -12,6 +11,7 @@ from hbench.analysis.curves.ramp_tests import comparisons
 from hbench.analysis.curves.ramps import ramp_curves, slid
 from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
+from tests.support.analysis.other_plant import OTHER_MASS_KG, OTHER_PLANT
 
 SPEEDS = np.linspace(0.02, 0.18, 17)
 

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from moving import TICK_S, filtered, moving_run, records, triangle_velocity
-from other_plant import OTHER_MASS_KG, OTHER_PLANT
 
 from hbench.analysis.curves.hysteresis import hysteresis
 from hbench.analysis.screening.screen import screen
@@ -15,6 +13,8 @@ from hbench.records import ScreenedRun
 from hbench.rig.firmware import HostFirmware
 from hbench.rig.stepped import SteppedRig
 from hbench.workflow import board
+from tests.support.analysis.moving import TICK_S, filtered, moving_run, records, triangle_velocity
+from tests.support.analysis.other_plant import OTHER_MASS_KG, OTHER_PLANT
 
 A, TOP = 0.4, 0.2  # m/s^2, m/s
 TAU_S = 0.02

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from other_plant import LEUVEN_FRICTION, OTHER_MASS_KG, REVERSALS
 from scipy.stats import t as student
 
 from hbench.analysis.identification.driven_law import friction_along
@@ -16,6 +15,7 @@ from hbench.analysis.identification.leuven import (
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motions
 from hbench.model.friction.laws import LEUVEN
 from hbench.model.parameters import FrictionParameters
+from tests.support.analysis.other_plant import LEUVEN_FRICTION, OTHER_MASS_KG, REVERSALS
 
 THETA = np.array([120.0, 80.0, 400.0])
 TRUTH = {

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from moving import TICK_S, levels_velocity, motion_of, moving_run
 
 from hbench.analysis.curves.average import curves
 from hbench.analysis.curves.step_levels import level_runs, levels
 from hbench.records import ScreenedRun
+from tests.support.analysis.moving import TICK_S, levels_velocity, motion_of, moving_run
 
 LEVELS = [0.05, 0.1, -0.05, 0.05]
 DWELL_S = 0.8

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from other_plant import OTHER_MASS_KG, OTHER_PLANT, REVERSALS
 from scipy.integrate import solve_ivp
 from scipy.optimize import curve_fit
 
@@ -12,6 +11,7 @@ from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motio
 from hbench.model.build import friction_parameters
 from hbench.model.friction.laws import LUGRE
 from hbench.model.parameters import FrictionParameters
+from tests.support.analysis.other_plant import OTHER_MASS_KG, OTHER_PLANT, REVERSALS
 
 TRUTH = {
     "sigma0_n_m": 2.6e5,

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from other_plant import STEADY
 
 from hbench import workflow
 from hbench.analysis.fitting.fit import fit_tustin
 from hbench.analysis.fitting.marton_lantos import UNITS, lines, marton_lantos
 from hbench.analysis.fitting.tustin import NAMES
+from tests.support.analysis.other_plant import STEADY
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 TRUTH = (250.0, 500.0, 0.07, 1500.0)

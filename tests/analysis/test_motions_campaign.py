@@ -3,7 +3,6 @@
 import json
 
 import pytest
-from moving import moving_run, ramp_velocity
 
 from hbench import workflow
 from hbench.analysis.screening.screen import screen
@@ -11,6 +10,7 @@ from hbench.config.fitting import Fitting
 from hbench.config.schedule import Screening
 from hbench.report.campaign.tables import summary_text
 from hbench.workflow.results import _motions
+from tests.support.analysis.moving import moving_run, ramp_velocity
 
 LOAD = {"p_lr": "15 bar", "loads": ["2000 N"], "hold": "0.2 s", "trials": 2}
 TRAVEL = {"travel": {"start": "140 mm", "end": "240 mm"}}

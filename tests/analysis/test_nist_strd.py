@@ -6,12 +6,12 @@ standard error (11 are certified).
 
 import os
 
-import nist_strd
 import numpy as np
 import pytest
 
 from hbench.analysis.statistics.bounded import Problem, descend, solve
 from hbench.analysis.statistics.intervals import covariance
+from tests.support.analysis import nist_strd
 
 if not nist_strd.FOLDER.is_dir() and not os.environ.get("HBENCH_CI"):
     pytest.skip(nist_strd.WHY_MISSING, allow_module_level=True)

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from other_plant import PRESSURE_FRICTION, STEADY
 from scipy.optimize import curve_fit
 
 from hbench import workflow
 from hbench.analysis.fitting.fit import fit_pressure_based
 from hbench.analysis.fitting.pressure_based import UNITS
+from tests.support.analysis.other_plant import PRESSURE_FRICTION, STEADY
 
 SPEEDS = np.linspace(0.005, 0.2, 10)
 TRUTH = np.array([300.0, -15.0, 1.5e-5, 0.8e-5, 2000.0])

@@ -1,6 +1,5 @@
 """Profile intervals against lmfit's, against closed forms, and where a bound is active."""
 
-import nist_strd
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -8,6 +7,7 @@ from scipy.optimize import brentq
 from hbench.analysis.statistics.bounded import Problem, cost, descend
 from hbench.analysis.statistics.profile import profile_interval
 from hbench.analysis.statistics.student import student_factor
+from tests.support.analysis import nist_strd
 
 INFINITE = np.inf
 

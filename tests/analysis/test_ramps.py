@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from moving import SPECIMEN, moving_run, ramp_velocity
 from scipy import stats
 
 from hbench.analysis.curves.ramps import ramp_curves, slid
 from hbench.records import ScreenedRun
+from tests.support.analysis.moving import SPECIMEN, moving_run, ramp_velocity
 
 MASS_KG = 40.0  # heavy, so that its inertia shows
 

@@ -4,10 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from moving import levels_velocity, motion_of, moving_run, ramp_velocity, triangle_velocity
 
 from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
+from tests.support.analysis.moving import (
+    levels_velocity,
+    motion_of,
+    moving_run,
+    ramp_velocity,
+    triangle_velocity,
+)
 
 RULES = Screening()
 

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from other_plant import OTHER_MASS_KG, OTHER_PLANT
 
 from hbench.analysis.fitting.tustin import NAMES
 from hbench.analysis.identification.verification import (
@@ -20,6 +19,7 @@ from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.config.files.loading import read_yaml
 from hbench.errors import DataError
 from hbench.records import Fit, FitParameter, Motion
+from tests.support.analysis.other_plant import OTHER_MASS_KG, OTHER_PLANT
 
 DYNAMICS = Path(__file__).parents[2] / "configs" / "dynamics.yaml"
 SPEEDS = np.linspace(0.005, 0.195, 20)

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from plain_analysis import plain_pipeline
 
 from hbench import workflow
 from hbench.store.campaign.folder import load_campaign
+from tests.support.analysis.plain_analysis import plain_pipeline
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 LOADS = 2  # of four: 180 runs

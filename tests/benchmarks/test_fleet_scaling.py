@@ -16,13 +16,13 @@ from statistics import median
 
 import pytest
 import yaml
-from loopback import Loopback
-from made_fleet import MIDDLE, made_table
 
 from hbench import workflow
 from hbench.parallel import process_pool
 from hbench.records import QUANTITIES
 from hbench.workflow.fleet_summary import summarize
+from tests.support.faults.loopback import Loopback
+from tests.support.report.made_fleet import MIDDLE, made_table
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "stribeck-small"

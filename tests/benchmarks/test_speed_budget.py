@@ -16,8 +16,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.support import ROOT
+
 CONFIGS = Path(__file__).parents[2] / "configs"
-HERE = Path(__file__).parent
+PLAIN = ROOT / "tests" / "support" / "analysis"
 ROUNDS = 3
 HBENCH = [sys.executable, "-P", "-m", "hbench"]  # the installed one
 REPORT_S = 5.0  # for 360 runs
@@ -59,11 +61,11 @@ def campaign(schedule: str, folder: Path) -> Iterator[Row]:
     again = [*HBENCH, "run", file, "-o", folder / f"{schedule}-again"]
     yield Row(f"run, {runs} runs", again, "the bench itself", bench_s, 0.03, 1)
     analyze = [*HBENCH, "analyze", made]
-    plain = python(HERE / "plain_analysis.py", made)
+    plain = python(PLAIN / "plain_analysis.py", made)
     yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 1.2)
     report = [*HBENCH, "report", made]
     call(report)
-    plain = python(HERE / "plain_figures.py", made, folder)
+    plain = python(PLAIN / "plain_figures.py", made, folder)
     yield Row(f"report, {runs} runs", report, "as many figures, plainly", plain, 2.5)
 
 

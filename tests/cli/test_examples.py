@@ -11,10 +11,17 @@ from pathlib import Path
 
 import pytest
 import typer.main
-from boot_rom_standin import FIRMWARE, BootLine, BootRom, Program, stream_of, text_of
 from typer.testing import CliRunner
 
 from hbench.cli.main import app
+from tests.support.board.boot_rom_standin import (
+    FIRMWARE,
+    BootLine,
+    BootRom,
+    Program,
+    stream_of,
+    text_of,
+)
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = typer.main.get_command(app).commands

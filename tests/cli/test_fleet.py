@@ -14,9 +14,10 @@ from typer.testing import CliRunner
 
 from hbench.cli.main import app
 from hbench.errors import ConfigError, DataError
+from tests.support import ROOT
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
-DEADLY = Path(__file__).parents[1] / "experiment" / "deadly.py"
+DEADLY = ROOT / "tests" / "support" / "faults" / "deadly.py"
 LIMIT_S = 300.0  # of a wait; it takes some seconds
 ODD = "=1+1 <b>\"'; ä,"
 

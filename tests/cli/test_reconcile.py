@@ -4,15 +4,15 @@ import json
 import re
 from dataclasses import replace
 
-import made_diagnosis as made
 import pytest
 import yaml
-from thinned import thinned
 from typer.testing import CliRunner
 
 from hbench.cli.main import app
 from hbench.errors import ConfigError
-from tests.conftest import ROOT
+from tests.support import ROOT
+from tests.support.reconcile import made_diagnosis as made
+from tests.support.reconcile.thinned import thinned
 
 MODEL = ROOT / "configs" / "model-aau.yaml"
 LEAKING = ROOT / "data_samples" / "blind" / "internal_leakage-clear-1"

@@ -8,9 +8,9 @@ import sys
 
 import pytest
 import yaml
-from terminal import Terminal, screen
 
 from hbench.store.campaign.folder import load_campaign
+from tests.support.report.terminal import Terminal, screen
 
 TOO_STRICT = {"low_speed_error": "0.001 mm/s", "low_speed_error_relative": 1e-6}
 

@@ -6,14 +6,14 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-import made_diagnosis as made
 import pytest
-import rounds
 import yaml
 
 from hbench.store.campaign.folder import load_campaign
 from hbench.studies.catalogue import PHENOMENA
 from hbench.workflow import write_diagnosis
+from tests.support.reconcile import made_diagnosis as made
+from tests.support.reconcile import rounds
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 

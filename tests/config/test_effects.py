@@ -8,7 +8,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
 from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.reconcile.measured.balances import BALANCES
-from tests.conftest import ROOT
+from tests.support import ROOT
 
 BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-from loopback import Loopback
 
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError
 from hbench.parallel import dask_cluster
+from tests.support.faults.loopback import Loopback
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 TABLE = "fleet.parquet"

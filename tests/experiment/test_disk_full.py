@@ -6,8 +6,6 @@ import subprocess
 import sys
 
 import pytest
-from fault_story import check_against_board, check_nothing_rewritten
-from faulty_line import Script, World, attempts
 
 from hbench import workflow
 from hbench.errors import DataError, ExitCode
@@ -16,6 +14,8 @@ from hbench.rig import virtual
 from hbench.rig.client import BoardClient
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.files import atomic
+from tests.support.faults.fault_story import check_against_board, check_nothing_rewritten
+from tests.support.faults.faulty_line import Script, World, attempts
 
 
 @pytest.fixture

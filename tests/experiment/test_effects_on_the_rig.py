@@ -7,7 +7,7 @@ from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
-from tests.conftest import ROOT
+from tests.support import ROOT
 
 BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
 RUN = {

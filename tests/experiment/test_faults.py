@@ -4,8 +4,9 @@ import time
 from collections import Counter
 
 import pytest
-from fault_story import play
-from faulty_line import Octets, Script, random_script
+
+from tests.support.faults.fault_story import play
+from tests.support.faults.faulty_line import Octets, Script, random_script
 
 
 def sweep(numbers, quick_experiment, tmp_path, clock):

@@ -14,17 +14,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fault_story import check_against_board, check_nothing_rewritten
-from faulty_line import attempts
 
 from hbench import workflow
 from hbench.protocol.dictionary import FAULTS, RECORD, STATES
 from hbench.rig.client import BoardClient
 from hbench.rig.ports import SerialPort
 from hbench.store.campaign.folder import load_campaign
+from tests.support import ROOT
+from tests.support.faults.fault_story import check_against_board, check_nothing_rewritten
+from tests.support.faults.faulty_line import attempts
 
 PATIENCE_S = 120.0
-TAPPED_RIG = Path(__file__).parents[1] / "rig" / "tapped_rig.py"
+TAPPED_RIG = ROOT / "tests" / "support" / "faults" / "tapped_rig.py"
 RUN = """
 import fcntl, os, signal, termios
 if os.isatty(0):

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from other_plant import OTHER_PLANT, STEADY
 from typer.testing import CliRunner
 
 from hbench import workflow
@@ -20,6 +19,7 @@ from hbench.errors import DataError
 from hbench.experiment.closed_loop import record_plans
 from hbench.report.identification.text import identification_json, identification_text
 from hbench.workflow.results import derive
+from tests.support.analysis.other_plant import OTHER_PLANT, STEADY
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 LAWS = ("tustin", "marton_lantos", "pressure_based", "lugre", "leuven")

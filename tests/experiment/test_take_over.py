@@ -1,8 +1,6 @@
 """A session that meets a board which was left running, or whose start it did not hear of."""
 
 import pytest
-from fault_story import check_against_board
-from faulty_line import Event, Kill, Killed, Script, World, attempts
 
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError
@@ -12,6 +10,8 @@ from hbench.protocol.frames import Receiver
 from hbench.rig import virtual
 from hbench.rig.client import BoardClient
 from hbench.store.campaign.folder import load_campaign
+from tests.support.faults.fault_story import check_against_board
+from tests.support.faults.faulty_line import Event, Kill, Killed, Script, World, attempts
 
 
 @pytest.fixture

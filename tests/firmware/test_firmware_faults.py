@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from kinematic import LAST, SENSOR_SATURATED, WORD, T, drive, read_all
 
 from hbench.protocol.dictionary import FAULTS, PHASES, SENSORS, STATES
+from tests.support.board.kinematic import LAST, SENSOR_SATURATED, WORD, T, drive, read_all
 
 TOP = 65520  # 4095 counts in sixteenths
 MARGIN = 256  # 16 counts

@@ -4,7 +4,9 @@ from itertools import groupby
 
 import numpy as np
 import pytest
-from kinematic import (
+
+from hbench.protocol.dictionary import PHASES, SENSORS, STATES
+from tests.support.board.kinematic import (
     AT_REFERENCE,
     LAST,
     SENSOR_SATURATED,
@@ -17,8 +19,6 @@ from kinematic import (
     run_to_the_end,
     signed,
 )
-
-from hbench.protocol.dictionary import PHASES, SENSORS, STATES
 
 RUN_PHASES = ["return", "hold", "accelerate", "steady", "brake"]
 

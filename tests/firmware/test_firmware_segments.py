@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from kinematic import (
+
+from hbench.protocol.dictionary import CONDITIONS, PHASES, STATES
+from tests.support.board.kinematic import (
     AT_REFERENCE,
     LAST,
     SETTLED,
@@ -14,8 +16,6 @@ from kinematic import (
     run_to_the_end,
     signed,
 )
-
-from hbench.protocol.dictionary import CONDITIONS, PHASES, STATES
 
 A_P, A_R = 1.25664e-3, 7.65763e-4  # as in the settings
 

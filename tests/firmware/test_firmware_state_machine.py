@@ -13,9 +13,9 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from hypothesis.stateful import run_state_machine_as_test as run_machine
-from kinematic import T, drive
 
 from hbench.protocol.dictionary import CRC_START, FAULTS, PHASES, SENSORS, SETTINGS, STATES
+from tests.support.board.kinematic import T, drive
 
 HEARTBEAT_TICKS = 200
 BENCH = {

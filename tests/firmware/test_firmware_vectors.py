@@ -4,10 +4,10 @@ import ctypes
 
 import numpy as np
 import pytest
-import wire_vectors as wire
 
 from hbench.protocol.codec import BY_NAME, pack
 from hbench.rig import firmware
+from tests.support.board import wire_vectors as wire
 
 FRAMES = {(frame.message, frame.side, frame.sequence): frame for frame in wire.frames()}
 KINDS = {"u16": b"u", "u32": b"l", "f32": b"f"}

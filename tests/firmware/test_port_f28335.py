@@ -10,11 +10,11 @@ import subprocess
 
 import numpy as np
 import pytest
-from f28335_board import COMPILER, CORE, PORT, SOURCES, OnChip, build
-from f28335_chip import ADC_VECTOR, ILLEGAL_VECTOR, Chip
 
 from hbench.protocol.dictionary import FAULTS, STATES
 from hbench.rig import firmware
+from tests.support.board.f28335_board import COMPILER, CORE, PORT, SOURCES, OnChip, build
+from tests.support.board.f28335_chip import ADC_VECTOR, ILLEGAL_VECTOR, Chip
 
 NEUTRAL = [0x000000, 0x010000, 0x020000]
 pytestmark = [

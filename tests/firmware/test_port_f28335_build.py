@@ -8,9 +8,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from f28335_board import COMPILER, CORE, PORT, ROOT, SOURCES
 
 from hbench.rig.flash.boot_image import LOADABLE
+from tests.support.board.f28335_board import COMPILER, CORE, PORT, ROOT, SOURCES
 
 STRICT = (
     "-std=c99 -pedantic -ffreestanding -ffp-contract=off -O2 -Wall -Wextra -Wconversion "

@@ -4,7 +4,8 @@
 """
 
 import pytest
-from moving_rig import BENCH, MovingRig
+
+from tests.support.board.moving_rig import BENCH, MovingRig
 
 LOADED = {1: (5000.0, 15e5), -1: (-5000.0, 110e5)}  # opposes extension, opposes retraction
 V = 0.2

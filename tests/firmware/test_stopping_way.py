@@ -4,12 +4,12 @@ from itertools import product
 
 import numpy as np
 import pytest
-from moving_rig import BENCH, MovingRig
 
 from hbench.model.build import plant_parameters
 from hbench.model.friction.laws import TUSTIN
 from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate
+from tests.support.board.moving_rig import BENCH, MovingRig
 
 STOPPING_TIME_S = BENCH.limits.stopping_time
 LOADS = ((500.0, 15e5), (5000.0, 15e5), (-500.0, 110e5), (-5000.0, 110e5))  # of both experiments

@@ -19,7 +19,7 @@ from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import Coefficient, Effect
 from hbench.model.effects.couplings import Oil
 from hbench.model.effects.trial import try_laws
-from tests.conftest import ROOT
+from tests.support import ROOT
 
 HOSE = Path(__file__).parent / "soft_hose.py"
 DEMO = ROOT / "configs" / "demo.yaml"

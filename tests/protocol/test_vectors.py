@@ -5,12 +5,12 @@
 """
 
 import pytest
-import wire_vectors as wire
 from cobs import cobs
 
 from hbench.protocol.codec import BY_NAME, pack, unpack
 from hbench.protocol.dictionary import ERROR, MESSAGES, REPLY
 from hbench.protocol.frames import Frame, Receiver, crc16, encode
+from tests.support.board import wire_vectors as wire
 
 FRAMES = wire.frames()
 REFUSAL = (("request", "u16"), ("refusal", "u16"))
@@ -22,7 +22,9 @@ def name_of(frame):
 
 
 def test_the_indented_lines_follow_from_those_above_them():
-    assert wire.FILE.read_text() == wire.renewed(), "run: python tests/protocol/wire_vectors.py"
+    assert wire.FILE.read_text() == wire.renewed(), (
+        "run: python tests/support/board/wire_vectors.py"
+    )
 
 
 @pytest.mark.parametrize("octets, value", [(wire.octets_of(k), v) for k, v in wire.rows("crc")])

@@ -1,16 +1,16 @@
 """Blind campaigns that lie in ``data_samples/blind``: other laws, another plant, other noise.
 
-Made by ``cd tests/reconcile && python -m hidden.generate ../../data_samples/blind --cases stored
---schedule ../../data_samples/blind.yaml``. The whole benchmark is ``blind.py``.
+Made by ``python tests/support/hidden/generate.py data_samples/blind --cases stored
+--schedule data_samples/blind.yaml``. The whole benchmark is ``blind.py``.
 """
 
 import json
 
-import blind
 import pytest
-from hidden.cases import stored
 
-from tests.conftest import ROOT
+from tests.support import ROOT
+from tests.support.hidden.cases import stored
+from tests.support.reconcile import blind
 
 SAMPLE = ROOT / "data_samples" / "blind"
 

@@ -5,15 +5,9 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from hidden.cases import cases, small_sample, truth
-from hidden.draws import drawn
-from hidden.instruments import astray, rewritten
-from hidden.laws.table import EFFECTS as HIDDEN
-from hidden.sizes import KNOWN, OUTSIDE
 
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS
@@ -22,10 +16,15 @@ from hbench.model.sensors import FRACTION, sensor_parameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 from hbench.protocol.dictionary import RECORD
 from hbench.store.campaign.folder import load_campaign
-from tests.conftest import ROOT
+from tests.support import ROOT
+from tests.support.hidden.cases import cases, small_sample, truth
+from tests.support.hidden.draws import drawn
+from tests.support.hidden.instruments import astray, rewritten
+from tests.support.hidden.laws.table import EFFECTS as HIDDEN
+from tests.support.hidden.sizes import KNOWN, OUTSIDE
 
 BENCH = ROOT / "configs" / "bench-aau.yaml"
-FOLDER = Path(__file__).parent / "hidden"
+FOLDER = ROOT / "tests" / "support" / "hidden"
 CATALOGUE = {f"hbench.model.effects.{name}" for name in ("flows", "friction", "instruments")}
 CATALOGUE |= {"hbench.model.effects.catalogue.EFFECTS", "hbench.reconcile"}
 
@@ -245,11 +244,10 @@ def written(folder, cases):
     plan = folder / "plan.yaml"
     plan.write_text(PLAN.format(bench=BENCH))
     arguments = (folder / "out", "--cases", cases, "--schedule", plan)
-    path = os.pathsep.join([str(ROOT), str(FOLDER.parent), *sys.path])
     subprocess.run(
-        [sys.executable, "-m", "hidden.generate", *map(str, arguments)],
+        [sys.executable, FOLDER / "generate.py", *map(str, arguments)],
         check=True,
-        env=os.environ | {"PYTHONPATH": path},
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
     )
     made = sorted(path for path in (folder / "out").iterdir() if path.is_dir())
     return {path.name: load_campaign(path) for path in made}

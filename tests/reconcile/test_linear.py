@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from rounds import plant_of
 
 from hbench.config.bench import parse_plant
 from hbench.model.build import plant_parameters
@@ -26,6 +25,7 @@ from hbench.reconcile.measured.balances import Windowed
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.signatures import packed, signature
 from hbench.records import RunPlan, Specimen
+from tests.support.reconcile.rounds import plant_of
 
 NAMES = ("flow_tp", "flow_tr", "supply")
 LEAK = ("internal_leakage", "test")

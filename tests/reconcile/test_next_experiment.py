@@ -1,7 +1,6 @@
 """Experiments that tell two hypotheses apart, found by simulating them on the shipped bench."""
 
 import pytest
-from rounds import plant_of
 
 from hbench.config.schedule import parse_schedule
 from hbench.experiment.plan import plan_runs
@@ -9,6 +8,7 @@ from hbench.reconcile import next_experiment as module
 from hbench.reconcile.linearised import Hypothesis, typical
 from hbench.reconcile.measured.balances import FLOWS
 from hbench.reconcile.next_experiment import next_experiment
+from tests.support.reconcile.rounds import plant_of
 
 SHORT = """
 experiments:

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from rounds import compare, plant_of, reconciled, schedule, table
 
 from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record
 from hbench.reconcile.gap import gaps
 from hbench.reconcile.measured.balances import FLOWS, model, prepared
 from hbench.reconcile.measured.window_signals import astray, signals
+from tests.support.reconcile.rounds import compare, plant_of, reconciled, schedule, table
 
 # What a bench file knows badly, off by 4 to 20 %.
 BADLY_TUNED = {

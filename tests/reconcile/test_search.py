@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rounds import plant_of, schedule, simulator
 
 from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
@@ -20,7 +19,8 @@ from hbench.reconcile.linearised import Hypothesis, Linear, Measured, linearise
 from hbench.reconcile.measured.balances import prepared
 from hbench.reconcile.search import Search, Tried
 from hbench.reconcile.signatures import signatures
-from tests.conftest import ROOT
+from tests.support import ROOT
+from tests.support.reconcile.rounds import plant_of, schedule, simulator
 
 PLAN = schedule(trials=2, speeds=("30 mm/s", "120 mm/s"))  # 10 operating points
 CANDIDATES = ("internal_leakage", "tank_back_pressure", "supply_droop")

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rounds import plant_of
 
 from hbench.config.bench import merge, parse_plant, plant_sections
 from hbench.config.files.examples import example
@@ -22,6 +21,7 @@ from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search import Found, Step, Tried
 from hbench.reconcile.verdict import judge, missing_channels, rest, too_few, what_is_missing
 from hbench.records import Candidate, FitParameter, Gap, Rival, Run, RunPlan, Specimen
+from tests.support.reconcile.rounds import plant_of
 
 LEAK = Candidate("internal_leakage", 80.0, 0.9, 1.0, {"test": 1e-12}, "simulated", 7.0)
 OTHER = Candidate("external_leakage", 78.0, 0.9, 1.0, {"tp": 1e-12}, "simulated", 7.0)

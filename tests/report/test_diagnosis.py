@@ -6,7 +6,6 @@ import re
 from dataclasses import replace
 from types import SimpleNamespace
 
-import made_diagnosis as made
 import numpy as np
 import pytest
 
@@ -30,6 +29,7 @@ from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
 from hbench.report.diagnosis.run_gaps import run_gaps_csv
 from hbench.report.diagnosis.text import diagnosis_text, edges_table, tables
 from hbench.units import parse_unit
+from tests.support.reconcile import made_diagnosis as made
 
 
 @pytest.fixture(scope="module")

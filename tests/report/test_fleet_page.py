@@ -4,12 +4,12 @@ import json
 import re
 
 import pytest
-from made_fleet import made_table
 
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.text import fleet_json, fleet_text, verdict
 from hbench.workflow.fleet_summary import summarize
+from tests.support.report.made_fleet import made_table
 
 OFF = {17: 120.0, 60: -140.0, 150: 100.0}
 

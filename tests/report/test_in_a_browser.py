@@ -5,9 +5,6 @@ from urllib.parse import unquote_to_bytes
 
 import numpy as np
 import pytest
-from browser import Browser
-from made_diagnosis import named
-from made_fleet import made_table
 
 from hbench.records import Line, Panel, Phenomenon, WordTable
 from hbench.report.campaign.figures.all_figures import draw_all
@@ -19,6 +16,9 @@ from hbench.report.fleet.page import fleet_page
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
 from hbench.workflow.fleet_summary import summarize
+from tests.support.reconcile.made_diagnosis import named
+from tests.support.report.browser import Browser
+from tests.support.report.made_fleet import made_table
 
 PAGES = ("campaign", "seals", "diagnosis", "phenomenon", "fleet")
 WIDTHS = (360, 768, 1440)

@@ -5,13 +5,13 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import made_diagnosis as made
 import pytest
 
 from hbench.report.campaign.tables import results_json
 from hbench.report.diagnosis.json_file import diagnosis_json
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
+from tests.support.reconcile import made_diagnosis as made
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 # Objects of no fixed names.

@@ -3,12 +3,12 @@
 from contextlib import suppress
 
 import pytest
-from boot_rom_standin import octets_of, stream_of, text_of
 from hypothesis import given
 from hypothesis import strategies as st
 
 from hbench.errors import ConfigError, DataError, ExitCode
 from hbench.rig.flash.boot_image import parse_boot_image, read_boot_image
+from tests.support.board.boot_rom_standin import octets_of, stream_of, text_of
 
 GOOD = stream_of(0x008000, [(0x008000, [0x1234, 0xABCD]), (0x000000, [0x0040, 0x8000])])
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 import yaml
-from boot_rom_standin import FIRMWARE, PROGRAM_BAUD, BootLine, BootRom, Program
 
 from hbench import workflow
 from hbench.config.bench import parse_bench
 from hbench.errors import ConfigError, DeviceError, ExitCode
 from hbench.rig.flash.programmer import flash_through, run_programmer
+from tests.support.board.boot_rom_standin import FIRMWARE, PROGRAM_BAUD, BootLine, BootRom, Program
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 

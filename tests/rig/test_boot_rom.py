@@ -6,7 +6,14 @@ import pty
 import threading
 
 import pytest
-from boot_rom_standin import (
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hbench import workflow
+from hbench.errors import ConfigError, DeviceError, ExitCode
+from hbench.rig.flash.boot_image import parse_boot_image
+from hbench.rig.flash.boot_rom import WINDOW, NotInBoot, flash, load
+from tests.support.board.boot_rom_standin import (
     FIRMWARE,
     PROGRAM_BAUD,
     Babble,
@@ -16,13 +23,6 @@ from boot_rom_standin import (
     stream_of,
     text_of,
 )
-from hypothesis import given
-from hypothesis import strategies as st
-
-from hbench import workflow
-from hbench.errors import ConfigError, DeviceError, ExitCode
-from hbench.rig.flash.boot_image import parse_boot_image
-from hbench.rig.flash.boot_rom import WINDOW, NotInBoot, flash, load
 
 BAUD = 57_600
 ID_WORDS = [ord(character) for character in FIRMWARE]

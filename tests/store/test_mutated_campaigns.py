@@ -18,7 +18,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from random import Random
 
-import mutations as m
 import pytest
 import yaml
 
@@ -27,6 +26,7 @@ from hbench.errors import ConfigError, DataError
 from hbench.report.campaign.tables import summary_text
 from hbench.store.campaign import journal
 from hbench.store.campaign.folder import load_campaign
+from tests.support.faults import mutations as m
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "data_samples"

@@ -26,10 +26,10 @@ from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign.folder import CampaignWriter
 from hbench.workflow import Experiment
-from hidden.cases import Case, truth
-from hidden.draws import Drawn
-from hidden.instruments import astray, rewritten
-from hidden.laws.table import EFFECTS
+from tests.support.hidden.cases import Case, truth
+from tests.support.hidden.draws import Drawn
+from tests.support.hidden.instruments import astray, rewritten
+from tests.support.hidden.laws.table import EFFECTS
 
 _SIDES = ("test", "load")
 _RIGID = (

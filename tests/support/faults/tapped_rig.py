@@ -6,10 +6,9 @@ python tapped_rig.py FILE [options of hbench rig]
 import sys
 from pathlib import Path
 
-from faulty_line import Truth
-
 from hbench.cli.main import main
 from hbench.rig import virtual
+from tests.support.faults.faulty_line import Truth
 
 if __name__ == "__main__":
     FILE = Path(sys.argv[1]).open("wb", buffering=0)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hidden.sizes import KNOWN, OUTSIDE, Size
+from tests.support.hidden.sizes import KNOWN, OUTSIDE, Size
 
 # Factors on a bench file's values, each drawn between 1 - s and 1 + s.
 _SPREADS = {

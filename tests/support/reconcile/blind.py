@@ -1,6 +1,6 @@
 """The blind benchmark of reconcile: what it says of campaigns with hidden effects.
 
-    cd tests/reconcile && python blind.py OUT all
+    python tests/support/reconcile/blind.py OUT all
 
 generates the campaigns of ``hidden`` in ``OUT`` (a process of its own: its laws and plants are
 others than the catalogue's and the model's), reconciles each with ``configs/model-aau.yaml``, and
@@ -17,6 +17,8 @@ from dataclasses import asdict, dataclass
 from functools import cache, partial
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parents[3]))  # behind the installed hbench
+
 import numpy as np
 
 from hbench.analysis.screening.calibrate import calibrate
@@ -30,8 +32,10 @@ from hbench.reconcile.measured.balances import prepared
 from hbench.reconcile.simulated_runs import simulator
 from hbench.reconcile.verdict import judge, rest
 from hbench.store.campaign.folder import load_campaign
+from tests.support import ROOT
 
-MODEL = Path(__file__).parents[2] / "configs" / "model-aau.yaml"
+GENERATE = Path(__file__).parents[1] / "hidden" / "generate.py"
+MODEL = ROOT / "configs" / "model-aau.yaml"
 
 
 @dataclass(frozen=True)
@@ -217,12 +221,7 @@ def _kind(name: str, one: Outcome) -> str:
 
 def main(out: Path, cases: str) -> None:
     """Generate, reconcile, and print."""
-    here = Path(__file__).parent
-    subprocess.run(
-        [sys.executable, "-m", "hidden.generate", str(out.absolute()), "--cases", cases],
-        cwd=here,
-        check=True,
-    )
+    subprocess.run([sys.executable, GENERATE, out, "--cases", cases], check=True)
     found = outcomes(out)
     print()
     for one in found:

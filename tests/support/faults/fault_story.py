@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faulty_line import FLAGS, INDEX, RUN, Killed, Script, World, attempts
 
 from hbench import workflow
 from hbench.errors import DeviceError
@@ -21,6 +20,7 @@ from hbench.rig import virtual
 from hbench.store.campaign import folder as campaign_folder
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.files import atomic
+from tests.support.faults.faulty_line import FLAGS, INDEX, RUN, Killed, Script, World, attempts
 
 LAST = 1 << FLAG_NAMES.index("last")
 MOST_SESSIONS = 150  # most of them while the port is gone, by an operator without patience

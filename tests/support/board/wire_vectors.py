@@ -1,6 +1,6 @@
 """Reads ``vectors.txt``, and works it out anew without any of the project's own code.
 
-``python tests/protocol/wire_vectors.py`` renews the lines that follow from the frame lines.
+``python tests/support/board/wire_vectors.py`` renews the lines that follow from the frame lines.
 """
 
 import re
@@ -9,7 +9,7 @@ import struct
 from dataclasses import dataclass
 from pathlib import Path
 
-FILE = Path(__file__).with_name("vectors.txt")
+FILE = Path(__file__).parents[2] / "protocol" / "vectors.txt"
 NUMBERS = {"u16": "<H", "u32": "<I", "f32": "<f"}
 TAILS = {"words": "u16", "f32s": "f32"}
 

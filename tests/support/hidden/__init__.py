@@ -1,6 +1,6 @@
 """Blind campaigns for reconcile: effects that the catalogue knows, in forms that it does not.
 
-    cd tests/reconcile && python -m hidden.generate OUT --cases small
+    python tests/support/hidden/generate.py OUT --cases small
 
 writes the campaigns of ``small`` or ``all`` cases to ``OUT/NAME``, on all cores. Each is a campaign
 folder as ``hbench run --plant`` makes it, of ``configs/discriminate.yaml`` unless ``--schedule``

@@ -4,7 +4,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from tests.support import ROOT
+
 CORE = ROOT / "firmware" / "core"
 PORT = ROOT / "firmware" / "ports" / "f28335"
 SOURCES = sorted(PORT.glob("*.c"))

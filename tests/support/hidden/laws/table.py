@@ -1,7 +1,7 @@
 """The rows of the hidden plants' laws, for ``HBENCH_EFFECTS``."""
 
 from hbench.model.effects.catalogue import Coefficient, Effect
-from hidden.laws import flows, friction
+from tests.support.hidden.laws import flows, friction
 
 _FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
 _FORCES = ("force_test", "force_load")

@@ -4,7 +4,7 @@ import numpy as np
 
 from hbench.model.sensors import CHANNELS, FRACTION, SensorParameters
 from hbench.protocol.dictionary import RECORD
-from hidden.draws import Drawn
+from tests.support.hidden.draws import Drawn
 
 _COLUMN = {word.name: i for i, word in enumerate(RECORD)}
 _SCALE = {word.name: word.scale for word in RECORD}

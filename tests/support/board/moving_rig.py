@@ -1,7 +1,6 @@
 """A virtual rig in the middle of a run, to be broken and watched tick by tick until it rests."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -16,8 +15,9 @@ from hbench.protocol.frames import Frame, Receiver, encode
 from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
+from tests.support import ROOT
 
-BENCH_FILE = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
+BENCH_FILE = ROOT / "configs" / "bench-aau.yaml"
 BENCH = parse_bench(read_yaml(BENCH_FILE), str(BENCH_FILE))
 SETTINGS = board_settings(BENCH)
 REST_M_S = 1e-4

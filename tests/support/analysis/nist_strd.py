@@ -4,12 +4,13 @@ The models are written here by hand; a parameter vector may be complex, for comp
 """
 
 import re
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-FOLDER = Path(__file__).parents[3] / "shared" / "data" / "nist-strd"
+from tests.support import ROOT
+
+FOLDER = ROOT.parent / "shared" / "data" / "nist-strd"
 WHY_MISSING = (
     f"the NIST StRD files are not in {FOLDER.parent.name}/{FOLDER.name} beside the checkout"
 )

@@ -10,10 +10,13 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from hidden.cases import Case, cases, small_sample, stored, truth
+sys.path.append(str(Path(__file__).parents[3]))  # behind the installed hbench
+
+from tests.support import ROOT
+from tests.support.hidden.cases import Case, cases, small_sample, stored, truth
 
 TABLE = Path(__file__).parent / "laws" / "table.py"
-DISCRIMINATE = Path(__file__).parents[3] / "configs" / "discriminate.yaml"
+DISCRIMINATE = ROOT / "configs" / "discriminate.yaml"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -41,7 +44,7 @@ def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
     os.environ["HBENCH_EFFECTS"] = str(TABLE)  # before hbench's model is imported
     from hbench.parallel.process_pool import on_all_cores
     from hbench.workflow import load_experiment
-    from hidden.measure import compile_for
+    from tests.support.hidden.measure import compile_for
 
     out.mkdir(parents=True, exist_ok=True)
     told = {case.name: asdict(case) | {"truth": asdict(truth(case))} for case in listed}
@@ -58,7 +61,7 @@ def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
 def _write(schedule: Path, out: Path, case: Case) -> tuple[str, str]:
     from hbench.errors import DeviceError
     from hbench.workflow import load_experiment
-    from hidden.measure import write
+    from tests.support.hidden.measure import write
 
     part = out / f".{case.name}.part"
     shutil.rmtree(part, ignore_errors=True)

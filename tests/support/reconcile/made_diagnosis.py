@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from rounds import schedule
 
 from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
@@ -26,7 +25,8 @@ from hbench.records import (
     ResidualMap,
     Rival,
 )
-from tests.conftest import ROOT
+from tests.support import ROOT
+from tests.support.reconcile.rounds import schedule
 
 BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
 GIVEN = {"valve": {"gain": "7.6e-7 m^2/V"}, "friction": {"test": {"viscous": "2600 N s/m"}}}

@@ -7,7 +7,7 @@ EALLOW, or to a module without clock, is lost as on the chip, and kept in ``refu
 
 import ctypes
 
-from f28335_line import Line
+from tests.support.board.f28335_line import Line
 
 RESET_US = 512 * 2 * 256 / 30  # the watchdog's period with its clock divided by two
 WORD_US = 24 * 4 / 37.5  # of 24 bits, at a fourth of LSPCLK

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from hidden.draws import Drawn, drawn
-from hidden.sizes import KNOWN, OUTSIDE
+from tests.support.hidden.draws import Drawn, drawn
+from tests.support.hidden.sizes import KNOWN, OUTSIDE
 
 SEVERITIES = {"mild": 0.5, "clear": 1.0, "strong": 2.0}
 
