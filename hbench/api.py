@@ -28,6 +28,8 @@ from hbench.store.exporting.runs import channels
 from hbench.workflow.results import derive, screened_runs
 
 _SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
+_HEADLINE = ("friction_n", "breakaway_n", "efficiency")
+_HEADLINE_COLUMNS = {"": "value", "_u95": "u95", "_ci95": "ci95", "_se": "se", "_basis": "basis"}
 _FIT = ("law", "rmse_n", "converged", "message")
 _STATE = {"x_m": X, "v_m_s": V, "p_tp_pa": P_TP, "p_tr_pa": P_TR, "p_lp_pa": P_LP, "p_lr_pa": P_LR}
 _START_PA = 15e5  # in the load chambers at the start of a simulation
@@ -71,6 +73,31 @@ class Campaign:
             for fit in one["fits"]
             for parameter, values in fit["parameters"].items()
         )
+
+    @property
+    def headline(self) -> pd.DataFrame:
+        """A row a direction and load: friction and efficiency at ``v_m_s``, and breakaway.
+
+        ``friction_n_u95`` and its like are the half-widths of the 95 % intervals of trials and
+        instruments; ``friction_n_basis`` is trials, one_trial or extrapolated.
+        """
+        return pd.DataFrame(
+            {name: value for name, value in one.items() if name not in _HEADLINE}
+            | {
+                name + ending: None if one[name] is None else one[name][key]
+                for name in _HEADLINE
+                for ending, key in _HEADLINE_COLUMNS.items()
+            }
+            for one in self.results["headline"]["series"]
+        )
+
+    @property
+    def quality(self) -> pd.DataFrame:
+        """A row a check of the data: its grade, value and limits.
+
+        The verdict, the worst grade, is ``results["quality"]["grade"]``.
+        """
+        return pd.DataFrame(self.results["quality"]["checks"])
 
     def samples(self, run: str) -> pd.DataFrame:
         """Return the log of a run in SI, a row a sample. Raises ``DataError`` if there is none."""

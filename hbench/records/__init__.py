@@ -97,11 +97,21 @@ from hbench.records.phenomenon import (
 )
 from hbench.records.replay import Off, Replay
 from hbench.records.results import Results
+from hbench.records.summary import (
+    Basis,
+    Grade,
+    Headline,
+    HeadlineNumber,
+    HeadlineSeries,
+    Quality,
+    QualityCheck,
+)
 
 __all__ = [
     "QUANTITIES",
     "AddedEffect",
     "Band",
+    "Basis",
     "BeforeAfter",
     "Block",
     "CampaignDifferences",
@@ -131,6 +141,10 @@ __all__ = [
     "FrictionDifference",
     "Gap",
     "GapTable",
+    "Grade",
+    "Headline",
+    "HeadlineNumber",
+    "HeadlineSeries",
     "HeldOut",
     "Identification",
     "IdentifiedLaw",
@@ -155,6 +169,8 @@ __all__ = [
     "Phenomenon",
     "Proposal",
     "Provenance",
+    "Quality",
+    "QualityCheck",
     "Quantity",
     "RampComparison",
     "RawRun",

@@ -1,9 +1,10 @@
-"""The last product of the flow: all that a campaign tells."""
+"""Results of a campaign, the last product of the flow."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from hbench.records.flow import Band, Curve, EfficiencyCurve, JointFit, Provenance, ScreenedRun
 from hbench.records.motions import Motions
+from hbench.records.summary import Headline, Quality
 
 
 @dataclass(frozen=True)
@@ -18,3 +19,5 @@ class Results:
     notes: tuple[str, ...]  # what was left out, and why
     motions: Motions = Motions()
     joint_fits: tuple[JointFit, ...] = ()
+    headline: Headline = field(kw_only=True)
+    quality: Quality = field(kw_only=True)

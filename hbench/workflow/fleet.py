@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hbench import __version__
+from hbench.analysis.summary.fleet_numbers import fleet_numbers
+from hbench.analysis.summary.headline import at_working_speed, planned_speed_m_s
 from hbench.errors import DataError, DeviceError, HbenchError
 from hbench.parallel.process_pool import on_all_cores, whatever_dies
 from hbench.records import Fleet, FleetRow
@@ -97,12 +99,23 @@ def analyzed(task: Task) -> Analyzed:
     """Analyze a campaign; whatever goes wrong with it is its row's reason."""
     before = fingerprint(task.path, _made_by(task.speed_m_s))
     try:
-        row = fleet_row(task.path, derive(load_campaign(Path(task.path))), task.speed_m_s)
+        row = _row(task)
     except HbenchError as error:
         row = FleetRow(task.path, failed=_inside(task.path, error.message))
     except Exception as error:  # of a campaign that nobody thought of; the others go on
         row = FleetRow(task.path, failed=f"a bug in hbench: {type(error).__name__}: {error}")
     return Analyzed(task.path, before, __version__, row)
+
+
+def _row(task: Task) -> FleetRow:
+    """Return a campaign's row, at the planned working speed if none is asked for.
+
+    The planned speed does not depend on which runs were rejected.
+    """
+    results = derive(load_campaign(Path(task.path)))
+    planned = planned_speed_m_s(run.run.plan for run in results.runs)
+    results = at_working_speed(results, task.speed_m_s or planned)
+    return fleet_row(task.path, results, fleet_numbers(results))
 
 
 def _inside(folder: str, words: str) -> str:

@@ -20,6 +20,8 @@ from hbench.analysis.fitting.joint import fitted, joint_fits
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed
 from hbench.analysis.screening.screen import screen
+from hbench.analysis.summary.headline import at_working_speed, headline
+from hbench.analysis.summary.quality import quality
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.analysis.uncertainty.efficiency import efficiency
 from hbench.config.bench import Bench
@@ -58,8 +60,8 @@ def report(
 ) -> Results:
     """Analyze a campaign and write tables, figures and ``report.`` ``form`` to ``results/``.
 
-    ``form`` is html, md or pdf. ``speed_m_s`` is the speed at which the summary states friction; by
-    default the middle one of those measured.
+    ``form`` is html, md or pdf. ``speed_m_s`` is the working speed of the headline numbers, by
+    default the median of the measured speeds.
     """
     from hbench.report.campaign.figures.all_figures import (
         draw_all,  # matplotlib; only who reports waits
@@ -71,10 +73,12 @@ def report(
     from hbench.report.render.markdown import markdown
 
     results = derive(load_campaign(folder), _fitting(fit_file))
+    if speed_m_s is not None:
+        results = at_working_speed(results, speed_m_s)
     drawings = draw_all(results)
     reconciled = tuple(reconciled_section(*found) for found in diagnoses(folder))
     name = folder.resolve().name
-    document = report_document(results, drawings, speed_m_s, reconciled, name)
+    document = report_document(results, drawings, reconciled, name)
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,
         "md": markdown,
@@ -131,6 +135,8 @@ def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
         notes=(*campaign.warnings, *lacking, *left_out(steady), *notes),
         motions=motions,
         joint_fits=joint_fits(steady, how),
+        headline=headline(found, efficiencies),
+        quality=quality(screened, found),
     )
 
 

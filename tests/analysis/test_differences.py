@@ -9,6 +9,8 @@ from scipy import stats
 from hbench.analysis.comparison.differences import differences, welch
 from hbench.analysis.fitting.fit import fit_tustin
 from hbench.analysis.statistics.holm import holm
+from hbench.analysis.summary.headline import headline
+from hbench.analysis.summary.quality import quality
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.analysis.uncertainty.efficiency import efficiency
 from hbench.config.sensors import Instruments
@@ -53,7 +55,16 @@ def campaign(make_curve):
             curves.append(with_instruments(replace(made, points=tuple(points)), INSTRUMENTS))
         etas = tuple(efficiency(curve, INSTRUMENTS) for curve in curves)
         provenance = Provenance("drawn", "simulated", "", "", "", "")
-        return Results(provenance, (), tuple(curves), etas, (), ())
+        return Results(
+            provenance,
+            (),
+            tuple(curves),
+            etas,
+            (),
+            (),
+            headline=headline(curves, etas),
+            quality=quality((), curves),
+        )
 
     return draw
 

@@ -19,7 +19,6 @@ from hbench.records import (
     FitParameter,
     MeanEfficiency,
     Provenance,
-    Results,
     Run,
     RunPlan,
     ScreenedRun,
@@ -27,6 +26,7 @@ from hbench.records import (
     SteadyMeans,
 )
 from hbench.report.campaign.figures.all_figures import draw_all
+from tests.support.report.made_page import made_results
 
 SPECIMEN = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 T95_2DOF = 4.302653
@@ -168,7 +168,7 @@ def stribeck_results(loads=(500.0, 1000.0, 2000.0, 5000.0), speeds=15, source="s
         {"port": "sim", "seed": 1, "plant_sha256": "9b1f" * 16},
     )
     notes = ("Curve retract 5000 N: one point has two trials.",)
-    return Results(provenance, tuple(runs), tuple(curves), tuple(efficiency), (), notes)
+    return made_results(provenance, tuple(runs), tuple(curves), tuple(efficiency), (), notes)
 
 
 def seal_results():
@@ -195,7 +195,7 @@ def seal_results():
     provenance = Provenance(
         "Seals of a printed cylinder", "imported", "unknown", "", "", "", {"hbench": "0.1.0"}, {}
     )
-    return Results(
+    return made_results(
         provenance, tuple(runs), tuple(curves), (), tuple(bands), ("No efficiency: no load cell.",)
     )
 

@@ -8,10 +8,27 @@ from statistics import fmean
 import numpy as np
 import pytest
 
-from hbench.report.campaign.quality import checks, worst
-from hbench.report.campaign.summary import glances
-from hbench.report.fleet.row import fleet_row
+from hbench.analysis.summary.fleet_numbers import fleet_numbers
+from hbench.analysis.summary.headline import planned_speed_m_s
+from hbench.report.fleet.row import fleet_row as fleet_row_of
 from hbench.store.fleet.table import cells_of
+from tests.support.report.made_page import summarized
+
+
+def at_planned_speed(results, speed_m_s=None):
+    planned = planned_speed_m_s(run.run.plan for run in results.runs)
+    return summarized(results, speed_m_s or planned)
+
+
+def fleet_row(path, results, speed_m_s=None):
+    results = at_planned_speed(results, speed_m_s)
+    return fleet_row_of(path, results, fleet_numbers(results))
+
+
+def of(results, series):
+    """The curve that headline numbers are of."""
+    key = series.direction, series.f_load_n
+    return next(c for c in results.curves if (c.direction, c.f_load_n) == key)
 
 
 @pytest.fixture
@@ -27,25 +44,28 @@ def one_load(stribeck):
 
 def test_a_row_has_the_reports_friction_and_its_fits_parameters(one_load):
     row = fleet_row("/a", one_load)
-    assert len(glances(one_load, row.v_m_s)) == 2
-    for one in glances(one_load, row.v_m_s):
-        found = row.numbers["friction_n", one.curve.direction]
+    results = at_planned_speed(one_load)
+    assert len(results.headline.series) == 2
+    for one in results.headline.series:
+        curve = of(one_load, one)
+        found = row.numbers["friction_n", one.direction]
         assert found.value == one.friction_n.value
         assert found.high - found.value == pytest.approx(one.friction_n.u95)
-        (point,) = [p for p in one.curve.points if abs(p.v_m_s) == one.v_m_s]
+        (point,) = [p for p in curve.points if abs(p.v_m_s) == one.v_m_s]
         trials = np.array(point.trials_n)
         assert found.se == pytest.approx(trials.std(ddof=1) / math.sqrt(len(trials)))
-        fitted = one.curve.fits[0].parameters["b_viscous_n_s_m"]
-        found = row.numbers["b_viscous_n_s_m", one.curve.direction]
+        fitted = curve.fits[0].parameters["b_viscous_n_s_m"]
+        found = row.numbers["b_viscous_n_s_m", one.direction]
         assert (found.value, found.low, found.high) == (fitted.value, *fitted.ci95)
         assert found.se == fitted.se
-    assert row.quality == worst(checks(one_load)) and row.runs == len(one_load.runs)
+    assert row.quality == results.quality.grade and row.runs == len(one_load.runs)
     assert row.accepted == sum(run.accepted for run in one_load.runs)
 
 
 def test_several_loads_give_their_mean_with_an_interval_that_is_no_narrower_than_needed(stribeck):
     row = fleet_row("/a", stribeck)
-    own = [g.friction_n for g in glances(stribeck, row.v_m_s) if g.curve.direction == "extend"]
+    series = at_planned_speed(stribeck).headline.series
+    own = [one.friction_n for one in series if one.direction == "extend"]
     assert len(own) > 1
     found = row.numbers["friction_n", "extend"]
     assert found.value == pytest.approx(fmean(one.value for one in own))

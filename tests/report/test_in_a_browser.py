@@ -8,7 +8,6 @@ import pytest
 
 from hbench.records import Line, Panel, Phenomenon, WordTable
 from hbench.report.campaign.figures.all_figures import draw_all
-from hbench.report.campaign.page import page_html
 from hbench.report.diagnosis.all_figures import draw_diagnosis
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.fleet.figures import draw_fleet
@@ -19,6 +18,7 @@ from hbench.workflow.fleet_summary import summarize
 from tests.support.reconcile.made_diagnosis import named
 from tests.support.report.browser import Browser
 from tests.support.report.made_fleet import made_table
+from tests.support.report.made_page import page_html
 
 PAGES = ("campaign", "seals", "diagnosis", "phenomenon", "fleet")
 WIDTHS = (360, 768, 1440)

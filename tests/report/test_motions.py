@@ -25,11 +25,11 @@ from hbench.records import (
 from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
-from hbench.report.campaign.page import page_html
 from hbench.report.campaign.page_tables import point_table
 from hbench.report.campaign.tables import results_json, summary_text
 from hbench.report.render.figures import Drawing
 from hbench.report.render.style import RC
+from tests.support.report.made_page import page_html
 
 SERIES = Series("seal A", 500.0, 15e5)
 BLANK = b'<svg xmlns="http://www.w3.org/2000/svg"/>'

@@ -11,9 +11,9 @@ import pytest
 
 from hbench.records import Fit, FitParameter, HeldOut, JointFit, Selection
 from hbench.report.campaign.figures.all_figures import draw_all
-from hbench.report.campaign.page import page_html
 from hbench.report.render.numbers import force, number, short, significant, span, with_interval
 from hbench.report.render.style import DARK
+from tests.support.report.made_page import page_html
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(1)>&{{7*7}}"

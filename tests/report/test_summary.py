@@ -6,14 +6,22 @@ from dataclasses import replace
 import pytest
 
 from hbench.records import FitParameter
-from hbench.report.campaign.quality import checks, verdict, worst
-from hbench.report.campaign.summary import glances, summary_section, working_speed_m_s
+from hbench.report.campaign.quality import quality_table, verdict
+from hbench.report.campaign.summary import summary_section
 from hbench.report.render.numbers import alike, number
+from tests.support.report.made_page import summarized
+
+
+def series(results, speed_m_s=None):
+    return summarized(results, speed_m_s).headline.series
+
+
+def checks(results):
+    return {check.name: check for check in summarized(results).quality.checks}
 
 
 def grade(results, name):
-    (check,) = (check for check in checks(results) if check.name.startswith(name))
-    return check.grade
+    return checks(results)[name].grade
 
 
 def with_points(results, **changes):
@@ -25,29 +33,30 @@ def with_points(results, **changes):
 
 def test_the_working_speed_is_the_middle_one_of_those_measured(small):
     speeds = sorted(abs(p.v_m_s) for p in small.curves[0].points)
-    assert working_speed_m_s(small) == pytest.approx(speeds[2])
-    for one, curve in zip(glances(small), small.curves, strict=True):
+    assert small.headline.v_m_s == pytest.approx(speeds[2])
+    for one, curve in zip(small.headline.series, small.curves, strict=True):
+        assert (one.direction, one.f_load_n) == (curve.direction, curve.f_load_n)
         assert one.friction_n.value == abs(curve.points[2].friction_n)
-        assert one.friction_n.u95 == one.friction_n.trials == curve.points[2].ci95_n
+        assert one.friction_n.u95 == one.friction_n.ci95 == curve.points[2].ci95_n
 
 
 def test_a_point_stands_for_a_speed_asked_for_only_if_it_is_near(small):
     v = abs(small.curves[0].points[3].v_m_s)
-    assert all(one.v_m_s == pytest.approx(v) for one in glances(small, 1.15 * v))
-    assert all(one.friction_n is None for one in glances(small, 0.5))
-    assert "friction" not in str(summary_section(small, 0.5).tiles[0].more)
+    assert all(one.v_m_s == pytest.approx(v) for one in series(small, 1.15 * v))
+    assert all(one.friction_n is None for one in series(small, 0.5))
+    assert "friction" not in str(summary_section(summarized(small, 0.5)).tiles[0].more)
 
 
 def test_the_interval_is_that_of_trials_and_instruments_where_these_are_known(small):
     known = with_points(small, u95_n=77.0)
-    assert all(one.friction_n.u95 == 77.0 != one.friction_n.trials for one in glances(known))
+    assert all(one.friction_n.u95 == 77.0 != one.friction_n.ci95 for one in series(known))
 
 
 def test_breakaway_without_ramps_is_the_fits_at_rest_and_says_so(small):
     known = with_points(small, sigma_instruments_n=10.0)
-    one = glances(known)[1].breakaway_n
+    one = series(known)[1].breakaway_n
     fitted = small.curves[1].fits[0].parameters["f_stiction_n"]
-    assert one.value == fitted.value and one.flag == "extrapolated"
+    assert one.value == fitted.value and one.basis == "extrapolated"
     assert one.u95 == pytest.approx(math.hypot(12.3, 19.6))
 
 
@@ -61,21 +70,21 @@ def test_breakaway_of_ramps_is_where_the_slowest_begins_to_slide(small):
         points[1] = replace(points[1], friction_n=peak, ci95_n=9.0)
         fit = replace(curve.fits[0], line=tuple((p.v_m_s, 1.0) for p in points[1:]))
         ramps.append(replace(curve, kind="ramp", a_ref_m_s2=a, points=tuple(points), fits=(fit,)))
-    one = glances(replace(small, curves=(*small.curves, *ramps)))[0].breakaway_n
-    assert (one.value, one.u95, one.flag) == (700.0, 9.0, "")
-    alone = glances(replace(small, curves=tuple(ramps), efficiency=()))
+    one = series(replace(small, curves=(*small.curves, *ramps)))[0].breakaway_n
+    assert (one.value, one.u95, one.basis) == (700.0, 9.0, "trials")
+    alone = series(replace(small, curves=tuple(ramps), efficiency=()))
     assert len(alone) == 1 and alone[0].friction_n is None and alone[0].breakaway_n.value == 700.0
 
 
 def test_efficiency_is_that_of_the_same_direction_load_and_speed(small):
-    for one, curve in zip(glances(small), small.efficiency, strict=True):
+    for one, curve in zip(small.headline.series, small.efficiency, strict=True):
         assert one.efficiency.value == curve.points[2].efficiency
         assert one.efficiency.u95 == curve.points[2].u95
     without = [
         replace(curve, points=tuple(replace(point, u95=None) for point in curve.points))
         for curve in small.efficiency
     ]
-    for one, curve in zip(glances(replace(small, efficiency=tuple(without))), without, strict=True):
+    for one, curve in zip(series(replace(small, efficiency=tuple(without))), without, strict=True):
         assert one.efficiency.u95 == curve.points[2].ci95  # of the trials alone
 
 
@@ -84,54 +93,56 @@ def test_the_share_of_accepted_runs_is_graded(small, rejected, expected):
     runs = [replace(run, reasons=()) for run in small.runs]
     runs[:rejected] = [replace(run, reasons=("gapped: x",)) for run in runs[:rejected]]
     assert len(runs) == 60
-    assert grade(replace(small, runs=tuple(runs)), "Runs") == expected
+    assert grade(replace(small, runs=tuple(runs)), "runs_accepted") == expected
 
 
 @pytest.mark.parametrize("n,expected", [(3, "good"), (2, "with care"), (1, "poor")])
 def test_the_fewest_trials_of_a_point_are_graded(small, n, expected):
-    assert grade(with_points(small, n=n), "Trials") == expected
+    assert grade(with_points(small, n=n), "trials_per_point") == expected
 
 
 @pytest.mark.parametrize(
     "half,expected", [(10.0, "good"), (60.0, "with care"), (200.0, "poor")]
 )  # of 350 to 700 N
 def test_the_trials_scatter_is_graded(small, half, expected):
-    assert grade(with_points(small, ci95_n=half), "Repeatability") == expected
+    assert grade(with_points(small, ci95_n=half), "repeatability") == expected
 
 
 @pytest.mark.parametrize("sigma,expected", [(5.0, "good"), (500.0, "with care")])
 def test_instruments_never_make_data_poor_but_may_ask_for_care(small, sigma, expected):
-    assert grade(with_points(small, sigma_instruments_n=sigma), "Instruments") == expected
-    assert grade(small, "Instruments") == "with care"  # not known
+    assert grade(with_points(small, sigma_instruments_n=sigma), "instruments") == expected
+    assert grade(small, "instruments") == "with care"  # not known
 
 
 def test_a_fit_with_a_parameter_on_its_bound_asks_for_care(small):
-    assert grade(small, "Fits") == "with care"
-    assert grade(replace(small, curves=small.curves[1:]), "Fits") == "good"
+    assert grade(small, "fits") == "with care"
+    assert grade(replace(small, curves=small.curves[1:]), "fits") == "good"
     loose = FitParameter(1.0, None, None, None, "N")
     curves = tuple(
         replace(c, fits=(replace(c.fits[0], parameters={"f_coulomb_n": loose}),))
         for c in small.curves
     )
-    assert grade(replace(small, curves=curves), "Fits") == "poor"
+    assert grade(replace(small, curves=curves), "fits") == "poor"
 
 
-def test_the_verdict_is_the_worst_check_and_names_it(small):
-    few = with_points(small, n=1)
-    assert worst(checks(few)) == "poor"
-    assert verdict(few).startswith("The data is poor") and "trials of a point" in (
-        verdict(few).lower()
-    )
-    assert "instruments" not in verdict(few).lower()
+def test_the_verdict_is_the_worst_grade_and_its_sentence_has_the_checks_of_that_grade(small):
+    few = summarized(with_points(small, n=1)).quality
+    assert few.grade == "poor"
+    words = {row[0].text: row[2].text for row in quality_table(few).rows}
+    for check, name in zip(few.checks, words, strict=True):
+        assert (name.lower() in verdict(few).lower()) == (check.grade == "poor")
+    assert words["Trials per point"] in verdict(few)
     good = with_points(replace(small, curves=small.curves[1:]), sigma_instruments_n=5.0)
     good = replace(good, runs=tuple(replace(run, reasons=()) for run in good.runs))
-    good = with_points(good, n=3)
-    assert verdict(good) == "The data is good: all 5 checks of its quality hold."
+    good = summarized(with_points(good, n=3)).quality
+    assert good.grade == "good" and {check.grade for check in good.checks} == {"good"}
+    assert f" {len(good.checks)} checks" in verdict(good)
 
 
 def test_a_campaign_without_anything_is_poor_and_has_a_summary(small):
     bare = replace(small, runs=(), curves=(), efficiency=())
-    assert worst(checks(bare)) == "poor"
+    bare = summarized(bare)
+    assert bare.quality.grade == "poor" and bare.headline.v_m_s is None
     assert summary_section(bare).tiles[0].value == "0 of 0"
 
 
@@ -143,6 +154,8 @@ def test_ranges_of_measured_numbers_keep_their_decimals_and_zero_has_no_sign():
 def test_a_tile_says_that_a_flag_is_of_some_and_that_efficiency_is_in_points(small):
     one, *others = small.curves
     few = replace(one, points=tuple(replace(p, n=1, ci95_n=None) for p in one.points))
-    friction, _, efficiency, *_ = summary_section(replace(small, curves=(few, *others))).tiles
+    friction, _, efficiency, *_ = summary_section(
+        summarized(replace(small, curves=(few, *others)))
+    ).tiles
     assert "partly one trial" in friction.more and friction.unit == "N"
     assert efficiency.unit == "%" and "percentage points at most" in efficiency.more

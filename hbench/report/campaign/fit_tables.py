@@ -4,8 +4,8 @@ import math
 import re
 
 from hbench.records import Fit, FitParameter, Results, Selection
+from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who, who_text
-from hbench.report.campaign.rod_side import told_apart
 from hbench.report.render.numbers import significant, with_ends
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
@@ -38,7 +38,11 @@ _ALL = "all loads and directions"
 
 def fit_tables(results: Results) -> dict[str, Table]:
     """Return a table of parameters for each law, with its messages below."""
-    fits = [(who(c), who_text(c), fit) for c in told_apart(results.curves) for fit in c.fits]
+    fits = [
+        (who(c), who_text(c), fit)
+        for c in without_common_rod_pressure(results.curves)
+        for fit in c.fits
+    ]
     for joint in results.joint_fits:
         words = ", ".join(filter(None, (joint.label, _ALL)))
         fits += [((joint.label, "", _ALL, "all", ""), words, fit) for fit in joint.fits]
@@ -63,7 +67,7 @@ def fit_tables(results: Results) -> dict[str, Table]:
 
 def selection_table(results: Results) -> Table:
     """Return how well laws predict speeds left out of their fits."""
-    chosen = [(who(c), c.selection) for c in told_apart(results.curves)]
+    chosen = [(who(c), c.selection) for c in without_common_rod_pressure(results.curves)]
     chosen += [((j.label, "", _ALL, "all", ""), j.selection) for j in results.joint_fits]
     rows = [(*columns, *_selected(found)) for columns, found in chosen if found is not None]
     head = ("Best law", "Next", "Difference (N²)", "s.e. (N²)", "Remark")

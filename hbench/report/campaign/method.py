@@ -2,7 +2,6 @@
 
 from hbench.records import Results
 from hbench.report.campaign.quality import RULE
-from hbench.report.campaign.summary import NEAR
 from hbench.report.render.document import Section
 
 SOURCE = (
@@ -37,8 +36,13 @@ def method_section(results: Results) -> Section:
         "Efficiency": efficient,
         "Half band": bool(results.bands),
     }
-    told = tuple((name, words) for name, words in _NUMBERS.items() if applies.get(name, True))
-    return Section("How each number was computed", (SOURCE,), facts=told, anchor="method")
+    facts = {name: words for name, words in _NUMBERS.items() if applies.get(name, True)}
+    if "Working speed" in facts:
+        tolerance = 100 * results.headline.v_tolerance
+        facts["Working speed"] = facts["Working speed"].format(tolerance=tolerance)
+    return Section(
+        "How each number was computed", (SOURCE,), facts=tuple(facts.items()), anchor="method"
+    )
 
 
 _NUMBERS = {
@@ -53,8 +57,8 @@ _NUMBERS = {
     "U_95² = (t s/√n)² + (1.96 σ)². An instrument's error is the same in all points: it moves a "
     "curve, and hardly bends it.",
     "Working speed": "The middle one (median) of the measured speeds, or what --speed asks for. A "
-    "curve's measured point next to it stands for it, if it is no further off than "
-    f"{100 * NEAR:g} %; nothing is interpolated.",
+    "curve's measured point next to it is taken, up to a distance of {tolerance:g} %; nothing is "
+    "interpolated.",
     "Breakaway": "With ramps: the largest friction of the slowest ramp's first 20 mm, as the mean "
     "of its bin of velocity. Without: F_stiction of Tustin's law (3.2), which is extrapolated to "
     "rest; its interval is the parameter's together with the instruments' at the slowest point.",

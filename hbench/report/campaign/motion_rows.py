@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from hbench.records import Comparison, Leakage, Level, Loop, Motions, Series, Surface
-from hbench.report.campaign.rod_side import load_words
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import number, short, significant, span, with_interval
 
 Row = dict[str, Any]

@@ -11,7 +11,7 @@ from hbench.report.campaign.method import method_section
 from hbench.report.campaign.quality import verdict
 from hbench.report.campaign.settings import settings_section
 from hbench.report.campaign.summary import summary_section
-from hbench.report.render.document import BANNERS, Document, Section, page
+from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.word_tables import Table
 
@@ -30,22 +30,15 @@ _TESTED = (
 )
 
 
-def page_html(results: Results, drawings: Iterable[Drawing], speed_m_s: float | None = None) -> str:
-    """Return the page with ``drawings`` inside. Every text of the campaign is escaped."""
-    return page(report_document(results, drawings, speed_m_s))
-
-
 def report_document(
     results: Results,
     drawings: Iterable[Drawing],
-    speed_m_s: float | None = None,
     more: tuple[Section, ...] = (),
     folder: str = "",
 ) -> Document:
-    """Return the report; ``speed_m_s`` is the working speed, ``more`` stands before the rejected.
+    """Return the report, with the sections ``more`` before the rejected runs.
 
-    Without a working speed it is the middle one of those measured. ``folder`` is the name of the
-    campaign's folder, which tells campaigns of one schedule apart.
+    ``folder`` is the name of the campaign's folder, which distinguishes campaigns of one schedule.
     """
     figures: dict[str, tuple[Drawing, ...]] = {}
     for drawing in drawings:
@@ -57,7 +50,7 @@ def report_document(
     day = imported + made.started[:10]
     words = (folder, "Friction and efficiency of a cylinder", bench, day)
     sections = (
-        summary_section(results, speed_m_s),
+        summary_section(results),
         _friction(results, figures.get("friction", ())),
         *_fits(results),
         *_moving(results, figures),
@@ -72,7 +65,7 @@ def report_document(
         made.name,
         " · ".join(filter(None, words)),
         sections,
-        verdict(results),
+        verdict(results.quality),
         BANNERS[made.source],
         made.source,
         folder,

@@ -3,8 +3,9 @@
 from collections.abc import Iterable
 
 from hbench.records import Curve, EfficiencyCurve, Results, RunPlan, ScreenedRun
+from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import code_of
-from hbench.report.campaign.rod_side import kind_words, load_words, told_apart
+from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.render.numbers import force, number, significant, with_interval
 from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Cell, Table
@@ -39,7 +40,7 @@ def point_table(results: Results) -> Table:
             _bar(point.p_tp_pa),
             _bar(point.p_tr_pa),
         )
-        for curve in told_apart(results.curves)
+        for curve in without_common_rod_pressure(results.curves)
         for point in curve.points
     ]
     return table(head, rows)
@@ -57,7 +58,7 @@ def efficiency_table(results: Results) -> Table:
             _percent(point.u95),
             point.reason,
         )
-        for curve in told_apart(results.efficiency)
+        for curve in without_common_rod_pressure(results.efficiency)
         for point in curve.points
     ]
     head = (
@@ -73,7 +74,7 @@ def efficiency_table(results: Results) -> Table:
 def budget_table(results: Results) -> Table:
     """Return each curve's mean efficiency and what its uncertainty is made of, largest first."""
     rows = []
-    for curve in told_apart(results.efficiency):
+    for curve in without_common_rod_pressure(results.efficiency):
         if curve.mean is None or curve.mean.sigma is None:
             continue
         parts = {name: abs(part) for name, part in curve.mean.parts.items()}
@@ -106,7 +107,7 @@ def pressure_table(results: Results) -> Table:
             significant(band.middle_n, 3),
             str(band.n),
         )
-        for band in told_apart(results.bands)
+        for band in without_common_rod_pressure(results.bands)
     ]
     head = (
         "Label",
@@ -196,7 +197,7 @@ def who_text(curve: Curve) -> str:
 
 
 def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:
-    plans = told_apart(run.run.plan for run in results.runs)
+    plans = without_common_rod_pressure(run.run.plan for run in results.runs)
     return list(zip(results.runs, plans, strict=True))
 
 

@@ -11,9 +11,10 @@ from dataclasses import asdict
 from typing import Any
 
 from hbench.records import Band, Curve, EfficiencyCurve, Fit, JointFit, Results, ScreenedRun
+from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.motion_rows import motion_lines, motions_json
 from hbench.report.campaign.reasons import reason_counts
-from hbench.report.campaign.rod_side import kind_words, load_words, told_apart
+from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.render.csv_text import csv_text
 from hbench.report.render.json_values import plain
 from hbench.report.render.numbers import short, span
@@ -62,6 +63,8 @@ def results_json(results: Results) -> str:
         ],
         "bands": [_band(band) for band in results.bands],
         **motions_json(results.motions),
+        "headline": asdict(results.headline),
+        "quality": asdict(results.quality),
         "notes": results.notes,
     }
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
@@ -220,7 +223,7 @@ def summary_text(results: Results) -> str:
     several = len(kinds) > 1 or "steady" not in kinds
     of_kinds = " (" + ", ".join(f"{n} {kind}" for kind, n in kinds.items()) + ")" if several else ""
     rows = [["direction", "load", "speeds mm/s", "friction N", "fit"]]
-    for curve in told_apart(results.curves):
+    for curve in without_common_rod_pressure(results.curves):
         rows.append(
             [
                 " ".join(filter(None, (curve.label, kind_words(curve), curve.direction))),

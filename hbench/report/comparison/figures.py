@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import CampaignDifferences, Curve, CurveDifference
 from hbench.report.campaign.figures.friction import of_trials
-from hbench.report.campaign.rod_side import kind_words, load_words
+from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, drawn
 from hbench.report.render.series import behind

@@ -12,7 +12,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.campaign.fit_tables import PARAMETERS, law_words
-from hbench.report.campaign.rod_side import kind_words
+from hbench.report.campaign.series_words import kind_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.json_values import plain

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from hbench.records import BeforeAfter, Diagnosis, GapTable, RunPlan, WordTable
-from hbench.report.campaign.rod_side import load_words
+from hbench.report.campaign.series_words import load_words
 from hbench.report.diagnosis.names import STEPS, balance, signal, steps_of
 from hbench.report.render.csv_text import csv_text
 from hbench.report.render.numbers import NONE, number, short

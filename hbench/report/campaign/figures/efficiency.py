@@ -4,8 +4,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from hbench.records import EfficiencyCurve, Results
+from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import by_load, load_legend, load_ranks, load_style
-from hbench.report.campaign.rod_side import load_words, told_apart
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import K95
 from hbench.report.render.series import behind
@@ -16,7 +17,9 @@ def efficiency(results: Results) -> dict[str, Figure]:
 
     The band is the instruments' 95 % interval (6.16 to 6.19), the bars are that of the trials.
     """
-    curves = told_apart(curve for curve in results.efficiency if _has_values(curve))
+    curves = without_common_rod_pressure(
+        curve for curve in results.efficiency if _has_values(curve)
+    )
     ranks = load_ranks(curves)
     figures: dict[str, Figure] = {}
     for direction in style.DIRECTIONS:

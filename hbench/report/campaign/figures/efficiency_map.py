@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from hbench.records import EfficiencyCurve, EfficiencyPoint, Results
-from hbench.report.campaign.rod_side import told_apart
+from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.render import style
 from hbench.report.render.series import behind, plain
 
@@ -54,7 +54,9 @@ def _percent(point: EfficiencyPoint) -> float:
 
 def _groups(results: Results) -> dict[str, list[EfficiencyCurve]]:
     groups: dict[str, list[EfficiencyCurve]] = defaultdict(list)
-    for curve in told_apart(c for c in results.efficiency if c.kind == "steady" and c.f_load_n):
+    for curve in without_common_rod_pressure(
+        c for c in results.efficiency if c.kind == "steady" and c.f_load_n
+    ):
         helps = (curve.f_load_n < 0) == (curve.direction == "extend")
         words = [style.TITLES[curve.direction] + (", load helps" if helps else "")]
         if curve.p_lr_ref_pa is not None:

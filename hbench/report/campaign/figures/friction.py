@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import Curve, CurvePoint, Direction, EfficiencyCurve, Fit, Results
-from hbench.report.campaign.rod_side import load_words, told_apart
+from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import number
 from hbench.report.render.series import behind
@@ -24,7 +25,7 @@ _ASIDE = 0.006  # residuals of one speed stand side by side, this part of the hi
 def over_velocity(results: Results) -> tuple[Curve, ...]:
     """Return the steady curves that have enough speeds to be drawn over velocity."""
     chosen = (curve for curve in results.curves if curve.kind == "steady")
-    return told_apart(curve for curve in chosen if curve.over_velocity)
+    return without_common_rod_pressure(curve for curve in chosen if curve.over_velocity)
 
 
 def stribeck(results: Results) -> dict[str, Figure]:

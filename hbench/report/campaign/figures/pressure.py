@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import Curve, CurvePoint, Results
+from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import of_trials
-from hbench.report.campaign.rod_side import load_words, told_apart
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.report.render.series import behind
 from hbench.units import from_si
@@ -60,7 +61,7 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
 
 def _over_pressure(results: Results) -> Iterator[tuple[Series, Curve]]:
     chosen = (curve for curve in results.curves if curve.kind == "steady")
-    for curve in told_apart(curve for curve in chosen if not curve.over_velocity):
+    for curve in without_common_rod_pressure(curve for curve in chosen if not curve.over_velocity):
         yield (curve.kind, curve.label, curve.p_lr_ref_pa), curve
 
 

@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import Comparison, Curve, Results
+from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.motion_rows import SIGNIFICANT, comparison_words, differs
-from hbench.report.campaign.rod_side import load_words, told_apart
+from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
@@ -31,7 +32,9 @@ def ramps(results: Results) -> dict[str, Figure]:
     differences show.
     """
     groups: dict[tuple, list[Curve]] = defaultdict(list)
-    for curve in told_apart(curve for curve in results.curves if curve.kind in _KINDS):
+    for curve in without_common_rod_pressure(
+        curve for curve in results.curves if curve.kind in _KINDS
+    ):
         key = curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
         groups[key].append(curve)
     found = sorted({c.a_ref_m_s2 or 0.0 for c in results.curves if c.kind == "ramp"})

@@ -1,0 +1,129 @@
+"""Friction at the working speed, breakaway and efficiency, each with its uncertainty."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from statistics import median_low, stdev
+
+from hbench.records import (
+    Basis,
+    Curve,
+    CurvePoint,
+    EfficiencyCurve,
+    Headline,
+    HeadlineNumber,
+    HeadlineSeries,
+    Results,
+    RunPlan,
+)
+from hbench.records.rod_pressure import without_common_rod_pressure
+
+V_TOLERANCE = 0.2  # relative distance of a measured speed from the working speed
+_K95 = 1.96  # half of a normal 95 % interval, in standard deviations
+
+
+def headline(
+    curves: Iterable[Curve],
+    efficiency: Iterable[EfficiencyCurve],
+    speed_m_s: float | None = None,
+) -> Headline:
+    """Return the headline numbers of each steady curve, or of each ramp without steady curves.
+
+    The working speed is ``speed_m_s``, by default the median of the measured steady speeds. The
+    measured point next to it counts, up to ``V_TOLERANCE``; nothing is interpolated.
+    """
+    curves, efficiency = tuple(curves), without_common_rod_pressure(efficiency)
+    speed = _median_speed(curves) if speed_m_s is None else speed_m_s
+    marked = without_common_rod_pressure(curves)
+    ramps = [curve for curve in marked if curve.kind == "ramp"]
+    steady = any(curve.kind == "steady" for curve in marked)
+    series, seen = [], set()
+    for curve, original in zip(marked, curves, strict=True):
+        if curve.kind != ("steady" if steady else "ramp") or _key(curve) in seen:
+            continue  # ramps of other accelerations
+        seen.add(_key(curve))
+        point = _nearest(curve.points, speed) if steady else None
+        series.append(
+            HeadlineSeries(
+                kind=curve.kind,
+                label=curve.label,
+                direction=curve.direction,
+                f_load_n=curve.f_load_n,
+                p_lr_ref_pa=original.p_lr_ref_pa,
+                a_ref_m_s2=curve.a_ref_m_s2,
+                v_m_s=None if point is None else abs(point.v_m_s),
+                friction_n=None if point is None else _friction(point),
+                breakaway_n=_breakaway(curve, ramps),
+                efficiency=None if point is None else _efficiency(curve, point, efficiency),
+            )
+        )
+    return Headline(speed, V_TOLERANCE, tuple(series))
+
+
+def at_working_speed(results: Results, speed_m_s: float | None) -> Results:
+    """Return ``results`` with the headline numbers of another working speed."""
+    return replace(results, headline=headline(results.curves, results.efficiency, speed_m_s))
+
+
+def planned_speed_m_s(plans: Iterable[RunPlan]) -> float | None:
+    """Return the median of the steady speeds that were planned, accepted or not."""
+    speeds = [abs(plan.v_ref_m_s) for plan in plans if plan.kind == "steady"]
+    return median_low(speeds) if speeds else None
+
+
+def _median_speed(curves: Iterable[Curve]) -> float | None:
+    speeds = [abs(p.v_m_s) for curve in curves if curve.kind == "steady" for p in curve.points]
+    return median_low(speeds) if speeds else None
+
+
+def _nearest(points: tuple[CurvePoint, ...], speed: float | None) -> CurvePoint | None:
+    if speed is None or not points:
+        return None
+    nearest = min(points, key=lambda point: abs(abs(point.v_m_s) - speed))
+    return nearest if abs(abs(nearest.v_m_s) - speed) <= V_TOLERANCE * speed else None
+
+
+def _friction(point: CurvePoint) -> HeadlineNumber:
+    se = stdev(point.trials_n) / math.sqrt(point.n) if len(point.trials_n) > 1 else None
+    u95 = point.u95_n or point.ci95_n
+    return HeadlineNumber(abs(point.friction_n), u95, point.ci95_n, se, _basis(point))
+
+
+def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
+    """Return the slowest ramp's friction as the seals begin to slide, else the fit's at rest."""
+    same = [ramp for ramp in ramps if ramp.fits and _key(ramp) == _key(curve)]
+    for ramp in sorted(same, key=lambda ramp: ramp.a_ref_m_s2 or math.inf):
+        first = min((abs(v) for fit in ramp.fits for v, _ in fit.line), default=None)
+        slid = [p for p in ramp.points if first is not None and abs(p.v_m_s) >= first - 1e-9]
+        if slid:
+            return _friction(slid[0])
+    for fit in curve.fits:
+        stiction = fit.parameters.get("f_stiction_n")
+        if stiction is None or stiction.ci95 is None or not fit.converged:
+            continue
+        low, high = stiction.ci95
+        half = max(stiction.value - low, high - stiction.value)
+        slowest = min(curve.points, key=lambda point: abs(point.v_m_s))
+        u95 = math.hypot(half, _K95 * (slowest.sigma_instruments_n or 0.0))
+        return HeadlineNumber(stiction.value, u95, half, stiction.se, "extrapolated")
+    return None
+
+
+def _efficiency(
+    curve: Curve, point: CurvePoint, efficiency: Iterable[EfficiencyCurve]
+) -> HeadlineNumber | None:
+    for same in efficiency:
+        if same.kind == curve.kind and _key(same) == _key(curve):
+            at = min(same.points, key=lambda p: abs(p.v_m_s - point.v_m_s))
+            if at.efficiency is not None:
+                u95 = at.u95 or at.ci95
+                return HeadlineNumber(at.efficiency, u95, at.ci95, at.sigma_trials, _basis(point))
+    return None
+
+
+def _basis(point: CurvePoint) -> Basis:
+    return "one_trial" if point.n == 1 else "trials"
+
+
+def _key(curve: Curve | EfficiencyCurve) -> tuple:
+    return curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa

@@ -1,0 +1,20 @@
+"""Load and kind of a series of runs in words."""
+
+from hbench.records import Curve, EfficiencyCurve, HeadlineSeries, RunPlan
+from hbench.report.render.numbers import force, short
+from hbench.units import from_si
+
+
+def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:
+    """Write the references of the load cylinder, such as ``500 N, 15 bar``; empty without any."""
+    words = [] if f_load_n is None else [force(f_load_n)]
+    if p_lr_ref_pa is not None:
+        words.append(f"{short(from_si(p_lr_ref_pa, 'bar'))} bar")
+    return ", ".join(words)
+
+
+def kind_words(series: Curve | EfficiencyCurve | HeadlineSeries | RunPlan) -> str:
+    """Write a kind of experiment, such as ``ramp 0.1 m/s²``; empty for steady runs."""
+    if series.kind == "ramp" and series.a_ref_m_s2 is not None:
+        return f"ramp {short(series.a_ref_m_s2)} m/s²"
+    return "" if series.kind == "steady" else series.kind
