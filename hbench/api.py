@@ -22,7 +22,7 @@ from hbench.model.build import plant_parameters
 from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate as trajectory
 from hbench.records import Curve, CurvePoint, Direction, Fit, Specimen
-from hbench.report.campaign.tables import results_json
+from hbench.report.campaign.results_document import results_json
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.runs import channels
 from hbench.workflow.results import derive, screened_runs

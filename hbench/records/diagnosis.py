@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from hbench.records.flow import FitParameter, Provenance, RunPlan
+from hbench.records.numbers import FloatOrNan
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
 
@@ -18,10 +19,10 @@ class Gap:
     """One balance or signal: its gap, and what of it is no scatter."""
 
     name: str
-    gap: float  # 1: as good as the bench repeats itself
-    structured: float  # sqrt(gap^2 - 1), 0 below
-    p_value: float  # after Holm
-    scatter: float  # root mean square of s, in the balance's unit
+    gap: FloatOrNan  # 1: as good as the bench repeats itself
+    structured: FloatOrNan  # sqrt(gap^2 - 1), 0 below
+    p_value: FloatOrNan  # after Holm
+    scatter: FloatOrNan  # root mean square of s, in the balance's unit
     windows: int
 
 
@@ -31,10 +32,10 @@ class Region:
 
     axis: str  # direction, speed_m_s, load_n, position_m, time_s
     label: str  # of a direction; empty for the others
-    low: float  # smallest and largest value in it
-    high: float
+    low: FloatOrNan  # smallest and largest value in it
+    high: FloatOrNan
     windows: int
-    gaps: dict[str, float]  # by balance
+    gaps: dict[str, FloatOrNan]  # by balance
 
 
 @dataclass(frozen=True)
@@ -54,10 +55,10 @@ class ResidualMap:
 class BeforeAfter:
     """A gap on the way from the model as it was given to the revised one."""
 
-    before: float  # model as given
-    refitted: float  # its badly tuned parameters refitted
-    after: float  # with the effects
-    floor: float  # of a model that is right, with its parameters as uncertain as they are
+    before: FloatOrNan  # model as given
+    refitted: FloatOrNan  # its badly tuned parameters refitted
+    after: FloatOrNan  # with the effects
+    floor: FloatOrNan  # of a model that is right, with its parameters as uncertain as they are
 
 
 @dataclass(frozen=True)
@@ -84,12 +85,12 @@ class Candidate:
     """An effect that was tried in the first search."""
 
     name: str
-    score: float  # gain of log-likelihood on operating points left out, nats
-    explained: float  # share of the excess gap that goes, in the balances it touches, left out
-    size: float  # largest coefficient over its typical size
-    parameters: dict[str, float]
+    score: FloatOrNan  # gain of log-likelihood on operating points left out, nats
+    explained: FloatOrNan  # share of the excess gap that goes, in the balances it touches, left out
+    size: FloatOrNan  # largest coefficient over its typical size
+    parameters: dict[str, FloatOrNan]
     tried: Literal["simulated", "linear"]  # with its own simulation, or by its signature alone
-    threshold: float = 0.0  # that its score must exceed
+    threshold: FloatOrNan = 0.0  # that its score must exceed
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ class Rival:
     """The effect that came second where another was named."""
 
     name: str
-    margin: float  # by how much its score is below, nats
+    margin: FloatOrNan  # by how much its score is below, nats
 
 
 @dataclass(frozen=True)
@@ -108,9 +109,9 @@ class AddedEffect:
     says: str  # the law in words
     parameters: dict[str, FitParameter]  # each in the unit that it carries, a bench's: l/min/bar
     of_sensor: bool
-    gap_before: float  # held-out runs, over the balances it touches: refitted model without it
-    gap_after: float
-    score: float
+    gap_before: FloatOrNan  # held-out runs, over the balances it touches: refitted model without it
+    gap_after: FloatOrNan
+    score: FloatOrNan
     runner_up: Rival | None
     shape: str = ""  # the shape parameter that held-out runs supported; empty: textbook form
 
@@ -147,7 +148,7 @@ class Diagnosis:
     gap_train: GapTable
     gap_runs: tuple[RunGap, ...]  # in the campaign's order; none where strokes are compared
     ranking: tuple[Candidate, ...]  # of the first search, best first
-    threshold: float  # score that a candidate must exceed, from nulls of this plan
+    threshold: FloatOrNan  # score that a candidate must exceed, from nulls of this plan
     refitted: dict[str, FitParameter]  # factors on the model's values, by dotted path
     residuals_before: ResidualMap  # refitted model
     residuals_after: ResidualMap

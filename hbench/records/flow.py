@@ -11,6 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from hbench.records.numbers import Count, FloatOrNan, KindName
+
 Direction = Literal["extend", "retract"]
 Outcome = Literal["done", "aborted", "failed"]
 
@@ -58,8 +60,8 @@ class RunPlan:
     """One run to be made, or made: what it is and its references."""
 
     run: str  # id, also the raw log's file name
-    kind: str  # steady | ramp | triangle | steps | hold | verification
-    trial: int  # 1, 2, 3
+    kind: KindName  # steady | ramp | triangle | steps | hold | verification
+    trial: Count  # 1, 2, 3
     v_ref_m_s: float  # signed; positive extends
     specimen: Specimen
     a_ref_m_s2: float | None = None
@@ -154,6 +156,11 @@ class ScreenedRun:
     notes: tuple[str, ...] = ()  # what a reader should know, without speaking against the run
 
     @property
+    def reason(self) -> str:
+        """All reasons in one line; empty for an accepted run."""
+        return "; ".join(self.reasons)
+
+    @property
     def accepted(self) -> bool:
         """No reason speaks against it."""
         return not self.reasons
@@ -166,7 +173,7 @@ class CurvePoint:
     v_m_s: float
     friction_n: float
     ci95_n: float | None  # half-width of Student's interval; None with fewer than two trials
-    n: int  # trials
+    n: Count  # trials
     f_test_n: float
     f_applied_n: float
     p_tp_pa: float
@@ -188,11 +195,11 @@ class FitParameter:
 
     value: float
     se: float | None
-    ci95: tuple[float, float] | None
+    ci95: tuple[FloatOrNan, FloatOrNan] | None
     at_bound: Literal["lower", "upper"] | None
     unit: str
     # 95 % intervals by method: linearised, profile (which ``ci95`` is), bootstrap if asked for.
-    intervals: dict[str, tuple[float, float] | None] = field(default_factory=dict)
+    intervals: dict[str, tuple[FloatOrNan, FloatOrNan] | None] = field(default_factory=dict)
     disagree: bool = False  # whether these differ by much
 
 
@@ -202,7 +209,7 @@ class Fit:
 
     law: str
     parameters: dict[str, FitParameter]
-    rmse_n: float
+    rmse_n: FloatOrNan
     converged: bool
     message: str
     # The law at (v_m_s, friction_n), signed like the curve's points: the speed of each point,
@@ -217,7 +224,7 @@ class HeldOut:
     """How well a law predicts speeds that were left out of its fit."""
 
     law: str
-    rmse_n: float
+    rmse_n: FloatOrNan
 
 
 @dataclass(frozen=True)
@@ -225,8 +232,8 @@ class Selection:
     """Laws by their error at speeds left out, the best first."""
 
     laws: tuple[HeldOut, ...]
-    difference_n2: float  # mean square error of the second, less that of the first
-    difference_se_n2: float  # its standard error
+    difference_n2: FloatOrNan  # mean square error of the second, less that of the first
+    difference_se_n2: FloatOrNan  # its standard error
     told_apart: bool  # whether its 95 % interval is above zero
     speeds: int  # left out, one at a time
 
@@ -235,7 +242,7 @@ class Selection:
 class Curve:
     """Friction over velocity for one direction, load and rod-side pressure."""
 
-    kind: str
+    kind: KindName
     direction: Direction
     f_load_n: float | None
     p_lr_ref_pa: float | None
@@ -256,7 +263,7 @@ class Curve:
 class JointFit:
     """Laws with pressure in them, fitted to all curves of a kind and label at once."""
 
-    kind: str
+    kind: KindName
     label: str
     curves: int
     points: int
@@ -297,7 +304,7 @@ class MeanEfficiency:
 class EfficiencyCurve:
     """Efficiency over velocity for one direction, load and rod-side pressure."""
 
-    kind: str
+    kind: KindName
     direction: Direction
     f_load_n: float | None
     p_lr_ref_pa: float | None
@@ -311,7 +318,7 @@ class EfficiencyCurve:
 class Band:
     """The friction band between the two directions at one pressure, from trials that have both."""
 
-    kind: str
+    kind: KindName
     label: str
     f_load_n: float | None
     p_lr_ref_pa: float | None

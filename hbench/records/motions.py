@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hbench.records.flow import Direction
+from hbench.records.numbers import Count, FloatOrNan, KindName
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Comparison:
     p_holm: float | None  # after Holm, over all tests of the same ``what``
     n: int  # trials
     message: str = ""
-    kind: str = "ramp"
+    kind: KindName = "ramp"
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Loop:
     widths: tuple[LoopWidth, ...]
     trace: tuple[tuple[float, float, float], ...]  # x_m, v_m_s, friction_n, mean over cycles
     runs: tuple[str, ...]
-    kind: str = "triangle"
+    kind: KindName = "triangle"
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Level:
     """One step of the reference: friction before, after, and on its way."""
 
     series: Series
-    number: int  # of the level in its run, from 1
+    number: Count  # of the level in its run, from 1
     v_from_m_s: float
     v_to_m_s: float
     before_n: float | None  # settled friction of the level before; None after rest
@@ -85,7 +86,7 @@ class Level:
     settling_step_s: float | None = None  # one record: settling is told in whole ones
     remark: str = ""  # why the overshoot is not known, or not resolved
     resolved: bool = True  # whether the log resolves the overshoot
-    kind: str = "steps"
+    kind: KindName = "steps"
 
 
 Leak = Literal["across_piston", "piston_side_out", "rod_side_out"]
@@ -98,7 +99,7 @@ class LeakCoefficient:
     name: Leak
     value: float | None  # None: the runs don't determine it
     se: float | None
-    ci95: tuple[float, float] | None
+    ci95: tuple[FloatOrNan, FloatOrNan] | None
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ class Leakage:
     decays: tuple["Decay", ...]
     bulk_modulus_pa: float
     message: str
-    kind: str = "hold"
+    kind: KindName = "hold"
 
 
 @dataclass(frozen=True)
@@ -140,7 +141,7 @@ class Surface:
     f_load_n: tuple[float, ...]  # signed, rising
     friction_n: tuple[tuple[float, ...], ...]  # magnitudes, a row a load
     ci95_n: tuple[tuple[float | None, ...], ...]
-    kind: str = "steady"
+    kind: KindName = "steady"
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hbench.records.flow import Direction
+from hbench.records.numbers import KindName
 
 Basis = Literal["trials", "one_trial", "extrapolated"]
 Grade = Literal["good", "with care", "poor"]
@@ -24,7 +25,7 @@ class HeadlineNumber:
 class HeadlineSeries:
     """Headline numbers of one direction, load and rod-side pressure."""
 
-    kind: str
+    kind: KindName
     label: str
     direction: Direction
     f_load_n: float | None

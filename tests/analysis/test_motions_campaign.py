@@ -8,7 +8,7 @@ from hbench import workflow
 from hbench.analysis.screening.screen import screen
 from hbench.config.fitting import Fitting
 from hbench.config.schedule import Screening
-from hbench.report.campaign.tables import summary_text
+from hbench.report.campaign.terminal import summary_text
 from hbench.workflow.results import _motions
 from tests.support.analysis.moving import moving_run, ramp_velocity
 

@@ -20,8 +20,8 @@ from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance
 from hbench.report.diagnosis import names as words
 from hbench.report.diagnosis.all_figures import draw_diagnosis
+from hbench.report.diagnosis.diagnosis_document import diagnosis_json
 from hbench.report.diagnosis.gap_figures import gap_figures, ranking_figure, region_figure
-from hbench.report.diagnosis.json_file import diagnosis_json
 from hbench.report.diagnosis.overlay_figures import overlay_figures
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.residual_figures import maps_figure, shape_figure

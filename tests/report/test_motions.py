@@ -26,7 +26,8 @@ from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.report.campaign.motion_tables import MOTION_TABLES, motion_tables
 from hbench.report.campaign.page_tables import point_table
-from hbench.report.campaign.tables import results_json, summary_text
+from hbench.report.campaign.results_document import results_json
+from hbench.report.campaign.terminal import summary_text
 from hbench.report.render.figures import Drawing
 from hbench.report.render.style import RC
 from tests.support.report.made_page import page_html

@@ -2,13 +2,17 @@
 
 import copy
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
 
-from hbench.report.campaign.tables import results_json
-from hbench.report.diagnosis.json_file import diagnosis_json
+from hbench.report.campaign.results_document import results_json
+from hbench.report.diagnosis.diagnosis_document import diagnosis_json
+from hbench.report.json_documents.layout import NullIfEmpty
+from hbench.report.json_documents.schema import schema
+from hbench.report.schemas import schema_text
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
 from tests.support.reconcile import made_diagnosis as made
@@ -62,6 +66,31 @@ def test_no_key_may_be_missing_none_be_added_and_no_value_be_of_another_type(
             spoilt = copy.deepcopy(good)
             spoil(list(objects(spoilt))[number], next(iter(original)))
             assert schema_faults(spoilt, name), original
+
+
+@pytest.mark.parametrize("name", ["results", "diagnosis"])
+def test_the_packaged_schemas_are_those_of_the_records(name):
+    room = "campaign" if name == "results" else "diagnosis"
+    packaged = files(f"hbench.report.{room}") / f"{name}.schema.json"
+    command = f"python -m hbench.report.schemas {name} > hbench/report/{room}/{name}.schema.json"
+    assert packaged.read_text() == schema_text(name), command
+
+
+def test_a_schema_follows_the_types_comments_and_units_of_a_record():
+    made = schema("pair/1", "t", "d", Pair, {Pair: {"a": "low_n", "b": NullIfEmpty("word")}})
+    assert made["properties"] == {
+        "a": {"type": ["number", "null"], "description": "smallest; null: none [N]"},
+        "b": {"type": ["string", "null"]},
+    }
+    assert made["required"] == ["a", "b"] and made["$id"] == "urn:hbench:pair:1"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A record of this test."""
+
+    low_n: float | None  # smallest; None: none
+    word: str
 
 
 @pytest.mark.parametrize("make", [made.named, made.ambiguous, made.unknown])

@@ -9,15 +9,9 @@ import pandas as pd
 import pytest
 
 from hbench.records import Results
-from hbench.report.campaign.tables import (
-    bands_csv,
-    curves_csv,
-    efficiency_csv,
-    fits_csv,
-    results_json,
-    runs_csv,
-    summary_text,
-)
+from hbench.report.campaign.results_document import results_json
+from hbench.report.campaign.tables import bands_csv, curves_csv, efficiency_csv, fits_csv, runs_csv
+from hbench.report.campaign.terminal import summary_text
 
 NUMBER = (int, float)
 MAYBE = (int, float, type(None))

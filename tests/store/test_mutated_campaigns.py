@@ -23,7 +23,7 @@ import yaml
 
 from hbench import workflow
 from hbench.errors import ConfigError, DataError
-from hbench.report.campaign.tables import summary_text
+from hbench.report.campaign.terminal import summary_text
 from hbench.store.campaign import journal
 from hbench.store.campaign.folder import load_campaign
 from tests.support.faults import mutations as m

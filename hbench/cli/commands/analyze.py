@@ -60,7 +60,8 @@ def report(
 
 
 def _result(results: "Results", as_json: bool) -> str:
-    from hbench.report.campaign.tables import results_json, summary_text
+    from hbench.report.campaign.results_document import results_json
+    from hbench.report.campaign.terminal import summary_text
 
     return results_json(results) if as_json else summary_text(results)
 

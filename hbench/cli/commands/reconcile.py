@@ -33,7 +33,7 @@ def reconcile(
     """
     from hbench import workflow
     from hbench.cli.progress import ProgressLine
-    from hbench.report.diagnosis.json_file import diagnosis_json
+    from hbench.report.diagnosis.diagnosis_document import diagnosis_json
     from hbench.report.diagnosis.text import diagnosis_text
 
     progress = ProgressLine(sys.stderr)

@@ -1,14 +1,11 @@
-"""What moving and resting runs tell, as plain rows for JSON and CSV, and as lines of text."""
+"""Results of moving and resting runs as lines of text."""
 
 from collections.abc import Iterator
-from dataclasses import asdict
-from typing import Any
 
 from hbench.records import Comparison, Leakage, Level, Loop, Motions, Series, Surface
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import number, short, significant, span, with_interval
 
-Row = dict[str, Any]
 SIGNIFICANT = 0.05  # of p after Holm
 
 LEAKS = {
@@ -16,26 +13,6 @@ LEAKS = {
     "piston_side_out": "out of the piston side",
     "rod_side_out": "out of the rod side",
 }
-
-
-def motions_json(motions: Motions) -> dict[str, list[Row]]:
-    """Return the keys of ``results.json`` that hold what is not a curve."""
-    return {
-        "comparisons": [flat(one) for one in motions.comparisons],
-        "loops": [flat(one) for one in motions.loops],
-        "levels": [flat(one) for one in motions.levels],
-        "leakage": [
-            {**asdict(one), "decays": [flat(decay) for decay in one.decays]}
-            for one in motions.leakages
-        ],
-        "surfaces": [asdict(one) for one in motions.surfaces],
-    }
-
-
-def flat(record: Any) -> Row:
-    """Return a record as a row, its series' keys among its own."""
-    row = asdict(record)
-    return {**row.pop("series"), **row}
 
 
 def series_words(series: Series) -> str:

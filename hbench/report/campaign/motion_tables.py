@@ -1,9 +1,9 @@
-"""CSV files (SI) of what moving and resting runs tell."""
+"""CSV files (SI) of the results of moving and resting runs."""
 
 from collections.abc import Callable
 
 from hbench.records import Results
-from hbench.report.campaign.motion_rows import flat
+from hbench.report.campaign.results_document import row
 from hbench.report.render.csv_text import csv_text
 
 _SERIES = ("kind", "label", "f_load_n", "p_lr_ref_pa")
@@ -12,7 +12,7 @@ _SERIES = ("kind", "label", "f_load_n", "p_lr_ref_pa")
 def comparisons_csv(results: Results) -> str:
     """Return one row a comparison; the accelerations stand in one cell."""
     rows = (
-        {**flat(one), "a_m_s2": " ".join(map(repr, one.a_m_s2))}
+        {**row(one), "a_m_s2": " ".join(map(repr, one.a_m_s2))}
         for one in results.motions.comparisons
     )
     columns = "direction what a_m_s2 v_low_m_s v_high_m_s effect_n ci95_n p_value p_holm n message"
@@ -21,9 +21,7 @@ def comparisons_csv(results: Results) -> str:
 
 def loops_csv(results: Results) -> str:
     """Return one row a width of a loop; the loop's own numbers stand in each."""
-    rows = (
-        {**flat(loop), **vars(width)} for loop in results.motions.loops for width in loop.widths
-    )
+    rows = ({**row(loop), **vars(width)} for loop in results.motions.loops for width in loop.widths)
     columns = "v_top_m_s a_m_s2 cycles trials unit area_j area_ci95_j v_m_s width_n ci95_n board_n"
     return csv_text((*_SERIES, *columns.split()), rows)
 
@@ -31,7 +29,7 @@ def loops_csv(results: Results) -> str:
 def loop_traces_csv(results: Results) -> str:
     """Return the mean loops, in the order of time."""
     rows = (
-        {**flat(loop), "x_m": x, "v_m_s": v, "friction_n": friction}
+        {**row(loop), "x_m": x, "v_m_s": v, "friction_n": friction}
         for loop in results.motions.loops
         for x, v, friction in loop.trace
     )
@@ -40,7 +38,7 @@ def loop_traces_csv(results: Results) -> str:
 
 def levels_csv(results: Results) -> str:
     """Return one row a step of the reference."""
-    rows = ({**flat(one), "runs": " ".join(one.runs)} for one in results.motions.levels)
+    rows = ({**row(one), "runs": " ".join(one.runs)} for one in results.motions.levels)
     columns = (
         "number v_from_m_s v_to_m_s before_n after_n after_ci95_n overshoot_n overshoot_ci95_n "
         "settling_s settling_ci95_s settling_step_s n runs remark"
@@ -67,7 +65,7 @@ def leakage_csv(results: Results) -> str:
 def decays_csv(results: Results) -> str:
     """Return one row a hold."""
     rows = (
-        {"kind": found.kind, **flat(one)}
+        {"kind": found.kind, **row(one)}
         for found in results.motions.leakages
         for one in found.decays
     )

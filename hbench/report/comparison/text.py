@@ -13,9 +13,9 @@ from hbench.records import (
 )
 from hbench.report.campaign.fit_tables import PARAMETERS, law_words
 from hbench.report.campaign.series_words import kind_words
+from hbench.report.json_documents.values import plain
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.json_values import plain
 from hbench.report.render.numbers import NONE, force, number, short, significant, with_interval
 from hbench.report.render.style import TITLES
 from hbench.report.render.terminal_table import aligned

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from hbench.records import Check, ControlLoop, Design, LoopMerits, Proposal, Reproduced
-from hbench.report.render.json_values import plain
+from hbench.report.json_documents.values import plain
 from hbench.report.render.numbers import short, significant
 from hbench.units import from_si
 

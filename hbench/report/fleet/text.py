@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 
 from hbench.records import Deviation, Fleet, Spread, Suspect, WordTable
-from hbench.report.render.json_values import plain
+from hbench.report.json_documents.values import plain
 from hbench.report.render.numbers import NONE, significant, with_ends
 from hbench.report.render.style import TITLES
 from hbench.report.render.terminal_table import aligned

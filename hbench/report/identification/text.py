@@ -7,7 +7,7 @@ from typing import Any
 
 from hbench.records import Identification, IdentifiedLaw, ModelErrors, WordTable
 from hbench.records.identification import PARTS
-from hbench.report.render.json_values import plain
+from hbench.report.json_documents.values import plain
 from hbench.report.render.numbers import NONE, force, number, significant
 from hbench.report.render.terminal_table import aligned
 

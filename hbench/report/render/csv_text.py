@@ -5,7 +5,7 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from hbench.report.render.json_values import plain
+from hbench.report.json_documents.values import plain
 from hbench.untrusted_text import as_cell
 
 

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 from hbench.records import Replay, WordTable
 from hbench.report.diagnosis.names import signal
-from hbench.report.render.json_values import plain
+from hbench.report.json_documents.values import plain
 from hbench.report.render.numbers import significant
 from hbench.report.render.terminal_table import aligned
 

@@ -4,7 +4,7 @@ import json
 from dataclasses import asdict
 
 from hbench.records import Finding, Phenomenon, WordTable
-from hbench.report.render.json_values import plain
+from hbench.report.json_documents.values import plain
 from hbench.report.render.numbers import NONE, significant
 from hbench.report.render.terminal_table import aligned
 

@@ -1,0 +1,33 @@
+"""Types of numbers and words in records that say more than float, int or str.
+
+Python and mypy see the plain type; the JSON Schemas of the documents follow the marks.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+
+@dataclass(frozen=True)
+class Nonfinite:
+    """Mark of a float that may be NaN or infinite, which JSON writes as null."""
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """Mark of a number that is not smaller than ``value``."""
+
+    value: int
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """Mark of a text that is one of ``values``."""
+
+    values: tuple[str, ...]
+
+
+FloatOrNan = Annotated[float, Nonfinite()]
+Count = Annotated[int, Minimum(1)]  # from 1
+KindName = Annotated[
+    str, OneOf(("steady", "ramp", "triangle", "steps", "hold", "verification"))
+]  # of experiment

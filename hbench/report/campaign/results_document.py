@@ -1,0 +1,96 @@
+"""``results.json``: the layout of its keys, from which the text and its JSON Schema are made.
+
+Other programs read the names (schema "hbench.results/1"), which don't change. A number that does
+not exist, NaN included, is null.
+"""
+
+import json
+from typing import Any
+
+from hbench.records import (
+    Band,
+    Comparison,
+    Curve,
+    Decay,
+    EfficiencyCurve,
+    EfficiencyPoint,
+    Fit,
+    Level,
+    Loop,
+    Results,
+    ScreenedRun,
+)
+from hbench.report.json_documents.layout import (
+    Constant,
+    Layouts,
+    NullIfEmpty,
+    Source,
+    all_fields,
+    document,
+    keys,
+)
+from hbench.report.json_documents.schema import Schema, schema
+
+NAME = "results/1"
+_ABOUT = (
+    "`hbench analyze` and `hbench report` write this to results/results.json. SI; a name ends in "
+    "its unit. Names stay as they are within hbench.results/1; keys may be added. A number that "
+    "does not exist is null."
+)
+SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
+_PLAN = (*SERIES[:3], "v_ref_m_s", "a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "trial")
+_MEANS = (
+    *("friction_n", "efficiency", "f_test_n", "f_applied_n", "p_tp_pa", "p_tr_pa"),
+    *("t_start_s", "t_stop_s", "n"),
+)
+
+
+def _with_series(record: type) -> dict[str, Source]:
+    """Return the row of a record with its series' keys first."""
+    series = {name: f"series.{name}" for name in ("label", "f_load_n", "p_lr_ref_pa")}
+    return series | all_fields(record, without=("series",))
+
+
+LAYOUTS: Layouts = {
+    Results: {
+        "schema": Constant(f"hbench.{NAME}"),
+        **keys("provenance", "runs", "curves", "joint_fits", "efficiency", "bands"),
+        **{name: f"motions.{name}" for name in ("comparisons", "loops", "levels")},
+        "leakage": "motions.leakages",
+        "surfaces": "motions.surfaces",
+        **keys("headline", "quality", "notes"),
+    },
+    ScreenedRun: {
+        "run": "run.plan.run",
+        **{name: f"run.plan.{name}" for name in _PLAN},
+        "accepted": "accepted",
+        "reason": NullIfEmpty("reason"),
+        **keys("reasons", "notes"),
+        "v_mean_m_s": "means.v_m_s",
+        **{name: f"means.{name}" for name in _MEANS},
+    },
+    Curve: keys(*SERIES, "specimen", "points", "fits", "selection"),
+    Fit: all_fields(Fit, without=("line", "beyond")),
+    EfficiencyCurve: keys(*SERIES, "points", "mean"),
+    EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
+    Band: all_fields(Band, without=("extend", "retract")),
+    Comparison: _with_series(Comparison),
+    Loop: _with_series(Loop),
+    Level: _with_series(Level),
+    Decay: _with_series(Decay),
+}
+
+
+def results_json(results: Results) -> str:
+    """Return the text of ``results.json``."""
+    return json.dumps(document(results, LAYOUTS), indent=1, allow_nan=False) + "\n"
+
+
+def results_schema() -> Schema:
+    """Return the JSON Schema of ``results.json``."""
+    return schema(NAME, "hbench results", _ABOUT, Results, LAYOUTS)
+
+
+def row(record: Any) -> dict[str, Any]:
+    """Return a record of ``results.json`` as its keys and values."""
+    return document(record, LAYOUTS)

@@ -1,0 +1,67 @@
+"""``diagnosis.json``: the layout of its keys, from which the text and its JSON Schema are made.
+
+Other programs read the names (schema "hbench.diagnosis/1"), which don't change. A number that does
+not exist is null. Gaps are in trial scatters; a parameter's numbers are in its ``unit``.
+"""
+
+import json
+
+from hbench.records import AddedEffect, Candidate, Diagnosis, FitParameter, Gap, GapTable, RunGap
+from hbench.report.json_documents.layout import (
+    Constant,
+    Layouts,
+    NullIfEmpty,
+    all_fields,
+    document,
+    keys,
+)
+from hbench.report.json_documents.schema import Schema, schema
+
+NAME = "diagnosis/1"
+_ABOUT = (
+    "`hbench reconcile` writes this to diagnosis.json. Gaps are in trial scatters. Names stay as "
+    "they are within hbench.diagnosis/1; keys may be added. A number that does not exist is null."
+)
+_STAGES = ("before", "refitted", "after", "floor")
+_PARTS = ("signals", "balances", "open_loop")
+_PLAN = ("run", "kind", "label", "direction", "v_ref_m_s", "f_load_n", "p_lr_ref_pa", "trial")
+
+LAYOUTS: Layouts = {
+    Diagnosis: {
+        "schema": Constant(f"hbench.{NAME}"),
+        **keys("provenance", "model", "verdict", "why", "where", "effects", "alternatives", "rest"),
+        **keys("next_experiment", "next_schedule"),
+        "gap": {"heldout": "gap_heldout", "train": "gap_train", "runs": "gap_runs"},
+        **keys("ranking", "threshold", "refitted", "regions", "heldout_runs", "not_tried"),
+        **keys("missing", "left_out", "notes"),
+    },
+    Gap: {
+        "balance": "name",
+        "score": "gap",
+        **keys("p_value", "structured", "scatter", "windows"),
+    },
+    AddedEffect: {
+        **keys("name", "says", "of_sensor", "parameters", "gap_before", "gap_after", "score"),
+        "runner_up": "runner_up",
+        "shape": NullIfEmpty("shape"),
+    },
+    FitParameter: keys("value", "se", "ci95", "at_bound", "unit"),
+    Candidate: {**all_fields(Candidate, without=("parameters",)), "parameters_si": "parameters"},
+    GapTable: {**{name: f"total.{name}" for name in _STAGES}, **keys(*_PARTS)},
+    RunGap: {
+        **{name: f"plan.{name}" for name in _PLAN},
+        "held_out": "held_out",
+        **{name: f"gap.total.{name}" for name in _STAGES},
+        **{name: f"gap.{name}" for name in _PARTS},
+    },
+}
+
+
+def diagnosis_json(found: Diagnosis) -> str:
+    """Return the text of ``diagnosis.json``: all but maps and overlays."""
+    return json.dumps(document(found, LAYOUTS), indent=1, allow_nan=False) + "\n"
+
+
+def diagnosis_schema() -> Schema:
+    """Return the JSON Schema of ``diagnosis.json``."""
+    return schema(NAME, "hbench diagnosis", _ABOUT, Diagnosis, LAYOUTS)

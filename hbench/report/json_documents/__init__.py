@@ -1,0 +1,1 @@
+"""JSON documents and their JSON Schemas, both made from one layout of the records."""

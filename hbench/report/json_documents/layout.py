@@ -1,0 +1,76 @@
+"""Layout of records as JSON objects, from which both documents and schemas are made.
+
+A record becomes an object of all its fields, unless ``Layouts`` has a row for its class. A row maps
+each JSON key to its source: the path of an attribute of the record, such as ``run.plan.kind``
+(null where an attribute on the way is None), a ``Constant``, a ``NullIfEmpty``, or another row,
+which becomes an object of its own.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, TypeAlias
+
+from hbench.report.json_documents.values import plain
+
+
+@dataclass(frozen=True)
+class Constant:
+    """Text that is the same in every document, such as the name of its schema."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class NullIfEmpty:
+    """Path of a text that is null in the document where it is empty in the record."""
+
+    path: str
+
+
+Source: TypeAlias = "str | Constant | NullIfEmpty | Row"
+Row: TypeAlias = Mapping[str, Source]
+Layouts: TypeAlias = Mapping[type, Row]
+
+
+def keys(*names: str) -> dict[str, Source]:
+    """Return a row of attributes under their own names."""
+    return {name: name for name in names}
+
+
+def all_fields(record: type, without: tuple[str, ...] = (), **changed: Source) -> dict[str, Source]:
+    """Return a row of a record's fields, without some and with some from another source."""
+    row = keys(*(field.name for field in fields(record) if field.name not in without))
+    return row | changed
+
+
+def document(value: Any, layouts: Layouts) -> Any:
+    """Return a record, or anything made of records, as JSON knows it."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return _object(value, layouts.get(type(value)) or all_fields(type(value)), layouts)
+    if isinstance(value, Mapping):
+        return {str(key): document(item, layouts) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [document(item, layouts) for item in value]
+    return plain(value)
+
+
+def _object(record: Any, row: Row, layouts: Layouts) -> dict[str, Any]:
+    written: dict[str, Any] = {}
+    for key, source in row.items():
+        if isinstance(source, Constant):
+            written[key] = source.text
+        elif isinstance(source, NullIfEmpty):
+            written[key] = _attribute(record, source.path) or None
+        elif isinstance(source, str):
+            written[key] = document(_attribute(record, source), layouts)
+        else:
+            written[key] = _object(record, source, layouts)
+    return written
+
+
+def _attribute(record: Any, path: str) -> Any:
+    for name in path.split("."):
+        if record is None:
+            return None
+        record = getattr(record, name)
+    return record
