@@ -61,6 +61,12 @@ def test_a_campaign_is_what_analyze_writes_and_load_writes_nothing(demo, folder)
     (row,) = demo.fits.query(f"{wanted} and parameter == 'f_stiction_n'").to_dict("records")
     assert row["value"] == curve["fits"][0]["parameters"]["f_stiction_n"]["value"]
     assert set(demo.efficiency) >= {"direction", "v_m_s", "efficiency", "sigma"}
+    series = written["headline"]["series"]
+    assert demo.headline.friction_n.tolist() == [one["friction_n"]["value"] for one in series]
+    assert demo.headline.breakaway_n_basis.tolist() == [
+        one["breakaway_n"]["basis"] for one in series
+    ]
+    assert demo.quality.grade.tolist() == [one["grade"] for one in written["quality"]["checks"]]
 
 
 def test_the_samples_of_a_run_give_its_mean_friction(demo, folder):
