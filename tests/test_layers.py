@@ -115,11 +115,7 @@ def test_only_config_store_rig_and_cli_touch_files_and_ports(forbidden):
 
 def test_the_rooms_agree_on_what_they_write_down_twice():
     """Siblings can't share a name; what both know is compared here."""
-    from typing import get_args
-
-    from hbench.config.friction import Friction
     from hbench.model import sensors
-    from hbench.model.friction import laws
     from hbench.protocol import dictionary
     from hbench.rig import board_settings
 
@@ -127,7 +123,4 @@ def test_the_rooms_agree_on_what_they_write_down_twice():
     words = {word.name: word for word in dictionary.RECORD}
     assert {words[name].scale for name in dictionary.SENSORS} == {1 / sensors.FRACTION}
     assert board_settings._PARTS == sensors.FRACTION
-    kinds = get_args(get_args(Friction)[0])
-    of_files = {get_args(kind.model_fields["law"].annotation)[0] for kind in kinds}
-    assert of_files == set(laws.LAWS)
     assert 32767 * words["v"].scale > 0.6  # the largest limits.speed_max

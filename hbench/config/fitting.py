@@ -1,14 +1,20 @@
 """The fit file: which laws, within which bounds, with which weights and loss."""
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
 from hbench.config import quantity as q
 from hbench.config.files.loading import validate
 from hbench.config.quantity import Section
+from hbench.records.friction_laws import FRICTION_LAWS
 
-LawName = Literal["tustin", "marton_lantos", "pressure_based"]
+FITTED_LAWS = tuple(name for name, law in FRICTION_LAWS.items() if law.data != "motions")
+
+if TYPE_CHECKING:
+    LawName = str
+else:
+    LawName = Literal[FITTED_LAWS]
 
 
 def _rises(bounds: tuple[float, float]) -> tuple[float, float]:
@@ -38,9 +44,7 @@ class FitBounds(Section):
 class Fitting(Section):
     """How laws are fitted to curves."""
 
-    laws: tuple[LawName, ...] = Field(
-        default=("tustin", "marton_lantos", "pressure_based"), min_length=1
-    )
+    laws: tuple[LawName, ...] = Field(default=FITTED_LAWS, min_length=1)
     bounds: FitBounds = FitBounds()
     weights: Literal["trials", "equal"] = "trials"
     loss: Literal["linear", "huber", "soft_l1"] = "linear"

@@ -4,7 +4,7 @@ import numpy as np
 
 from hbench.control.linearisation import Coefficients, OperatingPoint, state_space
 from hbench.model import plant
-from hbench.model.friction.laws import TUSTIN
+from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters, PlantParameters
 from hbench.model.supply import rest_flow
 
@@ -64,10 +64,10 @@ def disagreement(par: PlantParameters, point: OperatingPoint, c: Coefficients) -
     Where an entry is zero by hand, the other's counts relative to the largest of its row. Friction
     is the point's own in both, viscous as in 4.1.
     """
-    viscous = FrictionParameters(law=TUSTIN, viscous=point.viscous_n_s_m)
+    static = FrictionParameters(law=LAWS["tustin"].code)
     same = par._replace(
-        test=par.test._replace(friction=viscous),
-        load=par.load._replace(friction=FrictionParameters(law=TUSTIN)),
+        test=par.test._replace(friction=static._replace(viscous=point.viscous_n_s_m)),
+        load=par.load._replace(friction=static),
     )
     by_hand, by_plant = state_space(c, par), numerical_jacobian(same, point)
     worst = 0.0

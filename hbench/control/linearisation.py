@@ -14,8 +14,8 @@ from scipy.optimize import brentq
 
 from hbench.errors import ConfigError
 from hbench.model.cylinders import extending_volumes, retracting_volumes
-from hbench.model.friction.laws import MARTON_LANTOS, steady_friction
-from hbench.model.parameters import FrictionParameters, PlantParameters
+from hbench.model.friction.laws import steady_friction, viscous_coefficient
+from hbench.model.parameters import PlantParameters
 from hbench.model.supply import rest_flow
 
 # State of the linear model: m/s; Pa; spools in V and V/s. Inputs: u_T, u_L1, u_L2 in V.
@@ -125,22 +125,13 @@ def steady_point(
         u_t_v=volts(test.area_piston_m2, v_m_s, p_tp),
         u_l1_v=volts(load.area_rod_m2, v_m_s, p_lr_pa),
         u_l2_v=volts(load.area_piston_m2, -v_m_s, p_lp),
-        viscous_n_s_m=_viscous(v_m_s, test.friction) + _viscous(v_m_s, load.friction),
+        viscous_n_s_m=viscous_coefficient(v_m_s, test.friction)
+        + viscous_coefficient(v_m_s, load.friction),
     )
     needs = max(abs(point.u_t_v), abs(point.u_l1_v), abs(point.u_l2_v))
     if needs > par.valve.limit_v:
         raise ConfigError(f"{where} a valve needs {needs:.3g} V; limit {par.valve.limit_v:g} V")
     return point
-
-
-def _viscous(v_m_s: float, friction: FrictionParameters) -> float:
-    """B [N s/m] of one cylinder: the viscous part of its law.
-
-    Of Marton and Lantos's law it is the slope of the line at high speed.
-    """
-    if friction.law == MARTON_LANTOS:
-        return friction.extend_high_slope if v_m_s > 0 else friction.retract_high_slope
-    return friction.viscous
 
 
 def linearise(par: PlantParameters, point: OperatingPoint) -> Coefficients:

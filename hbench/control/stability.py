@@ -13,7 +13,7 @@ from hbench.control.jacobian import plant_state
 from hbench.control.linearisation import OperatingPoint
 from hbench.control.sampled import Pi
 from hbench.model import plant
-from hbench.model.friction.laws import LUGRE, steady_friction
+from hbench.model.friction.laws import settled_deflection, steady_friction
 from hbench.model.parameters import PlantParameters
 
 # In the order of the commands.
@@ -37,10 +37,9 @@ def linearised(
         (plant.Z_T, par.test, point.p_tp_pa, point.p_tr_pa),
         (plant.Z_L, par.load, point.p_lp_pa, point.p_lr_pa),
     ):
-        if cylinder.friction.law == LUGRE:
-            dry = cylinder.friction._replace(viscous=0.0)
-            settled = steady_friction(point.v_m_s, p_p, p_r, dry)
-            state[place] = settled / cylinder.friction.bristle_stiffness
+        settled = settled_deflection(point.v_m_s, p_p, p_r, cylinder.friction)
+        if settled is not None:
+            state[place] = settled
             states.append(place)
 
     def slopes(change: np.ndarray, command: np.ndarray) -> np.ndarray:

@@ -8,6 +8,8 @@ from typing import Any
 
 import numba
 
+from hbench.records import friction_laws
+
 OWN_EFFECTS = os.environ.get("HBENCH_EFFECTS", "")  # a file; see effects/rows.py
 
 _FOLDER = Path(__file__).parent
@@ -17,10 +19,11 @@ def _cache_folder() -> str:
     """Return a folder name that changes whenever a source file of the model does.
 
     Numba inlines the functions that a function calls but checks only the caller's own file: an
-    edited friction law would leave a stale plant in the cache. A file of the user's own effects,
+    edited friction law would leave a stale plant in the cache. The table of friction laws gives
+    them their numbers, so it is hashed like a file of the model. A file of the user's own effects,
     and those beside it, are the model's too.
     """
-    sources = sorted(_FOLDER.rglob("*.py"))
+    sources = [*sorted(_FOLDER.rglob("*.py")), Path(friction_laws.__file__)]
     if OWN_EFFECTS:
         sources += sorted(Path(OWN_EFFECTS).resolve().parent.glob("*.py"))
     digest = zlib.crc32(OWN_EFFECTS.encode())

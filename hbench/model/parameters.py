@@ -20,7 +20,7 @@ class FrictionParameters(NamedTuple):
     rod_seal: float = 0.0  # N per Pa of P_r
     # Stribeck curve: Tustin, LuGre, Leuven
     coulomb: float = 0.0  # F_C, N
-    stiction: float = 0.0  # F_stiction, N
+    stiction: float = 0.0  # F_s, N
     stribeck_velocity: float = 1.0  # m/s
     stribeck_exponent: float = 1.0  # delta
     # LuGre, Leuven

@@ -19,6 +19,7 @@ from hbench.experiment.closed_loop import record
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters, PlantParameters
 from hbench.records import Run
+from hbench.records.friction_laws import FRICTION_LAWS
 
 
 class Fit(NamedTuple):
@@ -110,14 +111,15 @@ def least_slope(par: PlantParameters, loops: list[Pi], filters_s: tuple[float, f
 
 
 def _friction(fit: Fit, law: str) -> dict[str, Any]:
-    keys = {"bristle_stiffness": f"{SIGMA_0} N/m"} if law == "lugre" else {}
-    return keys | {
-        "law": law,
+    known = {
+        "bristle_stiffness": f"{SIGMA_0} N/m",
         "coulomb": f"{fit.coulomb_n} N",
         "stiction": f"{fit.stiction_n} N",
         "stribeck_velocity": f"{fit.stribeck_velocity_m_s} m/s",
         "viscous": f"{fit.viscous_n_s_m} N s/m",
     }
+    keys = FRICTION_LAWS[law].keys
+    return {"law": law} | {key: value for key, value in known.items() if key in keys}
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from hbench.analysis.identification.leuven import (
     steady_curve,
 )
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motions
-from hbench.model.friction.laws import LEUVEN
+from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
 from tests.support.analysis.other_plant import LEUVEN_FRICTION, OTHER_MASS_KG, REVERSALS
 
@@ -30,7 +30,7 @@ TRUTH = {
 }
 # Where the searches start; the seals' terms are taken as known.
 GUESS = FrictionParameters(
-    law=LEUVEN,
+    law=LAWS["leuven"].code,
     coulomb=200.0,
     stiction=400.0,
     stribeck_velocity=0.08,

@@ -9,7 +9,7 @@ from hbench.analysis.identification.driven_law import friction_along
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motions
 from hbench.model.build import friction_parameters
-from hbench.model.friction.laws import LUGRE
+from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
 from tests.support.analysis.other_plant import OTHER_MASS_KG, OTHER_PLANT, REVERSALS
 
@@ -29,7 +29,7 @@ DT = 0.01
 
 def parameters(**values):
     named = {UNKNOWNS[name].field: value for name, value in (TRUTH | values).items()}
-    return FrictionParameters(law=LUGRE, **named)
+    return FrictionParameters(law=LAWS["lugre"].code, **named)
 
 
 def motion_of(v, friction, p_p=40e5, p_r=20e5, run="0001"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hbench.model.build import plant_parameters
-from hbench.model.friction.laws import TUSTIN
+from hbench.model.friction.laws import LAWS
 from hbench.model.plant import P_LP, P_LR, P_TP, P_TR, V, X, initial_state
 from hbench.model.simulation import simulate
 from tests.support.board.moving_rig import BENCH, MovingRig
@@ -42,7 +42,7 @@ def with_friction(par, change):
 
 def viscous_alone(friction):
     dry = ("coulomb", "stiction", "piston_seal", "rod_seal")
-    return friction._replace(law=TUSTIN, **dict.fromkeys(dry, 0.0))
+    return friction._replace(law=LAWS["tustin"].code, **dict.fromkeys(dry, 0.0))
 
 
 def viscosity(factor):

@@ -10,6 +10,7 @@ from urllib.parse import unquote_to_bytes
 import pytest
 
 from hbench.records import Fit, FitParameter, HeldOut, JointFit, Selection
+from hbench.records.friction_laws import PARAMETERS
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.render.numbers import force, number, short, significant, span, with_interval
 from hbench.report.render.style import DARK
@@ -171,7 +172,7 @@ def test_parameters_are_shown_with_the_half_width_of_their_interval(page):
     text = Parsed(page).text
     assert "50.0 ± 7.1" in text  # 0.05 m/s +- 0.0071 m/s, shown in mm/s
     assert "1300 ± 145" in text
-    assert "Stribeck velocity (mm/s)" in text
+    assert f"{PARAMETERS['v_stribeck_m_s'].label} (mm/s)" in text
 
 
 def test_rejected_runs_stand_with_their_reasons_and_fold_when_many(stribeck):

@@ -31,10 +31,14 @@ from hbench.analysis.statistics.robust import robust
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, FitParameter
+from hbench.records.friction_laws import FRICTION_LAWS
 
 # Laws of one curve, and of the points of all loads and directions at once.
-LAWS: Mapping[str, Law] = {law.name: law for law in (TUSTIN, TWO_LINES)}
-JOINT_LAWS: Mapping[str, Law] = {PRESSURE_BASED.name: PRESSURE_BASED}
+_FITTABLE = (TUSTIN, TWO_LINES, PRESSURE_BASED)
+LAWS: Mapping[str, Law] = {
+    law.name: law for law in _FITTABLE if FRICTION_LAWS[law.name].data == "curve"
+}
+JOINT_LAWS: Mapping[str, Law] = {law.name: law for law in _FITTABLE if law.name not in LAWS}
 
 _LINE_POINTS = 121
 _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
@@ -95,11 +99,11 @@ def fit_law(
     What the data does not determine has neither, and the message says so.
     """
     data = sample(curves, how.weights)
-    if law.name == PRESSURE_BASED.name:
+    if law.pressures:
         data = data.part(np.isfinite(data.inputs).all(axis=0))
     n, p = len(data.friction_n), len(law.names)
     if len(np.unique(data.inputs, axis=1).T) < p:
-        with_what = "points with both pressures" if law.name == PRESSURE_BASED.name else "points"
+        with_what = "points with both pressures" if law.pressures else "points"
         message = f"{n} {with_what} do not determine {p} parameters"
         return Fit(law.name, {}, float("nan"), False, message)
     problem, solution, weights = estimate(law, data, how, bounds or {})

@@ -1,4 +1,4 @@
-"""What a friction law is to the fits: a function of speed and pressures, linear but for one number.
+"""Friction law as fits need it: a function of speed and pressures with one nonlinear parameter.
 
 Friction and speed are magnitudes; inputs are rows speed >= 0 [m/s], P_p [Pa], P_r [Pa].
 """
@@ -27,6 +27,7 @@ class Law:
     # Bounds and typical sizes of the parameters, given inputs and the largest friction.
     bounds: Callable[[np.ndarray], Bounds]
     scale: Callable[[np.ndarray, float], np.ndarray]
+    pressures: bool = False  # whether it needs both chambers' pressures
 
     @property
     def names(self) -> tuple[str, ...]:

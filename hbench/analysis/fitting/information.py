@@ -60,7 +60,7 @@ def _sentence(seen: Information, spread: np.ndarray, number: int) -> str:
     low, high = float(speed.min()), float(speed.max())
     speeds = np.geomspace(0.1 * low, 3 * high, _CANDIDATES)
     best, left = _best(seen, spread, number, _at(seen, speeds, 0))
-    if seen.law.name == "pressure_based":
+    if seen.law.pressures:
         for row, words in ((1, "piston-side pressures"), (2, "rod-side pressures")):
             pressures = np.linspace(0.0, 3 * float(seen.inputs[row].max()), _CANDIDATES)
             there, left_there = _best(seen, spread, number, _at(seen, pressures, row))

@@ -1,16 +1,14 @@
 """The two lines of Marton and Lantos (3.3): fitted to a curve, and from a Tustin fit.
 
-Fitted (``TWO_LINES``), they meet at the switch velocity, which is a parameter like the slopes:
+Fitted (``TWO_LINES``), they meet at the switch velocity, which is a parameter like the slopes
+(``model/friction/formulas.py``). From a Tustin fit, as the source does it, they are tangents at
+rest and at the largest speed:
 
-    F = a_1 + b_1 min(|v|, v_SW) + b_2 max(|v| - v_SW, 0),    a_2 = a_1 + (b_1 - b_2) v_SW
-
-From a Tustin fit, as the source does it, they are tangents at rest and at the largest speed:
-
-    F_d1 = a_1 + b_1 |v|    a_1 = F_stiction,            b_1 = B - D / v_s               (3.4)
+    F_d1 = a_1 + b_1 |v|    a_1 = F_s,                   b_1 = B - D / v_s               (3.4)
     F_d2 = a_2 + b_2 |v|    a_2 = F_C + D e (1 + w),     b_2 = B - D e / v_s             (3.5)
     v_SW = (a_1 - a_2) / (b_2 - b_1) = v_s (1 - e (1 + w)) / (1 - e)                     (3.6)
 
-with D = F_stiction - F_C, w = v_max / v_s, e = exp(-w). a_2 is the intercept at v = 0, not the
+with D = F_s - F_C, w = v_max / v_s, e = exp(-w). a_2 is the intercept at v = 0, not the
 value at v_max. v_SW depends on v_s and v_max alone.
 """
 
@@ -25,23 +23,12 @@ from hbench.analysis.fitting.over_curves import tustin_worth, without_impossible
 from hbench.analysis.fitting.tustin import NAMES
 from hbench.analysis.statistics.bounded import complex_step
 from hbench.analysis.statistics.intervals import fit_parameters
+from hbench.model.friction.formulas import joined_lines, two_lines
 from hbench.records import Curve, Fit
+from hbench.records.friction_laws import FRICTION_LAWS
 
-UNITS = {
-    "low_force_n": "N",
-    "low_slope_n_s_m": "N s/m",
-    "high_force_n": "N",
-    "high_slope_n_s_m": "N s/m",
-    "v_switch_m_s": "m/s",
-}
+UNITS = FRICTION_LAWS["marton_lantos"].units
 _SWITCH = "v_switch_m_s"
-
-
-def two_lines(speed_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return friction [N] at speeds >= 0; p = a_1, b_1, b_2, v_SW."""
-    a_1, b_1, b_2, v_switch = p
-    low = np.minimum(speed_m_s, v_switch)
-    return a_1 + b_1 * low + b_2 * (speed_m_s - low)
 
 
 def _basis(inputs: np.ndarray, v_switch: float) -> np.ndarray:
@@ -68,7 +55,7 @@ def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
 TWO_LINES = Law(
     name="marton_lantos",
     units={name: unit for name, unit in UNITS.items() if name != "high_force_n"},
-    model=lambda inputs, p: two_lines(inputs[0], p),
+    model=lambda inputs, p: joined_lines(inputs[0], *p),
     jacobian=_jacobian,
     basis=_basis,
     nonlinear="v_switch_m_s",
@@ -101,11 +88,11 @@ def marton_lantos(curves: Sequence[Curve], tustin: Fit) -> Fit:
     return Fit(
         law="marton_lantos",
         parameters=parameters,
-        rmse_n=float(np.sqrt(np.mean((force(v, values) - data.friction_n) ** 2))),
+        rmse_n=float(np.sqrt(np.mean((two_lines(v, *values[:4]) - data.friction_n) ** 2))),
         converged=tustin.converged,
         message="; ".join(messages),
         line=tuple(
-            (one * speed, one * float(force(np.array(speed), values)))
+            (one * speed, one * float(two_lines(np.array(speed), *values[:4])))
             for speed in sorted({float(v.min()), *v.tolist(), float(values[4])})
             if v.min() <= speed <= v_max
         ),
@@ -113,7 +100,7 @@ def marton_lantos(curves: Sequence[Curve], tustin: Fit) -> Fit:
 
 
 def lines(p: np.ndarray, v_max_m_s: float) -> np.ndarray:
-    """Return a_1, b_1, a_2, b_2, v_SW, as in ``UNITS``, of Tustin's p = F_C, F_stiction, v_s, B."""
+    """Return a_1, b_1, a_2, b_2, v_SW, as in ``UNITS``, of Tustin's p = F_C, F_s, v_s, B."""
     f_c, f_s, v_s, b = p
     w = v_max_m_s / v_s
     e, drop = np.exp(-w), f_s - f_c
@@ -126,9 +113,3 @@ def lines(p: np.ndarray, v_max_m_s: float) -> np.ndarray:
             v_s * (1 - e * (1 + w)) / (1 - e),
         ]
     )
-
-
-def force(speed_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return friction [N] at speeds >= 0 (3.3)."""
-    a_1, b_1, a_2, b_2, v_switch = p
-    return np.where(speed_m_s <= v_switch, a_1 + b_1 * speed_m_s, a_2 + b_2 * speed_m_s)

@@ -1,7 +1,5 @@
 """The pressure-based law (3.7), for the points of all loads and directions at once.
 
-    sign(v) F = k1 exp(k2 |v|) + k3 |P_p - P_r| + k4 P_r + k5 |v|
-
 k4 needs both directions or rod-side pressures that differ: at one of them P_r is as good as
 constant over speed.
 """
@@ -10,8 +8,10 @@ import numpy as np
 
 from hbench.analysis.fitting.fittable_law import Law
 from hbench.config.fitting import FitBounds
+from hbench.model.friction.formulas import pressure_curve, seal_force
+from hbench.records.friction_laws import FRICTION_LAWS
 
-UNITS = {"k1_n": "N", "k2_s_m": "s/m", "k3_n_pa": "N/Pa", "k4_n_pa": "N/Pa", "k5_n_s_m": "N s/m"}
+UNITS = FRICTION_LAWS["pressure_based"].units
 
 
 def pressure_based(
@@ -19,8 +19,8 @@ def pressure_based(
 ) -> np.ndarray:
     """Return the magnitude of friction [N] at speeds >= 0; k in the order of ``UNITS``."""
     k1, k2, k3, k4, k5 = k
-    seals = k3 * np.abs(p_p_pa - p_r_pa) + k4 * p_r_pa
-    return k1 * np.exp(k2 * speed_m_s) + seals + k5 * speed_m_s
+    seal = seal_force(p_p_pa, p_r_pa, k3, k4)
+    return pressure_curve(speed_m_s, seal, k1, k2) + k5 * speed_m_s
 
 
 def _basis(inputs: np.ndarray, k2: float) -> np.ndarray:
@@ -48,4 +48,5 @@ PRESSURE_BASED = Law(
     nonlinear="k2_s_m",
     bounds=lambda inputs: {"k2_s_m": FitBounds().k2_s_m},
     scale=_scale,
+    pressures=True,
 )

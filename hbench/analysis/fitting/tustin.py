@@ -1,7 +1,4 @@
-"""The Tustin law (3.2) on magnitudes, so that both directions give positive parameters.
-
-F(v) = F_C + (F_stiction - F_C) exp(-|v| / v_stribeck) + B |v|
-"""
+"""The Tustin law (3.2) on magnitudes, so that both directions give positive parameters."""
 
 from collections.abc import Mapping
 
@@ -9,13 +6,10 @@ import numpy as np
 
 from hbench.analysis.fitting.fittable_law import Law
 from hbench.config.fitting import FitBounds
+from hbench.model.friction.formulas import stribeck_curve
+from hbench.records.friction_laws import FRICTION_LAWS
 
-UNITS = {
-    "f_coulomb_n": "N",
-    "f_stiction_n": "N",
-    "v_stribeck_m_s": "m/s",
-    "b_viscous_n_s_m": "N s/m",
-}
+UNITS = FRICTION_LAWS["tustin"].units
 NAMES = tuple(UNITS)
 
 # The source's bounds. It warns that they were set after seeing its data.
@@ -25,7 +19,7 @@ TABLE_6_1: Mapping[str, tuple[float, float]] = {name: getattr(FitBounds(), name)
 def tustin(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Return F_C + (F_s - F_C) exp(-v / v_s) + B v [N] for speeds >= 0; p in ``NAMES`` order."""
     f_c, f_s, v_s, b = p
-    return f_c + (f_s - f_c) * np.exp(-v_m_s / v_s) + b * v_m_s
+    return stribeck_curve(v_m_s, 0.0, f_c, f_s, v_s, 1.0) + b * v_m_s
 
 
 def tustin_jacobian(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:

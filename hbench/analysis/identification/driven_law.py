@@ -5,19 +5,15 @@ steps, velocity and pressures are parabolas that have this mean and, at either e
 neighbours: so the bristles have gone as far as the piston. (Straight lines from one sample to the
 next are off by a dt^2/8 at acceleration a: some um after a reversal at 100 Hz, which took 30 N s/m
 from a sigma_1 of 100 N s/m beside a sigma_0 of 2.6e5 N/m.) LuGre's bristles follow the exact
-solution of their equation over a step, so that stiff ones are no trouble:
-
-    z -> z_ss + (z - z_ss) exp(-sigma_0 |v| h / F_dry),    z_ss = sign(v) F_dry / sigma_0
-
-The other laws take the explicit midpoint rule. All begin relaxed.
+solution of their equation over a step; the other laws take the explicit midpoint rule. All begin
+relaxed.
 """
 
 import numpy as np
 
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.model.compiled import compiled
-from hbench.model.friction.laws import LUGRE, friction, hold_slipped
-from hbench.model.friction.static_laws import dry_friction
+from hbench.model.friction.laws import exact_step
 from hbench.model.parameters import FrictionParameters
 
 _STEPS = 10  # of an interval
@@ -27,8 +23,8 @@ _NOMINAL = 1.0  # level of friction
 def friction_along(motion: LoggedMotion, par: FrictionParameters) -> np.ndarray:
     """Return the law's friction [N] at each sample (n,) of a motion, from relaxed bristles on."""
     out = np.zeros(len(motion.v_m_s))
-    work = np.zeros((3, 2 * len(par.elements)))
-    _along(motion.dt_s, motion.v_m_s, motion.p_p_pa, motion.p_r_pa, par, work, out)
+    state, work = np.zeros(2 * len(par.elements)), np.zeros((2, 2 * len(par.elements)))
+    _along(motion.dt_s, motion.v_m_s, motion.p_p_pa, motion.p_r_pa, par, state, work, out)
     return out
 
 
@@ -39,11 +35,11 @@ def _along(
     p_p: np.ndarray,
     p_r: np.ndarray,
     par: FrictionParameters,
+    state: np.ndarray,
     work: np.ndarray,
     out: np.ndarray,
 ) -> None:
     h, last = dt / _STEPS, len(v) - 1
-    state, trial, rates = work[0], work[1], work[2]
     for k in range(len(v)):
         before, after = max(k - 1, 0), min(k + 1, last)
         for i in range(_STEPS):
@@ -51,16 +47,7 @@ def _along(
             v_now = within(v[before], v[k], v[after], s)
             p_now = within(p_p[before], p_p[k], p_p[after], s)
             r_now = within(p_r[before], p_r[k], p_r[after], s)
-            if par.law == LUGRE:
-                force = _lugre_step(v_now, p_now, r_now, h, state, par)
-            else:
-                friction(v_now, state, 0, p_now, r_now, _NOMINAL, par, rates)
-                for j in range(len(state)):
-                    trial[j] = state[j] + 0.5 * h * rates[j]
-                force = friction(v_now, trial, 0, p_now, r_now, _NOMINAL, par, rates)
-                for j in range(len(state)):
-                    state[j] += h * rates[j]
-                hold_slipped(state, 0, par)
+            force = exact_step(v_now, state, p_now, r_now, _NOMINAL, h, par, work)
             out[k] += force / _STEPS
 
 
@@ -69,15 +56,3 @@ def within(before: float, mean: float, after: float, s: float) -> float:
     """Value at a part ``s`` of an interval, from its mean and those of its neighbours."""
     first, final = 0.5 * (before + mean), 0.5 * (mean + after)
     return first + s * (final - first + 6.0 * (1.0 - s) * (mean - 0.5 * (first + final)))
-
-
-@compiled
-def _lugre_step(
-    v: float, p_p: float, p_r: float, h: float, state: np.ndarray, par: FrictionParameters
-) -> float:
-    """Advance the bristles by ``h`` [s]; return the mean force over it."""
-    dry = dry_friction(v, p_p, p_r, _NOMINAL, par)
-    z, steady = state[0], np.sign(v) * dry / par.bristle_stiffness
-    state[0] = steady + (z - steady) * np.exp(-par.bristle_stiffness * abs(v) * h / dry)
-    elastic = par.bristle_stiffness * 0.5 * (z + state[0])
-    return elastic + par.bristle_damping * (state[0] - z) / h + par.viscous * v

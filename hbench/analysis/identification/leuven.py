@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.identification.lugre import UNKNOWNS, Unknown, fit_along
+from hbench.analysis.identification.lugre import UNKNOWNS, fit_along, unknown
 from hbench.analysis.identification.recursive import Estimate, update
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.model.friction.dynamic_laws import slip_deflection
@@ -28,8 +28,8 @@ from hbench.records import Fit
 
 _PRESLIDING = 0.9  # of the steady curve's dry part; above, sliding has begun
 _SHAPES = {
-    "delta_max_m": Unknown("presliding", "m", 1e-5, 0.05, 1e-3),
-    "n": Unknown("shape", "", 0.2, 5.0, 1.0),
+    "delta_max_m": unknown("delta_max_m", 1e-5, 0.05, 1e-3),
+    "n": unknown("n", 0.2, 5.0, 1.0),
 }
 STEADY = ("f_coulomb_n", "f_stiction_n", "v_stribeck_m_s", "b_viscous_n_s_m")
 _SIZE_N = 100.0  # of an element
@@ -56,7 +56,8 @@ def fit_leuven(
     law = known._replace(law=LAWS["leuven"].code)
     n = len(law.elements)
     others = {name: {**UNKNOWNS, **_SHAPES}[name] for name in names}
-    elements = {f"theta_{i + 1}_n": Unknown("", "N", 0.0, 1e5, _SIZE_N) for i in range(n)}
+    element = unknown("theta_i_n", 0.0, 1e5, _SIZE_N)
+    elements = {f"theta_{i + 1}_n": element for i in range(n)}
 
     def put(x: np.ndarray) -> FrictionParameters:
         new = zip(others.values(), x[n:].tolist(), strict=True)

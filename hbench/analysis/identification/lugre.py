@@ -21,10 +21,11 @@ from hbench.analysis.statistics.intervals import (
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
 from hbench.records import Fit
+from hbench.records.friction_laws import PARAMETERS
 
 
 class Unknown(NamedTuple):
-    """A parameter to be found: its field of ``FrictionParameters``, bounds and typical size."""
+    """Parameter to be fitted: its field of ``FrictionParameters``, unit, bounds, typical size."""
 
     field: str
     unit: str
@@ -33,16 +34,22 @@ class Unknown(NamedTuple):
     size: float
 
 
-UNKNOWNS: Mapping[str, Unknown] = {
-    "sigma0_n_m": Unknown("bristle_stiffness", "N/m", 1e4, 1e8, 1e6),
-    "sigma1_n_s_m": Unknown("bristle_damping", "N s/m", 0.0, 1e5, 1e3),
-    "f_coulomb_n": Unknown("coulomb", "N", 0.0, 1e5, 300.0),
-    "f_stiction_n": Unknown("stiction", "N", 0.0, 1e5, 300.0),
-    "v_stribeck_m_s": Unknown("stribeck_velocity", "m/s", 2e-3, 0.5, 0.05),
-    "b_viscous_n_s_m": Unknown("viscous", "N s/m", 0.0, 1e5, 2e3),
-    "k_piston_n_pa": Unknown("piston_seal", "N/Pa", 0.0, 1e-2, 1e-5),
-    "k_rod_n_pa": Unknown("rod_seal", "N/Pa", 0.0, 1e-2, 1e-5),
+def unknown(name: str, lower: float, upper: float, size: float) -> Unknown:
+    """Return a parameter of the table of laws with bounds and typical size, in SI."""
+    return Unknown(PARAMETERS[name].key, PARAMETERS[name].unit, lower, upper, size)
+
+
+_LIMITS = {  # bounds and typical size
+    "sigma0_n_m": (1e4, 1e8, 1e6),
+    "sigma1_n_s_m": (0.0, 1e5, 1e3),
+    "f_coulomb_n": (0.0, 1e5, 300.0),
+    "f_stiction_n": (0.0, 1e5, 300.0),
+    "v_stribeck_m_s": (2e-3, 0.5, 0.05),
+    "b_viscous_n_s_m": (0.0, 1e5, 2e3),
+    "k_piston_n_pa": (0.0, 1e-2, 1e-5),
+    "k_rod_n_pa": (0.0, 1e-2, 1e-5),
 }
+UNKNOWNS: Mapping[str, Unknown] = {name: unknown(name, *limits) for name, limits in _LIMITS.items()}
 _STIFFNESSES = np.geomspace(3e4, 3e6, 7)  # tried for a start
 _STEP = 1e-5  # of a parameter's size, for its derivative
 

@@ -31,6 +31,28 @@ def lugre(
 
 
 @compiled
+def lugre_step(
+    v: float,
+    state: np.ndarray,
+    p_p: float,
+    p_r: float,
+    level: float,
+    h: float,
+    par: FrictionParameters,
+) -> float:
+    """Advance z by ``h`` [s] at constant v; return the mean friction [N] over the step.
+
+    By the equation's exact solution, so that stiff bristles need no shorter steps:
+    z -> z_ss + (z - z_ss) exp(-sigma_0 |v| h / F_dry), z_ss = sign(v) F_dry / sigma_0
+    """
+    dry = dry_friction(v, p_p, p_r, level, par)
+    z, steady = state[0], np.sign(v) * dry / par.bristle_stiffness
+    state[0] = steady + (z - steady) * np.exp(-par.bristle_stiffness * abs(v) * h / dry)
+    elastic = par.bristle_stiffness * 0.5 * (z + state[0])
+    return elastic + par.bristle_damping * (state[0] - z) / h + par.viscous * v
+
+
+@compiled
 def slip_deflection(i: int, par: FrictionParameters) -> float:
     """Delta_i [m] of element i = 0..N-1."""
     return par.presliding * (i + 1) / len(par.elements)

@@ -1,6 +1,7 @@
-"""Friction of one cylinder by its own law: the table of laws, and the one call the plant makes.
+"""Friction of one cylinder by its own law: all choices between laws.
 
-Static laws stand in ``static_laws.py``, those with a state in ``dynamic_laws.py``.
+Static laws are in ``static_laws.py``, those with a state in ``dynamic_laws.py``; the table of laws
+is ``records/friction_laws.py``.
 """
 
 from typing import NamedTuple
@@ -8,7 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.model.compiled import compiled
-from hbench.model.friction.dynamic_laws import leuven, lugre, slip_deflection, slipping
+from hbench.model.friction.dynamic_laws import (
+    leuven,
+    lugre,
+    lugre_step,
+    slip_deflection,
+    slipping,
+)
 from hbench.model.friction.static_laws import (
     marton_lantos,
     pressure_based,
@@ -16,8 +23,23 @@ from hbench.model.friction.static_laws import (
     tustin,
 )
 from hbench.model.parameters import FrictionParameters
+from hbench.records.friction_laws import FRICTION_LAWS
 
-TUSTIN, LUGRE, LEUVEN, MARTON_LANTOS, PRESSURE_BASED = range(5)
+
+class Law(NamedTuple):
+    """Friction law in compiled code: its number, and its integration steps in a control tick."""
+
+    code: int
+    substeps: int
+
+
+# At rest a static law chatters with steps above 12.5 us.
+LAWS: dict[str, Law] = {
+    name: Law(code, substeps=1 if law.dynamic else 8)
+    for code, (name, law) in enumerate(FRICTION_LAWS.items())
+}
+_LUGRE, _LEUVEN = LAWS["lugre"].code, LAWS["leuven"].code
+_MARTON_LANTOS, _PRESSURE_BASED = LAWS["marton_lantos"].code, LAWS["pressure_based"].code
 
 
 @compiled
@@ -28,9 +50,9 @@ def steady_parts(
 
     A Leuven law whose elements together carry less than F_dry ends at what they carry.
     """
-    if par.law == MARTON_LANTOS:
+    if par.law == _MARTON_LANTOS:
         return marton_lantos(v, level, par)
-    if par.law == PRESSURE_BASED:
+    if par.law == _PRESSURE_BASED:
         return pressure_based(v, p_p, p_r, level, par)
     return tustin(v, p_p, p_r, level, par)
 
@@ -39,7 +61,7 @@ def steady_parts(
 def steady_friction(v: float, p_p: float, p_r: float, par: FrictionParameters) -> float:
     """Friction [N] at constant velocity, with a sharp sign (3.13 with its parenthesis).
 
-    The nominal level, for every law. At v = 0 it is the stiction against extension.
+    The nominal level, for every law. At v = 0 it is the static friction against extension.
     """
     dry, viscous = steady_parts(v, p_p, p_r, 1.0, par)
     return dry + viscous
@@ -58,19 +80,19 @@ def friction(
 ) -> float:
     """Return the force [N]; write the rates [m/s] of the law's own states into ``rates``.
 
-    The law's states stand in ``state`` at ``first`` and every second place after it (see
-    ``model/plant.py``), their rates at the same places: LuGre's z, Leuven's deflections, or one
+    The law's states are at ``first`` and every second index after it in ``state`` (see
+    ``model/plant.py``), their rates at the same indices: LuGre's z, Leuven's deflections, or one
     state that stays (static laws).
     """
-    if par.law == LUGRE:
+    if par.law == _LUGRE:
         force, rates[first] = lugre(v, state[first], p_p, p_r, level, par)
         return force
-    if par.law == LEUVEN:
+    if par.law == _LEUVEN:
         force, z_rate = leuven(v, state, first, p_p, p_r, level, par)
         for i in range(len(par.elements)):
-            place = first + 2 * i
-            slips = slipping(state[place], z_rate, slip_deflection(i, par))
-            rates[place] = 0.0 if slips else z_rate
+            index = first + 2 * i
+            slips = slipping(state[index], z_rate, slip_deflection(i, par))
+            rates[index] = 0.0 if slips else z_rate
         return force
     rates[first] = 0.0
     dry, viscous = steady_parts(v, p_p, p_r, level, par)
@@ -80,23 +102,72 @@ def friction(
 @compiled
 def hold_slipped(state: np.ndarray, first: int, par: FrictionParameters) -> None:
     """Put Leuven's deflections back to their limits, which a step of finite length overshoots."""
-    if par.law == LEUVEN:
+    if par.law == _LEUVEN:
         for i in range(len(par.elements)):
-            limit, place = slip_deflection(i, par), first + 2 * i
-            state[place] = min(max(state[place], -limit), limit)
+            limit, index = slip_deflection(i, par), first + 2 * i
+            state[index] = min(max(state[index], -limit), limit)
 
 
-class Law(NamedTuple):
-    """A friction law: its number in compiled code, and how many steps a control tick needs."""
+@compiled
+def midpoint_step(
+    v: float,
+    state: np.ndarray,
+    p_p: float,
+    p_r: float,
+    level: float,
+    h: float,
+    par: FrictionParameters,
+    work: np.ndarray,
+) -> float:
+    """Advance the law's states by ``h`` [s] at constant v; return the friction [N] in the middle.
 
-    code: int
-    substeps: int
+    Explicit midpoint rule. ``state`` holds the law's states alone; ``work`` is two rows like it.
+    """
+    middle, rates = work[0], work[1]
+    friction(v, state, 0, p_p, p_r, level, par, rates)
+    for i in range(len(state)):
+        middle[i] = state[i] + 0.5 * h * rates[i]
+    force = friction(v, middle, 0, p_p, p_r, level, par, rates)
+    for i in range(len(state)):
+        state[i] += h * rates[i]
+    hold_slipped(state, 0, par)
+    return force
 
 
-LAWS: dict[str, Law] = {
-    "tustin": Law(TUSTIN, substeps=8),  # at rest it chatters with steps above 12.5 us
-    "lugre": Law(LUGRE, substeps=1),
-    "leuven": Law(LEUVEN, substeps=1),
-    "marton_lantos": Law(MARTON_LANTOS, substeps=8),
-    "pressure_based": Law(PRESSURE_BASED, substeps=8),
-}
+@compiled
+def exact_step(
+    v: float,
+    state: np.ndarray,
+    p_p: float,
+    p_r: float,
+    level: float,
+    h: float,
+    par: FrictionParameters,
+    work: np.ndarray,
+) -> float:
+    """Advance as ``midpoint_step`` does, but LuGre's bristles by their exact solution."""
+    if par.law == _LUGRE:
+        return lugre_step(v, state, p_p, p_r, level, h, par)
+    return midpoint_step(v, state, p_p, p_r, level, h, par, work)
+
+
+def viscous_coefficient(v: float, par: FrictionParameters) -> float:
+    """B [N s/m], the viscous part's slope; of Marton and Lantos the slope at high speed."""
+    if par.law == _MARTON_LANTOS:
+        return par.extend_high_slope if v > 0 else par.retract_high_slope
+    return par.viscous
+
+
+def settled_deflection(v: float, p_p: float, p_r: float, par: FrictionParameters) -> float | None:
+    """LuGre's z [m] at constant velocity, F_dry / sigma_0; None for a law without this state."""
+    if par.law != _LUGRE:
+        return None
+    dry, _ = steady_parts(v, p_p, p_r, 1.0, par)
+    return dry / par.bristle_stiffness
+
+
+def deflection_under(force: float, v: float, par: FrictionParameters) -> float:
+    """LuGre's z [m] that carries a friction force, (F - B v) / sigma_0; 0 for any other law."""
+    if par.law != _LUGRE:
+        return 0.0
+    return (force - par.viscous * v) / par.bristle_stiffness

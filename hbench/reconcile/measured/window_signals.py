@@ -12,8 +12,8 @@ import numpy as np
 
 from hbench.analysis.screening.calibrate import FIELDS
 from hbench.model.compiled import compiled
-from hbench.model.friction.laws import LUGRE
-from hbench.model.parameters import FrictionParameters, PlantParameters
+from hbench.model.friction.laws import deflection_under
+from hbench.model.parameters import PlantParameters
 from hbench.model.plant import (
     P_LP,
     P_LR,
@@ -97,15 +97,9 @@ def _first_state(run: Run, known: Model) -> np.ndarray:
         p_tp, p_tr, p_lp, p_lr = pressures
         f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
         f_load = p_lp * par.load.area_piston_m2 - p_lr * par.load.area_rod_m2
-        state[Z_T] = _deflection(f_test - run.f_applied_n[0], state[V], par.test.friction)
-        state[Z_L] = _deflection(run.f_applied_n[0] - f_load, state[V], par.load.friction)
+        state[Z_T] = deflection_under(f_test - run.f_applied_n[0], state[V], par.test.friction)
+        state[Z_L] = deflection_under(run.f_applied_n[0] - f_load, state[V], par.load.friction)
     return state
-
-
-def _deflection(force: float, v: float, friction: FrictionParameters) -> float:
-    if friction.law != LUGRE:
-        return 0.0
-    return (force - friction.viscous * v) / friction.bristle_stiffness
 
 
 @compiled

@@ -4,35 +4,13 @@ import math
 import re
 
 from hbench.records import Fit, FitParameter, Results, Selection
+from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who, who_text
 from hbench.report.render.numbers import significant, with_ends
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
-# How a law's parameters read on the page: words and the unit to show. Others keep their names.
-PARAMETERS = {
-    "f_coulomb_n": ("Coulomb force F_C", "N"),
-    "f_stiction_n": ("Stiction force F_stiction", "N"),
-    "v_stribeck_m_s": ("Stribeck velocity", "mm/s"),
-    "b_viscous_n_s_m": ("Viscous coefficient B", "N s/m"),
-    "low_force_n": ("Force at rest a_1", "N"),
-    "low_slope_n_s_m": ("Slope below v_SW", "N s/m"),
-    "high_slope_n_s_m": ("Slope above v_SW", "N s/m"),
-    "v_switch_m_s": ("Switch velocity v_SW", "mm/s"),
-    "k1_n": ("k_1", "N"),
-    "k2_s_m": ("k_2", "s/m"),
-    "k3_n_pa": ("k_3", "N/bar"),
-    "k4_n_pa": ("k_4", "N/bar"),
-    "k5_n_s_m": ("k_5", "N s/m"),
-}
-LAWS = {
-    "tustin": "Tustin",
-    "marton_lantos": "Marton and Lantos",
-    "pressure_based": "Pressure-based",
-    "lugre": "LuGre",
-    "leuven": "Leuven",
-}
 _ALL = "all loads and directions"
 
 
@@ -89,26 +67,33 @@ def _selected(found: Selection) -> tuple[str, ...]:
 
 
 def law_words(law: str) -> str:
-    """Return what a friction law is called; one that is not in the table keeps its name."""
-    return LAWS.get(law, law.replace("_", " "))
+    """Return a friction law's title; a law that is not in the table keeps its name."""
+    return FRICTION_LAWS[law].title if law in FRICTION_LAWS else law.replace("_", " ")
 
 
 def in_words(text: str) -> str:
-    """Write parameters of laws in a sentence by what they are called, not by their keys."""
-    for name, (words, _) in PARAMETERS.items():
-        text = re.sub(rf"\b{name}\b", words, text)
+    """Replace the names of laws' parameters in a sentence by their titles and symbols."""
+    for name, parameter in PARAMETERS.items():
+        if "_" in name:
+            text = re.sub(rf"\b{name}\b", parameter.label, text)
     return text
 
 
+def label_and_unit(name: str, unit: str) -> tuple[str, str]:
+    """Return a parameter's label and its unit on pages; a name not in the table keeps ``unit``."""
+    known = PARAMETERS.get(name)
+    return (name, unit) if known is None else (known.label, known.shown)
+
+
 def _parameter_head(name: str, unit: str) -> str:
-    words, shown = PARAMETERS.get(name, (name, unit))
-    return f"{words} ({shown})"
+    label, shown = label_and_unit(name, unit)
+    return f"{label} ({shown})"
 
 
 def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
     if parameter is None:
         return Cell("")
-    shown = PARAMETERS[name][1] if name in PARAMETERS else "1"
+    _, shown = label_and_unit(name, "1")
     value = from_si(parameter.value, shown)
     text, flag = significant(value, 3), "not determined"
     if parameter.ci95 is not None and all(map(math.isfinite, parameter.ci95)):

@@ -1,6 +1,7 @@
 """How each number of the page was computed: its equation and where that comes from."""
 
 from hbench.records import Results
+from hbench.records.friction_laws import FRICTION_LAWS, FrictionLaw
 from hbench.report.campaign.quality import RULE
 from hbench.report.render.document import Section
 
@@ -23,9 +24,7 @@ def method_section(results: Results) -> Section:
     applies = {
         "Working speed": "steady" in kinds,
         "Breakaway": "ramp" in kinds or "tustin" in laws,
-        "Tustin's law": "tustin" in laws,
-        "Marton and Lantos": "marton_lantos" in laws,
-        "Pressure-based law": "pressure_based" in laws,
+        **{_of_law(law): law.name in laws for law in FRICTION_LAWS.values()},
         "Parameters": bool(laws),
         "Which law predicts best": any(selections),
         "Friction of moving runs": bool(kinds - {"steady"} or motions.loops),
@@ -45,6 +44,15 @@ def method_section(results: Results) -> Section:
     )
 
 
+def _of_law(law: FrictionLaw) -> str:
+    return f"Friction law: {law.title}"
+
+
+_FITTED_TO = {
+    "curve": "to each direction and load by itself.",
+    "curves": "to the points of all loads and directions at once.",
+    "motions": "to runs that reverse.",
+}
 _NUMBERS = {
     "Signs": "Positive velocity extends the cylinder. Positive F_L and F_applied oppose extension.",
     "Friction": "Of a run: the mean over its steady window of F_fT = P_Tp A_p − P_Tr A_r − "
@@ -60,13 +68,13 @@ _NUMBERS = {
     "curve's measured point next to it is taken, up to a distance of {tolerance:g} %; nothing is "
     "interpolated.",
     "Breakaway": "With ramps: the largest friction of the slowest ramp's first 20 mm, as the mean "
-    "of its bin of velocity. Without: F_stiction of Tustin's law (3.2), which is extrapolated to "
+    "of its bin of velocity. Without: F_s of Tustin's law (3.2), which is extrapolated to "
     "rest; its interval is the parameter's together with the instruments' at the slowest point.",
-    "Tustin's law": "F = sign(v) (F_C + (F_stiction − F_C) exp(−|v|/v_stribeck)) + B v (3.2), "
-    "fitted by least squares inside bounds, for each direction and load by itself.",
-    "Marton and Lantos": "Two lines that meet at v_SW (3.3), fitted in the same way.",
-    "Pressure-based law": "F = sign(v) (k_1 exp(k_2 |v|) + k_3 |P_p − P_r| + k_4 P_r + k_5 |v|) "
-    "(3.7), fitted to the points of all loads and directions at once.",
+    **{
+        _of_law(law): f"{law.formula} ({law.equations}), fitted by least squares within bounds "
+        + _FITTED_TO[law.data]
+        for law in FRICTION_LAWS.values()
+    },
     "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side; a "
     "parameter without an interval was not determined by these points.",
     "Which law predicts best": "Each speed but the lowest and the highest is left out in turn and "

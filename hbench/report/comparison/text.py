@@ -11,7 +11,7 @@ from hbench.records import (
     Difference,
     WordTable,
 )
-from hbench.report.campaign.fit_tables import PARAMETERS, law_words
+from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.series_words import kind_words
 from hbench.report.json_documents.values import plain
 from hbench.report.render.document import Section, document
@@ -140,8 +140,8 @@ def _parameters(found: CampaignDifferences) -> WordTable:
     rows = []
     for one in found.curves:
         for p in one.parameters:
-            words, unit = PARAMETERS.get(p.name, (p.name, p.unit))
-            scale = from_si(1.0, unit) if p.name in PARAMETERS else 1.0
+            words, unit = label_and_unit(p.name, p.unit)
+            scale = from_si(1.0, unit)
             rows.append(
                 (_who(one.a), law_words(p.law), f"{words} ({unit})", *_cells(p.value, scale))
             )

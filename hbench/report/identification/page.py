@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from hbench.records import Identification, ModelErrors, WordTable
-from hbench.report.campaign.fit_tables import LAWS, law_words
+from hbench.report.campaign.fit_tables import law_words
 from hbench.report.identification.text import reasons, tables
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
@@ -51,7 +51,7 @@ def identification_page(found: Identification, drawings: Iterable[Drawing]) -> s
 
 def _named(table: WordTable) -> WordTable:
     """Return a table with the laws' names in place of their keys."""
-    rows = tuple((LAWS.get(first, first), *rest) for first, *rest in table.rows)
+    rows = tuple((law_words(first), *rest) for first, *rest in table.rows)
     return replace(table, rows=rows)
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.model.compiled import compiled
-from hbench.model.friction.laws import friction, hold_slipped
+from hbench.model.friction.laws import friction, hold_slipped, midpoint_step
 from hbench.model.parameters import FrictionParameters
 
 _MEAN_PRESSURE_PA = 0.0  # of both chambers: the laws here have no seal terms
@@ -18,23 +18,23 @@ def friction_along(v_m_s: np.ndarray, dt_s: float, par: FrictionParameters) -> n
     """
     v = np.ascontiguousarray(v_m_s, dtype=float)
     force = np.empty(len(v))
-    _along(v, dt_s, par, np.zeros((3, 2 * len(par.elements))), force)
+    states = 2 * len(par.elements)
+    _along(v, dt_s, par, np.zeros(states), np.zeros((2, states)), force)
     return force
 
 
 @compiled
 def _along(
-    v: np.ndarray, dt: float, par: FrictionParameters, work: np.ndarray, force: np.ndarray
+    v: np.ndarray,
+    dt: float,
+    par: FrictionParameters,
+    state: np.ndarray,
+    work: np.ndarray,
+    force: np.ndarray,
 ) -> None:
-    p, state, middle, rates = _MEAN_PRESSURE_PA, work[0], work[1], work[2]
+    p = _MEAN_PRESSURE_PA
     for k in range(len(v)):
-        friction(v[k], state, 0, p, p, 1.0, par, rates)
-        for i in range(len(state)):
-            middle[i] = state[i] + 0.5 * dt * rates[i]
-        force[k] = friction(v[k], middle, 0, p, p, 1.0, par, rates)
-        for i in range(len(state)):
-            state[i] += dt * rates[i]
-        hold_slipped(state, 0, par)
+        force[k] = midpoint_step(v[k], state, p, p, 1.0, dt, par, work)
 
 
 class Driven(NamedTuple):
