@@ -2,7 +2,7 @@
 
 import os
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,24 +15,25 @@ OWN_EFFECTS = os.environ.get("HBENCH_EFFECTS", "")  # a file; see effects/rows.p
 _FOLDER = Path(__file__).parent
 
 
-def _cache_folder() -> str:
-    """Return a folder name that changes whenever a source file of the model does.
+def cache_key(folder: Path, others: Iterable[Path], own_effects: str) -> str:
+    """Return a key that changes whenever a source file of the compiled model does.
 
-    Numba inlines the functions that a function calls but checks only the caller's own file: an
-    edited friction law would leave a stale plant in the cache. The table of friction laws gives
-    them their numbers, so it is hashed like a file of the model. A file of the user's own effects,
-    and those beside it, are the model's too.
+    The sources are the Python files below ``folder``, ``others``, and the file ``own_effects`` of
+    the user's own effects with those beside it. Numba inlines the functions that a function calls
+    but checks only the caller's own file: an edited friction law would leave a stale plant in the
+    cache.
     """
-    sources = [*sorted(_FOLDER.rglob("*.py")), Path(friction_laws.__file__)]
-    if OWN_EFFECTS:
-        sources += sorted(Path(OWN_EFFECTS).resolve().parent.glob("*.py"))
-    digest = zlib.crc32(OWN_EFFECTS.encode())
+    sources = [*sorted(folder.rglob("*.py")), *others]
+    if own_effects:
+        sources += sorted(Path(own_effects).resolve().parent.glob("*.py"))
+    digest = zlib.crc32(own_effects.encode())
     for source in sources:
         digest = zlib.crc32(source.read_bytes(), digest)
-    return str(_FOLDER / "__pycache__" / f"compiled-{digest:08x}")
+    return f"{digest:08x}"
 
 
-_CACHE = _cache_folder()
+_OTHERS = (Path(friction_laws.__file__),)  # the order of its laws gives their numbers
+_CACHE = str(_FOLDER / "__pycache__" / f"compiled-{cache_key(_FOLDER, _OTHERS, OWN_EFFECTS)}")
 _OPTIONS = {"forceinline": True, "error_model": "numpy", "nogil": True, "_nrt": False}
 
 
