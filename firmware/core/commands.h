@@ -1,13 +1,14 @@
-/* What the board does with each request of the dictionary. Every request may come twice without
- * harm: the host sends it again when it got no reply. */
+/* The requests of the dictionary. Each may arrive twice without harm: the host repeats a request
+ * whose reply it missed. */
 #ifndef HB_COMMANDS_H
 #define HB_COMMANDS_H
 
 #include "core.h"
 #include "octets.h"
+#include "wire.h"
 
-/* Carries out a request and writes its reply's payload; returns a refusal or HB_REFUSAL_NONE.
- * After a refusal nothing has changed. */
+/* Executes a request and writes the payload of its reply; returns the refusal or HB_REFUSAL_NONE.
+ * A refused request changes nothing. */
 hb_u16 hb_command(hb_core *core, const hb_frame *frame, hb_writer *reply);
 
 #endif

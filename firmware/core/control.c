@@ -60,7 +60,7 @@ void hb_control_step(const hb_control_config *config, hb_control_state *state,
     }
 }
 
-hb_i16 hb_dac_code(float volts)
+hb_i16 hb_dac_code(const hb_dac_scale *dac, float volts)
 {
-    return hb_round_i16(volts * HB_DAC_CODES_PER_V, HB_DAC_MIN, HB_DAC_MAX);
+    return hb_round_i16(volts * dac->codes_per_v, dac->code_min, dac->code_max);
 }

@@ -9,7 +9,7 @@
 #ifndef HB_CONTROL_H
 #define HB_CONTROL_H
 
-#include "config.h"
+#include "hal.h"
 #include "pi.h"
 #include "sensors.h"
 #include "settings.h"
@@ -38,7 +38,7 @@ hb_control_config hb_control_design(const hb_settings *settings);
 void hb_control_step(const hb_control_config *config, hb_control_state *state,
                      const hb_references *references, const hb_sensors_state *sensors);
 
-/* A command as the DAC's code. */
-hb_i16 hb_dac_code(float volts);
+/* The DAC code of a command. */
+hb_i16 hb_dac_code(const hb_dac_scale *dac, float volts);
 
 #endif

@@ -24,7 +24,7 @@ static hb_u16 signed_word(float value)
 
 static void publish(hb_log *log)
 {
-    hb_u16 *slot = log->ring[log->next & (HB_LOG_RECORDS - 1u)];
+    hb_u16 *slot = log->ring[log->next & (log->records - 1u)];
 
     for (hb_u16 i = 0; i < HB_RECORD_WORDS; i++) {
         slot[i] = log->newest[i];
@@ -35,7 +35,7 @@ static void publish(hb_log *log)
 
 static void make_record(hb_log *log, float v_ref_m_s)
 {
-    const float part = 1.0f / (float)log->divider;
+    const float share = 1.0f / (float)log->divider;
     hb_u16 *word = log->newest;
 
     word[HB_WORD_RUN] = log->run;
@@ -46,17 +46,18 @@ static void make_record(hb_log *log, float v_ref_m_s)
     for (hb_u16 i = 0; i < HB_SENSORS; i++) {
         word[HB_WORD_X + i] = hb_mean_word(log->word_sum[i], log->divider);
     }
-    word[HB_WORD_V] = signed_word(log->v_sum * part * HB_WORD_V_PER_SI);
-    word[HB_WORD_U_T] = signed_word(log->u_sum[HB_VALVE_T] * part * HB_WORD_U_T_PER_SI);
-    word[HB_WORD_U_L1] = signed_word(log->u_sum[HB_VALVE_L1] * part * HB_WORD_U_L1_PER_SI);
-    word[HB_WORD_U_L2] = signed_word(log->u_sum[HB_VALVE_L2] * part * HB_WORD_U_L2_PER_SI);
+    word[HB_WORD_V] = signed_word(log->v_sum * share * HB_WORD_V_PER_SI);
+    word[HB_WORD_U_T] = signed_word(log->u_sum[HB_VALVE_T] * share * HB_WORD_U_T_PER_SI);
+    word[HB_WORD_U_L1] = signed_word(log->u_sum[HB_VALVE_L1] * share * HB_WORD_U_L1_PER_SI);
+    word[HB_WORD_U_L2] = signed_word(log->u_sum[HB_VALVE_L2] * share * HB_WORD_U_L2_PER_SI);
     word[HB_WORD_V_REF] = signed_word(v_ref_m_s * HB_WORD_V_REF_PER_SI);
     log->held = true;
 }
 
-void hb_log_init(hb_log *log, hb_log_ring ring)
+void hb_log_init(hb_log *log, hb_log_record *ring, hb_u16 records)
 {
     log->ring = ring;
+    log->records = records;
     log->next = 0;
     hb_log_begin(log, 0, 1);
 }
@@ -102,10 +103,10 @@ void hb_log_end(hb_log *log, hb_u16 flags)
 
 hb_u32 hb_log_first(const hb_log *log)
 {
-    return log->next > HB_LOG_RECORDS ? log->next - HB_LOG_RECORDS : 0u;
+    return log->next > log->records ? log->next - log->records : 0u;
 }
 
 const hb_u16 *hb_log_words(const hb_log *log, hb_u32 number)
 {
-    return log->ring[number & (HB_LOG_RECORDS - 1u)];
+    return log->ring[number & (log->records - 1u)];
 }

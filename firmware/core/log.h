@@ -4,10 +4,7 @@
 #ifndef HB_LOG_H
 #define HB_LOG_H
 
-#include "config.h"
-
-typedef hb_u16 hb_log_record[HB_RECORD_WORDS];
-typedef hb_log_record hb_log_ring[HB_LOG_RECORDS];
+#include "hal.h"
 
 /* One tick of a run. */
 typedef struct {
@@ -20,6 +17,7 @@ typedef struct {
 
 typedef struct {
     hb_log_record *ring;
+    hb_u16 records; /* of the ring, a power of two: a record's slot is its number's low bits */
     hb_u32 next;    /* number of the next record */
     hb_u16 divider; /* ticks in a record */
 
@@ -36,7 +34,7 @@ typedef struct {
     hb_u16 all_flags;
 } hb_log;
 
-void hb_log_init(hb_log *log, hb_log_ring ring);
+void hb_log_init(hb_log *log, hb_log_record *ring, hb_u16 records);
 void hb_log_begin(hb_log *log, hb_u16 run, hb_u16 divider);
 void hb_log_add(hb_log *log, const hb_sample *sample);
 /* flags: for the run's last record. HB_FLAG_LAST tells that the run came to its end. */

@@ -44,6 +44,11 @@ float hb_get_f32(hb_reader *reader)
     return single.value;
 }
 
+bool hb_get_end(const hb_reader *reader)
+{
+    return reader->ok && reader->left == 0u;
+}
+
 void hb_put_octet(hb_writer *writer, hb_octet octet)
 {
     if (writer->room == 0u) {

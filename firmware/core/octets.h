@@ -1,5 +1,5 @@
 /* Fields to octets and back, little-endian, by shift and mask. A reader or writer that runs out
- * of octets turns not ok and stays so; what it reads from then on is zero. */
+ * of octets is no longer ok from then on, and reads zeros. */
 #ifndef HB_OCTETS_H
 #define HB_OCTETS_H
 
@@ -21,6 +21,8 @@ hb_octet hb_get_octet(hb_reader *reader);
 hb_u16 hb_get_u16(hb_reader *reader);
 hb_u32 hb_get_u32(hb_reader *reader);
 float hb_get_f32(hb_reader *reader);
+/* All fields were read, and no octet is left. */
+bool hb_get_end(const hb_reader *reader);
 
 void hb_put_octet(hb_writer *writer, hb_octet octet);
 void hb_put_u16(hb_writer *writer, hb_u16 value);
@@ -28,7 +30,7 @@ void hb_put_u32(hb_writer *writer, hb_u32 value);
 void hb_put_f32(hb_writer *writer, float value);
 void hb_put_text16(hb_writer *writer, const char *text);
 
-/* A float's bits as they are sent (IEEE 754 single). */
+/* The bits of an IEEE 754 single. */
 hb_u32 hb_bits_of(float value);
 
 #endif

@@ -2,7 +2,6 @@
 #ifndef HB_SAFETY_H
 #define HB_SAFETY_H
 
-#include "config.h"
 #include "sensors.h"
 #include "settings.h"
 

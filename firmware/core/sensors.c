@@ -1,10 +1,11 @@
 #include "sensors.h"
 
-hb_sensors_config hb_sensors_design(const hb_settings *settings)
+hb_sensors_config hb_sensors_design(const hb_settings *settings, const hb_adc_scale *adc)
 {
     const float *value = settings->value;
     hb_sensors_config config;
 
+    config.adc = *adc;
     for (hb_u16 i = 0; i < HB_SENSORS; i++) {
         config.gain[i] = value[HB_SETTING_GAIN_X + i];
         config.offset[i] = value[HB_SETTING_OFFSET_X + i];
@@ -26,17 +27,17 @@ void hb_sensors_init(hb_sensors_state *state)
     state->primed = false;
 }
 
-/* A word that says that the sensor is broken, or its wire: the position at either end of the
- * converter's range, a pressure at the upper one (at the lower it may be zero). "At" is within a
- * margin, because a dead wire reads the converter's offset, and a mean over its noise. The load
- * cell is in no loop and has no limit; where it saturates, the record is marked. */
-static bool impossible(hb_u16 sensor, hb_u16 word)
+/* True for a word of a broken sensor or wire: the position at either end of the converter's range,
+ * a pressure at the upper end (at the lower end it may be zero). The margin allows for the
+ * converter's offset and the mean of its noise, which an open input gives. No loop or limit uses
+ * the load cell; a saturated force only marks the record. */
+static bool impossible(const hb_adc_scale *adc, hb_u16 sensor, hb_u16 word)
 {
     if (sensor == HB_SENSOR_F_APPLIED) {
         return false;
     }
-    return word >= HB_ADC_FULL_SCALE - HB_ADC_MARGIN
-        || (sensor == HB_SENSOR_X && word <= HB_ADC_MARGIN);
+    return word >= adc->full_scale - adc->margin
+        || (sensor == HB_SENSOR_X && word <= adc->margin);
 }
 
 void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
@@ -48,10 +49,10 @@ void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
     state->impossible = false;
     for (hb_u16 i = 0; i < HB_SENSORS; i++) {
         si[i] = config->offset[i] + config->gain[i] * (float)adc[i];
-        if (adc[i] == 0u || adc[i] >= HB_ADC_FULL_SCALE) {
+        if (adc[i] == 0u || adc[i] >= config->adc.full_scale) {
             state->saturated = true;
         }
-        if (impossible(i, adc[i])) {
+        if (impossible(&config->adc, i, adc[i])) {
             state->impossible = true;
         }
     }

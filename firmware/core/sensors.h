@@ -1,12 +1,13 @@
-/* From the converter's words to SI: gain and offset, then the filters of appendix D. */
+/* Converter words to SI values: gain and offset, then the filters of appendix D. */
 #ifndef HB_SENSORS_H
 #define HB_SENSORS_H
 
-#include "config.h"
 #include "filters.h"
+#include "hal.h"
 #include "settings.h"
 
 typedef struct {
+    hb_adc_scale adc;
     float gain[HB_SENSORS]; /* SI per 1/16 count */
     float offset[HB_SENSORS];
     hb_velocity_config velocity;
@@ -17,11 +18,11 @@ typedef struct {
     float value[HB_SENSORS];    /* SI; the five pressures are filtered (D.29) */
     hb_velocity_state velocity; /* velocity.v is the filtered velocity [m/s] (D.11) */
     bool saturated;             /* a word of this tick was at 0 or full scale */
-    bool impossible;            /* one that the loops or limits need was, and can't be */
-    bool primed;                /* false: the next words are where the filters start */
+    bool impossible;            /* a sensor of the loops or limits is broken, or its wire */
+    bool primed;                /* false: the filters start from the next words */
 } hb_sensors_state;
 
-hb_sensors_config hb_sensors_design(const hb_settings *settings);
+hb_sensors_config hb_sensors_design(const hb_settings *settings, const hb_adc_scale *adc);
 void hb_sensors_init(hb_sensors_state *state);
 void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
                      const hb_u16 adc[HB_SENSORS]);

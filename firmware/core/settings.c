@@ -1,5 +1,6 @@
 #include "settings.h"
 
+#include "config.h"
 #include "crc.h"
 
 /* A slower slope's step in one tick would drown in a float's last digit and never arrive. */
@@ -30,7 +31,7 @@ bool hb_settings_complete(const hb_settings *settings)
     return true;
 }
 
-bool hb_settings_in_range(const hb_settings *settings)
+bool hb_settings_in_range(const hb_settings *settings, float voltage_range_v)
 {
     const float *value = settings->value;
 
@@ -43,7 +44,7 @@ bool hb_settings_in_range(const hb_settings *settings)
         && value[HB_SETTING_VELOCITY_FILTER_S] >= 0.0f
         && value[HB_SETTING_PRESSURE_FILTER_S] >= 0.0f
         && value[HB_SETTING_VOLTAGE_LIMIT_V] > 0.0f
-        && value[HB_SETTING_VOLTAGE_LIMIT_V] <= HB_DAC_RANGE_V
+        && value[HB_SETTING_VOLTAGE_LIMIT_V] <= voltage_range_v
         && value[HB_SETTING_PRESSURE_SLEW_PA_S] >= MIN_PRESSURE_SLEW_PA_S
         && value[HB_SETTING_RETURN_SPEED_M_S] > 0.0f
         && value[HB_SETTING_ACCELERATION_M_S2] >= MIN_ACCELERATION_M_S2

@@ -2,7 +2,8 @@
 #ifndef HB_SETTINGS_H
 #define HB_SETTINGS_H
 
-#include "config.h"
+#include "dictionary.h"
+#include "types.h"
 
 typedef struct {
     float value[HB_SETTINGS];
@@ -14,8 +15,8 @@ void hb_settings_write(hb_settings *settings, hb_u16 index, float value);
 
 /* Every setting has been written. */
 bool hb_settings_complete(const hb_settings *settings);
-/* Values that a bench can be run with. */
-bool hb_settings_in_range(const hb_settings *settings);
+/* Every value is within the range that the control can use. */
+bool hb_settings_in_range(const hb_settings *settings, float voltage_range_v);
 /* CRC-16 of all settings as they are sent, in order. */
 hb_u16 hb_settings_crc(const hb_settings *settings);
 

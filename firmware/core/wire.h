@@ -4,7 +4,8 @@
 #ifndef HB_WIRE_H
 #define HB_WIRE_H
 
-#include "config.h"
+#include "dictionary.h"
+#include "types.h"
 
 #define HB_FRAME_OVERHEAD 4u                     /* sequence, type, CRC */
 #define HB_MAX_PAYLOAD (HB_MAX_FRAME - HB_FRAME_OVERHEAD)

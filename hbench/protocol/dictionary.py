@@ -1,8 +1,8 @@
-"""The message dictionary: the one description of what host and board say to each other.
+"""The message dictionary: the only definition of the messages between host and board.
 
-The C header ``firmware/core/dictionary.h`` is generated from it
-(``python -m hbench.protocol.header > firmware/core/dictionary.h``); its hash is compared when
-host and board meet, so two versions never talk past each other.
+``python -m hbench.protocol.generate`` writes the firmware's part of it to ``firmware/core``:
+``dictionary.h``, ``payloads.h`` and ``payloads.c``. The host compares its hash with the board's
+when it connects and refuses a board with another dictionary.
 
 All numbers are little-endian. ``f32`` is an IEEE 754 single. ``text16`` is 16 octets of ASCII,
 padded with zeros. A last field ``words`` or ``f32s`` takes the rest of the payload.
@@ -28,6 +28,35 @@ class Message:
     reply: tuple[tuple[str, str], ...]
 
 
+# A segment of a run: v_ref moves to a velocity at a given slope, then stays constant.
+SEGMENT = (
+    ("valves", "u16"),  # closed: all in neutral, no loop is active
+    ("v_m_s", "f32"),  # target of v_ref, signed; positive extends the test cylinder
+    ("a_m_s2", "f32"),  # slope
+    ("duration_s", "f32"),  # upper limit
+)
+
+# A step: a sequence of segments (one cycle), repeated, at one load. Its trials have the run numbers
+# run, run + 1, ...
+STEP = (
+    ("run", "u16"),
+    ("trials", "u16"),
+    ("segment", "u16"),  # index of the first segment
+    ("segments", "u16"),
+    ("cycles", "u16"),  # upper limit
+    ("until", "u16"),  # condition that ends the run earlier
+    ("within", "f32"),  # relative change from cycle to cycle below which the condition is met
+    ("p_lr_ref_pa", "f32"),
+    ("p_lp_ref_pa", "f32"),
+    ("x_start_m", "f32"),
+    ("x_min_m", "f32"),  # a retracting segment ends below it
+    ("x_max_m", "f32"),  # an extending segment ends above it
+    ("hold_s", "f32"),  # rest at x_start with the load applied
+)
+
+# Payload of a refusal, a reply of type ERROR: the request's type, the number in REFUSALS.
+ERROR_REPLY = (("request", "u16"), ("refusal", "u16"))
+
 MESSAGES: tuple[Message, ...] = (
     Message(
         "identify",
@@ -46,41 +75,20 @@ MESSAGES: tuple[Message, ...] = (
         ),
     ),
     Message("write_settings", 0x02, (("first", "u16"), ("values", "f32s")), ()),
-    # The schedule: steps, each of which plays a row of segments. Segments are sent first.
+    # The schedule. The segments are sent before the steps that refer to them.
     Message(
         "write_segment",
         0x03,
-        (
-            ("index", "u16"),  # 0 clears the whole schedule first
-            ("valves", "u16"),
-            ("v_m_s", "f32"),  # where v_ref goes
-            ("a_m_s2", "f32"),  # at this slope
-            ("duration_s", "f32"),  # at most
-        ),
+        (("index", "u16"), *SEGMENT),  # index 0 clears the whole schedule first
         (),
     ),
     Message(
         "write_step",
         0x04,
-        (
-            ("index", "u16"),  # 0 clears the steps first
-            ("run", "u16"),  # number of the first trial's run; the others follow
-            ("trials", "u16"),
-            ("segment", "u16"),  # the first of its row
-            ("segments", "u16"),
-            ("cycles", "u16"),  # times that the row is played, at most
-            ("until", "u16"),  # what must have settled to end earlier
-            ("within", "f32"),  # settled: relative change from cycle to cycle
-            ("p_lr_ref_pa", "f32"),
-            ("p_lp_ref_pa", "f32"),
-            ("x_start_m", "f32"),
-            ("x_min_m", "f32"),  # a segment ends below it on its way down,
-            ("x_max_m", "f32"),  # and above this on its way up
-            ("hold_s", "f32"),
-        ),
+        (("index", "u16"), *STEP),  # index 0 clears the steps first
         (),
     ),
-    # The CRC-16s of what the board holds must equal the host's, or nothing moves.
+    # Refused unless these CRC-16s equal those of the settings and the schedule on the board.
     Message("start", 0x05, (("settings_crc", "u16"), ("steps_crc", "u16")), ()),
     Message("stop", 0x06, (), ()),
     Message("clear_fault", 0x07, (), ()),
@@ -114,7 +122,7 @@ MESSAGES: tuple[Message, ...] = (
         "read_log",
         0x09,
         (("first", "u32"), ("count", "u16")),
-        # first is later than asked where records were overwritten
+        # first is later than requested if records were overwritten
         (("first", "u32"), ("next", "u32"), ("words", "words")),
     ),
 )
@@ -122,18 +130,18 @@ MESSAGES: tuple[Message, ...] = (
 STATES = ("idle", "running", "done", "fault")
 PHASES = ("none", "return", "hold", "accelerate", "steady", "closed", "brake")
 VALVES = ("controlled", "closed")  # in a segment
-CONDITIONS = ("cycles", "friction", "speed_error")  # that end a step: "cycles" is none
+CONDITIONS = ("cycles", "friction", "speed_error")  # that end a run; "cycles": none
 FAULTS = (
     "none",
     "heartbeat",
-    "sensor",  # a converter word that the sensor can't give
-    "travel",  # left, or about to be left in spite of closed valves
+    "sensor",  # a converter word outside the sensor's output range
+    "travel",  # outside the limits, or unable to stop within them
     "pressure",
     "speed",
     "speed_error",  # too far from the reference for too long
     "overrun",  # of the control interrupt
-    "return",  # the way back to the start takes far too long
-    "stopped",  # by the host, in the middle of a schedule
+    "return",  # the start position is not reached in time
+    "stopped",  # by the host, during a schedule
 )
 REFUSALS = (
     "none",
@@ -147,10 +155,10 @@ REFUSALS = (
     "out_of_range",
 )
 
-# Sensor channels in the order of the converter; also the order of their words in a record.
+# Sensor channels in the order of the converter words of a tick and of a record.
 SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
 
-# What the host tells the board about the bench, in order. SI; gains per 1/16 ADC count.
+# Settings of the bench that the host uploads, in this order. SI; gains per 1/16 ADC count.
 SETTINGS: tuple[str, ...] = (
     *(f"gain_{name}" for name in SENSORS),
     *(f"offset_{name}" for name in SENSORS),
@@ -193,7 +201,7 @@ class Word:
     unit: str
 
 
-# A record: means over the ticks since the last one, but for run, index, flags and v_ref.
+# A record: means over the ticks since the record before, except run, index, flags and v_ref.
 # Sensors are in 1/16 of an ADC count.
 RECORD: tuple[Word, ...] = (
     Word("run", False, 1, "1"),
@@ -210,15 +218,15 @@ RECORD: tuple[Word, ...] = (
 # Bits of the record's flags.
 FLAGS = (
     "at_reference",  # the whole record lies in the steady phase
-    "sensor_saturated",  # a conversion of it was at 0 or full scale
-    "valve_saturated",  # a command of it was at the voltage limit
+    "sensor_saturated",  # a converter word was at 0 or full scale during the record
+    "valve_saturated",  # a valve command was at the voltage limit during the record
     "last",  # the run's last record
-    "settled",  # on the last record: the step's condition was met
+    "settled",  # with "last": the step's condition was met
 )
 
 
 def canonical_text() -> str:
-    """All that both sides must agree on, as text."""
+    """Text of all definitions that host and board share."""
     lines = [f"protocol {PROTOCOL}", f"frame {REPLY} {ERROR} {MAX_FRAME} {CRC_START}"]
     for message in MESSAGES:
         for side, fields in (("request", message.request), ("reply", message.reply)):
@@ -241,5 +249,5 @@ def canonical_text() -> str:
 
 
 def dictionary_hash() -> int:
-    """CRC-32 of the canonical text; host and board compare it when they meet."""
+    """CRC-32 of the canonical text."""
     return binascii.crc32(canonical_text().encode("ascii"))

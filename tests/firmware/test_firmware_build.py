@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hbench.protocol.header import header_text
+from hbench.protocol.generate import generated_files
 from hbench.rig import firmware
 
 ROOT = Path(__file__).parents[2]
@@ -35,10 +35,9 @@ def compile_core(folder: Path, *options: str) -> list[Path]:
     return objects
 
 
-def test_the_header_is_that_of_the_dictionary():
-    assert (CORE / "dictionary.h").read_text() == header_text(), (
-        "run: python -m hbench.protocol.header > firmware/core/dictionary.h"
-    )
+@pytest.mark.parametrize("name, text", generated_files().items())
+def test_generated_files_are_up_to_date(name, text):
+    assert (CORE / name).read_text() == text, "run: python -m hbench.protocol.generate"
 
 
 def test_the_core_compiles_without_a_warning_or_a_type_the_c28x_lacks(tmp_path):

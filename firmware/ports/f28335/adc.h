@@ -11,7 +11,11 @@
 #ifndef HB_ADC_H
 #define HB_ADC_H
 
-#include "config.h"
+#include "hal.h"
+
+/* 12 bits; an input's offset is below 16 counts. */
+#define HB_ADC_FULL_SCALE (16u * 4095u)
+#define HB_ADC_SCALE {.full_scale = HB_ADC_FULL_SCALE, .margin = 16u * 16u}
 
 /* Takes 5 ms. */
 void hb_adc_start(void);

@@ -3,9 +3,9 @@
 
 #include "adc.h"
 #include "boots.h"
-#include "core.h"
 #include "dac.h"
 #include "interrupts.h"
+#include "link.h"
 #include "registers.h"
 #include "system.h"
 #include "uart.h"
@@ -16,11 +16,17 @@
 #define DEAD_US 3000u
 #define DEAD_TICKS 50u
 
+/* 15 360 words of 16 bits, in L4 to L7. */
+#define RING_RECORDS 1024u
+HB_ASSERT(ring_size_is_valid, HB_RING_SIZE_IS_VALID(RING_RECORDS));
+HB_ASSERT(ring_fits_l4_to_l7, RING_RECORDS * HB_RECORD_WORDS <= 16384u);
+
 #ifdef __TMS320C28XX__
 #pragma DATA_SECTION(log_ring, "hb_log")
 #endif
-static hb_log_ring log_ring;
+static hb_log_record log_ring[RING_RECORDS];
 static hb_core core;
+static hb_link link;
 
 static volatile hb_u16 tick_us;        /* when the last tick began */
 static volatile hb_u16 ticks;          /* that have ended */
@@ -90,8 +96,6 @@ static void unmask_control(void *context)
 
 bool hb_board_start(void)
 {
-    const hb_hal hal = {0, "f28335", hb_uart_read, hb_uart_write, mask_control, unmask_control};
-
     HB_DISABLE_INTERRUPTS();
     HB_FLOAT_FLAGS();
     hb_modules_start();
@@ -102,7 +106,20 @@ bool hb_board_start(void)
     ticks = 0;
     ticks_serviced = 0;
     excused = true;
-    hb_core_init(&core, &hal, log_ring, hb_boots());
+    const hb_hal hal = {
+        .board = "f28335",
+        .boots = hb_boots(),
+        .adc = HB_ADC_SCALE,
+        .dac = HB_DAC_SCALE,
+        .ring = log_ring,
+        .ring_records = RING_RECORDS,
+        .uart_read = hb_uart_read,
+        .uart_write = hb_uart_write,
+        .mask_control = mask_control,
+        .unmask_control = unmask_control,
+    };
+    hb_core_init(&core, &hal);
+    hb_link_init(&link, &core);
     hb_uart_start();
     hb_adc_start();
     hb_interrupts_start(control, receive, unexpected);
@@ -117,7 +134,7 @@ bool hb_board_start(void)
 void hb_board_idle(void)
 {
     hb_uart_recover();
-    hb_core_poll(&core);
+    hb_link_poll(&link);
     /* Only if both live: the loop by being here, the control interrupt by its count. */
     if (ticks != ticks_serviced) {
         ticks_serviced = ticks;

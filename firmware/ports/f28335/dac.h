@@ -7,7 +7,10 @@
 #ifndef HB_DAC_H
 #define HB_DAC_H
 
-#include "config.h"
+#include "hal.h"
+
+#define HB_DAC_SCALE \
+    {.range_v = 10.0f, .codes_per_v = 204.8f, .code_min = -2048, .code_max = 2047}
 
 /* All outputs neutral, whatever the DAC did before; CLR stays low. Runs at any clock. False: the
  * McBSP does not take words. */

@@ -31,8 +31,9 @@ SECTIONS
     program :
     {
         commands.obj(.text) control.obj(.text) core.obj(.text) crc.obj(.text) filters.obj(.text)
-        log.obj(.text) octets.obj(.text) pi.obj(.text) safety.obj(.text) schedule.obj(.text)
-        sensors.obj(.text) settings.obj(.text) settle.obj(.text) steps.obj(.text) wire.obj(.text)
+        link.obj(.text) log.obj(.text) octets.obj(.text) payloads.obj(.text) pi.obj(.text)
+        safety.obj(.text) schedule.obj(.text) sensors.obj(.text) settings.obj(.text)
+        settle.obj(.text) steps.obj(.text) wire.obj(.text)
         adc.obj(.text) board.obj(.text) boots.obj(.text) dac.obj(.text) interrupts.obj(.text)
         system.obj(.text) uart.obj(.text)
     } LOAD = FLASH_A, RUN = PROGRAM,

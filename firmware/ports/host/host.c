@@ -2,6 +2,9 @@
 
 #include <stdlib.h>
 
+#include "../simulated.h"
+
+#define RING_RECORDS 1024u
 #define QUEUE_OCTETS 4096u /* a power of two, so that the counters may wrap */
 
 /* On a line with a baud rate. */
@@ -24,8 +27,11 @@ typedef struct {
     uint32_t credit; /* towards the next octet */
 } direction;
 
+HB_ASSERT(ring_size_is_valid, HB_RING_SIZE_IS_VALID(RING_RECORDS));
+
 struct hb_host {
-    hb_core core;  /* its ring apart: both are more than a 16-bit compiler takes in one */
+    hb_core core; /* without the ring: together they exceed the largest object of an AVR compiler */
+    hb_link link;
     uint32_t baud; /* 0: octets take no time */
     direction to_board;
     direction to_host;
@@ -119,7 +125,7 @@ static void no_interrupts(void *context)
 hb_host *hb_host_create(uint16_t boots, uint32_t baud)
 {
     hb_host *host = calloc(1, sizeof *host);
-    hb_log_record *ring = calloc(HB_LOG_RECORDS, sizeof *ring);
+    hb_log_record *ring = calloc(RING_RECORDS, sizeof *ring);
 
     if (host == NULL || ring == NULL) {
         free(ring);
@@ -129,8 +135,21 @@ hb_host *hb_host_create(uint16_t boots, uint32_t baud)
     host->baud = baud;
     open_direction(&host->to_board, QUEUE_OCTETS, baud > 0u ? RECEIVE_BUFFER : QUEUE_OCTETS);
     open_direction(&host->to_host, TRANSMIT_FIFO, QUEUE_OCTETS);
-    const hb_hal hal = {host, "host", uart_read, uart_write, no_interrupts, no_interrupts};
-    hb_core_init(&host->core, &hal, ring, boots);
+    const hb_hal hal = {
+        .board = "host",
+        .boots = boots,
+        .adc = HB_SIMULATED_ADC,
+        .dac = HB_SIMULATED_DAC,
+        .ring = ring,
+        .ring_records = RING_RECORDS,
+        .context = host,
+        .uart_read = uart_read,
+        .uart_write = uart_write,
+        .mask_control = no_interrupts,
+        .unmask_control = no_interrupts,
+    };
+    hb_core_init(&host->core, &hal);
+    hb_link_init(&host->link, &host->core);
     return host;
 }
 
@@ -156,7 +175,7 @@ void hb_host_overrun(hb_host *host)
 
 uint32_t hb_host_poll(hb_host *host)
 {
-    hb_core_poll(&host->core);
+    hb_link_poll(&host->link);
     return host->frame_ended ? waiting(&host->to_host.come) : 0u;
 }
 

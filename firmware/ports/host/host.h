@@ -2,7 +2,7 @@
 #ifndef HB_HOST_H
 #define HB_HOST_H
 
-#include "core.h"
+#include "link.h"
 
 typedef struct hb_host hb_host;
 

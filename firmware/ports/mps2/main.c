@@ -12,7 +12,8 @@
  * and an order is over when all octets for the host have gone: between orders everything stands
  * still. So the same orders give the same answers, however the emulator's threads run.
  */
-#include "core.h"
+#include "../simulated.h"
+#include "link.h"
 #include "semihost.h"
 #include "uart.h"
 
@@ -43,8 +44,12 @@ HB_ASSERT(answer_has_no_padding, sizeof(answer) == 2u + 2u * HB_VALVES + 4u);
 #define SYSTICK_ON_WITHOUT_INTERRUPT 5u
 #define SYSTICK_MASK 0xFFFFFFu
 
+#define RING_RECORDS 1024u
+HB_ASSERT(ring_size_is_valid, HB_RING_SIZE_IS_VALID(RING_RECORDS));
+
 static hb_core core;
-static hb_log_ring ring;
+static hb_link link;
+static hb_log_record ring[RING_RECORDS];
 
 static bool uart_read(void *context, hb_octet *octet)
 {
@@ -78,7 +83,7 @@ static void carry_out(const order *todo, answer *done)
         hb_core_tick(&core, todo->adc, done->dac);
         break;
     case ORDER_POLL:
-        hb_core_poll(&core);
+        hb_link_poll(&link);
         break;
     case ORDER_RECEIVE:
         uart_await(todo->uart_octets);
@@ -92,7 +97,18 @@ static void carry_out(const order *todo, answer *done)
 
 int main(void)
 {
-    const hb_hal hal = {&core, "mps2", uart_read, uart_write, no_interrupts, no_interrupts};
+    const hb_hal hal = {
+        .board = "mps2",
+        .boots = 1,
+        .adc = HB_SIMULATED_ADC,
+        .dac = HB_SIMULATED_DAC,
+        .ring = ring,
+        .ring_records = RING_RECORDS,
+        .uart_read = uart_read,
+        .uart_write = uart_write,
+        .mask_control = no_interrupts,
+        .unmask_control = no_interrupts,
+    };
     const int32_t input = semihost_open_input();
     const int32_t output = semihost_open_output();
     order todo;
@@ -102,7 +118,8 @@ int main(void)
     SYSTICK_NOW = 0; /* any write: start anew */
     SYSTICK_CONTROL = SYSTICK_ON_WITHOUT_INTERRUPT;
     uart_init();
-    hb_core_init(&core, &hal, ring, 1);
+    hb_core_init(&core, &hal);
+    hb_link_init(&link, &core);
 
     while (semihost_read(input, &todo, sizeof todo)) {
         carry_out(&todo, &done);

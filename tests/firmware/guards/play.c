@@ -158,7 +158,7 @@ static void play_ticks(session *s)
         s->cleared = false;
         hb_host_tick(s->host, adc, dac);
         for (hb_u16 i = 0; i < HB_VALVES; i++) {
-            PLAY_CHECK(dac[i] >= HB_DAC_MIN && dac[i] <= HB_DAC_MAX);
+            PLAY_CHECK(dac[i] >= s->core->hal.dac.code_min && dac[i] <= s->core->hal.dac.code_max);
             PLAY_CHECK(dac[i] == 0
                        || (s->core->state == HB_STATE_RUNNING
                            && s->core->schedule.phase != HB_PHASE_CLOSED));
