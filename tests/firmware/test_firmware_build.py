@@ -1,7 +1,9 @@
 """The core as C: warning-free, freestanding, without what the C28x does not have."""
 
+import re
 import shutil
 import subprocess
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -53,17 +55,74 @@ def test_the_core_includes_freestanding_headers_alone():
                 assert line[10:-1] in ("limits.h", "stdbool.h", "stdint.h"), f"{path.name}: {line}"
 
 
-def test_the_core_calls_nothing_but_itself_and_has_no_variables(tmp_path, require_tool):
-    objects = compile_core(tmp_path, "-fno-stack-protector")
-    symbols = subprocess.run(
-        [require_tool("nm"), "-P", *objects], capture_output=True, text=True, check=True
-    ).stdout
-    rows = [line.split() for line in symbols.splitlines() if not line.endswith(":")]
-    outside = {row[0].lstrip("_") for row in rows if row[1] == "U"}
-    inside = {row[0].lstrip("_") for row in rows if row[1] == "T"}
-    # A compiler may call these four wherever it copies a struct.
+def symbols_of(objects: list[Path], nm: str) -> list[tuple[str, str, str]]:
+    """Return (module, symbol, type) of each symbol in the objects."""
+    symbols = []
+    for path in objects:
+        text = subprocess.run([nm, "-P", path], capture_output=True, text=True, check=True).stdout
+        for line in text.splitlines():
+            name, kind = line.split()[:2]
+            symbols.append((path.stem, name.lstrip("_"), kind))
+    return symbols
+
+
+def test_the_core_calls_no_library_and_has_no_variables(tmp_path, require_tool):
+    symbols = symbols_of(compile_core(tmp_path, "-fno-stack-protector"), require_tool("nm"))
+    outside = {name for _, name, kind in symbols if kind == "U"}
+    inside = {name for _, name, kind in symbols if kind == "T"}
+    # A compiler may call these four to copy or compare a struct.
     assert outside - inside <= {"memcpy", "memset", "memmove", "memcmp"}
-    assert not [row for row in rows if row[1] in "BbDdCc"], "mutable data"
+    assert not [symbol for symbol in symbols if symbol[2] in "BbDdCc"], "mutable data"
+
+
+def test_no_circle_of_includes_or_calls_in_the_core(tmp_path, require_tool):
+    """A module is a .c file with its header; it depends on what either includes or calls."""
+    depends = {path.stem: set() for path in [*SOURCES, *CORE.glob("*.h")]}
+    for path in [*SOURCES, *CORE.glob("*.h")]:
+        included = re.findall(r'^#include "(\w+)\.h"', path.read_text(), re.MULTILINE)
+        depends[path.stem] |= set(included) - {path.stem}
+    symbols = symbols_of(compile_core(tmp_path), require_tool("nm"))
+    home = {name: module for module, name, kind in symbols if kind == "T"}
+    for module, name, kind in symbols:
+        if kind == "U" and name in home:
+            depends[module].add(home[name])
+    order = list(TopologicalSorter(depends).static_order())  # raises CycleError
+    assert order.index("core") < order.index("commands") < order.index("link")
+
+
+def test_hal_h_alone_declares_what_a_port_uses(tmp_path):
+    """A port compiles against hal.h and the sizes of the two objects that it allocates."""
+    port = tmp_path / "port.c"
+    port.write_text(
+        """
+#include "hal.h"
+
+static hb_log_record ring[64];
+
+static bool read(void *context, hb_octet *octet) { (void)context; (void)octet; return false; }
+static hb_u16 write(void *context, const hb_octet *octets, hb_u16 count)
+{ (void)context; (void)octets; return count; }
+static void mask(void *context) { (void)context; }
+
+void start(hb_core *core, hb_link *link);
+void start(hb_core *core, hb_link *link)
+{
+    hb_u16 words[HB_SENSORS] = {0};
+    hb_i16 codes[HB_VALVES];
+    const hb_hal hal = {"board", 1, {65520, 256}, {10.0f, 204.8f, -2048, 2047}, ring, 64, 0,
+                        read, write, mask, mask};
+
+    hb_core_init(core, &hal);
+    hb_link_init(link, core);
+    hb_core_tick(core, words, codes);
+    hb_core_overrun(core);
+    hb_link_poll(link);
+}
+"""
+    )
+    command = [COMPILER, *STRICT, f"-I{CORE}", "-c", port, "-o", tmp_path / "port.o"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.fixture
