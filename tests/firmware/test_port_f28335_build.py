@@ -10,14 +10,12 @@ from pathlib import Path
 import pytest
 
 from hbench.rig.flash.boot_image import LOADABLE
-from tests.support.board.f28335_board import COMPILER, CORE, PORT, ROOT, SOURCES
+from tests.support.board.f28335_board import COMPILER, CORE, PORT, ROOT, SOURCES, data_words
 
 STRICT = (
     "-std=c99 -pedantic -ffreestanding -ffp-contract=off -O2 -Wall -Wextra -Wconversion "
     "-Wsign-conversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Werror"
 ).split()
-# On the C28x a bool is as wide as any other word.
-STDBOOL = "typedef unsigned short bool;\n#define true 1\n#define false 0\n"
 
 
 def check(folder: Path, compiler: str, *options: str):
@@ -78,20 +76,8 @@ def test_from_flash_all_but_startup_runs_in_ram():
 
 
 def test_the_data_fit_their_areas(tmp_path, require_tool):
-    """Sizes by a compiler with pointers of 32 bits, octets and bools made as wide as there."""
-    (tmp_path / "stdbool.h").write_text(STDBOOL)
-    words = {}
-    for source in SOURCES:
-        command = [require_tool("arm-none-eabi-gcc"), "-std=c99", "-ffreestanding", "-fno-common"]
-        command += ["-DHB_OCTET=unsigned short", f"-I{tmp_path}", f"-I{CORE}", "-c", source]
-        subprocess.run([*command, "-o", tmp_path / "x.o"], check=True)
-        symbols = subprocess.run(
-            [require_tool("arm-none-eabi-nm"), "-S", tmp_path / "x.o"],
-            capture_output=True, text=True, check=True,
-        ).stdout  # fmt: skip
-        for _, octets, kind, name in re.findall(r"(\w+) (\w+) (\w) (\w+)", symbols):
-            if kind in "bBdD":
-                words[f"{source.stem}.{name}"] = int(octets, 16) // 2
+    gcc, nm = require_tool("arm-none-eabi-gcc"), require_tool("arm-none-eabi-nm")
+    words = data_words(tmp_path, gcc, nm)
     for name, count in sorted(words.items(), key=lambda row: -row[1]):
         print(f"{name:28} {count:6} words")
     assert words["board.log_ring"] == 15360  # 1024 records of 15 words

@@ -1,5 +1,6 @@
 """The F28335 port as a library of the host, its registers a test's; and the chip as a board."""
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -10,6 +11,8 @@ CORE = ROOT / "firmware" / "core"
 PORT = ROOT / "firmware" / "ports" / "f28335"
 SOURCES = sorted(PORT.glob("*.c"))
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+# On the C28x a bool is as wide as any other word.
+STDBOOL = "typedef unsigned short bool;\n#define true 1\n#define false 0\n"
 REGISTERS = """
 #include "compiler.h"
 hb_u16 (*hb_read)(hb_u16);
@@ -29,6 +32,32 @@ def build(folder: Path, *options: str, sources: list[Path]) -> Path:
     command += [f"-I{CORE}", f"-I{PORT}", "-DHB_OCTET=unsigned short", *options]
     subprocess.run([*command, *sources, registers, "-o", library], check=True)
     return library
+
+
+def data_words(folder: Path, gcc: str, nm: str) -> dict[str, int]:
+    """Sizes of the port's variables in words of 16 bits, by name.
+
+    An ARM lays structs out as a C28x does if octets and bools have 16 bits: integers of 16 bits
+    take one word, floats, longs and pointers two, on even addresses.
+    """
+    (folder / "stdbool.h").write_text(STDBOOL)
+    words = {}
+    for source in SOURCES:
+        command = [gcc, "-std=c99", "-ffreestanding", "-fno-common", "-DHB_OCTET=unsigned short"]
+        command += [f"-I{folder}", f"-I{CORE}", "-c", source, "-o", folder / "x.o"]
+        subprocess.run(command, check=True)
+        words |= {
+            f"{source.stem}.{name}": size // 2
+            for name, size in data_sizes(folder / "x.o", nm).items()
+        }
+    return words
+
+
+def data_sizes(binary: Path, nm: str) -> dict[str, int]:
+    """Sizes of the variables in an object or image in octets, by name."""
+    symbols = subprocess.run([nm, "-S", binary], capture_output=True, text=True, check=True).stdout
+    rows = re.findall(r"\w+ (\w+) [bBdD] (\w+)", symbols)
+    return {name: int(octets, 16) for octets, name in rows}
 
 
 class OnChip:
