@@ -46,9 +46,9 @@ void hb_control_step(const hb_control_config *config, hb_control_state *state,
 
     state->saturated = false;
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
-        /* The PI may use what the feedforward leaves of the valve's range, so that their sum
-         * keeps to the limit and nothing winds up. Zero is always allowed: a feedforward beyond
-         * the limit must not wind the PI up against it. */
+        /* The PI is limited to the part of the valve's range that the feedforward leaves, so that
+         * the sum stays within the limit without wind-up. Zero is always allowed: a feedforward
+         * beyond the limit must not wind up the PI. */
         const float forward = config->feedforward[i] * v;
         const float low = hb_min(-limit - forward, 0.0f);
         const float high = hb_max(limit - forward, 0.0f);

@@ -1,10 +1,10 @@
-/* The three loops: velocity of the test cylinder, two pressures of the load cylinder.
+/* The three control loops: velocity of the test cylinder, two pressures of the load cylinder.
  *
- *   u_T  follows the velocity;
- *   u_L1 feeds the load cylinder's rod side,    feedforward +C_rod v    (it grows as the test
- *        cylinder extends, and the valve must fill it);
- *   u_L2 feeds the load cylinder's piston side, feedforward -C_piston v (4.28 with its sign
- *        corrected: that oil must leave).
+ *   u_T  controls the velocity;
+ *   u_L1 controls the pressure on the load cylinder's rod side, feedforward +C_rod v (the chamber
+ *        grows while the test cylinder extends, and the valve must fill it);
+ *   u_L2 controls the pressure on the load cylinder's piston side, feedforward -C_piston v
+ *        (equation 4.28 with its sign corrected: the chamber shrinks).
  */
 #ifndef HB_CONTROL_H
 #define HB_CONTROL_H
@@ -22,17 +22,17 @@ typedef struct {
 
 typedef struct {
     hb_pi_config loop[HB_VALVES];
-    float feedforward[HB_VALVES]; /* signed, V s/m; zero where it is off */
+    float feedforward[HB_VALVES]; /* signed [V s/m]; zero while it is off */
     float limit_v;
 } hb_control_config;
 
 typedef struct {
     hb_pi_state loop[HB_VALVES];
     float u[HB_VALVES]; /* commands [V], within the limit */
-    bool saturated;     /* one of them is at the limit */
+    bool saturated;     /* a command is at the limit */
 } hb_control_state;
 
-/* At rest, valves in neutral, nothing integrated. */
+/* Valves neutral, integrators empty. */
 void hb_control_init(hb_control_state *state);
 hb_control_config hb_control_design(const hb_settings *settings);
 void hb_control_step(const hb_control_config *config, hb_control_state *state,

@@ -2,7 +2,7 @@
 
 #include "octets.h"
 
-/* Eight steps of the division at once: no table, no loop over the bits. */
+/* Eight steps of the polynomial division at once, without a table. */
 hb_u16 hb_crc_octet(hb_u16 crc, hb_octet octet)
 {
     crc = (hb_u16)((hb_u16)(crc >> 8) | (hb_u16)(crc << 8));
@@ -23,7 +23,7 @@ hb_u16 hb_crc_octets(hb_u16 crc, const hb_octet *octets, hb_u16 count)
 
 hb_u16 hb_crc_u16(hb_u16 crc, hb_u16 value)
 {
-    crc = hb_crc_octet(crc, (hb_octet)value); /* which masks it */
+    crc = hb_crc_octet(crc, (hb_octet)value); /* masked by hb_crc_octet */
     return hb_crc_octet(crc, (hb_octet)(value >> 8));
 }
 

@@ -7,7 +7,7 @@
 hb_u16 hb_crc_octet(hb_u16 crc, hb_octet octet);
 hb_u16 hb_crc_octets(hb_u16 crc, const hb_octet *octets, hb_u16 count);
 
-/* As if the value were sent: little-endian. */
+/* Of the octets of a value as it is sent, little-endian. */
 hb_u16 hb_crc_u16(hb_u16 crc, hb_u16 value);
 hb_u16 hb_crc_f32(hb_u16 crc, float value);
 

@@ -1,4 +1,4 @@
-/* The filters of the source's appendix D. */
+/* Filters of appendix D. */
 #ifndef HB_FILTERS_H
 #define HB_FILTERS_H
 
@@ -28,8 +28,8 @@ typedef struct {
 hb_lowpass_config hb_lowpass_design(float tau_s, float period_s);
 float hb_lowpass_step(const hb_lowpass_config *config, float *y, float x);
 
-/* Mean of n words from their sum, rounded to the nearest: the FIR filter D.1, in exact integers,
- * where it is sampled once every n ticks. */
+/* Mean of n words from their sum, rounded to the nearest integer: the FIR filter D.1 in exact
+ * integers, sampled every n ticks. */
 hb_u16 hb_mean_word(hb_u32 sum, hb_u16 n);
 
 #endif

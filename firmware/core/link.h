@@ -1,5 +1,5 @@
-/* The link to the host: receives requests, has them executed and sends the replies. Used by the idle
- * loop only (hb_link_poll in hal.h). */
+/* The link to the host: receives requests, has them executed and sends the replies. Used by the
+ * idle loop only (hb_link_poll in hal.h). */
 #ifndef HB_LINK_H
 #define HB_LINK_H
 

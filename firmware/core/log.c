@@ -30,7 +30,7 @@ static void publish(hb_log *log)
         slot[i] = log->newest[i];
     }
     log->next++;
-    log->held = false;
+    log->withheld = false;
 }
 
 static void make_record(hb_log *log, float v_ref_m_s)
@@ -51,7 +51,7 @@ static void make_record(hb_log *log, float v_ref_m_s)
     word[HB_WORD_U_L1] = signed_word(log->u_sum[HB_VALVE_L1] * share * HB_WORD_U_L1_PER_SI);
     word[HB_WORD_U_L2] = signed_word(log->u_sum[HB_VALVE_L2] * share * HB_WORD_U_L2_PER_SI);
     word[HB_WORD_V_REF] = signed_word(v_ref_m_s * HB_WORD_V_REF_PER_SI);
-    log->held = true;
+    log->withheld = true;
 }
 
 void hb_log_init(hb_log *log, hb_log_record *ring, hb_u16 records)
@@ -67,7 +67,7 @@ void hb_log_begin(hb_log *log, hb_u16 run, hb_u16 divider)
     log->run = run;
     log->divider = divider;
     log->index = 0;
-    log->held = false;
+    log->withheld = false;
     clear_sums(log);
 }
 
@@ -85,7 +85,7 @@ void hb_log_add(hb_log *log, const hb_sample *sample)
     log->ticks++;
 
     if (log->ticks == log->divider) {
-        if (log->held) {
+        if (log->withheld) {
             publish(log);
         }
         make_record(log, sample->v_ref_m_s);
@@ -95,7 +95,7 @@ void hb_log_add(hb_log *log, const hb_sample *sample)
 
 void hb_log_end(hb_log *log, hb_u16 flags)
 {
-    if (log->held) {
+    if (log->withheld) {
         log->newest[HB_WORD_FLAGS] = (hb_u16)(log->newest[HB_WORD_FLAGS] | flags);
         publish(log);
     }

@@ -1,4 +1,4 @@
-/* Small functions of floats that a freestanding C99 does not have. */
+/* Float functions that freestanding C99 has no library for. */
 #ifndef HB_NUMERIC_H
 #define HB_NUMERIC_H
 
@@ -24,20 +24,20 @@ static inline float hb_clamp(float x, float low, float high)
     return x < low ? low : (x > high ? high : x);
 }
 
-/* The next value on the way from x to target, at most step (not negative) away from x. */
+/* x moved towards target by at most step (not negative). */
 static inline float hb_slew(float x, float target, float step)
 {
     return hb_abs(target - x) <= step ? target : x + (target > x ? step : -step);
 }
 
-/* Neither infinite nor not-a-number. */
+/* Neither infinite nor NaN. */
 static inline bool hb_finite(float x)
 {
     return x >= -3.4e38f && x <= 3.4e38f;
 }
 
-/* The nearest integer, halves away from zero, within low..high; 0 for what is not a number (a
- * valve's neutral), whose conversion C leaves undefined. */
+/* The nearest integer, halves away from zero, within low..high. NaN, whose conversion is undefined
+ * in C, gives 0: a valve's neutral. */
 static inline hb_i16 hb_round_i16(float x, hb_i16 low, hb_i16 high)
 {
     if (x != x) {
@@ -47,7 +47,7 @@ static inline hb_i16 hb_round_i16(float x, hb_i16 low, hb_i16 high)
     return (hb_i16)(clamped + (clamped < 0.0f ? -0.5f : 0.5f));
 }
 
-/* Whole ticks in a time, rounded to the nearest. */
+/* Number of ticks in a time, rounded to the nearest integer. */
 static inline hb_u32 hb_ticks(float seconds, float rate_hz)
 {
     return (hb_u32)(seconds * rate_hz + 0.5f);

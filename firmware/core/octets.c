@@ -61,7 +61,7 @@ void hb_put_octet(hb_writer *writer, hb_octet octet)
 
 void hb_put_u16(hb_writer *writer, hb_u16 value)
 {
-    hb_put_octet(writer, (hb_octet)value); /* which masks it */
+    hb_put_octet(writer, (hb_octet)value); /* masked by hb_put_octet */
     hb_put_octet(writer, (hb_octet)(value >> 8));
 }
 

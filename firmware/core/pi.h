@@ -1,8 +1,8 @@
-/* The PI controller of equation D.18, in increments, with clamp anti-windup:
+/* PI controller of equation D.18 in incremental form, with anti-windup by clamping:
  *
  *   u_k = u_{k-1} + K_c tau_c (e_k - e_{k-1}) + K_c T e_k,   then low <= u_k <= high.
  *
- * The clamped u_k is what the next step starts from, so nothing winds up.
+ * The next step starts from the clamped u_k.
  */
 #ifndef HB_PI_H
 #define HB_PI_H

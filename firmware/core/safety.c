@@ -21,10 +21,10 @@ hb_safety_config hb_safety_design(const hb_settings *settings)
 void hb_safety_init(hb_safety_state *state)
 {
     state->silence_ticks = 0;
-    state->astray_ticks = 0;
+    state->error_ticks = 0;
 }
 
-/* The piston is within its travel, and would be if the valves closed at this moment. */
+/* The piston is within its travel, and would stop within it if the valves closed now. */
 static bool within_travel(const hb_safety_config *config, const hb_sensors_state *sensors)
 {
     const float x = sensors->value[HB_SENSOR_X];
@@ -47,12 +47,12 @@ hb_u16 hb_safety_step(const hb_safety_config *config, hb_safety_state *state,
                       const hb_sensors_state *sensors, float v_ref_m_s)
 {
     const float v = sensors->velocity.v;
-    const bool astray = !(hb_abs(v_ref_m_s - v) <= config->speed_error_max_m_s);
+    const bool excessive = !(hb_abs(v_ref_m_s - v) <= config->speed_error_max_m_s);
 
     state->silence_ticks++;
-    state->astray_ticks = astray ? state->astray_ticks + 1u : 0u;
+    state->error_ticks = excessive ? state->error_ticks + 1u : 0u;
 
-    if (sensors->impossible) { /* first: what follows can't be trusted then */
+    if (sensors->impossible) { /* first, because the checks below rely on the sensors */
         return HB_FAULT_SENSOR;
     }
     if (!within_travel(config, sensors)) {
@@ -64,7 +64,7 @@ hb_u16 hb_safety_step(const hb_safety_config *config, hb_safety_state *state,
     if (!(hb_abs(v) <= config->speed_max_m_s)) {
         return HB_FAULT_SPEED;
     }
-    if (state->astray_ticks > config->speed_error_ticks) {
+    if (state->error_ticks > config->speed_error_ticks) {
         return HB_FAULT_SPEED_ERROR;
     }
     return state->silence_ticks > config->heartbeat_ticks ? HB_FAULT_HEARTBEAT : HB_FAULT_NONE;

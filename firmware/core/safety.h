@@ -1,4 +1,4 @@
-/* When the board stops by itself. */
+/* Limits at which the board stops the schedule. */
 #ifndef HB_SAFETY_H
 #define HB_SAFETY_H
 
@@ -8,7 +8,7 @@
 typedef struct {
     float travel_min_m;
     float travel_max_m;
-    float stopping_time_s; /* with closed valves the piston goes on for v times this */
+    float stopping_time_s; /* stopping distance after the valves close: v times this */
     float pressure_max_pa;
     float speed_max_m_s;
     float speed_error_max_m_s;
@@ -17,15 +17,14 @@ typedef struct {
 } hb_safety_config;
 
 typedef struct {
-    hb_u32 silence_ticks; /* since the host's last sound frame */
-    hb_u32 astray_ticks;  /* since the speed error is too large */
+    hb_u32 silence_ticks; /* since the host's last valid frame */
+    hb_u32 error_ticks;   /* since the speed error exceeds its limit */
 } hb_safety_state;
 
 hb_safety_config hb_safety_design(const hb_settings *settings);
 void hb_safety_init(hb_safety_state *state);
 
-/* One tick of a schedule: the fault to stop for, HB_FAULT_NONE if all is well. A value that is
- * not a number is a fault. */
+/* Checks one tick of a schedule; returns the fault, HB_FAULT_NONE without one. NaN is a fault. */
 hb_u16 hb_safety_step(const hb_safety_config *config, hb_safety_state *state,
                       const hb_sensors_state *sensors, float v_ref_m_s);
 

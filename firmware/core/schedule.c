@@ -3,8 +3,9 @@
 #include "numeric.h"
 
 #define HB_RETURN_GAIN_1_S 5.0f
-#define HB_NEAR_M 1e-3f /* of the start, to be there ... */
-#define HB_NEAR_S 0.1f  /* ... for so long, which also bounds the mean speed to 20 mm/s */
+/* The return ends after this time within this distance of the start: mean speed <= 20 mm/s. */
+#define HB_NEAR_M 1e-3f
+#define HB_NEAR_S 0.1f
 
 hb_schedule_config hb_schedule_design(const hb_settings *settings)
 {
@@ -13,12 +14,12 @@ hb_schedule_config hb_schedule_design(const hb_settings *settings)
     const float acceleration = value[HB_SETTING_ACCELERATION_M_S2];
     hb_schedule_config config;
 
-    /* K (x_start - x) with its slope limited to a overshoots above K = 2 a / v, where the way to
-     * stop from v, v^2 / 2a, is longer than the way over which v_ref falls, v / K. */
+    /* v_ref = K (x_start - x) with a slope limited to a overshoots for K > 2 a / v, where the
+     * braking distance from v, v^2 / 2a, exceeds the distance over which v_ref falls, v / K. */
     config.return_gain_1_s = hb_min(HB_RETURN_GAIN_1_S, 1.5f * acceleration / speed);
     config.return_speed_m_s = speed;
     config.velocity_step_m_s = acceleration * HB_PERIOD_S;
-    /* Three times the whole travel at return speed, and time to creep up to the start. */
+    /* Three times the whole travel at return speed, and time for the final approach. */
     config.return_ticks = hb_ticks(
         hb_min(3.0f * (value[HB_SETTING_TRAVEL_MAX_M] - value[HB_SETTING_TRAVEL_MIN_M]) / speed
                    + 10.0f + 8.0f / config.return_gain_1_s,
@@ -34,7 +35,7 @@ static void enter(hb_schedule_state *state, hb_u16 phase)
 {
     state->phase = phase;
     state->ticks = 0;
-    state->way_ticks = 0;
+    state->return_ticks = 0;
 }
 
 void hb_schedule_init(hb_schedule_state *state)
@@ -135,7 +136,7 @@ static void next_trial(const hb_steps *steps, hb_schedule_state *state)
     enter(state, HB_PHASE_RETURN);
 }
 
-/* Goes on to the next phase where the present one is over. */
+/* Enters the next phase if the present phase is over. */
 static void change_phase(const hb_steps *steps, hb_schedule_state *state, float x_m)
 {
     const hb_step *step = &steps->step[state->step];
@@ -159,7 +160,7 @@ static void change_phase(const hb_steps *steps, hb_schedule_state *state, float 
             next_segment(steps, state);
         } else if (state->phase == HB_PHASE_ACCELERATE
                    && state->references.v_m_s == segment->v_m_s) {
-            state->phase = HB_PHASE_STEADY; /* its ticks count on from the segment's start */
+            state->phase = HB_PHASE_STEADY; /* its ticks continue from the segment's start */
         }
         break;
     case HB_PHASE_BRAKE:
@@ -172,8 +173,9 @@ static void change_phase(const hb_steps *steps, hb_schedule_state *state, float 
     }
 }
 
-/* What the step's condition watches: friction (5.1, over a cycle inertia cancels) or the lag. */
-static float watched(const hb_schedule_config *config, const hb_step *step,
+/* The quantity of the step's condition: friction (equation 5.1; inertia cancels over a cycle) or
+ * speed error. */
+static float condition_value(const hb_schedule_config *config, const hb_step *step,
                      const hb_schedule_state *state, const hb_sensors_state *sensors)
 {
     const float v_ref = state->references.v_m_s;
@@ -187,22 +189,23 @@ static float watched(const hb_schedule_config *config, const hb_step *step,
     return hb_abs(v_ref - sensors->velocity.v);
 }
 
-/* Moves the velocity reference as the phase asks. loaded: the load's references are reached. */
+/* Moves the velocity reference according to the phase. loaded: the load's references are
+ * reached. */
 static void follow_phase(const hb_schedule_config *config, const hb_steps *steps,
                          hb_schedule_state *state, float x_m, bool loaded)
 {
     float *v = &state->references.v_m_s;
-    const float way = steps->step[state->step].x_start_m - x_m;
+    const float distance = steps->step[state->step].x_start_m - x_m;
     const hb_segment *segment = present_segment(steps, state);
 
     switch (state->phase) {
     case HB_PHASE_RETURN:
         *v = hb_slew(*v,
-                     hb_clamp(config->return_gain_1_s * way, -config->return_speed_m_s,
+                     hb_clamp(config->return_gain_1_s * distance, -config->return_speed_m_s,
                               config->return_speed_m_s),
                      config->velocity_step_m_s);
-        state->ticks = hb_abs(way) <= HB_NEAR_M ? state->ticks + 1u : 0u;
-        state->way_ticks++;
+        state->ticks = hb_abs(distance) <= HB_NEAR_M ? state->ticks + 1u : 0u;
+        state->return_ticks++;
         break;
     case HB_PHASE_HOLD:
         *v = hb_slew(*v, 0.0f, config->velocity_step_m_s);
@@ -235,7 +238,7 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
 
     const hb_step *step = &steps->step[state->step];
     if (state->phase == HB_PHASE_CLOSED) {
-        load_as_measured(state, sensors); /* from where control takes over again */
+        load_as_measured(state, sensors); /* control resumes from here */
     } else {
         references->p_lr_pa =
             hb_slew(references->p_lr_pa, step->p_lr_ref_pa, config->pressure_step_pa);
@@ -246,13 +249,13 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
         references->p_lr_pa == step->p_lr_ref_pa && references->p_lp_pa == step->p_lp_ref_pa;
     follow_phase(config, steps, state, x_m, loaded);
     if (state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY) {
-        hb_settle_add(&state->settle, watched(config, step, state, sensors));
+        hb_settle_add(&state->settle, condition_value(config, step, state, sensors));
     }
 }
 
 bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state)
 {
-    return state->phase == HB_PHASE_RETURN && state->way_ticks > config->return_ticks;
+    return state->phase == HB_PHASE_RETURN && state->return_ticks > config->return_ticks;
 }
 
 bool hb_schedule_moving(const hb_schedule_state *state)

@@ -1,5 +1,5 @@
-/* Runs the uploaded steps: each trial returns to its start, holds, plays its segments and brakes.
- * Gives the references of the three loops. */
+/* Executes the uploaded steps: each trial returns to its start position, holds, runs its segments
+ * and brakes. It provides the references of the three loops. */
 #ifndef HB_SCHEDULE_H
 #define HB_SCHEDULE_H
 
@@ -11,23 +11,23 @@
 
 typedef struct {
     float return_gain_1_s;   /* K of v_ref = K (x_start - x) */
-    float return_speed_m_s;  /* at most, on the way back */
-    float velocity_step_m_s; /* of the return and the brake, in one tick */
-    float pressure_step_pa;  /* in one tick */
-    hb_u32 return_ticks;     /* that a way back may take */
-    float area_piston_m2;    /* of the cylinder under test, for its friction */
+    float return_speed_m_s;  /* upper limit during the return */
+    float velocity_step_m_s; /* per tick, while returning and braking */
+    float pressure_step_pa;  /* per tick */
+    hb_u32 return_ticks;     /* upper limit for a return */
+    float area_piston_m2;    /* of the test cylinder, for its friction */
     float area_rod_m2;
 } hb_schedule_config;
 
 typedef struct {
-    hb_u16 phase; /* HB_PHASE_NONE: nothing to do */
+    hb_u16 phase; /* HB_PHASE_NONE: no schedule */
     hb_u16 step;
     hb_u16 trial;   /* from 0 */
     hb_u16 cycle;   /* from 0 */
-    hb_u16 segment; /* of the step's row, from 0 */
+    hb_u16 segment; /* of the step, from 0 */
     hb_u16 runs_done;
-    hb_u32 ticks;     /* that count towards the end of the phase or segment */
-    hb_u32 way_ticks; /* since the way back began */
+    hb_u32 ticks;        /* counted towards the end of the phase or segment */
+    hb_u32 return_ticks; /* since the return began */
     hb_settle settle;
     bool settled; /* the last run ended by its condition */
     hb_references references;
@@ -36,17 +36,17 @@ typedef struct {
 hb_schedule_config hb_schedule_design(const hb_settings *settings);
 
 void hb_schedule_init(hb_schedule_state *state);
-/* Begins with the first step, the load's references at the pressures that there are. */
+/* Begins with the first step; the load's references start from the measured pressures. */
 void hb_schedule_start(hb_schedule_state *state, const hb_sensors_state *sensors);
 
 /* One tick, before the controllers. */
 void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
                       hb_schedule_state *state, const hb_sensors_state *sensors);
 
-/* The way back takes far longer than it can: the piston is held, or the pump is off. */
+/* The return takes longer than its limit: the piston is blocked, or the pump is off. */
 bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state);
 
-/* A run's segments are being played. */
+/* A run's segments are being executed. */
 bool hb_schedule_moving(const hb_schedule_state *state);
 
 /* Number of the present run. */

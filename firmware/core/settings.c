@@ -3,7 +3,7 @@
 #include "config.h"
 #include "crc.h"
 
-/* A slower slope's step in one tick would drown in a float's last digit and never arrive. */
+/* The step per tick of a slower ramp would be lost in rounding, and the ramp would never end. */
 #define MIN_PRESSURE_SLEW_PA_S 1e5f
 #define MIN_ACCELERATION_M_S2 0.01f
 

@@ -1,4 +1,4 @@
-/* What the host tells the board about the bench: one float for each setting of the dictionary. */
+/* Settings of the bench, uploaded by the host: a float for each setting of the dictionary. */
 #ifndef HB_SETTINGS_H
 #define HB_SETTINGS_H
 
@@ -17,7 +17,7 @@ void hb_settings_write(hb_settings *settings, hb_u16 index, float value);
 bool hb_settings_complete(const hb_settings *settings);
 /* Every value is within the range that the control can use. */
 bool hb_settings_in_range(const hb_settings *settings, float voltage_range_v);
-/* CRC-16 of all settings as they are sent, in order. */
+/* CRC-16 of all settings as they are sent, in the order of the dictionary. */
 hb_u16 hb_settings_crc(const hb_settings *settings);
 
 #endif

@@ -5,7 +5,7 @@
 void hb_settle_init(hb_settle *settle)
 {
     settle->sum = 0.0f;
-    settle->rest = 0.0f;
+    settle->excess = 0.0f;
     settle->ticks = 0;
     settle->mean = 0.0f;
     settle->calm = 0;
@@ -14,10 +14,10 @@ void hb_settle_init(hb_settle *settle)
 
 void hb_settle_add(hb_settle *settle, float value)
 {
-    const float part = value - settle->rest;
-    const float sum = settle->sum + part;
+    const float term = value - settle->excess;
+    const float sum = settle->sum + term;
 
-    settle->rest = (sum - settle->sum) - part;
+    settle->excess = (sum - settle->sum) - term;
     settle->sum = sum;
     settle->ticks++;
 }
@@ -31,7 +31,7 @@ bool hb_settle_cycle(hb_settle *settle, float within)
     settle->mean = mean;
     settle->compare = true;
     settle->sum = 0.0f;
-    settle->rest = 0.0f;
+    settle->excess = 0.0f;
     settle->ticks = 0;
     return settle->calm >= HB_CALM_CYCLES;
 }

@@ -1,5 +1,5 @@
-/* The uploaded schedule: velocity segments, and steps that run sequences of them. The fields of both
- * are described in dictionary.py. */
+/* The uploaded schedule: velocity segments, and steps that run sequences of them. The fields of
+ * both are described in dictionary.py. */
 #ifndef HB_STEPS_H
 #define HB_STEPS_H
 
@@ -20,9 +20,9 @@ void hb_steps_init(hb_steps *steps);
 bool hb_segment_in_range(const hb_segment *segment);
 bool hb_step_in_range(const hb_step *step);
 
-/* Append at index, which must equal the present count. Segment 0 starts a new schedule, step 0 a new
- * list of steps. An identical repetition of the last one is accepted without effect. False, and
- * nothing changed, in all other cases. */
+/* Append at index, which must equal the present count. Segment 0 starts a new schedule, step 0 a
+ * new list of steps. An identical repetition of the last one is accepted without effect. False,
+ * and nothing changed, in all other cases. */
 bool hb_segments_write(hb_steps *steps, hb_u16 index, const hb_segment *segment);
 bool hb_steps_write(hb_steps *steps, hb_u16 index, const hb_step *step);
 

@@ -1,8 +1,8 @@
-/* Types of the core, their widths checked when it is compiled.
+/* Types of the core. The compiler checks their widths.
  *
- * An octet is a value 0..255 in an unsigned char, which may be wider (16 bits on the C28x, where
- * there is no uint8_t) and does not wrap at 256 there. So octets are masked where they are made:
- * in hb_receive and hb_put_octet. HB_OCTET widens it on a host, to test just that.
+ * An octet is a value 0..255 in an unsigned char. On the C28x, which has no uint8_t, an unsigned
+ * char has 16 bits and does not wrap at 256. Therefore octets are masked at their sources,
+ * hb_receive and hb_put_octet. HB_OCTET makes them wider on a host, to test the masks.
  */
 #ifndef HB_TYPES_H
 #define HB_TYPES_H

@@ -4,7 +4,7 @@
 
 hb_u16 hb_cobs_encode(const hb_octet *in, hb_u16 count, hb_octet *out)
 {
-    hb_u16 code_at = 0; /* where the present block's length goes */
+    hb_u16 code_at = 0; /* index of the present block's length */
     hb_u16 length = 1;
     hb_octet code = 1;
 
@@ -14,7 +14,7 @@ hb_u16 hb_cobs_encode(const hb_octet *in, hb_u16 count, hb_octet *out)
             out[length++] = octet;
             code++;
         }
-        /* A full block that ends the data needs no empty one after it. */
+        /* No empty block follows a full block at the end of the data. */
         if (octet == 0u || (code == 0xFFu && i + 1u < count)) {
             out[code_at] = code;
             code_at = length++;
@@ -45,7 +45,7 @@ hb_u16 hb_cobs_decode(const hb_octet *in, hb_u16 count, hb_octet *out)
     return length;
 }
 
-/* Unpacks the collected octets; true for a sound frame. */
+/* Unpacks the received octets; true for a valid frame. */
 static bool open_frame(hb_receiver *receiver, hb_frame *frame)
 {
     hb_octet *plain = receiver->octets;
@@ -69,10 +69,10 @@ bool hb_receive(hb_receiver *receiver, hb_octet octet, hb_frame *frame)
 {
     octet = (hb_octet)(octet & 0xFFu);
     if (octet == 0u) {
-        const bool sound = !receiver->too_long && open_frame(receiver, frame);
+        const bool valid = !receiver->too_long && open_frame(receiver, frame);
         receiver->count = 0;
         receiver->too_long = false;
-        return sound;
+        return valid;
     }
     if (receiver->count == HB_MAX_STUFFED) {
         receiver->too_long = true;
@@ -98,7 +98,7 @@ bool hb_receive_question(hb_receiver *receiver, hb_octet octet)
         at++;
     }
     if (at == receiver->count || receiver->octets[at] < ' ') {
-        return false; /* nothing typed, or a frame */
+        return false; /* an empty line, or a frame */
     }
     const bool asked = at + 1u == receiver->count && receiver->octets[at] == '?';
     receiver->count = 0;

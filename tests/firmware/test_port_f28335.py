@@ -276,13 +276,13 @@ def test_without_oscillator_or_dac_the_board_does_not_start(chip):
 
 def test_each_start_has_another_number(chip):
     chip.program.hb_boots.restype = ctypes.c_uint16
-    chance = (ctypes.c_uint16 * 256).in_dll(chip.program, "hb_boots_chance")
+    ram = (ctypes.c_uint16 * 256).in_dll(chip.program, "hb_boots_entropy")
     kept = (ctypes.c_uint16 * 2).in_dll(chip.program, "hb_boots_kept")
     first = [chip.program.hb_boots() for _ in range(5)]
     assert [b - a for a, b in zip(first, first[1:], strict=False)] == [1] * 4
     powered = set()
     for seed in range(20):
-        chance[:] = np.random.default_rng(seed).integers(0, 65536, 256).tolist()
+        ram[:] = np.random.default_rng(seed).integers(0, 65536, 256).tolist()
         kept[:] = (seed, seed)
         powered.add(chip.program.hb_boots())
     assert len(powered) == 20

@@ -7,9 +7,9 @@
 
 #define PASSES 8u
 #define SLOTS 16u
-#define PASS_US 10u /* longest wait for a pass, which takes 1.3 us */
-/* Window of (0 + 1) x 40 ns: 80 ns for each conversion. Raise it where a sensor's source is not
- * stiff enough to charge the sampling capacitor in that time (then 40 ns more for each). */
+#define PASS_US 10u /* timeout of a pass, which takes 1.3 us */
+/* Window of (0 + 1) x 40 ns: 80 ns per conversion. Increase it for a sensor whose source impedance
+ * is too high to charge the sampling capacitor in that time; each step adds 40 ns. */
 #define WINDOW 0u
 
 HB_ASSERT(a_pass_holds_each_sensor_twice, 2u * HB_SENSORS <= SLOTS);
@@ -22,11 +22,11 @@ void hb_adc_start(void)
     HB_PROTECT();
     hb_write(HB_ADCTRL1, HB_ADCTRL1_RESET);
     hb_wait(1u);
-    hb_write(HB_ADCTRL3, HB_ADCTRL3_POWER); /* clock of 25 MHz undivided, one sample at a time */
+    hb_write(HB_ADCTRL3, HB_ADCTRL3_POWER); /* clock 25 MHz undivided, sequential sampling */
     hb_wait(5000u);
     hb_write(HB_ADCTRL1, HB_ADCTRL1_CASCADED | (WINDOW << HB_ADCTRL1_ACQ_PS));
     hb_write(HB_ADCMAXCONV, SLOTS - 1u);
-    /* Inputs of the slots, the first in the lowest four bits: A0 to A6, A0 to A6, A7, A7. */
+    /* Inputs of the slots, four bits each, lowest first: A0 to A6, A0 to A6, A7, A7. */
     hb_write(HB_ADCCHSELSEQ1, 0x3210u);
     hb_write(HB_ADCCHSELSEQ1 + 1u, 0x0654u);
     hb_write(HB_ADCCHSELSEQ1 + 2u, 0x4321u);
@@ -72,7 +72,7 @@ bool hb_adc_read(hb_u16 words[HB_SENSORS])
     }
     for (hb_u16 pass = 0; pass < PASSES && converted; pass++) {
         if (pass > 0u) {
-            /* Without interrupt: the flag alone tells the end. */
+            /* No interrupt; the flag marks the end of the pass. */
             hb_write(HB_ADCST, HB_ADCST_CLEAR_SEQ1);
             hb_write(HB_ADCTRL2, HB_ADCTRL2_RESET_SEQ1);
             hb_write(HB_ADCTRL2, HB_ADCTRL2_START);

@@ -1,13 +1,13 @@
-/* ePWM1 as the time base of 10 kHz, and the ADC that it starts. Never compiled by TI's compiler.
+/* ePWM1 as the 10 kHz time base, and the ADC that it triggers. Never compiled by TI's compiler.
  *
- * The bench's seven sensors are on ADCINA0 to A6 in the order of the dictionary. One pass of the
- * sequencer has 16 slots, so each sensor twice (and ADCINA7 twice, unused: a full pass ends where
- * it began, so a start too many shifts no channel). Eight passes make 16 conversions of each
- * sensor; their sum is the mean in 1/16 of a count, exactly.
+ * The seven sensors are on ADCINA0 to A6 in the order of the dictionary. A pass of the sequencer
+ * has 16 slots: each sensor twice, and ADCINA7 twice, unused. A full pass ends where it began,
+ * so an additional start shifts no channel. Eight passes make 16 conversions of each sensor;
+ * their sum is exactly the mean in 1/16 of a count.
  *
- * Time: 8 x 16 x 80 ns = 10.2 us of conversions, some 15 us with the reading (reckoned, not
- * measured). 64 conversions of each sensor take the ADC 36 us, but would hold the processor for
- * longer than that: the sequencer keeps 16 results. They need DMA, which this port doesn't use. */
+ * Time: 8 x 16 x 80 ns = 10.2 us of conversions, about 15 us with reading (calculated, not
+ * measured). 64 conversions of each sensor would take the ADC 36 us and the processor longer,
+ * because the sequencer stores 16 results only. They require DMA, which this port does not use. */
 #ifndef HB_ADC_H
 #define HB_ADC_H
 
@@ -19,14 +19,14 @@
 
 /* Takes 5 ms. */
 void hb_adc_start(void);
-/* The time base runs, and with it the control interrupt. */
+/* Starts the time base, and with it the control interrupt. */
 void hb_ticks_start(void);
 
-/* From the control interrupt, after the pass that the time base began: the seven words. False: the
- * ADC doesn't convert. */
+/* Reads the seven words, from the control interrupt after the pass that the time base started.
+ * False: the ADC does not convert. */
 bool hb_adc_read(hb_u16 words[HB_SENSORS]);
 
-/* The next tick has begun since hb_adc_read was entered. */
+/* The next tick has begun since the start of hb_adc_read. */
 bool hb_tick_passed(void);
 
 #endif

@@ -10,9 +10,9 @@
 #include "system.h"
 #include "uart.h"
 
-#define LATE_US 150u  /* a tick and a half since the last one: one was lost */
-/* Each of the two finds the other dead within the watchdog's time, so that the valves are neutral
- * before the reset. The idle loop may be away for 2 ms, where "start" checks. */
+#define LATE_US 150u  /* a tick and a half since the last one: a tick was lost */
+/* Control interrupt and idle loop each detect a failure of the other before the watchdog's time, so
+ * that the valves are neutral before the reset. "start" may block the idle loop for 2 ms. */
 #define DEAD_US 3000u
 #define DEAD_TICKS 50u
 
@@ -28,13 +28,13 @@ static hb_log_record log_ring[RING_RECORDS];
 static hb_core core;
 static hb_link link;
 
-static volatile hb_u16 tick_us;        /* when the last tick began */
-static volatile hb_u16 ticks;          /* that have ended */
-static volatile hb_u16 ticks_serviced; /* of them, when the watchdog was last serviced */
-static volatile bool excused;          /* the next tick may come late */
-static bool at_rest;                   /* when control was masked */
+static volatile hb_u16 tick_us;        /* start of the last tick */
+static volatile hb_u16 ticks;          /* completed */
+static volatile hb_u16 ticks_serviced; /* value of ticks when the watchdog was last serviced */
+static volatile bool excused;          /* the next tick may be late */
+static bool at_rest;                   /* at the time control was masked */
 
-/* Each handler of an interrupt that has no business to come: illegal instruction, NMI, a trap. */
+/* Handler of all unexpected interrupts: illegal instruction, NMI, traps. */
 static HB_INTERRUPT void unexpected(void)
 {
     hb_board_stop();
@@ -84,7 +84,7 @@ static void mask_control(void *context)
     at_rest = core.state != HB_STATE_RUNNING;
 }
 
-/* At rest the core may mask for longer than a tick. While it runs it may not. */
+/* The core may mask the interrupt for longer than a tick at rest, but not while it runs. */
 static void unmask_control(void *context)
 {
     (void)context;
@@ -135,12 +135,12 @@ void hb_board_idle(void)
 {
     hb_uart_recover();
     hb_link_poll(&link);
-    /* Only if both live: the loop by being here, the control interrupt by its count. */
+    /* Only if both are alive: the idle loop, and the control interrupt according to its count. */
     if (ticks != ticks_serviced) {
         ticks_serviced = ticks;
         hb_watchdog_service();
     }
-    const hb_u16 since = tick_us; /* read first: a tick in between makes the time shorter */
+    const hb_u16 since = tick_us; /* read first; a tick in between only shortens the time */
     if ((hb_u16)(hb_microseconds() - since) > DEAD_US) {
         hb_board_stop();
     }
@@ -150,6 +150,6 @@ void hb_board_stop(void)
 {
     HB_DISABLE_INTERRUPTS();
     hb_dac_clear();
-    hb_watchdog_start(); /* it may not be on yet */
+    hb_watchdog_start(); /* it may still be off */
     HB_HANG();
 }

@@ -4,14 +4,14 @@
 
 #include "types.h"
 
-/* From reset to interrupts on; the valves are neutral from its first microseconds on. False: the
- * board can't run (no oscillator, the McBSP dead); the valves are neutral. */
+/* Starts the board, up to enabling interrupts. The valves are neutral from its first microseconds
+ * on. False: the board cannot run (no oscillator, McBSP failure); the valves are neutral. */
 bool hb_board_start(void);
 
-/* One round of the idle loop. */
+/* One iteration of the idle loop. */
 void hb_board_idle(void);
 
-/* Valves neutral, then for ever until the watchdog resets the board. */
+/* Sets the valves to neutral and waits for the reset by the watchdog. */
 void hb_board_stop(void);
 
 #endif

@@ -3,16 +3,16 @@
 
 #include "crc.h"
 
-#define CHANCE_WORDS 256u
+#define ENTROPY_WORDS 256u
 
-/* Sections that startup leaves alone (the linker's command files say NOINIT). volatile: they hold
- * what no program wrote. */
+/* In a section that startup does not initialise. volatile: their initial values come from no
+ * program. */
 #ifdef __TMS320C28XX__
 #pragma DATA_SECTION(hb_boots_kept, "hb_kept")
-#pragma DATA_SECTION(hb_boots_chance, "hb_kept")
+#pragma DATA_SECTION(hb_boots_entropy, "hb_kept")
 #endif
 volatile hb_u16 hb_boots_kept[2]; /* count, its complement */
-volatile hb_u16 hb_boots_chance[CHANCE_WORDS];
+volatile hb_u16 hb_boots_entropy[ENTROPY_WORDS];
 
 hb_u16 hb_boots(void)
 {
@@ -23,8 +23,8 @@ hb_u16 hb_boots(void)
         count = (hb_u16)(count + 1u);
     } else {
         count = 0;
-        for (hb_u16 i = 0; i < CHANCE_WORDS; i++) {
-            count = hb_crc_u16(count, hb_boots_chance[i]);
+        for (hb_u16 i = 0; i < ENTROPY_WORDS; i++) {
+            count = hb_crc_u16(count, hb_boots_entropy[i]);
         }
     }
     hb_boots_kept[0] = count;

@@ -1,5 +1,5 @@
-; Where the boot ROM jumps to: two words, a branch. The watchdog, which the ROM leaves running, is
-; off before TI's startup begins; hb_board_start turns it on again.
+; Target of the boot ROM's jump: a branch of two words. Turns off the watchdog, which the ROM leaves
+; running, before TI's startup; hb_board_start turns it on again.
 ; Never assembled by TI's assembler, never run.
 
         .ref    _c_int00

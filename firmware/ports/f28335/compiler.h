@@ -1,8 +1,8 @@
-/* What TI's compiler for the C28x has beside C, and its stand-in on a host. Never compiled by
- * TI's compiler.
+/* Keywords and instructions of TI's compiler for the C28x, and their substitutes on a host. Never
+ * compiled by TI's compiler.
  *
- * On a host the registers are the test's: reads and writes, and what the processor does by an
- * instruction of its own, go through pointers that a test sets. */
+ * On a host a test simulates the registers: reads, writes and special instructions call functions
+ * through pointers that the test sets. */
 #ifndef HB_COMPILER_H
 #define HB_COMPILER_H
 
@@ -13,23 +13,23 @@
 #define HB_INTERRUPT __interrupt
 typedef HB_INTERRUPT void (*hb_handler)(void);
 
-extern __cregister volatile unsigned int IER; /* which groups of interrupts get through */
+extern __cregister volatile unsigned int IER; /* enabled groups of interrupts */
 extern __cregister volatile unsigned int IFR;
 #define HB_IER IER
 #define HB_IFR IFR
 
 #define HB_ENABLE_INTERRUPTS() __asm(" CLRC INTM")
 #define HB_DISABLE_INTERRUPTS() __asm(" SETC INTM")
-#define HB_ALLOW() __asm(" EALLOW") /* writes to protected registers ... */
-#define HB_PROTECT() __asm(" EDIS") /* ... and no more */
+#define HB_ALLOW() __asm(" EALLOW") /* enable writes to protected registers */
+#define HB_PROTECT() __asm(" EDIS") /* disable them */
 #define HB_FLOAT_FLAGS() __asm(" SETFLG RNDF32=1") /* round to nearest, as the host does */
-/* The factory's routine in reserved memory, which sets the ADC's trim. */
+/* Routine in reserved memory that sets the ADC's factory trim. */
 #define HB_CALIBRATE_ADC() ((void (*)(void))0x380080UL)()
 #define HB_HANG() \
     for (;;) {    \
     }
 
-/* All of the port's registers lie in the first 64K words. */
+/* All registers of this port are in the first 64K words. */
 static inline hb_u16 hb_read(hb_u16 address)
 {
     return *(volatile hb_u16 *)(hb_u32)address;

@@ -5,14 +5,14 @@
 #include "registers.h"
 #include "system.h"
 
-/* GPIO20, 22 and 23 belong to the McBSP; GPIO21 (MDRA) stays free, nothing is read back. */
+/* GPIO20, 22 and 23 are McBSP pins; GPIO21 (MDRA) is not used, because nothing is read back. */
 #define MUX_MCBSP 0xA200u
 #define MUX_MCBSP_MASK 0xF300u
-#define CLR_PIN 0x0040u /* GPIO6, whose pull-up is off after reset */
+#define CLR_PIN 0x0040u /* GPIO6; its pull-up is off after reset */
 
 #define CLOCK_DIVIDER 3u /* SCLK = LSPCLK / 4 = 9.4 MHz of at most 30 */
-#define WORD_US 20u      /* longest wait for room: a word takes 2.6 us, 51 us before the PLL runs */
-#define POWER_UP_US 200u /* check: at least 10 us, and the reference's own settling */
+#define WORD_US 20u      /* timeout: a word takes 2.6 us, 51 us before the PLL runs */
+#define POWER_UP_US 200u /* check: at least 10 us, and the settling of the reference */
 
 /* Words of 24 bits, split: upper 8 bits, lower 16 bits. */
 #define DAC_REGISTER 0x00u /* | channel */
@@ -35,7 +35,7 @@ static bool send(hb_u16 upper, hb_u16 lower)
         }
     }
     hb_write(HB_DXR2, upper);
-    hb_write(HB_DXR1, lower); /* which starts it */
+    hb_write(HB_DXR1, lower); /* starts the transmission */
     return true;
 }
 
@@ -45,12 +45,13 @@ static void start_mcbsp(void)
     hb_write(HB_GPAMUX2, (hb_u16)((hb_read(HB_GPAMUX2) & ~MUX_MCBSP_MASK) | MUX_MCBSP));
     HB_PROTECT();
 
-    hb_write(HB_SPCR2, 0u); /* all of it in reset */
+    hb_write(HB_SPCR2, 0u); /* hold the module in reset */
     hb_write(HB_SPCR1, HB_SPCR1_CLKSTP);
     hb_write(HB_MFFINT, 0u);
     hb_write(HB_MCR2, 0u);
     hb_write(HB_MCR1, 0u);
-    /* Data change at the rising clock, the DAC takes them at the falling one (check by scope). */
+    /* Data change at the rising clock edge, the DAC samples at the falling edge (check by
+     * scope). */
     hb_write(HB_PCR, HB_PCR_SPI_MASTER);
     hb_write(HB_RCR2, HB_DELAY_1_BIT);
     hb_write(HB_RCR1, HB_WORDS_OF_24_BITS);
@@ -59,7 +60,7 @@ static void start_mcbsp(void)
     hb_write(HB_SRGR2, HB_SRGR2_LSPCLK);
     hb_write(HB_SRGR1, CLOCK_DIVIDER);
     hb_write(HB_SPCR2, HB_SPCR2_GRST);
-    hb_wait(2u); /* two clocks of SCLK and more */
+    hb_wait(2u); /* more than two clocks of SCLK */
     hb_write(HB_SPCR2, HB_SPCR2_GRST | HB_SPCR2_XRST);
     hb_write(HB_SPCR1, HB_SPCR1_CLKSTP | HB_SPCR1_RRST);
     hb_write(HB_SPCR2, HB_SPCR2_GRST | HB_SPCR2_XRST | HB_SPCR2_FRST);
@@ -75,7 +76,7 @@ bool hb_dac_start(void)
     HB_PROTECT();
     start_mcbsp();
 
-    /* After a reset of the processor alone the DAC still gives what it was last told. */
+    /* After a reset of the processor alone the DAC keeps its last outputs. */
     if (!send(DAC_CLEAR, 0u) || !send(DAC_CONTROL, CLEAR_TO_0_V)
         || !send(DAC_RANGE | ALL_CHANNELS, PLUS_MINUS_10_V)
         || !send(DAC_REGISTER | ALL_CHANNELS, 0u) || !send(DAC_POWER, POWER_A_B_C_REFERENCE)) {

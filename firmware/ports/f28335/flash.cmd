@@ -1,10 +1,10 @@
-/* The firmware in flash. All but main.c and TI's library is copied to RAM and runs there, with the
- * timing of the RAM image; so the flash keeps the wait states that it has after reset.
+/* The firmware in flash. main.c and TI's library run from flash; all else is copied to RAM and runs
+ * there, with the timing of the RAM image. The flash keeps its wait states after reset.
  * Never linked by TI's linker.
  *
  * Memory of an F28335: RAM as in ram.cmd; flash 0x300000-0x33FFFF in eight sectors H to A of 32K
- * words, of which the last 0x80 words of A are spoken for: 0x33FF80 zeros where the passwords are
- * used, 0x33FFF6 the entry from the boot ROM, 0x33FFF8 the passwords, which this file leaves
+ * words. The last 0x80 words of A are reserved: 0x33FF80 zeros if the passwords are used,
+ * 0x33FFF6 the entry from the boot ROM, 0x33FFF8 the passwords, which this file leaves
  * erased (all ones: unlocked). */
 -e hb_codestart
 -stack 0x400

@@ -9,7 +9,7 @@ void hb_interrupts_start(hb_handler control, hb_handler receive, hb_handler othe
     hb_write(HB_PIECTRL, 0u);
     for (hb_u16 group = 0; group < HB_PIE_GROUPS; group++) {
         hb_write((hb_u16)(HB_PIEIER1 + 2u * group), 0u);
-        hb_write((hb_u16)(HB_PIEIER1 + 2u * group + 1u), 0u); /* its flags */
+        hb_write((hb_u16)(HB_PIEIER1 + 2u * group + 1u), 0u); /* the flags */
     }
     HB_IER = 0u;
     HB_IFR = 0u;
@@ -39,8 +39,8 @@ void hb_receive_handled(void)
     hb_write(HB_PIEACK, HB_INT9);
 }
 
-/* At the processor, not at the PIE, where a change needs a dance of flags. One instruction each;
- * the receiver's interrupt saves and restores IER, so it can't undo it. */
+/* In the processor's IER, because changing an enable of the PIE requires a sequence of flags. One
+ * instruction each. The receive interrupt saves and restores IER and cannot undo it. */
 void hb_mask_control(void)
 {
     HB_IER &= (hb_u16)~HB_INT1;

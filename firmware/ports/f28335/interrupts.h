@@ -1,14 +1,14 @@
-/* The table of interrupts. Never compiled by TI's compiler. */
+/* Interrupt vectors. Never compiled by TI's compiler. */
 #ifndef HB_INTERRUPTS_H
 #define HB_INTERRUPTS_H
 
 #include "compiler.h"
 
-/* All vectors at otherwise but for the two, and the two enabled, though not let through before
- * HB_ENABLE_INTERRUPTS. */
+/* Sets the two handlers, and otherwise for all other vectors; enables the two interrupts. They are
+ * not served before HB_ENABLE_INTERRUPTS. */
 void hb_interrupts_start(hb_handler control, hb_handler receive, hb_handler otherwise);
 
-/* At a handler's end: lets the group of the control interrupt or of the receiver come again. */
+/* At the end of a handler: acknowledges the group of the control or the receive interrupt. */
 void hb_control_handled(void);
 void hb_receive_handled(void);
 

@@ -1,11 +1,10 @@
-/* Startup's last step. Never compiled by TI's compiler, never run on hardware. */
+/* Last step of the startup. Never compiled by TI's compiler, never run on hardware. */
 #include "board.h"
 
 int main(void);
 
-/* Where the linker put the program and where it runs, by the addresses of symbols that it makes.
- * From flash all but this file and TI's library runs in RAM, with the timing of the RAM image. In
- * the RAM image there is nothing to copy. */
+/* Load and run address of the program, as addresses of symbols from the linker. The flash image
+ * copies all except this file and TI's library to RAM; the RAM image copies nothing. */
 extern const hb_u16 hb_load_start[];
 extern hb_u16 hb_run_start[];
 extern const hb_u16 hb_load_size[]; /* its address is the size in words */

@@ -1,8 +1,8 @@
-/* Addresses and bits of the F28335's registers, as far as this port uses them. Never compiled by
- * TI's compiler.
+/* Addresses and bits of the F28335's registers that this port uses. Never compiled by TI's
+ * compiler.
  *
- * Read in C2000Ware's headers for the F2833x (BSD) and in SPRUI07. What carries "check" is from
- * memory: check it before relying on it. */
+ * Sources: C2000Ware's headers for the F2833x (BSD) and SPRUI07. Values marked "check" are from
+ * memory; verify them first. */
 #ifndef HB_REGISTERS_H
 #define HB_REGISTERS_H
 

@@ -7,7 +7,7 @@
 #define PLL_FACTOR 10u         /* x 10, then / 2 by HB_PLLSTS_HALF */
 #define HISPCP_25_MHZ 3u       /* / 6: the ADC's clock */
 #define LOSPCP_37_5_MHZ 2u     /* / 4 */
-#define LOCK_COUNTS 5000u      /* of some 20 us each; the PLL locks within 4.4 ms (check) */
+#define LOCK_COUNTS 5000u      /* of about 20 us each; the PLL locks within 4.4 ms (check) */
 #define COUNTS_PER_MICROSECOND ((hb_u16)(HB_SYSCLK_HZ / 1000000UL))
 
 void hb_modules_start(void)
@@ -34,8 +34,8 @@ bool hb_clock_start(void)
     if ((hb_read(HB_PLLSTS) & HB_PLLSTS_NO_CLOCK) != 0u) {
         return false;
     }
-    /* Undivided the PLL must not be changed, and the watch for the oscillator must not take the
-     * change for a loss. */
+    /* The PLL is changed with the divider off, and without the missing-clock detection, which would
+     * take the change for a failure of the oscillator. */
     HB_ALLOW();
     hb_write(HB_PLLSTS, (hb_u16)(hb_read(HB_PLLSTS) & ~HB_PLLSTS_DIVSEL));
     hb_write(HB_PLLSTS, (hb_u16)(hb_read(HB_PLLSTS) | HB_PLLSTS_NO_WATCH));
@@ -68,9 +68,9 @@ void hb_wait(hb_u16 microseconds)
 
 void hb_watchdog_start(void)
 {
-    hb_watchdog_service(); /* a whole period from here */
+    hb_watchdog_service(); /* begins a full period */
     HB_ALLOW();
-    hb_write(HB_SCSR, 0u); /* it resets, rather than interrupts */
+    hb_write(HB_SCSR, 0u); /* reset instead of interrupt */
     hb_write(HB_WDCR, HB_WDCR_ON);
     HB_PROTECT();
 }

@@ -7,9 +7,10 @@
 #define HB_SYSCLK_HZ 150000000UL
 #define HB_LSPCLK_HZ 37500000UL /* SCI and McBSP */
 
-/* Clocks the modules and starts the counter; the rest is at a few MHz until hb_clock_start. */
+/* Enables the modules' clocks and starts the counter. The processor runs at a few MHz until
+ * hb_clock_start. */
 void hb_modules_start(void);
-/* 30 MHz x 10 / 2. False: no oscillator, or the PLL does not lock. */
+/* 30 MHz x 10 / 2. False: no oscillator, or no lock of the PLL. */
 bool hb_clock_start(void);
 
 /* Microseconds at 150 MHz, longer before hb_clock_start; wraps at 65536. */

@@ -13,13 +13,13 @@ HB_ASSERT(the_rate_is_within_2_percent, 50UL * OFF <= HB_BAUD);
 
 #define MUX_SCI 0x0500u      /* GPIO28 and 29, in the high word */
 #define MUX_SCI_MASK 0x0F00u
-#define UNSAMPLED_RX 0x0300u /* GPIO28 is not qualified by samples */
+#define UNSAMPLED_RX 0x0300u /* no input qualification on GPIO28 */
 
-/* A host keeps several requests of 13 octets and more in flight while a reply goes out. */
-#define RING_OCTETS 256u /* a power of two, so that the counters may wrap */
+/* A host has several requests of 13 or more octets in flight while a reply is sent. */
+#define RING_OCTETS 256u /* a power of two, because the counters wrap */
 #define RING_MASK (RING_OCTETS - 1u)
 
-/* Written by one side each, the interrupt and the idle loop; reads and writes of a word are whole. */
+/* The interrupt writes the first two, the idle loop the third; access to a word is atomic. */
 static volatile hb_octet ring[RING_OCTETS];
 static volatile hb_u16 written;
 static volatile hb_u16 taken;
@@ -58,7 +58,7 @@ void hb_uart_receive(void)
                 written = (hb_u16)(written + 1u);
             }
         } while (in_fifo(HB_SCIFFRX) > 0u);
-        /* An octet that comes after the look of the outer loop sets the flag anew. */
+        /* An octet that arrives after the check of the outer loop sets the flag again. */
         hb_write(HB_SCIFFRX, HB_SCIFFRX_ON | HB_SCIFFRX_SEEN);
     }
 }
@@ -88,7 +88,7 @@ hb_u16 hb_uart_write(void *context, const hb_octet *octets, hb_u16 count)
 
 void hb_uart_recover(void)
 {
-    /* Without HB_SCIFFRX_SEEN, which could swallow an interrupt. */
+    /* Without HB_SCIFFRX_SEEN, which could lose an interrupt. */
     if ((hb_read(HB_SCIFFRX) & HB_SCIFFRX_OVERFLOW) != 0u) {
         hb_write(HB_SCIFFRX, HB_SCIFFRX_ON | HB_SCIFFRX_CLEAR_OVERFLOW);
     }

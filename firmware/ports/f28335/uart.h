@@ -10,15 +10,15 @@
 
 void hb_uart_start(void);
 
-/* From the receiver's interrupt. */
+/* From the receive interrupt. */
 void hb_uart_receive(void);
 
-/* The hal's two. context is not used: there is one SCI-A. */
+/* Functions of the hb_hal; context is not used. */
 bool hb_uart_read(void *context, hb_octet *octet);
 hb_u16 hb_uart_write(void *context, const hb_octet *octets, hb_u16 count);
 
-/* From the idle loop: a receiver that has stopped (line broken, FIFO overrun) goes on. What it
- * lost the host sends again. */
+/* From the idle loop: restarts the receiver after a break of the line or a FIFO overrun. The host
+ * repeats requests that were lost. */
 void hb_uart_recover(void);
 
 #endif

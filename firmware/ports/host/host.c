@@ -5,13 +5,14 @@
 #include "../simulated.h"
 
 #define RING_RECORDS 1024u
-#define QUEUE_OCTETS 4096u /* a power of two, so that the counters may wrap */
+#define QUEUE_OCTETS 4096u /* a power of two, because the counters wrap */
 
-/* On a line with a baud rate. */
-#define TRANSMIT_FIFO 16u    /* as the F28335's SCI has */
-#define RECEIVE_BUFFER 128u  /* hal.h asks for 64 */
+/* With a baud rate. */
+#define TRANSMIT_FIFO 16u    /* as in the F28335's SCI */
+#define RECEIVE_BUFFER 128u  /* hal.h requires 64 */
 #define OCTET_BITS 10u       /* with start and stop bit */
-#define OCTET_CREDIT (OCTET_BITS * HB_RATE_HZ) /* baud credits a tick are exact */
+/* A tick adds the baud rate to the credit; an octet costs this much. Exact in integers. */
+#define OCTET_CREDIT (OCTET_BITS * HB_RATE_HZ)
 
 typedef struct {
     unsigned char octet[QUEUE_OCTETS];
@@ -20,11 +21,11 @@ typedef struct {
     uint32_t read;
 } queue;
 
-/* One direction of the line: octets that wait to go, and those that have come. */
+/* One direction of the line. */
 typedef struct {
-    queue going;
-    queue come;
-    uint32_t credit; /* towards the next octet */
+    queue pending; /* to be transmitted */
+    queue arrived;
+    uint32_t credit; /* for the next octet */
 } direction;
 
 HB_ASSERT(ring_size_is_valid, HB_RING_SIZE_IS_VALID(RING_RECORDS));
@@ -35,7 +36,7 @@ struct hb_host {
     uint32_t baud; /* 0: octets take no time */
     direction to_board;
     direction to_host;
-    bool frame_ended; /* among what has come to the host */
+    bool frame_ended; /* among the octets that have arrived at the host */
 };
 
 static uint32_t waiting(const queue *q)
@@ -57,43 +58,43 @@ static unsigned char pop(queue *q)
     return q->octet[q->read++ % QUEUE_OCTETS];
 }
 
-static void open_direction(direction *line, uint32_t going, uint32_t come)
+static void open_direction(direction *line, uint32_t pending, uint32_t arrived)
 {
-    line->going.room = going;
-    line->come.room = come;
+    line->pending.room = pending;
+    line->arrived.room = arrived;
 }
 
 static void hand_to_host(hb_host *host, unsigned char octet)
 {
-    if (push(&host->to_host.come, octet) && octet == 0u) {
+    if (push(&host->to_host.arrived, octet) && octet == 0u) {
         host->frame_ended = true;
     }
 }
 
-/* One tick of a direction; an octet that finds no room at its end is lost, as on any UART.
- * Credit is kept only while octets wait: the next one starts when it comes. */
+/* Transmits during one tick. An octet is lost where its receiver's queue is full, as on any UART.
+ * Credit accumulates only while octets are pending. */
 static void carry(hb_host *host, direction *line)
 {
-    line->credit = waiting(&line->going) > 0u ? line->credit + host->baud : 0u;
-    while (line->credit >= OCTET_CREDIT && waiting(&line->going) > 0u) {
-        const unsigned char octet = pop(&line->going);
+    line->credit = waiting(&line->pending) > 0u ? line->credit + host->baud : 0u;
+    while (line->credit >= OCTET_CREDIT && waiting(&line->pending) > 0u) {
+        const unsigned char octet = pop(&line->pending);
         line->credit -= OCTET_CREDIT;
         if (line == &host->to_host) {
             hand_to_host(host, octet);
         } else {
-            push(&line->come, octet);
+            push(&line->arrived, octet);
         }
     }
 }
 
 static bool uart_read(void *context, hb_octet *octet)
 {
-    queue *q = &((hb_host *)context)->to_board.come;
+    queue *q = &((hb_host *)context)->to_board.arrived;
 
     if (waiting(q) == 0u) {
         return false;
     }
-    /* Where an octet is wider than 8 bits, a UART may leave anything in the upper ones. */
+    /* The upper bits of a wider octet are undefined on a UART; set them, to test the masks. */
     *octet = (hb_octet) ~(0xFFu & ~(unsigned)pop(q));
     return true;
 }
@@ -105,18 +106,18 @@ static hb_u16 uart_write(void *context, const hb_octet *octets, hb_u16 count)
 
     if (host->baud > 0u) {
         while (accepted < count
-               && push(&host->to_host.going, (unsigned char)octets[accepted])) {
+               && push(&host->to_host.pending, (unsigned char)octets[accepted])) {
             accepted++;
         }
         return accepted;
     }
-    while (accepted < count && waiting(&host->to_host.come) < QUEUE_OCTETS) {
+    while (accepted < count && waiting(&host->to_host.arrived) < QUEUE_OCTETS) {
         hand_to_host(host, (unsigned char)octets[accepted++]);
     }
     return accepted;
 }
 
-/* Ticks come from the caller's own loop, never in the middle of a poll. */
+/* The caller's loop makes the ticks, never during a poll. */
 static void no_interrupts(void *context)
 {
     (void)context;
@@ -176,30 +177,30 @@ void hb_host_overrun(hb_host *host)
 uint32_t hb_host_poll(hb_host *host)
 {
     hb_link_poll(&host->link);
-    return host->frame_ended ? waiting(&host->to_host.come) : 0u;
+    return host->frame_ended ? waiting(&host->to_host.arrived) : 0u;
 }
 
 uint32_t hb_host_receive(hb_host *host, const unsigned char *octets, uint32_t count)
 {
-    queue *q = host->baud > 0u ? &host->to_board.going : &host->to_board.come;
-    uint32_t taken = 0;
+    queue *q = host->baud > 0u ? &host->to_board.pending : &host->to_board.arrived;
+    uint32_t accepted = 0;
 
-    while (taken < count && push(q, octets[taken])) {
-        taken++;
+    while (accepted < count && push(q, octets[accepted])) {
+        accepted++;
     }
-    return taken;
+    return accepted;
 }
 
 uint32_t hb_host_transmit(hb_host *host, unsigned char *octets, uint32_t capacity)
 {
-    queue *q = &host->to_host.come;
-    uint32_t given = 0;
+    queue *q = &host->to_host.arrived;
+    uint32_t copied = 0;
 
-    while (given < capacity && waiting(q) > 0u) {
-        octets[given++] = pop(q);
+    while (copied < capacity && waiting(q) > 0u) {
+        octets[copied++] = pop(q);
     }
     host->frame_ended = waiting(q) > 0u;
-    return given;
+    return copied;
 }
 
 const hb_core *hb_host_core(const hb_host *host)

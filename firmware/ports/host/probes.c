@@ -6,7 +6,7 @@
 #include "pi.h"
 #include "wire.h"
 
-#define MOST_OCTETS 1024u
+#define MAX_OCTETS 1024u
 
 void hb_probe_velocity(float tau_s, float period_s, const float *x, float *v, uint32_t count)
 {
@@ -56,7 +56,7 @@ void hb_probe_pi(float gain, float time_constant_s, float period_s, float low, f
     state[1] = pi.e;
 }
 
-/* Octets to the core's own width and back. */
+/* Octets to the core's width and back. */
 static void widen(const unsigned char *in, uint16_t count, hb_octet *out)
 {
     for (uint16_t i = 0; i < count; i++) {
@@ -73,7 +73,7 @@ static void narrow(const hb_octet *in, uint16_t count, unsigned char *out)
 
 uint16_t hb_probe_crc(const unsigned char *octets, uint16_t count)
 {
-    hb_octet wide[MOST_OCTETS];
+    hb_octet wide[MAX_OCTETS];
 
     widen(octets, count, wide);
     return hb_crc_octets(HB_CRC_START, wide, count);
@@ -81,8 +81,8 @@ uint16_t hb_probe_crc(const unsigned char *octets, uint16_t count)
 
 uint16_t hb_probe_cobs_encode(const unsigned char *in, uint16_t count, unsigned char *out)
 {
-    hb_octet plain[MOST_OCTETS];
-    hb_octet stuffed[MOST_OCTETS + MOST_OCTETS / 254u + 1u];
+    hb_octet plain[MAX_OCTETS];
+    hb_octet stuffed[MAX_OCTETS + MAX_OCTETS / 254u + 1u];
 
     widen(in, count, plain);
     const uint16_t length = hb_cobs_encode(plain, count, stuffed);
@@ -92,7 +92,7 @@ uint16_t hb_probe_cobs_encode(const unsigned char *in, uint16_t count, unsigned 
 
 uint16_t hb_probe_cobs_decode(const unsigned char *in, uint16_t count, unsigned char *out)
 {
-    hb_octet octets[MOST_OCTETS + MOST_OCTETS / 254u + 1u];
+    hb_octet octets[MAX_OCTETS + MAX_OCTETS / 254u + 1u];
 
     widen(in, count, octets);
     const uint16_t length = hb_cobs_decode(octets, count, octets);
@@ -103,15 +103,15 @@ uint16_t hb_probe_cobs_decode(const unsigned char *in, uint16_t count, unsigned 
 uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32_t capacity)
 {
     const hb_log *log = &hb_host_core(host)->log;
-    uint32_t given = 0;
+    uint32_t copied = 0;
 
-    while (given < capacity && first + given < log->next) {
-        const hb_u16 *record = hb_log_words(log, first + given++);
+    while (copied < capacity && first + copied < log->next) {
+        const hb_u16 *record = hb_log_words(log, first + copied++);
         for (hb_u16 i = 0; i < HB_RECORD_WORDS; i++) {
             *words++ = record[i];
         }
     }
-    return given;
+    return copied;
 }
 
 uint16_t hb_probe_frame(unsigned char sequence, unsigned char type, const unsigned char *payload,
@@ -130,7 +130,7 @@ uint16_t hb_probe_receive(const unsigned char *octets, uint16_t count, unsigned 
 {
     hb_receiver receiver;
     hb_frame frame;
-    uint16_t found = 0;
+    uint16_t length = 0;
 
     receiver.count = 0;
     receiver.too_long = false;
@@ -139,15 +139,15 @@ uint16_t hb_probe_receive(const unsigned char *octets, uint16_t count, unsigned 
             out[0] = (unsigned char)frame.sequence;
             out[1] = (unsigned char)frame.type;
             narrow(frame.payload, frame.count, &out[2]);
-            found = (uint16_t)(frame.count + 2u);
+            length = (uint16_t)(frame.count + 2u);
         }
     }
-    return found;
+    return length;
 }
 
 double hb_probe_get(char kind, const unsigned char *octets, uint16_t count)
 {
-    hb_octet wide[MOST_OCTETS];
+    hb_octet wide[MAX_OCTETS];
     hb_reader reader = {wide, count, true};
 
     widen(octets, count, wide);
@@ -159,7 +159,7 @@ double hb_probe_get(char kind, const unsigned char *octets, uint16_t count)
 
 static uint16_t written(const hb_octet *wide, const hb_writer *writer, unsigned char *out)
 {
-    const uint16_t count = (uint16_t)(MOST_OCTETS - writer->room);
+    const uint16_t count = (uint16_t)(MAX_OCTETS - writer->room);
 
     narrow(wide, count, out);
     return count;
@@ -167,8 +167,8 @@ static uint16_t written(const hb_octet *wide, const hb_writer *writer, unsigned 
 
 uint16_t hb_probe_put(char kind, double value, unsigned char *out)
 {
-    hb_octet wide[MOST_OCTETS];
-    hb_writer writer = {wide, MOST_OCTETS, true};
+    hb_octet wide[MAX_OCTETS];
+    hb_writer writer = {wide, MAX_OCTETS, true};
 
     if (kind == 'u') {
         hb_put_u16(&writer, (hb_u16)value);
@@ -182,8 +182,8 @@ uint16_t hb_probe_put(char kind, double value, unsigned char *out)
 
 uint16_t hb_probe_put_text16(const char *text, unsigned char *out)
 {
-    hb_octet wide[MOST_OCTETS];
-    hb_writer writer = {wide, MOST_OCTETS, true};
+    hb_octet wide[MAX_OCTETS];
+    hb_writer writer = {wide, MAX_OCTETS, true};
 
     hb_put_text16(&writer, text);
     return written(wide, &writer, out);

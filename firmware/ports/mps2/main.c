@@ -1,37 +1,37 @@
 /* The firmware on an emulated Cortex-M4 (QEMU, machine mps2-an386), in lock-step with a bench that
- * is simulated outside of it: processor in the loop (PIL) on an emulated Cortex-M4.
+ * is simulated outside of it: processor in the loop (PIL).
  *
- * The host's protocol comes and goes on UART0. The converter's words and the DAC codes go over
- * semihosting: the program that simulates the bench orders one tick or one round of the idle loop
- * at a time, through the emulator's standard input, and waits for what came of it. So the control
- * tick is called from the main loop, not from an interrupt; it can't come too late, and it never
- * interrupts a poll. What this port shows is that the core computes the same on this processor as
- * on the host, bit for bit, and how many instructions it takes. It shows nothing of timing.
+ * The protocol uses UART0. Converter words and DAC codes use semihosting: the program that
+ * simulates the bench sends orders to the emulator's standard input and waits for the answer to
+ * each. An order is one tick, one iteration of the idle loop, or the reception of octets. The control tick is
+ * therefore called from the main loop, not from an interrupt; it is never late and never interrupts
+ * a poll. This port demonstrates that the core gives the same result on this processor as on the
+ * host, bit for bit, and counts its instructions. It demonstrates nothing about timing.
  *
- * Octets from the host come in during an order of their own, which waits for all that were sent,
- * and an order is over when all octets for the host have gone: between orders everything stands
- * still. So the same orders give the same answers, however the emulator's threads run.
+ * The reception order waits for all octets that the host has sent, and every order ends after all
+ * octets for the host have been sent. Nothing happens between orders. Thus the same orders give the
+ * same answers, whatever the timing of the emulator's threads.
  */
 #include "../simulated.h"
 #include "link.h"
 #include "semihost.h"
 #include "uart.h"
 
-#define MARK 0x4842u /* so that another program's output is not taken for an answer */
+#define MARK 0x4842u /* distinguishes an answer from the output of another program */
 
 enum { ORDER_TICK = 1, ORDER_POLL = 2, ORDER_RECEIVE = 3 };
 
-/* As on the link: little-endian, without padding. */
+/* As on the semihosting link: little-endian, without padding. */
 typedef struct {
     uint16_t code;
     uint16_t adc[HB_SENSORS];
-    uint32_t uart_octets; /* that UART0 has been sent since reset */
+    uint32_t uart_octets; /* sent to UART0 since reset */
 } order;
 
 typedef struct {
     uint16_t mark;
     int16_t dac[HB_VALVES];
-    uint32_t clocks; /* of the SysTick, that the order took */
+    uint32_t clocks; /* of the SysTick during the order */
 } answer;
 
 HB_ASSERT(order_has_no_padding, sizeof(order) == 2u + 2u * HB_SENSORS + 4u);
@@ -68,13 +68,13 @@ static hb_u16 uart_write(void *context, const hb_octet *octets, hb_u16 count)
     return accepted;
 }
 
-/* Ticks come from the main loop, never in the middle of a poll. */
+/* The main loop makes the ticks, never during a poll. */
 static void no_interrupts(void *context)
 {
     (void)context;
 }
 
-static void carry_out(const order *todo, answer *done)
+static void execute(const order *todo, answer *done)
 {
     const uint32_t begin = SYSTICK_NOW;
 
@@ -92,7 +92,7 @@ static void carry_out(const order *todo, answer *done)
         break;
     }
     done->clocks = (begin - SYSTICK_NOW) & SYSTICK_MASK;
-    uart_flush(); /* not counted: it waits for the host */
+    uart_flush(); /* not counted, because it waits for the host */
 }
 
 int main(void)
@@ -115,17 +115,17 @@ int main(void)
     answer done = {MARK, {0}, 0};
 
     SYSTICK_RELOAD = SYSTICK_MASK;
-    SYSTICK_NOW = 0; /* any write: start anew */
+    SYSTICK_NOW = 0; /* any write restarts it */
     SYSTICK_CONTROL = SYSTICK_ON_WITHOUT_INTERRUPT;
     uart_init();
     hb_core_init(&core, &hal);
     hb_link_init(&link, &core);
 
     while (semihost_read(input, &todo, sizeof todo)) {
-        carry_out(&todo, &done);
+        execute(&todo, &done);
         if (!semihost_write(output, &done, sizeof done)) {
             return 1;
         }
     }
-    return 0; /* whoever simulated the bench has gone */
+    return 0; /* the simulation has ended */
 }

@@ -1,5 +1,6 @@
-/* What a compiler may call wherever it copies or clears a struct; without a C library it is here.
- * Compiled so that it is not turned into calls of itself (see the Makefile). */
+/* The functions that a compiler may call to copy or clear a struct; there is no C library. An
+ * option in the Makefile prevents the compiler from turning their loops into calls of
+ * themselves. */
 #include <stddef.h>
 
 void *memcpy(void *restrict to, const void *restrict from, size_t count);

@@ -9,7 +9,7 @@
 #define STOPPED_APPLICATION_EXIT 0x20026u
 #define STOPPED_RUNTIME_ERROR 0x20023u
 
-/* An address in a parameter block, which is made of 32-bit words. */
+/* An address as a word of a parameter block. */
 static uint32_t word_of(const void *pointer)
 {
     return (uint32_t)pointer;
@@ -26,7 +26,7 @@ static uint32_t call(uint32_t operation, uint32_t parameter)
 
 static int32_t open(uint32_t mode)
 {
-    static const char name[] = ":tt"; /* standard input where it is read, else standard output */
+    static const char name[] = ":tt"; /* standard input or output, by the mode */
     const uint32_t block[3] = {word_of(name), mode, sizeof name - 1u};
 
     return (int32_t)call(SYS_OPEN, word_of(block));
@@ -42,7 +42,7 @@ int32_t semihost_open_output(void)
     return open(OPEN_WRITE);
 }
 
-/* Both calls return how many octets are left; no progress means that the other side has gone. */
+/* Both calls return the number of octets left; no progress: the other side has ended. */
 static bool transfer(uint32_t operation, int32_t handle, uint32_t address, uint32_t count)
 {
     while (count > 0u) {

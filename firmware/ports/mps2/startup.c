@@ -10,7 +10,7 @@
 int main(void);
 void mps2_reset(void);
 
-extern uint32_t mps2_stack_top; /* these three are addresses from link.ld */
+extern uint32_t mps2_stack_top; /* three addresses from link.ld */
 extern uint32_t mps2_bss_begin;
 extern uint32_t mps2_bss_end;
 
@@ -24,7 +24,7 @@ void mps2_reset(void)
     semihost_exit(main());
 }
 
-/* Any exception but the UART's: nothing sensible is left to do, so the emulator ends. */
+/* Any exception except the UART's ends the emulator. */
 static void fault(void)
 {
     semihost_exit(1);

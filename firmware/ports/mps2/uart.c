@@ -18,9 +18,9 @@ typedef struct {
 #define CONTROL_RX_ON 2u
 #define CONTROL_RX_INTERRUPT 8u
 #define INTERRUPT_RX 2u
-#define BAUD_DIVIDER 217u /* 25 MHz / 115200; the emulator asks for one and ignores it */
+#define BAUD_DIVIDER 217u /* 25 MHz / 115200; the emulator requires a value and ignores it */
 
-#define QUEUE_OCTETS 4096u /* a power of two, so that the counters may wrap */
+#define QUEUE_OCTETS 4096u /* a power of two, because the counters wrap */
 
 typedef struct {
     uint8_t octet[QUEUE_OCTETS];
@@ -30,7 +30,7 @@ typedef struct {
 
 static queue from_host;
 static queue to_host;
-static volatile uint32_t received; /* all that came, also those that found no room */
+static volatile uint32_t received; /* all octets, including those lost to a full queue */
 
 static bool push(queue *q, uint8_t octet)
 {
@@ -65,14 +65,14 @@ void uart_init(void)
 
 void uart_receive_interrupt(void)
 {
-    UART0->interrupt = INTERRUPT_RX; /* before the octet is taken and lets the next one in */
-    (void)push(&from_host, (uint8_t)(UART0->data & 0xFFu)); /* lost where the queue is full */
+    UART0->interrupt = INTERRUPT_RX; /* before reading the octet, which admits the next one */
+    (void)push(&from_host, (uint8_t)(UART0->data & 0xFFu)); /* lost if the queue is full */
     received++;
 }
 
 void uart_await(uint32_t count)
 {
-    /* An interrupt that is pending but held back ends wfi too, so none is slept through. */
+    /* A pending interrupt ends wfi even while masked, so none is missed. */
     __asm__ volatile("cpsid i" ::: "memory");
     while (received != count) {
         __asm__ volatile("wfi\n\tcpsie i\n\tisb\n\tcpsid i" ::: "memory");
