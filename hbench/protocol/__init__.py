@@ -1,1 +1,1 @@
-"""The wire between host and board: dictionary, frames, checks. Bytes only."""
+"""Protocol between host and board: message dictionary, payloads, frames. No input or output."""

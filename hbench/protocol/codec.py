@@ -1,4 +1,4 @@
-"""Payloads: fields of the dictionary to octets and back."""
+"""Conversion of payloads between fields and octets."""
 
 import struct
 from collections.abc import Mapping, Sequence
@@ -9,15 +9,15 @@ import numpy as np
 from hbench.protocol.dictionary import MESSAGES, SETTINGS, Message
 
 _FORMATS = {"u16": "H", "u32": "I", "f32": "f", "text16": "16s"}
-_TAILS = {"words": "<u2", "f32s": "<f4"}  # a last field that takes the rest
+_TAILS = {"words": "<u2", "f32s": "<f4"}  # arrays at the end of a payload
 
 BY_NAME: Mapping[str, Message] = {message.name: message for message in MESSAGES}
 
 
 def pack(fields: Sequence[tuple[str, str]], values: Mapping[str, Any]) -> bytes:
-    """Return the payload of ``values``, which must name every field."""
-    if values.keys() != {name for name, _ in fields}:
-        raise ValueError(f"fields {sorted(values)} given, {[name for name, _ in fields]} expected")
+    """Return the payload of ``values``. Raises ``ValueError`` for a missing or unknown field."""
+    if different := values.keys() ^ {name for name, _ in fields}:
+        raise ValueError(f"missing or unknown fields: {', '.join(sorted(different))}")
     payload = b""
     for name, kind in fields:
         value = values[name]
@@ -31,7 +31,7 @@ def pack(fields: Sequence[tuple[str, str]], values: Mapping[str, Any]) -> bytes:
 
 
 def unpack(fields: Sequence[tuple[str, str]], payload: bytes) -> dict[str, Any]:
-    """Return the fields in a payload. Raises ``ValueError`` if its length does not fit."""
+    """Return the fields of a payload by name. Raises ``ValueError`` for a wrong length."""
     values: dict[str, Any] = {}
     offset = 0
     for name, kind in fields:
@@ -39,22 +39,22 @@ def unpack(fields: Sequence[tuple[str, str]], payload: bytes) -> dict[str, Any]:
             dtype = np.dtype(_TAILS[kind])
             rest = payload[offset:]
             if len(rest) % dtype.itemsize:
-                raise ValueError(f"{name}: {len(rest)} octets are not whole items")
+                raise ValueError(f"{name}: {len(rest)} octets, not a multiple of {dtype.itemsize}")
             values[name], offset = np.frombuffer(rest, dtype), len(payload)
             continue
         size = struct.calcsize("<" + _FORMATS[kind])
         if offset + size > len(payload):
-            raise ValueError(f"payload of {len(payload)} octets ends before {name}")
+            raise ValueError(f"payload of {len(payload)} octets ends before field {name}")
         (value,) = struct.unpack_from("<" + _FORMATS[kind], payload, offset)
         values[name] = value.rstrip(b"\0").decode("ascii", "replace") if kind == "text16" else value
         offset += size
     if offset != len(payload):
-        raise ValueError(f"payload has {len(payload) - offset} octets too many")
+        raise ValueError(f"payload of {len(payload)} octets, {offset} expected")
     return values
 
 
 def pack_settings(settings: Mapping[str, float]) -> bytes:
-    """Return all settings in the dictionary's order as octets, as the board's CRC sees them."""
-    if settings.keys() != set(SETTINGS):
-        raise ValueError(f"settings differ: {set(SETTINGS) ^ settings.keys()}")
+    """Return all settings as they are sent, in the order of the dictionary."""
+    if different := settings.keys() ^ set(SETTINGS):
+        raise ValueError(f"missing or unknown settings: {', '.join(sorted(different))}")
     return np.array([settings[name] for name in SETTINGS], dtype="<f4").tobytes()

@@ -5,14 +5,14 @@
 when it connects and refuses a board with another dictionary.
 
 All numbers are little-endian. ``f32`` is an IEEE 754 single. ``text16`` is 16 octets of ASCII,
-padded with zeros. A last field ``words`` or ``f32s`` takes the rest of the payload.
+padded with zeros. ``words`` and ``f32s`` are arrays of u16 and f32 up to the end of the payload.
 """
 
 import binascii
 from dataclasses import dataclass
 
 PROTOCOL = 1
-REPLY = 0x80  # added to a request's type in its reply
+REPLY = 0x80  # added to the request's type
 ERROR = 0xFF  # type of a refusal
 MAX_FRAME = 254  # octets before stuffing: sequence, type, payload, CRC
 CRC_START = 0xFFFF  # of the CRC-16 (polynomial 0x1021, not reflected)
@@ -20,7 +20,7 @@ CRC_START = 0xFFFF  # of the CRC-16 (polynomial 0x1021, not reflected)
 
 @dataclass(frozen=True)
 class Message:
-    """A request and its reply: fields as (name, type)."""
+    """A request and its reply; fields are (name, type)."""
 
     name: str
     code: int
@@ -64,10 +64,10 @@ MESSAGES: tuple[Message, ...] = (
         (),
         (
             ("protocol", "u16"),
-            ("dictionary", "u32"),  # CRC-32 of this file's canonical text
+            ("dictionary", "u32"),  # see dictionary_hash
             ("firmware", "text16"),
             ("board", "text16"),
-            ("boots", "u16"),  # differs after a reset
+            ("boots", "u16"),  # different after each reset
             ("rate_hz", "u16"),
             ("ring_records", "u16"),
             ("max_steps", "u16"),
@@ -105,8 +105,8 @@ MESSAGES: tuple[Message, ...] = (
             ("run", "u16"),
             ("runs_done", "u16"),
             ("tick", "u32"),
-            ("log_first", "u32"),  # oldest record still held
-            ("log_next", "u32"),  # the number that the next record will get
+            ("log_first", "u32"),  # oldest record in the ring
+            ("log_next", "u32"),  # number of the next record
             ("x_m", "f32"),
             ("v_m_s", "f32"),
             ("v_ref_m_s", "f32"),

@@ -1,8 +1,8 @@
-"""Frames on the wire: [sequence][type][payload][CRC-16], COBS-stuffed, ended by a zero octet.
+"""Frames: [sequence][type][payload][CRC-16], COBS-stuffed, terminated by a zero octet.
 
-The CRC is CRC-16/CCITT-FALSE over all before it, little-endian. (It starts from 0xFFFF; XMODEM's
-start from 0 would not see a leading zero come or go, so one flipped bit could pass.) A frame that
-fails its check is dropped without a word: the host asks again.
+The CRC is CRC-16/CCITT-FALSE over all octets before it, little-endian. It starts from 0xFFFF: with
+XMODEM's start from 0 an additional or missing leading zero, and so a flipped bit, could remain
+undetected. A damaged frame is dropped without a reply, and the host repeats its request.
 """
 
 import binascii
@@ -15,9 +15,9 @@ from hbench.protocol.dictionary import CRC_START, MAX_FRAME
 
 @dataclass(frozen=True)
 class Frame:
-    """One message on the wire."""
+    """A message with its sequence number."""
 
-    sequence: int  # 0..255; a reply carries its request's
+    sequence: int  # 0..255; a reply has that of its request
     code: int  # type of the message
     payload: bytes
 
@@ -28,26 +28,26 @@ def crc16(data: bytes) -> int:
 
 
 def encode(frame: Frame) -> bytes:
-    """Return the octets of a frame, with its end mark. Raises ``ValueError`` if it is too long."""
+    """Return the octets of a frame with its terminator. Raises ``ValueError`` if it is too long."""
     body = bytes((frame.sequence, frame.code)) + frame.payload
     body += crc16(body).to_bytes(2, "little")
     if len(body) > MAX_FRAME:
-        raise ValueError(f"frame of {len(body)} octets; at most {MAX_FRAME} are allowed")
+        raise ValueError(f"frame of {len(body)} octets, limit {MAX_FRAME}")
     return cobs.encode(body) + b"\0"
 
 
 class Receiver:
-    """Cuts a stream of octets into frames; garbage and damaged frames are counted and dropped."""
+    """Decoder of a stream of octets, which counts and drops damaged frames."""
 
     def __init__(self) -> None:
         self._pending = bytearray()
         self.damaged = 0
 
     def feed(self, data: bytes) -> list[Frame]:
-        """Take octets as they come; return the frames that are complete."""
+        """Add received octets; return the frames that they complete."""
         self._pending += data
         *chunks, rest = self._pending.split(b"\0")
-        self._pending = rest[-2 * MAX_FRAME :]  # a stream without zeros must not grow for ever
+        self._pending = rest[-2 * MAX_FRAME :]  # limits the memory for a stream without zeros
         frames = []
         for chunk in filter(None, chunks):
             frame = _decode(bytes(chunk))

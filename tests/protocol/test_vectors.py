@@ -1,7 +1,7 @@
-"""The committed octets hold for the host's codec, and for the standards by themselves.
+"""Test vectors for the host's codec.
 
-``wire_vectors.py`` shares no code with the codec. The board's side is in
-``tests/firmware/test_firmware_vectors.py``.
+``wire_vectors.py`` computes them independently of the codec.
+``tests/firmware/test_firmware_vectors.py`` applies them to the board.
 """
 
 import pytest

@@ -1,6 +1,6 @@
-"""Reads ``vectors.txt``, and works it out anew without any of the project's own code.
+"""Test vectors in ``vectors.txt``, and their independent computation.
 
-``python tests/support/board/wire_vectors.py`` renews the lines that follow from the frame lines.
+``python tests/support/board/wire_vectors.py`` recomputes the indented lines from the frame lines.
 """
 
 import re
@@ -16,25 +16,25 @@ TAILS = {"words": "u16", "f32s": "f32"}
 
 @dataclass(frozen=True)
 class WireFrame:
-    """A frame line and the octets that stand below it."""
+    """A frame line with the octets below it."""
 
     line: int
     message: str
     side: str  # request or reply
     sequence: int
     code: int
-    fields: tuple[tuple[str, str, str], ...]  # name, kind, value as it stands there
+    fields: tuple[tuple[str, str, str], ...]  # name, kind, value as text
     plain: bytes
     stuffed: bytes
 
     @property
     def values(self) -> dict:
-        """What the fields say, by name."""
+        """Values of the fields by name."""
         return {name: value_of(kind, text) for name, kind, text in self.fields}
 
     @property
     def payload(self) -> bytes:
-        """The fields' octets as they stand in the file."""
+        """Octets of the fields in the file."""
         return self.plain[2:-2]
 
 
@@ -48,7 +48,7 @@ def octets_of(text: str) -> bytes:
 
 
 def text_of(octets: bytes) -> str:
-    """Octets in hex, as short as ``octets_of`` reads them."""
+    """Octets in hex, in the short form that ``octets_of`` reads."""
     parts, at = [], 0
     while at < len(octets):
         end = at + 1
@@ -94,9 +94,9 @@ def crc(octets: bytes) -> int:
 
 
 def stuffed(octets: bytes) -> bytes:
-    """COBS: the octets up to each zero, at most 254 of them, after their number plus one.
+    """COBS: each block up to a zero, at most 254 octets, preceded by its length plus one.
 
-    One zero more is put at the end first. A full block that ends there needs no empty one after it.
+    A zero is appended first. No empty block follows a full block at the end.
     """
     out, rest = b"", octets + b"\0"
     while rest:
@@ -123,7 +123,7 @@ def unstuffed(block: bytes) -> bytes:
 
 
 def frame_octets(frame: WireFrame) -> tuple[bytes, bytes]:
-    """What the frame line comes to: plain and on the wire."""
+    """Octets of a frame line: plain, and as they are sent."""
     plain = bytes([frame.sequence, frame.code])
     plain += b"".join(packed(kind, value_of(kind, text)) for _, kind, text in frame.fields)
     plain += struct.pack("<H", crc(plain))
@@ -132,12 +132,12 @@ def frame_octets(frame: WireFrame) -> tuple[bytes, bytes]:
 
 def rows(kind: str) -> list[tuple[str, bytes]]:
     """The lines ``kind LEFT = OCTETS`` as (left, octets)."""
-    found = []
+    pairs = []
     for line in FILE.read_text().splitlines():
         if line.startswith(kind + " "):
             left, _, right = line.removeprefix(kind).partition("=")
-            found.append((left.strip(), octets_of(right)))
-    return found
+            pairs.append((left.strip(), octets_of(right)))
+    return pairs
 
 
 def frames() -> list[WireFrame]:
@@ -157,7 +157,7 @@ def _frame(lines: list[str], at: int) -> WireFrame:
 
 
 def renewed() -> str:
-    """The file's text with all that follows from its frame lines worked out anew."""
+    """The file's text with the lines that follow from its frame lines recomputed."""
     kept = [line for line in FILE.read_text().splitlines() if not line.startswith("  ")]
     out = []
     for line in kept:
