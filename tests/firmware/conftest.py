@@ -1,4 +1,4 @@
-"""The firmware's host library for tests: parts of the core over arrays, and a whole board."""
+"""The firmware's host library for tests: functions of the core on arrays, and a board."""
 
 import binascii
 import ctypes
@@ -37,7 +37,7 @@ _PROBES = (
 
 
 class Probes:
-    """Parts of the core as functions of arrays."""
+    """Functions of the core on arrays."""
 
     def __init__(self):
         library = firmware.load_library()
@@ -150,14 +150,14 @@ STATUS = {
 
 
 class Board:
-    """A board spoken to in octets made by hand, with sensors that the test sets."""
+    """A board with requests as octets and sensors that the test sets, without the host's codec."""
 
     def __init__(self, boots=1):
         self.firmware = firmware.HostFirmware(boots)
         self.sequence = 0
         self.si = {"x": 0.05, "p_tp": 6e6, "p_tr": 3e6, "p_lp": 4e6, "p_lr": 1.5e6, "p_s": 1.5e7}
         self.si["f_applied"] = 500.0
-        self.raw = {}  # words that come in the place of a sensor's own
+        self.raw = {}  # words that replace those of the sensors
 
     def exchange(self, octets):
         """Send octets; return the frames that come back: (sequence, type, payload)."""
@@ -208,13 +208,13 @@ class Board:
         return self.request("write_step", struct.pack("<H", index) + fields)
 
     def write_motion(self, index=0, **changes):
-        """Upload a step of one segment, the fields of both among the changes."""
+        """Upload a step of one segment; the changes are fields of either."""
         segment = {key: changes.pop(key) for key in SEGMENT if key in changes}
         assert self.write_segment(index, **segment) == b""
         return self.write_step(index, segment=index, **changes)
 
     def write_row(self, *segments, **step):
-        """Upload one step that plays a row of segments."""
+        """Upload one step with a sequence of segments."""
         for index, segment in enumerate(segments):
             assert self.write_segment(index, **segment) == b""
         return self.write_step(segments=len(segments), **step)
@@ -239,16 +239,16 @@ class Board:
         return *struct.unpack("<II", reply[:8]), words
 
     def words(self):
-        """The converter's words for the sensors as they are."""
+        """Converter words of the present sensor values."""
         words = {n: round((self.si[n] - OFFSET.get(n, 0.0)) / GAIN[n]) for n in SENSORS}
         return list({**words, **self.raw}.values())
 
     def tick(self):
-        """One tick with the sensors as they are; returns the valves' commands in volts."""
+        """One tick with the present sensor values; returns the valve commands in volts."""
         return [code / 204.8 for code in self.firmware.tick(self.words())]
 
     def rest(self, seconds, x):
-        """Stand still at x."""
+        """Rest at x."""
         self.si["x"] = x
         for _ in range(round(seconds / T)):
             self.tick()
@@ -256,7 +256,7 @@ class Board:
 
 @pytest.fixture(scope="module")
 def new_board():
-    """Return boards as they come from reset, closed after the file."""
+    """Function that returns a board after a reset; all are closed after the module."""
     boards = []
 
     def make(boots=1):
@@ -270,7 +270,7 @@ def new_board():
 
 @pytest.fixture
 def board(new_board):
-    """A board that knows its bench, with one step of one segment uploaded, at rest."""
+    """A board at rest with settings and one step of one segment."""
     board = new_board()
     assert board.write_settings() == b""
     assert board.write_motion() == b""
@@ -280,7 +280,7 @@ def board(new_board):
 
 @pytest.fixture
 def moving(board):
-    """A board on its way back from x = 60 mm to its start, the valves open."""
+    """A board that returns from x = 60 mm to its start, valves open."""
     board.rest(0.05, x=0.06)
     board.start()
     for _ in range(300):

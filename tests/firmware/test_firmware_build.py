@@ -1,4 +1,4 @@
-"""The core as C: warning-free, freestanding, without what the C28x does not have."""
+"""The core as C: no warnings, freestanding, only types of the C28x, no circles."""
 
 import re
 import shutil
@@ -20,7 +20,7 @@ STRICT = (
     "-std=c99 -pedantic -ffreestanding -ffp-contract=off -O2 -Wall -Wextra -Wconversion "
     "-Wsign-conversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Werror"
 ).split()
-# Named once where they are declared, then forbidden.
+# The header declares some of the names, so it is included before they are forbidden.
 POISON = """
 #include <stdint.h>
 #pragma GCC poison double int8_t uint8_t int64_t uint64_t memcpy memset malloc sqrt sqrtf
@@ -42,13 +42,13 @@ def test_generated_files_are_up_to_date(name, text):
     assert (CORE / name).read_text() == text, "run: python -m hbench.protocol.generate"
 
 
-def test_the_core_compiles_without_a_warning_or_a_type_the_c28x_lacks(tmp_path):
+def test_the_core_compiles_without_a_warning_or_a_type_missing_on_the_c28x(tmp_path):
     poison = tmp_path / "poison.h"
     poison.write_text(POISON)
     compile_core(tmp_path, "-include", str(poison))
 
 
-def test_the_core_includes_freestanding_headers_alone():
+def test_the_core_includes_only_freestanding_headers():
     for path in [*SOURCES, *CORE.glob("*.h")]:
         for line in path.read_text().splitlines():
             if line.startswith("#include <"):
@@ -127,7 +127,7 @@ void start(hb_core *core, hb_link *link)
 
 @pytest.fixture
 def wide_octets(tmp_path):
-    """The host library with octets of 16 bits, as they are on the C28x."""
+    """The host library with octets of 16 bits, as on the C28x."""
     library = tmp_path / "libwide.so"
     sources = [*SOURCES, HOST / "host.c"]
     options = ["-std=c99", "-O2", "-fPIC", "-shared", "-DHB_OCTET=unsigned short", f"-I{CORE}"]
@@ -136,18 +136,18 @@ def wide_octets(tmp_path):
 
 
 def talk(board):
-    """A session with every kind of request; returns all that the board says."""
-    said = [board.request("identify"), board.write_settings(log_divider=7.0)]
-    said += [board.write_motion(n, run=n + 1, hold_s=0.0, duration_s=0.05) for n in range(3)]
-    said += [board.start(), board.request("stop", b"\xff")]
+    """A session with every kind of request; returns all replies."""
+    replies = [board.request("identify"), board.write_settings(log_divider=7.0)]
+    replies += [board.write_motion(n, run=n + 1, hold_s=0.0, duration_s=0.05) for n in range(3)]
+    replies += [board.start(), board.request("stop", b"\xff")]
     board.rest(1.2, x=0.05)
-    said += [board.request("status"), board.start(), board.request("clear_fault")]
-    said += [board.request("read_log", bytes([n, 0, 0, 0, 8, 0])) for n in range(0, 200, 8)]
-    return said
+    replies += [board.request("status"), board.start(), board.request("clear_fault")]
+    replies += [board.request("read_log", bytes([n, 0, 0, 0, 8, 0])) for n in range(0, 200, 8)]
+    return replies
 
 
 def test_sixteen_bit_octets_make_no_difference_on_the_wire(new_board, wide_octets, monkeypatch):
     expected = talk(new_board())
     monkeypatch.setattr(firmware, "load_library", lambda: wide_octets)
     assert talk(new_board()) == expected
-    assert len(set(map(str, expected))) > 20, "the session must have had something to say"
+    assert len(set(map(str, expected))) > 20, "the session must have different replies"

@@ -1,4 +1,4 @@
-"""What the board does with each request, and with each one sent twice."""
+"""Effect of each request, and of its repetition."""
 
 import binascii
 import struct
@@ -26,7 +26,7 @@ def state(board):
     return STATES[status["state"]], FAULTS[status["fault"]]
 
 
-def test_identify_tells_dictionary_firmware_and_boots(new_board):
+def test_identify_reports_dictionary_firmware_and_boots(new_board):
     reply = unpack(BY_NAME["identify"].reply, new_board(boots=41).request("identify"))
     assert reply == {
         "protocol": PROTOCOL,
@@ -50,7 +50,7 @@ def test_a_board_from_reset_is_idle_and_not_ready(new_board):
     assert board.request("start", bytes(4)) == "not_ready", "there is no step"
 
 
-def test_settings_in_two_parts_count_as_all_of_them(new_board):
+def test_settings_may_be_sent_in_two_parts(new_board):
     board = new_board()
     assert board.write_settings(first=20) == b""
     board.write_motion()
@@ -73,7 +73,7 @@ def test_settings_in_two_parts_count_as_all_of_them(new_board):
         (struct.pack("<Hf", 0, float("inf")), "out_of_range"),
     ],
 )
-def test_settings_that_do_not_fit_are_refused_and_change_nothing(board, payload, refusal):
+def test_settings_out_of_range_are_refused_and_change_nothing(board, payload, refusal):
     assert board.request("write_settings", payload) == refusal
     assert board.start() == b"", "the CRC of what the board holds is as before"
 
@@ -94,7 +94,7 @@ def test_settings_that_do_not_fit_are_refused_and_change_nothing(board, payload,
     ],
     ids=str,
 )
-def test_settings_that_no_bench_can_run_with_do_not_start(board, change):
+def test_start_is_refused_with_unusable_settings(board, change):
     assert board.write_settings(**change) == b""
     board.tick()
     assert board.start() == "out_of_range"
@@ -159,7 +159,7 @@ def test_a_step_out_of_range_is_refused(board, change):
     assert board.write_step(1, **change) == "out_of_range"
 
 
-def test_steps_are_taken_in_order_up_to_the_limit(board):
+def test_steps_are_accepted_in_order_up_to_the_limit(board):
     assert board.write_step(2) == "out_of_range", "step 1 is missing"
     for index in range(1, 128):
         assert board.write_step(index, run=index + 1) == b""
@@ -168,14 +168,14 @@ def test_steps_are_taken_in_order_up_to_the_limit(board):
     assert board.start() == b""
 
 
-def test_segments_are_taken_in_order_up_to_the_limit(board):
+def test_segments_are_accepted_in_order_up_to_the_limit(board):
     assert board.write_segment(2) == "out_of_range", "segment 1 is missing"
     for index in range(1, 128):
         assert board.write_segment(index, v_m_s=1e-3 * index) == b""
     assert board.write_segment(128) == "out_of_range"
 
 
-def test_the_last_segment_may_come_twice_but_not_changed(board):
+def test_the_last_segment_may_be_repeated_but_not_changed(board):
     assert board.write_segment(1, v_m_s=0.2) == b""
     assert board.write_segment(1, v_m_s=0.2) == b""
     assert board.write_segment(1, v_m_s=0.3) == "out_of_range"
@@ -189,12 +189,12 @@ def test_segment_zero_starts_a_new_schedule(board):
 @pytest.mark.parametrize(
     "change", [{"segment": 1}, {"segments": 2}, {"segment": 65535, "segments": 65535}], ids=str
 )
-def test_a_step_whose_segments_are_not_there_can_not_be_started(board, change):
+def test_start_is_refused_if_a_step_has_missing_segments(board, change):
     assert board.write_step(0, **change) == b""
     assert board.start() == "out_of_range"
 
 
-def test_the_last_step_may_come_twice_but_not_changed(board):
+def test_the_last_step_may_be_repeated_but_not_changed(board):
     assert board.write_step(1, run=2) == b""
     assert board.write_step(1, run=2) == b""
     assert board.write_step(1, run=3) == "out_of_range"
@@ -210,7 +210,7 @@ def test_step_zero_starts_a_new_list(board):
     assert board.status()["run"] == 7
 
 
-def test_a_running_board_takes_no_uploads_and_no_second_start(board):
+def test_a_running_board_refuses_uploads_and_a_second_start(board):
     assert board.start() == b""
     assert board.write_settings() == "busy"
     assert board.write_step() == "busy"
@@ -220,7 +220,7 @@ def test_a_running_board_takes_no_uploads_and_no_second_start(board):
     assert state(board) == ("running", "none")
 
 
-def test_start_sent_again_is_answered_and_starts_nothing_anew(board):
+def test_a_repeated_start_is_answered_without_effect(board):
     board.start()
     board.rest(0.3, x=0.05)
     before = board.status()
@@ -231,7 +231,7 @@ def test_start_sent_again_is_answered_and_starts_nothing_anew(board):
     assert state(board) == ("running", "none")
 
 
-def test_stop_leaves_neutral_valves_and_says_so_until_the_next_start(board):
+def test_stop_makes_the_valves_neutral_and_reports_stopped_until_the_next_start(board):
     board.start()
     board.rest(0.2, x=0.05)
     assert board.tick()[0] > 0.1, "it accelerates"
@@ -245,7 +245,7 @@ def test_stop_leaves_neutral_valves_and_says_so_until_the_next_start(board):
 
 
 @pytest.mark.parametrize("name", ["identify", "stop", "clear_fault", "status"])
-def test_a_payload_where_none_belongs_is_refused(board, name):
+def test_an_unexpected_payload_is_refused(board, name):
     assert board.request(name, b"\1") == "bad_payload"
 
 
@@ -254,7 +254,7 @@ def test_a_payload_that_ends_early_is_refused(board, name):
     assert board.request(name, b"\1\2\3") == "bad_payload"
 
 
-def test_an_unknown_message_is_refused_by_its_number(board):
+def test_an_unknown_message_is_refused_with_its_number(board):
     assert board.exchange(board.frame(4, 0x7E)) == [(4, 0xFF, struct.pack("<HH", 0x7E, 1))]
 
 
@@ -268,7 +268,7 @@ def test_status_shows_the_live_values(board):
     assert status["tick"] == 101
 
 
-def test_a_changed_calibration_makes_no_jump_of_speed_or_pressure(board):
+def test_a_changed_calibration_causes_no_jump_of_speed_or_pressure(board):
     board.write_settings(gain_x=8e-6, gain_p_s=500.0)
     board.tick()
     status = board.status()
@@ -279,7 +279,7 @@ def test_a_changed_calibration_makes_no_jump_of_speed_or_pressure(board):
 
 @pytest.fixture
 def logged(board):
-    """A board that stands still and has logged 1500 records, 476 more than its ring holds."""
+    """A board at rest that has logged 1500 records, 476 more than its ring holds."""
     board.write_settings(log_divider=1, velocity_gain_v_m=1.0)
     board.write_motion(hold_s=0.0, duration_s=0.15)
     board.start()
@@ -303,7 +303,7 @@ def test_overwritten_records_are_skipped_and_the_rest_are_contiguous(logged):
     assert index.tolist() == list(range(1500 - 1024, 1500)), "record n of the only run has index n"
 
 
-def test_the_log_may_be_read_again_and_in_any_part(logged):
+def test_any_part_of_the_log_may_be_read_repeatedly(logged):
     first, _, once = logged.read_log(1200, count=3)
     again = logged.read_log(1200, count=3)[2]
     assert (first, len(once)) == (1200, 3)
@@ -311,7 +311,7 @@ def test_the_log_may_be_read_again_and_in_any_part(logged):
     np.testing.assert_array_equal(logged.read_log(1201, count=1)[2][0], once[1])
 
 
-def test_records_that_do_not_exist_yet_are_just_not_there(logged):
+def test_future_records_are_not_returned(logged):
     assert logged.read_log(1498)[2].shape == (2, 15)
     assert logged.read_log(1500)[2].shape == (0, 15)
     assert logged.read_log(99_999)[2].shape == (0, 15)

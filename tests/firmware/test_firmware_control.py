@@ -1,4 +1,4 @@
-"""Signs, feedforward and limits of the three commands, with the sensors led by hand."""
+"""Signs, feedforward and limits of the three commands, with prescribed sensor values."""
 
 import pytest
 
@@ -9,9 +9,9 @@ DAC_STEP_V = 10 / 2048
 
 @pytest.fixture
 def pushed(board):
-    """Return the commands of a running board that is pushed a whole number of words each tick.
+    """Commands of a running board whose position moves by a whole number of words each tick.
 
-    The load's pressures stand at their references (15 and 40 bar, whole words), so its PIs have
+    The load's pressures equal their references (15 and 40 bar, whole words), so its PIs have
     nothing to do.
     """
 
@@ -41,7 +41,7 @@ def test_without_feedforward_motion_alone_moves_no_load_valve(pushed):
 
 
 @pytest.mark.parametrize("words", [-5, 5])
-def test_feedforward_beyond_the_limit_stops_at_it_and_winds_nothing_up(pushed, words):
+def test_feedforward_beyond_the_limit_saturates_without_wind_up(pushed, words):
     assert C_PISTON * 5 * WORD_M / 1e-4 > 10.0
     u_l2 = pushed(words, feedforward_on=1.0)[2]
     assert u_l2 == pytest.approx(-10.0 if words > 0 else 10.0, abs=1.01 * DAC_STEP_V)
@@ -73,7 +73,9 @@ def test_test_valve_opens_towards_the_start_position(board, x_start, sign):
 
 @pytest.mark.parametrize(("change", "valve"), [("p_lr_ref_pa", 1), ("p_lp_ref_pa", 2)])
 @pytest.mark.parametrize("difference", [-8e5, 8e5])
-def test_load_valve_lets_oil_in_where_pressure_is_missing(board, change, valve, difference):
+def test_load_valve_opens_to_its_chamber_if_the_pressure_is_too_low(
+    board, change, valve, difference
+):
     now = {"p_lr_ref_pa": 15e5, "p_lp_ref_pa": 40e5}[change]
     board.write_motion(**{change: now + difference})
     board.start()
@@ -107,7 +109,7 @@ def test_each_start_is_from_neutral_valves(board):
     assert board.tick() == [0, 0, 0]
 
 
-def test_loads_references_start_at_the_pressures_that_there_are(board):
+def test_load_references_start_from_the_measured_pressures(board):
     board.write_motion(p_lr_ref_pa=60e5, p_lp_ref_pa=90e5)
     board.start()
     commands = board.tick()

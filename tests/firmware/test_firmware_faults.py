@@ -1,4 +1,4 @@
-"""Each fault of the board to the tick: what raises it, what does not, and which comes first."""
+"""Conditions of each fault, to the tick, and the precedence of simultaneous faults."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from tests.support.board.kinematic import LAST, SENSOR_SATURATED, WORD, T, drive
 
 TOP = 65520  # 4095 counts in sixteenths
 MARGIN = 256  # 16 counts
-ASTRAY_M_S = 0.050025  # between two values of a reference that moves by 0.05 mm/s a tick
+SPEED_ERROR_M_S = 0.050025  # between two values of a reference that moves by 0.05 mm/s a tick
 PRESSURES = [name for name in SENSORS if name.startswith("p_")]
 
 
@@ -21,7 +21,7 @@ PRESSURES = [name for name in SENSORS if name.startswith("p_")]
     + [{name: word} for name in PRESSURES for word in (TOP - MARGIN, TOP)],
     ids=str,
 )
-def test_a_word_that_a_sound_sensor_can_not_give_stops_the_board_in_its_tick(moving, raw):
+def test_a_word_outside_the_sensor_range_stops_the_board_in_its_tick(moving, raw):
     moving.raw = raw
     assert moving.tick() == [0, 0, 0]
     assert moving.cause() == ("fault", "sensor")
@@ -33,7 +33,7 @@ def test_a_word_that_a_sound_sensor_can_not_give_stops_the_board_in_its_tick(mov
     + [({name: TOP - MARGIN - 1}, "pressure") for name in PRESSURES],
     ids=str,
 )
-def test_a_word_right_beside_that_is_a_value_like_others(moving, raw, fault):
+def test_a_word_just_inside_the_sensor_range_is_a_normal_value(moving, raw, fault):
     moving.raw = raw
     for _ in range(50):
         moving.tick()
@@ -41,7 +41,7 @@ def test_a_word_right_beside_that_is_a_value_like_others(moving, raw, fault):
 
 
 @pytest.mark.parametrize("raw", [{"p_s": 0}, {"f_applied": 0}, {"f_applied": TOP}], ids=str)
-def test_no_pressure_and_a_load_cell_at_its_end_are_no_fault_but_in_the_record(board, raw):
+def test_zero_pressure_and_a_saturated_load_cell_are_flagged_but_no_fault(board, raw):
     board.start()
     while PHASES[board.status()["phase"]] != "accelerate":
         drive(board, 10)
@@ -57,7 +57,9 @@ def test_no_pressure_and_a_load_cell_at_its_end_are_no_fault_but_in_the_record(b
 
 @pytest.mark.parametrize("stopping_time", [0.0, 0.01, 0.05])
 @pytest.mark.parametrize(("v", "limit"), [(0.3, 0.395), (-0.3, 0.005), (0.05, 0.395)])
-def test_the_board_stops_where_speed_times_stopping_time_is_left(board, v, limit, stopping_time):
+def test_the_board_stops_at_speed_times_stopping_time_from_the_limit(
+    board, v, limit, stopping_time
+):
     board.write_settings(stopping_time_s=stopping_time, speed_error_max_m_s=1.0)
     board.rest(0.05, x=limit - v * 0.2)
     board.start()
@@ -66,7 +68,7 @@ def test_the_board_stops_where_speed_times_stopping_time_is_left(board, v, limit
         if board.tick() == [0, 0, 0] and board.status()["state"] == STATES.index("fault"):
             break
     assert board.cause() == ("fault", "travel")
-    # x is told in words of 7 um, from which v ripples by 7 um / 2.1 ms = 3.3 mm/s.
+    # x has a resolution of 7 um, which causes a ripple of v of 7 um / 2.1 ms = 3.3 mm/s.
     assert limit - board.si["x"] == pytest.approx(
         v * stopping_time, abs=7e-6 + abs(v) * T + 0.0034 * stopping_time
     )
@@ -76,16 +78,16 @@ def test_the_board_stops_where_speed_times_stopping_time_is_left(board, v, limit
 
 
 def held_until_the_fault(board, jerk_at=None):
-    """Hold the piston, 0.25 m from its start; returns v_ref and v as the board sees them.
+    """Hold the piston 0.25 m from its start; returns v_ref and v as the board computes them.
 
     At the tick ``jerk_at`` it slips by 0.7 mm.
     """
-    board.write_settings(speed_error_max_m_s=ASTRAY_M_S, speed_error_time_s=0.02)
+    board.write_settings(speed_error_max_m_s=SPEED_ERROR_M_S, speed_error_time_s=0.02)
     board.rest(0.05, x=0.3)
     board.start()
     v_ref, v, x = [], [0.0], board.words()[0]
     commands = [0.0]
-    while len(v_ref) < 100 or any(commands):  # the first commands are less than a code
+    while len(v_ref) < 100 or any(commands):  # the first commands are below one code
         if len(v_ref) == jerk_at:
             board.si["x"] -= 7e-4
         v_ref.append(min(0.5 * T * len(v_ref), 0.15))  # 0.5 m/s^2, a tick old, towards the start
@@ -99,13 +101,13 @@ def held_until_the_fault(board, jerk_at=None):
 
 def test_a_speed_error_is_a_fault_when_it_has_lasted_longer_than_its_time(board):
     v_ref, v = held_until_the_fault(board)
-    too_large = np.flatnonzero(v_ref - v > ASTRAY_M_S)
+    too_large = np.flatnonzero(v_ref - v > SPEED_ERROR_M_S)
     assert len(v_ref) - 1 == too_large[0] + 200, "20 ms later"
 
 
-def test_one_tick_of_a_small_speed_error_in_between_starts_its_time_anew(board):
+def test_one_tick_of_small_speed_error_restarts_its_time(board):
     v_ref, v = held_until_the_fault(board, jerk_at=1150)
-    small = np.flatnonzero(np.abs(v_ref - v) <= ASTRAY_M_S)
+    small = np.flatnonzero(np.abs(v_ref - v) <= SPEED_ERROR_M_S)
     assert small[-1] >= 1150, "the slip was seen"
     assert len(v_ref) - 1 == small[-1] + 201
 
@@ -130,9 +132,9 @@ def test_an_overrun_does_not_replace_the_cause_that_is_latched(moving):
     assert moving.cause() == ("fault", "sensor")
 
 
-# ---- which comes first -------------------------------------------------------------------------
+# ---- precedence -------------------------------------------------------------------------------
 
-LIMITS = {"heartbeat_s": 0.02, "speed_error_time_s": 0.02, "speed_error_max_m_s": ASTRAY_M_S}
+LIMITS = {"heartbeat_s": 0.02, "speed_error_time_s": 0.02, "speed_error_max_m_s": SPEED_ERROR_M_S}
 TOO_FAST = {"x": 0.30 - 2e-3}  # 2 mm in a tick are 0.95 m/s
 
 
@@ -149,16 +151,14 @@ TOO_FAST = {"x": 0.30 - 2e-3}  # 2 mm in a tick are 0.95 m/s
     ],
     ids=str,
 )
-def test_of_faults_in_one_tick_the_one_that_explains_the_others_is_reported(
-    board, fault, raw, change
-):
-    """The piston is held so that speed error and heartbeat run out in the same tick, all others
-    are added in that tick: a dead position sensor jumps, which is a speed and a travel, too."""
+def test_of_several_faults_in_a_tick_the_cause_is_reported(board, fault, raw, change):
+    """The piston is held so that speed error and heartbeat expire in the same tick. All other
+    faults are added in that tick: a broken position sensor also violates speed and travel."""
     board.write_settings(pressure_filter_s=0.0, **LIMITS)
     board.rest(0.05, x=0.3)
     board.start()
     for tick in range(1202):
-        # The host speaks until both have 200 ticks left.
+        # The host sends requests until both have 200 ticks left.
         if tick <= 1001 and tick % 7 == 0 or tick == 1001:
             board.exchange(board.frame(1, 0x7E))
         if tick == 1201:
@@ -168,7 +168,7 @@ def test_of_faults_in_one_tick_the_one_that_explains_the_others_is_reported(
     assert board.cause() == ("fault", fault)
 
 
-def test_silence_alone_is_a_heartbeat(board):
+def test_silence_of_the_host_is_a_heartbeat_fault(board):
     board.write_settings(heartbeat_s=0.02)
     board.start()
     for _ in range(200):

@@ -1,4 +1,4 @@
-"""The firmware's PI closed over the reference's linear plants: bandwidth and overshoot.
+"""The firmware's PI in closed loop with the reference's linear plants: bandwidth and overshoot.
 
 Plants and printed figures: sections 4.1 to 4.4 of the source with the parameters that
 reproduce them (bulk modulus 700 bar, operating point 0.17 m).
@@ -15,7 +15,7 @@ BETA = 7.0e7
 
 
 def step_response(numerator, denominator, pi, size, seconds):
-    """Step response of PI and sampled plant, from zero, over the size of the step."""
+    """Normalised step response of PI and sampled plant, from zero."""
     a, b, c, _, _ = cont2discrete(tf2ss(numerator, denominator), T, "zoh")
     b, c = b[:, 0], c[0]
     state, y = np.zeros(len(b)), np.empty(round(seconds / T))
@@ -27,7 +27,7 @@ def step_response(numerator, denominator, pi, size, seconds):
 
 
 def bandwidth(y):
-    """Frequency [rad/s] where the closed loop's gain has fallen by 3 dB."""
+    """Frequency [rad/s] at which the closed loop's gain is -3 dB."""
     impulse, t = np.diff(y), T * np.arange(1, y.size)
 
     def gain(omega):

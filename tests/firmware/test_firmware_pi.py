@@ -48,7 +48,7 @@ def test_clamped_pi_agrees_with_double_precision(loop, probes):
 
 
 @pytest.mark.parametrize("loop", LOOPS)
-def test_pi_leaves_the_clamp_at_once_when_the_error_changes_sign(loop, probes):
+def test_pi_leaves_the_limit_when_the_error_changes_sign(loop, probes):
     gain, tau, size = LOOPS[loop]
     e = np.full(50_000, 30 * size, np.float32)
     e[40_000:] = -0.01 * size

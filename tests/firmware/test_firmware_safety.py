@@ -1,4 +1,4 @@
-"""Each limit stops the board in the tick that passes it, and the cause stays."""
+"""Each limit stops the board in the tick in which it is exceeded, and the fault is latched."""
 
 import pytest
 
@@ -14,9 +14,11 @@ TRIPS = [
 
 
 @pytest.mark.parametrize(("fault", "change"), TRIPS, ids=str)
-def test_a_limit_passed_means_neutral_valves_at_once_and_a_latched_cause(moving, fault, change):
-    # From one tick to the next x makes v = dx / (tau + T) = 1.2 mm / 2.1 ms; a pressure comes
-    # through its filter of 0.5 ms.
+def test_an_exceeded_limit_makes_the_valves_neutral_at_once_and_latches_the_fault(
+    moving, fault, change
+):
+    # A step of x between two ticks gives v = dx / (tau + T) = 1.2 mm / 2.1 ms; a pressure
+    # passes a filter of 0.5 ms.
     moving.si.update(change)
     ticks = 0
     while any(moving.tick()):
@@ -28,7 +30,7 @@ def test_a_limit_passed_means_neutral_valves_at_once_and_a_latched_cause(moving,
 
 
 @pytest.mark.parametrize(("fault", "change"), TRIPS[:3], ids=str)
-def test_a_fault_stays_when_its_cause_has_gone_until_it_is_cleared(moving, fault, change):
+def test_a_fault_remains_until_cleared_even_without_its_cause(moving, fault, change):
     before = dict(moving.si)
     moving.si.update(change)
     for _ in range(30):
@@ -55,7 +57,7 @@ def test_pressure_trips_when_its_filtered_value_passes_the_limit(moving):
     assert not any(moving.tick())
 
 
-def test_values_just_inside_the_limits_go_on(moving):
+def test_values_just_inside_the_limits_are_no_fault(moving):
     moving.si.update(p_tp=229e5, p_s=229e5, x=0.0607)
     for _ in range(200):
         moving.tick()
@@ -74,7 +76,7 @@ def test_silence_of_the_host_stops_the_board_after_the_heartbeat(board):
 
 
 @pytest.mark.parametrize("octets", [b"", b"\x07\x07\x07\0", b"\0" * 9])
-def test_garbage_is_no_sign_of_life(board, octets):
+def test_garbage_is_no_heartbeat(board, octets):
     board.write_settings(heartbeat_s=0.02)
     board.start()
     for _ in range(250):
@@ -83,7 +85,7 @@ def test_garbage_is_no_sign_of_life(board, octets):
     assert board.cause() == ("fault", "heartbeat")
 
 
-def test_any_sound_frame_is_a_sign_of_life(board):
+def test_any_valid_frame_is_a_heartbeat(board):
     board.write_settings(heartbeat_s=0.02)
     board.start()
     for _ in range(5):
@@ -103,7 +105,7 @@ def test_silence_at_rest_is_no_fault(board):
     assert board.cause() == ("running", "none")
 
 
-def test_a_way_back_that_does_not_arrive_ends_in_a_latched_fault(board):
+def test_a_return_that_exceeds_its_time_is_a_latched_fault(board):
     """The piston is held: 3 x 0.39 m / (0.15 m/s) + 10 s + 8 / (5/s) = 19.4 s."""
     board.write_motion(x_start_m=0.2)
     assert board.start() == b""

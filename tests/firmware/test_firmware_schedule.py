@@ -1,4 +1,4 @@
-"""Schedules run against a kinematic plant whose speed and pressures obey the commands."""
+"""Schedules on a kinematic plant whose speed and pressures follow the commands."""
 
 from itertools import groupby
 
@@ -35,7 +35,7 @@ def campaign(new_board):
     return run_to_the_end(board)
 
 
-def test_every_trial_goes_through_all_phases_in_order(campaign):
+def test_every_trial_has_all_phases_in_order(campaign):
     trace, _ = campaign
     seen = [(s["run"], PHASES[s["phase"]], s["step"]) for s in trace]
     expected = [(run, phase, run // 10) for run in (1, 2, 10, 11) for phase in RUN_PHASES]
@@ -61,16 +61,16 @@ def test_motion_starts_at_rest_within_a_millimetre_of_the_start(campaign):
         assert abs(last["v_m_s"]) < 5e-3
 
 
-def test_the_way_back_keeps_to_its_speed_and_never_overshoots(campaign):
+def test_the_return_stays_within_its_speed_and_never_overshoots(campaign):
     trace, _ = campaign
     for run, x_start in ((2, 0.05), (10, 0.2), (11, 0.2)):
-        way = [s for s in trace if s["run"] == run and PHASES[s["phase"]] == "return"]
-        side = np.sign(x_start - way[0]["x_m"])
-        assert max(abs(s["v_ref_m_s"]) for s in way) <= 0.15 + 1e-6
-        assert min(side * (x_start - s["x_m"]) for s in way) > -1e-4
+        returns = [s for s in trace if s["run"] == run and PHASES[s["phase"]] == "return"]
+        side = np.sign(x_start - returns[0]["x_m"])
+        assert max(abs(s["v_ref_m_s"]) for s in returns) <= 0.15 + 1e-6
+        assert min(side * (x_start - s["x_m"]) for s in returns) > -1e-4
 
 
-def test_references_change_no_faster_than_told(campaign):
+def test_references_change_no_faster_than_their_limits(campaign):
     trace, _ = campaign
     limits = {"accelerate": {1: 1.03, 2: 1.03, 10: 2.0, 11: 2.0}}
     for before, after in zip(trace, trace[1:], strict=False):
@@ -114,21 +114,21 @@ def test_logged_reference_is_the_ramp_and_the_flag_marks_its_end(campaign):
         )
     rows = log[log[:, WORD["run"]] == 1]
     at_reference = (rows[:, WORD["flags"]] & AT_REFERENCE) > 0
-    # The ramp takes 97.1 ms, so that record 10 is the first that lies wholly after it.
+    # The ramp takes 97.1 ms, so record 10 is the first entirely after it.
     assert at_reference.tolist() == [index >= 10 for index in range(40)]
 
 
-def test_logged_speed_settles_at_the_reference_and_sums_up_to_the_way(campaign):
+def test_logged_speed_settles_at_the_reference_and_integrates_to_the_distance(campaign):
     _, log = campaign
     rows = log[log[:, WORD["run"]] == 2]
     v, x = WORD_V_M_S * signed(rows[:, WORD["v"]]), 7e-6 * rows[:, WORD["x"]]
     # 800 V/m (60 ms s + 1)/s on 50 mm/s/V leaves a pole at -40 / 3.4 = -11.8 rad/s; the ramp's
     # lag of 1.03/40 m/s has decayed to under 1 mm/s 0.3 s after it.
     assert v[-1] == pytest.approx(0.1, abs=1e-3)
-    # Means of x over 10 ms, a record apart, differ by the way in between; the filter lags 2 ms.
-    way = np.diff(x[25:])
+    # Means of x over 10 ms, a record apart, differ by the distance between; the filter lags 2 ms.
+    distances = np.diff(x[25:])
     between = (v[25:-1] + v[26:]) / 2
-    np.testing.assert_allclose(way / 0.01, between, atol=1e-3)
+    np.testing.assert_allclose(distances / 0.01, between, atol=1e-3)
     assert np.all(rows[:, WORD["flags"]] & (SENSOR_SATURATED | VALVE_SATURATED) == 0)
 
 
@@ -157,23 +157,23 @@ def test_records_hold_the_means_of_their_ticks(board):
     np.testing.assert_allclose(logged, 1e3 * u_means, atol=0.5 + 1e3 * 5 / 2048)
 
 
-def test_a_record_that_is_not_full_is_left_out(board):
+def test_an_incomplete_record_is_dropped(board):
     board.write_motion(duration_s=0.1055)
     _, log = run_to_the_end(board)
     assert len(log) == 10
     assert log[-1, WORD["flags"]] & LAST
 
 
-def test_a_fast_way_back_does_not_overshoot_either(board):
+def test_a_fast_return_does_not_overshoot(board):
     board.write_settings(return_speed_m_s=0.38, speed_max_m_s=1.0)
     board.write_motion(duration_s=0.01, x_start_m=0.3)
     trace, _ = run_to_the_end(board)
-    way = [s["x_m"] for s in trace if PHASES[s["phase"]] == "return"]
+    positions = [s["x_m"] for s in trace if PHASES[s["phase"]] == "return"]
     assert max(s["v_ref_m_s"] for s in trace) > 0.25
-    assert max(way) < 0.301
+    assert max(positions) < 0.301
 
 
-def test_a_hold_of_no_length_still_waits_for_the_load(board):
+def test_a_hold_of_zero_length_still_waits_for_the_load(board):
     board.write_motion(p_lp_ref_pa=75e5, hold_s=0.0, duration_s=0.01)
     trace, _ = run_to_the_end(board)
     begin = next(s for s in trace if PHASES[s["phase"]] == "accelerate")
@@ -195,7 +195,7 @@ def test_load_pressures_ramp_to_their_references_and_the_hold_waits_for_them(boa
     assert slope == pytest.approx(1e7, rel=0.1)
 
 
-def test_flags_tell_of_a_saturated_sensor_and_valve(board):
+def test_flags_mark_a_saturated_sensor_and_valve(board):
     board.si["f_applied"] = 32760.0  # full scale
     board.write_motion(p_lr_ref_pa=15e5)
     board.write_settings(voltage_limit_v=0.5)
@@ -206,7 +206,7 @@ def test_flags_tell_of_a_saturated_sensor_and_valve(board):
 
 
 @pytest.mark.parametrize("end", ["stop", "fault"])
-def test_a_run_cut_short_keeps_its_records_and_none_is_the_last(board, end):
+def test_an_interrupted_run_keeps_its_records_without_a_last_flag(board, end):
     board.start()
     while board.status()["phase"] != PHASES.index("steady"):
         drive(board, 50)

@@ -1,4 +1,4 @@
-"""Rows of segments, their cycles and what ends them, against closed forms."""
+"""Sequences of segments, their cycles and end conditions, compared with closed forms."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def logged(log, name, scale):
 
 
 def piecewise(row, t_s):
-    """v_ref of a row of (target, slope, duration) at the times ``t_s``, from rest, in a loop."""
+    """v_ref of a cycle of (target, slope, duration) at the times ``t_s``, from rest."""
     v, begin, out = 0.0, 0.0, np.zeros_like(t_s)
     while begin < t_s[-1]:
         for target, a, duration in row:
@@ -45,7 +45,7 @@ def as_segments(row):
 
 
 @pytest.mark.parametrize("cycles", [1, 3])
-def test_the_reference_plays_the_row_slope_by_slope_as_often_as_told(board, cycles):
+def test_the_reference_follows_the_segments_for_the_given_number_of_cycles(board, cycles):
     assert board.write_row(*as_segments(ROW), cycles=cycles, x_min_m=0.02) == b""
     trace, log = run_to_the_end(board)
     assert len(log) == cycles * 70, "0.7 s at 100 Hz"
@@ -61,7 +61,7 @@ def test_the_reference_plays_the_row_slope_by_slope_as_often_as_told(board, cycl
     assert trace[-1]["runs_done"] == 1
 
 
-def test_at_reference_means_that_the_segment_has_reached_its_own_speed(board):
+def test_at_reference_flag_is_set_at_the_speed_of_the_segment(board):
     board.write_row(*as_segments(ROW), x_min_m=0.02)
     _, log = run_to_the_end(board)
     there = np.flatnonzero(log[:, WORD["flags"]] & AT_REFERENCE)
@@ -69,8 +69,8 @@ def test_at_reference_means_that_the_segment_has_reached_its_own_speed(board):
     assert there.tolist() == [*range(10, 20), *range(39, 45), *range(65, 70)]
 
 
-def test_a_triangle_takes_its_whole_travel_and_comes_back_to_its_start(board):
-    """v rises to V in V/a and falls again: the way is V^2 / a there, and as much back."""
+def test_a_triangle_uses_its_whole_travel_and_returns_to_its_start(board):
+    """v rises to V in V/a and falls again: the distance is V^2 / a, and the same back."""
     v, travel = 0.1, 0.02
     a = v**2 / travel
     row = ((v, a, v / a), (-v, a, 2 * v / a), (0.0, a, v / a))
@@ -79,7 +79,7 @@ def test_a_triangle_takes_its_whole_travel_and_comes_back_to_its_start(board):
     moving = [s for s in trace if PHASES[s["phase"]] in ("accelerate", "steady")]
     x = np.array([s["x_m"] for s in moving])
     assert len(log) == 160
-    # The PI's lag a / 40 s^-1 = 12.5 mm/s turns round within its 85 ms: about 1 mm.
+    # The PI's lag a / 40 s^-1 = 12.5 mm/s reverses within its 85 ms: about 1 mm.
     assert x.max() - x[0] == pytest.approx(travel, abs=1.5e-3)
     for cycle in (0, 1):
         end = [s["x_m"] for s in moving if s["cycle"] == cycle][-1]
@@ -89,7 +89,7 @@ def test_a_triangle_takes_its_whole_travel_and_comes_back_to_its_start(board):
     )
 
 
-def test_a_segment_that_leads_out_of_its_travel_is_cut_and_the_next_goes_on(board):
+def test_a_segment_ends_at_the_limit_of_its_travel_and_the_next_begins(board):
     row = ((0.2, 2.0, 5.0), (-0.1, 2.0, 0.2))
     board.write_row(*as_segments(row), x_max_m=0.08)
     trace, log = run_to_the_end(board, every=5)
@@ -103,7 +103,7 @@ def test_a_segment_that_leads_out_of_its_travel_is_cut_and_the_next_goes_on(boar
     assert log[-1, WORD["flags"]] & LAST
 
 
-def test_a_standing_segment_beyond_the_travel_is_not_cut(board):
+def test_a_segment_of_zero_speed_beyond_the_travel_is_not_cut(board):
     row = ((0.2, 2.0, 5.0), (0.0, 2.0, 0.3))
     board.write_row(*as_segments(row), x_max_m=0.08)
     _, log = run_to_the_end(board)
@@ -114,7 +114,7 @@ def test_a_standing_segment_beyond_the_travel_is_not_cut(board):
 # ---- closed valves -----------------------------------------------------------------------------
 
 
-def test_closed_valves_stand_in_neutral_while_the_log_goes_on(board):
+def test_closed_valves_are_neutral_while_the_log_continues(board):
     closed = {"valves": 1, "v_m_s": 0.0, "duration_s": 0.3}
     board.write_row(closed, {"v_m_s": 0.0, "duration_s": 0.1}, p_lr_ref_pa=15e5)
     board.start()
@@ -127,8 +127,8 @@ def test_closed_valves_stand_in_neutral_while_the_log_goes_on(board):
     assert PHASES[board.status()["phase"]] == "closed"
     first = board.tick()
     assert PHASES[board.status()["phase"]] == "accelerate"
-    # The references start from the pressures that there are: 1000 Pa a tick, on 16 V/MPa. From
-    # where they stood before, 4 bar away, 6.5 V would come at once.
+    # The references start from the measured pressures: 1000 Pa per tick, 16 V/MPa. From their old
+    # values, 4 bar away, the command would jump to 6.5 V.
     assert np.abs(first).max() <= 0.02
     for _ in range(2000):
         drive(board, 1)
@@ -143,22 +143,22 @@ def test_closed_valves_stand_in_neutral_while_the_log_goes_on(board):
     assert len(log) == 40 and log[-1, WORD["flags"]] & LAST
 
 
-# ---- until something has settled ---------------------------------------------------------------
+# ---- end conditions ----------------------------------------------------------------------------
 
 CYCLE_TICKS = 500
 Q, SIZE, WITHIN = 0.5, 0.4, 0.01
 
 
 def cycles_until_settled(size, q, within):
-    """Cycle means m_k = 1 + size q^k, k = 0, 1, ...: the run ends with the second cycle in a row
-    for which |m_k - m_(k-1)| = size q^(k-1) (1 - q) <= within m_k."""
+    """Cycle means m_k = 1 + size q^k, k = 0, 1, ...: the run ends with the second consecutive
+    cycle for which |m_k - m_(k-1)| = size q^(k-1) (1 - q) <= within m_k."""
     k = np.arange(1, 50)
     calm = size * q ** (k - 1) * (1 - q) <= within * (1 + size * q**k)
     return int(k[np.argmax(calm)]) + 2
 
 
 def play(board, until, v, within, cycles, size=SIZE, q=Q):
-    """Run one step whose watched value decays from cycle to cycle; returns its log."""
+    """Run one step whose condition value decays from cycle to cycle; returns its log."""
     sign = np.sign(v)
     step = {"cycles": cycles, "until": CONDITIONS.index(until), "within": within}
     x_start = 0.2
@@ -184,7 +184,7 @@ def play(board, until, v, within, cycles, size=SIZE, q=Q):
 
 @pytest.mark.parametrize("until", ["friction", "speed_error"])
 @pytest.mark.parametrize("v", [0.1, -0.1])
-def test_a_run_ends_in_the_second_cycle_in_a_row_that_changes_little(board, until, v):
+def test_a_run_ends_in_the_second_consecutive_settled_cycle(board, until, v):
     log = play(board, until, v, WITHIN, cycles=20)
     expected = cycles_until_settled(SIZE, Q, WITHIN)
     assert expected == 8, "from k = 6 on"
@@ -195,14 +195,14 @@ def test_a_run_ends_in_the_second_cycle_in_a_row_that_changes_little(board, unti
 
 
 @pytest.mark.parametrize("until", ["friction", "speed_error"])
-def test_what_does_not_settle_ends_with_the_last_cycle_and_says_so(board, until):
+def test_an_unsettled_run_ends_with_the_last_cycle_without_the_flag(board, until):
     log = play(board, until, 0.1, WITHIN, cycles=6)
     assert len(log) == 6 * CYCLE_TICKS // 100
     assert log[-1, WORD["flags"]] & LAST
     assert not np.any(log[:, WORD["flags"]] & SETTLED)
 
 
-def test_what_is_calm_from_the_start_takes_three_cycles(board):
+def test_a_constant_value_settles_in_three_cycles(board):
     log = play(board, "friction", 0.1, 0.01, cycles=20, size=0.0)
     assert len(log) == 3 * CYCLE_TICKS // 100
     assert log[-1, WORD["flags"]] & SETTLED
@@ -214,14 +214,14 @@ def test_a_run_settled_in_its_last_cycle_is_settled(board):
     assert log[-1, WORD["flags"]] & SETTLED
 
 
-def test_without_a_condition_calm_cycles_go_on_to_the_last(board):
+def test_without_a_condition_a_settled_run_makes_all_cycles(board):
     log = play(board, "cycles", 0.1, 1.0, cycles=6)
     assert len(log) == 6 * CYCLE_TICKS // 100
     assert not np.any(log[:, WORD["flags"]] & SETTLED)
 
 
 def test_a_triangle_of_many_cycles_does_not_drift(new_board):
-    """Its turns are at the middle of the travel: 60 cycles over 100 mm end where they began."""
+    """60 cycles over 100 mm about the middle of the travel end at their start."""
     board = new_board()
     board.write_settings(log_divider=50.0)
     v, a, middle = 0.2, 0.4, 0.15
@@ -247,7 +247,7 @@ def test_a_triangle_of_many_cycles_does_not_drift(new_board):
     assert min(lows) > 0.095 and max(highs) < 0.205
 
 
-def test_a_start_that_comes_again_after_the_end_starts_nothing(board):
+def test_a_start_repeated_after_the_end_has_no_effect(board):
     board.write_motion(duration_s=0.05, hold_s=0.0)
     assert board.start() == b""
     sequence = board.sequence

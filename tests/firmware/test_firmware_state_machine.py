@@ -1,7 +1,7 @@
-"""Whatever the host says and the sensors tell, in any order: the board's promises hold.
+"""Random scripts of requests, ticks, silences and overruns, compared with a model of the board.
 
-A random script of requests (right, wrong, repeated), ticks, silences and overruns runs beside a
-small model of what each may do to the board's state.
+The model states the allowed effects of each on the board's state. Requests are right, wrong or
+repeated.
 """
 
 import binascii
@@ -23,7 +23,7 @@ BENCH = {
     **{"return_speed_m_s": 0.3, "acceleration_m_s2": 5.0, "pressure_slew_pa_s": 1e9},
     **{"log_divider": 10.0, "travel_min_m": 0.01},
 }
-NO_BENCH = ({"heartbeat_s": 0.0}, {"travel_min_m": 0.5}, {"log_divider": 0.0})  # not startable
+UNUSABLE = ({"heartbeat_s": 0.0}, {"travel_min_m": 0.5}, {"log_divider": 0.0})  # refused by "start"
 SEGMENTS = st.fixed_dictionaries(
     {
         "valves": st.sampled_from((0, 0, 0, 1)),
@@ -36,9 +36,9 @@ STEP = {
     **{"trials": 2, "segments": 1, "cycles": 2, "until": 1, "within": 0.5, "hold_s": 0.005},
     **{"p_lr_ref_pa": 15e5, "p_lp_ref_pa": 40e5, "x_min_m": 0.02},
 }
-TICKS = st.sampled_from((1, 30, 400, 1300, 1700, 4000))  # the way back alone takes 1000
-# Those that the board has a reason to refuse, whatever its state.
-UNSOUND = (
+TICKS = st.sampled_from((1, 30, 400, 1300, 1700, 4000))  # the return alone takes 1000
+# Refused in every state.
+INVALID = (
     ("write_settings", struct.pack("<Hf", len(SETTINGS), 0.0)),
     ("write_settings", struct.pack("<Hf", 0, float("nan"))),
     ("write_segment", struct.pack("<HH3f", 200, 0, 0.1, 1.0, 1.0)),
@@ -51,7 +51,7 @@ UNSOUND = (
 
 
 class Machine(RuleBasedStateMachine):
-    """The board beside its model."""
+    """The board and its model."""
 
     make = None  # a function that returns a board from reset
 
@@ -60,14 +60,14 @@ class Machine(RuleBasedStateMachine):
         self.board = self.make()
         self.state, self.fault = "idle", "none"
         self.settings = self.segments = self.steps = None  # octets that the board holds
-        self.sound = True  # the settings
+        self.usable = True  # the settings
         self.status = self.board.status()
         self.last = None  # the last request
-        self.started = None  # sequence and payload of the start that runs
+        self.started = None  # sequence and payload of the start in effect
 
     # ---- the host ----
 
-    def ask(self, name, payload, again=False):
+    def request(self, name, payload, again=False):
         reply = self.board.request(name, payload, again)
         self.last = (name, payload, self.board.sequence)
         return reply
@@ -81,12 +81,12 @@ class Machine(RuleBasedStateMachine):
         self.write_schedule([{"valves": 0, "v_m_s": 0.1, "a_m_s2": 2.0, "duration_s": 0.02}])
         self.board.rest(0.01, x=0.05)
 
-    @rule(bad=st.sampled_from((None, None, None, *NO_BENCH)))
+    @rule(bad=st.sampled_from((None, None, None, *UNUSABLE)))
     def write_settings(self, bad):
         reply = self.board.write_settings(**{**BENCH, **(bad or {})})
         self.expect(reply, "busy" if self.state == "running" else None)
         if reply == b"":
-            self.settings, self.sound = self.board.settings_crc, bad is None
+            self.settings, self.usable = self.board.settings_crc, bad is None
 
     @rule(row=st.lists(SEGMENTS, min_size=1, max_size=3))
     def write_schedule(self, row):
@@ -101,9 +101,9 @@ class Machine(RuleBasedStateMachine):
     @rule(wrong=st.sampled_from(((0, 0),) * 6 + ((1, 0), (0, 1), (0x8000, 0x8000))))
     def start(self, wrong):
         crcs = struct.pack("<HH", self.settings ^ wrong[0], self.steps ^ wrong[1])
-        self.judge_start(self.ask("start", crcs), crcs)
+        self.expect_start(self.request("start", crcs), crcs)
 
-    def judge_start(self, reply, crcs):
+    def expect_start(self, reply, crcs):
         sent = struct.unpack("<HH", crcs)
         request = (self.board.sequence, crcs)
         if self.state == "running":
@@ -114,7 +114,7 @@ class Machine(RuleBasedStateMachine):
             self.expect(reply, "settings_differ")
         elif sent[1] != self.steps:
             self.expect(reply, "steps_differ")
-        elif not self.sound:
+        elif not self.usable:
             self.expect(reply, "out_of_range")
         else:
             self.expect(reply, None)
@@ -124,29 +124,29 @@ class Machine(RuleBasedStateMachine):
 
     @rule()
     def stop(self):
-        self.expect(self.ask("stop", b""), None)
+        self.expect(self.request("stop", b""), None)
         if self.state == "running":
             self.state, self.fault = "idle", "stopped"
 
     @rule()
     def clear_fault(self):
-        self.expect(self.ask("clear_fault", b""), "busy" if self.state == "running" else None)
+        self.expect(self.request("clear_fault", b""), "busy" if self.state == "running" else None)
         if self.state == "fault":
             self.state, self.fault = "idle", "none"
 
     @precondition(lambda self: self.last is not None)
     @rule()
-    def the_last_request_comes_once_more(self):
+    def repeat_the_last_request(self):
         name, payload, sequence = self.last
         if name == "start":
             before, self.board.sequence = self.board.sequence, sequence
-            self.judge_start(self.ask(name, payload, again=True), payload)
+            self.expect_start(self.request(name, payload, again=True), payload)
             self.board.sequence = before
         else:
             getattr(self, name)()
 
-    @rule(request=st.sampled_from(UNSOUND))
-    def an_unsound_request(self, request):
+    @rule(request=st.sampled_from(INVALID))
+    def an_invalid_request(self, request):
         assert self.board.request(*request) in ("bad_payload", "out_of_range", "busy")
 
     @rule(octets=st.binary(max_size=40))
@@ -158,7 +158,7 @@ class Machine(RuleBasedStateMachine):
     # ---- time ----
 
     def tick(self, act):
-        """One tick, looked at: the state that it led to, and the valves in it."""
+        """Make a tick; check the state after it and the valves."""
         commands = act()
         before, seen = self.state, self.look()
         if before != "running":
@@ -235,7 +235,7 @@ class Machine(RuleBasedStateMachine):
         if self.state == "running":
             self.state, self.fault = "fault", "overrun"
 
-    # ---- what always holds ----
+    # ---- invariants ----
 
     @invariant()
     def the_status_is_that_of_the_model_and_moves_one_way(self):
@@ -273,10 +273,10 @@ def run(new_board, examples):
     )
 
 
-def test_no_script_of_requests_sensors_and_silences_breaks_the_promises(new_board):
+def test_random_requests_sensors_and_silences_agree_with_the_model(new_board):
     run(new_board, examples=40)
 
 
 @pytest.mark.slow
-def test_no_script_breaks_the_promises_many_more(new_board):
+def test_many_more_random_scripts_agree_with_the_model(new_board):
     run(new_board, examples=400)

@@ -1,4 +1,4 @@
-"""The committed octets of ``tests/protocol/vectors.txt`` hold for the core."""
+"""Test vectors of ``tests/protocol/vectors.txt`` for the core."""
 
 import ctypes
 
@@ -14,7 +14,7 @@ KINDS = {"u16": b"u", "u32": b"l", "f32": b"f"}
 
 
 class Core:
-    """The core's readers, writers and frames."""
+    """Readers, writers and frames of the core."""
 
     def __init__(self):
         library = firmware.load_library()
@@ -108,7 +108,7 @@ def test_a_board_from_reset_answers_octet_by_octet(new_board, request_key, reply
 
 
 @pytest.mark.parametrize("name", ["write_segment", "write_step"])
-def test_steps_at_random_are_the_same_to_both_sides(core, name):
+def test_random_steps_have_the_same_octets_on_both_sides(core, name):
     random = np.random.default_rng(1)
     draws = {
         "u16": lambda: int(random.integers(0, 65536)),

@@ -1,4 +1,4 @@
-"""Octets on the wire against the standard library and the cobs package."""
+"""Frames compared with the standard library and the cobs package; the status line."""
 
 import binascii
 
@@ -20,7 +20,7 @@ from hbench.protocol.dictionary import (
 )
 from hbench.protocol.frames import Frame, Receiver, encode
 
-# Long stretches without zeros reach the block limit of 254.
+# Long runs without zeros reach the block limit of 254.
 data = st.one_of(
     st.binary(max_size=300),
     st.lists(st.sampled_from([0, 1, 255]), max_size=600).map(bytes),
@@ -74,7 +74,7 @@ def answers(frames):
     ],
     ids=["zeros", "long", "all", "truncated", "single", "short"],
 )
-def test_board_finds_the_next_frame_after_garbage(board, garbage):
+def test_board_decodes_the_next_frame_after_garbage(board, garbage):
     assert board.exchange(garbage + b"\0") == []
     assert answers(board.exchange(board.frame(9, STATUS))) == [(9, STATUS | 0x80)]
 
@@ -85,7 +85,7 @@ def test_random_garbage_is_never_answered(board):
         assert board.exchange(octets.tobytes() + b"\0") == []
 
 
-def test_each_flipped_bit_makes_a_frame_unheard(board):
+def test_a_frame_with_a_flipped_bit_is_not_answered(board):
     frame = board.frame(9, STATUS)
     for bit in range(8 * (len(frame) - 1)):
         damaged = bytearray(frame)
@@ -94,14 +94,14 @@ def test_each_flipped_bit_makes_a_frame_unheard(board):
         board.exchange(b"\0")
 
 
-def test_octets_may_come_one_by_one(board):
+def test_octets_may_arrive_individually(board):
     frame = board.frame(1, STATUS)
     for octet in frame[:-1]:
         assert board.exchange(bytes([octet])) == []
     assert answers(board.exchange(frame[-1:])) == [(1, STATUS | 0x80)]
 
 
-def test_longest_frame_is_heard_and_a_longer_one_is_not(board):
+def test_the_longest_frame_is_answered_and_a_longer_frame_is_not(board):
     longest = bytes(MAX_FRAME - 4)
     ((_, code, payload),) = board.exchange(board.frame(1, STATUS, longest))
     assert (code, payload) == (0xFF, bytes([STATUS, 0, 2, 0]))  # bad payload
@@ -111,7 +111,7 @@ def test_longest_frame_is_heard_and_a_longer_one_is_not(board):
     assert board.exchange(board.frame(4, STATUS, full)[:-1] + b"\x01\0") == []
 
 
-def test_no_reply_is_lost_when_the_line_to_the_host_is_full(board):
+def test_no_reply_is_lost_if_the_queue_to_the_host_is_full(board):
     count = 90  # replies of 52 octets: more than the port's queue of 4096 holds
     board.firmware.receive(b"".join(board.frame(n, 0x01) for n in range(count)))
     octets = b""
@@ -123,14 +123,14 @@ def test_no_reply_is_lost_when_the_line_to_the_host_is_full(board):
 
 
 def line_of(board):
-    """What a person at a terminal reads after '?' and Enter."""
+    """Text that a terminal shows after '?' and Enter."""
     version = f"protocol {PROTOCOL}, dictionary {dictionary_hash():08X}"
     status = board.status()
     state, fault = STATES[status["state"]], FAULTS[status["fault"]].replace("_", " ")
     return f"hbench-core 0.1 on host, {version}, state {state}, fault {fault}\r\n\0".encode()
 
 
-def say(board, octets):
+def type_in(board, octets):
     board.firmware.receive(octets)
     board.firmware.poll()
     return board.firmware.transmit()
@@ -138,40 +138,39 @@ def say(board, octets):
 
 @pytest.mark.parametrize("enter", [b"\r", b"\n", b"\r\n"])
 def test_a_question_mark_and_enter_get_one_line_of_text(new_board, enter):
-    """Whatever the terminal's Enter sends, and again, with frames in between."""
+    """For all end-of-line characters, repeatedly, and with frames in between."""
     board = new_board()
     line = line_of(board)
-    assert b"state idle, fault none" in line
     for _ in range(2):
-        assert say(board, b"?" + enter) == line
-    assert say(board, b"?") == b""
-    assert say(board, enter) == line
+        assert type_in(board, b"?" + enter) == line
+    assert type_in(board, b"?") == b""
+    assert type_in(board, enter) == line
     board.exchange(b"\0")
     assert answers(board.exchange(board.frame(9, STATUS))) == [(9, STATUS | 0x80)]
-    assert say(board, b"?" + enter) == line
+    assert type_in(board, b"?" + enter) == line
 
 
-def test_the_line_names_a_fault(board):
+def test_the_status_line_shows_a_fault(board):
     board.write_settings(heartbeat_s=0.1)
     board.start()
     board.rest(0.2, x=0.05)
-    assert b"state fault, fault heartbeat" in line_of(board)
-    assert say(board, b"?\r") == line_of(board)
+    assert FAULTS[board.status()["fault"]] == "heartbeat"
+    assert type_in(board, b"?\r") == line_of(board)
 
 
-def test_a_person_is_no_sign_of_life(board):
+def test_a_question_from_a_terminal_is_no_heartbeat(board):
     board.write_settings(heartbeat_s=0.1)
     board.start()
     for _ in range(4):
         board.rest(0.05, x=0.05)
-        say(board, b"?\r")
+        type_in(board, b"?\r")
     assert FAULTS[board.status()["fault"]] == "heartbeat"
 
 
-def test_a_host_drops_the_line_as_one_unsound_frame(new_board):
+def test_a_host_drops_the_status_line_as_a_damaged_frame(new_board):
     board = new_board()
     receiver = Receiver()
-    assert receiver.feed(say(board, b"?\r\n")) == []
+    assert receiver.feed(type_in(board, b"?\r\n")) == []
     assert receiver.damaged == 1
     board.firmware.receive(b"\0" + board.frame(9, STATUS))
     board.firmware.poll()
@@ -181,12 +180,12 @@ def test_a_host_drops_the_line_as_one_unsound_frame(new_board):
 @pytest.mark.parametrize("typed", [b"\r\n", b"??\r", b"x?\r", b"?x\r", b" ?\r", b"help\r\n"])
 def test_other_lines_are_not_answered(new_board, typed):
     board = new_board()
-    assert say(board, typed) == b""
-    assert say(board, b"?\r") == line_of(board), "and are forgotten"
+    assert type_in(board, typed) == b""
+    assert type_in(board, b"?\r") == line_of(board), "and must be cleared"
 
 
-def test_no_request_begins_as_a_typed_line_does():
-    """The first octet of a frame tells where its first zero is: early, in all that a host sends."""
+def test_no_request_begins_like_a_typed_line():
+    """The first octet of a frame is the distance to its first zero: short in all requests."""
     largest = {"u16": 255, "u32": 0xFFFFFFFF, "f32": 1.1}  # an index or count has a high octet 0
     for message in MESSAGES:
         values = {name: largest.get(kind, [1.1]) for name, kind in message.request}

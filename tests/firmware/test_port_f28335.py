@@ -56,7 +56,7 @@ def state(board):
     return STATES[status["state"]], FAULTS[status["fault"]]
 
 
-def test_the_valves_are_neutral_before_the_clock_is_touched(chip):
+def test_the_valves_are_neutral_before_the_clock_is_set(chip):
     assert chip.start()
     pll = chip.written.index((0x7021, 10))
     before = chip.written[:pll]
@@ -87,7 +87,7 @@ def test_start_sets_the_clocks_and_rates(chip):
 
 
 @pytest.mark.parametrize(("baud", "divider"), [(9600, 487), (468750, 9), (937500, 4)])
-def test_the_rate_is_the_compilers_choice(tmp_path, baud, divider):
+def test_the_baud_rate_is_a_compiler_option(tmp_path, baud, divider):
     uart = build(tmp_path, f"-DHB_BAUD={baud}UL", sources=[PORT / "uart.c", PORT / "system.c"])
     chip = Chip(ctypes.CDLL(str(uart)))
     chip.program.hb_modules_start()
@@ -95,12 +95,12 @@ def test_the_rate_is_the_compilers_choice(tmp_path, baud, divider):
     assert chip.line.register[0x7052] << 8 | chip.line.register[0x7053] == divider
 
 
-def test_a_rate_that_the_clock_cannot_give_does_not_compile(tmp_path):
+def test_an_unattainable_baud_rate_does_not_compile(tmp_path):
     with pytest.raises(subprocess.CalledProcessError):
         build(tmp_path, "-DHB_BAUD=2000000UL", sources=[PORT / "uart.c"])
 
 
-def test_codes_go_out_as_the_dacs_words(chip):
+def test_codes_are_sent_as_words_of_the_dac(chip):
     chip.start()
     chip.program.hb_dac_write.restype = ctypes.c_bool
     assert chip.program.hb_dac_write((ctypes.c_int16 * 3)(2047, -2048, -1))
@@ -159,13 +159,13 @@ def test_requests_in_flight_are_all_answered(board, chip):
 
 
 @pytest.mark.parametrize("fault", ["stopped", "overflown"])
-def test_a_receiver_that_stopped_goes_on(board, chip, fault):
+def test_a_stopped_receiver_is_restarted(board, chip, fault):
     setattr(chip.line, fault, True)
     chip.run(50)
     assert board.request("identify")
 
 
-def test_the_ring_holds_what_comes_while_nobody_reads(board, chip):
+def test_the_receive_queue_holds_octets_until_they_are_read(board, chip):
     frames = [board.frame(n, 0x01) for n in range(20)]
     assert 64 < sum(map(len, frames)) < 256
     chip.hear(b"".join(frames))
@@ -190,7 +190,7 @@ def test_the_watchdog_is_serviced_only_after_a_tick(board, chip):
     assert services(chip) > before
 
 
-def test_the_watchdog_is_content_while_both_live(board, chip):
+def test_the_watchdog_does_not_reset_while_loop_and_interrupt_run(board, chip):
     chip.run(60_000)
     assert not chip.was_reset
 
@@ -201,7 +201,7 @@ def start(board):
     assert state(board) == ("running", "none") and board.firmware.last_words() != NEUTRAL
 
 
-def test_a_tick_that_is_not_over_before_the_next_is_a_fault(board, chip):
+def test_a_tick_longer_than_its_period_is_a_fault(board, chip):
     start(board)
     chip.access_us = 0.7
     chip.run(150)
@@ -249,7 +249,7 @@ def kill(chip, what):
 
 
 @pytest.mark.parametrize("what", ["instruction", "converter", "time base", "idle loop"])
-def test_on_any_doubt_the_valves_are_neutral_and_the_watchdog_bites(board, chip, what):
+def test_on_a_failure_the_valves_are_neutral_and_the_watchdog_resets(board, chip, what):
     start(board)
     kill(chip, what)
     assert chip.hung and not chip.was_reset and chip.clear_pin == 0
@@ -259,7 +259,7 @@ def test_on_any_doubt_the_valves_are_neutral_and_the_watchdog_bites(board, chip,
     assert chip.was_reset
 
 
-def test_a_dead_mcbsp_leaves_the_clear_pin(board, chip):
+def test_with_a_failed_mcbsp_the_clear_pin_makes_the_valves_neutral(board, chip):
     start(board)
     kill(chip, "mcbsp")
     assert chip.hung and chip.clear_pin == 0
@@ -274,7 +274,7 @@ def test_without_oscillator_or_dac_the_board_does_not_start(chip):
     assert not chip.start() and chip.dac_words[-1] == 0x040000
 
 
-def test_each_start_has_another_number(chip):
+def test_each_start_has_a_different_number(chip):
     chip.program.hb_boots.restype = ctypes.c_uint16
     ram = (ctypes.c_uint16 * 256).in_dll(chip.program, "hb_boots_entropy")
     kept = (ctypes.c_uint16 * 2).in_dll(chip.program, "hb_boots_kept")

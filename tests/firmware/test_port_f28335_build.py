@@ -1,6 +1,6 @@
-"""The F28335 port as text: compiled as far as other compilers can, and its memory.
+"""The F28335 port: compiled by other compilers, linker areas, memory.
 
-TI's compiler and linker have never seen it.
+TI's compiler and linker were never used.
 """
 
 import re
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from hbench.rig.flash.boot_image import LOADABLE
-from tests.support.board.f28335_board import COMPILER, CORE, PORT, ROOT, SOURCES, data_words
+from tests.support.board.f28335_board import COMPILER, CORE, PORT, SOURCES, data_words
 
 STRICT = (
     "-std=c99 -pedantic -ffreestanding -ffp-contract=off -O2 -Wall -Wextra -Wconversion "
@@ -33,8 +33,8 @@ def test_the_port_compiles_where_int_has_16_bits(tmp_path, require_tool):
     check(tmp_path, require_tool("avr-gcc"), "-mmcu=atmega128")
 
 
-def test_the_lines_for_tis_compiler_are_c(tmp_path):
-    """Its keywords taken away; that it takes them no test can show."""
+def test_the_code_for_tis_compiler_is_valid_c(tmp_path):
+    """TI's keywords are removed; only TI's compiler could verify them."""
     keywords = ["-D__TMS320C28XX__", "-D__interrupt=", "-D__cregister="]
     no_pointer_of_22_bits = ["-Wno-int-to-pointer-cast", "-Wno-pointer-to-int-cast"]
     check(
@@ -43,24 +43,22 @@ def test_the_lines_for_tis_compiler_are_c(tmp_path):
     )  # fmt: skip
 
 
-def test_each_file_says_that_it_was_never_compiled_or_run():
+def test_each_file_states_that_it_was_never_compiled_by_tis_tools():
     for path in PORT.iterdir():
         head = re.sub(r"[\s*;]+", " ", path.read_text()[:1200])
         assert re.search(r"[Nn]ever (compiled|linked|assembled) by TI's", head), path.name
-    state = (ROOT / "README.md").read_text().split("**State of things.**")[1].split("\n\n")[0]
-    assert "never been compiled by TI's compiler" in " ".join(state.split())
 
 
 def areas(name: str) -> dict[str, range]:
-    """Return the linker file's memory."""
+    """Memory areas of a linker command file."""
     rows = re.findall(r"(\w+)\s*: origin = (0x\w+), length = (0x\w+)", (PORT / name).read_text())
     return {area: range(int(at, 16), int(at, 16) + int(size, 16)) for area, at, size in rows}
 
 
 @pytest.mark.parametrize("name", ["ram.cmd", "flash.cmd"])
-def test_the_linkers_areas_are_memory_of_the_chip_and_do_not_meet(name):
+def test_the_linkers_areas_exist_on_the_chip_and_do_not_overlap(name):
     memory = [range(first, last + 1) for first, last in LOADABLE]
-    if name == "flash.cmd":  # less what stands before the entry, and the passwords
+    if name == "flash.cmd":  # except the words before the entry, and the passwords
         memory += [range(0x300000, 0x33FF80), range(0x33FFF6, 0x33FFF8)]
     placed = areas(name)
     for area, words in placed.items():
@@ -69,7 +67,7 @@ def test_the_linkers_areas_are_memory_of_the_chip_and_do_not_meet(name):
     assert all(stop <= start for (_, stop), (start, _) in zip(ends, ends[1:], strict=False))
 
 
-def test_from_flash_all_but_startup_runs_in_ram():
+def test_the_flash_image_copies_all_objects_except_startup_to_ram():
     moved = re.findall(r"(\w+)\.obj\(\.text\)", (PORT / "flash.cmd").read_text())
     sources = {path.stem for path in [*CORE.glob("*.c"), *SOURCES]}
     assert sorted(moved) == sorted(sources - {"main"}), "name them all in flash.cmd"

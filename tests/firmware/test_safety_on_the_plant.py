@@ -1,4 +1,4 @@
-"""Each fault against the simulated bench: how soon the valves are neutral, how far it still goes.
+"""Detection time and stopping distance of each fault on the simulated bench.
 
 ``pytest -s tests/firmware/test_safety_on_the_plant.py`` prints the table of firmware/README.md.
 """
@@ -9,7 +9,7 @@ from tests.support.board.moving_rig import BENCH, MovingRig
 
 LOADED = {1: (5000.0, 15e5), -1: (-5000.0, 110e5)}  # opposes extension, opposes retraction
 V = 0.2
-HEARTBEAT_S = 0.3  # for the test: in the bench's 2 s the piston would be through
+HEARTBEAT_S = 0.3  # shorter than the bench's 2 s, in which the piston would reach the end
 TRAVEL = {1: {"travel_max_m": 0.25}, -1: {"travel_min_m": 0.15}}
 ROWS = []
 
@@ -20,7 +20,7 @@ def at_speed(side, **changes):
 
 def silence(side):
     rig = at_speed(side, heartbeat_s=HEARTBEAT_S)
-    rig.ask()  # the last word
+    rig.board_state()  # the last request
     return rig, rig.stop(silent=True)
 
 
@@ -48,7 +48,7 @@ def scale_valves(rig, factor):
 
 
 def dead_valve(side):
-    """The valves pass a tenth of the oil."""
+    """A tenth of the valve flow gain."""
     rig = at_speed(side)
     scale_valves(rig, 0.1)
     return rig, rig.stop()
@@ -61,8 +61,8 @@ def relief_valve_stuck(side):
     return rig, rig.stop()
 
 
-def limit_in_the_way(side):
-    """The board sees it come, so there is no time from an event to the fault."""
+def limit_ahead(side):
+    """The board predicts the violation, so there is no time from an event to the fault."""
     limit = TRAVEL[side]["travel_max_m" if side > 0 else "travel_min_m"]
     travel = (0.03, limit) if side > 0 else (limit, 0.35)
     rig = at_speed(side, travel=travel, **TRAVEL[side])
@@ -70,22 +70,22 @@ def limit_in_the_way(side):
 
 
 def valve_runs_away(side):
-    """The valves pass ten times the oil."""
+    """Ten times the valve flow gain."""
     rig = at_speed(side)
     scale_valves(rig, 10.0)
     return rig, rig.stop()
 
 
 CASES = [
-    # name, fault, what happens, most ticks until it is detected
-    ("host falls silent", "heartbeat", silence, None),
+    # name, fault, event, upper limit of the ticks until detection
+    ("no frame from the host", "heartbeat", silence, None),
     ("overrun", "overrun", overrun, 1),
     ("position wire breaks", "sensor", broken_wire, 1),
-    ("limit in the way", "travel", limit_in_the_way, None),
+    ("limit ahead", "travel", limit_ahead, None),
     ("supply at 235 bar", "pressure", relief_valve_stuck, 30),
-    ("valves pass tenfold", "speed", valve_runs_away, 100),
+    ("valve flow gain x 10", "speed", valve_runs_away, 100),
     ("position frozen", "speed_error", frozen_sensor, 550),
-    ("valves pass a tenth", "speed_error", dead_valve, 700),
+    ("valve flow gain / 10", "speed_error", dead_valve, 700),
 ]
 
 
@@ -109,7 +109,7 @@ def test_valves_are_neutral_in_the_tick_of_the_fault_and_the_piston_stays_in_its
     ROWS.append(
         f"{name + (', extending' if side > 0 else ', retracting'):34}{fault:12}"
         f"{detection:>9}{stop.neutral_ticks:11}{1e3 * stop.v_m_s:7.0f}"
-        f"{1e3 * stop.way_m:9.2f}{0.1 * stop.rest_ticks:9.0f}{rise / 1e5:9.1f}"
+        f"{1e3 * stop.distance_m:9.2f}{0.1 * stop.rest_ticks:9.0f}{rise / 1e5:9.1f}"
     )
     assert stop.fault == fault
     assert stop.neutral_ticks == 0
@@ -117,7 +117,7 @@ def test_valves_are_neutral_in_the_tick_of_the_fault_and_the_piston_stays_in_its
         assert stop.detection_ticks == round(HEARTBEAT_S * 1e4) + 1
     elif fault != "travel":
         assert stop.detection_ticks <= most
-    assert stop.way_m <= abs(stop.v_m_s) * BENCH.limits.stopping_time
+    assert stop.distance_m <= abs(stop.v_m_s) * BENCH.limits.stopping_time
     low, high = BENCH.limits.travel_min, BENCH.limits.travel_max
     if fault == "travel":
         low, high = TRAVEL[side].get("travel_min_m", low), TRAVEL[side].get("travel_max_m", high)

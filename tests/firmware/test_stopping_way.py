@@ -1,4 +1,4 @@
-"""How far the piston goes on when the valves close: the bench file's stopping_time bounds it."""
+"""Stopping distance after the valves close, which the bench file's stopping_time bounds."""
 
 from itertools import product
 
@@ -35,7 +35,7 @@ def stiffness(factor):
 
 
 def with_friction(par, change):
-    """Return the plant with both cylinders' friction changed by a function of it."""
+    """Return the plant with both cylinders' friction changed by a function."""
     sides = (side._replace(friction=change(side.friction)) for side in (par.test, par.load))
     return par._replace(**dict(zip(("test", "load"), sides, strict=True)))
 
@@ -52,7 +52,7 @@ def viscosity(factor):
 
 
 def spring(par, x):
-    """Stiffness [N/m] of the oil in the four closed chambers, and of each by its area [Pa/m]."""
+    """Stiffness of the oil in the four chambers: total [N/m], and per area of each [Pa/m]."""
     test, load = par.test, par.load
     at = x + load.offset_m
     areas = np.array([test.area_piston_m2, test.area_rod_m2, load.area_piston_m2, load.area_rod_m2])
@@ -68,25 +68,25 @@ def spring(par, x):
     return float(np.sum(gradients * areas)), gradients
 
 
-def test_with_viscous_friction_alone_the_way_is_that_of_closing_valve_and_oil_spring():
-    """x = v (2 zeta / w + B / k): the oil that passes while the spool closes (the area under its
-    step response), and the spring k of the chambers that takes over the force B v."""
+def test_stopping_distance_with_viscous_friction_follows_from_valve_closing_and_oil_stiffness():
+    """x = v (2 zeta / w + B / k): flow while the spool closes (the integral of its step
+    response), and the oil stiffness k that takes over the force B v."""
     par = with_friction(plant_parameters(BENCH), viscous_alone)._replace(substeps=8)
     b = par.test.friction.viscous + par.load.friction.viscous
     closing = 2 * par.valve.damping / par.valve.natural_frequency_rad_s
     for v in (0.2, -0.2):
         stop = stopped(v, LOADS[1], vary=lambda _: par)
         k, gradients = spring(par, stop.x_m)
-        assert stop.way_m == pytest.approx(stop.v_m_s * (closing + b / k), rel=0.04)
+        assert stop.distance_m == pytest.approx(stop.v_m_s * (closing + b / k), rel=0.04)
         # Compressed: test cylinder's far side, load cylinder's near side.
-        way = stop.v_m_s * b / k * np.sign(v)
-        rise = np.maximum(gradients * np.array([-1, 1, 1, -1]) * way, 0.0)
+        distance = stop.v_m_s * b / k * np.sign(v)
+        rise = np.maximum(gradients * np.array([-1, 1, 1, -1]) * distance, 0.0)
         measured = stop.p_highest_pa - stop.p_before_pa
         np.testing.assert_allclose(measured, rise, rtol=0.08, atol=0.2e5)
 
 
-def test_without_friction_and_with_valves_shut_at_once_pressure_rises_by_v_root_km():
-    """The worst pressure peak: m v^2 = k x^2, so k x = v sqrt(k m) in newtons."""
+def test_without_friction_and_with_instant_valves_pressure_rises_by_v_root_km():
+    """The highest pressure peak: m v^2 = k x^2, so k x = v sqrt(k m) in newtons."""
     par = with_friction(plant_parameters(BENCH), viscous_alone)
     par = with_friction(par, lambda friction: friction._replace(viscous=0.0))
     state = initial_state(par, 0.25, 15e5, 49e5)
@@ -97,7 +97,7 @@ def test_without_friction_and_with_valves_shut_at_once_pressure_rises_by_v_root_
     rise = (path.max(axis=0) - path[0])[[P_TP, P_TR, P_LP, P_LR]]
     amplitude = v * np.sqrt(m / k)
     assert path[:, X].max() - 0.25 == pytest.approx(amplitude, rel=0.01)
-    # Test cylinder's rod side and load cylinder's piston side first, the others half a period on.
+    # Test cylinder's rod side, load cylinder's piston side first; the others half a period later.
     np.testing.assert_allclose(rise, gradients * amplitude, rtol=0.02)
     print(
         f"\nv sqrt(k m) = {v * np.sqrt(k * m):.0f} N; at most {rise.max() / 1e5:.1f} bar at "
@@ -106,26 +106,26 @@ def test_without_friction_and_with_valves_shut_at_once_pressure_rises_by_v_root_
 
 
 def worst(cases):
-    """Assert that the way is bounded in all cases; returns the largest way / speed [s]."""
-    times = [stop.way_m / stop.v_m_s for stop in (stopped(**case) for case in cases)]
+    """Assert that the distance is bounded in all cases; returns its maximum / speed [s]."""
+    times = [stop.distance_m / stop.v_m_s for stop in (stopped(**case) for case in cases)]
     print(f"\n{len(times)} stops: {1e3 * min(times):.1f} to {1e3 * max(times):.1f} ms")
     assert max(times) < STOPPING_TIME_S
     return max(times)
 
 
-def test_stopping_time_bounds_the_way_over_loads_directions_speeds_and_masses():
+def test_stopping_time_bounds_the_distance_over_loads_directions_speeds_and_masses():
     cases = [{"v": v, "load": load} for v, load in product((0.2, -0.2), LOADS)]
     cases += [{"v": v, "load": LOADS[1]} for v in (0.02, -0.02, 0.35, -0.35)]
     cases += [
         {"v": 0.2 * side, "load": load, "vary": masses(factor)}
         for side, load, factor in ((1, LOADS[1], 0.5), (-1, LOADS[3], 0.5), (1, LOADS[3], 2.0))
     ]
-    # A limit much larger than needed would stop the board for nothing.
+    # A limit much larger than necessary would cause unnecessary stops.
     assert worst(cases) > 0.6 * STOPPING_TIME_S
 
 
 @pytest.mark.slow
-def test_stopping_time_bounds_the_way_over_the_whole_range():
+def test_stopping_time_bounds_the_distance_over_the_whole_range():
     plants = (masses(0.5), masses(2.0), viscosity(1.2), stiffness(0.8), stiffness(1.2))
     speeds = (0.02, 0.1, 0.2, 0.3, 0.36)
     worst(
@@ -136,7 +136,7 @@ def test_stopping_time_bounds_the_way_over_the_whole_range():
 
 
 @pytest.mark.parametrize("v", [0.05, -0.05, 0.2, -0.2, 0.35, -0.35])
-def test_the_piston_stays_within_its_travel_however_fast_it_comes(v):
+def test_the_piston_stays_within_its_travel_at_any_speed(v):
     limits = BENCH.limits
     travel = (limits.travel_min, limits.travel_max)
     load = LOADS[1] if v > 0 else LOADS[3]

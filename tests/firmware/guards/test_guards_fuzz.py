@@ -102,12 +102,12 @@ def fuzz(runs, seeds, build, tmp_path, require_tool) -> str:
     return done.stderr
 
 
-def test_nothing_that_comes_in_breaks_the_board(seeds, build, tmp_path, require_tool):
+def test_no_input_violates_the_invariants(seeds, build, tmp_path, require_tool):
     fuzz(3000, seeds, build, tmp_path, require_tool)
 
 
 @pytest.mark.slow
-def test_a_million_of_them_take_the_branches(seeds, build, run, tmp_path, require_tool):
+def test_a_million_scripts_cover_the_branches(seeds, build, run, tmp_path, require_tool):
     said = fuzz(1_000_000, seeds, build, tmp_path, require_tool)
     print(said.splitlines()[-1])
     program = build(tmp_path / "play", require_tool("gcc"), "--coverage")

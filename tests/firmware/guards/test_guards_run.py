@@ -92,7 +92,7 @@ def session(recorded_board):
     return SimpleNamespace(script=script, said=said, records=records)
 
 
-def test_the_session_has_something_to_tell(session):
+def test_the_session_covers_runs_flags_and_ring(session):
     words = dict(zip((word.name for word in RECORD), session.records.T, strict=True))
     assert set(words["run"]) == {1, 2, 3}
     assert words["flags"][-1] == 1 << FLAGS.index("last") | 1 << FLAGS.index("settled")

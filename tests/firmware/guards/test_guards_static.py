@@ -32,7 +32,7 @@ STAND_INS = {
 
 
 @pytest.mark.parametrize("platform", ["native", Path(__file__).with_name("c28x.xml")])
-def test_cppcheck_finds_nothing(platform, run, require_tool):
+def test_cppcheck_reports_nothing(platform, run, require_tool):
     options = [*CPPCHECK.split(), f"--platform={platform}", "-I", CORE]
     run(require_tool("cppcheck"), *options, CORE, ROOT / "firmware" / "ports" / "host")
 

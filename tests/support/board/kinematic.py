@@ -1,4 +1,4 @@
-"""A bench on paper for the board: speed and pressures obey the commands, with no dynamics."""
+"""Kinematic plant for the board: speed and pressures follow the commands without dynamics."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ AT_REFERENCE, SENSOR_SATURATED, VALVE_SATURATED, LAST, SETTLED = (
 
 
 def drive(board, ticks):
-    """Let the plant obey for some ticks; returns the last commands."""
+    """Simulate a number of ticks; returns the last commands."""
     for _ in range(ticks):
         u_t, u_l1, u_l2 = board.tick()
         board.si["x"] += 0.05 * u_t * T
@@ -23,7 +23,7 @@ def drive(board, ticks):
 
 
 def run_to_the_end(board, every=20, most_seconds=20.0):
-    """Start and run; returns a status after every some ticks, and the whole log."""
+    """Start and run a schedule; returns a status at regular intervals, and the whole log."""
     assert board.start() == b""
     trace = []
     while not trace or (trace[-1]["state"] == 1 and len(trace) * every * T < most_seconds):
@@ -33,7 +33,7 @@ def run_to_the_end(board, every=20, most_seconds=20.0):
 
 
 def read_all(board):
-    """Return the whole log, a row a record."""
+    """Return the whole log, one record per row."""
     _, following, _ = board.read_log(0, count=0)
     rows, number = [np.zeros((0, len(RECORD)), "<u2")], 0
     while number < following:
@@ -44,5 +44,5 @@ def read_all(board):
 
 
 def signed(column):
-    """Return words as the signed numbers that they are."""
+    """Return words as signed numbers."""
     return column.astype(np.int16).astype(float)

@@ -1,4 +1,4 @@
-"""A virtual rig in the middle of a run, to be broken and watched tick by tick until it rests."""
+"""A virtual rig during a run: fault injection and observation, tick by tick, until rest."""
 
 from dataclasses import dataclass
 
@@ -27,15 +27,15 @@ AFTERWARDS_TICKS = 2000
 
 @dataclass(frozen=True)
 class Stop:
-    """What an event came to. Ticks are control ticks of 0.1 ms."""
+    """Result of an event. Ticks are control ticks of 0.1 ms."""
 
     fault: str
     detection_ticks: int  # from the event to the fault
     neutral_ticks: int  # from the fault to neutral valves
-    v_m_s: float  # when the valves were told to be neutral; along the run's direction
-    way_m: float  # furthest from there on, along the run's direction
-    rest_ticks: int  # from there on
-    x_m: float  # furthest
+    v_m_s: float  # at the command to neutral, in the direction of the run
+    distance_m: float  # largest afterwards, in the direction of the run
+    rest_ticks: int  # from then until rest
+    x_m: float  # furthest position
     p_before_pa: np.ndarray  # of the four chambers
     p_highest_pa: np.ndarray  # of the four chambers, from neutral on
 
@@ -43,7 +43,7 @@ class Stop:
 class MovingRig(VirtualRig):
     """The sample bench at the speed ``v`` (signed), under a load that opposes or helps it.
 
-    ``vary`` makes another plant of its parameters; ``settings`` replace some of the board's.
+    ``vary`` changes the parameters of the plant; ``settings`` replace settings of the board.
     """
 
     def __init__(self, v, f_load, p_lr, x_at, vary=None, a=1.0, travel=(0.03, 0.35), **settings):
@@ -69,7 +69,7 @@ class MovingRig(VirtualRig):
             client.wait(0.002)
 
     def along(self, value):
-        """Return a way or speed counted along the run's direction."""
+        """Return a distance or speed in the direction of the run."""
         return float(np.copysign(1.0, self._v) * value)
 
     @property
@@ -89,20 +89,20 @@ class MovingRig(VirtualRig):
         return self._bench.state[P_TP : P_LR + 1].copy()
 
     def vary(self, **changes):
-        """The plant itself breaks."""
+        """Change parameters of the plant."""
         self._bench = self._bench._replace(par=self.par._replace(**changes))
 
     def raise_supply(self, pressure_pa):
-        """The supply stands at another pressure from here on."""
+        """Change the supply pressure."""
         self._bench.state[P_S] = pressure_pa
 
     def break_sensor(self, name, counts=None):
-        """A channel stands at ``counts``, or where it is; the converter's noise goes on."""
+        """Freeze a channel at ``counts`` or at its present value, with the converter's noise."""
         i = CHANNELS.index(name)
-        stands = self._bench.words[i] / 16.0 if counts is None else float(counts)
+        frozen = self._bench.words[i] / 16.0 if counts is None else float(counts)
         sensors = self._bench.sensors
         gains, zeros = list(sensors.per_unit), list(sensors.zero)
-        gains[i], zeros[i] = 0.0, stands
+        gains[i], zeros[i] = 0.0, frozen
         sensors = sensors._replace(per_unit=tuple(gains), zero=tuple(zeros))
         self._bench = self._bench._replace(sensors=sensors)
 
@@ -114,8 +114,8 @@ class MovingRig(VirtualRig):
         self.read(TICK_S)
         return self._bench.codes.copy()
 
-    def ask(self):
-        """State and fault of the board, while no time passes; a sign of life."""
+    def board_state(self):
+        """State and fault of the board, by a request that takes no time; it is a heartbeat."""
         self._board.transmit()
         self._board.receive(encode(Frame(77, BY_NAME["status"].code, b"")))
         self._board.poll()
@@ -124,21 +124,20 @@ class MovingRig(VirtualRig):
         return STATES[status["state"]], FAULTS[status["fault"]]
 
     def stop(self, silent=False):
-        """From an event that has just happened until some time after; asserts that it ended.
+        """Simulate from an event until some time after the piston is at rest, which is asserted.
 
-        With ``silent`` the host says nothing, so the fault's tick is the one in which the valves
-        closed, and is told by the caller's limit.
+        With ``silent`` the host sends nothing, so the tick of the fault is that of the valves.
         """
         detected = None
         for tick in range(1, LONGEST_TICKS):
             before, x, v = self.chambers, self.x, self.along(self.v)
             neutral = not np.any(self.tick())
-            if not silent and detected is None and self.ask()[0] == "fault":
+            if not silent and detected is None and self.board_state()[0] == "fault":
                 detected = tick
             if neutral:
                 break
         assert neutral
-        fault = self.ask()
+        fault = self.board_state()
         assert fault[0] == "fault"
         furthest, rest, highest = x, 0, before
         for after in range(1, AFTERWARDS_TICKS):
@@ -153,7 +152,7 @@ class MovingRig(VirtualRig):
             detection_ticks=detected,
             neutral_ticks=tick - detected,
             v_m_s=v,
-            way_m=self.along(furthest - x),
+            distance_m=self.along(furthest - x),
             rest_ticks=rest,
             x_m=furthest,
             p_before_pa=before,
