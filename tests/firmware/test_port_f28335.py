@@ -1,7 +1,7 @@
-"""The F28335 port, compiled for the host and run on a stand-in of the chip.
+"""The F28335 port, compiled for the host and run on a simulated chip.
 
-TI's compiler has never seen it, and it has never run on hardware: these tests show what it does to
-registers as the documents describe them, no more.
+It was never compiled by TI's compiler and never run on hardware: these tests check its accesses to
+registers against the documents only.
 """
 
 import ctypes
@@ -31,7 +31,7 @@ def library(tmp_path_factory):
 
 @pytest.fixture
 def chip(library, tmp_path):
-    """A chip of its own, as it comes from power-up; nothing that was written may be lost."""
+    """A chip after power-up; no write to it may be refused."""
     chip = Chip(ctypes.CDLL(str(shutil.copy(library, tmp_path / "own.so"))))
     yield chip
     assert not chip.refused
@@ -39,7 +39,7 @@ def chip(library, tmp_path):
 
 @pytest.fixture
 def board(chip, new_board, monkeypatch):
-    """A board on the chip, settings and a step uploaded, at rest."""
+    """A board on the chip at rest, with settings and a step uploaded."""
     monkeypatch.setattr(firmware, "HostFirmware", lambda boots: OnChip(chip))
     return upload(new_board())
 
@@ -74,7 +74,7 @@ def test_start_sets_the_clocks_and_rates(chip):
     assert chip.start()
     register = chip.register
     assert register[0x7021] == 10 and register[0x7011] & 0x180 == 0x100  # 30 MHz x 10 / 2
-    assert register[0x7011] & 0x48 == 0  # the oscillator is watched
+    assert register[0x7011] & 0x48 == 0  # missing-clock detection is on
     assert (register[0x701A], register[0x701B]) == (3, 2)  # 25 MHz, 37.5 MHz
     assert register[0x6805] == 14999  # 10 kHz at 150 MHz
     line = chip.line.register
@@ -120,7 +120,7 @@ def test_a_word_is_the_sum_of_sixteen_conversions(board, chip):
 
     chip.convert = convert
     words = (ctypes.c_uint16 * 7)()
-    chip.pass_time(100)  # the time base begins the first pass; its interrupt waits
+    chip.pass_time(100)  # the time base starts the first pass; its interrupt is pending
     chip.pass_time(2)
     assert ADC_VECTOR in chip.pending
     chip.program.hb_adc_read.restype = ctypes.c_bool
@@ -136,9 +136,9 @@ def test_a_run_gives_the_codes_of_the_host_build(board, chip, new_board, monkeyp
     at_rest = [word // 16 * 16 for word in twin.words()]
     for _ in range(20):
         twin.firmware.tick(at_rest)
-    chip.first_said_at_tick = None
+    chip.first_sent_at_tick = None
     assert board.start() == b"" and twin.start() == b""
-    for _ in range(chip.ticks - chip.first_said_at_tick):
+    for _ in range(chip.ticks - chip.first_sent_at_tick):
         codes = twin.firmware.tick(at_rest)
     rng = np.random.default_rng(3)
     seen = set()
@@ -168,7 +168,7 @@ def test_a_stopped_receiver_is_restarted(board, chip, fault):
 def test_the_receive_queue_holds_octets_until_they_are_read(board, chip):
     frames = [board.frame(n, 0x01) for n in range(20)]
     assert 64 < sum(map(len, frames)) < 256
-    chip.hear(b"".join(frames))
+    chip.receive(b"".join(frames))
     chip.run(2000, idle=False)
     assert not chip.line.to_board and not chip.line.overflown
     assert len(board.exchange(b"")) == 20
@@ -225,7 +225,7 @@ def test_ticks_lost_while_start_checks_are_no_fault(board, chip, monkeypatch):
     def check_for_long():
         while not chip.line.to_host:
             chip.run(1)
-        chip.pass_time(1000)  # as if the core had masked the control interrupt so long
+        chip.pass_time(1000)  # like a core that masks the control interrupt for this time
         answer()
 
     monkeypatch.setattr(board.firmware, "poll", check_for_long)
@@ -235,8 +235,8 @@ def test_ticks_lost_while_start_checks_are_no_fault(board, chip, monkeypatch):
     assert chip.ticks > before and state(board) == ("running", "none")
 
 
-def kill(chip, what):
-    """Let something die within a tick, and two milliseconds pass."""
+def fail(chip, what):
+    """Cause a failure within a tick; simulate 6 ms."""
     if what == "instruction":
         chip.vectors[ILLEGAL_VECTOR]()
     elif what == "converter":
@@ -251,7 +251,7 @@ def kill(chip, what):
 @pytest.mark.parametrize("what", ["instruction", "converter", "time base", "idle loop"])
 def test_on_a_failure_the_valves_are_neutral_and_the_watchdog_resets(board, chip, what):
     start(board)
-    kill(chip, what)
+    fail(chip, what)
     assert chip.hung and not chip.was_reset and chip.clear_pin == 0
     chip.pass_time(20)
     assert chip.dac_words[-2:] == [0x1C0000, 0x040000]
@@ -261,7 +261,7 @@ def test_on_a_failure_the_valves_are_neutral_and_the_watchdog_resets(board, chip
 
 def test_with_a_failed_mcbsp_the_clear_pin_makes_the_valves_neutral(board, chip):
     start(board)
-    kill(chip, "mcbsp")
+    fail(chip, "mcbsp")
     assert chip.hung and chip.clear_pin == 0
 
 

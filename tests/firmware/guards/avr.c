@@ -1,6 +1,6 @@
-/* Runs an image of play.c on simavr's AVR core, the script from stdin, what it says to stdout.
- * Compiled where simavr is, run on this machine. The core is given 64 KB of RAM, all that an AVR
- * can address and more than any has, so that the whole firmware fits as it is. */
+/* Runs an image of play.c on simavr's AVR core, with the script from stdin and its output to stdout.
+ * The core has 64 KB of RAM, which an AVR can address although no chip has it, so that the whole
+ * firmware fits unchanged. */
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
 #include <simavr/sim_io.h>
@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* Of an ATmega1284P, by address. */
+/* Addresses of an ATmega1284P. */
 enum { GPIOR0 = 0x3E, GPIOR1 = 0x4A, GPIOR2 = 0x4B };
 
-static FILE *said;
+static FILE *output;
 
 static uint8_t give_next(struct avr_t *avr, avr_io_addr_t address, void *param)
 {
@@ -33,7 +33,7 @@ static uint8_t give_more(struct avr_t *avr, avr_io_addr_t address, void *param)
 static void take_octet(struct avr_t *avr, avr_io_addr_t address, uint8_t octet, void *param)
 {
     (void)avr, (void)address, (void)param;
-    fputc(octet, said);
+    fputc(octet, output);
 }
 
 static void take_end(struct avr_t *avr, avr_io_addr_t address, uint8_t code, void *param)
@@ -47,10 +47,10 @@ int main(int argc, char **argv)
     elf_firmware_t image = {0};
     avr_t *avr = avr_make_mcu_by_name("atmega1284p");
 
-    /* simavr itself prints to stdout: that goes to stderr. */
-    said = fdopen(dup(STDOUT_FILENO), "wb");
+    /* simavr prints to stdout; redirect it to stderr. */
+    output = fdopen(dup(STDOUT_FILENO), "wb");
     dup2(STDERR_FILENO, STDOUT_FILENO);
-    if (argc != 2 || said == NULL || avr == NULL || elf_read_firmware(argv[1], &image) != 0) {
+    if (argc != 2 || output == NULL || avr == NULL || elf_read_firmware(argv[1], &image) != 0) {
         return 2;
     }
     avr->ramend = 0xFFFF;

@@ -1,4 +1,4 @@
-"""Records what a test and the host library say; builds the program that plays it elsewhere."""
+"""Recording of a session with the host library, and the program that repeats it elsewhere."""
 
 import struct
 import subprocess
@@ -27,7 +27,7 @@ OPTIONS = [
 
 @pytest.fixture(scope="session")
 def run():
-    """Return a function that runs a command to its good end and returns what it printed."""
+    """Function that runs a command, which must succeed, and returns its result."""
 
     def run_command(*command, **kwargs) -> subprocess.CompletedProcess:
         done = subprocess.run([*map(str, command)], capture_output=True, **kwargs)
@@ -39,7 +39,7 @@ def run():
 
 @pytest.fixture(scope="session")
 def build(run):
-    """Return a function that compiles the core, the host port and play.c to a program."""
+    """Function that compiles the core, the host port and play.c to a program."""
 
     def compile_to(program: Path, compiler: str, *options: str) -> Path:
         run(compiler, *OPTIONS, *options, *SOURCES, "-o", program, cwd=program.parent)
@@ -49,12 +49,12 @@ def build(run):
 
 
 class Recording:
-    """Stands between a test's board and its firmware, and writes down both sides."""
+    """Firmware that records its inputs and outputs."""
 
     def __init__(self, firmware):
         self._firmware = firmware
         self.rows = []  # of the script
-        self.said = bytearray()
+        self.output = bytearray()
 
     @property
     def script(self) -> bytes:
@@ -71,12 +71,12 @@ class Recording:
 
     def transmit(self):
         octets = self._firmware.transmit()
-        self.said += octets
+        self.output += octets
         return octets
 
     def tick(self, words):
         codes = self._firmware.tick(words)
-        self.said += struct.pack("<3h", *codes)
+        self.output += struct.pack("<3h", *codes)
         row, count = struct.pack("<7H", *words), 1
         if self.rows and self.rows[-1][:1] == b"T" and self.rows[-1][3:] == row:
             count += int.from_bytes(self.rows.pop()[1:3], "little")
@@ -89,7 +89,7 @@ class Recording:
 
 @pytest.fixture(scope="module")
 def recorded_board(new_board):
-    """Return a board whose ``firmware.script`` (play.c) and ``firmware.said`` grow with its use."""
+    """A board that records its ``firmware.script`` (for play.c) and ``firmware.output``."""
     board = new_board()
     board.firmware = Recording(board.firmware)
     return board

@@ -1,16 +1,16 @@
-/* Plays a script to a board and gives out all that the board says: the same program on this
- * machine, under sanitizers, on an emulated controller whose int has 16 bits, and for a fuzzer.
+/* Applies a script to a board and outputs its replies and DAC codes: natively, under sanitizers, on an
+ * emulated controller with a 16-bit int, and in a fuzzer.
  *
- * A script is a row of
+ * A script is a sequence of commands, little-endian; unknown octets are skipped:
  *   R count octets...                       octets from the host, then the idle loop
  *   T count(2) words(14)                    control ticks with the same seven converter words
- *   F sequence type count payload...        as R, a frame whose CRC and stuffing are made here, so
- *                                           that a fuzzer gets past them
- *   O                                       a tick that was late
- *   S sequence a b                          a start with the checksums of the settings and steps
- *                                           that the board holds, but for the bits in a and b
- * little-endian; what is none of these is skipped. Out go the octets of the replies and each
- * tick's three DAC codes. What must hold whatever comes in is checked all along.
+ *   F sequence type count payload...        like R, a frame whose CRC and stuffing are added here, so
+ *                                           that a fuzzer passes these checks
+ *   O                                       a late tick
+ *   S sequence a b                          a start with the checksums of the settings and steps on
+ *                                           the board, modified by the bits in a and b
+ * The output consists of the octets of the replies and the three DAC codes of each tick. Invariants
+ * are checked after each step.
  */
 #include "host.h"
 #include "octets.h"
@@ -23,7 +23,7 @@ typedef struct {
     const hb_core *core;
     hb_receiver replies;
     unsigned char last; /* octet of the replies */
-    bool cleared; /* the last octets made the board clear its fault */
+    bool cleared; /* the last octets cleared the fault */
 } session;
 
 static hb_u16 next_u16(void)
@@ -32,13 +32,13 @@ static hb_u16 next_u16(void)
     return (hb_u16)(low | (unsigned)play_next() << 8);
 }
 
-static void say_u16(unsigned value)
+static void output_u16(unsigned value)
 {
-    play_say(value & 0xFFu);
-    play_say(value >> 8 & 0xFFu);
+    play_output(value & 0xFFu);
+    play_output(value >> 8 & 0xFFu);
 }
 
-/* What holds after each step, and what a step may not change. */
+/* Invariants after a step, and those of its changes. */
 static void check(const session *s, hb_u16 state, hb_u16 fault, hb_u32 log_next, bool may_start)
 {
     const hb_core *core = s->core;
@@ -57,8 +57,8 @@ static void check(const session *s, hb_u16 state, hb_u16 fault, hb_u32 log_next,
     }
 }
 
-/* Every octet of a reply is said, and belongs to a sound frame or to a person's line. */
-static void hear(session *s)
+/* Outputs the replies. Each octet must belong to a valid frame or to a status line. */
+static void output_replies(session *s)
 {
     unsigned char octets[REPLY_OCTETS];
     hb_frame frame;
@@ -66,7 +66,7 @@ static void hear(session *s)
 
     while ((count = hb_host_transmit(s->host, octets, REPLY_OCTETS)) > 0u) {
         for (uint32_t i = 0; i < count; i++) {
-            play_say(octets[i]);
+            play_output(octets[i]);
             if (hb_receive(&s->replies, octets[i], &frame)) {
                 s->cleared = s->cleared || frame.type == (HB_MESSAGE_CLEAR_FAULT | HB_REPLY);
             } else {
@@ -87,7 +87,7 @@ static void receive(session *s, const unsigned char *octets, hb_u16 count)
     PLAY_CHECK(hb_host_receive(s->host, octets, count) == count);
     s->cleared = false;
     hb_host_poll(s->host);
-    hear(s);
+    output_replies(s);
     check(s, state, fault, log_next, true);
 }
 
@@ -121,8 +121,8 @@ static void play_frame(session *s)
     hb_octet plain[HB_MAX_FRAME];
     const unsigned sequence = play_next();
     const unsigned type = play_next();
-    const unsigned said = play_next();
-    const hb_u16 count = (hb_u16)(said < HB_MAX_PAYLOAD ? said : HB_MAX_PAYLOAD);
+    const unsigned announced = play_next();
+    const hb_u16 count = (hb_u16)(announced < HB_MAX_PAYLOAD ? announced : HB_MAX_PAYLOAD);
 
     for (hb_u16 i = 0; i < count; i++) {
         plain[2u + i] = (hb_octet)play_next();
@@ -162,7 +162,7 @@ static void play_ticks(session *s)
             PLAY_CHECK(dac[i] == 0
                        || (s->core->state == HB_STATE_RUNNING
                            && s->core->schedule.phase != HB_PHASE_CLOSED));
-            say_u16((hb_u16)dac[i]);
+            output_u16((hb_u16)dac[i]);
         }
         check(s, state, fault, log_next, false);
     }

@@ -1,6 +1,5 @@
-/* What play.c asks of the place where it runs (play_on.c), and its limits. PLAY_STATES,
- * PLAY_PHASES and PLAY_FAULTS, how many there are, come from the dictionary with the compiler's
- * command. */
+/* Functions that play.c needs from its platform (play_on.c). The compiler's options define
+ * PLAY_STATES, PLAY_PHASES and PLAY_FAULTS, the sizes of the dictionary's tables. */
 #ifndef PLAY_H
 #define PLAY_H
 
@@ -8,18 +7,18 @@
 
 void play(void);
 
-/* The script has not ended; its next octet, 0 after its end. */
+/* True before the end of the script; its next octet, 0 after the end. */
 bool play_more(void);
 unsigned play_next(void);
 
-void play_say(unsigned octet);
+void play_output(unsigned octet);
 
-/* A fuzzer allows each script so many ticks. */
+/* False after the number of ticks that a fuzzer allows each script. */
 bool play_may_tick(void);
 
 /* Ends the program with an error. */
-void play_broken(const char *what);
+void play_fail(const char *what);
 
-#define PLAY_CHECK(what) ((what) ? (void)0 : play_broken(#what))
+#define PLAY_CHECK(what) ((what) ? (void)0 : play_fail(#what))
 
 #endif

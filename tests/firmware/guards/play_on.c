@@ -1,11 +1,11 @@
-/* The places where play.c runs: a desktop, an AVR under simavr (avr.c), a fuzzer. */
+/* Platforms of play.c: desktop, AVR under simavr (avr.c), fuzzer. */
 #include "play.h"
 
 #ifdef __AVR__
 
 #include <avr/io.h>
 
-/* Registers without a function of their own, on which avr.c listens. */
+/* General-purpose registers that avr.c monitors. */
 bool play_more(void)
 {
     return GPIOR2 != 0;
@@ -16,7 +16,7 @@ unsigned play_next(void)
     return GPIOR0;
 }
 
-void play_say(unsigned octet)
+void play_output(unsigned octet)
 {
     GPIOR1 = (unsigned char)octet;
 }
@@ -26,10 +26,10 @@ bool play_may_tick(void)
     return true;
 }
 
-void play_broken(const char *what)
+void play_fail(const char *what)
 {
     while (*what != '\0') {
-        play_say((unsigned char)*what++);
+        play_output((unsigned char)*what++);
     }
     GPIOR2 = 1;
     for (;;) {
@@ -51,15 +51,15 @@ int main(void)
 #include <stdio.h>
 #include <stdlib.h>
 
-void play_broken(const char *what)
+void play_fail(const char *what)
 {
-    fprintf(stderr, "does not hold: %s\n", what);
+    fprintf(stderr, "violated: %s\n", what);
     abort();
 }
 
 #ifdef PLAY_FUZZ
 
-#define MOST_TICKS 4000u
+#define MAX_TICKS 4000u
 
 static const uint8_t *script;
 static size_t left;
@@ -75,14 +75,14 @@ unsigned play_next(void)
     return left > 0u ? (left--, *script++) : 0u;
 }
 
-void play_say(unsigned octet)
+void play_output(unsigned octet)
 {
     (void)octet;
 }
 
 bool play_may_tick(void)
 {
-    return ticks++ < MOST_TICKS;
+    return ticks++ < MAX_TICKS;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -110,7 +110,7 @@ unsigned play_next(void)
     return octet == EOF ? 0u : (unsigned)octet;
 }
 
-void play_say(unsigned octet)
+void play_output(unsigned octet)
 {
     putchar((int)octet);
 }

@@ -1,6 +1,6 @@
-"""The core run where it is not at home: int of 16 bits, sanitizers that watch every access.
+"""The core with a 16-bit int and under sanitizers.
 
-A session with the host library is recorded; elsewhere the board must say the same to the bit.
+The output must equal that of a recorded session with the host library, bit for bit.
 """
 
 import os
@@ -13,14 +13,14 @@ import pytest
 from hbench.protocol.dictionary import CONDITIONS, FLAGS, RECORD
 
 SANITIZERS = "-O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
-# An object may take 64 KB of RAM, which no such chip has but the emulated one (avr.c).
+# 64 KB of RAM, which only the emulated chip has (avr.c).
 AVR = "-mmcu=atmega1284p -Os -Wl,--defsym=__DATA_REGION_LENGTH__=0xFE00,--defsym=__stack=0xFFFF"
-# Like the C28x, also in octets that are no narrower than int and come with dirty upper bits.
+# Like the C28x: octets as wide as int, with undefined upper bits.
 C28X_LIKE = ["-DHB_OCTET=unsigned short", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
 
 
 def pull_log(board) -> np.ndarray:
-    """Return all records that the ring still holds."""
+    """All records in the ring."""
     first, end, records = board.read_log(0)
     while first + len(records) < end:
         records = np.vstack((records, board.read_log(first + len(records))[2]))
@@ -29,7 +29,7 @@ def pull_log(board) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def session(recorded_board):
-    """Every request and most refusals, three runs to their end, a stop, a fault."""
+    """A session with every request, most refusals, three complete runs, a stop and a fault."""
     board = recorded_board
     rng = np.random.default_rng(1)
 
@@ -59,7 +59,7 @@ def session(recorded_board):
     assert board.start() == board.start(again=True) == b""
     assert board.start() == "busy"
     for _ in range(2):
-        ticks(1600)  # on the spot, and at rest
+        ticks(1600)  # return and hold
         board.request("status")
         for _ in range(4):
             ticks(500, speed=0.1)
@@ -83,29 +83,29 @@ def session(recorded_board):
         board.request("status")
     records = np.vstack((records, pull_log(board)))
     assert board.start() == b""
-    ticks(3200)  # without a word from the host
+    ticks(3200)  # without a request
     assert board.start() == "fault_latched"
     board.request("status")
     assert board.request("clear_fault") == b""
     board.request("status")
-    script, said = board.firmware.script, bytes(board.firmware.said)
-    return SimpleNamespace(script=script, said=said, records=records)
+    script, output = board.firmware.script, bytes(board.firmware.output)
+    return SimpleNamespace(script=script, output=output, records=records)
 
 
 def test_the_session_covers_runs_flags_and_ring(session):
     words = dict(zip((word.name for word in RECORD), session.records.T, strict=True))
     assert set(words["run"]) == {1, 2, 3}
     assert words["flags"][-1] == 1 << FLAGS.index("last") | 1 << FLAGS.index("settled")
-    assert len(session.records) == 2 * 1024, "the ring must have been full, and gone round"
-    assert len(set(words["u_l1"])) > 300, "the valves must have been at work"
+    assert len(session.records) == 2 * 1024, "the ring must have wrapped"
+    assert len(set(words["u_l1"])) > 300, "the valves must have moved"
 
 
 def test_sanitizers_stay_silent(session, build, run, tmp_path, require_tool):
     program = build(tmp_path / "play", require_tool("gcc"), *SANITIZERS.split())
-    quiet = os.environ | {"ASAN_OPTIONS": "detect_leaks=0"}  # it needs the right to trace
+    quiet = os.environ | {"ASAN_OPTIONS": "detect_leaks=0"}  # needs permission to trace
     done = run(program, input=session.script, env=quiet)
     assert done.stderr == b""
-    assert done.stdout == session.said
+    assert done.stdout == session.output
 
 
 def test_sixteen_bit_integers_make_no_difference(session, build, run, tmp_path, require_tool):
@@ -113,4 +113,4 @@ def test_sixteen_bit_integers_make_no_difference(session, build, run, tmp_path, 
     require_tool("simavr")
     source, emulator = Path(__file__).with_name("avr.c"), tmp_path / "avr"
     run(require_tool("gcc"), "-O2", "-Wall", "-Werror", source, "-lsimavr", "-o", emulator)
-    assert run(emulator, image, input=session.script).stdout == session.said
+    assert run(emulator, image, input=session.script).stdout == session.output

@@ -1,4 +1,4 @@
-"""What can be told without running the core: a checker's findings, its size on the C28x."""
+"""Static checks of the core: cppcheck, and its size on the C28x."""
 
 from pathlib import Path
 
@@ -13,9 +13,9 @@ CPPCHECK = (
 L0_TO_HALF_OF_L2 = 4096 + 4096 + 2048
 HALF_OF_L2_TO_L3 = 2048 + 4096
 L4_TO_L7 = 4 * 4096
-PORTS_OWN = 1024  # its buffers and constants, beside the core's context
+PORT = 1024  # buffers and constants of the port
 
-CONTEXTS = """
+OBJECTS = """
 #include "link.h"
 hb_core core;
 hb_link link;
@@ -24,7 +24,7 @@ hb_log_record ring[1024];
 # An ARM lays structs out as a C28x does if octets and bools have 16 bits: integers of 16 bits one
 # word, floats, longs and pointers two, on even addresses.
 LIKE_C28X = ["-DHB_OCTET=unsigned short", "-D_Bool=unsigned short"]
-# No C28x compiler runs here. A Thumb-2 core with FPU is the nearest: code in steps of 16 bits.
+# Substitutes for a C28x compiler. A Thumb-2 core with FPU is closest: instructions of 16 bits.
 STAND_INS = {
     "arm-none-eabi-": "-mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard",
     "avr-": "-mmcu=atmega1284p",
@@ -37,16 +37,16 @@ def test_cppcheck_reports_nothing(platform, run, require_tool):
     run(require_tool("cppcheck"), *options, CORE, ROOT / "firmware" / "ports" / "host")
 
 
-def test_the_log_ring_and_the_context_fit_the_ram_of_an_f28335(run, tmp_path, require_tool):
-    (tmp_path / "contexts.c").write_text(CONTEXTS)
-    options = ["-std=c99", "-ffreestanding", *LIKE_C28X, "-I", CORE, "-c", "contexts.c"]
+def test_core_link_and_log_ring_fit_the_ram_of_an_f28335(run, tmp_path, require_tool):
+    (tmp_path / "objects.c").write_text(OBJECTS)
+    options = ["-std=c99", "-ffreestanding", *LIKE_C28X, "-I", CORE, "-c", "objects.c"]
     run(require_tool("arm-none-eabi-gcc"), *options, cwd=tmp_path)
-    table = run(require_tool("arm-none-eabi-nm"), "-P", tmp_path / "contexts.o").stdout.decode()
+    table = run(require_tool("arm-none-eabi-nm"), "-P", tmp_path / "objects.o").stdout.decode()
     rows = (line.split() for line in table.splitlines())
     words = {name: int(octets, 16) // 2 for name, _, _, octets in rows}
     print("C28x words:", words)
     assert words["ring"] <= L4_TO_L7
-    assert words["core"] + words["link"] <= HALF_OF_L2_TO_L3 - PORTS_OWN
+    assert words["core"] + words["link"] <= HALF_OF_L2_TO_L3 - PORT
 
 
 def test_code_as_dense_as_thumb_2_fits_the_ram_too(run, tmp_path, require_tool):

@@ -1,4 +1,4 @@
-"""The F28335 port as a library of the host, its registers a test's; and the chip as a board."""
+"""The F28335 port as a library of the host with simulated registers; the chip as a board."""
 
 import re
 import shutil
@@ -24,7 +24,7 @@ hb_u16 hb_ier, hb_ifr;
 
 
 def build(folder: Path, *options: str, sources: list[Path]) -> Path:
-    """Compile sources of the port; the library's registers wait for a ``Chip``."""
+    """Compile sources of the port to a library whose registers a ``Chip`` provides."""
     registers = folder / "registers_of_the_test.c"
     registers.write_text(REGISTERS)
     library = folder / "libport.so"
@@ -61,35 +61,35 @@ def data_sizes(binary: Path, nm: str) -> dict[str, int]:
 
 
 class OnChip:
-    """The chip as the firmware that a test's board holds."""
+    """The chip as the firmware of a test's board."""
 
     def __init__(self, chip):
         self.chip = chip
         chip.start()
-        chip.line.register[0x7053] = 4  # 937500 baud, so that the tests don't wait
+        chip.line.register[0x7053] = 4  # 937500 baud, to shorten the tests
 
     def receive(self, octets):
-        self.chip.hear(octets)
+        self.chip.receive(octets)
 
     def poll(self):
-        quiet, said = 0, len(self.chip.line.said)
+        quiet, sent = 0, len(self.chip.line.sent)
         while quiet < 3 and not (self.chip.hung or self.chip.was_reset):
             self.chip.run(500)
             busy = (
-                self.chip.line.to_board or self.chip.line.to_host or len(self.chip.line.said) > said
+                self.chip.line.to_board or self.chip.line.to_host or len(self.chip.line.sent) > sent
             )
-            quiet, said = 0 if busy else quiet + 1, len(self.chip.line.said)
+            quiet, sent = 0 if busy else quiet + 1, len(self.chip.line.sent)
 
     def transmit(self):
-        said, self.chip.line.said = self.chip.line.said, b""
-        return said
+        sent, self.chip.line.sent = self.chip.line.sent, b""
+        return sent
 
     def tick(self, words):
         self.chip.convert = lambda channel: 0 if channel == 7 else words[channel] // 16
         before = self.chip.ticks
         while self.chip.ticks == before and not (self.chip.hung or self.chip.was_reset):
             self.chip.run(5)
-        self.chip.run(30)  # until the words have gone out
+        self.chip.run(30)  # until the words are sent
         codes = [word - (channel << 16) >> 4 for channel, word in enumerate(self.last_words())]
         return [code - 4096 if code >= 2048 else code for code in codes]
 

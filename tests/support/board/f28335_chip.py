@@ -1,8 +1,9 @@
-"""A stand-in of the F28335, as far as its port touches it: registers, time and interrupts.
+"""Simulation of the F28335 for its port: registers, time and interrupts.
 
-Written from TI's and Analog Devices' documents, like the port itself: what both misunderstand no
-test can show. Time passes with each access to a register. A write to a protected register without
-EALLOW, or to a module without clock, is lost as on the chip, and kept in ``refused``.
+Written from TI's and Analog Devices' documents, like the port itself: a misreading of them affects
+both, and no test reveals it. Each access to a register advances the time. A write to a protected
+register without EALLOW, or to a module without clock, has no effect, as on the chip; ``refused``
+contains its address.
 """
 
 import ctypes
@@ -30,7 +31,7 @@ HANDLER = ctypes.CFUNCTYPE(None)
 
 
 class Chip:
-    """The chip after a reset, with the port's ``library`` as its program."""
+    """Chip after a reset, with the port's ``library`` as its program."""
 
     def __init__(self, library: ctypes.CDLL):
         self.program = library
@@ -50,7 +51,7 @@ class Chip:
         self.reset()
 
     def reset(self):
-        """Reset the processor. The DAC and the RAM keep what they have."""
+        """Reset the processor, not the DAC and the RAM."""
         self.register = {0x7011: 0x0001, 0x7029: 0x0028}
         self.now_us = self._counted_us = self._event_us = 0.0
         self._slowness = SLOW
@@ -63,10 +64,10 @@ class Chip:
         self.dac_words, self._dxr, self._shifting, self._shift_ends_us = [], None, None, 0.0
         self.clear_pin = 0  # held down by its resistor
         self.line = Line()
-        self.first_said_at_tick = None
+        self.first_sent_at_tick = None
         self._serviced_us, self.was_reset, self._key, self._read_last = 0.0, False, 0, 0
 
-    # What tests do.
+    # For tests.
 
     def start(self) -> bool:
         """Run the port from reset to its idle loop; codestart.asm turned the watchdog off."""
@@ -74,7 +75,7 @@ class Chip:
         return bool(self.program.hb_board_start() & 1)
 
     def run(self, microseconds: float, idle: bool = True):
-        """Let time pass: interrupts as they come, the idle loop between them."""
+        """Simulate a time with interrupts, and the idle loop between them."""
         end, self._event_us = self.now_us + microseconds, 0.0
         while self.now_us < end and not (self.hung or self.was_reset):
             if not self.interrupt() and idle:
@@ -82,7 +83,7 @@ class Chip:
             self.pass_time(2.0)
 
     def interrupt(self) -> bool:
-        """Call the handler of the highest interrupt that is pending and let through."""
+        """Call the handler of the pending and enabled interrupt of highest priority."""
         for group, vector, enable in ((1, ADC_VECTOR, 0x20), (9, SCI_VECTOR, 0x01)):
             if (
                 vector in self.pending
@@ -101,15 +102,15 @@ class Chip:
                 return True
         return False
 
-    def hear(self, octets: bytes):
-        """Let octets come in on the line, one after the other from here on."""
-        self.line.hear(octets, self.now_us)
+    def receive(self, octets: bytes):
+        """Queue octets from the host."""
+        self.line.receive(octets, self.now_us)
         self._event_us = 0.0
 
     # Time.
 
     def pass_time(self, microseconds: float):
-        """Let time pass, and happen what is due."""
+        """Advance the time and process due events."""
         self.now_us += microseconds
         self._counted_us += microseconds / self._slowness
         if self.now_us < self._event_us:
@@ -163,7 +164,7 @@ class Chip:
         if rises and self.register[0x7101] & 0x0800:
             self.pending.add(ADC_VECTOR)
 
-    # What the program does.
+    # Accesses of the program.
 
     def _execute(self, instruction: int):
         name = ("SETC", "CLRC", "EALLOW", "EDIS", "SETFLG", "ADC_CAL", "FOREVER")[instruction]
@@ -189,7 +190,7 @@ class Chip:
             self.vectors[address] = HANDLER(handler)
 
     def _read(self, address: int) -> int:
-        waits = self._read_last == address == 0x0C00  # a loop that does nothing else
+        waits = self._read_last == address == 0x0C00  # a waiting loop
         self._read_last = address
         self.pass_time(2 * self._slowness if waits else self.access_us)
         if address == 0x0C00:  # counts down from all ones
@@ -210,8 +211,8 @@ class Chip:
         self.written.append((address, value))
         self._event_us = 0.0
         if address in _SCI:
-            if address == 0x7059 and self.first_said_at_tick is None:
-                self.first_said_at_tick = self.ticks
+            if address == 0x7059 and self.first_sent_at_tick is None:
+                self.first_sent_at_tick = self.ticks
             self.line.write(address, value, self.now_us)
             return
         special = {

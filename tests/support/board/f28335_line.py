@@ -1,15 +1,15 @@
-"""A stand-in of the F28335's SCI-A, with its FIFOs, and of the line to the host."""
+"""Simulation of the F28335's SCI-A with its FIFOs, and of the line to the host."""
 
 FIFO_OCTETS = 16
 
 
 class Line:
-    """What comes and goes, an octet at a time at the rate that the program set."""
+    """Line that transfers one octet at a time at the baud rate of the registers."""
 
     def __init__(self):
         self.register = {}
-        self.to_board, self.received, self.to_host, self.said = [], [], [], b""
-        self.stopped = self.overflown = False  # the receiver, by a break or by its FIFO
+        self.to_board, self.received, self.to_host, self.sent = [], [], [], b""
+        self.stopped = self.overflown = False  # receiver after a break, after a FIFO overrun
         self._flag = False
         self._came_us = self._went_us = 0.0
 
@@ -18,22 +18,22 @@ class Line:
         """Ten bits at LSPCLK / 8 / (BRR + 1)."""
         return 80 * ((self.register[0x7052] << 8 | self.register[0x7053]) + 1) / 37.5
 
-    def hear(self, octets: bytes, now_us: float):
-        """Let octets come in from the host from here on."""
+    def receive(self, octets: bytes, now_us: float):
+        """Queue octets from the host."""
         if not self.to_board:
             self._came_us = now_us
         self.to_board += octets
 
     def due_us(self) -> list[float]:
-        """Return when something happens next."""
+        """Times of the next events."""
         coming = [self._came_us + self.octet_us] if self.to_board else []
         return coming + ([self._went_us + self.octet_us] if self.to_host else [])
 
     def pass_time(self, now_us: float) -> bool:
-        """Let happen what is due; tell whether the receiver asks for its interrupt anew."""
-        asks = False
+        """Process due events; return whether the receive interrupt is requested."""
+        requested = False
         if not self.register.get(0x7051, 0) & 0x20:
-            return asks
+            return requested
         while self.to_board and now_us >= self._came_us + self.octet_us:
             self._came_us += self.octet_us
             octet = self.to_board.pop(0)
@@ -44,11 +44,11 @@ class Line:
                 continue
             self.received.append(octet)
             if not self._flag and self.register[0x705B] & 0x20:
-                self._flag = asks = True
+                self._flag = requested = True
         while self.to_host and now_us >= self._went_us + self.octet_us:
             self._went_us += self.octet_us
-            self.said += bytes([self.to_host.pop(0)])
-        return asks
+            self.sent += bytes([self.to_host.pop(0)])
+        return requested
 
     def read(self, address: int) -> int:
         if address == 0x7055:
