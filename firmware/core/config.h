@@ -1,4 +1,4 @@
-/* Constants of the core, the same on every board. hal.h holds what a board decides. */
+/* Constants of the core, the same on every board. hal.h contains those of a board. */
 #ifndef HB_CONFIG_H
 #define HB_CONFIG_H
 

@@ -1,4 +1,4 @@
-"""C structs of the dictionary's payloads, with the functions that read and write them."""
+"""C structs of the payloads, with the functions that read and write them."""
 
 from collections.abc import Iterable, Sequence
 
@@ -19,7 +19,8 @@ def payloads_header() -> str:
         NOTICE,
         "#ifndef HB_PAYLOADS_H\n#define HB_PAYLOADS_H",
         '#include "octets.h"',
-        "/* Rows of the schedule, which the board stores. dictionary.py describes the fields. */",
+        "/* Segments and steps of the schedule, as the board stores them. dictionary.py describes the\n"
+        " * fields. */",
         *(_row_declarations(name, fields) for name, fields in _ROWS.items()),
         "/* Requests. The result is false unless the reader holds the payload and nothing else.\n"
         " * The items of an array at the end remain in the reader. */",
@@ -71,7 +72,7 @@ def _member(name: str, kind: str) -> str:
 
 
 def _row_of(fields: Fields) -> tuple[Fields, str]:
-    """Fields before the row that ends a request, and the row's name ("" without a row)."""
+    """Fields before a segment or step at the end of a request, and its name or ""."""
     for name, row in _ROWS.items():
         if tuple(fields[-len(row) :]) == row:
             return fields[: -len(row)], name

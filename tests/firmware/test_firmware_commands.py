@@ -75,7 +75,7 @@ def test_settings_may_be_sent_in_two_parts(new_board):
 )
 def test_settings_out_of_range_are_refused_and_change_nothing(board, payload, refusal):
     assert board.request("write_settings", payload) == refusal
-    assert board.start() == b"", "the CRC of what the board holds is as before"
+    assert board.start() == b"", "the CRCs on the board are unchanged"
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """The firmware on an emulated Cortex-M4 (PIL): identical to the host library, bit for bit.
 
-Its time is the simulated bench's and its instructions are counted by the emulator, so nothing here
-says anything about timing on hardware.
+The bench is simulated and the emulator counts instructions, so these tests verify no timing
+on hardware.
 """
 
 import os
