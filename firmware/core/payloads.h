@@ -5,8 +5,8 @@
 
 #include "octets.h"
 
-/* Segments and steps of the schedule, as the board stores them. dictionary.py describes the
- * fields. */
+/* Segments and steps of the schedule, as the board stores them. dictionary.py describes
+ * the fields. */
 
 typedef struct {
     hb_u16 valves;

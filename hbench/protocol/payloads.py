@@ -19,8 +19,8 @@ def payloads_header() -> str:
         NOTICE,
         "#ifndef HB_PAYLOADS_H\n#define HB_PAYLOADS_H",
         '#include "octets.h"',
-        "/* Segments and steps of the schedule, as the board stores them. dictionary.py describes the\n"
-        " * fields. */",
+        "/* Segments and steps of the schedule, as the board stores them. dictionary.py describes\n"
+        " * the fields. */",
         *(_row_declarations(name, fields) for name, fields in _ROWS.items()),
         "/* Requests. The result is false unless the reader holds the payload and nothing else.\n"
         " * The items of an array at the end remain in the reader. */",

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+
 from tests.support.board.f28335_board import COMPILER, CORE, ROOT, data_sizes, data_words
 
 README = ROOT / "firmware" / "README.md"
