@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import TextIO
 
 from hbench.experiment.progress import Ended, Progress
-from hbench.records import RunPlan
+from hbench.records import KINDS, RunPlan
 
 _BAR = 24
 _EVERY_S = 0.1  # that the block is redrawn at most
@@ -128,7 +128,7 @@ def _line(ended: Ended, now: Progress) -> str:
 def _motion(plan: RunPlan) -> str:
     load = "" if plan.f_load_n is None else f", {plan.f_load_n:+.0f} N"
     label = f"{plan.label}, " if plan.label else ""
-    return f"{label}{plan.kind} {1e3 * plan.v_ref_m_s:+.1f} mm/s{load}"
+    return f"{label}{KINDS[plan.kind].display_name} {1e3 * plan.v_ref_m_s:+.1f} mm/s{load}"
 
 
 def _left(now: Progress) -> str:

@@ -1,12 +1,13 @@
-"""The experiments of a schedule file, one class a kind (chapter 5 of the source)."""
+"""The experiments of a schedule file, one class a velocity profile (chapter 5 of the source)."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from hbench.config import quantity as q
 from hbench.config.quantity import Section
 from hbench.config.velocities import Adaptive, Velocities
+from hbench.records import KINDS
 
 Direction = Literal["extend", "retract"]
 NOT_ADAPTIVE = (
@@ -31,7 +32,7 @@ class Travel(Section):
 class Loaded(Section):
     """What all kinds have: the load, the trials and the hold before each run."""
 
-    kind: str
+    kind: str  # its row of KINDS chooses the class
     label: str = ""  # tells two series of one campaign apart
     p_lr: q.Pressure  # reference of the load cylinder's rod side
     # Of F_L; positive opposes extension.
@@ -45,7 +46,6 @@ class Loaded(Section):
 class Steady(Loaded):
     """Runs at constant velocity and load (section 5.3)."""
 
-    kind: Literal["steady"]
     direction: Direction
     velocities: Velocities
     travel: Travel
@@ -68,7 +68,6 @@ class Steady(Loaded):
 class Ramp(Loaded):
     """Velocity rises from rest to ``speed`` at each acceleration, or to the travel's end (5.3)."""
 
-    kind: Literal["ramp"]
     direction: Direction
     speed: q.Speed
     accelerations: tuple[q.Acceleration, ...] = Field(min_length=1, max_length=20)
@@ -92,7 +91,6 @@ class Triangle(Loaded):
     Its slope follows: speed^2 / (end - start). For hysteresis, and to warm up and purge the bench.
     """
 
-    kind: Literal["triangle"]
     speed: q.Speed
     cycles: int = Field(ge=1, le=1000)  # at most
     until: Until | None = None
@@ -103,7 +101,6 @@ class Triangle(Loaded):
 class Steps(Loaded):
     """Velocity steps (section 5.4), from the travel's end where the first level leads away from."""
 
-    kind: Literal["steps"]
     levels: tuple[q.Velocity, ...] = Field(min_length=1, max_length=50)
     dwell: Annotated[float, q.quantity("s", gt=0, le=600)]
     acceleration: q.Acceleration = 100.0  # of the reference: as good as at once
@@ -121,7 +118,6 @@ class Stretch(Section):
 class Verification(Loaded):
     """A velocity profile steady and unsteady, to verify friction models (section 5.5)."""
 
-    kind: Literal["verification"]
     profile: tuple[Stretch, ...] = Field(min_length=1, max_length=100)
     travel: Travel
 
@@ -129,11 +125,31 @@ class Verification(Loaded):
 class Hold(Loaded):
     """All valves closed at rest under load: chamber pressures decay by leakage alone."""
 
-    kind: Literal["hold"]
     positions: tuple[q.Position, ...] = Field(min_length=1, max_length=50)
     duration: Annotated[float, q.quantity("s", gt=0, le=3600)]
 
 
+def _profile(experiment: Any) -> str | None:
+    """Return the velocity profile of an experiment's kind; None for an unknown or missing kind."""
+    kind = experiment.get("kind") if isinstance(experiment, dict) else experiment.kind
+    return KINDS[kind].profile if isinstance(kind, str) and kind in KINDS else None
+
+
+_OfProfile = (
+    Annotated[Steady, Tag("constant_speed")]
+    | Annotated[Ramp, Tag("acceleration_ramp")]
+    | Annotated[Triangle, Tag("triangle")]
+    | Annotated[Steps, Tag("velocity_steps")]
+    | Annotated[Verification, Tag("stretches")]
+    | Annotated[Hold, Tag("at_rest")]
+)
+SECTIONS = {tag.tag: section for section, tag in map(get_args, get_args(_OfProfile))}
+_NAMES = ", ".join(kind.name for kind in KINDS.values() if kind.profile in SECTIONS)
 Experiment = Annotated[
-    Steady | Ramp | Triangle | Steps | Verification | Hold, Field(discriminator="kind")
+    _OfProfile,
+    Discriminator(
+        _profile,
+        custom_error_type="unknown_kind",
+        custom_error_message=f"must be one of {_NAMES}",
+    ),
 ]

@@ -18,6 +18,7 @@ from hbench.config.import_layout import (
 )
 from hbench.config.quantity import Section
 from hbench.config.schedule import Screening
+from hbench.records import KINDS, kind_names
 from hbench.units import parse_unit, to_si
 
 FIELDS = ("pressure", "load", "speed", "trial")  # what a file's name can tell
@@ -91,7 +92,7 @@ class ImportMap(Section):
     """A map for ``hbench import``."""
 
     name: str
-    kind: Literal["steady", "ramp", "triangle", "steps", "hold", "verification"] = "steady"
+    kind: str = "steady"  # a row of KINDS
     format: Format = Format()
     columns: dict[str, Column] = Field(min_length=2)
     # Channel: quantity, for what is known but not logged; it may name a field of the files' names,
@@ -104,6 +105,13 @@ class ImportMap(Section):
     cut: Literal["none", "reversals"] = "none"
     min_stroke: q.Length = 0.01  # shorter pieces between reversals are dropped, and said so
     screening: Screening = Screening()
+
+    @field_validator("kind")
+    @classmethod
+    def _known_kind(cls, kind: str) -> str:
+        if kind not in KINDS:
+            raise ValueError(f"must be one of {kind_names()}")
+        return kind
 
     def wanted(self, channel: str) -> str:
         """Return the unit that a channel's column must have the dimension of."""

@@ -21,7 +21,7 @@ from hbench.config.schedule import Screening
 from hbench.config.velocities import Adaptive
 from hbench.errors import ConfigError
 from hbench.experiment.fixed_speeds import speeds
-from hbench.records import Motion, Segment
+from hbench.records import KINDS, Motion, Segment
 
 _LONGER = 1.05  # a piece that ends at a position may take than it should
 
@@ -52,7 +52,7 @@ def references(
 
     Raises ``ConfigError`` (naming ``key``) where one can't be made.
     """
-    return tuple(_KINDS[experiment.kind](experiment, screening, bench, key))
+    return tuple(PROFILES[KINDS[experiment.kind].profile](experiment, screening, bench, key))
 
 
 def way(motion: Motion, brake_m_s2: float) -> Way:
@@ -178,7 +178,8 @@ def _verification(
 
 
 def _hold(experiment: Hold, screening: Screening, bench: Bench, key: str) -> Iterator[Reference]:
-    closed = Segment(0.0, bench.controllers.acceleration, experiment.duration, closed=True)
+    is_closed = KINDS[experiment.kind].is_at_rest
+    closed = Segment(0.0, bench.controllers.acceleration, experiment.duration, closed=is_closed)
     for x in experiment.positions:
         yield Reference(0.0, None, Motion(x, x, x, experiment.hold, (closed,)))
 
@@ -194,11 +195,11 @@ def _motion(experiment: Loaded, travel: Travel, row: tuple[Segment, ...], **endi
     return Motion(x_start, travel.start, travel.end, experiment.hold, row, **ending)
 
 
-_KINDS: Mapping[str, Callable[..., Iterator[Reference]]] = {
-    "steady": _steady,
-    "ramp": _ramp,
+PROFILES: Mapping[str, Callable[..., Iterator[Reference]]] = {
+    "constant_speed": _steady,
+    "acceleration_ramp": _ramp,
     "triangle": _triangle,
-    "steps": _steps,
-    "verification": _verification,
-    "hold": _hold,
+    "velocity_steps": _steps,
+    "stretches": _verification,
+    "at_rest": _hold,
 }

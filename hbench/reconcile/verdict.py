@@ -7,14 +7,13 @@ from hbench.analysis.screening.calibrate import FIELDS
 from hbench.reconcile.gap import point_of
 from hbench.reconcile.measured.balances import BALANCES, lacking_channels
 from hbench.reconcile.search import Found
-from hbench.records import Gap, Run, RunPlan, Verdict
+from hbench.records import KINDS, Gap, Run, RunPlan, Verdict
 
 _REST = 2.0  # gap of a balance that is as far again from the model as its trials from one another
 _P = 0.1
 _FEWEST = 8  # operating points: fewer name nothing
 _SPEEDS = "three or more speeds: what grows with speed is not told from what does not"
 _LOADS = "a second load: effects of load and pressure look like offsets"
-_OF_MANY_SPEEDS = {"ramp", "triangle", "steps", "verification"}
 
 
 def rest(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
@@ -57,11 +56,11 @@ def too_few(runs: Sequence[Run]) -> tuple[str, ...]:
     """
     plans = [run.plan for run in runs]
     repeated = sum(count > 1 for count in Counter(map(point_of, plans)).values())
-    speeds = {abs(plan.v_ref_m_s) for plan in plans if plan.kind == "steady"}
+    speeds = {abs(plan.v_ref_m_s) for plan in plans if KINDS[plan.kind].has_constant_speed}
     lacks = []
     if repeated < _FEWEST:
         lacks.append(f"operating points with two trials or more: {repeated}, of {_FEWEST} at least")
-    if len(speeds) < 2 and not any(plan.kind in _OF_MANY_SPEEDS for plan in plans):
+    if len(speeds) < 2 and not any(KINDS[plan.kind].covers_speeds for plan in plans):
         lacks.append(_SPEEDS)
     if len({plan.f_load_n for plan in plans if plan.f_load_n is not None}) < 2:
         lacks.append(_LOADS)
@@ -86,8 +85,8 @@ def _compared(runs: Sequence[Run]) -> tuple[str, ...]:
 
 def what_is_missing(plans: Sequence[RunPlan]) -> tuple[str, ...]:
     """Return what runs lack for telling effects apart, in words."""
-    steady = [plan for plan in plans if plan.kind == "steady"]
-    kinds = {plan.kind for plan in plans}
+    steady = [plan for plan in plans if KINDS[plan.kind].has_constant_speed]
+    kinds = [KINDS[plan.kind] for plan in plans]
     lacks = []
     if len({abs(plan.v_ref_m_s) for plan in steady}) < 3:
         lacks.append(_SPEEDS)
@@ -95,11 +94,11 @@ def what_is_missing(plans: Sequence[RunPlan]) -> tuple[str, ...]:
         lacks.append(_LOADS)
     if len({plan.direction for plan in steady}) < 2:
         lacks.append("the other direction: friction turns with it, a sensor's error does not")
-    if not kinds & {"triangle", "verification"}:
+    if not any(kind.reverses for kind in kinds):
         lacks.append("reversals (triangle): presliding and friction's lag do not show")
-    if not kinds & {"steps", "verification", "triangle"}:
+    if not any(kind.has_fast_changes for kind in kinds):
         lacks.append("steps: slow valves, masses and filters hardly show")
-    if "hold" not in kinds:
+    if not any(kind.is_at_rest for kind in kinds):
         lacks.append("a hold with closed valves: leaks look like the valves' errors")
     by_load: dict[float | None, set[float | None]] = {}
     for plan in steady:

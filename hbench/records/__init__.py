@@ -75,6 +75,7 @@ from hbench.records.identification import (
     RampComparison,
     Trace,
 )
+from hbench.records.kinds import KINDS, ExperimentKind, kind_names
 from hbench.records.motions import (
     Comparison,
     Decay,
@@ -108,6 +109,7 @@ from hbench.records.summary import (
 )
 
 __all__ = [
+    "KINDS",
     "QUANTITIES",
     "AddedEffect",
     "Band",
@@ -130,6 +132,7 @@ __all__ = [
     "Direction",
     "EfficiencyCurve",
     "EfficiencyPoint",
+    "ExperimentKind",
     "Finding",
     "Fit",
     "FitDifference",
@@ -197,4 +200,5 @@ __all__ = [
     "Trend",
     "Verdict",
     "WordTable",
+    "kind_names",
 ]

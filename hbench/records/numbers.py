@@ -6,6 +6,8 @@ Python and mypy see the plain type; the JSON Schemas of the documents follow the
 from dataclasses import dataclass
 from typing import Annotated
 
+from hbench.records.kinds import KINDS
+
 
 @dataclass(frozen=True)
 class Nonfinite:
@@ -28,6 +30,4 @@ class OneOf:
 
 FloatOrNan = Annotated[float, Nonfinite()]
 Count = Annotated[int, Minimum(1)]  # from 1
-KindName = Annotated[
-    str, OneOf(("steady", "ramp", "triangle", "steps", "hold", "verification"))
-]  # of experiment
+KindName = Annotated[str, OneOf(tuple(KINDS))]  # of experiment

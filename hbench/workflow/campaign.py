@@ -18,6 +18,7 @@ from hbench.experiment.campaign_header import (
     session_seed,
     software,
 )
+from hbench.experiment.kind_support import check_kinds
 from hbench.experiment.plan import Plan, plan_runs, run_seconds
 from hbench.experiment.progress import Report, WholeCampaign
 from hbench.experiment.runner import bring_to_rest, run_campaign
@@ -69,6 +70,7 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
     """Read and check a schedule and its bench. Raises ``ConfigError``."""
     schedule_data = read_yaml(schedule_file)
     schedule = parse_schedule(schedule_data, str(schedule_file))
+    check_kinds(schedule, str(schedule_file))
     if bench_file is None:
         if schedule.bench is None:
             raise ConfigError(f"{schedule_file}: names no bench", "Add 'bench: FILE' or --bench.")

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
+from hbench.analysis.identification.usable_runs import identification_use, usable_runs
 from hbench.errors import DataError
 from hbench.experiment.progress import Progress
-from hbench.records import Identification, Run, ScreenedRun
+from hbench.records import Identification, Run
 from hbench.report.identification.figures import draw_identification
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
@@ -43,15 +43,15 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
             ADD_A_BENCH,
         )
     results = derive(campaign)
-    usable, left_out = _usable(results.runs, bench.moving_mass.test)
-    steady = [curve for curve in results.curves if curve.kind == "steady"]
-    along = [motion for run, motion in usable if run.plan.kind in ("triangle", "ramp")]
+    usable, left_out = usable_runs(results.runs, bench.moving_mass.test)
+    steady = [curve for curve in results.curves if identification_use(curve) == "steady_curve"]
+    along = [motion for run, motion in usable if identification_use(run.plan) == "motion"]
     laws = identify_laws(steady, along)
     if not any(law.fit for law in laws):
         reasons = "; ".join(f"{law.law}: {law.reason}" for law in laws)
         raise DataError(f"{folder}: no friction law can be identified. {reasons}", _ADD)
     ramps = compare_fits(results.curves)
-    measured = [run for run, _ in usable if run.plan.kind == "verification"]
+    measured = [run for run, _ in usable if identification_use(run.plan) == "verification"]
     not_verified = _not_verified(measured)
     if not_verified:
         verified, scatter = Verified(laws, ()), {}
@@ -82,26 +82,6 @@ def write_identification(folder: Path, found: Identification) -> None:
     files["identification.json"] = identification_json(found).encode()
     files["identification.html"] = identification_page(found, drawings).encode()
     write_files(folder, files)
-
-
-def _usable(
-    screened: Sequence[ScreenedRun], mass_kg: float
-) -> tuple[list[tuple[Run, LoggedMotion]], tuple[str, ...]]:
-    """Return the runs other than steady ones with their motions, and the runs left out."""
-    usable, left_out = [], []
-    for one in screened:
-        plan = one.run.plan
-        reason = "; ".join(one.reasons)
-        if plan.kind in ("ramp", "triangle", "verification") and one.accepted:
-            try:
-                usable.append((one.run, logged_motion(one.run, mass_kg)))
-            except DataError as error:
-                reason = error.message.partition(": ")[2]
-        elif plan.kind == "steps" and one.accepted:
-            reason = "its velocity jumps, faster than a log can follow"
-        if reason:
-            left_out.append(f"{plan.run} ({plan.kind}): {reason}")
-    return usable, tuple(left_out)
 
 
 def _not_verified(measured: Sequence[Run]) -> str:

@@ -7,28 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hbench.analysis.curves.average import curves
+from hbench.analysis.by_kind import analyse_runs
 from hbench.analysis.curves.bands import bands
-from hbench.analysis.curves.hysteresis import hysteresis
-from hbench.analysis.curves.leakage import leakage
-from hbench.analysis.curves.ramp_tests import comparisons
-from hbench.analysis.curves.ramps import ramp_curves, slid
-from hbench.analysis.curves.step_levels import level_runs, levels
-from hbench.analysis.curves.surface import surfaces
-from hbench.analysis.fitting.fit import fits, left_out
-from hbench.analysis.fitting.joint import fitted, joint_fits
+from hbench.analysis.fitting.fit import left_out
+from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
-from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.analysis.uncertainty.efficiency import efficiency
-from hbench.config.bench import Bench
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import DataError
-from hbench.records import Curve, Motions, Results, Run, ScreenedRun
+from hbench.records import KINDS, Results, Run, ScreenedRun
 from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import Campaign, load_campaign, write_results
@@ -37,10 +29,6 @@ from hbench.store.campaign.stored_diagnosis import diagnoses
 if TYPE_CHECKING:
     from hbench.report.render.document import Document
 
-_SHARED_STROKES = (
-    "the points of a ramp's curve share their strokes, while the intervals of its fitted "
-    "parameters take them as independent: they are too narrow"
-)
 _AS_USUAL = Fitting()
 
 
@@ -121,59 +109,28 @@ def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
     if not screened:
         raise DataError(f"{campaign.folder}: holds no runs", "Go on with `hbench run --resume`.")
     instruments = None if bench is None else bench.instruments
-    steady = tuple(with_instruments(fitted(curve, how), instruments) for curve in curves(screened))
-    moving, motions, notes = _motions(screened, steady, bench, how)
-    found = (*steady, *(with_instruments(curve, instruments) for curve in moving))
+    analysed = analyse_runs(screened, bench, how)
+    steady, curves = analysed.steady, (*analysed.steady, *analysed.moving)
     efficiencies = tuple(efficiency(curve, instruments) for curve in steady)
     lacking = not_computed(screened, efficiencies, instruments)
     return Results(
         provenance=campaign.provenance(),
         runs=screened,
-        curves=found,
+        curves=curves,
         efficiency=efficiencies,
         bands=bands(steady),
-        notes=(*campaign.warnings, *lacking, *left_out(steady), *notes),
-        motions=motions,
+        notes=(*campaign.warnings, *lacking, *left_out(steady), *analysed.notes),
+        motions=analysed.motions,
         joint_fits=joint_fits(steady, how),
-        headline=headline(found, efficiencies),
-        quality=quality(screened, found),
+        headline=headline(curves, efficiencies),
+        quality=quality(screened, curves),
     )
 
 
 def _slim(one: ScreenedRun) -> ScreenedRun:
-    if not one.accepted or one.run.plan.kind != "steady":
+    if not one.accepted or not KINDS[one.run.plan.kind].has_constant_speed:
         return one
     return replace(one, run=Run(one.run.plan, t_s=np.zeros(0), x_m=np.zeros(0)))
-
-
-def _motions(
-    screened: tuple[ScreenedRun, ...],
-    steady: tuple[Curve, ...],
-    bench: Bench | None,
-    how: Fitting,
-) -> tuple[tuple[Curve, ...], Motions, tuple[str, ...]]:
-    """Return the curves of ramps and steps, what all moving and resting runs tell, and notes."""
-    mass_kg = 0.0 if bench is None else bench.moving_mass.test
-    ramps, notes = ramp_curves(screened, mass_kg)
-    ramps = tuple(replace(curve, fits=fits(slid(curve), how)) for curve in ramps)
-    if any(curve.fits for curve in ramps):
-        notes += (_SHARED_STROKES,)
-    loops, of_loops = hysteresis(screened, mass_kg)
-    kinds = {one.run.plan.kind for one in screened if one.accepted}
-    if bench is None and kinds & {"ramp", "triangle", "steps"}:
-        of_loops += (
-            "the test side's mass is not known: friction of moving runs holds its inertia",
-        )
-    if bench is None and "hold" in kinds:
-        of_loops += ("leakage needs a bench file: volumes and bulk modulus are not known",)
-    motions = Motions(
-        comparisons=comparisons((*steady, *map(slid, ramps))),
-        loops=loops,
-        levels=levels(screened, mass_kg),
-        leakages=() if bench is None else leakage(screened, bench),
-        surfaces=surfaces(steady),
-    )
-    return ramps + curves(level_runs(screened)), motions, (*notes, *of_loops)
 
 
 def _tables(results: Results) -> dict[str, bytes]:

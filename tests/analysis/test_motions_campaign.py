@@ -5,11 +5,11 @@ import json
 import pytest
 
 from hbench import workflow
+from hbench.analysis.by_kind import analyse_runs
 from hbench.analysis.screening.screen import screen
 from hbench.config.fitting import Fitting
 from hbench.config.schedule import Screening
 from hbench.report.campaign.terminal import summary_text
-from hbench.workflow.results import _motions
 from tests.support.analysis.moving import moving_run, ramp_velocity
 
 LOAD = {"p_lr": "15 bar", "loads": ["2000 N"], "hold": "0.2 s", "trials": 2}
@@ -65,8 +65,9 @@ def test_without_a_bench_file_the_inertia_stays_in_and_leakage_is_left_out_and_b
     hold = moving_run("hold", 0 * v, 0.0)
     screened = tuple(screen(run, Screening()) for run in (ramp, hold))
     assert all(one.accepted for one in screened)
-    (curve,), motions, notes = _motions(screened, (), None, Fitting())
+    analysed = analyse_runs(screened, None, Fitting())
+    (curve,) = analysed.moving
     assert curve.points[9].friction_n == pytest.approx(300 + 40 * 0.1, abs=0.1)
-    assert motions.leakages == ()
-    assert any("mass is not known" in note for note in notes)
-    assert any("leakage needs a bench file" in note for note in notes)
+    assert analysed.motions.leakages == ()
+    assert any("mass is not known" in note for note in analysed.notes)
+    assert any("leakage needs a bench file" in note for note in analysed.notes)

@@ -127,7 +127,7 @@ def test_every_fault_of_a_file_is_told_at_once():
     ("key", "value", "words"),
     [
         ("experiments.0.kind", "stedy",
-         ["experiments.0.kind = 'stedy': must be one of 'steady', 'ramp'"]),
+         ["experiments.0.kind = 'stedy': must be one of steady, ramp"]),
         ("experiments.0.trials", "three", ["experiments.0.trials = 'three'", "a whole number"]),
         ("experiments.0.direction", "out", ["must be 'extend' or 'retract'"]),
         ("experiments.0.loads", "500 N", ["experiments.0.loads = '500 N': must be a list"]),

@@ -29,6 +29,7 @@ from hbench.analysis.uncertainty.budget import (
 )
 from hbench.config.sensors import Instruments
 from hbench.records import (
+    KINDS,
     Curve,
     CurveDifference,
     CurvePoint,
@@ -84,7 +85,7 @@ def differences(
         if not found.points:
             notes.append(f"{_words(curve)}: the two campaigns have no speeds in common")
             continue
-        if all(key in one for one in etas) and curve.kind == "steady":
+        if all(key in one for one in etas) and KINDS[curve.kind].has_constant_speed:
             pair = (curve, etas[0][key]), (theirs[key], etas[1][key])
             found = replace(found, efficiency=_efficiency(*pair, same_instruments))
         compared.append(found)
@@ -185,7 +186,7 @@ def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
     any other curve share their strokes: there a trial's sum over the points is one value.
     """
     points = [(w, curve.points[i]) for i, w in weights.items()]
-    if curve.kind == "steady" or len(points) == 1:
+    if KINDS[curve.kind].has_constant_speed or len(points) == 1:
         return [(w, [sign(curve) * trial for trial in p.trials_n]) for w, p in points]
     of_trials = [dict(zip(p.trials, p.trials_n, strict=True)) for _, p in points]
     common = set.intersection(*map(set, of_trials))
@@ -266,7 +267,7 @@ def _parameters(a: Curve, b: Curve) -> Iterable[FitDifference]:
             other = theirs.parameters.get(name)
             if other is None:
                 continue
-            if a.kind == "steady":
+            if KINDS[a.kind].has_constant_speed:
                 found = _of_fits(p, other)
             else:
                 found = _untested(p.value, other.value, "the points of a fit share their strokes")

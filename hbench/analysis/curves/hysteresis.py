@@ -50,9 +50,9 @@ def hysteresis(
     groups: dict[tuple, list[Run]] = defaultdict(list)
     for one in screened:
         plan = one.run.plan
-        if plan.kind == "triangle" and one.accepted:
-            key = plan.label, plan.f_load_n, plan.p_lr_ref_pa, abs(plan.v_ref_m_s), plan.specimen
-            groups[key].append(one.run)
+        if one.accepted:
+            load = plan.f_load_n, plan.p_lr_ref_pa, plan.specimen
+            groups[plan.kind, plan.label, *load, abs(plan.v_ref_m_s)].append(one.run)
     loops, notes = [], []
     for runs in groups.values():
         trials: dict[int, list[Cycle]] = defaultdict(list)
@@ -149,4 +149,5 @@ def _loop(runs: Sequence[Run], trials: list[list[Cycle]]) -> Loop:
         ),
         trace=tuple((float(x), float(v), float(f)) for x, v, f in trace),
         runs=tuple(run.plan.run for run in runs),
+        kind=plan.kind,
     )

@@ -41,11 +41,11 @@ _SEEN = 1e-3
 
 def leakage(screened: Iterable[ScreenedRun], bench: Bench) -> tuple[Leakage, ...]:
     """Return the leaks from the accepted holds of each label."""
-    groups: dict[str, list[Run]] = defaultdict(list)
+    groups: dict[tuple[str, str], list[Run]] = defaultdict(list)
     for one in screened:
-        if one.run.plan.kind == "hold" and one.accepted:
-            groups[one.run.plan.label].append(one.run)
-    return tuple(_leakage(label, runs, bench) for label, runs in groups.items())
+        if one.accepted:
+            groups[one.run.plan.kind, one.run.plan.label].append(one.run)
+    return tuple(_leakage(label, runs, bench) for (_, label), runs in groups.items())
 
 
 def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
@@ -97,6 +97,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         decays=tuple(decay for _, _, decay in parts),
         bulk_modulus_pa=beta,
         message="; ".join(messages),
+        kind=runs[0].plan.kind,
     )
 
 

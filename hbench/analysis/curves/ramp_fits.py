@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from hbench.analysis.curves.ramps import slid
 from hbench.analysis.identification.verification import curve_error
-from hbench.records import Curve, Fit, RampComparison
+from hbench.records import KINDS, Curve, Fit, RampComparison
 
 
 def compare_fits(curves: Sequence[Curve]) -> tuple[RampComparison, ...]:
@@ -18,7 +18,8 @@ def compare_fits(curves: Sequence[Curve]) -> tuple[RampComparison, ...]:
     found = []
     for ramp in curves:
         for steady in curves:
-            if (ramp.kind, steady.kind) == ("ramp", "steady") and _load(ramp) == _load(steady):
+            analyses = KINDS[ramp.kind].analysis, KINDS[steady.kind].analysis
+            if analyses == ("ramp_curve", "steady_curve") and _load(ramp) == _load(steady):
                 of_steady, of_ramp = _tustin(steady), _tustin(ramp)
                 if of_steady and of_ramp:
                     found.append(_compared(steady, of_steady, slid(ramp), of_ramp))

@@ -21,7 +21,7 @@ import numpy as np
 
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import student_factor
-from hbench.records import Comparison, Curve, Series
+from hbench.records import KINDS, Comparison, Curve, Series
 
 _GRID = 10  # speeds of a half at which ramps are compared
 _LEAST = 2  # steady speeds that make a range
@@ -31,19 +31,19 @@ def comparisons(curves: Iterable[Curve]) -> tuple[Comparison, ...]:
     """Test all ramps of the same load, direction and label, and those with steady runs beside."""
     groups: dict[tuple, list[Curve]] = defaultdict(list)
     for curve in curves:
-        if curve.kind in ("ramp", "steady"):
+        if KINDS[curve.kind].is_ramp or KINDS[curve.kind].has_constant_speed:
             key = curve.label, curve.f_load_n, curve.p_lr_ref_pa, curve.direction, curve.specimen
             groups[key].append(curve)
     accelerations: list[Comparison] = []
     steady: list[Comparison] = []
     for group in groups.values():
-        ramps = [curve for curve in group if curve.kind == "ramp" and len(curve.points) > 1]
+        ramps = [curve for curve in group if KINDS[curve.kind].is_ramp and len(curve.points) > 1]
         ramps.sort(key=lambda curve: curve.a_ref_m_s2 or 0.0)
         if len(ramps) > 1:
             accelerations += _accelerations(ramps)
         for ramp in ramps:
             for other in group:
-                if other.kind == "steady":
+                if KINDS[other.kind].has_constant_speed:
                     steady += _steady(ramp, other)
     return (*_corrected(accelerations), *_corrected(steady))
 
@@ -84,6 +84,7 @@ def _anova(ramps: list[Curve], groups: list[np.ndarray], low: float, high: float
         p_holm=None,
         n=sum(map(len, groups)),
         message=message,
+        kind=ramps[0].kind,
     )
 
 
@@ -125,6 +126,7 @@ def _steady(ramp: Curve, steady: Curve) -> Iterable[Comparison]:
             p_holm=None,
             n=len(ours) + len(theirs),
             message=message,
+            kind=ramp.kind,
         )
 
 

@@ -26,7 +26,7 @@ _BINS = 20  # over the top speed; the first one begins with its second half
 def ramp_curves(
     screened: Iterable[ScreenedRun], mass_kg: float
 ) -> tuple[tuple[Curve, ...], tuple[str, ...]]:
-    """Return the curves of the accepted ramps, and notes on what can't be used.
+    """Return the curves of the accepted runs, which are ramps, and notes on what can't be used.
 
     Accelerations rise within a label, load and direction, in whatever order they were run.
     ``mass_kg`` is the test side's; 0 where it is not known, and then the inertia stays in.
@@ -36,10 +36,10 @@ def ramp_curves(
     notes = []
     for one in screened:
         plan = one.run.plan
-        if plan.kind != "ramp" or not one.accepted:
+        if not one.accepted:
             continue
-        series = (plan.label, plan.direction, plan.f_load_n, plan.p_lr_ref_pa, plan.specimen)
-        key = (*series, plan.a_ref_m_s2)
+        load = (plan.direction, plan.f_load_n, plan.p_lr_ref_pa, plan.specimen)
+        key = (plan.kind, plan.label, *load, plan.a_ref_m_s2)
         try:
             groups[key].append((plan.trial, logged_motion(one.run, mass_kg)))
         except DataError as error:
@@ -51,7 +51,7 @@ def ramp_curves(
     for key in rising:
         plan, trials = plans[key], groups[key]
         like = Curve(
-            "ramp",
+            plan.kind,
             plan.direction,
             plan.f_load_n,
             plan.p_lr_ref_pa,

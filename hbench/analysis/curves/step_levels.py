@@ -43,7 +43,7 @@ def level_runs(screened: Iterable[ScreenedRun]) -> tuple[ScreenedRun, ...]:
     found = []
     for one in screened:
         run = one.run
-        if run.plan.kind != "steps" or not one.accepted or run.v_ref_m_s is None:
+        if not one.accepted or run.v_ref_m_s is None:
             continue
         for level, held in level_windows(run):
             if level != 0.0:
@@ -57,15 +57,15 @@ def levels(screened: Iterable[ScreenedRun], mass_kg: float) -> tuple[Level, ...]
     groups: dict[tuple, list[tuple[int, str, list[Step]]]] = defaultdict(list)
     for one in screened:
         run = one.run
-        if run.plan.kind == "steps" and one.accepted and run.v_ref_m_s is not None:
+        if one.accepted and run.v_ref_m_s is not None:
             steps = steps_of(run, mass_kg)
             series = run.plan.label, run.plan.f_load_n, run.plan.p_lr_ref_pa
-            key = (*series, tuple(step.v_to_m_s for step in steps))
+            key = (*series, run.plan.kind, tuple(step.v_to_m_s for step in steps))
             groups[key].append((run.plan.trial, run.plan.run, steps))
     return tuple(
-        _level(Series(*key[:3]), number, runs)
+        _level(Series(*key[:3]), key[3], number, runs)
         for key, runs in groups.items()
-        for number in range(len(key[3]))
+        for number in range(len(key[4]))
     )
 
 
@@ -93,7 +93,9 @@ def steps_of(run: Run, mass_kg: float) -> list[Step]:
     return found
 
 
-def _level(series: Series, number: int, runs: list[tuple[int, str, list[Step]]]) -> Level:
+def _level(
+    series: Series, kind: str, number: int, runs: list[tuple[int, str, list[Step]]]
+) -> Level:
     trials: dict[int, list[Step]] = defaultdict(list)
     for trial, _, steps in runs:
         trials[trial].append(steps[number])
@@ -144,4 +146,5 @@ def _level(series: Series, number: int, runs: list[tuple[int, str, list[Step]]])
         settling_step_s=dt,
         remark=remark,
         resolved=resolved,
+        kind=kind,
     )

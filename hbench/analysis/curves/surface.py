@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from hbench.records import Curve, Surface
+from hbench.records import KINDS, Curve, Surface
 
 _LEAST = 3  # loads, and speeds
 
@@ -18,11 +18,12 @@ def surfaces(curves: Iterable[Curve]) -> tuple[Surface, ...]:
     """
     groups: dict[tuple, list[Curve]] = defaultdict(list)
     for curve in curves:
-        if curve.kind == "steady" and curve.f_load_n is not None and curve.over_velocity:
-            key = curve.label, curve.direction, curve.p_lr_ref_pa, curve.specimen
+        is_steady = KINDS[curve.kind].has_constant_speed
+        if is_steady and curve.f_load_n is not None and curve.over_velocity:
+            key = curve.kind, curve.label, curve.direction, curve.p_lr_ref_pa, curve.specimen
             groups[key].append(curve)
     found = []
-    for (label, direction, p_lr, _), group in groups.items():
+    for (kind, label, direction, p_lr, _), group in groups.items():
         group = sorted(group, key=lambda curve: curve.f_load_n)
         v = _common(group)
         if len(group) >= _LEAST and len(v) >= _LEAST:
@@ -39,6 +40,7 @@ def surfaces(curves: Iterable[Curve]) -> tuple[Surface, ...]:
                         tuple(float(c) if np.isfinite(c) else None for c in interval)
                         for _, interval in rows
                     ),
+                    kind=kind,
                 )
             )
     return tuple(found)

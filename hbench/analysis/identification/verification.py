@@ -90,7 +90,7 @@ def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndar
         if own.any():
             means = [float(values[own].mean()) for values in (v, friction, p_p, p_r, applied)]
             points.append(_point(like, tuple(m.run for m in motions), *means))
-    return replace(like, kind="ramp", points=tuple(points), fits=())
+    return replace(like, points=tuple(points), fits=())
 
 
 def curve_error(fit: Fit, curve: Curve) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
 from hbench.analysis.screening.steadiness import block_speeds, mean_speed
 from hbench.config.schedule import Screening
-from hbench.records import Run
+from hbench.records import KINDS, Run
 
 _REACHED = 0.98  # of a ramp's top speed
 _NEAR_END_M = 0.005
@@ -27,16 +27,16 @@ def motion_reasons(run: Run, rules: Screening) -> list[str]:
     """Return what speaks against a run that is not steady; nothing about its log's integrity."""
     if len(run.t_s) < 2:
         return ["too_short: no motion was logged; limit 2 records"]
-    return [*_end_stop(run, rules), *_KINDS[run.plan.kind](run, rules)]
+    return [*_end_stop(run, rules), *RULES[KINDS[run.plan.kind].screening](run, rules)]
 
 
 def motion_notes(run: Run) -> list[str]:
     """Return what a reader should know of a run that is not steady."""
-    notes = []
-    if run.v_ref_m_s is None and run.plan.kind != "hold":
+    kind, notes = KINDS[run.plan.kind], []
+    if run.v_ref_m_s is None and not kind.is_at_rest:
         notes.append("the reference was not logged: whether it was followed is not judged")
     count = 0 if run.valve_saturated is None else int(run.valve_saturated.sum())
-    if count and run.plan.kind in ("triangle", "steps"):
+    if count and kind.valve_may_saturate:
         notes.append(f"a valve was at its limit in {count} of {len(run.t_s)} records")
     return notes
 
@@ -77,7 +77,7 @@ def _no_valve_at_its_limit(run: Run, rules: Screening) -> Iterator[str]:
         yield f"valve_saturated: in {count} of the {len(run.t_s)} records of the run; limit 0"
 
 
-def _ramp(run: Run, rules: Screening) -> Iterator[str]:
+def _complete_ramp(run: Run, rules: Screening) -> Iterator[str]:
     yield from _followed(run, rules)
     yield from _no_valve_at_its_limit(run, rules)
     motion, top = run.plan.motion, abs(run.plan.v_ref_m_s)
@@ -93,18 +93,18 @@ def _ramp(run: Run, rules: Screening) -> Iterator[str]:
         )
 
 
-def _verification(run: Run, rules: Screening) -> Iterator[str]:
+def _tracking(run: Run, rules: Screening) -> Iterator[str]:
     yield from _followed(run, rules)
     yield from _no_valve_at_its_limit(run, rules)
 
 
-def _triangle(run: Run, rules: Screening) -> Iterator[str]:
+def _whole_cycles(run: Run, rules: Screening) -> Iterator[str]:
     yield from _followed(run, rules)
     if run.v_ref_m_s is not None and not whole_cycles(run.v_ref_m_s):
         yield "incomplete: the triangle ended within its first cycle; limit 1 cycle"
 
 
-def _steps(run: Run, rules: Screening) -> Iterator[str]:
+def _settled_levels(run: Run, rules: Screening) -> Iterator[str]:
     if run.v_ref_m_s is None:
         return
     for number, (level, held) in enumerate(level_windows(run), start=1):
@@ -121,7 +121,7 @@ def _steps(run: Run, rules: Screening) -> Iterator[str]:
             yield f"valve_saturated: in the settled half of level {number}; limit 0 records"
 
 
-def _hold(run: Run, rules: Screening) -> Iterator[str]:
+def _rest(run: Run, rules: Screening) -> Iterator[str]:
     moved = float(np.ptp(run.x_m))
     if moved > rules.rest_travel:
         yield (
@@ -133,10 +133,10 @@ def _hold(run: Run, rules: Screening) -> Iterator[str]:
         yield f"too_short: {max(length, 0):.2f} s at rest; limit {rules.min_window:g} s"
 
 
-_KINDS: dict[str, Callable[[Run, Screening], Iterator[str]]] = {
-    "ramp": _ramp,
-    "verification": _verification,
-    "triangle": _triangle,
-    "steps": _steps,
-    "hold": _hold,
+RULES: dict[str, Callable[[Run, Screening], Iterator[str]]] = {
+    "complete_ramp": _complete_ramp,
+    "tracking": _tracking,
+    "whole_cycles": _whole_cycles,
+    "settled_levels": _settled_levels,
+    "rest": _rest,
 }

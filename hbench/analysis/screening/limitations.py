@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from hbench.analysis.screening.screen import missing_channels
 from hbench.config.sensors import Instruments
-from hbench.records import EfficiencyCurve, ScreenedRun
+from hbench.records import KINDS, EfficiencyCurve, Run, ScreenedRun
 
 _CHAMBER = "where its chamber is open to air or tank, give its pressure as a constant of the map"
 _HELP = {
@@ -25,8 +25,8 @@ def not_computed(
 
 
 def _friction(screened: Sequence[ScreenedRun]) -> list[str]:
-    judged = [one.run for one in screened if not one.accepted and one.run.plan.kind != "hold"]
-    lacking = Counter(tuple(missing_channels(run)) for run in judged if len(run.t_s))
+    rejected = [one.run for one in screened if not one.accepted and _moves(one.run)]
+    lacking = Counter(tuple(missing_channels(run)) for run in rejected if len(run.t_s))
     notes = []
     for missing, runs in lacking.items():
         if missing:
@@ -37,6 +37,10 @@ def _friction(screened: Sequence[ScreenedRun]) -> list[str]:
                 "Their speeds and what was measured stand in runs.csv"
             )
     return notes
+
+
+def _moves(run: Run) -> bool:
+    return not KINDS[run.plan.kind].is_at_rest
 
 
 def _efficiency(curves: Sequence[EfficiencyCurve]) -> list[str]:

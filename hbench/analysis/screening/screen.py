@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.screening.by_kind import motion_notes, motion_reasons
+from hbench.analysis.screening.by_kind import RULES, motion_notes, motion_reasons
 from hbench.analysis.screening.saturation import sensors_at_their_end
 from hbench.analysis.screening.steadiness import drift, mean_speed, speed_ripple
 from hbench.analysis.screening.steady_window import (
@@ -17,7 +17,7 @@ from hbench.analysis.screening.steady_window import (
 )
 from hbench.analysis.uncertainty.efficiency import Forces, efficiency_of
 from hbench.config.schedule import Screening
-from hbench.records import Run, ScreenedRun, SteadyMeans
+from hbench.records import KINDS, Run, ScreenedRun, SteadyMeans
 
 # Codes of the reasons, the most fundamental first. A reason reads "code: words, value, limit".
 CODES = (
@@ -34,6 +34,8 @@ CODES = (
     "not_steady",
 )
 
+SCREENING_RULES = ("steady_window", *RULES)  # of the column ``screening`` of KINDS
+
 _STANDSTILL_S = 0.2
 _SURE = 3.0  # standard errors that a drift must stand above its limit
 
@@ -46,7 +48,7 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
     ``steady`` have rules of their own (``screen_motion``) and no steady window.
     """
     run, notes = _with_values(run)
-    if run.plan.kind != "steady":
+    if not KINDS[run.plan.kind].has_constant_speed:
         reasons = [*_integrity(run, slice(0, None), rules), *motion_reasons(run, rules)]
         return ScreenedRun(run, _in_order(reasons), None, (*notes, *motion_notes(run)))
     part = at_reference(run)
@@ -105,7 +107,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
     if run.truncated:
         yield f"truncated: {run.truncated}"
     missing = missing_channels(run)
-    if run.plan.kind == "hold":
+    if KINDS[run.plan.kind].is_at_rest:
         missing = [name for name in missing if name != "f_applied_n"]
     if missing:
         yield f"missing_channel: friction needs {' and '.join(missing)}"

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from statistics import fmean
 
 from hbench.records import (
+    KINDS,
     Curve,
     Direction,
     FleetNumber,
@@ -49,8 +50,9 @@ def fleet_numbers(results: Results) -> dict[tuple[str, Direction], FleetNumber]:
 
 
 def _planned_loads(plans: list[RunPlan], direction: Direction) -> int:
-    kind = "steady" if any(plan.kind == "steady" for plan in plans) else "ramp"
-    of_direction = [p for p in plans if p.direction == direction and p.kind == kind]
+    steady = [plan for plan in plans if KINDS[plan.kind].has_constant_speed]
+    chosen = steady or [plan for plan in plans if KINDS[plan.kind].is_ramp]
+    of_direction = [plan for plan in chosen if plan.direction == direction]
     return len({(p.label, p.f_load_n, p.p_lr_ref_pa) for p in of_direction})
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from statistics import median_low, stdev
 
 from hbench.records import (
+    KINDS,
     Basis,
     Curve,
     CurvePoint,
@@ -35,11 +36,12 @@ def headline(
     curves, efficiency = tuple(curves), without_common_rod_pressure(efficiency)
     speed = _median_speed(curves) if speed_m_s is None else speed_m_s
     marked = without_common_rod_pressure(curves)
-    ramps = [curve for curve in marked if curve.kind == "ramp"]
-    steady = any(curve.kind == "steady" for curve in marked)
+    ramps = [curve for curve in marked if KINDS[curve.kind].is_ramp]
+    steady = any(KINDS[curve.kind].has_constant_speed for curve in marked)
     series, seen = [], set()
     for curve, original in zip(marked, curves, strict=True):
-        if curve.kind != ("steady" if steady else "ramp") or _key(curve) in seen:
+        kind = KINDS[curve.kind]
+        if not (kind.has_constant_speed if steady else kind.is_ramp) or _key(curve) in seen:
             continue  # ramps of other accelerations
         seen.add(_key(curve))
         point = _nearest(curve.points, speed) if steady else None
@@ -67,12 +69,13 @@ def at_working_speed(results: Results, speed_m_s: float | None) -> Results:
 
 def planned_speed_m_s(plans: Iterable[RunPlan]) -> float | None:
     """Return the median of the steady speeds that were planned, accepted or not."""
-    speeds = [abs(plan.v_ref_m_s) for plan in plans if plan.kind == "steady"]
+    speeds = [abs(plan.v_ref_m_s) for plan in plans if KINDS[plan.kind].has_constant_speed]
     return median_low(speeds) if speeds else None
 
 
 def _median_speed(curves: Iterable[Curve]) -> float | None:
-    speeds = [abs(p.v_m_s) for curve in curves if curve.kind == "steady" for p in curve.points]
+    steady = (curve for curve in curves if KINDS[curve.kind].has_constant_speed)
+    speeds = [abs(point.v_m_s) for curve in steady for point in curve.points]
     return median_low(speeds) if speeds else None
 
 

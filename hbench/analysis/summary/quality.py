@@ -6,7 +6,7 @@ The limits are hbench's own; no standard sets them.
 from collections.abc import Iterable, Iterator
 from statistics import median
 
-from hbench.records import Curve, CurvePoint, Fit, Grade, Quality, QualityCheck, ScreenedRun
+from hbench.records import KINDS, Curve, CurvePoint, Fit, Grade, Quality, QualityCheck, ScreenedRun
 
 GRADES: tuple[Grade, ...] = ("good", "with care", "poor")
 
@@ -23,7 +23,7 @@ def quality(runs: Iterable[ScreenedRun], curves: Iterable[Curve]) -> Quality:
     Steady curves count; without any, all others do.
     """
     curves = tuple(curves)
-    chosen = [curve for curve in curves if curve.kind == "steady"] or list(curves)
+    chosen = [curve for curve in curves if KINDS[curve.kind].has_constant_speed] or list(curves)
     checks = tuple(_checks(tuple(runs), chosen))
     return Quality(max((check.grade for check in checks), key=GRADES.index), checks)
 

@@ -158,6 +158,10 @@ def _explain(fault: "ErrorDetails", data: Any, meant: dict[tuple, tuple]) -> str
     value = fault["input"]
     if fault["type"] == "tuple_type" and isinstance(value, str):
         message = f"must be a list: [{brief(value)[1:-1]}]"
+    if fault["type"] == "unknown_kind" and isinstance(value, dict):
+        if "kind" not in value:
+            return f"key '{key}.kind' is missing"
+        key, value = f"{key}.kind", value["kind"]
     if fault["type"] == "union_tag_invalid":
         tag = fault["ctx"]
         key, value = f"{key}.{tag['discriminator'].strip(chr(39))}", tag["tag"]

@@ -45,7 +45,7 @@ from hbench.reconcile.linearised import (
 )
 from hbench.reconcile.measured.balances import Windowed
 from hbench.reconcile.nuisance import nuisances
-from hbench.records import RunPlan, ScreenedRun
+from hbench.records import KINDS, RunPlan, ScreenedRun
 
 BALANCES = ("force_band", "force_middle")
 _STROKE_M = 1.0  # any: the piston stands in its middle
@@ -86,7 +86,7 @@ def pairs_of(screened: Iterable[ScreenedRun]) -> tuple[Pair, ...]:
     found: dict[RunPlan, dict[tuple[int, str], list[Stroke]]] = {}
     for one in screened:
         means, plan = one.means, one.run.plan
-        if one.accepted and plan.kind == "steady" and means is not None:
+        if one.accepted and KINDS[plan.kind].has_constant_speed and means is not None:
             load = replace(plan, run="", trial=0, v_ref_m_s=0.0)
             middle = (means.t_start_s + means.t_stop_s) / 2
             pressures = means.p_tp_pa, means.p_tr_pa or 0.0

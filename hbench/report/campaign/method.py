@@ -1,6 +1,6 @@
 """How each number of the page was computed: its equation and where that comes from."""
 
-from hbench.records import Results
+from hbench.records import KINDS, Results
 from hbench.records.friction_laws import FRICTION_LAWS, FrictionLaw
 from hbench.report.campaign.quality import RULE
 from hbench.report.render.document import Section
@@ -14,7 +14,7 @@ SOURCE = (
 
 def method_section(results: Results) -> Section:
     """Return what was computed how, of the numbers that this campaign has."""
-    kinds = {curve.kind for curve in results.curves}
+    analyses = {KINDS[curve.kind].analysis for curve in results.curves}
     laws = {fit.law for curve in results.curves for fit in curve.fits}
     laws |= {fit.law for joint in results.joint_fits for fit in joint.fits}
     motions = results.motions
@@ -22,12 +22,12 @@ def method_section(results: Results) -> Section:
     selections = [curve.selection for curve in results.curves]
     selections += [joint.selection for joint in results.joint_fits]
     applies = {
-        "Working speed": "steady" in kinds,
-        "Breakaway": "ramp" in kinds or "tustin" in laws,
+        "Working speed": "steady_curve" in analyses,
+        "Breakaway": "ramp_curve" in analyses or "tustin" in laws,
         **{_of_law(law): law.name in laws for law in FRICTION_LAWS.values()},
         "Parameters": bool(laws),
         "Which law predicts best": any(selections),
-        "Friction of moving runs": bool(kinds - {"steady"} or motions.loops),
+        "Friction of moving runs": bool(analyses - {"steady_curve"} or motions.loops),
         "Differences": bool(motions.comparisons),
         "Loops": bool(motions.loops),
         "Steps": bool(motions.levels),

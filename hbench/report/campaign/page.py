@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from hbench.records import Results
+from hbench.records import KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.fit_tables import fit_tables, law_words, selection_table
@@ -73,7 +73,7 @@ def report_document(
 
 
 def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
-    if not any(curve.kind == "steady" for curve in results.curves):
+    if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
         others = any(run.accepted for run in results.runs)
         none = (
             "No steady run was accepted; what the other runs tell stands below."

@@ -1,6 +1,6 @@
 """Load and kind of a series of runs in words."""
 
-from hbench.records import Curve, EfficiencyCurve, HeadlineSeries, RunPlan
+from hbench.records import KINDS, Curve, EfficiencyCurve, HeadlineSeries, RunPlan
 from hbench.report.render.numbers import force, short
 from hbench.units import from_si
 
@@ -15,6 +15,7 @@ def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:
 
 def kind_words(series: Curve | EfficiencyCurve | HeadlineSeries | RunPlan) -> str:
     """Write a kind of experiment, such as ``ramp 0.1 m/s²``; empty for steady runs."""
-    if series.kind == "ramp" and series.a_ref_m_s2 is not None:
-        return f"ramp {short(series.a_ref_m_s2)} m/s²"
-    return "" if series.kind == "steady" else series.kind
+    kind = KINDS[series.kind]
+    if kind.is_ramp and series.a_ref_m_s2 is not None:
+        return f"{kind.display_name} {short(series.a_ref_m_s2)} m/s²"
+    return "" if kind.has_constant_speed else kind.display_name

@@ -1,9 +1,10 @@
 """The first section of the page: friction at the working speed, breakaway, efficiency."""
 
+from collections import Counter
 from collections.abc import Iterable
 from statistics import median_low
 
-from hbench.records import HeadlineNumber, HeadlineSeries, Results
+from hbench.records import KINDS, HeadlineNumber, HeadlineSeries, Results
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.quality import RULE, quality_table
@@ -106,12 +107,10 @@ def _trials(found: HeadlineNumber | None) -> str:
 
 def _measured(results: Results) -> str:
     """Return runs, speeds, loads and directions in a sentence."""
-    kinds: dict[str, int] = {}
-    for run in results.runs:
-        kinds[run.run.plan.kind] = kinds.get(run.run.plan.kind, 0) + 1
+    kinds = Counter(KINDS[run.run.plan.kind].display_name for run in results.runs)
     made = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"
     words = [f"{len(results.runs)} runs ({made})"]
-    curves = [curve for curve in results.curves if curve.kind == "steady"]
+    curves = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
     points = [point for curve in curves for point in curve.points]
     if points:
         words.append(f"steady at {span([1e3 * abs(p.v_m_s) for p in points])} mm/s")

@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from hbench.records import Curve, Fit, JointFit, Results
+from hbench.records import KINDS, Curve, Fit, JointFit, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.motion_rows import motion_lines
 from hbench.report.campaign.reasons import reason_counts
@@ -15,9 +15,10 @@ def summary_text(results: Results) -> str:
     accepted = sum(run.accepted for run in results.runs)
     reasons = ", ".join(f"{n} {code}" for code, n in reason_counts(results).most_common())
     rejected = f"{len(results.runs) - accepted} rejected" + (f" ({reasons})" if reasons else "")
-    kinds = Counter(run.run.plan.kind for run in results.runs)
-    several = len(kinds) > 1 or "steady" not in kinds
-    of_kinds = " (" + ", ".join(f"{n} {kind}" for kind, n in kinds.items()) + ")" if several else ""
+    kinds = Counter(KINDS[run.run.plan.kind] for run in results.runs)
+    several = len(kinds) > 1 or not all(kind.has_constant_speed for kind in kinds)
+    kind_counts = ", ".join(f"{count} {kind.display_name}" for kind, count in kinds.items())
+    of_kinds = f" ({kind_counts})" if several else ""
     rows = [["direction", "load", "speeds mm/s", "friction N", "fit"]]
     for curve in without_common_rod_pressure(results.curves):
         rows.append(

@@ -3,9 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from hbench.records import Motion, RunPlan, Segment, Specimen
-
-KINDS = ("steady", "ramp", "triangle", "steps", "hold", "verification")
+from hbench.records import KINDS, Motion, RunPlan, Segment, Specimen, kind_names
 
 _LENGTH, _SPEED, _SLOPE = (-1e3, 1e3), (-1e3, 1e3), (-1e6, 1e6)
 _FORCE, _PRESSURE, _TIME = (-1e10, 1e10), (-1e11, 1e11), (0, 1e6)
@@ -48,7 +46,7 @@ def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:
     fields = dict(fields)
     specimen, motion = dict(fields.pop("specimen")), fields.pop("motion", None)
     if fields["v_ref_m_s"] is None or fields["kind"] not in KINDS:
-        raise ValueError(f"kind is {fields['kind']!r}; expected one of {', '.join(KINDS)}")
+        raise ValueError(f"kind is {fields['kind']!r}; expected one of {kind_names()}")
     _check(fields)
     _check(specimen)
     plan = RunPlan(run=run, **fields, specimen=Specimen(**specimen), motion=_motion(motion))

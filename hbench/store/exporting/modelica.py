@@ -7,7 +7,7 @@ velocity [m/s] and friction [N], and where all points have one the half-width of
 import re
 from collections.abc import Iterable
 
-from hbench.records import Curve
+from hbench.records import KINDS, Curve
 
 
 def modelica_tables(curves: Iterable[Curve]) -> bytes:
@@ -41,7 +41,7 @@ def _table(name: str, rows: list[tuple[float, ...]]) -> list[str]:
 def _name(first: str, curve: Curve, taken: set[str]) -> str:
     minus = "minus_" if (curve.f_load_n or 0.0) < 0 else ""
     load = "" if curve.f_load_n is None else f"{minus}{abs(curve.f_load_n):g}N"
-    kind = "" if curve.kind == "steady" else curve.kind
+    kind = "" if KINDS[curve.kind].has_constant_speed else curve.kind
     if curve.a_ref_m_s2 is not None:
         kind += f"_{curve.a_ref_m_s2:.3g}"
     words = "_".join(filter(None, (first, kind, curve.direction, load, curve.label)))

@@ -15,9 +15,9 @@ from hbench.config.bench import parse_bench
 from hbench.config.files.loading import read_yaml
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.records import RunPlan, Specimen
+from hbench.records import KINDS, RunPlan, Specimen, kind_names
 from hbench.store.campaign.journal import check_run_id
-from hbench.store.campaign.plan_fields import KINDS, check_number
+from hbench.store.campaign.plan_fields import check_number
 from hbench.store.files.array_tables import AnyTable, Arrays, open_table, read_mat, read_parquet
 from hbench.store.files.run_csv import read_channels
 from hbench.store.files.text_table import Table, parse_table
@@ -142,7 +142,7 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
     cells = {name: cell.strip() for name, cell in cells.items()}
     kind = cells.get("kind") or "steady"
     if kind not in KINDS:
-        raise _fault(index, row, "kind", kind, f"expected one of {', '.join(KINDS)}")
+        raise _fault(index, row, "kind", kind, f"expected one of {kind_names()}")
     trial = cells.get("trial") or "1"
     if not trial.isdecimal() or len(trial) > 6 or int(trial) < 1:
         raise _fault(index, row, "trial", trial, "expected a number from 1")

@@ -11,7 +11,7 @@ import numpy as np
 
 from hbench.config.import_map import ImportMap, Series
 from hbench.errors import ConfigError, DataError
-from hbench.records import RunPlan, Specimen
+from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_file
 from hbench.store.importing.imported_run import ForeignRun, ForeignRuns, SourceFile, read_source
 from hbench.store.importing.stroke_cuts import Strokes, cut_at_reversals, stroke_speed
@@ -141,7 +141,7 @@ def _pattern(files: str) -> re.Pattern[str]:
 def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> Strokes:
     if rules.cut == "reversals":
         return cut_at_reversals(x_m, rules.min_stroke)
-    if rules.kind != "steady":
+    if not KINDS[rules.kind].has_constant_speed:
         return Strokes((slice(0, len(x_m)),), partial=0, short=0)
     if abs(x_m[-1] - x_m[0]) < rules.min_stroke:
         raise DataError(
@@ -156,7 +156,8 @@ def _stroke(
     match: _Match, file: SourceFile, read: FileChannels, piece: slice, kind: str
 ) -> _Stroke:
     part = {name: values[piece] for name, values in read.channels.items()}
-    measured = stroke_speed(part["t_s"], part["x_m"]) if kind == "steady" else None
+    constant = KINDS[kind].has_constant_speed
+    measured = stroke_speed(part["t_s"], part["x_m"]) if constant else None
     return _Stroke(
         match=match,
         file=file,
@@ -169,7 +170,7 @@ def _stroke(
 def _top(part: dict[str, np.ndarray], match: _Match, kind: str) -> float:
     """Return the top speed [m/s] of a run that is not steady, with the sign of its reference."""
     v_ref = part.get("v_ref_m_s")
-    if kind == "hold":
+    if KINDS[kind].is_at_rest:
         return 0.0
     if v_ref is not None and np.isfinite(v_ref).any():
         return float(v_ref[np.nanargmax(np.abs(v_ref))])
@@ -191,7 +192,7 @@ def _nominal_speeds(strokes: list[_Stroke]) -> dict[tuple, float]:
 
 def _plan(number: int, stroke: _Stroke, kind: str, speeds: dict[tuple, float]) -> RunPlan:
     match = stroke.match
-    if kind != "steady":
+    if not KINDS[kind].has_constant_speed:
         v_ref = stroke.v_m_s
     elif match.speed_m_s is not None:
         v_ref = np.copysign(match.speed_m_s, stroke.v_m_s)

@@ -1,1 +1,16 @@
 """Figures of a campaign, one file a subject."""
+
+NAMES = (  # of all_figures.FIGURES, for those who do not draw
+    "stribeck",
+    "friction-signed",
+    "friction-pressure",
+    "surface",
+    "ramps",
+    "differences",
+    "hysteresis",
+    "steps",
+    "leakage",
+    "efficiency",
+    "efficiency-map",
+    "rejected",
+)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from hbench.records import Results
+from hbench.records import KINDS, Results
 from hbench.report.campaign.figures.efficiency import efficiency, has_efficiency
 from hbench.report.campaign.figures.efficiency_map import efficiency_map, has_efficiency_map
 from hbench.report.campaign.figures.friction import (
@@ -66,12 +66,12 @@ def draw_all(results: Results) -> tuple[Drawing, ...]:
 
 def _series(results: Results) -> Iterator[tuple[Results, str]]:
     """Yield the steady part of each label, and the label."""
-    for label in dict.fromkeys(curve.label for curve in results.curves if curve.kind == "steady"):
-        chosen = "steady", label
+    steady = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
+    for label in dict.fromkeys(curve.label for curve in steady):
         part = replace(
             results,
-            curves=tuple(c for c in results.curves if (c.kind, c.label) == chosen),
-            efficiency=tuple(c for c in results.efficiency if (c.kind, c.label) == chosen),
+            curves=tuple(curve for curve in steady if curve.label == label),
+            efficiency=tuple(curve for curve in results.efficiency if curve.label == label),
         )
         yield part, label
 

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from hbench.records import EfficiencyCurve, EfficiencyPoint, Results
+from hbench.records import KINDS, EfficiencyCurve, EfficiencyPoint, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.render import style
 from hbench.report.render.series import behind, plain
@@ -54,9 +54,8 @@ def _percent(point: EfficiencyPoint) -> float:
 
 def _groups(results: Results) -> dict[str, list[EfficiencyCurve]]:
     groups: dict[str, list[EfficiencyCurve]] = defaultdict(list)
-    for curve in without_common_rod_pressure(
-        c for c in results.efficiency if c.kind == "steady" and c.f_load_n
-    ):
+    steady = (curve for curve in results.efficiency if KINDS[curve.kind].has_constant_speed)
+    for curve in without_common_rod_pressure(curve for curve in steady if curve.f_load_n):
         helps = (curve.f_load_n < 0) == (curve.direction == "extend")
         words = [style.TITLES[curve.direction] + (", load helps" if helps else "")]
         if curve.p_lr_ref_pa is not None:

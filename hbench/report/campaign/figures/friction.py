@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Curve, CurvePoint, Direction, EfficiencyCurve, Fit, Results
+from hbench.records import KINDS, Curve, CurvePoint, Direction, EfficiencyCurve, Fit, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
@@ -24,7 +24,7 @@ _ASIDE = 0.006  # residuals of one speed stand side by side, this part of the hi
 
 def over_velocity(results: Results) -> tuple[Curve, ...]:
     """Return the steady curves that have enough speeds to be drawn over velocity."""
-    chosen = (curve for curve in results.curves if curve.kind == "steady")
+    chosen = (curve for curve in results.curves if KINDS[curve.kind].has_constant_speed)
     return without_common_rod_pressure(curve for curve in chosen if curve.over_velocity)
 
 

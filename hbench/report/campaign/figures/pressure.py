@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Curve, CurvePoint, Results
+from hbench.records import KINDS, Curve, CurvePoint, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.series_words import load_words
@@ -60,7 +60,7 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
 
 
 def _over_pressure(results: Results) -> Iterator[tuple[Series, Curve]]:
-    chosen = (curve for curve in results.curves if curve.kind == "steady")
+    chosen = (curve for curve in results.curves if KINDS[curve.kind].has_constant_speed)
     for curve in without_common_rod_pressure(curve for curve in chosen if not curve.over_velocity):
         yield (curve.kind, curve.label, curve.p_lr_ref_pa), curve
 

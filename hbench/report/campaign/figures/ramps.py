@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Comparison, Curve, Results
+from hbench.records import KINDS, Comparison, Curve, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.motion_rows import SIGNIFICANT, comparison_words, differs
@@ -17,12 +17,12 @@ from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
 
 _READ = "Points: means of the trials; bars: their 95 % intervals; lines: Tustin's law."
-_KINDS = ("steady", "ramp", "steps")
+_ORDER = ("steady_curve", "ramp_curve", "step_levels")  # of the analyses that give curves
 
 
 def has_ramps(results: Results) -> bool:
     """Tell whether there are ramps or steps to draw."""
-    return any(curve.kind in ("ramp", "steps") for curve in results.curves)
+    return any(not KINDS[curve.kind].has_constant_speed for curve in results.curves)
 
 
 def ramps(results: Results) -> dict[str, Figure]:
@@ -33,18 +33,18 @@ def ramps(results: Results) -> dict[str, Figure]:
     """
     groups: dict[tuple, list[Curve]] = defaultdict(list)
     for curve in without_common_rod_pressure(
-        curve for curve in results.curves if curve.kind in _KINDS
+        curve for curve in results.curves if _analysis(curve) in _ORDER
     ):
         key = curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
         groups[key].append(curve)
-    found = sorted({c.a_ref_m_s2 or 0.0 for c in results.curves if c.kind == "ramp"})
+    found = sorted({c.a_ref_m_s2 or 0.0 for c in results.curves if KINDS[c.kind].is_ramp})
     figures = {}
     for (label, direction, load, p_lr), curves in groups.items():
-        kinds = {curve.kind for curve in curves}
-        if "ramp" in kinds or kinds == {"steady", "steps"}:
+        analyses = {_analysis(curve) for curve in curves}
+        if "ramp_curve" in analyses or analyses == {"steady_curve", "step_levels"}:
             figure = style.new_figure(height_in=6.4)
             axes, below = figure.subplots(2, sharex=True, height_ratios=(2, 3))
-            for curve in sorted(curves, key=lambda c: (_KINDS.index(c.kind), c.a_ref_m_s2 or 0)):
+            for curve in sorted(curves, key=_drawing_order):
                 _points(axes, curve, found)
                 _points(below, _from_breakaway(curve), found)
             for one in (axes, below):
@@ -60,6 +60,14 @@ def ramps(results: Results) -> dict[str, Figure]:
     for panel in (0, 1):
         style.share_limits(figure.axes[panel] for figure in figures.values())
     return figures
+
+
+def _analysis(curve: Curve) -> str:
+    return KINDS[curve.kind].analysis
+
+
+def _drawing_order(curve: Curve) -> tuple[int, float]:
+    return _ORDER.index(_analysis(curve)), curve.a_ref_m_s2 or 0.0
 
 
 def has_comparisons(results: Results) -> bool:
@@ -93,14 +101,13 @@ def _from_breakaway(curve: Curve) -> Curve:
 
 def _points(axes: Axes, curve: Curve, accelerations: list[float]) -> None:
     v, friction, interval = style.columns(curve)
-    if curve.kind == "steady":
-        label = "steady"
+    label = KINDS[curve.kind].display_name
+    if _analysis(curve) == "steady_curve":
         look = {"color": "#000000", "marker": "o", "markerfacecolor": "white", "zorder": 4}
-    elif curve.kind == "steps":
-        label = "steps"
+    elif _analysis(curve) == "step_levels":
         look = {"color": style.QUIET, "marker": "D", "zorder": 4}
     else:
-        label = f"ramp {short(curve.a_ref_m_s2)} m/s²" if curve.a_ref_m_s2 else "ramp"
+        label += f" {short(curve.a_ref_m_s2)} m/s²" if curve.a_ref_m_s2 else ""
         look = style.series_style(accelerations.index(curve.a_ref_m_s2 or 0.0))
         for fit in curve.fits:
             if fit.line and fit.law == "tustin":
