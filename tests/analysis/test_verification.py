@@ -71,7 +71,7 @@ def test_a_ramp_on_the_steady_curve_gives_the_steady_fit(make_curve):
     v = np.arange(1, 2000) * 1e-4
     zero = np.zeros(len(v))
     ramp = LoggedMotion("0001", 0.01, -v, zero + 40e5, zero + 20e5, -law(v), zero == 0, zero)
-    found = ramp_curve(steady, [ramp], SPEEDS)
+    found = ramp_curve(replace(steady, kind="ramp"), [ramp], SPEEDS)
     assert len(found.points) == 19 and found.kind == "ramp"
     assert all(point.v_m_s < 0 and point.friction_n < 0 for point in found.points)
     given = {n: FitParameter(x, None, None, None, "") for n, x in zip(NAMES, truth, strict=True)}

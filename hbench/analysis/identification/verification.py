@@ -76,7 +76,7 @@ def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndar
     """Return friction over velocity of ramps: means of the samples between ``speeds_m_s`` (k,).
 
     Only samples from the lowest of these speeds on, so breakaway itself is left out; bins without
-    samples are. Load, direction and cylinder are those of the steady curve ``like``.
+    samples are. Kind, load, direction and cylinder are those of ``like``.
     """
     v = np.concatenate([m.v_m_s for m in motions])
     friction = np.concatenate([m.friction_n for m in motions])
