@@ -196,6 +196,7 @@ def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
 def _hint(faults: list["ErrorDetails"]) -> str:
     if any(fault["type"] == "extra_forbidden" for fault in faults):
         return "Keys are checked so that a misspelt one is not ignored; see the commented examples."
-    if any(isinstance(key, int) for fault in faults for key in fault["loc"][-1:]):
+    of_items = (fault for fault in faults if fault["type"] != "unknown_kind")
+    if any(isinstance(key, int) for fault in of_items for key in fault["loc"][-1:]):
         return "In a list a comma stands between two values, each with its unit: [0.5 kN, 5 kN]."
     return ""
