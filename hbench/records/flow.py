@@ -60,7 +60,7 @@ class RunPlan:
     """One run to be made, or made: what it is and its references."""
 
     run: str  # id, also the raw log's file name
-    kind: KindName
+    kind: KindName  # of experiment
     trial: Count  # 1, 2, 3
     v_ref_m_s: float  # signed; positive extends
     specimen: Specimen
