@@ -4,7 +4,7 @@
       internal_leakage: {test: 0.003 l/min/bar}
       valve_deadband: {test: 50 mV, load: 50 mV}
 
-What is not there is off. The catalogue itself stands in ``model/effects/catalogue.py``.
+An effect that the file does not name is off. The catalogue is ``model/effects/catalogue.py``.
 """
 
 from collections.abc import Mapping
@@ -18,11 +18,11 @@ Effects = dict[str, dict[str, float | str]]  # as in the file
 
 @dataclass(frozen=True)
 class Coefficient:
-    """One number of an effect; all but the unit's name are in that unit."""
+    """Coefficient of an effect; its numbers are in ``unit``."""
 
     unit: str
-    typical: float  # clearly seen in a campaign; 0 where another coefficient switches the effect
-    low: float  # by physics
+    typical: float  # of a clear effect in a campaign; 0 where another coefficient switches it
+    low: float  # physical limits
     high: float
     default: float = 0.0  # where the file gives none
 
@@ -44,28 +44,27 @@ Specification = Mapping[str, Mapping[str, Coefficient]]
 
 
 def parse_effects(data: Effects, known: Specification) -> dict[str, dict[str, float]]:
-    """Return the coefficients in SI of the effects that are there, complete with defaults.
+    """Return the coefficients [SI] of a section's effects, with defaults for those not given.
 
-    Raises ``ConfigError`` with every fault, among them names that are not ``known``.
+    Raises ``ConfigError`` with all faults, including names that are not ``known``.
     """
-    found, faults = {}, []
+    effects, faults = {}, []
     for name, given in data.items():
         coefficients = known.get(name)
         if coefficients is None:
             faults.append(f"effects.{name}: no such effect; known are {', '.join(sorted(known))}")
             continue
-        values = {key: one.to_si(one.default) for key, one in coefficients.items()}
+        values = {key: c.to_si(c.default) for key, c in coefficients.items()}
         for key, value in given.items():
             if key not in coefficients:
-                faults.append(f"effects.{name}.{key}: it has {', '.join(coefficients)}")
+                names = ", ".join(coefficients)
+                faults.append(f"effects.{name}.{key}: no such coefficient; known are {names}")
                 continue
             try:
                 values[key] = coefficients[key].read(value)
             except ValueError as error:
                 faults.append(f"effects.{name}.{key} = {value!r}: {error}")
-        found[name] = values
+        effects[name] = values
     if faults:
-        raise ConfigError(
-            "\n".join(faults), "The catalogue stands in hbench/model/effects/catalogue.py."
-        )
-    return found
+        raise ConfigError("\n".join(faults), "hbench/model/effects/catalogue.py lists the effects.")
+    return effects

@@ -1,4 +1,4 @@
-"""The friction of one cylinder in a bench or plant file: one class a law (section 3.2)."""
+"""Friction of one cylinder in a bench or plant file: one class for each law (section 3.2)."""
 
 from typing import Annotated, Any, Literal
 
@@ -15,7 +15,7 @@ SealFriction = Annotated[float, q.quantity("N/bar", ge=0, le=1e-2)]
 
 
 class _Friction(Section):
-    """What every law has."""
+    """Keys of every law."""
 
     scatter: q.Ratio = 0.0  # standard deviation of the level from stroke to stroke
 
@@ -65,8 +65,8 @@ class Leuven(_Stribeck):
         carried = sum(self.elements)
         if carried < self.stiction:
             raise ValueError(
-                f"elements carry {carried:g} N together, less than stiction = {self.stiction:g} N: "
-                "the steady curve would never be reached"
+                f"the elements carry {carried:g} N, less than stiction = {self.stiction:g} N, so "
+                "friction never reaches the steady curve; increase them"
             )
         return self
 
@@ -83,8 +83,8 @@ class Lines(Section):
     def _low_line_is_higher_at_rest(self) -> "Lines":
         if self.low_force < self.high_force or self.low_slope > self.high_slope:
             raise ValueError(
-                "the low-speed line must begin above the other and fall below it: "
-                "low_force >= high_force and low_slope <= high_slope"
+                "low_force must be at least high_force, and low_slope at most high_slope, so that "
+                "the low-speed line begins above the high-speed line and falls below it"
             )
         return self
 

@@ -1,4 +1,4 @@
-"""Where a bench must hold its loops: positions, loads, speeds and both directions.
+"""Grid of operating points that the loops must hold: positions, loads, speeds, both directions.
 
 The loads oppose the motion. The rod side's pressures are the source's shares of the supply
 (section 5), so that the load cylinder's piston side lies between tank and supply.
@@ -28,7 +28,7 @@ _OMEGA = np.geomspace(0.5, 0.9 * np.pi / TICK_S, 700)
 
 @dataclass(frozen=True)
 class Condition:
-    """A motion under load that the bench has to hold."""
+    """Motion under load that the bench has to hold."""
 
     direction: int  # 1 extends, -1 retracts
     v_m_s: float  # signed
@@ -42,7 +42,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class GridPoint:
-    """One point of the grid, ready for every candidate's margins."""
+    """Point of the grid with its sampled plant and frequency response."""
 
     where: str
     plant: SampledPlant
@@ -71,7 +71,7 @@ def conditions(bench: Bench, par: PlantParameters) -> tuple[tuple[Condition, ...
                 if not lowest < condition.f_load_n < highest:
                     left_out.append(
                         f"at {1e3 * condition.v_m_s:g} mm/s, load {condition.f_load_n:.4g} N "
-                        f"the load cell is at its end; it shows {lowest:.0f} to {highest:.0f} N"
+                        f"the load cell is at its limit, {lowest:.0f} to {highest:.0f} N"
                     )
                     continue
                 try:
@@ -87,7 +87,7 @@ def operating_point(
 ) -> OperatingPoint:
     """Return the steady point at the ``given`` v_m_s, f_load_n, x_m and p_lr_pa.
 
-    What is not given is the middle of the grid, extending. Raises ``ConfigError``.
+    Values not given are those of the middle of the grid, extending. Raises ``ConfigError``.
     """
     limits = bench.limits
     v = given.get("v_m_s", SPEEDS[1] * limits.speed_max)
@@ -106,22 +106,24 @@ def operating_point(
 
 
 def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> list[GridPoint]:
-    """Return the conditions at all positions: the points at which margins are judged."""
+    """Return the conditions at all positions: the points at which margins are computed."""
     limits, control = bench.limits, bench.controllers
     points = []
     for condition in reached:
         for share in POSITIONS:
             x = limits.travel_min + share * (limits.travel_max - limits.travel_min)
             matrices = state_space(linearise(par, condition.point(par, x)), par)
-            plant = sampled.sample(*matrices, control.velocity_filter, control.pressure_filter)
+            plant = sampled.sample_plant(
+                *matrices, control.velocity_filter, control.pressure_filter
+            )
             where = f"x {1e3 * x:.0f} mm, {1e3 * condition.v_m_s:+.0f} mm/s, "
             where += f"{condition.f_load_n:.0f} N"
-            points.append(GridPoint(where, plant, sampled.measured(plant, _OMEGA)))
+            points.append(GridPoint(where, plant, sampled.measurement_response(plant, _OMEGA)))
     return points
 
 
 def margin_checks(points: Sequence[GridPoint], loops: Sequence[Pi]) -> tuple[Check, ...]:
-    """Judge all loops at all points; one check a loop and margin, with its worst point."""
+    """Check the margins of all loops at all points: a check per loop and margin, at the worst."""
     phase: dict[str, dict[str, float]] = {}
     gain: dict[str, dict[str, float]] = {}
     moduli: dict[str, float] = {}
@@ -132,13 +134,15 @@ def margin_checks(points: Sequence[GridPoint], loops: Sequence[Pi]) -> tuple[Che
             phase.setdefault(name, {})[point.where] = margin.phase_deg
             gain.setdefault(name, {})[point.where] = margin.gain_db
     checks = []
-    for what, limit, unit, found in (
+    for margin_name, limit, unit, by_loop in (
         ("phase margin", PHASE_MARGIN_DEG, "deg", phase),
         ("gain margin", GAIN_MARGIN_DB, "dB", gain),
     ):
-        for name, values in found.items():
+        for name, values in by_loop.items():
             where, value = min(values.items(), key=lambda item: item[1])
-            checks.append(Check(f"{name}: {what}", value, limit, unit, value >= limit, where))
+            checks.append(
+                Check(f"{name}: {margin_name}", value, limit, unit, value >= limit, where)
+            )
     where, worst = max(moduli.items(), key=lambda item: item[1])
     checks.append(Check("largest modulus of a digital pole", worst, 1.0, "1", worst < 1.0, where))
     return tuple(checks)

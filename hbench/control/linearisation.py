@@ -2,7 +2,7 @@
 
 Chambers and valves of the equations 4.4 to 4.23, masses and viscous friction of 4.1 to 4.3. The
 position is held: chamber volumes change slowly against everything else. Coulomb friction is a
-constant and drops out; what a Stribeck curve adds, and how far a pump's pressure sags, is left to
+constant and drops out. The slope of a Stribeck curve and the sag of a pump's pressure are left to
 the nonlinear check.
 """
 
@@ -27,7 +27,7 @@ SPOOL_T, SPOOL_L1, SPOOL_L2 = 5, 6, 7
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """Where the bench is linearised. Not every point that the source uses is a steady state."""
+    """Operating point of a linearisation. Not every point of the source is a steady state."""
 
     x_m: float
     v_m_s: float  # positive extends the test cylinder
@@ -43,7 +43,7 @@ class OperatingPoint:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """What 4.1 to 4.23 need. Flows go into a chamber, but out of the test cylinder's rod side."""
+    """Coefficients of 4.1 to 4.23. Flows enter a chamber but leave the test cylinder's rod side."""
 
     ku_tp: float  # flow gains dQ/du, m^3/s/V
     ku_tr: float
@@ -85,7 +85,7 @@ def steady_point(
     symmetric test valve keeps P_Tr - P_t = r^2 (P_s - P_Tp) in extension, and
     P_s - P_Tr = r^2 (P_Tp - P_t) in retraction, r = A_r / A_p.
 
-    Raises ``ConfigError`` where supply or valve can't bring that.
+    Raises ``ConfigError`` where supply or valve is insufficient.
     """
     test, load = par.test, par.load
     p_s, p_t, k_s = rest_flow(par.supply)[0], par.supply.tank_pa, par.valve.flow_gain

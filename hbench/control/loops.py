@@ -46,13 +46,13 @@ def design_at(
     filters_s: tuple[float, float],
     reproduced: tuple[Reproduced, ...] = (),
 ) -> Design:
-    """Judge the loops of a bench ``name`` at ``point``.
+    """Return the loops of a bench ``name`` at ``point`` with their figures of merit.
 
     ``gains``: K_c and tau_c of the velocity, rod and piston pressure loop; ``filters_s``: lags of
     the velocity (D.11) and the pressures (D.29).
     """
     c = linearise(par, point)
-    plant = sampled.sample(*state_space(c, par), *filters_s)
+    plant = sampled.sample_plant(*state_space(c, par), *filters_s)
     return Design(
         bench=name,
         point=as_numbers(point),
@@ -60,13 +60,13 @@ def design_at(
         jacobian_difference=disagreement(par, point, c),
         loops=_control_loops(c, par, plant, gains),
         feedforward=(c.feedforward_rod, c.feedforward_piston),
-        ramp_error_m_s=ramp_error(plants(c)[0] * pi(*gains[0]), RAMP_M_S2),
+        ramp_error_m_s=ramp_error(loop_plants(c)[0] * pi(*gains[0]), RAMP_M_S2),
         coupled_modulus=sampled.modulus(plant, gains),
         reproduced=reproduced,
     )
 
 
-def plants(c: Coefficients) -> tuple[TransferFunction, TransferFunction, TransferFunction]:
+def loop_plants(c: Coefficients) -> tuple[TransferFunction, TransferFunction, TransferFunction]:
     """Return G_Tol, G_Lrol and G_Lpol (4.29, 4.25, 4.26)."""
     return velocity_plant(c), rod_pressure_plant(c), piston_pressure_plant(c)
 
@@ -75,14 +75,14 @@ def _control_loops(
     c: Coefficients, par: PlantParameters, plant: SampledPlant, gains: Sequence[Pi]
 ) -> tuple[ControlLoop, ...]:
     spool = valve(par.valve.natural_frequency_rad_s, par.valve.damping)
-    response = sampled.measured(plant, _OMEGA)
-    poles = np.linalg.eigvals(sampled.closed_loop(plant, gains)[0])
+    response = sampled.measurement_response(plant, _OMEGA)
+    poles = np.linalg.eigvals(sampled.closed_loop_matrices(plant, gains)[0])
     loops = []
     for i, (name, symbol, unit) in enumerate(LOOPS):
-        ideal = plants(c)[i] * pi(*gains[i])
+        ideal = loop_plants(c)[i] * pi(*gains[i])
         with_valve = ideal * spool
         on_board = sampled.broken_loop(response, _OMEGA, gains, i)
-        step = sampled.step(plant, gains, i, _TIMES_S[-1] + TICK_S)
+        step = sampled.sampled_step(plant, gains, i, _TIMES_S[-1] + TICK_S)
         loops.append(
             ControlLoop(
                 name=name,
@@ -93,7 +93,7 @@ def _control_loops(
                 merits=(
                     _continuous("ideal valve", ideal),
                     _continuous("valve", with_valve),
-                    _judged("board", on_board, step[1], poles),
+                    _with_merits("board", on_board, step[1], poles),
                 ),
                 locus=(root_locus(ideal), root_locus(with_valve)),
             )
@@ -103,7 +103,7 @@ def _control_loops(
 
 def _continuous(chain: str, open_loop: TransferFunction) -> LoopMerits:
     closed = open_loop.closed
-    return _judged(
+    return _with_merits(
         chain,
         open_loop(1j * _OMEGA),
         step_response(closed, _TIMES_S),
@@ -113,7 +113,7 @@ def _continuous(chain: str, open_loop: TransferFunction) -> LoopMerits:
     )
 
 
-def _judged(
+def _with_merits(
     chain: str,
     open_loop: np.ndarray,
     step: np.ndarray,

@@ -57,11 +57,11 @@ def _at(y: np.ndarray, index: np.ndarray) -> np.ndarray:
     return np.interp(index, np.arange(len(y)), y)
 
 
-def _least(values: np.ndarray, places: np.ndarray) -> tuple[float, float]:
+def _least(values: np.ndarray, at: np.ndarray) -> tuple[float, float]:
     if not len(values):
         return np.inf, np.inf
     least = int(np.argmin(values))
-    return values[least], places[least]
+    return values[least], at[least]
 
 
 def bandwidth(omega: np.ndarray, closed: np.ndarray) -> float:
@@ -69,19 +69,19 @@ def bandwidth(omega: np.ndarray, closed: np.ndarray) -> float:
 
     Its static gain is 1, as every loop here integrates.
     """
-    found = _crossings(np.log(np.abs(closed) / DB_3))
-    return float(np.exp(_at(np.log(omega), found[:1])[0])) if len(found) else np.inf
+    crossings = _crossings(np.log(np.abs(closed) / DB_3))
+    return float(np.exp(_at(np.log(omega), crossings[:1])[0])) if len(crossings) else np.inf
 
 
 class StepMerits(NamedTuple):
-    """A unit step response's overshoot, and when it stays within 2 %."""
+    """Overshoot of a unit step response, and the time until it stays within 2 %."""
 
     overshoot: float
     settling_s: float  # inf: not within the time given
 
 
 def step_merits(t_s: np.ndarray, y: np.ndarray) -> StepMerits:
-    """Judge a step response towards 1."""
+    """Return the merits of a step response towards 1."""
     outside = np.flatnonzero(np.abs(y - 1.0) > 0.02)
     last = int(outside[-1]) + 1 if len(outside) else 0
     settling = float(t_s[last]) if last < len(t_s) else np.inf

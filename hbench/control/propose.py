@@ -10,7 +10,7 @@ and with an ideal valve, as the source counts them (table 4.2). With G of 4.25, 
 
 w is the largest for which every loop, opened at its valve with the other two closed, keeps its
 margins at every point of a grid: positions, loads, speeds and both directions, with valve,
-filters and sampling. Of the six orders the one is proposed whose slowest loop is fastest: the
+filters and sampling. Of the six orders, the proposal is that with the fastest slowest loop: the
 source's order (velocity, rod, piston) suits a soft bench, a stiff one wants fast pressure loops.
 """
 
@@ -31,7 +31,7 @@ from hbench.control.grid import (
     margin_checks,
 )
 from hbench.control.linearisation import Coefficients, OperatingPoint, linearise
-from hbench.control.loops import plants
+from hbench.control.loops import loop_plants
 from hbench.control.merits import bandwidth
 from hbench.control.sampled import Pi, T
 from hbench.control.transfer import TransferFunction, pi
@@ -40,13 +40,13 @@ from hbench.model.build import plant_parameters
 from hbench.records import Check
 
 ZERO_RATIO = 10.0  # of a pressure loop's bandwidth to its zero
-_SLOWEST, _FASTEST = 1.0, 3000.0  # rad/s, between which w is sought
-_FINE = 0.02  # relative, to which w is found
+_SLOWEST, _FASTEST = 1.0, 3000.0  # rad/s, limits of w
+_FINE = 0.02  # relative tolerance of w
 
 
 @dataclass(frozen=True)
 class Proposed:
-    """Gains and the margins that they keep."""
+    """Proposed gains and the margins that they keep."""
 
     loops: tuple[Pi, Pi, Pi]
     order: tuple[int, ...]  # of the loops, from fast to slow
@@ -61,7 +61,7 @@ def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
     """Return gains for ``bench``, designed at ``point`` and checked over the grid.
 
     ``ratio`` is that of neighbouring bandwidths. Raises ``ConvergenceError`` where even the
-    slowest designs of the family lack their margins.
+    slowest designs of the family do not keep the margins.
     """
     par = plant_parameters(bench)
     c = linearise(par, point)
@@ -101,7 +101,7 @@ def _fastest(
 
     def good(log_w: float) -> bool:
         loops = family(c, float(np.exp(log_w)), ratio, order)
-        return all(check.holds for one in points for check in margin_checks([one], loops))
+        return all(check.holds for point in points for check in margin_checks([point], loops))
 
     low, high = np.log(max(_SLOWEST, beyond)) + _FINE, np.log(_FASTEST)
     if not points or not good(low):
@@ -114,14 +114,14 @@ def _fastest(
 
 def family(c: Coefficients, w: float, ratio: float, order: Sequence[int]) -> tuple[Pi, Pi, Pi]:
     """Return K_c and tau_c of the three loops; see above. ``w`` is the fastest's [rad/s]."""
-    velocity = plants(c)[T]
+    velocity = loop_plants(c)[T]
     n_1, n_0 = velocity.numerator
     _, _, d_1, d_0 = velocity.denominator
     loops: dict[int, Pi] = {}
     for rank, loop in enumerate(order):
         width = w / ratio**rank
         tau = d_1 / d_0 - n_1 / n_0 if loop == T else ZERO_RATIO / width
-        loops[loop] = (_gain(plants(c)[loop], tau, width), tau)
+        loops[loop] = (_gain(loop_plants(c)[loop], tau, width), tau)
     return loops[0], loops[1], loops[2]
 
 

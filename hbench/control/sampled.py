@@ -32,7 +32,7 @@ class SampledPlant:
     filters_s: tuple[float, float, float]  # first-order lags of the measurements
 
 
-def sample(
+def sample_plant(
     a: np.ndarray, b: np.ndarray, velocity_filter_s: float, pressure_filter_s: float
 ) -> SampledPlant:
     """Sample the linear bench A (11, 11), B (11, 3) of ``linearisation.state_space``."""
@@ -48,7 +48,7 @@ def sample(
     return SampledPlant(moved[: n + 1, : n + 1], moved[: n + 1, n + 1 :], h, filters)
 
 
-def measured(plant: SampledPlant, omega: np.ndarray) -> np.ndarray:
+def measurement_response(plant: SampledPlant, omega: np.ndarray) -> np.ndarray:
     """Return the response (n, 3, 3) of the filtered measurements to the commands."""
     z = np.exp(1j * omega * TICK_S)
     size = len(plant.f)
@@ -73,7 +73,7 @@ def broken_loop(
 ) -> np.ndarray:
     """Return the open loop (n,) at valve ``broken``, with the other two loops closed.
 
-    L_i = C_i (G_ii - G_iJ (1 + C_J G_JJ)^-1 C_J G_Ji), with G of ``measured``.
+    L_i = C_i (G_ii - G_iJ (1 + C_J G_JJ)^-1 C_J G_Ji), with G of ``measurement_response``.
     """
     z = np.exp(1j * omega * TICK_S)
     others = [i for i in range(3) if i != broken]
@@ -85,7 +85,7 @@ def broken_loop(
     return c[:, broken] * (response[:, broken, broken] - through)
 
 
-def closed_loop(
+def closed_loop_matrices(
     plant: SampledPlant, loops: Sequence[Pi], closed: Sequence[int] = (T, L1, L2)
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the closed loops from tick to tick, M and N of s' = M s + N r.
@@ -109,17 +109,17 @@ def closed_loop(
 
 def modulus(plant: SampledPlant, loops: Sequence[Pi], closed: Sequence[int] = (T, L1, L2)) -> float:
     """Return the largest modulus of the closed loops' poles: below 1, they are stable."""
-    return float(np.abs(np.linalg.eigvals(closed_loop(plant, loops, closed)[0])).max())
+    return float(np.abs(np.linalg.eigvals(closed_loop_matrices(plant, loops, closed)[0])).max())
 
 
-def step(
+def sampled_step(
     plant: SampledPlant, loops: Sequence[Pi], loop: int, seconds: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return times [s] and the response of ``loop`` to a unit step of its reference, all closed.
 
     The output is the measurement before its filter.
     """
-    m, n = closed_loop(plant, loops)
+    m, n = closed_loop_matrices(plant, loops)
     count = round(seconds / TICK_S)
     state, y = np.zeros(len(m)), np.empty(count)
     for i in range(count):

@@ -1,4 +1,4 @@
-"""Eigenvalues of the bench at constant velocity, its friction law included.
+"""Eigenvalues of the bench at constant velocity, with its friction law.
 
 ``linearisation.py`` has viscous friction alone, as the source's design. Here the slope of the
 Stribeck curve and the states of a dynamic law are in: the plant's Jacobian by differences.
@@ -23,24 +23,24 @@ _STEPS = {plant.V: 1e-6, plant.Z_T: 1e-8, plant.Z_L: 1e-8} | dict.fromkeys(
 )
 
 
-def linearised(
+def linearised_plant(
     par: PlantParameters, point: OperatingPoint
 ) -> tuple[np.ndarray, np.ndarray, list[int]]:
     """Return A (n, n) and B (n, 3) of the plant, and its states, as numbered in ``model/plant.py``.
 
-    Position and supply are held. LuGre's deflections are states; they stand where they settle.
+    Position and supply are held. LuGre's deflections are states; they have settled.
     """
     state, levels = plant_state(par, point), np.ones(2)
     u = np.array([point.u_t_v, point.u_l1_v, point.u_l2_v])
     states = list(range(plant.V, plant.RATE_L2 + 1))
-    for place, cylinder, p_p, p_r in (
+    for index, cylinder, p_p, p_r in (
         (plant.Z_T, par.test, point.p_tp_pa, point.p_tr_pa),
         (plant.Z_L, par.load, point.p_lp_pa, point.p_lr_pa),
     ):
         settled = settled_deflection(point.v_m_s, p_p, p_r, cylinder.friction)
         if settled is not None:
-            state[place] = settled
-            states.append(place)
+            state[index] = settled
+            states.append(index)
 
     def slopes(change: np.ndarray, command: np.ndarray) -> np.ndarray:
         out = np.zeros(len(state))
@@ -54,15 +54,15 @@ def linearised(
         change[index] = h
         columns.append((slopes(change, u) - slopes(-change, u)) / (2 * h))
     inputs = [
-        (slopes(nothing, u + 1e-3 * one) - slopes(nothing, u - 1e-3 * one)) / 2e-3
-        for one in np.eye(3)
+        (slopes(nothing, u + 1e-3 * unit) - slopes(nothing, u - 1e-3 * unit)) / 2e-3
+        for unit in np.eye(3)
     ]
     return np.array(columns).T, np.array(inputs).T, states
 
 
 def plant_eigenvalues(par: PlantParameters, point: OperatingPoint) -> np.ndarray:
     """Return the eigenvalues [1/s] of the plant with its commands held."""
-    return np.linalg.eigvals(linearised(par, point)[0])
+    return np.linalg.eigvals(linearised_plant(par, point)[0])
 
 
 def loop_eigenvalues(
@@ -72,7 +72,7 @@ def loop_eigenvalues(
 
     ``loops``: K_c and tau_c of u_T, u_L1, u_L2; u = K_c (tau_c e + integral of e). No filters.
     """
-    a, b, states = linearised(par, point)
+    a, b, states = linearised_plant(par, point)
     h = np.zeros((3, len(states)))
     for row, output in enumerate(_OUTPUTS):
         h[row, states.index(output)] = 1.0

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 
 class FrictionParameters(NamedTuple):
-    """Friction of one cylinder, the keys of the bench file in SI; see ``friction/``.
+    """Friction of one cylinder: the keys of the bench file in SI (``records/friction_laws.py``).
 
-    What the cylinder's law does not have stays at its default here and is not read.
+    Parameters that the cylinder's law does not have keep their defaults and are not read.
     """
 
-    law: int  # code in friction.LAWS
+    law: int  # code in friction.laws.LAWS
     scatter: float = 0.0  # standard deviation of the level from stroke to stroke
     viscous: float = 0.0  # B, N s/m
     piston_seal: float = 0.0  # N per Pa of |P_p - P_r|
@@ -44,7 +44,7 @@ class FrictionParameters(NamedTuple):
 
 
 class CylinderParameters(NamedTuple):
-    """One cylinder. Its piston stands at ``x + offset_m``, between 0 and its stroke."""
+    """Cylinder with its piston at ``x + offset_m``, between 0 and its stroke."""
 
     area_piston_m2: float
     area_rod_m2: float
@@ -56,7 +56,7 @@ class CylinderParameters(NamedTuple):
 
 
 class ValveParameters(NamedTuple):
-    """The three servo valves, all alike."""
+    """Parameters that the three servo valves share."""
 
     flow_gain: float  # k_s = K_T sqrt(2/rho), m^3/s per V and sqrt(Pa)
     natural_frequency_rad_s: float
@@ -89,7 +89,7 @@ class EndStopParameters(NamedTuple):
 
 
 class PlantParameters(NamedTuple):
-    """Everything that the equations of motion need."""
+    """All parameters of the equations of motion."""
 
     test: CylinderParameters
     load: CylinderParameters

@@ -1,6 +1,6 @@
-"""The bench as a system of differential equations, and one control tick of it.
+"""Differential equations of the bench, and their integration over one control tick.
 
-The state is an array of floats (``states.py``), the commands u one of three, named below.
+The state is an array of floats (``states.py``), the commands u an array of three, indexed below.
 Positive velocity extends the test cylinder; the load cylinder retracts with it.
 """
 
@@ -24,10 +24,10 @@ from hbench.model.effects.applied import (
     oil,
     openings,
 )
-from hbench.model.effects.couplings import Flows, Openings
+from hbench.model.effects.couplings import ChamberFlows, Openings
 from hbench.model.friction.laws import friction, hold_slipped
 from hbench.model.parameters import PlantParameters
-from hbench.model.states import (  # noqa: F401  all of the state's places, for its readers
+from hbench.model.states import (  # noqa: F401  all indices of the state, for its readers
     P_LP,
     P_LR,
     P_S,
@@ -72,19 +72,19 @@ def new_work(par: PlantParameters) -> np.ndarray:
     return np.zeros((4, n_states(par)))
 
 
-class Forces(NamedTuple):
-    """Forces [N] at one moment, and what follows from them."""
+class MassForces(NamedTuple):
+    """Forces [N] on the moving masses at one moment, and their acceleration."""
 
     friction_test: float
     friction_load: float
-    applied: float  # what the load cell carries
+    applied: float  # on the load cell
     acceleration: float  # m/s^2
 
 
 @compiled
 def forces(
     state: np.ndarray, levels: np.ndarray, par: PlantParameters, rates: np.ndarray
-) -> Forces:
+) -> MassForces:
     """Newton's law for the moving masses and for the load's part alone (2.10, 2.11).
 
     (m_T + m_L) a = F_T - F_L - F_fT - F_fL + F_stops
@@ -106,7 +106,7 @@ def forces(
     mass = par.mass_test_kg + par.mass_load_kg
     acceleration = (test - load - friction_t - friction_l) / mass
     applied = load + friction_l + par.mass_load_kg * acceleration
-    return Forces(friction_t, friction_l, applied, acceleration)
+    return MassForces(friction_t, friction_l, applied, acceleration)
 
 
 @compiled
@@ -118,7 +118,9 @@ def load_cell_force(
 
 
 @compiled
-def valve_flows(state: np.ndarray, opened: Openings, p_tank: float, par: PlantParameters) -> Flows:
+def valve_flows(
+    state: np.ndarray, opened: Openings, p_tank: float, par: PlantParameters
+) -> ChamberFlows:
     """Flows from the valves into the chambers; from the supply line, and into the tank's."""
     p_s, valve = state[P_S], par.valve
     u_t, u_l1, u_l2 = opened
@@ -131,7 +133,7 @@ def valve_flows(state: np.ndarray, opened: Openings, p_tank: float, par: PlantPa
     drawn += q_lp if u_l2 > 0.0 else 0.0
     drawn += q_lr if u_l1 > 0.0 else 0.0
     returned = drawn - (q_tp + q_tr + q_lp + q_lr)
-    return Flows(q_tp, q_tr, q_lp, q_lr, drawn, returned, 1.0)
+    return ChamberFlows(q_tp, q_tr, q_lp, q_lr, drawn, returned, 1.0)
 
 
 @compiled

@@ -36,7 +36,7 @@ def convert(
 ) -> None:
     """Write one tick's means of ``values`` (SI) into ``words``, uint16 in 1/16 count.
 
-    The converter clips at 0 and its top code; a clipped channel stands at exactly that.
+    The converter clips at 0 and at its top code; a clipped channel has exactly that value.
     """
     for i in range(N_CHANNELS):
         counts = sensors.per_unit[i] * values[i] + sensors.zero[i]

@@ -23,7 +23,7 @@ _START_PRESSURE_PA = 15e5  # of both load chambers at power-on
 
 
 class SimulatedBench(NamedTuple):
-    """All that a tick needs, to be unpacked in compiled code; the arrays change in place."""
+    """State and parameters of a tick, unpacked in compiled code; the arrays change in place."""
 
     words: np.ndarray  # (7,) uint16, from the converter to the board
     codes: np.ndarray  # (3,) int16, from the board to the DAC
@@ -40,7 +40,7 @@ class SimulatedBench(NamedTuple):
 def new_simulated_bench(bench: Bench, plant: Plant | None, seed: int) -> SimulatedBench:
     """Return the bench at rest in the middle of its stroke.
 
-    ``plant`` stands in for the bench's own physics where it is given.
+    ``plant`` replaces the bench's own physics where it is given.
     """
     plant = plant or bench
     par, noise = plant_parameters(plant), new_noise(seed)

@@ -274,7 +274,7 @@ def added_effect(
     row = EFFECTS[name]
     return AddedEffect(
         name=name,
-        says=row.says,
+        says=row.description,
         parameters=best.coefficients(name),
         of_sensor=row.of_sensor,
         gap_before=gap[0],

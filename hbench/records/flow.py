@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from hbench.errors import DataError
 from hbench.records.numbers import Count, FloatOrNan, KindName
 
 Direction = Literal["extend", "retract"]
@@ -125,6 +126,13 @@ class Run:
     missing_records: int = 0  # lost inside the log
     truncated: str = ""  # why the log is known to be incomplete; empty if it is whole
     aborted: str = ""  # why the run was stopped early; empty if it was not
+
+    def channel(self, name: str) -> np.ndarray:
+        """Return a channel (n,) by its field's name. Raises ``DataError`` if the run has none."""
+        values = getattr(self, name)
+        if values is None:
+            raise DataError(f"run {self.plan.run}: has no channel {name}")
+        return values
 
 
 @dataclass(frozen=True)

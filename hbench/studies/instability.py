@@ -13,7 +13,7 @@ from hbench.analysis.screening.screen import screen
 from hbench.config.bench import Bench, parse_bench, parse_plant
 from hbench.config.schedule import Screening
 from hbench.control.linearisation import linearise, state_space, steady_point
-from hbench.control.sampled import Pi, modulus, sample
+from hbench.control.sampled import Pi, modulus, sample_plant
 from hbench.control.stability import friction_slope, loop_eigenvalues, plant_eigenvalues
 from hbench.experiment.closed_loop import record
 from hbench.model.friction.laws import LAWS
@@ -22,7 +22,7 @@ from hbench.records import Run
 from hbench.records.friction_laws import FRICTION_LAWS
 
 
-class Fit(NamedTuple):
+class PrintedFit(NamedTuple):
     """A column of tables 6.2 to 6.5."""
 
     coulomb_n: float  # printed as "about 0": 1 N here
@@ -32,21 +32,21 @@ class Fit(NamedTuple):
 
 
 FITS = {
-    "6.2 steady": Fit(1.0, 616.0, 0.10, 1341.0),
-    "6.3 steady": Fit(1.0, 647.0, 0.11, 1381.0),
-    "6.4 steady": Fit(1.0, 634.0, 0.10, 1611.0),
-    "6.5 steady": Fit(1.0, 651.0, 0.13, 2331.0),
-    "6.2 ramp": Fit(1.0, 518.0, 0.06, 537.0),
-    "6.3 ramp": Fit(1.0, 590.0, 0.07, 676.0),
-    "6.4 ramp": Fit(1.0, 603.0, 0.07, 469.0),
-    "6.5 ramp": Fit(67.0, 566.0, 0.20, 0.0),
+    "6.2 steady": PrintedFit(1.0, 616.0, 0.10, 1341.0),
+    "6.3 steady": PrintedFit(1.0, 647.0, 0.11, 1381.0),
+    "6.4 steady": PrintedFit(1.0, 634.0, 0.10, 1611.0),
+    "6.5 steady": PrintedFit(1.0, 651.0, 0.13, 2331.0),
+    "6.2 ramp": PrintedFit(1.0, 518.0, 0.06, 537.0),
+    "6.3 ramp": PrintedFit(1.0, 590.0, 0.07, 676.0),
+    "6.4 ramp": PrintedFit(1.0, 603.0, 0.07, 469.0),
+    "6.5 ramp": PrintedFit(67.0, 566.0, 0.20, 0.0),
 }
 SIGMA_0 = 1e5  # N/m
 SPEEDS_M_S = (0.01, 0.05, 0.101, 0.197)
 X_M, LOAD_N, P_LR_PA = 0.17, 5000.0, 15e5
 
 
-def with_fit(par: PlantParameters, fit: Fit, law: str) -> PlantParameters:
+def with_fit(par: PlantParameters, fit: PrintedFit, law: str) -> PlantParameters:
     """Return the plant with a fit in both cylinders, as ``tustin`` or ``lugre`` (sigma_0 1e5)."""
     friction = FrictionParameters(
         law=LAWS[law].code,
@@ -62,7 +62,7 @@ def with_fit(par: PlantParameters, fit: Fit, law: str) -> PlantParameters:
 
 
 class Fastest(NamedTuple):
-    """At one speed: slope of friction [N s/m], and largest real parts [1/s] of eigenvalues."""
+    """Slope of friction [N s/m] and largest real parts [1/s] of eigenvalues, at one speed."""
 
     slope: float
     plant: float  # static law, commands held
@@ -71,7 +71,7 @@ class Fastest(NamedTuple):
     lugre: float  # LuGre, loops closed
 
 
-def fastest(par: PlantParameters, fit: Fit, speed_m_s: float, loops: list[Pi]) -> Fastest:
+def fastest(par: PlantParameters, fit: PrintedFit, speed_m_s: float, loops: list[Pi]) -> Fastest:
     """Return the growth rates at a steady speed; a positive one leaves it."""
     static, lugre = with_fit(par, fit, "tustin"), with_fit(par, fit, "lugre")
     point = steady_point(static, X_M, speed_m_s, LOAD_N, P_LR_PA)
@@ -104,13 +104,13 @@ def least_slope(par: PlantParameters, loops: list[Pi], filters_s: tuple[float, f
         point = steady_point(damped, X_M, 0.05, LOAD_N, P_LR_PA)
         if filters_s == (0.0, 0.0):
             return loop_eigenvalues(damped, point, loops).real.max()
-        sampled = sample(*state_space(linearise(damped, point), damped), *filters_s)
+        sampled = sample_plant(*state_space(linearise(damped, point), damped), *filters_s)
         return modulus(sampled, loops) - 1.0
 
     return float(brentq(excess, 500.0, 10_000.0, xtol=0.1))
 
 
-def _friction(fit: Fit, law: str) -> dict[str, Any]:
+def _friction(fit: PrintedFit, law: str) -> dict[str, Any]:
     known = {
         "bristle_stiffness": f"{SIGMA_0} N/m",
         "coulomb": f"{fit.coulomb_n} N",
@@ -123,21 +123,21 @@ def _friction(fit: Fit, law: str) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Tried:
-    """One steady run of the firmware, and why it does not count; empty if it holds."""
+class FirmwareRun:
+    """Steady run of the firmware in closed loop with the simulated bench."""
 
     run: Run
-    fault: str
+    fault: str  # why it does not hold its speed; empty if it does
 
 
 def tried(
     bench_data: dict[str, Any],
-    fit: Fit,
+    fit: PrintedFit,
     law: str,
     speed_m_s: float,
     load_viscous_n_s_m: float | None = None,
     start: str = "200 mm",
-) -> Tried:
+) -> FirmwareRun:
     """Run the firmware from rest to a steady speed, extending from the middle of the stroke.
 
     From another ``start`` the piston goes there first, at the bench's return speed.
@@ -147,7 +147,7 @@ def tried(
     """
     test = load = _friction(fit, law)
     if load_viscous_n_s_m is not None:
-        load = _friction(Fit(300.0, 300.0, 0.1, load_viscous_n_s_m), "tustin")
+        load = _friction(PrintedFit(300.0, 300.0, 0.1, load_viscous_n_s_m), "tustin")
     plant = parse_plant(bench_data, {"friction": {"test": test, "load": load}}, "fit")
     experiment = {
         "kind": "steady",
@@ -165,11 +165,11 @@ def tried(
     done = record(bench, {"name": "instability", "experiments": [experiment]}, plant)
     verdict = screen(done.runs[0], Screening())
     fault = done.stopped.partition("itself: ")[2] or "; ".join(verdict.reasons)
-    return Tried(done.runs[0], fault)
+    return FirmwareRun(done.runs[0], fault)
 
 
 def _patient(bench: Bench) -> Bench:
-    """A bench whose board lets a run far off its reference go on, and logs at 250 Hz."""
+    """Return the bench with a board that lets a run far off its reference go on, at 250 Hz."""
     limits = bench.limits.model_copy(
         update={"speed_error": 0.6, "speed_error_time": 10.0, "speed_max": 0.6}
     )
@@ -179,6 +179,6 @@ def _patient(bench: Bench) -> Bench:
 
 def ripple(run: Run) -> float:
     """Standard deviation [m/s] of the velocity in the last half of a run at its reference."""
-    at = np.flatnonzero(run.at_reference)
+    at = np.flatnonzero(run.channel("at_reference"))
     late = at[len(at) // 2 :]
-    return float(run.v_m_s[late].std()) if len(late) else np.nan
+    return float(run.channel("v_m_s")[late].std()) if len(late) else np.nan

@@ -10,7 +10,7 @@ from hbench.records import Finding, Line, Panel, Phenomenon, WordTable
 from hbench.studies.instability import (
     FITS,
     SPEEDS_M_S,
-    Tried,
+    FirmwareRun,
     fastest,
     least_slope,
     ripple,
@@ -109,7 +109,7 @@ def instability(bench_data: dict[str, Any]) -> Phenomenon:
         ),
         tables=(
             WordTable(
-                "Largest real parts of the eigenvalues (1/s); positive: the speed is left",
+                "Largest real parts of the eigenvalues (1/s); positive: unstable",
                 ("fit", "v (mm/s)", "slope F' (N s/m)", "plant", "loops closed",
                  "a tenth of K_c", "loops closed, LuGre"),
                 tuple(
@@ -142,8 +142,8 @@ def _text(needed: float, on_board: float, mass: float) -> tuple[str, ...]:
     return (
         "The source fitted Tustin's law (3.2) to its measurements, and reports that its simulation "
         "with the fitted friction was unstable, so that the models could not be verified. Here the "
-        "fits of tables 6.2 to 6.5 stand in the reconstructed bench, in both cylinders, with the "
-        "printed controllers (table 4.1, with the rod-side gain of this bench file).",
+        "fits of tables 6.2 to 6.5 are the friction of both cylinders of the reconstructed bench, "
+        "with the printed controllers (table 4.1, with the rod-side gain of this bench file).",
         "Cause. The fits have F_C near 0, on the bound of table 6.1, so nearly all of the stiction "
         "falls off with speed, and the slope of friction F'(v) = B - (F_s - F_C) / v_s "
         "exp(-v / v_s) is negative up to 100 to 150 mm/s: at 50 mm/s both cylinders of table 6.2 "
@@ -152,9 +152,9 @@ def _text(needed: float, on_board: float, mass: float) -> tuple[str, ...]:
         "(2.9) and the pressure gradients (2.1 to 2.8) give a pair of eigenvalues with the real "
         "part -F'(v) / (2 m) as long as it oscillates: +239 1/s for table 6.2, steady, and +107 "
         "1/s for 6.5, steady, at 50 mm/s. The plant itself is unstable, before any controller.",
-        "The controllers can't help. The valve (2.16) has 90 Hz; the velocity loop lags where it "
-        "would have to damp, and takes damping away. A tenth of its gain changes little where the "
-        "plant is unstable; where it is not (197 mm/s), that would hold. "
+        "The controllers cannot stabilise it. The valve (2.16) has 90 Hz; the velocity loop lags "
+        "where it would have to damp, and removes damping. A tenth of its gain changes little "
+        "where the plant is unstable; where it is not (197 mm/s), that would hold. "
         f"With the printed gains the loops hold where F'(v) is above {needed / 1e3:.2f} "
         f"kN s/m, on the board with its filters and sampling {on_board / 1e3:.2f} kN s/m (both "
         "cylinders, 50 mm/s, 5 kN). Of all fits and speeds in the table only 6.5, steady, at "
@@ -177,8 +177,8 @@ def _text(needed: float, on_board: float, mass: float) -> tuple[str, ...]:
         "steady speed says nothing about how fast friction follows a change of speed, and a static "
         "law claims that it follows at once.",
         "What is assumed. The source's masses, oil stiffness and operating point are not printed; "
-        "those of the bench file are used, whose status stands there. F_C 'about 0' is read as 1 "
-        "N. -F'(v) / (2 m) does not depend on the oil, and heavier masses slow the growth but "
+        "those of the bench file are used; its comments give their status. F_C 'about 0' is read "
+        "as 1 N. -F'(v) / (2 m) does not depend on the oil, and heavier masses slow the growth but "
         "don't end it. Position 170 mm (firmware: from 200 mm), load 5 kN, 15 bar on its rod side.",
     )
 
@@ -190,24 +190,24 @@ def _slope(name: str, v: float) -> float:
     return 2 * (fit.viscous_n_s_m - fallen / fit.stribeck_velocity_m_s)
 
 
-def _verdict(one: Tried) -> str:
-    off = ripple(one.run)
-    words = one.fault.partition(":")[0].replace("_", " ")
-    if not words:
+def _verdict(done: FirmwareRun) -> str:
+    off = ripple(done.run)
+    fault = done.fault.partition(":")[0].replace("_", " ")
+    if not fault:
         return f"holds, {1e3 * off:.1f}"
-    return f"{1e3 * off:.0f}, {words}" if np.isfinite(off) else words
+    return f"{1e3 * off:.0f}, {fault}" if np.isfinite(off) else fault
 
 
 def _velocity(
-    panel: str, made: dict[tuple[str, str, float], Tried], law: str, fits: tuple[str, ...]
+    panel: str, made: dict[tuple[str, str, float], FirmwareRun], law: str, fits: tuple[str, ...]
 ) -> Panel:
     lines = []
     for name in fits:
         run = made[law, name, 0.05].run
         shown = run.t_s - run.t_s[0] < 0.6
         t = (run.t_s - run.t_s[0])[shown]
-        lines.append(Line(name, t, 1e3 * run.v_m_s[shown]))
-        reference = Line("reference", t, 1e3 * run.v_ref_m_s[shown])
-    words = {"tustin": "as a static law", "lugre": "as LuGre, sigma_0 = 1e5 N/m"}[law]
-    title = f"50 mm/s with the fits {words}"
+        lines.append(Line(name, t, 1e3 * run.channel("v_m_s")[shown]))
+        reference = Line("reference", t, 1e3 * run.channel("v_ref_m_s")[shown])
+    use = {"tustin": "as a static law", "lugre": "as LuGre, sigma_0 = 1e5 N/m"}[law]
+    title = f"50 mm/s with the fits {use}"
     return Panel(panel, title, "Time (s)", "Velocity (mm/s)", (*lines, reference))

@@ -62,12 +62,12 @@ def ramp_errors(
     references = np.full((len(v_ref), 3), (0.0, p_lr_pa, p_lp_pa))
     references[:, 0] = v_ref
     state = initial_state(par, x_m, p_lr_pa, p_lp_pa)
-    outputs = closed_loop(par, references, np.array(loops), state, np.zeros(3))
+    outputs = run_loops(par, references, np.array(loops), state, np.zeros(3))
     error = v_ref - outputs[:, 0]
     return RampErrors(float(error[rest + 3 * up - 1]), float(-error[-1]))
 
 
-def closed_loop(
+def run_loops(
     par: PlantParameters,
     references: np.ndarray,
     loops: np.ndarray,

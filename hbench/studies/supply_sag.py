@@ -14,7 +14,7 @@ from hbench.config.schedule import Screening
 from hbench.experiment.closed_loop import record
 from hbench.records import Finding, Line, Panel, Phenomenon, Run, WordTable
 
-# All judged: the source prints none. They let 150 mm/s hold within +-2 mm/s and 197 mm/s not, and
+# Estimated: the source prints none. They let 150 mm/s hold within +-2 mm/s and 197 mm/s not, and
 # leave the pump stable at rest: with 3.2e-12 m^3/Pa (0.32 cm^3/bar) its compensator would swing.
 PUMP = {
     "flow": "30 l/min",
@@ -59,11 +59,11 @@ def least_capacity(pump: dict[str, float]) -> float:
 
 def deviation(run: Run) -> float:
     """Largest speed error [m/s] in the later part of a run at its reference."""
-    late = (run.x_m > LATE_M) & run.at_reference
-    return float(np.abs(run.v_m_s[late] - run.plan.v_ref_m_s).max())
+    late = (run.x_m > LATE_M) & run.channel("at_reference")
+    return float(np.abs(run.channel("v_m_s")[late] - run.plan.v_ref_m_s).max())
 
 
-def measured(bench_data: dict[str, Any], supply: str) -> tuple[Run, ...]:
+def simulated_runs(bench_data: dict[str, Any], supply: str) -> tuple[Run, ...]:
     """Make the runs of ``REFERENCES`` with one of ``SUPPLIES``."""
     return _runs(bench_data, supply, [(*reference, 1.0) for reference in REFERENCES])
 
@@ -83,8 +83,9 @@ def _runs(
 
 def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
     """Show supply pressure and velocity with each supply."""
-    runs = {supply: measured(bench_data, supply) for supply in SUPPLIES}
+    runs = {supply: simulated_runs(bench_data, supply) for supply in SUPPLIES}
     plant = parse_plant(bench_data, SUPPLIES["pump"], "pump")
+    assert plant.supply.pump is not None, "SUPPLIES has one"
     pump = plant.supply.pump.model_dump()
     rows = []
     for supply, made in runs.items():
@@ -94,7 +95,7 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
                 (
                     supply,
                     f"{1e3 * run.plan.v_ref_m_s:.1f}",
-                    f"{run.p_s_pa.min() / 1e5:.0f}",
+                    f"{run.channel('p_s_pa').min() / 1e5:.0f}",
                     f"{1e3 * deviation(run):.1f}",
                     "held" if deviation(run) <= ALLOWED_M_S else "not held",
                     verdict.reasons[0].split(":")[0] if verdict.reasons else "accepted",
@@ -102,7 +103,7 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
             )
     areas = plant.test_cylinder.area_piston_m2 + plant.load_cylinder.area_rod_m2
     drawn = {s: 6e4 * areas * float(s.split()[0]) / 1e3 for s, *_ in REFERENCES}
-    pumped = runs["pump"][-1].p_s_pa
+    pumped = runs["pump"][-1].channel("p_s_pa")
     fallen = (pumped[0] - pumped.min()) / 1e5
     return Phenomenon(
         name="supply",
@@ -118,7 +119,7 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
             "mm/s. At 52 mm/s the pressure only swings, as in figure 4.15. An accumulator of about "
             "2 l of gas fills the gap, as the source proposed. The steeper the ramp, the deeper "
             "the sag, as section 6.2.1 says.",
-            "All values of the pump are judged; the source prints none. At rest, with leakage "
+            "All values of the pump are estimated; the source prints none. At rest, with leakage "
             f"alone, a line of less than {least_capacity(pump) * 1e11:.2f} cm^3/bar would let the "
             "compensator swing by itself (Routh); motion damps it.",
         ),
@@ -148,12 +149,12 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
                 "Ramps to 150 mm/s with the pump",
                 ("slope (m/s^2)", "lowest P_s (bar)"),
                 tuple(
-                    (f"{slope:g}", f"{run.p_s_pa.min() / 1e5:.0f}")
+                    (f"{slope:g}", f"{run.channel('p_s_pa').min() / 1e5:.0f}")
                     for slope, run in zip(RAMPS_M_S2, ramped(bench_data), strict=True)
                 ),
             ),
             WordTable(
-                "The pump, judged", ("value", "of the pump"), tuple(PUMP.items())
+                "The pump, estimated", ("value", "of the pump"), tuple(PUMP.items())
             ),
         ),
     )  # fmt: skip
@@ -169,7 +170,7 @@ def _panel(
     label: str,
 ) -> Panel:
     lines = tuple(
-        Line(supply, made[index].t_s - made[index].t_s[0], scale * getattr(made[index], channel))
+        Line(supply, made[index].t_s - made[index].t_s[0], scale * made[index].channel(channel))
         for supply, made in runs.items()
     )
     return Panel(name, f"{title} at {REFERENCES[index][0]}", "Time (s)", label, lines)
@@ -195,6 +196,6 @@ def _schedule(references: list[tuple[str, str, str, float]]) -> dict[str, Any]:
 
 
 def _patient(bench: Bench) -> Bench:
-    """A bench whose board lets a run far off its reference come to its end."""
+    """Return the bench with a board that lets a run far off its reference finish."""
     limits = bench.limits.model_copy(update={"speed_error": 0.4, "speed_error_time": 10.0})
     return bench.model_copy(update={"limits": limits})

@@ -22,7 +22,7 @@ def test_coefficients_come_in_si_with_defaults_for_those_not_given():
     ("section", "says"),
     [
         ({"leakage": {"test": "1 l/min/bar"}}, "known are added_mass, direction_asymmetry"),
-        ({"valve_lag": {"tau": "1 ms"}}, "effects.valve_lag.tau: it has time"),
+        ({"valve_lag": {"tau": "1 ms"}}, "effects.valve_lag.tau: "),
         ({"valve_lag": {"time": "1 V"}}, "expected one like ms"),
         ({"valve_lag": {"time": "0.2 s"}}, "effects.valve_lag.time = '0.2 s': must be between"),
         ({"internal_leakage": {"test": "-1 l/min/bar"}}, "must be between 0 and 1 l/min/bar"),

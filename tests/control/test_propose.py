@@ -6,7 +6,7 @@ import pytest
 from hbench.config.scaling import scaled
 from hbench.control.grid import conditions, grid, margin_checks, operating_point
 from hbench.control.linearisation import linearise
-from hbench.control.loops import plants
+from hbench.control.loops import loop_plants
 from hbench.control.propose import family, propose
 from hbench.control.transfer import pi
 from hbench.errors import ConvergenceError
@@ -51,7 +51,7 @@ def closed_bandwidth(opened):
 def test_bandwidths_of_the_family_are_apart_by_the_ratio(bench, par, order):
     c = linearise(par, operating_point(bench, par, {}))
     loops = family(c, 150.0, 1.7, order)
-    widths = [closed_bandwidth(plants(c)[i] * pi(*loops[i])) for i in order]
+    widths = [closed_bandwidth(loop_plants(c)[i] * pi(*loops[i])) for i in order]
     assert widths == pytest.approx([150.0, 150.0 / 1.7, 150.0 / 1.7**2], rel=2e-3)
 
 

@@ -9,7 +9,7 @@ from hbench.control.linearisation import linearise, state_space, steady_point
 from hbench.control.sampled import L1, L2, TICK_S, T
 from hbench.control.transfer import pi, rod_pressure_plant, valve
 from hbench.studies.source_design import LOOPS
-from hbench.studies.source_nonlinear import closed_loop, coulomb_viscous
+from hbench.studies.source_nonlinear import coulomb_viscous, run_loops
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def point(par):
 
 @pytest.fixture(scope="module")
 def plant(par, point):
-    return sampled.sample(*state_space(linearise(par, point), par), 2e-3, 5e-4)
+    return sampled.sample_plant(*state_space(linearise(par, point), par), 2e-3, 5e-4)
 
 
 def test_all_digital_poles_lie_inside_the_unit_circle(plant):
@@ -38,19 +38,19 @@ def test_without_control_the_poles_are_those_of_the_continuous_bench(par, point,
 @pytest.mark.parametrize("broken", [T, L1, L2])
 def test_a_broken_loop_is_minus_1_at_every_closed_pole(plant, broken):
     """1 + L_i(z) = 0 at the closed loop's poles: two ways to the same poles."""
-    poles = np.linalg.eigvals(sampled.closed_loop(plant, LOOPS)[0])
+    poles = np.linalg.eigvals(sampled.closed_loop_matrices(plant, LOOPS)[0])
     swinging = poles[(poles.imag > 1e-3) & (np.abs(poles) > 0.9)]
     omega = np.log(swinging) / (1j * TICK_S)  # complex, so that exp(j omega T) is the pole
     assert len(swinging) >= 3
-    opened = sampled.broken_loop(sampled.measured(plant, omega), omega, LOOPS, broken)
+    opened = sampled.broken_loop(sampled.measurement_response(plant, omega), omega, LOOPS, broken)
     assert opened == pytest.approx(-1.0, abs=1e-5)
 
 
 def test_far_above_the_piston_resonance_a_pressure_loop_is_its_chamber_alone(par, point):
     c = linearise(par, point)
-    plant = sampled.sample(*state_space(c, par), 0.0, 0.0)
+    plant = sampled.sample_plant(*state_space(c, par), 0.0, 0.0)
     omega = np.array([200.0, 400.0, 800.0])
-    response = sampled.measured(plant, omega)
+    response = sampled.measurement_response(plant, omega)
     spool = valve(par.valve.natural_frequency_rad_s, par.valve.damping)
     wanted = (rod_pressure_plant(c) * pi(*LOOPS[1]) * spool)(1j * omega)
     found = response[:, L1, L1] * sampled.controller(LOOPS[1], np.exp(1j * omega * TICK_S))
@@ -60,7 +60,7 @@ def test_far_above_the_piston_resonance_a_pressure_loop_is_its_chamber_alone(par
 
 def test_the_references_are_reached(plant):
     for loop in (T, L1, L2):
-        _, y = sampled.step(plant, LOOPS, loop, 3.0)
+        _, y = sampled.sampled_step(plant, LOOPS, loop, 3.0)
         assert y[-1] == pytest.approx(1.0, abs=2e-3)
 
 
@@ -73,9 +73,9 @@ def test_a_small_step_of_the_nonlinear_bench_is_the_linear_one(par):
     # The commands at rest stand in the sums: u = K_c (tau_c e + sum).
     gains = np.array(LOOPS)
     start = np.array([point.u_t_v, point.u_l1_v, point.u_l2_v]) / gains[:, 0]
-    outputs = closed_loop(bench, references, gains, plant_state(bench, point), start)
-    plant = sampled.sample(*state_space(linearise(bench, point), bench), 0.0, 0.0)
-    _, y = sampled.step(plant, LOOPS, T, count * TICK_S)
+    outputs = run_loops(bench, references, gains, plant_state(bench, point), start)
+    plant = sampled.sample_plant(*state_space(linearise(bench, point), bench), 0.0, 0.0)
+    _, y = sampled.sampled_step(plant, LOOPS, T, count * TICK_S)
     found = (outputs[:, 0] - v) / size
     assert y.max() > 1.1  # there is something to compare
     assert np.abs(found - y).max() < 0.03

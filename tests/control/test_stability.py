@@ -6,7 +6,7 @@ import pytest
 from hbench.control.linearisation import steady_point
 from hbench.control.stability import (
     friction_slope,
-    linearised,
+    linearised_plant,
     loop_eigenvalues,
     plant_eigenvalues,
 )
@@ -39,7 +39,7 @@ def test_a_falling_static_law_drives_the_mass_on_its_oil_spring(at_speed, par, f
 def test_a_small_disturbance_grows_as_the_eigenvalue_says(at_speed):
     """The nonlinear plant under held commands, for 25 ms."""
     changed, point = at_speed("6.5 steady", "tustin", 0.05)
-    a, _, states = linearised(changed, point)
+    a, _, states = linearised_plant(changed, point)
     values, vectors = np.linalg.eig(a)
     fastest = values.real.argmax()
     state = np.zeros(p.n_states(changed))
@@ -64,7 +64,7 @@ def test_lugres_falling_part_is_a_lag_of_the_static_slope(at_speed):
     fallen = (f_s - f_c) * np.exp(-0.05 / v_s)
     tau = (f_c + fallen) / (1e5 * 0.05)
     static, _ = at_speed("6.5 steady", "tustin", 0.05)
-    a, _, _ = linearised(static, point)
+    a, _, _ = linearised_plant(static, point)
     rest = a.copy()
     rest[0, 0] += 2 * (b - fallen / v_s) / 10.0  # without friction
     for s in plant_eigenvalues(changed, point):

@@ -8,14 +8,14 @@ import pytest
 from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.model.supply import pump_rates
-from hbench.studies.supply_sag import SUPPLIES, deviation, least_capacity, measured, ramped
+from hbench.studies.supply_sag import SUPPLIES, deviation, least_capacity, ramped, simulated_runs
 
 DATA = read_yaml(Path(__file__).parents[2] / "configs" / "bench-aau.yaml")
 
 
 @pytest.fixture(scope="module")
 def runs():
-    return {supply: measured(DATA, supply) for supply in SUPPLIES}
+    return {supply: simulated_runs(DATA, supply) for supply in SUPPLIES}
 
 
 def test_the_pressure_sags_with_demand(runs):

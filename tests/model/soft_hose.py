@@ -2,14 +2,14 @@
 
 from hbench.model.compiled import compiled
 from hbench.model.effects.catalogue import Coefficient, Effect
-from hbench.model.effects.couplings import Oil
+from hbench.model.effects.couplings import OilProperties
 
 
 @compiled
 def cavity(oil, c, state, at, rates, par):
     """A soft hose at the test cylinder's rod side: 1 / beta grows by c."""
     soft = 1.0 / (1.0 / oil.beta_tr + c[0])
-    return Oil(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
+    return OilProperties(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
 
 
 EFFECTS = {

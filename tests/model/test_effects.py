@@ -9,9 +9,9 @@ from hbench.config.effects import Coefficient
 from hbench.errors import ConfigError
 from hbench.model.build import plant_parameters
 from hbench.model.compiled import compiled
-from hbench.model.effects.applied import together
+from hbench.model.effects.applied import compose
 from hbench.model.effects.catalogue import EFFECTS, Effect, changed_by, with_effects
-from hbench.model.effects.couplings import Oil
+from hbench.model.effects.couplings import OilProperties
 from hbench.model.effects.flows import with_air
 from hbench.model.noise import new_noise
 from hbench.model.plant import (
@@ -355,11 +355,11 @@ def test_masses_that_move_with_the_piston_take_acceleration_off_and_load_the_cel
     pushed[P_TP] += 10 * BAR
     light = forces(pushed[: len(start)], np.ones(2), par, np.zeros(len(start)))
     at, rates = STATE["added_mass"], np.zeros(len(pushed))
-    together = light.acceleration * 10 / 25
-    pushed[at] = pushed[V] - 1e-4 * together  # the mounts, once they are pressed
+    compose = light.acceleration * 10 / 25
+    pushed[at] = pushed[V] - 1e-4 * compose  # the mounts, once they are pressed
     heavy = forces(pushed, np.ones(2), heavier, rates)
-    assert rates[at] == pytest.approx(together, rel=1e-9)
-    assert heavy.acceleration == pytest.approx(together, rel=1e-9)
+    assert rates[at] == pytest.approx(compose, rel=1e-9)
+    assert heavy.acceleration == pytest.approx(compose, rel=1e-9)
     assert heavy.applied - 15 * heavy.acceleration == pytest.approx(
         light.applied - 5 * light.acceleration, rel=1e-9
     )
@@ -394,7 +394,7 @@ def test_sensor_errors_show_in_their_channels_alone(bench: Bench):
 def soft_hose(oil, c, state, at, rates, par):
     """1 / beta of the test cylinder's rod side grows by c."""
     soft = 1.0 / (1.0 / oil.beta_tr + c[0])
-    return Oil(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
+    return OilProperties(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
 
 
 def test_a_function_and_a_row_make_a_new_effect(par, start):
@@ -407,9 +407,9 @@ def test_a_function_and_a_row_make_a_new_effect(par, start):
     table = EFFECTS | {"soft_hose": row}
     par = with_effects(par, {"entrained_air": {"fraction": 0.01}})
     par = par._replace(effects=(*par.effects, (1e-9,)))
-    before = Oil(2 * BAR, BETA, BETA, BETA, BETA)
+    before = OilProperties(2 * BAR, BETA, BETA, BETA, BETA)
     state = np.append(start, np.zeros(n_states(par) - len(start)))
-    after = together("oil", table)(before, FIRST, state, np.zeros(len(state)), par)
+    after = compose("oil", table)(before, FIRST, state, np.zeros(len(state)), par)
     assert after.beta_tp == with_air(BETA, start[P_TP], 0.01)
     assert after.beta_tr == pytest.approx(
         1 / (1 / with_air(BETA, start[P_TR], 0.01) + 1e-9), rel=1e-12

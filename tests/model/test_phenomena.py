@@ -8,7 +8,7 @@ import pytest
 from hbench.model.parameters import FrictionParameters
 from hbench.studies.catalogue import PHENOMENA
 from hbench.studies.phenomena import lag, presliding, stick_slip
-from hbench.studies.phenomena.driven_friction import driven_mass, friction_along
+from hbench.studies.phenomena.driven_friction import driven_mass, prescribed_friction
 from hbench.studies.phenomena.laws import LEUVEN, LUGRE, TUSTIN
 
 F_C, F_S, V_S, B = 300.0, 500.0, 0.03, 2500.0
@@ -164,7 +164,7 @@ def test_a_driven_mass_without_friction_swings_as_a_spring_does():
 
 def test_friction_along_a_constant_velocity_is_lugres_exponential():
     law = LUGRE._replace(viscous=0.0, coulomb=F_S)
-    force = friction_along(np.full(2000, 1e-3), 1e-3, law)
+    force = prescribed_friction(np.full(2000, 1e-3), 1e-3, law)
     t = 1e-3 * (np.arange(2000) + 0.5)
     np.testing.assert_allclose(force, F_S * (1 - np.exp(-3e5 * 1e-3 / F_S * t)), atol=0.05)
 

@@ -11,7 +11,7 @@ import pytest
 
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.model.effects.couplings import Flows, Oil, Openings, Rubbing
+from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
 from hbench.model.sensors import FRACTION, sensor_parameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 from hbench.protocol.dictionary import RECORD
@@ -98,9 +98,9 @@ def at_place(place, par):
     beta = par.bulk_modulus_pa
     return {
         "openings": OPENED,
-        "oil": Oil(2e5, beta, beta, beta, beta),
-        "flows": Flows(1e-4, -5e-5, -6e-5, 3e-5, 1.3e-4, 1.1e-4, 1.0),
-        "friction": Rubbing(300.0, 250.0, 0.0, 0.0, 0.0, 0.0),
+        "oil": OilProperties(2e5, beta, beta, beta, beta),
+        "flows": ChamberFlows(1e-4, -5e-5, -6e-5, 3e-5, 1.3e-4, 1.1e-4, 1.0),
+        "friction": FrictionTerms(300.0, 250.0, 0.0, 0.0, 0.0, 0.0),
     }[place]
 
 

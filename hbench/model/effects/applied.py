@@ -1,4 +1,4 @@
-"""The effects' laws put together: what the plant calls at each place where effects act."""
+"""Laws of all effects composed into one function for each place of the plant's equations."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -7,45 +7,45 @@ import numpy as np
 
 from hbench.model.compiled import compiled, inlined
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.model.effects.couplings import Flows, Oil, Openings, Rubbing
+from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
 from hbench.model.effects.rows import MOVING, Effect
 from hbench.model.friction.laws import steady_parts
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, SPOOL_L1, SPOOL_L2, SPOOL_T, V, bristles_end
 
-LEAST_DRY = 0.1  # of the dry friction, that effects leave of it: friction stays passive
+LEAST_DRY = 0.1  # of the law's dry friction, a lower limit of effects: friction stays passive
 
 _STATES = sum(row.states for row in EFFECTS.values())
 
 
-def together(place: str, effects: Mapping[str, Effect]) -> Callable:
-    """Return ``apply(what, first, state, rates, par)``: all laws of a place, compiled into one.
+def compose(place: str, effects: Mapping[str, Effect]) -> Callable:
+    """Return ``apply(terms, first, state, rates, par)``: all laws of a place, compiled into one.
 
-    ``first`` is the place of the effects' first state.
+    ``first`` is the index of the effects' first state.
     """
 
     @inlined
-    def apply(what, first, state, rates, par):
-        return what
+    def apply(terms, first, state, rates, par):
+        return terms
 
     at = 0
     for number, row in enumerate(effects.values()):
         if place in row.laws:
-            apply = _then(apply, row.laws[place], number, at)
+            apply = _composed(apply, row.laws[place], number, at)
         at += row.states
     return apply
 
 
-def _then(before: Callable, law: Callable, number: int, at: int) -> Callable:
+def _composed(before: Callable, law: Callable, number: int, at: int) -> Callable:
     @inlined
-    def both(what, first, state, rates, par):
-        what = before(what, first, state, rates, par)
-        return law(what, par.effects[number], state, first + at, rates, par)
+    def both(terms, first, state, rates, par):
+        terms = before(terms, first, state, rates, par)
+        return law(terms, par.effects[number], state, first + at, rates, par)
 
     return both
 
 
-_openings, _oil, _flows, _friction = (together(place, EFFECTS) for place in MOVING)
+_openings, _oil, _flows, _friction = (compose(place, EFFECTS) for place in MOVING)
 
 
 @compiled
@@ -61,7 +61,7 @@ def effect_states(effects: tuple[tuple[float, ...], ...] | None) -> int:
 
 @compiled
 def openings(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray) -> Openings:
-    """Openings of the valves: their spools, as the effects change them."""
+    """Return the openings of the valves: their spools, changed by the effects."""
     spools = Openings(state[SPOOL_T], state[SPOOL_L1], state[SPOOL_L2])
     if effects is None:
         return spools
@@ -69,10 +69,10 @@ def openings(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.nd
 
 
 @compiled
-def oil(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray) -> Oil:
-    """Tank pressure and bulk moduli."""
+def oil(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray) -> OilProperties:
+    """Return tank pressure and bulk moduli, changed by the effects."""
     beta = par.bulk_modulus_pa
-    constant = Oil(par.supply.tank_pa, beta, beta, beta, beta)
+    constant = OilProperties(par.supply.tank_pa, beta, beta, beta, beta)
     if effects is None:
         return constant
     return _oil(constant, bristles_end(par), state, rates, par)
@@ -80,9 +80,9 @@ def oil(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray
 
 @compiled
 def flow_effects(
-    q: Flows, state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray
-) -> Flows:
-    """Flows into the chambers, those of the valves given."""
+    q: ChamberFlows, state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray
+) -> ChamberFlows:
+    """Return the flows into the chambers: ``q`` of the valves, changed by the effects."""
     if effects is None:
         return q
     return _flows(q, bristles_end(par), state, rates, par)
@@ -97,14 +97,14 @@ def friction_effects(
     effects: Any,
     rates: np.ndarray,
 ) -> tuple[float, float, float, float]:
-    """Levels of the dry friction of the test and the load cylinder, and forces [N] to add."""
+    """Return the levels of dry friction of test and load cylinder, and forces [N] to add."""
     if effects is None:
         return level_t, level_l, 0.0, 0.0
     v = state[V]
     dry_t, _ = steady_parts(v, state[P_TP], state[P_TR], level_t, par.test.friction)
     dry_l, _ = steady_parts(v, state[P_LP], state[P_LR], level_l, par.load.friction)
-    own = Rubbing(abs(dry_t), abs(dry_l), 0.0, 0.0, 0.0, 0.0)
-    f = _friction(own, bristles_end(par), state, rates, par)
+    terms = FrictionTerms(abs(dry_t), abs(dry_l), 0.0, 0.0, 0.0, 0.0)
+    f = _friction(terms, bristles_end(par), state, rates, par)
     level_t = _raised(level_t, f.more_t, f.dry_t)
     level_l = _raised(level_l, f.more_l, f.dry_l)
     return level_t, level_l, f.force_t, f.force_l

@@ -1,30 +1,31 @@
-"""The catalogue of physical effects that a plant can have.
+"""Catalogue of the physical effects that a plant can have.
 
 An effect is a row of ``EFFECTS`` and a law, a pure compiled function for the place where it acts:
 
-    law(what, c, state, at, rates, par) -> what
+    law(terms, c, state, at, rates, par) -> terms
 
-``what`` is the place's tuple (``couplings.py``) as the effects before it in the table left it;
-``c`` are the effect's coefficients in SI, in the row's order; its own states stand in ``state``
-from ``at`` on, and it writes their rates at the same places of ``rates``, always. With all
-coefficients at their defaults it must hand back ``what`` to the bit. Places: ``openings`` of the
-valves, ``oil``, ``flows`` into the chambers, ``friction``. An effect with two laws has the same
-states in both. Two more places take parameters and return others, ``law(parameters, c)``:
-``sensors`` and ``board`` (its controllers). Linearisation and
-``reconcile/measured/balances.py`` know the plant without effects.
+``terms`` is the place's tuple (``couplings.py``) after the effects above it in the table; ``c`` are
+the effect's coefficients in SI, in the row's order. Its own states begin at ``state[at]``; it
+always writes their rates to the same indices of ``rates``. With all coefficients at their defaults
+it must return ``terms`` unchanged to the bit. Places: ``openings`` of the valves, ``oil``,
+``flows`` into the chambers, ``friction``. An effect with two laws has the same states in both. Two
+more places take parameters and return others, ``law(parameters, c)``: ``sensors`` and ``board``
+(its controllers). Linearisation and ``reconcile/measured/balances.py`` use the plant without
+effects.
 
-Your own effect: one function and one row, in a file that ``HBENCH_EFFECTS`` in the environment
-names (``rows.py``); everything that simulates or reconciles then knows it.
+To add an effect without changing hbench, write one function and one row in a file and name that
+file in the environment variable ``HBENCH_EFFECTS`` (``rows.py``). Simulation and reconcile then
+use it.
 
     from hbench.model.compiled import compiled
-    from hbench.model.effects.couplings import Oil
     from hbench.model.effects.catalogue import Coefficient, Effect
+    from hbench.model.effects.couplings import OilProperties
 
     @compiled
     def cavity(oil, c, state, at, rates, par):
         '''A soft hose at the test cylinder's rod side: 1 / beta grows by c.'''
         soft = 1.0 / (1.0 / oil.beta_tr + c[0])
-        return Oil(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
+        return OilProperties(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
 
     EFFECTS = {
         "soft_hose": Effect("1 / beta of Tr grows", {"soft": Coefficient("1/bar", 1e-4, 0, 0.1)},
@@ -41,11 +42,8 @@ from typing import Any
 from hbench.config.effects import Coefficient, parse_effects
 from hbench.config.effects import Effects as Section
 from hbench.errors import ConfigError
-from hbench.model.effects import flows as flows
-from hbench.model.effects import friction as rubbing
-from hbench.model.effects import instruments as numbers
-from hbench.model.effects.rows import MOVING, Effect, own_effects
-from hbench.model.effects.trial import try_laws, try_parameters
+from hbench.model.effects import flows, friction, instruments
+from hbench.model.effects.rows import MOVING, Effect, call_own, check_neutral, own_effects
 from hbench.model.parameters import PlantParameters
 
 Values = Mapping[str, Mapping[str, float]]  # effect: coefficient: number in SI
@@ -62,7 +60,7 @@ _LEAK = _c("l/min/bar", 3e-3, 0, 1)
 _BOTH_SHARE = {"test": _c("%", 5, -50, 50), "load": _c("%", 5, -50, 50)}
 _BAR = _c("bar", 0.5, -20, 20)
 
-# Where two act at one place, in this order.
+# Effects at the same place act in this order.
 _CATALOGUE: dict[str, Effect] = {
     "valve_lag": Effect(
         "each valve's opening follows its spool with a first-order lag",
@@ -110,7 +108,7 @@ _CATALOGUE: dict[str, Effect] = {
             "time": _c("s", 0, 0.1, 1e5, 300),
             "viscosity": _c("1/K", 0, 0, 0.1, 0.03),
         },
-        (*_FORCES, *_FLOWS), {"flows": flows.warmth, "friction": rubbing.thinner_film}, states=1,
+        (*_FORCES, *_FLOWS), {"flows": flows.warmth, "friction": friction.thinner_film}, states=1,
         builds_up=True,
     ),
     "internal_leakage": Effect(
@@ -130,68 +128,68 @@ _CATALOGUE: dict[str, Effect] = {
                for side in ("test", "load") for chamber in ("piston", "rod")},
             "exponent": _LINEAR,
         },
-        _FORCES, {"friction": rubbing.seal_pressure_friction},
+        _FORCES, {"friction": friction.seal_pressure_friction},
     ),
     "load_friction": Effect(
         "dry friction grows with the cylinder's force",
         {"test": _c("%", 2, 0, 100), "load": _c("%", 2, 0, 100), "exponent": _LINEAR},
-        _FORCES, {"friction": rubbing.load_friction},
+        _FORCES, {"friction": friction.load_friction},
     ),
     "direction_asymmetry": Effect(
         "dry friction is larger in one direction",
         {"test": _c("%", 10, -90, 90), "load": _c("%", 10, -90, 90)},
-        _FORCES, {"friction": rubbing.direction_asymmetry},
+        _FORCES, {"friction": friction.direction_asymmetry},
     ),
     "friction_lag": Effect(
         "dry friction follows the speed with a lag",
         {"time": _c("ms", 60, 0.1, 1e3)},
-        _FORCES, {"friction": rubbing.friction_lag}, states=1,
+        _FORCES, {"friction": friction.friction_lag}, states=1,
     ),
     "presliding": Effect(
         "a part of the test cylinder's dry friction builds up over a displacement",
         {"force": _c("N", 100, 0, 1e5), "length": _c("mm", 0, 0.05, 100, 2)},
-        ("force_test",), {"friction": rubbing.presliding}, states=1,
+        ("force_test",), {"friction": friction.presliding}, states=1,
     ),
     "position_friction": Effect(
         "dry friction of the test cylinder depends on the position",
         {"slope": _c("N", 40, -1e5, 1e5), "bow": _c("N", 40, -1e5, 1e5)},
-        ("force_test",), {"friction": rubbing.position_friction},
+        ("force_test",), {"friction": friction.position_friction},
     ),
     "end_cushion": Effect(
         "trapped oil brakes the test piston near the ends of its stroke",
         {"length": _c("mm", 0, 1, 1e3, 100), "damping": _c("N s/m", 10000, 0, 1e6)},
-        ("force_test",), {"friction": rubbing.end_cushion},
+        ("force_test",), {"friction": friction.end_cushion},
     ),
     "added_mass": Effect(
         "the moving masses are larger",
         {"test": _c("kg", 20, 0, 500), "load": _c("kg", 20, 0, 500), "lag": _c("ms", 0, 1, 100, 3)},
-        _FORCES, {"friction": rubbing.added_mass}, states=1,
+        _FORCES, {"friction": friction.added_mass}, states=1,
     ),
     "load_cell_gain": Effect(
         "the load cell shows a share too much",
         {"error": _c("%", 2, -50, 50)},
-        _FORCES, {"sensors": numbers.load_cell_gain},
+        _FORCES, {"sensors": instruments.load_cell_gain},
     ),
     "load_cell_offset": Effect(
         "the load cell shows a force too much",
         {"force": _c("N", 30, -1e5, 1e5)},
-        _FORCES, {"sensors": numbers.load_cell_offset},
+        _FORCES, {"sensors": instruments.load_cell_offset},
     ),
     "pressure_offset": Effect(
         "a transducer shows a pressure too much",
         {"p_tp": _BAR, "p_tr": _BAR, "p_lp": _BAR, "p_lr": _BAR, "p_s": _BAR},
-        (*_FLOWS, *_FORCES, "supply"), {"sensors": numbers.pressure_offset},
+        (*_FLOWS, *_FORCES, "supply"), {"sensors": instruments.pressure_offset},
     ),
     "velocity_filter_lag": Effect(
         "the board's velocity filter is slower than the bench file says",
         {"time": _c("ms", 2, 0, 50)},
-        ("kinematics",), {"board": numbers.slower_filter},
+        ("kinematics",), {"board": instruments.slower_filter},
     ),
 }  # fmt: skip
 
 _OWN = own_effects(_CATALOGUE)
 EFFECTS: dict[str, Effect] = {**_CATALOGUE, **_OWN}
-_untried = set(_OWN)
+_unchecked = dict(_OWN)
 
 
 def read_effects(section: Section) -> dict[str, dict[str, float]]:
@@ -199,39 +197,34 @@ def read_effects(section: Section) -> dict[str, dict[str, float]]:
     return parse_effects(section, {name: row.coefficients for name, row in EFFECTS.items()})
 
 
-def changed_by(place: str, what: Any, values: Values) -> Any:
-    """Return the parameters ``what`` as a place's effects change them, without motion."""
+def changed_by(place: str, parameters: Any, values: Values) -> Any:
+    """Return the parameters of ``sensors`` or ``board``, changed by the effects of that place."""
     for name, coefficients in values.items():
         law = EFFECTS[name].laws.get(place)
         if law is not None:
-            what = _changed(name, law, what, _in_order(name, coefficients))
-    return what
-
-
-def _changed(name: str, law: Any, what: Any, c: tuple[float, ...]) -> Any:
-    """Return what a law makes of parameters; a user's own may fail."""
-    if name not in _OWN:
-        return law(what, c)
-    return try_parameters(name, law, what, c)
+            c = _in_order(name, coefficients)
+            own = name in _OWN
+            parameters = call_own(name, law, parameters, c) if own else law(parameters, c)
+    return parameters
 
 
 def with_effects(par: PlantParameters, values: Values) -> PlantParameters:
-    """Return a plant without effects with these ones. Raises ``ConfigError``."""
+    """Add effects to a plant that has none. Raises ``ConfigError``."""
     if "supply_droop" in values and par.supply.has_pump:
         raise ConfigError(
-            "effects.supply_droop: the supply has a pump, whose pressure falls by itself",
-            "Change supply.pump.band, or leave supply.pump out.",
+            "effects.supply_droop: the supply has a pump, which has a droop of its own",
+            "Change supply.pump.band, or remove supply.pump.",
         )
     if all(set(MOVING).isdisjoint(EFFECTS[name].laws) for name in values):
         return par
     par = par._replace(effects=tuple(_in_order(name, values.get(name, {})) for name in EFFECTS))
-    if _untried:
-        try_laws({name: EFFECTS[name] for name in _untried}, par)
-        _untried.clear()
+    if _unchecked:
+        check_neutral(_unchecked, par)
+        _unchecked.clear()
     return par
 
 
 def _in_order(name: str, values: Mapping[str, float]) -> tuple[float, ...]:
-    """Coefficients in the row's order, defaults where there are none."""
+    """Return the coefficients in the row's order, with defaults for those not given."""
     row = EFFECTS[name].coefficients
-    return tuple(float(values.get(key, one.to_si(one.default))) for key, one in row.items())
+    return tuple(float(values.get(key, c.to_si(c.default))) for key, c in row.items())

@@ -1,17 +1,17 @@
-"""Where an effect acts: what the plant hands to its law, and what it takes back."""
+"""Terms of the plant's equations that effects change: a law takes one and returns it changed."""
 
 from typing import NamedTuple
 
 
 class Openings(NamedTuple):
-    """Of the valves, in volts: test, load 1 (rod side), load 2 (piston side)."""
+    """Openings of the valves [V]: test, load 1 (rod side), load 2 (piston side)."""
 
     test: float
     load_1: float
     load_2: float
 
 
-class Oil(NamedTuple):
+class OilProperties(NamedTuple):
     """Pressure [Pa] in the return line, and the oil's bulk modulus [Pa] in each chamber."""
 
     tank_pa: float
@@ -21,8 +21,8 @@ class Oil(NamedTuple):
     beta_lr: float
 
 
-class Flows(NamedTuple):
-    """Flows [m^3/s] into the chambers, and what the valves draw from supply and give to tank."""
+class ChamberFlows(NamedTuple):
+    """Flows [m^3/s] into the chambers, from the supply into the valves, and back to the tank."""
 
     tp: float
     tr: float
@@ -33,7 +33,7 @@ class Flows(NamedTuple):
     fluidity: float  # of the oil against that of the bench file: cold viscosity over viscosity
 
 
-class Rubbing(NamedTuple):
+class FrictionTerms(NamedTuple):
     """Friction of the test and the load cylinder [N]."""
 
     dry_t: float  # magnitude of the law's dry part at this velocity, level included

@@ -8,7 +8,7 @@ from math import copysign, exp
 import numpy as np
 
 from hbench.model.compiled import compiled
-from hbench.model.effects.couplings import Flows, Oil, Openings
+from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
 from hbench.model.effects.shapes import power_law, soft_edge
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
@@ -109,12 +109,12 @@ def with_air(beta: float, p: float, fraction: float) -> float:
 
 @compiled
 def entrained_air(
-    oil: Oil, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    oil: OilProperties, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Oil:  # fmt: skip
+) -> OilProperties:  # fmt: skip
     """Softer oil at low pressure, in every chamber; see ``with_air``. c: alpha [1]."""
     (fraction,) = c
-    return Oil(
+    return OilProperties(
         oil.tank_pa,
         with_air(oil.beta_tp, state[P_TP], fraction),
         with_air(oil.beta_tr, state[P_TR], fraction),
@@ -125,18 +125,20 @@ def entrained_air(
 
 @compiled
 def tank_back_pressure(
-    oil: Oil, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    oil: OilProperties, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Oil:  # fmt: skip
+) -> OilProperties:  # fmt: skip
     """Raise the tank pressure at the valves by the return line's, which is a state."""
-    return Oil(oil.tank_pa + state[at], oil.beta_tp, oil.beta_tr, oil.beta_lp, oil.beta_lr)
+    return OilProperties(
+        oil.tank_pa + state[at], oil.beta_tp, oil.beta_tr, oil.beta_lp, oil.beta_lr
+    )
 
 
 @compiled
 def return_line(
-    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Flows:  # fmt: skip
+) -> ChamberFlows:  # fmt: skip
     """Pressure p of the common return line: tau dp/dt = R Q |Q| - p, Q the valves' return flow.
 
     c: R [Pa s^2/m^6], turbulent (Merritt 1967, section 3.2), tau [s], of the line's hose, and
@@ -156,9 +158,9 @@ def return_line(
 
 @compiled
 def supply_droop(
-    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Flows:  # fmt: skip
+) -> ChamberFlows:  # fmt: skip
     """Supply pressure falls with the flow drawn: tau dP_s/dt = P_0 - k Q - P_s.
 
     c: k [Pa s/m^3], the regulation's slope, tau [s], and an exponent of Q other than 1: the same
@@ -174,9 +176,9 @@ def supply_droop(
 
 @compiled
 def warmth(
-    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Flows:  # fmt: skip
+) -> ChamberFlows:  # fmt: skip
     """Oil warms by theta: tau d theta/dt = theta_0 + R P - theta; fluidity grows by exp(k theta).
 
     P = P_s Q drawn from the supply: all of it ends as heat. So does what the pump drives over its
@@ -189,7 +191,7 @@ def warmth(
         rates[at] = 0.0
         return q
     rates[at] = (pump + rise * state[P_S] * q.drawn - state[at]) / tau
-    return Flows(q.tp, q.tr, q.lp, q.lr, q.drawn, q.returned, exp(k * state[at]))
+    return ChamberFlows(q.tp, q.tr, q.lp, q.lr, q.drawn, q.returned, exp(k * state[at]))
 
 
 @compiled
@@ -202,9 +204,9 @@ def leaking(drop: float, exponent: float) -> float:
 
 @compiled
 def internal_leakage(
-    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Flows:  # fmt: skip
+) -> ChamberFlows:  # fmt: skip
     """Laminar leak across the piston, G (P_p - P_r): leaves one chamber and enters the other.
 
     c: G [m^3/(s Pa)] of the test and the load cylinder (Merritt 1967, section 6.1), and an
@@ -213,7 +215,7 @@ def internal_leakage(
     g_t, g_l, exponent = c
     across_t = g_t * q.fluidity * leaking(state[P_TP] - state[P_TR], exponent)
     across_l = g_l * q.fluidity * leaking(state[P_LP] - state[P_LR], exponent)
-    return Flows(
+    return ChamberFlows(
         q.tp - across_t, q.tr + across_t, q.lp - across_l, q.lr + across_l,
         q.drawn, q.returned, q.fluidity,
     )  # fmt: skip
@@ -221,9 +223,9 @@ def internal_leakage(
 
 @compiled
 def external_leakage(
-    q: Flows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Flows:  # fmt: skip
+) -> ChamberFlows:  # fmt: skip
     """Laminar leak out of a chamber, G P, past its rod seal or fittings: it is lost.
 
     c: G [m^3/(s Pa)] of Tp, Tr, Lp, Lr (Merritt 1967, section 6.1), and an exponent of the
@@ -231,7 +233,7 @@ def external_leakage(
     """
     g_tp, g_tr, g_lp, g_lr, n = c
     f = q.fluidity
-    return Flows(
+    return ChamberFlows(
         q.tp - g_tp * f * leaking(state[P_TP], n), q.tr - g_tr * f * leaking(state[P_TR], n),
         q.lp - g_lp * f * leaking(state[P_LP], n), q.lr - g_lr * f * leaking(state[P_LR], n),
         q.drawn, q.returned, f,

@@ -10,7 +10,7 @@ import numpy as np
 
 from hbench.model.compiled import compiled
 from hbench.model.cylinders import pressure_force
-from hbench.model.effects.couplings import Rubbing
+from hbench.model.effects.couplings import FrictionTerms
 from hbench.model.effects.flows import PRESSURE_PA
 from hbench.model.effects.shapes import power_law
 from hbench.model.friction.laws import steady_parts
@@ -22,22 +22,22 @@ _FORCE_N = 2500.0  # where a law with another exponent stays the same
 
 
 @compiled
-def more(f: Rubbing, test: float, load: float) -> Rubbing:
+def add_dry(f: FrictionTerms, test: float, load: float) -> FrictionTerms:
     """Add to the dry magnitudes [N]."""
-    return Rubbing(f.dry_t, f.dry_l, f.more_t + test, f.more_l + load, f.force_t, f.force_l)
+    return FrictionTerms(f.dry_t, f.dry_l, f.more_t + test, f.more_l + load, f.force_t, f.force_l)
 
 
 @compiled
-def against(f: Rubbing, test: float, load: float) -> Rubbing:
+def add_force(f: FrictionTerms, test: float, load: float) -> FrictionTerms:
     """Add forces [N], positive against extension."""
-    return Rubbing(f.dry_t, f.dry_l, f.more_t, f.more_l, f.force_t + test, f.force_l + load)
+    return FrictionTerms(f.dry_t, f.dry_l, f.more_t, f.more_l, f.force_t + test, f.force_l + load)
 
 
 @compiled
 def seal_pressure_friction(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
+) -> FrictionTerms:  # fmt: skip
     """Seals pressed by the oil: dry friction grows by k_p P_p + k_r P_r.
 
     Of a piston's two lips one faces each chamber; the rod's faces the rod chamber. With the drop
@@ -48,14 +48,14 @@ def seal_pressure_friction(
     test_p, test_r, load_p, load_r, n = c
     p_tp, p_tr = power_law(state[P_TP], PRESSURE_PA, n), power_law(state[P_TR], PRESSURE_PA, n)
     p_lp, p_lr = power_law(state[P_LP], PRESSURE_PA, n), power_law(state[P_LR], PRESSURE_PA, n)
-    return more(f, test_p * p_tp + test_r * p_tr, load_p * p_lp + load_r * p_lr)
+    return add_dry(f, test_p * p_tp + test_r * p_tr, load_p * p_lp + load_r * p_lr)
 
 
 @compiled
 def load_friction(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
+) -> FrictionTerms:  # fmt: skip
     """Guides pressed by the load: dry friction grows by k |F|, F the cylinder's pressure force.
 
     c: k [1] of the test and load cylinder, and an exponent of the force other than 1: the same
@@ -64,28 +64,28 @@ def load_friction(
     test, load, n = c
     f_test = abs(pressure_force(state[P_TP], state[P_TR], par.test))
     f_load = abs(pressure_force(state[P_LP], state[P_LR], par.load))
-    return more(f, test * power_law(f_test, _FORCE_N, n), load * power_law(f_load, _FORCE_N, n))
+    return add_dry(f, test * power_law(f_test, _FORCE_N, n), load * power_law(f_load, _FORCE_N, n))
 
 
 @compiled
 def direction_asymmetry(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
+) -> FrictionTerms:  # fmt: skip
     """Lips that rub unequally: dry friction is F (1 + k sign v). c: k [1], test and load.
 
-    F is with what pressure and load have added, as if that stood in the friction law.
+    F includes the terms of pressure and load, as if they were in the friction law.
     """
     test, load = c
     way = copysign(1.0, state[V])
-    return more(f, way * test * (f.dry_t + f.more_t), way * load * (f.dry_l + f.more_l))
+    return add_dry(f, way * test * (f.dry_t + f.more_t), way * load * (f.dry_l + f.more_l))
 
 
 @compiled
 def friction_lag(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
+) -> FrictionTerms:  # fmt: skip
     """Frictional memory: the dry part follows a speed that lags, tau ds/dt = |v| - s.
 
     c: tau [s]. Both cylinders (Hess and Soom, J. Tribology 112, 1990, as a first-order lag).
@@ -99,7 +99,7 @@ def friction_lag(
     rates[at] = (speed - lagged) / tau
     now_t, now_l = _dry(state, speed, par)
     then_t, then_l = _dry(state, lagged, par)
-    return more(f, then_t - now_t, then_l - now_l)
+    return add_dry(f, then_t - now_t, then_l - now_l)
 
 
 @compiled
@@ -113,9 +113,9 @@ def _dry(state: np.ndarray, speed: float, par: PlantParameters) -> tuple[float, 
 
 @compiled
 def presliding(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
+) -> FrictionTerms:  # fmt: skip
     """A part F of the test cylinder's dry friction builds up over a displacement L.
 
     dz/dt = (v - |v| z) / L, force F z instead of F sign(v): a seal that shears before it slides
@@ -127,28 +127,28 @@ def presliding(
         return f
     v, z = state[V], state[at]
     rates[at] = (v - abs(v) * z) / length
-    return against(more(f, -part, 0.0), part * z, 0.0)
+    return add_force(add_dry(f, -part, 0.0), part * z, 0.0)
 
 
 @compiled
 def position_friction(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
-    """A bore that is not the same all along: dry friction of the test cylinder + a s + b s^2.
+) -> FrictionTerms:  # fmt: skip
+    """Bore of varying diameter: a s + b s^2 is added to the test cylinder's dry friction.
 
     s = -1 and 1 at its ends, 0 in the middle. c: a, b [N].
     """
     slope, bow = c
     s = 2.0 * (state[X] + par.test.offset_m) / par.test.stroke_m - 1.0
-    return more(f, s * (slope + bow * s), 0.0)
+    return add_dry(f, s * (slope + bow * s), 0.0)
 
 
 @compiled
 def thinner_film(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
+) -> FrictionTerms:  # fmt: skip
     """Viscous friction falls with the warm oil's viscosity: B v (exp(-k theta) - 1) is added.
 
     See ``effect_flows.warmth``. A law without a viscous part B does not change.
@@ -157,14 +157,14 @@ def thinner_film(
     if rise == 0.0 and pump == 0.0:
         return f
     change = (exp(-k * state[at]) - 1.0) * state[V]
-    return against(f, change * par.test.friction.viscous, change * par.load.friction.viscous)
+    return add_force(f, change * par.test.friction.viscous, change * par.load.friction.viscous)
 
 
 @compiled
 def end_cushion(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
+) -> FrictionTerms:  # fmt: skip
     """Trapped oil brakes the test piston near its ends: D (1 - d / L) v while it nears one.
 
     d is the distance to that end, L the cushion's length; the oil leaves through a laminar gap.
@@ -176,14 +176,14 @@ def end_cushion(
     v, position = state[V], state[X] + par.test.offset_m
     distance = par.test.stroke_m - position if v > 0.0 else position
     depth = min(max(1.0 - distance / length, 0.0), 1.0)
-    return against(f, damping * depth * v, 0.0)
+    return add_force(f, damping * depth * v, 0.0)
 
 
 @compiled
 def added_mass(
-    f: Rubbing, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
-) -> Rubbing:  # fmt: skip
+) -> FrictionTerms:  # fmt: skip
     """Masses m on damped mounts, on either side of the load cell: m dw/dt, tau dw/dt = v - w.
 
     A rigid mass would take phase from the loops at frequencies that no joint is rigid at.
@@ -194,4 +194,4 @@ def added_mass(
         rates[at] = 0.0
         return f
     rates[at] = (state[V] - state[at]) / tau
-    return against(f, test * rates[at], load * rates[at])
+    return add_force(f, test * rates[at], load * rates[at])

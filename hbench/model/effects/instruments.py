@@ -1,4 +1,4 @@
-"""Effects that are other numbers in the sensors or the board, not other equations."""
+"""Effects that change parameters of the sensors or of the board, not the plant's equations."""
 
 from typing import TYPE_CHECKING
 
@@ -35,9 +35,9 @@ def pressure_offset(sensors: "SensorParameters", c: Coefficients) -> "SensorPara
 
 
 def slower_filter(controllers: Controllers, c: Coefficients) -> Controllers:
-    """Return what the board runs: a velocity filter (D.11) slower by c [s].
+    """Return the board's controllers with a velocity filter (D.11) slower by c [s].
 
-    So the logged velocity lags the logged position by more than the bench file tells. A lag of the
-    position sensor would delay both alike.
+    The logged velocity then lags the logged position by more than the bench file specifies. A lag
+    of the position sensor would delay both alike.
     """
     return controllers.model_copy(update={"velocity_filter": controllers.velocity_filter + c[0]})

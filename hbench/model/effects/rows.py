@@ -1,9 +1,9 @@
-"""A row of the catalogue of effects, and the rows that a user adds to it.
+"""Rows of the catalogue of effects, and the rows that a user adds to it.
 
 ``HBENCH_EFFECTS=my_effects.py`` in the environment names a Python file with a table ``EFFECTS`` of
-rows like those of ``catalogue.py``, where an example stands. They follow the catalogue's own, in
-the table's order. The file's compiled functions, and those of files beside it, are compiled anew
-when one of these files changes; what it imports from elsewhere must not have any.
+rows like those of ``catalogue.py``, whose docstring has an example. They follow the catalogue's
+rows, in the order of their table. The compiled functions of that file and of files beside it are
+compiled anew when one of these files changes; modules from elsewhere must contain none.
 """
 
 import importlib.util
@@ -13,32 +13,45 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from hbench.config.effects import Coefficient
 from hbench.errors import ConfigError
 from hbench.model.compiled import OWN_EFFECTS
+from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
+from hbench.model.parameters import PlantParameters
 from hbench.units import parse_unit
 
 MOVING = ("openings", "oil", "flows", "friction")  # places in the equations of motion
 _ARGUMENTS = {  # of a law, by its place
-    **dict.fromkeys(MOVING, ("what", "c", "state", "at", "rates", "par")),
+    **dict.fromkeys(MOVING, ("terms", "c", "state", "at", "rates", "par")),
     **dict.fromkeys(("sensors", "board"), ("parameters", "c")),
+}
+_STATES = 64  # more than a plant with all effects has
+_FIRST = 20  # index of an effect's first state in a check, after the plant's own
+# Terms of a check: no number is zero, so that a lost one shows.
+_TERMS: dict[str, Any] = {
+    "openings": Openings(1.0, -2.0, 3.0),
+    "oil": OilProperties(2e5, 7e7, 6e7, 5e7, 4e7),
+    "flows": ChamberFlows(1e-4, -6e-5, 5e-5, -8e-5, 2e-4, 1e-4, 1.0),
+    "friction": FrictionTerms(100.0, 200.0, 1.0, 2.0, 3.0, 4.0),
 }
 HINT = "HBENCH_EFFECTS names this file; hbench/model/effects/catalogue.py begins with an example."
 
 
 class Effect(NamedTuple):
-    """A row of the catalogue."""
+    """Row of the catalogue."""
 
-    says: str  # the law in words
+    description: str
     coefficients: dict[str, Coefficient]
-    balances: tuple[str, ...]  # of reconcile/measured/balances.py, in which it shows
+    balances: tuple[str, ...]  # of reconcile/measured/balances.py that it changes
     laws: dict[str, Callable]  # by place
     states: int = 0
-    builds_up: bool = False  # over many runs, so that a trial is not like the one before
+    builds_up: bool = False  # over many runs, so that trials differ
 
     @property
     def of_sensor(self) -> bool:
-        """Whether it is an error of what measures, not of the plant."""
+        """Whether it is an error of the instruments, not of the plant."""
         return not {"sensors", "board"}.isdisjoint(self.laws)
 
 
@@ -53,9 +66,9 @@ def own_effects(catalogue: Mapping[str, Effect]) -> dict[str, Effect]:
     faults = []
     for name, row in rows.items():
         if not isinstance(name, str) or not name.isidentifier():
-            faults.append(f"{name!r} can't name an effect")
+            faults.append(f"{name!r} is no name of an effect")
         elif name in catalogue:
-            faults.append(f"{name}: the catalogue has an effect of that name")
+            faults.append(f"{name}: the catalogue already has an effect of this name")
         else:
             faults += [f"{name}: {fault}" for fault in _faults(row, balances)]
     if faults:
@@ -78,25 +91,59 @@ def _imported(path: Path) -> Any:
     return module
 
 
+def call_own(name: str, law: Callable, terms: Any, *arguments: Any) -> Any:
+    """Call a user's law in Python, uncompiled. Raises ``ConfigError`` where it fails."""
+    where = f"{OWN_EFFECTS}: {name}: "
+    try:
+        changed = getattr(law, "py_func", law)(terms, *arguments)
+    except Exception as error:
+        raise ConfigError(f"{where}{type(error).__name__}: {error}", HINT) from None
+    if type(changed) is not type(terms):
+        wanted = type(terms).__name__
+        raise ConfigError(f"{where}returns a {type(changed).__name__}; expected {wanted}", HINT)
+    return changed
+
+
+def check_neutral(rows: Mapping[str, Effect], par: PlantParameters) -> None:
+    """Check that each law of ``rows`` changes nothing with its default coefficients.
+
+    ``par`` is a plant with effects. Raises ``ConfigError``.
+    """
+    for name, row in rows.items():
+        c = tuple(float(c.to_si(c.default)) for c in row.coefficients.values())
+        for place in set(MOVING) & set(row.laws):
+            terms, state, rates = _TERMS[place], np.zeros(_STATES), np.zeros(_STATES)
+            where = f"{name}: {place}"
+            after = call_own(where, row.laws[place], terms, c, state, _FIRST, rates, par)
+            wrong = [f for f, a, b in zip(terms._fields, after, terms, strict=True) if a != b]
+            if wrong:
+                fault = f"changes {', '.join(wrong)} with its default coefficients"
+                raise ConfigError(f"{OWN_EFFECTS}: {where}: {fault}", HINT)
+
+
 def _faults(row: Any, balances: set[str]) -> list[str]:
-    """Tell what is wrong with a row."""
+    """Return the faults of a row."""
     if not isinstance(row, Effect):
         return [f"is a {type(row).__name__}, not an Effect(...)"]
     faults = []
-    if not isinstance(row.says, str):
-        faults.append("its first field is the law in words")
+    if not isinstance(row.description, str):
+        faults.append("its first field, the description, is not a string")
     if not _is_mapping(row.coefficients, Coefficient):
-        faults.append("its coefficients are a mapping {name: Coefficient(...)}")
+        faults.append("its coefficients are no mapping {name: Coefficient(...)}")
     else:
-        faults += [f"{key}: {f}" for key, c in row.coefficients.items() for f in _of(c)]
+        faults += [
+            f"{key}: {f}" for key, c in row.coefficients.items() for f in _coefficient_faults(c)
+        ]
     if not isinstance(row.balances, tuple) or not row.balances or set(row.balances) - balances:
-        faults.append(f"its balances are a tuple of some of {', '.join(sorted(balances))}")
+        faults.append(f"its balances are no tuple of names among {', '.join(sorted(balances))}")
     if not _is_mapping(row.laws, Callable):
-        faults.append("its laws are a mapping {place: function}")
+        faults.append("its laws are no mapping {place: function}")
     else:
-        faults += [f"{place}: {f}" for place, law in row.laws.items() for f in _at(place, law)]
+        faults += [
+            f"{place}: {f}" for place, law in row.laws.items() for f in _law_faults(place, law)
+        ]
     if type(row.states) is not int or row.states < 0:
-        faults.append(f"states = {row.states!r}: a number of states is 0 or more")
+        faults.append(f"states = {row.states!r}; must be an integer of at least 0")
     return faults
 
 
@@ -104,23 +151,23 @@ def _is_mapping(table: Any, kind: Any) -> bool:
     return (
         isinstance(table, dict)
         and bool(table)
-        and all(isinstance(key, str) and isinstance(one, kind) for key, one in table.items())
+        and all(isinstance(key, str) and isinstance(value, kind) for key, value in table.items())
     )
 
 
-def _of(one: Coefficient) -> list[str]:
+def _coefficient_faults(c: Coefficient) -> list[str]:
     try:
-        parse_unit(one.unit)
-        if one.low <= one.high and (one.typical == 0 or one.low <= one.typical <= one.high):
+        parse_unit(c.unit)
+        if c.low <= c.high and (c.typical == 0 or c.low <= c.typical <= c.high):
             return []
-        return [f"typical = {one.typical:g} must be in low to high, {one.low:g} to {one.high:g}"]
+        return [f"typical = {c.typical:g} must be in low to high, {c.low:g} to {c.high:g}"]
     except (ValueError, TypeError, AttributeError) as error:
         return [str(error)]
 
 
-def _at(place: str, law: Callable) -> list[str]:
+def _law_faults(place: str, law: Callable) -> list[str]:
     if place not in _ARGUMENTS:
-        return [f"no such place; there are {', '.join(_ARGUMENTS)}"]
+        return [f"no such place; known are {', '.join(_ARGUMENTS)}"]
     if place in MOVING and not hasattr(law, "py_func"):
         return ["its function needs @compiled"]
     try:

@@ -26,7 +26,7 @@ from hbench.model.parameters import FrictionParameters
 from hbench.records.friction_laws import FRICTION_LAWS
 
 
-class Law(NamedTuple):
+class CompiledLaw(NamedTuple):
     """Friction law in compiled code: its number, and its integration steps in a control tick."""
 
     code: int
@@ -34,8 +34,8 @@ class Law(NamedTuple):
 
 
 # At rest a static law chatters with steps above 12.5 us.
-LAWS: dict[str, Law] = {
-    name: Law(code, substeps=1 if law.dynamic else 8)
+LAWS: dict[str, CompiledLaw] = {
+    name: CompiledLaw(code, substeps=1 if law.dynamic else 8)
     for code, (name, law) in enumerate(FRICTION_LAWS.items())
 }
 _LUGRE, _LEUVEN = LAWS["lugre"].code, LAWS["leuven"].code

@@ -1,4 +1,4 @@
-"""Friction laws by themselves: along a prescribed motion, and on a mass that is driven."""
+"""Friction laws alone: under a prescribed motion, and on a driven mass."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from hbench.model.parameters import FrictionParameters
 _MEAN_PRESSURE_PA = 0.0  # of both chambers: the laws here have no seal terms
 
 
-def friction_along(v_m_s: np.ndarray, dt_s: float, par: FrictionParameters) -> np.ndarray:
+def prescribed_friction(v_m_s: np.ndarray, dt_s: float, par: FrictionParameters) -> np.ndarray:
     """Friction [N] at the middle of each step of a motion (n,), each velocity held ``dt_s``.
 
     The law starts relaxed. Midpoint rule: second order in ``dt_s``.

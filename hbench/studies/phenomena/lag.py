@@ -7,7 +7,7 @@ import numpy as np
 
 from hbench.model.parameters import FrictionParameters
 from hbench.records import Finding, Panel, Phenomenon
-from hbench.studies.phenomena.driven_friction import friction_along
+from hbench.studies.phenomena.driven_friction import prescribed_friction
 from hbench.studies.phenomena.laws import LEUVEN, LUGRE, TUSTIN, line
 
 MEAN_M_S, SWING_M_S = 0.015, 0.002
@@ -30,7 +30,7 @@ def _lag_cycle(
     """Friction and velocity over the last cycle; it begins at v_0, accelerating."""
     phase = 2 * pi * np.arange(cycles * per_cycle) / per_cycle
     v = MEAN_M_S + SWING_M_S * np.sin(phase)
-    force = friction_along(v, 1 / (frequency_hz * per_cycle), law)
+    force = prescribed_friction(v, 1 / (frequency_hz * per_cycle), law)
     return force[-per_cycle:], v[-per_cycle:]
 
 

@@ -1,4 +1,4 @@
-"""What the phenomena share: one Stribeck curve, of the bench's size, in each law."""
+"""One Stribeck curve, of the bench's size, in each law that the phenomena use."""
 
 import numpy as np
 

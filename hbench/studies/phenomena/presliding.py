@@ -6,7 +6,7 @@ import numpy as np
 
 from hbench.model.parameters import FrictionParameters
 from hbench.records import Finding, Panel, Phenomenon
-from hbench.studies.phenomena.driven_friction import driven_mass, friction_along
+from hbench.studies.phenomena.driven_friction import driven_mass, prescribed_friction
 from hbench.studies.phenomena.laws import LEUVEN, LUGRE, line
 
 TURNS_M = (0.0, 0.3e-3, -0.05e-3, 0.25e-3, -0.05e-3, -0.25e-3)  # A B C D C E
@@ -24,7 +24,7 @@ def path(turns_m: tuple[float, ...], step_m: float = 1e-7) -> np.ndarray:
 def traced(turns_m: tuple[float, ...], law: FrictionParameters) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m] in the middle of steps, and friction [N], along a slow path."""
     x, dt = path(turns_m), 1e-3  # 0.1 mm/s
-    return 0.5 * (x[1:] + x[:-1]), friction_along(np.diff(x) / dt, dt, law)
+    return 0.5 * (x[1:] + x[:-1]), prescribed_friction(np.diff(x) / dt, dt, law)
 
 
 def creep(law: FrictionParameters, low_n: float, high_n: float, cycles: int) -> np.ndarray:

@@ -105,18 +105,18 @@ def stick_slip() -> Phenomenon:
     fine = np.geomspace(speeds[0], speeds[-1], 40)
     for stiffness in stiffnesses:
         theory = np.array([_expected(v, stiffness) for v in fine])
-        found = np.array([_found(v, stiffness) for v in speeds])
-        words = f"{stiffness / 1e3:g} kN/m"
+        simulated = np.array([_dwell_and_slip(v, stiffness) for v in speeds])
+        spring = f"{stiffness / 1e3:g} kN/m"
         for column, name in enumerate(lines):
             lines[name] += [
-                line(f"{words}, closed form", 1e3 * fine, theory[:, column]),
-                line(f"{words}, simulated", 1e3 * speeds, found[:, column], True),
+                line(f"{spring}, closed form", 1e3 * fine, theory[:, column]),
+                line(f"{spring}, simulated", 1e3 * speeds, simulated[:, column], True),
             ]
-        for v, times in zip(speeds, found, strict=True):
+        for v, times in zip(speeds, simulated, strict=True):
             for name, time, formula in zip(lines, times, _expected(v, stiffness), strict=True):
                 findings.append(
                     Finding(
-                        f"{name} time at {1e3 * v:g} mm/s, {words}",
+                        f"{name} time at {1e3 * v:g} mm/s, {spring}",
                         "s",
                         time,
                         formula,
@@ -194,6 +194,6 @@ def _expected(speed_m_s: float, stiffness_n_m: float) -> tuple[float, float]:
     return stick_slip_times(speed_m_s, stiffness_n_m, away - STICK_SLIP.coulomb)
 
 
-def _found(speed_m_s: float, stiffness_n_m: float) -> tuple[float, float]:
+def _dwell_and_slip(speed_m_s: float, stiffness_n_m: float) -> tuple[float, float]:
     t, v, _ = pulled(speed_m_s, stiffness_n_m, STICK_SLIP)
     return measured_times(t, v, speed_m_s)

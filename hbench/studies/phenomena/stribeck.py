@@ -8,7 +8,7 @@ from scipy.optimize import minimize_scalar
 from hbench.model.friction.laws import steady_friction
 from hbench.model.parameters import FrictionParameters
 from hbench.records import Finding, Panel, Phenomenon
-from hbench.studies.phenomena.driven_friction import friction_along
+from hbench.studies.phenomena.driven_friction import prescribed_friction
 from hbench.studies.phenomena.laws import LEUVEN, LUGRE, TUSTIN, line
 
 
@@ -18,7 +18,7 @@ def stribeck() -> Phenomenon:
 
     def settled(law: FrictionParameters, v: float) -> float:
         way = 30 * law.stiction / LUGRE.bristle_stiffness  # lengths of presliding
-        return friction_along(np.full(3000, v), way / v / 3000, law)[-1]
+        return prescribed_friction(np.full(3000, v), way / v / 3000, law)[-1]
 
     def tustin(v: float) -> float:
         return steady_friction(v, 0.0, 0.0, TUSTIN)

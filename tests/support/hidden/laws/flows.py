@@ -3,7 +3,7 @@
 from math import copysign, exp, pi, sin, sqrt
 
 from hbench.model.compiled import compiled
-from hbench.model.effects.couplings import Flows, Oil, Openings
+from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 
 
@@ -91,7 +91,7 @@ def entrained_air(oil, c, state, at, rates, par):
     fraction, dissolved = c
     if fraction == 0.0:
         return oil
-    return Oil(
+    return OilProperties(
         oil.tank_pa,
         compliance(oil.beta_tp, state[P_TP], fraction, dissolved),
         compliance(oil.beta_tr, state[P_TR], fraction, dissolved),
@@ -102,7 +102,9 @@ def entrained_air(oil, c, state, at, rates, par):
 
 @compiled
 def raised_tank(oil, c, state, at, rates, par):
-    return Oil(oil.tank_pa + state[at], oil.beta_tp, oil.beta_tr, oil.beta_lp, oil.beta_lr)
+    return OilProperties(
+        oil.tank_pa + state[at], oil.beta_tp, oil.beta_tr, oil.beta_lp, oil.beta_lr
+    )
 
 
 @compiled
@@ -127,7 +129,7 @@ def supply_droop(q, c, state, at, rates, par):
 @compiled
 def exchanged(q, test, load):
     """Flows with what leaves the piston side for the rod side."""
-    return Flows(
+    return ChamberFlows(
         q.tp - test, q.tr + test, q.lp - load, q.lr + load, q.drawn, q.returned, q.fluidity
     )
 
@@ -151,7 +153,7 @@ def external_leakage(q, c, state, at, rates, par):
     tp, tr, lp, lr, exponent = c
     if tp == 0.0 and tr == 0.0 and lp == 0.0 and lr == 0.0:
         return q
-    return Flows(
+    return ChamberFlows(
         q.tp - tp * power(state[P_TP], 50e5, exponent),
         q.tr - tr * power(state[P_TR], 50e5, exponent),
         q.lp - lp * power(state[P_LP], 50e5, exponent),
@@ -207,7 +209,7 @@ def position_error(q, c, state, at, rates, par):
     s = 2.0 * state[X] / par.test.stroke_m - 1.0
     more = state[V] * (bow * s + wave * sin(2.0 * pi * state[X] / period))
     test, load = par.test, par.load
-    return Flows(
+    return ChamberFlows(
         q.tp - test.area_piston_m2 * more, q.tr + test.area_rod_m2 * more,
         q.lp + load.area_piston_m2 * more, q.lr - load.area_rod_m2 * more,
         q.drawn, q.returned, q.fluidity,
@@ -224,7 +226,7 @@ def hose_volume(q, c, state, at, rates, par):
     rates[at] = (state[P_TR] - state[at]) / time
     rates[at + 1] = (state[P_LR] - state[at + 1]) / time
     beta = par.bulk_modulus_pa
-    return Flows(
+    return ChamberFlows(
         q.tp, q.tr - tr / beta * rates[at], q.lp, q.lr - lr / beta * rates[at + 1],
         q.drawn, q.returned, q.fluidity,
     )  # fmt: skip

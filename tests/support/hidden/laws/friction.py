@@ -4,7 +4,7 @@ from math import copysign, cos, exp, log, pi, sin, sqrt
 
 from hbench.model.compiled import compiled
 from hbench.model.cylinders import pressure_force
-from hbench.model.effects.couplings import Rubbing
+from hbench.model.effects.couplings import FrictionTerms
 from hbench.model.friction.laws import steady_parts
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 
@@ -12,13 +12,13 @@ from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 @compiled
 def rougher(f, test, load):
     """Friction with larger dry parts [N]."""
-    return Rubbing(f.dry_t, f.dry_l, f.more_t + test, f.more_l + load, f.force_t, f.force_l)
+    return FrictionTerms(f.dry_t, f.dry_l, f.more_t + test, f.more_l + load, f.force_t, f.force_l)
 
 
 @compiled
 def held(f, test, load):
     """Friction with further forces [N], positive against extension."""
-    return Rubbing(f.dry_t, f.dry_l, f.more_t, f.more_l, f.force_t + test, f.force_l + load)
+    return FrictionTerms(f.dry_t, f.dry_l, f.more_t, f.more_l, f.force_t + test, f.force_l + load)
 
 
 @compiled
