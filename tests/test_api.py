@@ -75,15 +75,17 @@ def test_the_samples_of_a_run_give_its_mean_friction(demo, folder):
     area = demo.results["curves"][0]["specimen"]
     f_test = log.p_tp_pa * area["area_piston_m2"] - log.p_tr_pa * area["area_rod_m2"]
     assert (f_test - log.f_applied_n).mean() == pytest.approx(run.friction_n, rel=1e-3)
-    with pytest.raises(DataError, match="no run '9999'"):
+    with pytest.raises(DataError, match="'9999'"):
         demo.samples("9999")
 
 
 def test_a_run_that_is_not_there_is_told_with_those_that_are_and_the_hint_in_the_traceback(demo):
-    with pytest.raises(DataError, match="has no run '1'") as error:
+    with pytest.raises(DataError, match=r"'1'") as error:
         demo.samples("1")
     last = demo.runs.run.iloc[-1]
-    assert error.value.__notes__ == [f"hint: There are '0001' to '{last}'."]
+    (note,) = error.value.__notes__
+    assert note == f"hint: {error.value.hint}"
+    assert "'0001'" in note and f"'{last}'" in note
 
 
 def test_how_to_fit_is_given_as_in_a_fit_file(folder, tmp_path):

@@ -64,7 +64,7 @@ def test_a_campaign_of_devices_is_not_waited_for(campaign, tmp_path, name, targe
     (campaign / name).symlink_to(target)
     with limited():
         if name == "campaign.yaml":
-            with pytest.raises(DataError, match=r"campaign\.yaml: not a regular file"):
+            with pytest.raises(DataError, match=r"campaign\.yaml: .*regular"):
                 workflow.analyze(campaign)
         else:
             first = workflow.analyze(campaign).runs[0]
@@ -98,7 +98,8 @@ def test_a_log_that_is_a_link_to_elsewhere_is_not_read(campaign, tmp_path):
     (campaign / "runs" / "0001.dat").unlink()
     (campaign / "runs" / "0001.dat").symlink_to(secret)
     first = workflow.analyze(campaign).runs[0]
-    assert "leads out of" in first.reasons[0] and not first.accepted
+    assert "0001.dat: " in first.reasons[0] and not first.accepted
+    assert not first.reasons[0].endswith(": runs/0001.dat")  # there, and refused
     (campaign / "runs" / "0001.dat").unlink()
     (campaign / "runs" / "0001~1.dat").symlink_to(secret)  # as an earlier attempt's
     assert "missing" in workflow.analyze(campaign).runs[0].reasons[0]
@@ -112,7 +113,7 @@ def test_results_that_are_a_link_to_elsewhere_are_not_written(campaign, tmp_path
     if name == "results":
         (campaign / "results").rmdir()
     (campaign / name).symlink_to(target)
-    with pytest.raises(DataError, match="leads out of"):
+    with pytest.raises(DataError, match=rf"{name}\b.*: "):
         workflow.report(campaign)
     assert not list(target.iterdir())
 
@@ -141,7 +142,7 @@ def test_a_campaign_with_links_to_elsewhere_is_not_resumed(
     (tmp_path / "campaign" / name).rename(tmp_path / "elsewhere")
     (tmp_path / "campaign" / name).symlink_to(tmp_path / "elsewhere")
     before = outside(tmp_path)
-    with pytest.raises(DataError, match="leads out of"):
+    with pytest.raises(DataError, match=rf"{name}\b.*: "):
         on_the_rig(short_schedule(), tmp_path / "campaign", resume=True)
     assert outside(tmp_path) == before
 
@@ -165,7 +166,7 @@ def test_an_import_map_names_no_file_elsewhere(tmp_path, files):
     rules = yaml.safe_load((ROOT / "configs" / "tudelft.yaml").read_text())
     rules["series"] = [{**rules["series"][0], "files": files}]
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
-    with pytest.raises((ConfigError, DataError), match="leads out of|no file fits"):
+    with pytest.raises((ConfigError, DataError), match="secret_1|link_1|passwd|series"):
         workflow.import_runs(folder, tmp_path / "out", tmp_path / "map.yaml", lambda: AT)
     assert not (tmp_path / "out").exists()
 
@@ -210,5 +211,5 @@ def test_a_bench_s_programmer_is_run_by_flash_alone(campaign, tmp_path, on_the_r
 
 
 def test_an_endless_firmware_image_is_not_read(limited):
-    with limited(), pytest.raises(ConfigError, match="not a regular file"):
+    with limited(), pytest.raises(ConfigError, match="/dev/zero: .*regular"):
         workflow.load_image(Path("/dev/zero"))

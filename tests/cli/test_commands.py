@@ -63,7 +63,8 @@ def test_check_estimates_and_writes_nothing(hbench, short_schedule, tmp_path):
     done = hbench("run", schedule, "--check")
     assert done.returncode == 0 and not done.stdout
     assert "4 runs" in done.stderr and "MB" in done.stderr
-    assert "checked: travel, speeds, loads and pressures" in done.stderr
+    checked = done.stderr.partition("checked:")[2]
+    assert all(word in checked for word in ("travel", "speeds", "loads", "pressures"))
     assert set(tmp_path.iterdir()) == before
 
 
@@ -97,7 +98,7 @@ def test_from_a_schedule_to_the_page(hbench, short_schedule, tmp_path):
         (("run", "short.yaml"), 2, "-o"),
         (("run", "short.yaml", "-o", "out", "--port", "/dev/none"), 3, "/dev/none"),
         (("run", "short.yaml", "-o", "out", "--resume"), 4, "campaign.yaml"),
-        (("run", "lost.yaml", "-o", "out"), 2, ": bench = 'b.yaml': there is no"),
+        (("run", "lost.yaml", "-o", "out"), 2, "lost.yaml: line 1: bench = 'b.yaml'"),
         (("analyze", "nothing"), 4, "nothing/campaign.yaml"),
         (("import", "nothing", "-o", "out"), 2, "nothing"),
     ],
@@ -121,20 +122,20 @@ def test_a_wrong_value_names_file_key_and_limit(hbench, short_schedule):
 
 
 @pytest.mark.parametrize(
-    ("bench", "told"),
+    ("bench", "words"),
     [  # 3 V * 4095/4096 at the converter, after 0.316: 94.9 % of the span
-        ({"supply": {"pressure": "240 bar"}}, "supply.pressure = 240 bar is beyond what"),
+        ({"supply": {"pressure": "240 bar"}}, ["supply.pressure = 240 bar "]),
         (
             {"sensors": {"position": {"span": "390 mm", "output": "10 V", "amplifier": 0.316}}},
-            "limits.travel_max = 375 mm is beyond what its sensor shows, 370.2 mm",
+            ["limits.travel_max = 375 mm ", "370.2 mm"],
         ),
     ],
 )
 def test_a_sensor_that_would_be_at_its_end_is_told_before_anything_moves(
-    hbench, short_schedule, bench, told
+    hbench, short_schedule, bench, words
 ):
     done = hbench("run", short_schedule(bench=bench), "--check")
-    assert done.returncode == 2 and told in done.stderr
+    assert done.returncode == 2 and all(word in done.stderr for word in words)
 
 
 def test_init_writes_files_that_run_accepts_and_keeps_those_that_are_there(hbench, tmp_path):
@@ -142,7 +143,7 @@ def test_init_writes_files_that_run_accepts_and_keeps_those_that_are_there(hbenc
     if "examples" in done.stderr:
         pytest.skip("the examples are put in place when hbench is installed")
     assert done.returncode == 0
-    assert done.stderr.splitlines()[-1].endswith("then hbench run mine/demo.yaml --check")
+    assert done.stderr.splitlines()[-1].endswith(" hbench run mine/demo.yaml --check")
     for schedule in (
         "stribeck.yaml",
         "adaptive.yaml",

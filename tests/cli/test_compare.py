@@ -41,4 +41,5 @@ def test_campaigns_without_a_common_curve_are_refused_with_what_each_has(tmp_pat
     journal.write_text(changed)
     error = run(SAMPLE, other).exception
     assert isinstance(error, DataError)
-    assert "no curves in common" in error.message and "only in B" in error.message
+    assert str(SAMPLE) in error.message and str(other) in error.message
+    assert "50001 N" in error.message or "5000 N" in error.message

@@ -84,7 +84,7 @@ def test_without_a_bench_the_source_is_reproduced(design):
 def test_a_proposal_that_fails_says_so_and_is_no_error_by_itself(design, slow_valve):
     done = design(slow_valve, "--propose")
     assert done.returncode == 0
-    assert "verdict: the proposal FAILS" in done.stdout.splitlines()[-1]
+    assert re.match(r"verdict: .*FAILS [1-9]\d* of \d+", done.stdout.splitlines()[-1])
     assert "runs, " in done.stderr and "runs, " not in done.stdout  # progress
 
 
@@ -117,9 +117,9 @@ def test_proposed_gains_can_be_pasted_into_the_bench_file(design, tmp_path):
     ("arguments", "words"),
     [
         (("nothing.yaml",), "nothing.yaml"),
-        ((BENCH, "--operating-point", "speed=5 mm/s"), "known are v, load, x, p_lr"),
-        ((BENCH, "--operating-point", "v=5"), "v = '5' has no unit"),
-        ((BENCH, "--operating-point", "load=40 kN"), "tank and supply"),
+        ((BENCH, "--operating-point", "speed=5 mm/s"), "speed"),
+        ((BENCH, "--operating-point", "v=5"), "v = '5' "),
+        ((BENCH, "--operating-point", "load=40 kN"), "bar"),
         ((BENCH, "--fail"), "--propose"),
         ((BENCH, "--propose", "--ratio", "0.5"), "--ratio"),
     ],

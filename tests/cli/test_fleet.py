@@ -1,7 +1,9 @@
 """``hbench fleet`` on this machine: spoilt campaigns, called again, changed, interrupted."""
 
+import errno
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -61,7 +63,7 @@ def test_spoilt_campaigns_are_rows_with_their_reasons_and_the_second_call_does_w
     reasons = {name: row["failed"] for name, row in found.items() if row["failed"]}
     assert set(reasons) == {"cut", "binary", "nothing", "gone", "list"}
     assert all(words.startswith("campaign.yaml: ") for words in reasons.values())
-    assert "No such file" in reasons["gone"] and "not text in UTF-8" in reasons["binary"]
+    assert os.strerror(errno.ENOENT) in reasons["gone"] and "UTF-8" in reasons["binary"]
     assert found["good"]["accepted"] > 0 == found["logless"]["accepted"]
     kept = dict.fromkeys(("path", "started"))
     assert found[ODD] | kept == found["good"] | kept
@@ -73,19 +75,19 @@ def test_spoilt_campaigns_are_rows_with_their_reasons_and_the_second_call_does_w
 
     before = (out / "fleet.parquet").read_bytes()
     again = fleet(line, "-o", out, "--fail")
-    assert again.exit_code == 6 and "8 of 8 campaigns are done already" in again.stderr
+    assert again.exit_code == 6 and "8 of 8 campaigns" in again.stderr
     assert (out / "fleet.parquet").read_bytes() == before
 
     shutil.copy(line / "good" / "campaign.yaml", line / "gone")
     shutil.rmtree(line / "cut")
     last = fleet(line / "*", "-o", out)
-    assert last.exit_code == 0 and "6 of 7 campaigns are done already" in last.stderr
+    assert last.exit_code == 0 and "6 of 7 campaigns" in last.stderr
     assert f"{line / 'empty'}" not in rows(out) and not rows(out)["gone"]["failed"]
     assert len(rows(out)) == 7
 
 
 def test_nothing_to_analyze_and_nowhere_to_write_are_errors(line, tmp_path):
-    with pytest.raises(DataError, match="no campaign in any of the places"):
+    with pytest.raises(DataError, match="no campaign"):
         CliRunner().invoke(
             app, ["fleet", str(line / "empty"), "-o", str(tmp_path / "o")], catch_exceptions=False
         )
@@ -101,7 +103,7 @@ def test_another_working_speed_makes_other_rows(line, tmp_path):
     assert fleet(line / "good", "-o", out).exit_code == 0
     first = rows(out)["good"]["v_m_s"]
     done = fleet(line / "good", "-o", out, "--speed", "90 mm/s")
-    assert "done already" not in done.stderr
+    assert "1 of 1 campaigns" not in done.stderr
     assert rows(out)["good"]["v_m_s"] == pytest.approx(0.09) != first
 
 
@@ -130,10 +132,10 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_goes_on(tmp_path):
         os.killpg(host.pid, signal.SIGINT)
         assert host.wait(LIMIT_S) == 130
         text = told.read_text()
-        assert "interrupted; the same command goes on" in text and "Traceback" not in text
+        assert "interrupted" in text and "Traceback" not in text
         host = start()
         assert host.wait(LIMIT_S) == 0
-        assert "of 30 campaigns are done already and unchanged" in told.read_text()
+        assert re.search(r"^[1-9]\d* of 30 campaigns", told.read_text(), re.M)
         assert len(rows(tmp_path / "out")) == 30
     finally:
         if host.poll() is None:

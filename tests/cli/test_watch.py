@@ -127,7 +127,7 @@ def test_a_campaign_under_way_is_told_as_the_operator_sees_it(
         assert len(made["runs"]) <= before.runs_done + 1  # one has ended since
     assert len(seen[-1][2]["runs"]) > 0
     assert (after["state"], after["live"]) == ("ended", None)
-    assert after["said"].startswith("4 of 4 runs made, the last until")
+    assert after["said"].startswith("4 of 4 ")
     assert [run["run"] for run in runs["runs"]] == ["0001", "0002", "0003", "0004"]
     assert not (tmp_path / "campaign" / LIVE).exists()
 
@@ -157,9 +157,9 @@ def test_a_killed_host_is_not_told_as_running(short_schedule, tmp_path, monkeypa
         assert (state["state"], state["live"]) == ("silent", None)
         assert "killed" in state["said"] and "--resume" in state["said"]
         (tmp_path / "out" / LIVE).unlink()
-        in_a_run = load_campaign(tmp_path / "out").entries[-1].stop is None  # or between two
-        ending = "ended without a word in run" if in_a_run else "runs made, the last until"
-        assert ending in page.state()["said"]
+        last = load_campaign(tmp_path / "out").entries[-1]
+        in_a_run = last.stop is None  # or between two
+        assert (last.plan.run if in_a_run else last.stop.at[:19]) in page.state()["said"]
 
 
 def test_an_interrupted_campaign_says_how_it_ended(on_the_rig, short_schedule, tmp_path):
@@ -172,7 +172,7 @@ def test_an_interrupted_campaign_says_how_it_ended(on_the_rig, short_schedule, t
     assert not (tmp_path / "campaign" / LIVE).exists()
     with watched(tmp_path / "campaign") as page:
         said = page.state()["said"]
-    assert said.startswith("2 of 4 runs made") and "--resume" in said
+    assert said.startswith("2 of 4 ") and "--resume" in said
 
 
 @pytest.mark.parametrize(
@@ -226,7 +226,8 @@ def test_a_page_from_elsewhere_gets_nothing_even_where_its_name_points_here(page
     """DNS rebinding: the browser says whose page it is in the header Host."""
     for path in ("/", "/state.json", "/runs.json"):
         answer = page.ask(path, Host=host)
-        assert answer.status == 421 and answer.text == "not this machine\n"
+        assert answer.status == 421
+        assert len(answer.text) < 40 and not set("{<") & set(answer.text)
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "LOCALHOST:9", "127.0.0.1:8350"])
