@@ -27,7 +27,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from hbench.analysis.statistics.intervals import covariance_over_runs
+from hbench.analysis.rounding import ROUNDING, distinct
+from hbench.analysis.statistics.intervals import covariance_over_runs, has_effect, parts_in
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Bench
 from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun, Series
@@ -37,6 +38,7 @@ _SETTLE_S = 0.3  # after the valves have closed
 # Of the best seen direction: smaller eigenvalues of the scaled problem count as none. Pressures
 # whose ratio changes by 3 % give about as much; less would amplify every error thirtyfold.
 _SEEN = 1e-3
+_PART = 0.1  # of a leak in directions that are not seen
 
 
 def leakage(screened: Iterable[ScreenedRun], bench: Bench) -> tuple[Leakage, ...]:
@@ -55,11 +57,12 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     moved = np.concatenate([moved for _, moved, _ in parts])
     number = np.repeat(np.arange(len(parts)), [len(moved) for _, moved, _ in parts])
     scale = np.sqrt(np.sum(matrix**2, axis=0))
-    scale[scale == 0] = 1.0  # a leak that a plunger does not have
-    jacobian = matrix / scale
+    effect = has_effect(matrix, np.ones(len(NAMES)))  # none: a leak that a plunger does not have
+    scale[~effect] = 1.0
+    jacobian = np.where(effect, matrix / scale, 0.0)
     s2, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     seen = s2 > _SEEN * s2[-1]
-    unknown = np.any(np.abs(vectors[:, ~seen]) > 0.1, axis=1)
+    unknown = parts_in(vectors[:, ~seen]) > _PART
     solution = (vectors[:, seen] / s2[seen]) @ vectors[:, seen].T @ (jacobian.T @ moved)
     covariance = covariance_over_runs(jacobian, moved - jacobian @ solution, number)
     t = student_factor(len(runs) - 1) if len(runs) > 1 else np.nan
@@ -110,7 +113,7 @@ def _rounding(inverse: np.ndarray, runs: Sequence[Run], bench: Bench) -> np.ndar
     for run in runs:
         settled, chambers = _chambers(run, bench)
         for side, (p, compliance) in enumerate(chambers):
-            steps = np.diff(np.unique(p))
+            steps = np.diff(distinct(p))
             if len(steps):
                 codes[side] = min(codes[side] or np.inf, float(steps.min()))
             t = run.t_s[settled]
@@ -127,7 +130,7 @@ def _chambers(
 ) -> tuple[np.ndarray, tuple[tuple[np.ndarray, float], tuple[np.ndarray, float]]]:
     """Return the settled samples (n,), and either side's pressures there and V / beta."""
     cylinder, beta = bench.test_cylinder, bench.oil.bulk_modulus
-    settled = run.t_s - run.t_s[0] >= _SETTLE_S
+    settled = run.t_s - run.t_s[0] >= _SETTLE_S - ROUNDING
     middle = run.x_m[settled].mean()
     v_p = cylinder.dead_volume_piston + cylinder.area_piston_m2 * middle
     v_r = cylinder.dead_volume_rod + cylinder.area_rod_m2 * (cylinder.stroke - middle)

@@ -17,6 +17,7 @@ from hbench.analysis.fitting.marton_lantos import TWO_LINES
 from hbench.analysis.fitting.messages import BEYOND, beyond_messages, bound_messages, disagreements
 from hbench.analysis.fitting.pressure_based import PRESSURE_BASED
 from hbench.analysis.fitting.tustin import TUSTIN
+from hbench.analysis.rounding import ROUNDING, distinct, merged
 from hbench.analysis.statistics.bootstrap import (
     drawn_means,
     drawn_residuals,
@@ -24,8 +25,8 @@ from hbench.analysis.statistics.bootstrap import (
     own_freedom,
     percentile_intervals,
 )
-from hbench.analysis.statistics.bounded import Problem, Solution, cost, descend, solve
-from hbench.analysis.statistics.intervals import covariance
+from hbench.analysis.statistics.bounded import Problem, Solution, cost, descend, rounding, solve
+from hbench.analysis.statistics.intervals import covariance, has_effect
 from hbench.analysis.statistics.profile import profile_interval
 from hbench.analysis.statistics.robust import robust
 from hbench.analysis.statistics.student import student_factor
@@ -44,7 +45,6 @@ _LINE_POINTS = 121
 _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
 _LEAST_FORCE_N = 1e-6  # scale of a curve of zeros
 _LEAST_SPEEDS = 4
-_ROUNDING = 1e-9  # of friction
 _ENOUGH = 1e-10  # of the cost, from near: off by a hundred thousandth of the error
 _SEED = 1  # of the bootstrap: the same campaign gives the same intervals
 
@@ -71,7 +71,7 @@ def left_out(curves: Sequence[Curve]) -> tuple[str, ...]:
 
 
 def _speeds(curve: Curve) -> int:
-    return len({point.v_m_s for point in curve.points})
+    return len(distinct(np.array([point.v_m_s for point in curve.points])))
 
 
 def fit_tustin(curve: Curve, bounds: Mapping[str, tuple[float, float]] | None = None) -> Fit:
@@ -96,13 +96,14 @@ def fit_law(
     Jacobian of the parameters off their bounds, with s^2 = RSS / (n - p), p being the number of
     these; intervals from Student's t with n - p degrees of freedom. There is no standard error
     where the interval lies inside one to either side. ``rmse_n`` is sqrt(RSS / n), not weighted.
-    What the data does not determine has neither, and the message says so.
+    What the data does not determine has neither, and the message says so: a parameter of which the
+    others can take the place, and one whose typical size changes friction by rounding alone.
     """
     data = sample(curves, how.weights)
     if law.pressures:
         data = data.part(np.isfinite(data.inputs).all(axis=0))
     n, p = len(data.friction_n), len(law.names)
-    if len(np.unique(data.inputs, axis=1).T) < p:
+    if _different(data.inputs) < p:
         with_what = "points with both pressures" if law.pressures else "points"
         message = f"{n} {with_what} do not determine {p} parameters"
         return Fit(law.name, {}, float("nan"), False, message)
@@ -119,9 +120,7 @@ def fit_law(
     if freedom <= 0:
         messages.append("as many parameters as points: no standard errors")
     else:
-        seen = Information(
-            law, solution.x, worth.jacobian, worth.variance, problem.scale, data.inputs
-        )
+        seen = Information(law, solution.x, worth.jacobian, worth.noise, problem.scale, data.inputs)
         widths = [np.nan if ends is None else ends[1] - ends[0] for ends in found["profile"]]
         messages += identification_messages(seen, worth.factor, np.array(widths) / 2)
         messages += beyond_messages(seen, worth.factor) if len(curves) == 1 else []
@@ -135,6 +134,12 @@ def fit_law(
         line=line,
         beyond=beyond,
     )
+
+
+def _different(inputs: np.ndarray) -> int:
+    """Return the number of points (3, n) whose speed or pressures differ by more than rounding."""
+    rows = [merged(np.nan_to_num(row)) for row in inputs]
+    return np.unique(rows, axis=1).shape[1]
 
 
 class Estimate(NamedTuple):
@@ -186,10 +191,16 @@ class _Worth:
         free = solution.free
         self.jacobian = problem.derivatives(solution.x)
         self.factor = student_factor(freedom) if freedom > 0 else np.nan
-        self.variance = cost(problem, solution.x) / freedom if freedom > 0 else np.nan
+        self.rounding = rounding(problem, solution.x)
+        rest = cost(problem, solution.x)
+        self.exact = not rest > self.rounding**2  # what is left is rounding
+        self.variance = rest / freedom if freedom > 0 else np.nan
+        # Where nothing is left, rounding is the noise beside which a parameter has an effect.
+        self.noise = max(self.variance, self.rounding**2 / len(self.jacobian))
         self.spread = np.full((len(free), len(free)), np.nan)
         residual = problem.residual(solution.x)
-        self.spread[np.ix_(free, free)] = covariance(self.jacobian[:, free], residual)
+        effect = has_effect(self.jacobian, problem.scale)[free]
+        self.spread[np.ix_(free, free)] = covariance(self.jacobian[:, free], residual, effect)
         self.se = np.sqrt(np.diag(self.spread))
 
     def linearised(self) -> list[Ends]:
@@ -202,10 +213,8 @@ class _Worth:
     def profile(self) -> list[Ends]:
         """Return the profile's intervals; none where neither end is set by the data."""
         level = self.factor**2 * self.variance
-        rest = cost(self.problem, self.solution.x)
-        whole = float(np.sum((self.jacobian * self.problem.scale) ** 2))  # of typical parameters
-        if not rest > _ROUNDING**2 * whole:
-            return self.linearised()  # an exact fit: what is left is rounding
+        if self.exact:
+            return self.linearised()
         return [self._profile(i, level) for i in range(len(self.se))]
 
     def _profile(self, i: int, level: float) -> Ends:
@@ -262,24 +271,25 @@ def _parameters(
         intervals = {method: ends[i] for method, ends in found.items()}
         ends, x, se = intervals["profile"], float(solution.x[i]), float(worth.se[i])
         known = ends is not None and np.isfinite(worth.factor * se)
+        nothing = ROUNDING * float(problem.scale[i])
         parameters[name] = FitParameter(
             value=x,
-            se=se if known and se <= max(x - ends[0], ends[1] - x) else None,
+            se=se if known and se <= max(x - ends[0], ends[1] - x) + nothing else None,
             ci95=ends,
             at_bound=solution.at_bound(problem, i),
             unit=unit,
             intervals=intervals,
-            disagree=_disagree([ends for ends in intervals.values() if ends is not None]),
+            disagree=_disagree([ends for ends in intervals.values() if ends is not None], nothing),
         )
     return parameters
 
 
-def _disagree(intervals: Sequence[tuple[float, float]]) -> bool:
+def _disagree(intervals: Sequence[tuple[float, float]], nothing: float) -> bool:
     if len(intervals) < 2:
         return False
     low, high = np.array(intervals).T
     width = float(np.median(high - low))
-    return bool(max(np.ptp(low), np.ptp(high)) > _DISAGREE * width / 2)
+    return bool(max(np.ptp(low), np.ptp(high)) > _DISAGREE * width / 2 + nothing)
 
 
 def _lines(law: Law, curves: Sequence[Curve], data: Sample, x: np.ndarray) -> tuple[tuple, tuple]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hbench.analysis.fitting.trial_weights import pooled_sigma
+from hbench.analysis.rounding import distinct, is_constant
 from hbench.records import Curve
 
 
@@ -22,7 +23,7 @@ class Sample:
     @property
     def speeds(self) -> int:
         """The number of different speeds."""
-        return len(np.unique(self.inputs[0]))
+        return len(distinct(self.inputs[0]))
 
     def part(self, chosen: np.ndarray) -> "Sample":
         """Return the points that are ``chosen`` (n,) bool."""
@@ -70,7 +71,7 @@ def sample(curves: Sequence[Curve], weights: str = "equal") -> Sample:
 
 def _sigma(speed: np.ndarray, trials: Sequence[np.ndarray]) -> np.ndarray | None:
     counts = np.array([len(own) for own in trials], dtype=float)
-    variance = np.array([own.var(ddof=1) if len(own) > 1 else 0.0 for own in trials])
+    variance = np.array([0.0 if is_constant(own) else own.var(ddof=1) for own in trials])
     pooled = pooled_sigma(speed, variance, counts - 1)
     if pooled is None:
         return None

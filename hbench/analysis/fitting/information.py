@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.analysis.fitting.fittable_law import Law
+from hbench.analysis.rounding import ROUNDING
 
 _PRIOR = 100.0  # typical sizes: what is known of a direction that the data does not see
 _PART = 0.1  # of the typical size
@@ -27,7 +28,7 @@ class Information(NamedTuple):
     law: Law
     x: np.ndarray
     jacobian: np.ndarray
-    variance: float  # s^2
+    variance: float  # s^2, or that of rounding where the fit is exact
     scale: np.ndarray
     inputs: np.ndarray
 
@@ -103,5 +104,5 @@ def _best(
     along = g @ spread
     gain = along[:, number] ** 2 / (seen.variance + np.sum(along * g, axis=1))
     left = np.sqrt(np.maximum(1 - gain / spread[number, number], 0.0))
-    best = int(np.argmin(left))
+    best = int(np.flatnonzero(left <= left.min() + ROUNDING)[0])
     return best, float(left[best])

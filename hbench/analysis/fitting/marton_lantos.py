@@ -21,6 +21,7 @@ from hbench.analysis.fitting.fit_data import sample, sign
 from hbench.analysis.fitting.fittable_law import Law
 from hbench.analysis.fitting.over_curves import tustin_worth, without_impossible
 from hbench.analysis.fitting.tustin import NAMES
+from hbench.analysis.rounding import distinct
 from hbench.analysis.statistics.bounded import complex_step
 from hbench.analysis.statistics.intervals import fit_parameters
 from hbench.model.friction.formulas import joined_lines, two_lines
@@ -43,7 +44,7 @@ def _jacobian(inputs: np.ndarray, p: np.ndarray) -> np.ndarray:
 
 def _between(inputs: np.ndarray) -> dict[str, tuple[float, float]]:
     """Bound v_SW so that two speeds or more lie on each line."""
-    speeds = np.unique(inputs[0])
+    speeds = distinct(inputs[0])
     return {"v_switch_m_s": (float(speeds[1]), float(speeds[-2]))}
 
 

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from hbench.analysis.fitting.fit_data import sample
-from hbench.analysis.fitting.tustin import NAMES, tustin, tustin_jacobian
-from hbench.analysis.statistics.intervals import covariance, covariance_over_runs
+from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin, tustin_jacobian
+from hbench.analysis.statistics.intervals import covariance, covariance_over_runs, has_effect
 from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, FitParameter
 
@@ -26,14 +26,16 @@ def tustin_worth(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, int]:
     data = sample(curves, Fitting().weights)
     p = np.array([fit.parameters[name].value for name in NAMES])
     free = np.array([fit.parameters[name].at_bound is None for name in NAMES])
-    jacobian = (tustin_jacobian(data.inputs[0], p) / data.sigma[:, None])[:, free]
+    jacobian = tustin_jacobian(data.inputs[0], p) / data.sigma[:, None]
+    size = TUSTIN.scale(data.inputs, float(np.abs(data.friction_n).max()))
+    jacobian, effect = jacobian[:, free], has_effect(jacobian, size)[free]
     residual = (tustin(data.inputs[0], p) - data.friction_n) / data.sigma
     spread = np.zeros((len(p), len(p)))
     if len(curves) == 1:
-        spread[np.ix_(free, free)] = covariance(jacobian, residual)
+        spread[np.ix_(free, free)] = covariance(jacobian, residual, effect)
         return spread, len(residual) - int(free.sum())
     curve = np.repeat(np.arange(len(curves)), [len(one.points) for one in curves])
-    spread[np.ix_(free, free)] = covariance_over_runs(jacobian, residual, curve)
+    spread[np.ix_(free, free)] = covariance_over_runs(jacobian, residual, curve, effect)
     return spread, len(curves) - 1
 
 

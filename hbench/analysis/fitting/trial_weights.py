@@ -19,7 +19,8 @@ def pooled_sigma(speed_m_s: np.ndarray, variance: np.ndarray, dof: np.ndarray) -
     """Return the standard deviation of a trial at each speed, from the law above.
 
     ``variance`` (n,) is that of each point's trials, with ``dof`` (n,) degrees of freedom; zero
-    where there is one trial. None where nothing scatters or fewer than three points have trials.
+    where there is one trial, or where the trials differ by rounding. None where nothing scatters or
+    fewer than three points have trials.
     """
     own = (dof > 0) & np.isfinite(variance)
     level = float(np.sum((dof * variance)[own]) / max(np.sum(dof[own]), 1.0))

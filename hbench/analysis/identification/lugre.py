@@ -17,6 +17,7 @@ from hbench.analysis.statistics.intervals import (
     bound_messages,
     covariance_over_runs,
     fit_parameters,
+    has_effect,
 )
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
@@ -121,10 +122,11 @@ def fit_along(
     left = residual(solution.x)
     run = np.repeat(np.arange(len(motions)), [int(m.compared.sum()) for m in motions])
     bounds = [solution.at_bound(problem, i) for i in range(len(size))]
+    slopes, free = jacobian(solution.x), solution.free
     parameters = fit_parameters(
         {name: u.unit for name, u in unknowns.items()},
         solution.x,
-        covariance_over_runs(jacobian(solution.x)[:, solution.free], left, run),
+        covariance_over_runs(slopes[:, free], left, run, has_effect(slopes, size)[free]),
         len(motions) - 1,
         bounds,
     )

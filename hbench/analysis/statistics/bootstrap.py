@@ -19,6 +19,8 @@ from scipy.special import ndtr
 
 from hbench.analysis.statistics.student import student_factor
 
+_SINGULAR = 3e-7  # of the largest singular value of J, with columns of length 1
+
 
 def drawn_means(
     trials: Sequence[np.ndarray], count: int, rng: np.random.Generator
@@ -44,15 +46,21 @@ def drawn_residuals(
 
 def leveraged(residual: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
     """Return residuals (n,) divided by sqrt(1 - h), h being the leverages; their mean is zero."""
-    q, _ = np.linalg.qr(jacobian)
-    raised = residual / np.sqrt(np.maximum(1 - np.sum(q**2, axis=1), 1e-3))
+    u, s, _ = np.linalg.svd(_of_length_1(jacobian), full_matrices=False)
+    leverage = np.sum(u[:, s > _SINGULAR * s.max(initial=0.0)] ** 2, axis=1)
+    raised = residual / np.sqrt(np.maximum(1 - leverage, 1e-3))
     return raised - raised.mean()
 
 
 def own_freedom(jacobian: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """Return nu (p,) from the weighted derivatives (n, p) and the trials of each point (n,)."""
-    shares = np.linalg.pinv(jacobian) ** 2
+    shares = np.linalg.pinv(_of_length_1(jacobian), rcond=_SINGULAR) ** 2
     return shares.sum(axis=1) ** 2 / (shares**2 / (counts - 1)).sum(axis=1)
+
+
+def _of_length_1(jacobian: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(jacobian, axis=0)
+    return jacobian / np.where(length > 0.0, length, 1.0)
 
 
 def percentile_intervals(

@@ -2,7 +2,8 @@
 
 The trust-region method stays strictly inside the bounds, so its answer is near an active bound,
 never on it. Here the parameters near a bound are put on it, the others are solved again, and those
-for which the cost falls towards the inside are released.
+that the data does not hold there are released: moved out of the bounds, a parameter must change the
+curve by more than rounding to be held.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,6 +11,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
+
+from hbench.analysis.rounding import ROUNDING
 
 Function = Callable[[np.ndarray], np.ndarray]
 
@@ -66,6 +69,15 @@ def cost(problem: Problem, x: np.ndarray) -> float:
     return total if np.isfinite(total) else np.inf
 
 
+def rounding(problem: Problem, x: np.ndarray) -> float:
+    """Return the norm of residuals that is rounding: 1e-9 of what typical parameters make."""
+    return _rounding(problem.derivatives(x), problem.scale)
+
+
+def _rounding(jacobian: np.ndarray, scale: np.ndarray) -> float:
+    return ROUNDING * float(np.linalg.norm(jacobian * scale))
+
+
 def solve(problem: Problem, starts: Sequence[np.ndarray]) -> Solution:
     """Minimise the sum of squares within the bounds; the best that the ``starts`` lead to."""
     found = [descend(problem, start) for start in starts]
@@ -95,8 +107,11 @@ def descend(
         while pinned.any():
             x = np.where(pinned, bound, x)
             x, converged = _search(problem, x, movable & ~pinned, tolerance)
-            gradient = problem.residual(x) @ problem.derivatives(x)
-            inwards = np.where(bound == problem.lower, gradient <= 0, gradient >= 0)
+            jacobian = problem.derivatives(x)
+            gradient = problem.residual(x) @ jacobian
+            outwards = np.where(bound == problem.lower, gradient, -gradient)
+            length = np.linalg.norm(jacobian, axis=0)
+            inwards = outwards <= _rounding(jacobian, problem.scale) * length
             if not (pinned & inwards).any():
                 break
             pinned &= ~inwards
@@ -132,7 +147,8 @@ def _search(
         gtol=None,
         max_nfev=_EVALUATIONS,
     )
-    return whole(found.x), found.status > 0
+    exact = np.linalg.norm(found.fun) <= _rounding(found.jac, problem.scale[free])
+    return whole(found.x), bool(found.status > 0 or exact)
 
 
 def _step(

@@ -13,29 +13,39 @@ from typing import Literal
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import FitParameter
 
 Bound = Literal["lower", "upper"] | None
 _SINGULAR = 1e-13  # of the largest eigenvalue of J'J, with columns of length 1
+_PART = 1e-3  # of a parameter's axis in directions that the data does not see
 
 
-def covariance(jacobian: np.ndarray, residual: np.ndarray) -> np.ndarray:
+def covariance(
+    jacobian: np.ndarray, residual: np.ndarray, effect: np.ndarray | None = None
+) -> np.ndarray:
     """Return the covariance (p, p) from derivatives (n, p) and independent residuals (n,).
 
-    What the data does not determine is nan.
+    What the data does not determine is nan: a parameter of which others can take the place, and one
+    without ``effect`` (p,) bool. Without that argument all have one, but for columns of zeros.
     """
     n, p = jacobian.shape
     if n <= p:
         return np.full((p, p), np.nan)
-    inverse, unknown = _inverse(jacobian.T @ jacobian)
+    inverse, unknown = _inverse(jacobian.T @ jacobian, effect)
     return _without(unknown, inverse * float(residual @ residual) / (n - p))
 
 
-def covariance_over_runs(jacobian: np.ndarray, residual: np.ndarray, run: np.ndarray) -> np.ndarray:
+def covariance_over_runs(
+    jacobian: np.ndarray,
+    residual: np.ndarray,
+    run: np.ndarray,
+    effect: np.ndarray | None = None,
+) -> np.ndarray:
     """Return the covariance (p, p) where only samples of different ``run`` (n,) are independent.
 
-    nan for what one run less does not determine.
+    nan for what one run less does not determine. ``effect`` as in ``covariance``.
     """
     p, numbers = jacobian.shape[1], np.unique(run)
     total, spread = jacobian.T @ jacobian, np.zeros((p, p))
@@ -45,11 +55,22 @@ def covariance_over_runs(jacobian: np.ndarray, residual: np.ndarray, run: np.nda
     for number in numbers:
         own = run == number
         j = jacobian[own]
-        inverse, lost = _inverse(total - j.T @ j)
+        inverse, lost = _inverse(total - j.T @ j, effect)
         step = inverse @ (j.T @ residual[own])
         spread += np.outer(step, step)
         unknown |= lost
     return _without(unknown, spread * (len(numbers) - 1) / len(numbers))
+
+
+def has_effect(jacobian: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Return which parameters (p,) change the curve by more than rounding.
+
+    ``jacobian`` (n, p) are the derivatives, ``size`` (p,) the parameters' typical sizes. Changed by
+    its typical size, a parameter moves the curve by |J_j| size_j. One that moves it by less than
+    1e-9 of what another does has no effect.
+    """
+    moved = np.linalg.norm(jacobian, axis=0) * size
+    return moved > ROUNDING * moved.max(initial=0.0)
 
 
 def fit_parameters(
@@ -93,14 +114,24 @@ def bound_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
     return messages
 
 
-def _inverse(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _inverse(normal: np.ndarray, effect: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Invert J'J as far as J sees; tell which parameters have a part in a direction it does not."""
-    scale = np.sqrt(np.diag(normal))
-    scale = np.where(scale > 0.0, scale, 1.0)
+    if effect is not None:
+        normal = np.where(np.outer(effect, effect), normal, 0.0)
+    diagonal = np.diag(normal)
+    scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     s2, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
     seen = s2 > _SINGULAR * s2[-1]
     inverse = (vectors[:, seen] / s2[seen]) @ vectors[:, seen].T / np.outer(scale, scale)
-    return inverse, np.any(np.abs(vectors[:, ~seen]) > 1e-3, axis=1)
+    return inverse, parts_in(vectors[:, ~seen]) > _PART
+
+
+def parts_in(directions: np.ndarray) -> np.ndarray:
+    """Return how far each axis (p,) lies in the space of orthonormal ``directions`` (p, k).
+
+    The length of its projection, whatever basis of the space an eigenvalue routine has chosen.
+    """
+    return np.linalg.norm(directions, axis=1)
 
 
 def _without(unknown: np.ndarray, matrix: np.ndarray) -> np.ndarray:

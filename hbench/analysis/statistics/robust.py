@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.statistics.bounded import Problem, Solution, descend
+from hbench.analysis.statistics.bounded import Problem, Solution, descend, rounding
 
 _TUNING = 1.345  # 95 % as efficient as least squares where errors are normal
 _MEDIAN = 0.6745  # of |z| for a normal z
@@ -36,10 +36,11 @@ def robust(problem: Problem, solution: Solution, loss: str) -> Robust:
     """Go on from the least-squares ``solution`` to that of ``loss``, "huber" or "soft_l1"."""
     weights = np.ones(len(problem.residual(solution.x)))
     size, stays = 0.0, False
+    least = rounding(problem, solution.x) / np.sqrt(len(weights))
     for _ in range(_ITERATIONS):
         residual = problem.residual(solution.x)
         size = _size(residual, int(solution.free.sum()))
-        if size == 0.0:
+        if size <= least:
             stays = True
             break
         found = _weights(residual / size, loss)
@@ -50,7 +51,7 @@ def robust(problem: Problem, solution: Solution, loss: str) -> Robust:
         solution = descend(_times(problem, np.sqrt(weights)), solution.x)
     residual = problem.residual(solution.x)
     pseudo = residual
-    if size > 0.0:
+    if size > least:
         slopes = _slopes(residual / size, loss)
         mean = max(float(slopes.mean()), 1e-3)
         correction = 1 + len(solution.x) / len(residual) * float(slopes.var()) / mean**2
