@@ -34,7 +34,7 @@ from hbench.reconcile.measured.balances import (
 )
 from hbench.reconcile.overlays import overlays
 from hbench.reconcile.revised_model import revised
-from hbench.reconcile.search import Found, Search
+from hbench.reconcile.search import TIE, Found, Search
 from hbench.reconcile.signatures import signatures
 from hbench.reconcile.verdict import judge, missing_channels, rest, too_few, what_is_missing
 from hbench.records import (
@@ -269,7 +269,7 @@ def added_effect(
     Its rival is the best whose score is not above its own: one above it explained too little.
     """
     taken = next(one for one in tried if one.name == name)
-    below = [one for one in tried if one.name != name and one.score <= taken.score]
+    below = [one for one in tried if one.name != name and one.score <= taken.score + TIE]
     rival = max(below, key=lambda one: one.score, default=None)
     row = EFFECTS[name]
     return AddedEffect(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Plant
@@ -76,12 +77,17 @@ class Estimates:
         return FitParameter(value, None, ci95, bound, unit)
 
     def _half(self, i: int) -> float:
-        return float(student_factor(int(self.dof[i])) * np.sqrt(self.spread[i, i]))
+        return float(student_factor(whole_dof(self.dof[i])) * np.sqrt(self.spread[i, i]))
 
     def _bound(self, i: int) -> Bound:
         if self.beta[i] <= self.low[i] + _AT_BOUND:
             return "lower"
         return "upper" if self.beta[i] >= self.high[i] - _AT_BOUND else None
+
+
+def whole_dof(dof: float) -> int:
+    """Return degrees of freedom rounded down, but not where rounding alone is missing."""
+    return int(dof * (1 + ROUNDING))
 
 
 def estimate(plant: Plant, around: Linear, names: Sequence[str], train: np.ndarray) -> Estimates:

@@ -31,12 +31,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.holm import holm
 from hbench.errors import DataError
 from hbench.reconcile.measured.balances import Windowed
 from hbench.records import Gap, RunPlan
 
 _EXCHANGES = 999
+_CHANCE = 1e-8  # spread of ln s^2 that is none: nu_0 of 1e8
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ def gaps(
     found = _map(pairs)
     p_values = holm(_exchange(pairs, np.random.default_rng(seed)))
     excess = found.excess
-    ranked = []
+    worst = []
     for i, name in enumerate(found.names):
         own = np.isfinite(excess[:, i])
         if not own.any():
@@ -119,8 +121,8 @@ def gaps(
         gap = float(_gap(excess[own, i]))
         scatter = float(np.sqrt(np.mean(found.scatter[own, i] ** 2)))
         structured = float(np.sqrt(max(gap**2 - 1, 0.0)))
-        ranked.append(Gap(name, gap, structured, float(p_values[i]), scatter, int(own.sum())))
-    return tuple(sorted(ranked, key=lambda one: -one.gap)), found
+        worst.append(Gap(name, gap, structured, float(p_values[i]), scatter, int(own.sum())))
+    return tuple(ranked(worst, lambda one: one.gap, ROUNDING)), found
 
 
 def differences(measured: Sequence[Windowed], modelled: Sequence[Windowed]) -> GapMap:
@@ -162,7 +164,7 @@ def pooled_variance(variance: np.ndarray, dof: np.ndarray) -> np.ndarray:
     half = dof[usable] / 2
     log = np.log(variance[usable]) - digamma(half) + np.log(half)
     spread = log.var(ddof=1) - polygamma(1, half).mean()
-    if spread <= 0:  # no more than chance: all are the same
+    if spread <= _CHANCE:  # no more than chance: all are the same
         return np.where(np.isfinite(variance), np.exp(log.mean()), np.nan)
     half_prior = _inverse_trigamma(spread)
     prior = np.exp(log.mean() + digamma(half_prior) - np.log(half_prior))
@@ -212,6 +214,7 @@ def _pairs(measured: Sequence[Windowed], modelled: Sequence[Windowed]) -> list[_
 
 def _map(pairs: Sequence[_Pair]) -> GapMap:
     variance = np.concatenate([pair.r.var(axis=0, ddof=1) for pair in pairs])
+    variance = np.where(variance <= _of_rounding(pairs), 0.0, variance)
     dof = np.concatenate([np.full(pair.r.shape[1], len(pair.r) - 1.0) for pair in pairs])
     first = pairs[0].trials[0]
     pooled = np.column_stack([pooled_variance(own, dof) for own in variance.T])
@@ -245,18 +248,28 @@ def _map(pairs: Sequence[_Pair]) -> GapMap:
     )
 
 
+def _of_rounding(pairs: Sequence[_Pair]) -> np.ndarray:
+    """Return the variance (c,) that is rounding, beside the largest measured values."""
+    return (ROUNDING * np.max([_largest(pair.r) for pair in pairs], axis=0)) ** 2
+
+
+def _largest(values: np.ndarray) -> np.ndarray:
+    return np.abs(np.nan_to_num(values, posinf=0.0, neginf=0.0)).max(axis=(0, 1), initial=0.0)
+
+
 def _exchange(pairs: Sequence[_Pair], rng: np.random.Generator) -> np.ndarray:
     """Return p-values (c,): how often exchanged trials are as far apart.
 
     The sum of d^2 over the variance of all trials, which the exchange does not change.
     """
-    observed, exchanged = 0.0, 0.0
+    observed, exchanged, nothing = 0.0, 0.0, _of_rounding(pairs)
     for _, _, r, q in pairs:
         both = np.concatenate([r, q])
         total = both.var(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             # Products of whole runs (n + k, n + k, c): every d^2 is a quadratic form of the labels.
             scaled = np.nan_to_num((both - both.mean(axis=0)) / np.sqrt(total), posinf=0, neginf=0)
+        scaled = np.where(total <= nothing, 0.0, scaled)
         products = np.einsum("iwc,jwc->ijc", scaled, scaled)
         labels = np.concatenate([np.full(len(r), 1 / len(r)), np.full(len(q), -1 / len(q))])
         orders = rng.permuted(np.tile(labels, (_EXCHANGES, 1)), axis=1)

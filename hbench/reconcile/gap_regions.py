@@ -11,6 +11,7 @@ chamber's flow tells its metering edge, for a valve's spool stands to one side o
 
 import numpy as np
 
+from hbench.analysis.rounding import merged
 from hbench.reconcile.gap import GapMap
 from hbench.records import Region
 
@@ -44,6 +45,7 @@ def regions(found: GapMap) -> tuple[Region, ...]:
 
 def _parts(values: np.ndarray) -> list[np.ndarray]:
     """Return masks (w,) of up to four stretches with about as many windows each."""
+    values = np.where(np.isfinite(values), merged(np.nan_to_num(values)), np.nan)
     cuts = np.nanquantile(values, np.arange(1, _PARTS) / _PARTS)
     place = np.where(np.isfinite(values), np.searchsorted(np.unique(cuts), values), -1)
     return [place == number for number in np.unique(place[place >= 0])]

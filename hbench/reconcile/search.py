@@ -18,6 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from hbench.analysis.rounding import ranked
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import (
     LeftOut,
@@ -49,6 +50,7 @@ _LEAST = 5.0  # nats: the least threshold, e^5 = 150 to 1
 _EXPLAINED = 0.25  # the rest may be other effects'
 _MATERIAL = 0.2  # typical sizes
 _CLOSE = 3.0, 0.1  # nats, share of the best score: closer candidates are ambiguous
+TIE = 1e-6  # nats: scores that differ by rounding keep the catalogue's order
 _TRIED = 6  # candidates that are simulated
 _WORTH = 0.3  # of the best score: others are not simulated
 _PROMISING = 0.5  # of the least threshold: others are not simulated
@@ -172,18 +174,19 @@ class Search:
         rest = [
             name for name in self.candidates if name not in taken and here.coefficients_of([name])
         ]
-        judged = sorted(
-            (self._linear(here, base, name) for name in rest), key=lambda one: -one.found.score
+        judged = ranked(
+            [self._linear(here, base, name) for name in rest], lambda one: one.found.score, TIE
         )
         best = judged[0].found.score if judged else 0.0
         worth = [one for one in judged if one.found.score > max(_WORTH * best, _PROMISING * _LEAST)]
         simulated = self._simulated(here, taken, [one.found for one in worth[:_TRIED]])
-        tried = sorted(
-            (
+        tried = ranked(
+            [
                 self._with_threshold(simulated.get(one.found.name, one), here, base, rest)
                 for one in judged
-            ),
-            key=lambda one: -one.found.score,
+            ],
+            lambda one: one.found.score,
+            TIE,
         )
         good = [one for one in tried if one.linear and _earned(one.found)]
         if not good:

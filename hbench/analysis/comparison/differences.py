@@ -18,6 +18,7 @@ from scipy.special import ndtr, stdtr
 
 from hbench.analysis.curves.ramps import slid
 from hbench.analysis.fitting.fit_data import sign
+from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import (
@@ -51,13 +52,13 @@ Terms = Sequence[tuple[float, Sequence[float]]]  # weight of a mean, and its tri
 def welch(terms: Terms) -> tuple[float, float] | None:
     """Return standard error and degrees of freedom of sum_i w_i mean(trials_i).
 
-    None where a mean has fewer than two trials.
+    None where a mean has fewer than two trials, or where no trials differ by more than rounding.
     """
     if any(len(trials) < 2 for _, trials in terms):
         return None
     of_means = np.array([w**2 * np.var(trials, ddof=1) / len(trials) for w, trials in terms])
     total = float(of_means.sum())
-    if total == 0.0:
+    if np.sqrt(total) <= ROUNDING * sum(abs(w) * np.abs(trials).max() for w, trials in terms):
         return None
     dof = np.array([len(trials) - 1 for _, trials in terms])
     return float(np.sqrt(total)), float(total**2 / np.sum(of_means**2 / dof))
@@ -243,7 +244,7 @@ def _efficiency(
         return _untested(mean_a, mean_b, "no scatter: a single trial")
     variance = np.array([(eta.sigma_trials / len(pairs)) ** 2 for _, eta in each])
     total = float(variance.sum())
-    if total == 0.0:
+    if np.sqrt(total) <= ROUNDING * max(abs(mean_a), abs(mean_b)):
         return _untested(mean_a, mean_b, "no scatter between the trials")
     dof = total**2 / np.sum(variance**2 / np.array([point.n - 1 for point, _ in each]))
     parts_a, parts_b = (parts_of_mean([pair[side][1].parts for pair in pairs]) for side in (0, 1))
@@ -284,7 +285,7 @@ def _of_fits(a: FitParameter, b: FitParameter) -> Difference:
     if a.ci95 is None or b.ci95 is None or not np.isfinite([*a.ci95, *b.ci95]).all():
         return _untested(a.value, b.value, "not determined in both")
     half = float(np.hypot((a.ci95[1] - a.ci95[0]) / 2, (b.ci95[1] - b.ci95[0]) / 2))
-    if half == 0.0:
+    if half <= ROUNDING * max(abs(a.value), abs(b.value)):
         return _untested(a.value, b.value, "no scatter")
     p_value = float(2 * ndtr(-NORMAL_95 * abs(b.value - a.value) / half))
     return Difference(a.value, b.value, half / NORMAL_95, half, None, p_value)

@@ -23,6 +23,8 @@ import numpy as np
 from scipy.special import stdtr
 from scipy.stats import kendalltau, theilslopes
 
+from hbench.analysis.rounding import ROUNDING, is_constant, merged
+
 FEWEST = 10  # campaigns that are judged at all
 _MEDIAN = 0.6745  # of |z| for a normal z
 _SHARP = 0.37
@@ -59,6 +61,7 @@ def standing(x: np.ndarray, se: np.ndarray, centre: np.ndarray | float) -> Stand
     """
     own = _own_scatter(se)
     away = np.abs(x - centre)
+    away[away <= ROUNDING * np.abs(x)] = 0.0
     between = _between(away, own)
     total = np.hypot(between, own)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -106,7 +109,7 @@ def line(t: np.ndarray, x: np.ndarray) -> Line | None:
         parts = np.array_split(np.arange(len(x)), _MOST_PAIRS)
         t = np.array([t[part].mean() for part in parts])
         x = np.array([np.median(x[part]) for part in parts])
-    if t[0] == t[-1] or np.ptp(x) == 0:
+    if t[0] == t[-1] or is_constant(x):
         return None
     found = theilslopes(x, t)
     return Line(
@@ -114,7 +117,7 @@ def line(t: np.ndarray, x: np.ndarray) -> Line | None:
         float(found.low_slope),
         float(found.high_slope),
         float(found.intercept),
-        float(kendalltau(t, x).pvalue),
+        float(kendalltau(t, merged(x)).pvalue),
     )
 
 

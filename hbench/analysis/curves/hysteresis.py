@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hbench.analysis.curves.average import student_interval
+from hbench.analysis.rounding import is_constant
 from hbench.analysis.screening.reference_sections import whole_cycles
 from hbench.analysis.screening.sample_friction import logged_motion
 from hbench.errors import DataError
@@ -106,7 +107,7 @@ def _widths(v: np.ndarray, friction: np.ndarray, rising: np.ndarray, top: float)
 
 def _at(v0: float, v: np.ndarray, friction: np.ndarray) -> float:
     """Return friction at ``v0`` on the parabola through the samples near it."""
-    if len(v) < _LEAST or np.ptp(v) == 0:
+    if len(v) < _LEAST or is_constant(v):
         return np.nan
     return float(np.polynomial.Polynomial.fit(v, friction, 2)(v0))
 

@@ -19,6 +19,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import KINDS, Comparison, Curve, Series
@@ -94,10 +95,10 @@ def _steady(ramp: Curve, steady: Curve) -> Iterable[Comparison]:
     points = [
         point
         for point in steady.points
-        if low <= abs(point.v_m_s) <= high and set(point.trials) == trials
+        if _within(abs(point.v_m_s), low, high) and set(point.trials) == trials
     ]
     for a, b in _halves(low, high):
-        chosen = [point for point in points if a <= abs(point.v_m_s) <= b]
+        chosen = [point for point in points if _within(abs(point.v_m_s), a, b)]
         if len(chosen) < _LEAST:
             continue
         speeds = np.abs([point.v_m_s for point in chosen])
@@ -132,7 +133,12 @@ def _steady(ramp: Curve, steady: Curve) -> Iterable[Comparison]:
 
 def _halves(low: float, high: float) -> list[tuple[float, float]]:
     middle = 0.5 * (low + high)
-    return [(low, middle), (middle, high)] if high > low else []
+    return [(low, middle), (middle, high)] if exceeds(high, low) else []
+
+
+def _within(speed: float, low: float, high: float) -> bool:
+    nothing = ROUNDING * high
+    return low - nothing <= speed <= high + nothing
 
 
 def _by_trial(trials: Sequence[int], values: Sequence[float]) -> list[float]:

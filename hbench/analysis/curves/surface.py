@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING, distinct, exceeds
 from hbench.records import KINDS, Curve, Surface
 
 _LEAST = 3  # loads, and speeds
@@ -50,8 +51,9 @@ def _common(group: list[Curve]) -> np.ndarray:
     speeds = [np.abs([point.v_m_s for point in curve.points]) for curve in group]
     low, high = max(v.min() for v in speeds), min(v.max() for v in speeds)
     fewest = min(speeds, key=len)
-    inside = fewest[(fewest > low) & (fewest < high)]
-    return np.unique([low, *inside, high]) if high > low else np.zeros(0)
+    nothing = ROUNDING * high
+    inside = fewest[(fewest > low + nothing) & (fewest < high - nothing)]
+    return distinct(np.array([low, *inside, high])) if exceeds(high, low) else np.zeros(0)
 
 
 def _row(curve: Curve, v_m_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

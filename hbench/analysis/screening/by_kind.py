@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
 from hbench.analysis.screening.steadiness import block_speeds, mean_speed
 from hbench.config.schedule import Screening
@@ -41,11 +42,17 @@ def motion_notes(run: Run) -> list[str]:
     return notes
 
 
+def near_end(x_m: np.ndarray, stroke_m: float, margin_m: float) -> float | None:
+    """Return the position [m] nearest to an end of the stroke, where it is within the margin."""
+    low, high, least = float(x_m.min()), float(x_m.max()), margin_m + ROUNDING * stroke_m
+    if low <= least:
+        return low
+    return high if stroke_m - high <= least else None
+
+
 def _end_stop(run: Run, rules: Screening) -> Iterator[str]:
     stroke, margin = run.plan.specimen.stroke_m, rules.end_stop_margin
-    low, high = run.x_m.min(), run.x_m.max()
-    if stroke is not None and (low <= margin or high >= stroke - margin):
-        nearest = low if low <= margin else high
+    if stroke is not None and (nearest := near_end(run.x_m, stroke, margin)) is not None:
         yield (
             f"end_stop: the piston is at {1e3 * nearest:.1f} mm of a stroke of "
             f"{1e3 * stroke:g} mm; limit {1e3 * margin:g} mm from either end"
@@ -64,7 +71,7 @@ def _followed(run: Run, rules: Screening) -> Iterator[str]:
         return
     rms = float(np.sqrt(np.mean(error**2)))
     limit = max(rules.tracking_error, rules.tracking_error_relative * np.abs(run.v_ref_m_s).max())
-    if rms > limit:
+    if exceeds(rms, limit):
         yield (
             f"off_reference: the speed over 0.1 s is {1e3 * rms:.2f} mm/s (root mean square) off "
             f"its reference; limit {1e3 * limit:.2f} mm/s"
@@ -112,7 +119,7 @@ def _settled_levels(run: Run, rules: Screening) -> Iterator[str]:
             yield f"incomplete: level {number} has less than 3 settled records"
             continue
         v, limit = mean_speed(run.t_s[held], run.x_m[held]), rules.speed_limit(level)
-        if abs(v - level) > limit:
+        if abs(v - level) > limit + ROUNDING * abs(level):
             yield (
                 f"off_reference: level {number} is held at {1e3 * v:.2f} mm/s instead of "
                 f"{1e3 * level:.2f} mm/s; limit {1e3 * limit:.2f} mm/s"
@@ -123,13 +130,13 @@ def _settled_levels(run: Run, rules: Screening) -> Iterator[str]:
 
 def _rest(run: Run, rules: Screening) -> Iterator[str]:
     moved = float(np.ptp(run.x_m))
-    if moved > rules.rest_travel:
+    if exceeds(moved, rules.rest_travel):
         yield (
             f"off_reference: the piston moved by {1e3 * moved:.2f} mm with its valves closed; "
             f"limit {1e3 * rules.rest_travel:g} mm"
         )
     length = run.t_s[-1] - run.t_s[0] - rules.settle_time
-    if length < rules.min_window:
+    if length < rules.min_window - ROUNDING:
         yield f"too_short: {max(length, 0):.2f} s at rest; limit {rules.min_window:g} s"
 
 

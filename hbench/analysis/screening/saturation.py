@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from hbench.analysis.rounding import is_constant
 from hbench.records import Run
 
 _SENSORS = ("x_m", "p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa", "f_applied_n")
@@ -27,7 +28,7 @@ def sensors_at_their_end(run: Run, window: slice) -> str:
         values = getattr(run, name)
         if values is None:
             continue
-        if np.ptp(values) == 0:
+        if is_constant(values):
             throughout.append(f"{name} shows {_words(name, values[0])} throughout")
             continue
         for end, word in ((values.max(), "most"), (values.min(), "least")):

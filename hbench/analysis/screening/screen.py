@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.screening.by_kind import RULES, motion_notes, motion_reasons
+from hbench.analysis.rounding import ROUNDING, exceeds
+from hbench.analysis.screening.by_kind import RULES, motion_notes, motion_reasons, near_end
 from hbench.analysis.screening.saturation import sensors_at_their_end
 from hbench.analysis.screening.steadiness import drift, mean_speed, speed_ripple
 from hbench.analysis.screening.steady_window import (
@@ -53,7 +54,7 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
         return ScreenedRun(run, _in_order(reasons), None, (*notes, *motion_notes(run)))
     part = at_reference(run)
     window = steady_window(run, part, rules)
-    long_enough = window_length_s(run, window) >= rules.min_window - 1e-9
+    long_enough = window_length_s(run, window) >= rules.min_window - ROUNDING
     means = window_means(run, window) if long_enough else None
     reasons = [*_integrity(run, window if long_enough else part, rules)]
     if not long_enough:
@@ -116,7 +117,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
         lost = int(np.sum(np.rint(steps / np.median(steps)) - 1)) if run.missing_records else 0
         if lost > 0:
             yield f"gapped: {lost} records are missing in the window of {len(steps) + 1}; limit 0"
-        elif steps.max() > rules.max_gap:
+        elif exceeds(steps.max(), rules.max_gap):
             yield (
                 f"gapped: {steps.max():.2f} s between two samples of the window; "
                 f"limit {rules.max_gap:g} s"
@@ -130,8 +131,7 @@ def _motion(run: Run, part: slice, window: slice, rules: Screening) -> Iterator[
     """Reasons that lie in where the piston is and what the valve does."""
     x, stroke, margin = run.x_m[window], run.plan.specimen.stroke_m, rules.end_stop_margin
     standing = 0.0 if run.at_reference is None else stands_still(run, part)
-    if len(x) and stroke is not None and (x.min() <= margin or x.max() >= stroke - margin):
-        nearest = x.min() if x.min() <= margin else x.max()
+    if len(x) and stroke is not None and (nearest := near_end(x, stroke, margin)) is not None:
         yield (
             f"end_stop: the piston is at {1e3 * nearest:.1f} mm of a stroke of "
             f"{1e3 * stroke:g} mm; limit {1e3 * margin:g} mm from either end"
@@ -151,14 +151,14 @@ def _steadiness(
     t, x, v_ref = run.t_s[window], run.x_m[window], run.plan.v_ref_m_s
     v = mean_speed(t, x)
     limit = rules.speed_limit(v_ref)
-    if abs(v - v_ref) > limit:
+    if abs(v - v_ref) > limit + ROUNDING * abs(v_ref):
         yield (
             f"off_reference: mean speed {1e3 * v:.2f} mm/s is {1e3 * abs(v - v_ref):.2f} mm/s "
             f"off the reference {1e3 * v_ref:.2f} mm/s; limit {1e3 * limit:.2f} mm/s"
         )
     ripple = speed_ripple(t, x)
     limit = max(rules.speed_ripple, rules.speed_ripple_relative * abs(v_ref))
-    if ripple.total_m_s > np.hypot(limit, ripple.noise_m_s):
+    if exceeds(ripple.total_m_s, np.hypot(limit, ripple.noise_m_s)):
         yield (
             f"not_steady: speed over 0.1 s varies by {1e3 * ripple.total_m_s:.2f} mm/s (standard "
             f"deviation); limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} mm/s noise"
@@ -166,7 +166,7 @@ def _steadiness(
     if run.v_m_s is not None and np.isfinite(run.v_m_s[window]).sum() > 1:
         swing = np.nanstd(run.v_m_s[window], ddof=1)
         limit = max(rules.speed_oscillation, rules.speed_oscillation_relative * abs(v_ref))
-        if swing > limit:
+        if exceeds(swing, limit):
             yield (
                 f"not_steady: the controller's velocity oscillates by {1e3 * swing:.2f} mm/s "
                 f"(standard deviation); limit {1e3 * limit:.2f} mm/s"
@@ -175,7 +175,7 @@ def _steadiness(
         return
     change = drift(t, test_force(run, window) - run.f_applied_n[window])
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
-    if abs(change.value) > limit + _SURE * change.se:
+    if exceeds(abs(change.value), limit + _SURE * change.se):
         yield (
             f"not_steady: friction drifts by {change.value:+.1f} N (standard error "
             f"{change.se:.1f} N) over the window; limit {limit:.1f} N"

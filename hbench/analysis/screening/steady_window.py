@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.screening.steadiness import BLOCK_S, BlockSpeeds, block_speeds
 from hbench.config.schedule import Screening
 from hbench.records import Run
@@ -31,7 +32,8 @@ def steady_window(run: Run, part: slice, rules: Screening) -> slice:
     t, x = run.t_s[part], run.x_m[part]
     if not len(t):
         return NOTHING
-    settled = (t - t[0] >= rules.settle_time - 1e-9) & (np.abs(x - x[0]) >= rules.settle_travel)
+    in_time = t - t[0] >= rules.settle_time - ROUNDING
+    settled = in_time & (np.abs(x - x[0]) >= rules.settle_travel - ROUNDING)
     if not settled.any():
         return NOTHING
     return slice(part.start + int(np.argmax(settled)), part.stop)
@@ -77,4 +79,5 @@ def _near_usual(speeds: BlockSpeeds) -> np.ndarray:
         return np.zeros(0, dtype=bool)
     quarter = len(v) // 4
     usual = np.median(v[quarter : len(v) - quarter])
-    return np.abs(v - usual) <= max(_SETTLED * abs(usual), 3 * speeds.noise_m_s)
+    near = max(_SETTLED * abs(usual), 3 * speeds.noise_m_s)
+    return np.abs(v - usual) <= near + ROUNDING * abs(usual)

@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import (
     LOAD_CELL,
@@ -66,8 +67,12 @@ def driver(forces: Forces) -> tuple[Literal["hydraulics", "load"] | None, str]:
     f_test, f_applied = forces.f_test_n, forces.f_applied_n
     if forces.piston_n == 0 and forces.rod_n == 0:
         return None, "no pressure in either chamber, so no hydraulic power"
-    into_load, from_fluid = f_applied * forces.v_m_s, f_test * forces.v_m_s
-    least = MIN_FORCE_SHARE * (abs(forces.piston_n) + abs(forces.rod_n))
+    whole = abs(forces.piston_n) + abs(forces.rod_n)
+    least = MIN_FORCE_SHARE * whole
+    into_load, from_fluid = (
+        force * forces.v_m_s if abs(force) > ROUNDING * whole else 0.0
+        for force in (f_applied, f_test)
+    )
     side: Literal["hydraulics", "load"]
     if into_load > 0 and from_fluid > 0:
         side, force = "hydraulics", f_test
@@ -143,7 +148,7 @@ def _point(
         return EfficiencyPoint(point.v_m_s, None, None, None, reason)
     value = _RATIO[side](forces.f_applied_n, forces.f_test_n)
     reasons = []
-    if value > 1:
+    if exceeds(value, 1.0):
         reasons.append("above 1: friction measured along with the motion, a fault of the sensors")
     if instruments is None:
         reasons.append("no sigma: the tolerances of the instruments are not known")

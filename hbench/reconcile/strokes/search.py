@@ -16,11 +16,12 @@ from itertools import combinations
 
 import numpy as np
 
+from hbench.analysis.rounding import ranked
 from hbench.analysis.statistics.student import student_factor
-from hbench.reconcile.estimates import Estimates, estimate
+from hbench.reconcile.estimates import Estimates, estimate, whole_dof
 from hbench.reconcile.evidence import rotated, score
 from hbench.reconcile.linearised import Hypothesis, Linear, linearise
-from hbench.reconcile.search import Search, Tried
+from hbench.reconcile.search import TIE, Search, Tried
 from hbench.reconcile.strokes.series import BALANCES, Strokes
 from hbench.records import Candidate
 
@@ -137,7 +138,7 @@ def _step(
         )
         for name in names
     )
-    tried = tuple(sorted(summed, key=lambda one: -one.score))
+    tried = tuple(ranked(tuple(summed), lambda one: one.score, TIE))
     good = [one for one in tried if _earned(one)]
     ruled_out = {}
     for one in good:
@@ -178,7 +179,8 @@ def _differ(found: Sequence[Estimates], name: str) -> str:
     """Tell where a coefficient is not the same in two series, beyond its 95 % interval."""
     for one, other in combinations(found, 2):
         for key, (a, b) in _both(one, other, name).items():
-            dof = int(min(x.dof[x.which.index((name, key)) - len(x.which)] for x in (one, other)))
+            own = [x.dof[x.which.index((name, key)) - len(x.which)] for x in (one, other)]
+            dof = whole_dof(min(own))
             if abs(a.value - b.value) > student_factor(dof) * np.hypot(a.se, b.se):
                 return (
                     f"series of this cylinder with other seals differ in its {key}: "

@@ -19,6 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
+from hbench.analysis.rounding import is_constant
 from hbench.config.scaling import scaled
 from hbench.config.stroke_model import StrokePlant
 from hbench.model.build import friction_parameters
@@ -291,6 +292,6 @@ class Strokes:
 
     @property
     def _rod_side_measured(self) -> bool:
-        """A pressure that is the same to the bit in all strokes is a constant, not a channel."""
-        strokes = (one for pair in self.measured for one in (pair.extend, pair.retract))
-        return len({one.p_tr_pa for one in strokes}) > 1
+        """A pressure that is the same but for rounding in all strokes is a constant, no channel."""
+        strokes = [one for pair in self.measured for one in (pair.extend, pair.retract)]
+        return not is_constant(np.array([one.p_tr_pa for one in strokes]))
