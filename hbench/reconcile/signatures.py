@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.gap import by_point
 from hbench.reconcile.linearised import (
@@ -104,8 +105,8 @@ def signature(name: str, runs: Sequence[Windowed], base: Sequence[Windowed]) -> 
         stack = np.array([one.values[: len(own)] for one in trials[point]])
         noise.append(stack.var(axis=0, ddof=1) * (1 + 1 / len(stack)))
         energy.append(own**2)
-    seen = np.nanmean(np.concatenate(energy), axis=0) > _SEEN * np.nanmean(
-        np.concatenate(noise), axis=0
-    )
+    largest = np.nanmax(np.abs(np.concatenate(list(before.values()))), axis=0)
+    least = _SEEN * np.nanmean(np.concatenate(noise), axis=0) + (ROUNDING * largest) ** 2
+    seen = np.nanmean(np.concatenate(energy), axis=0) > least
     keep = seen & np.isin(base[0].names, EFFECTS[name].balances)
     return {point: np.where(keep, own, 0.0) for point, own in change.items()}

@@ -43,7 +43,7 @@ JOINT_LAWS: Mapping[str, Law] = {law.name: law for law in _FITTABLE if law.name 
 
 _LINE_POINTS = 121
 _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
-_LEAST_FORCE_N = 1e-6  # scale of a curve of zeros
+_LEAST_FORCE_N = 1.0  # scale of a curve of zeros; the search keeps 1e-10 off its bounds
 _LEAST_SPEEDS = 4
 _ENOUGH = 1e-10  # of the cost, from near: off by a hundred thousandth of the error
 _SEED = 1  # of the bootstrap: the same campaign gives the same intervals

@@ -36,8 +36,10 @@ class Information(NamedTuple):
 def covariance_of_all(seen: Information) -> np.ndarray:
     """Return C (p, p) with a prior of a hundred typical sizes, so that it exists."""
     j = seen.jacobian * seen.scale
-    precision = j.T @ j / max(seen.variance, 1e-300) + np.eye(len(seen.x)) / _PRIOR**2
-    return np.linalg.inv(precision) * np.outer(seen.scale, seen.scale)
+    _, s, directions = np.linalg.svd(j / np.sqrt(max(seen.variance, 1e-300)))
+    s = np.pad(s, (0, len(seen.x) - len(s)))  # points may be fewer than parameters
+    inverse = (directions.T / (s**2 + _PRIOR**-2)) @ directions
+    return inverse * np.outer(seen.scale, seen.scale)
 
 
 def identification_messages(

@@ -9,6 +9,7 @@ from hbench.records import FitParameter
 
 BEYOND = 1.2  # of the highest speed: how far a line is drawn beyond it
 _UNCERTAIN = 0.05  # of friction there: if it is known no better, a warning
+_NOTHING = 1e-6  # of what typical parameters make there: an exact fit knows friction that well
 
 
 def bound_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
@@ -44,7 +45,8 @@ def beyond_messages(seen: Information, factor: float) -> list[str]:
     inputs[0] = high, BEYOND * high
     g = seen.law.jacobian(inputs, seen.x)
     at, beyond = factor * np.sqrt(np.sum(g @ covariance_of_all(seen) * g, axis=1))
-    if not beyond > _UNCERTAIN * abs(seen.law.model(inputs, seen.x)[1]):
+    nothing = _NOTHING * float(np.linalg.norm(g[1] * seen.scale))
+    if not beyond > _UNCERTAIN * abs(seen.law.model(inputs, seen.x)[1]) + nothing:
         return []
     return [
         f"do not extrapolate: friction at {BEYOND * high:.3g} m/s is known to {beyond:.2g} N, "

@@ -20,6 +20,7 @@ _COMPLEX_STEP = 1e-30  # exact for any small one
 _TOLERANCE = 1e-15  # relative, of cost and step: all digits that there are
 _NEAR = 1e-3  # of a parameter's scale: a bound may be active
 _EVALUATIONS = 2000
+_EXACT = 1e-3  # of rounding: nothing is left to search for
 _STEPS = 20  # tried before the trust region
 
 
@@ -126,6 +127,8 @@ def _search(
     """Search over the free parameters; the others stay as in ``x``. Return them and success."""
     if not free.any() or not np.isfinite(cost(problem, x)):
         return x, not free.any()
+    if np.linalg.norm(problem.residual(x)) <= _EXACT * rounding(problem, x):
+        return x, True
     if tolerance > _TOLERANCE:
         x, arrived = _step(problem, x, free, tolerance)
         if arrived:
