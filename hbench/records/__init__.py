@@ -1,4 +1,4 @@
-"""The products of hbench: of the flow, of ``identify``, ``design``, ``simulate`` and ``fleet``."""
+"""Records: the products of every command, as frozen dataclasses."""
 
 from hbench.records.design import (
     Check,

@@ -1,6 +1,6 @@
-"""What ``reconcile`` finds out: where a model is wrong, which effect it lacks, what adding it did.
+"""Results of ``reconcile``: gaps of a model, missing effects, and the revised model.
 
-Gaps are in trial scatters: 1 is as good as the bench repeats itself. Quantities are in SI.
+Gaps are in units of the trials' scatter: 1 is the repeatability of the bench. Quantities are SI.
 """
 
 from dataclasses import dataclass, field
@@ -16,10 +16,10 @@ Verdict = Literal["named", "ambiguous", "unknown", "none"]
 
 @dataclass(frozen=True)
 class Gap:
-    """One balance or signal: its gap, and what of it is no scatter."""
+    """Gap of one balance or signal, and the part of it beyond scatter."""
 
     name: str
-    gap: FloatOrNan  # 1: as good as the bench repeats itself
+    gap: FloatOrNan  # 1: the repeatability of the bench
     structured: FloatOrNan  # sqrt(gap^2 - 1), 0 below
     p_value: FloatOrNan  # after Holm
     scatter: FloatOrNan  # root mean square of s, in the balance's unit
@@ -40,7 +40,7 @@ class Region:
 
 @dataclass(frozen=True)
 class ResidualMap:
-    """What the balances lack at every window, in trial scatters: w windows, c balances."""
+    """Residuals of c balances at w windows, in units of the trials' scatter."""
 
     names: tuple[str, ...]
     value: np.ndarray  # (w, c) signed; nan where not compared
@@ -53,12 +53,12 @@ class ResidualMap:
 
 @dataclass(frozen=True)
 class BeforeAfter:
-    """A gap on the way from the model as it was given to the revised one."""
+    """Gap of the model as given, refitted, and revised."""
 
     before: FloatOrNan  # model as given
-    refitted: FloatOrNan  # its badly tuned parameters refitted
+    refitted: FloatOrNan  # its poorly known parameters refitted
     after: FloatOrNan  # with the effects
-    floor: FloatOrNan  # of a model that is right, with its parameters as uncertain as they are
+    floor: FloatOrNan  # of a correct model with the same uncertainty of its parameters
 
 
 @dataclass(frozen=True)
@@ -68,12 +68,12 @@ class GapTable:
     total: BeforeAfter
     balances: dict[str, BeforeAfter]
     signals: dict[str, BeforeAfter]  # closed loop
-    open_loop: dict[str, BeforeAfter]  # how far the model goes astray under measured commands
+    open_loop: dict[str, BeforeAfter]  # drift of the model under measured commands
 
 
 @dataclass(frozen=True)
 class RunGap:
-    """The gaps of a single run; the floors are those of its operating point."""
+    """Gaps of a single run, with the floors of its operating point."""
 
     plan: RunPlan
     held_out: bool
@@ -82,20 +82,20 @@ class RunGap:
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect that was tried in the first search."""
+    """Effect that was tried in the first search."""
 
     name: str
-    score: FloatOrNan  # gain of log-likelihood on operating points left out, nats
-    explained: FloatOrNan  # share of the excess gap that goes, in the balances it touches, left out
+    score: FloatOrNan  # gain of log-likelihood at held-out operating points, nats
+    explained: FloatOrNan  # share of the excess gap removed at held-out operating points
     size: FloatOrNan  # largest coefficient over its typical size
     parameters: dict[str, FloatOrNan]
-    tried: Literal["simulated", "linear"]  # with its own simulation, or by its signature alone
+    tried: Literal["simulated", "linear"]  # with a simulation of its own, or by its signature alone
     threshold: FloatOrNan = 0.0  # that its score must exceed
 
 
 @dataclass(frozen=True)
 class Rival:
-    """The effect that came second where another was named."""
+    """Effect with the second-best score."""
 
     name: str
     margin: FloatOrNan  # by how much its score is below, nats
@@ -103,7 +103,7 @@ class Rival:
 
 @dataclass(frozen=True)
 class AddedEffect:
-    """An effect that the revised model has."""
+    """Effect that was added to the model."""
 
     name: str
     says: str  # the law in words
@@ -131,7 +131,7 @@ class Overlay:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Where model and measurement disagree, why, and what the revised model makes of it."""
+    """Disagreement of model and measurement, its cause, and the revised model."""
 
     provenance: Provenance
     model: str  # file name
@@ -141,7 +141,7 @@ class Diagnosis:
     regions: tuple[Region, ...]  # of the refitted model
     effects: tuple[AddedEffect, ...]  # in order of adding
     alternatives: tuple[Candidate, ...]  # the ambiguous set
-    rest: tuple[Gap, ...]  # balances that still lack something after adding
+    rest: tuple[Gap, ...]  # balances with residuals after adding
     next_experiment: str | None  # in words
     next_schedule: dict[str, Any] | None  # for `hbench run`
     gap_heldout: GapTable
@@ -154,8 +154,8 @@ class Diagnosis:
     residuals_after: ResidualMap
     overlays: tuple[Overlay, ...]
     heldout_runs: tuple[str, ...]
-    not_tried: dict[str, str]  # effects that these data can't tell, with the reason
-    missing: tuple[str, ...]  # what the data lacks for a better verdict
-    left_out: tuple[str, ...]  # runs that took no part, each with its reason
+    not_tried: dict[str, str]  # effects that these data do not determine, with the reason
+    missing: tuple[str, ...]  # data that would improve the verdict
+    left_out: tuple[str, ...]  # runs left out, each with its reason
     revised: dict[str, Any] = field(default_factory=dict)  # the revised model's file
     notes: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""What ``compare`` finds between two campaigns, A and B. Differences are B less A, in SI."""
+"""Results of ``compare`` for two campaigns, A and B. Differences are B less A, in SI."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from hbench.records.flow import Curve, Direction, Provenance
 
 @dataclass(frozen=True)
 class Difference:
-    """A number of both campaigns, and whether they differ in it."""
+    """A number of both campaigns, and the test of its difference."""
 
     a: float
     b: float
@@ -25,7 +25,7 @@ class Difference:
 
     @property
     def real(self) -> bool:
-        """Told from zero: by the trials after Holm, and by the instruments where they are known."""
+        """Significant by the trials after Holm, and beyond the instruments where they are known."""
         beyond = self.u95 is None or abs(self.value) > self.u95
         return self.p_holm is not None and self.p_holm < 0.05 and beyond
 
@@ -36,7 +36,7 @@ class FrictionDifference:
 
     v_m_s: float  # signed, that of A's point
     friction_n: Difference
-    between: bool  # B has no point at this speed: straight between its neighbours
+    between: bool  # B has no point at this speed: linearly interpolated
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class CurveDifference:
 
 @dataclass(frozen=True)
 class CampaignDifferences:
-    """All that ``compare`` finds."""
+    """All differences of two campaigns."""
 
     names: tuple[str, str]  # of the folders
     a: Provenance

@@ -1,4 +1,4 @@
-"""Many campaigns side by side: a row each, and what their numbers show together."""
+"""A fleet of campaigns: a row each, and their distributions, trends and outliers."""
 
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -12,7 +12,7 @@ class Quantity:
 
     name: str  # of its columns, in SI
     words: str
-    unit: str  # that people think in
+    unit: str  # for display
     scale: float  # from SI to it
 
 
@@ -76,7 +76,7 @@ class Trend:
 
     @property
     def real(self) -> bool:
-        """Told from none."""
+        """Significant."""
         return self.p_holm < 0.05
 
 
@@ -124,7 +124,7 @@ class Deviation:
 
     @property
     def outlier(self) -> bool:
-        """Told from the others."""
+        """Significant."""
         return self.p_bonferroni < 0.05
 
 
@@ -142,7 +142,7 @@ class Suspect:
 
 @dataclass(frozen=True)
 class Fleet:
-    """What a table of campaigns shows. Its size does not depend on their number."""
+    """Summary of a table of campaigns. Its size does not depend on their number."""
 
     campaigns: int
     failed: int
@@ -150,7 +150,7 @@ class Fleet:
     failures: tuple[tuple[str, str], ...]  # path and reason, of the first ones
     qualities: tuple[tuple[str, int], ...]
     sources: tuple[tuple[str, int], ...]
-    protocols: tuple[tuple[str, int], ...]  # the most frequent is the one that is judged
+    protocols: tuple[tuple[str, int], ...]  # the most frequent is evaluated
     judged: int  # campaigns of that protocol
     by_date: bool  # blocks and trends are over days since ``first``; else over the order of paths
     first: datetime | None

@@ -1,4 +1,4 @@
-"""The products of the flow, in its order: one frozen dataclass each.
+"""Products of the flow, in its order: one frozen dataclass each.
 
     RunPlan -> RawRun -> Run -> ScreenedRun -> Curve (with Fits) -> EfficiencyCurve, Band -> Results
 
@@ -24,7 +24,7 @@ class Specimen:
 
     area_piston_m2: float  # A_p
     area_rod_m2: float  # A_r, the annulus
-    stroke_m: float | None = None  # None where it is not known
+    stroke_m: float | None = None  # None: not known
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class RunPlan:
     f_load_n: float | None = None  # signed reference of F_L; positive opposes extension
     p_lr_ref_pa: float | None = None
     p_lp_ref_pa: float | None = None
-    label: str = ""  # what tells two series of one campaign apart, such as a seal
+    label: str = ""  # distinguishes series of one campaign, such as seals
     motion: Motion | None = None  # None for runs that another bench made
 
     @property
@@ -156,12 +156,12 @@ class SteadyMeans:
 
 @dataclass(frozen=True)
 class ScreenedRun:
-    """A run with its verdict: accepted, or the reasons why not."""
+    """Run with its verdict: accepted, or the reasons for rejection."""
 
     run: Run
-    reasons: tuple[str, ...]  # empty: accepted. Each is "code: words with value and limit"
+    reasons: tuple[str, ...]  # "code: words with value and limit"; empty: accepted
     means: SteadyMeans | None  # None where there is no window to average
-    notes: tuple[str, ...] = ()  # what a reader should know, without speaking against the run
+    notes: tuple[str, ...] = ()  # remarks that are no reasons for rejection
 
     @property
     def reason(self) -> str:
@@ -170,7 +170,7 @@ class ScreenedRun:
 
     @property
     def accepted(self) -> bool:
-        """No reason speaks against it."""
+        """Whether there is no reason for rejection."""
         return not self.reasons
 
 
@@ -229,7 +229,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """How well a law predicts speeds that were left out of its fit."""
+    """Error of a law at held-out speeds."""
 
     law: str
     rmse_n: FloatOrNan
@@ -237,13 +237,13 @@ class HeldOut:
 
 @dataclass(frozen=True)
 class Selection:
-    """Laws by their error at speeds left out, the best first."""
+    """Laws by their error at held-out speeds, the best first."""
 
     laws: tuple[HeldOut, ...]
-    difference_n2: FloatOrNan  # mean square error of the second, less that of the first
+    difference_n2: FloatOrNan  # mean square error of the second law less that of the first
     difference_se_n2: FloatOrNan  # its standard error
     told_apart: bool  # whether its 95 % interval is above zero
-    speeds: int  # left out, one at a time
+    speeds: int  # held out, one at a time
 
 
 @dataclass(frozen=True)
@@ -341,7 +341,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Provenance:
-    """What was measured by what."""
+    """Origin of the data: campaign, bench, firmware, software, settings."""
 
     name: str
     source: Literal["simulated", "real", "imported"]

@@ -1,4 +1,4 @@
-"""What runs with changing velocity, and runs at rest, tell. All quantities are SI."""
+"""Results of runs with changing velocity and of runs at rest. All quantities are SI."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,7 +9,7 @@ from hbench.records.numbers import Count, FloatOrNan, KindName
 
 @dataclass(frozen=True)
 class Series:
-    """What the runs that are averaged together share."""
+    """Label, load and rod-side pressure that averaged runs have in common."""
 
     label: str
     f_load_n: float | None
@@ -26,11 +26,11 @@ class Comparison:
     what: Literal["acceleration", "steady"]  # ramps among themselves; a ramp against steady runs
     series: Series
     direction: Direction
-    a_m_s2: tuple[float, ...]  # of the ramps, rising
-    v_low_m_s: float  # magnitudes
-    v_high_m_s: float
+    a_m_s2: tuple[float, ...]  # accelerations of the ramps, rising
+    v_low_m_s: float  # lower end of the range of speeds
+    v_high_m_s: float  # its upper end
     effect_n: float  # |F| at the largest acceleration less the smallest; or ramp less steady
-    ci95_n: float | None  # half-width; None where there is no scatter to judge by
+    ci95_n: float | None  # half-width of the 95 % interval; None without scatter
     p_value: float | None  # of no difference at all
     p_holm: float | None  # after Holm, over all tests of the same ``what``
     n: int  # trials
@@ -83,7 +83,7 @@ class Level:
     runs: tuple[str, ...]
     overshoot_ci95_n: float | None = None  # over trials
     settling_ci95_s: float | None = None
-    settling_step_s: float | None = None  # one record: settling is told in whole ones
+    settling_step_s: float | None = None  # one record: the resolution of settling_s
     remark: str = ""  # why the overshoot is not known, or not resolved
     resolved: bool = True  # whether the log resolves the overshoot
     kind: KindName = "steps"
@@ -116,7 +116,7 @@ class Leakage:
 
 @dataclass(frozen=True)
 class Decay:
-    """What one hold's pressures did."""
+    """Decay of the pressures in one hold."""
 
     run: str
     series: Series
@@ -124,10 +124,9 @@ class Decay:
     p_r_pa: float
     rate_p_pa_s: float  # slopes
     rate_r_pa_s: float
-    out_p_m3_s: (
-        float  # oil that left the piston side: V/beta times the loss, less what it displaced
-    )
-    out_r_m3_s: float
+    # Oil that left the piston side: V/beta times the pressure loss, less the displaced volume.
+    out_p_m3_s: float
+    out_r_m3_s: float  # the same of the rod side
 
 
 @dataclass(frozen=True)
@@ -146,7 +145,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Motions:
-    """All of it."""
+    """Results of all runs that are not steady."""
 
     comparisons: tuple[Comparison, ...] = ()
     loops: tuple[Loop, ...] = ()

@@ -1,4 +1,4 @@
-"""A measured campaign's runs as a model makes them under the same valve commands."""
+"""Simulation of a campaign's runs under the measured valve commands."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,18 +8,18 @@ from hbench.records.flow import Provenance, Run
 
 @dataclass(frozen=True)
 class Off:
-    """How far a signal of the model is from the measured one: root mean square, in ``unit``."""
+    """Root mean square error of a simulated signal, in ``unit``."""
 
     signal: str
     unit: str
     off: float  # over all runs
-    worst: float  # of the run that is furthest off
+    worst: float  # of the worst run
     worst_run: str
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What a model makes of measured valve commands and supply pressure: SIMULATED runs."""
+    """SIMULATED runs of a model under measured valve commands and supply pressure."""
 
     provenance: Provenance  # of the measured campaign
     model: str  # file name

@@ -1,4 +1,4 @@
-"""The page's tables of fits: parameters of each law, and how well laws predict unseen speeds."""
+"""Tables of fits for the page: parameters of each law, and errors at held-out speeds."""
 
 import math
 import re
@@ -34,17 +34,19 @@ def fit_tables(results: Results) -> dict[str, Table]:
         for columns, _, fit in chosen:
             cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
             rows.append((*columns, *cells, _residual_cell(fit)))
-        told: dict[str, list[str]] = {}
+        curves_of: dict[str, list[str]] = {}
         for _, words, fit in chosen:
             if fit.message:
-                told.setdefault(fit.message, []).append(words)
-        messages = [f"{'; '.join(words)}: {in_words(message)}" for message, words in told.items()]
+                curves_of.setdefault(fit.message, []).append(words)
+        messages = [
+            f"{'; '.join(words)}: {in_words(message)}" for message, words in curves_of.items()
+        ]
         tables[law] = table((*WHO, *heads, "RMS residual (N)"), rows, messages)
     return tables
 
 
 def selection_table(results: Results) -> Table:
-    """Return how well laws predict speeds left out of their fits."""
+    """Return the laws' errors at held-out speeds."""
     chosen = [(who(c), c.selection) for c in without_common_rod_pressure(results.curves)]
     chosen += [((j.label, "", _ALL, "all", ""), j.selection) for j in results.joint_fits]
     rows = [(*columns, *_selected(found)) for columns, found in chosen if found is not None]
@@ -52,17 +54,17 @@ def selection_table(results: Results) -> Table:
     return table((*WHO, *head), rows, words=("Best law", "Next"))
 
 
-def _selected(found: Selection) -> tuple[str, ...]:
+def _selected(selection: Selection) -> tuple[str, ...]:
     best, following = (
-        f"{law_words(one.law)} ({significant(one.rmse_n, 3)} N)" for one in found.laws[:2]
+        f"{law_words(one.law)} ({significant(one.rmse_n, 3)} N)" for one in selection.laws[:2]
     )
-    verdict = "told apart" if found.told_apart else "not told apart"
+    verdict = "distinguishable" if selection.told_apart else "not distinguishable"
     return (
         best,
         following,
-        significant(found.difference_n2, 3),
-        significant(found.difference_se_n2, 2),
-        f"{verdict} by {found.speeds} speeds",
+        significant(selection.difference_n2, 3),
+        significant(selection.difference_se_n2, 2),
+        f"{verdict} by {selection.speeds} speeds",
     )
 
 

@@ -1,4 +1,4 @@
-"""How each number of the page was computed: its equation and where that comes from."""
+"""Method of each number of the page: its equation and the source."""
 
 from hbench.records import KINDS, Results
 from hbench.records.friction_laws import FRICTION_LAWS, FrictionLaw
@@ -8,12 +8,12 @@ from hbench.report.render.document import Section
 SOURCE = (
     "Equation numbers are those of the source of the method, M. Hvoldal and C. Olesen, Friction "
     "Modelling and Parameter Estimation for Hydraulic Asymmetrical Cylinders, Aalborg University, "
-    "2011. What has no number is hbench's own."
+    "2011. Methods without a number are hbench's own."
 )
 
 
 def method_section(results: Results) -> Section:
-    """Return what was computed how, of the numbers that this campaign has."""
+    """Return the methods of the numbers that this campaign has."""
     analyses = {KINDS[curve.kind].analysis for curve in results.curves}
     laws = {fit.law for curve in results.curves for fit in curve.fits}
     laws |= {fit.law for joint in results.joint_fits for fit in joint.fits}
@@ -64,9 +64,8 @@ _NUMBERS = {
     "pressures (6.15) through 5.1; the tolerances count as standard uncertainties. "
     "U_95² = (t s/√n)² + (1.96 σ)². An instrument's error is the same in all points: it moves a "
     "curve, and hardly bends it.",
-    "Working speed": "The middle one (median) of the measured speeds, or what --speed asks for. A "
-    "curve's measured point next to it is taken, up to a distance of {tolerance:g} %; nothing is "
-    "interpolated.",
+    "Working speed": "The median of the measured speeds, or the value of --speed. The measured "
+    "point next to it is taken, up to a distance of {tolerance:g} %; nothing is interpolated.",
     "Breakaway": "With ramps: the largest friction of the slowest ramp's first 20 mm, as the mean "
     "of its bin of velocity. Without: F_s of Tustin's law (3.2), which is extrapolated to "
     "rest; its interval is the parameter's together with the instruments' at the slowest point.",
@@ -78,8 +77,8 @@ _NUMBERS = {
     "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side; a "
     "parameter without an interval was not determined by these points.",
     "Which law predicts best": "Each speed but the lowest and the highest is left out in turn and "
-    "predicted from the rest; laws are told apart where the 95 % interval of the difference of "
-    "their mean squares is above zero.",
+    "predicted from the rest; laws are distinguishable where the 95 % interval of the difference "
+    "of their mean squares is above zero.",
     "Friction of moving runs": "F_T − F_applied − m_T a (2.12 with the test side's mass, since the "
     "load cell carries the load side's). Velocity and acceleration are the position's own "
     "derivatives without lag.",
@@ -89,8 +88,8 @@ _NUMBERS = {
     "Loops": "Energy is the integral of F dx over a cycle. Width at a velocity is |F| while the "
     "speed rises less |F| while it falls. The board's velocity has its filter's lag; the table's "
     "last column shows what that would make of the width.",
-    "Steps": "Settled friction is the mean of the second half of a level; the overshoot is how far "
-    "friction goes beyond it on its way, where that stands above the noise.",
+    "Steps": "Settled friction is the mean of the second half of a level; the overshoot is the "
+    "largest excess of friction over it, where it exceeds the noise.",
     "Leakage": "Laminar leaks from the decay of both chambers' pressures with all valves closed, "
     "V/β dp/dt less what the piston displaced; conditional on the bench file's bulk modulus and "
     "volumes.",

@@ -26,25 +26,27 @@ def motion_lines(motions: Motions) -> list[str]:
         *_of_comparisons(motions.comparisons),
         *map(_of_loop, motions.loops),
         *_of_levels(motions.levels),
-        *(line for one in motions.leakages for line in _of_leakage(one)),
+        *(line for leakage in motions.leakages for line in _of_leakage(leakage)),
         *map(_of_surface, motions.surfaces),
     ]
 
 
-def comparison_words(one: Comparison) -> str:
-    """Write what a comparison compares, such as ``500 N, extend, 10–70 mm/s``."""
-    speeds = span([1e3 * one.v_low_m_s, 1e3 * one.v_high_m_s])
-    return ", ".join(filter(None, (series_words(one.series), one.direction, f"{speeds} mm/s")))
+def comparison_words(comparison: Comparison) -> str:
+    """Write the series and speeds of a comparison, such as ``500 N, extend, 10–70 mm/s``."""
+    speeds = span([1e3 * comparison.v_low_m_s, 1e3 * comparison.v_high_m_s])
+    return ", ".join(
+        filter(None, (series_words(comparison.series), comparison.direction, f"{speeds} mm/s"))
+    )
 
 
-def differs(one: Comparison) -> bool:
-    """Tell whether a difference stands after the correction for the number of tests."""
-    return one.p_holm is not None and one.p_holm < SIGNIFICANT
+def differs(comparison: Comparison) -> bool:
+    """Return whether a difference is significant after the correction for the number of tests."""
+    return comparison.p_holm is not None and comparison.p_holm < SIGNIFICANT
 
 
-def _of_comparisons(found: tuple[Comparison, ...]) -> Iterator[str]:
+def _of_comparisons(comparisons: tuple[Comparison, ...]) -> Iterator[str]:
     for what, words in (("acceleration", "ramps' acceleration"), ("steady", "ramp against steady")):
-        chosen = [one for one in found if one.what == what]
+        chosen = [comparison for comparison in comparisons if comparison.what == what]
         tested = [one for one in chosen if one.p_holm is not None]
         if not tested:
             if chosen:
@@ -72,44 +74,49 @@ def _of_loop(loop: Loop) -> str:
     if loop.unit == "cycle":
         words += f" over {loop.cycles} cycles of 1 trial"
     widths = [
-        f"{_signed(one.width_n, one.ci95_n)} N at {number(1e3 * one.v_m_s, 0)}"
-        for one in loop.widths
-        if abs(abs(one.v_m_s) - loop.v_top_m_s / 2) < 1e-9
+        f"{_signed(width.width_n, width.ci95_n)} N at {number(1e3 * width.v_m_s, 0)}"
+        for width in loop.widths
+        if abs(abs(width.v_m_s) - loop.v_top_m_s / 2) < 1e-9
     ]
     return words + (f"; width {', '.join(widths)} mm/s" if widths else "")
 
 
-def _of_levels(found: tuple[Level, ...]) -> Iterator[str]:
-    if not found:
+def _of_levels(levels: tuple[Level, ...]) -> Iterator[str]:
+    if not levels:
         return
-    seen = [(one.overshoot_n, one.resolved) for one in found if one.overshoot_n is not None]
+    seen = [(one.overshoot_n, one.resolved) for one in levels if one.overshoot_n is not None]
     over = [overshoot_n for overshoot_n, resolved in seen if resolved]
-    settled = [one.settling_s for one in found if one.settling_s is not None]
-    step = f" in steps of {short(found[0].settling_step_s)} s" if found[0].settling_step_s else ""
+    settled = [one.settling_s for one in levels if one.settling_s is not None]
+    step = f" in steps of {short(levels[0].settling_step_s)} s" if levels[0].settling_step_s else ""
     hidden = len(seen) - len(over)
     yield (
-        f"steps: {len(found)} levels"
+        f"steps: {len(levels)} levels"
         + (f", friction overshoots by up to {short(max(over))} N" if over else "")
         + (f", {hidden} overshoots that the log does not resolve" if hidden else "")
         + (f", settled after {span(settled)} s{step}" if settled else "")
     )
 
 
-def _of_leakage(found: Leakage) -> Iterator[str]:
-    holds = f"leakage ({len(found.decays)} holds)"
-    for one in found.coefficients:
-        if one.value is None:
-            yield f"{holds} {LEAKS[one.name]}: not determined"
+def _of_leakage(leakage: Leakage) -> Iterator[str]:
+    holds = f"leakage ({len(leakage.decays)} holds)"
+    for coefficient in leakage.coefficients:
+        if coefficient.value is None:
+            yield f"{holds} {LEAKS[coefficient.name]}: not determined"
         else:
-            zero = one.ci95 is not None and one.ci95[0] <= 0 <= one.ci95[1]
-            half = "" if one.ci95 is None else f" +- {significant(one.ci95[1] - one.value, 2)}"
-            words = f"{significant(one.value, 2)}{half} m^3/(s Pa)"
-            yield f"{holds} {LEAKS[one.name]}: {words}{', the interval holds 0' if zero else ''}"
+            zero = coefficient.ci95 is not None and coefficient.ci95[0] <= 0 <= coefficient.ci95[1]
+            half = (
+                ""
+                if coefficient.ci95 is None
+                else f" +- {significant(coefficient.ci95[1] - coefficient.value, 2)}"
+            )
+            words = f"{significant(coefficient.value, 2)}{half} m^3/(s Pa)"
+            note = ", the interval contains 0" if zero else ""
+            yield f"{holds} {LEAKS[coefficient.name]}: {words}{note}"
 
 
-def _of_surface(found: Surface) -> str:
-    label = f"{found.label}, " if found.label else ""
+def _of_surface(surface: Surface) -> str:
+    label = f"{surface.label}, " if surface.label else ""
     return (
-        f"friction over velocity and load ({label}{found.direction}): {len(found.f_load_n)} loads "
-        f"{span(found.f_load_n)} N, {len(found.v_m_s)} speeds"
+        f"friction over velocity and load ({label}{surface.direction}): "
+        f"{len(surface.f_load_n)} loads {span(surface.f_load_n)} N, {len(surface.v_m_s)} speeds"
     )

@@ -10,17 +10,17 @@ _SERIES = ("kind", "label", "f_load_n", "p_lr_ref_pa")
 
 
 def comparisons_csv(results: Results) -> str:
-    """Return one row a comparison; the accelerations stand in one cell."""
+    """Return one row a comparison, with all its accelerations in one cell."""
     rows = (
-        {**row(one), "a_m_s2": " ".join(map(repr, one.a_m_s2))}
-        for one in results.motions.comparisons
+        {**row(comparison), "a_m_s2": " ".join(map(repr, comparison.a_m_s2))}
+        for comparison in results.motions.comparisons
     )
     columns = "direction what a_m_s2 v_low_m_s v_high_m_s effect_n ci95_n p_value p_holm n message"
     return csv_text((*_SERIES, *columns.split()), rows)
 
 
 def loops_csv(results: Results) -> str:
-    """Return one row a width of a loop; the loop's own numbers stand in each."""
+    """Return one row a width of a loop, with the loop's own numbers in each."""
     rows = ({**row(loop), **vars(width)} for loop in results.motions.loops for width in loop.widths)
     columns = "v_top_m_s a_m_s2 cycles trials unit area_j area_ci95_j v_m_s width_n ci95_n board_n"
     return csv_text((*_SERIES, *columns.split()), rows)
@@ -38,7 +38,7 @@ def loop_traces_csv(results: Results) -> str:
 
 def levels_csv(results: Results) -> str:
     """Return one row a step of the reference."""
-    rows = ({**row(one), "runs": " ".join(one.runs)} for one in results.motions.levels)
+    rows = ({**row(level), "runs": " ".join(level.runs)} for level in results.motions.levels)
     columns = (
         "number v_from_m_s v_to_m_s before_n after_n after_ci95_n overshoot_n overshoot_ci95_n "
         "settling_s settling_ci95_s settling_step_s n runs remark"
@@ -50,9 +50,13 @@ def leakage_csv(results: Results) -> str:
     """Return one row a leak."""
     rows = []
     for found in results.motions.leakages:
-        for one in found.coefficients:
-            low, high = one.ci95 or (None, None)
-            own = {"leak": one.name, "value_m3_s_pa": one.value, "se_m3_s_pa": one.se}
+        for coefficient in found.coefficients:
+            low, high = coefficient.ci95 or (None, None)
+            own = {
+                "leak": coefficient.name,
+                "value_m3_s_pa": coefficient.value,
+                "se_m3_s_pa": coefficient.se,
+            }
             own |= {"ci95_low_m3_s_pa": low, "ci95_high_m3_s_pa": high}
             rows.append({**vars(found), **own})
     columns = (
@@ -65,9 +69,9 @@ def leakage_csv(results: Results) -> str:
 def decays_csv(results: Results) -> str:
     """Return one row a hold."""
     rows = (
-        {"kind": found.kind, **row(one)}
+        {"kind": found.kind, **row(decay)}
         for found in results.motions.leakages
-        for one in found.decays
+        for decay in found.decays
     )
     columns = "run p_p_pa p_r_pa rate_p_pa_s rate_r_pa_s out_p_m3_s out_r_m3_s"
     return csv_text((*_SERIES, *columns.split()), rows)
@@ -76,10 +80,12 @@ def decays_csv(results: Results) -> str:
 def surface_csv(results: Results) -> str:
     """Return one row a point of a surface."""
     rows = (
-        {**vars(one), "f_load_n": load, "v_m_s": v, "friction_n": friction, "ci95_n": interval}
-        for one in results.motions.surfaces
-        for load, of_load, intervals in zip(one.f_load_n, one.friction_n, one.ci95_n, strict=True)
-        for v, friction, interval in zip(one.v_m_s, of_load, intervals, strict=True)
+        {**vars(surface), "f_load_n": load, "v_m_s": v, "friction_n": friction, "ci95_n": interval}
+        for surface in results.motions.surfaces
+        for load, of_load, intervals in zip(
+            surface.f_load_n, surface.friction_n, surface.ci95_n, strict=True
+        )
+        for v, friction, interval in zip(surface.v_m_s, of_load, intervals, strict=True)
     )
     columns = "kind label direction p_lr_ref_pa f_load_n v_m_s friction_n ci95_n"
     return csv_text(tuple(columns.split()), rows)

@@ -1,4 +1,4 @@
-"""The report of a campaign: what its page, its Markdown and its PDF are made of."""
+"""Content of the report of a campaign, for the page, Markdown and PDF."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -19,9 +19,9 @@ LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _FEW = 3  # and a longer one of a fit's remarks
 
 _PREDICTS = (
-    "Each speed but the lowest and the highest is left out in turn and predicted from the rest. In "
-    "parentheses the RMS error of these predictions; then the difference of the mean squares with "
-    "its standard error. Laws that are not told apart are equally good as far as these points tell."
+    "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
+    "In parentheses the RMS error of these predictions; then the difference of the mean squares "
+    "with its standard error. Laws that are not distinguishable predict these points equally well."
 )
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _TESTED = (
@@ -76,13 +76,15 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
         others = any(run.accepted for run in results.runs)
         none = (
-            "No steady run was accepted; what the other runs tell stands below."
+            "No steady run was accepted. Results of the other runs follow below."
             if others
             else "No run was accepted, so there is no friction to show."
         )
         return Section("Friction", (none,))
     if not drawings:
-        return Section("Friction", ("Too few speeds for a curve; the points stand below.",))
+        return Section(
+            "Friction", ("Too few speeds for a curve. The points are in the tables below.",)
+        )
     pressure = page_tables.pressure_table(results)
     return Section("Friction", drawings=drawings, tables=_titled(pressure, "Against pressure"))
 
@@ -122,15 +124,15 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
         ("leakage", page_motions.leak_table(results)),
     ):
         if found := figures.get(name):
-            told = (Section(items=table.messages),) if table.messages else ()
-            yield Section(name.capitalize(), drawings=found, tables=(table,), parts=told)
+            messages = (Section(items=table.messages),) if table.messages else ()
+            yield Section(name.capitalize(), drawings=found, tables=(table,), parts=messages)
 
 
 def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
     if not drawings:
         return ()
     budget = page_tables.budget_table(results)
-    words = "Mean over the speeds, and what its uncertainty is made of"
+    words = "Mean over the speeds, and the parts of its uncertainty"
     return (Section("Efficiency", drawings=drawings, tables=_titled(budget, words)),)
 
 

@@ -10,21 +10,21 @@ from hbench.units import from_si
 
 
 def comparison_table(results: Results) -> Table:
-    """Return the tested differences of ramps among themselves and from steady runs."""
+    """Return the tested differences between ramps, and between ramps and steady runs."""
     head = ("Compared", "Load", "Direction", "Speeds (mm/s)", "Difference (N)", "p", "p after Holm")
     rows = [
         (
-            _compared(one),
-            series_words(one.series),
-            TITLES[one.direction].lower(),
-            span([1e3 * one.v_low_m_s, 1e3 * one.v_high_m_s]),
-            with_interval(one.effect_n, one.ci95_n),
-            significant(one.p_value, 2),
-            Cell(significant(one.p_holm, 2), "differs" if differs(one) else ""),
-            str(one.n),
-            one.message,
+            _compared(comparison),
+            series_words(comparison.series),
+            TITLES[comparison.direction].lower(),
+            span([1e3 * comparison.v_low_m_s, 1e3 * comparison.v_high_m_s]),
+            with_interval(comparison.effect_n, comparison.ci95_n),
+            significant(comparison.p_value, 2),
+            Cell(significant(comparison.p_holm, 2), "differs" if differs(comparison) else ""),
+            str(comparison.n),
+            comparison.message,
         )
-        for one in results.motions.comparisons
+        for comparison in results.motions.comparisons
     ]
     return table((*head, "Trials", "Remark"), rows, words=("Compared", "Load"))
 
@@ -59,22 +59,22 @@ def level_table(results: Results) -> Table:
     )
     rows = [
         (
-            series_words(one.series),
-            number(1e3 * one.v_from_m_s),
-            number(1e3 * one.v_to_m_s),
-            number(one.before_n),
-            with_interval(one.after_n, one.after_ci95_n),
+            series_words(level.series),
+            number(1e3 * level.v_from_m_s),
+            number(1e3 * level.v_to_m_s),
+            number(level.before_n),
+            with_interval(level.after_n, level.after_ci95_n),
             Cell(
-                with_interval(one.overshoot_n, one.overshoot_ci95_n),
-                "" if one.resolved else "not resolved",
+                with_interval(level.overshoot_n, level.overshoot_ci95_n),
+                "" if level.resolved else "not resolved",
             ),
-            number(one.settling_s, 2)
-            if one.settling_ci95_s is None
-            else with_interval(one.settling_s, one.settling_ci95_s),
-            str(one.n),
-            one.remark,
+            number(level.settling_s, 2)
+            if level.settling_ci95_s is None
+            else with_interval(level.settling_s, level.settling_ci95_s),
+            str(level.n),
+            level.remark,
         )
-        for one in results.motions.levels
+        for level in results.motions.levels
     ]
     return table(head, rows, words=("Load",))
 
@@ -84,20 +84,26 @@ def leak_table(results: Results) -> Table:
     scale = 1e9 * from_si(1.0, "bar") ** -1
     rows = []
     for found in results.motions.leakages:
-        for one in found.coefficients:
-            if one.value is None:
+        for coefficient in found.coefficients:
+            if coefficient.value is None:
                 cell = Cell(NONE, "not determined")
             else:
-                half = None if one.ci95 is None else scale * (one.ci95[1] - one.value)
-                cell = Cell(with_interval(scale * one.value, half), "" if half else "no interval")
-            rows.append((found.label, LEAKS[one.name], cell, str(len(found.decays))))
+                half = (
+                    None
+                    if coefficient.ci95 is None
+                    else scale * (coefficient.ci95[1] - coefficient.value)
+                )
+                cell = Cell(
+                    with_interval(scale * coefficient.value, half), "" if half else "no interval"
+                )
+            rows.append((found.label, LEAKS[coefficient.name], cell, str(len(found.decays))))
     messages = tuple(found.message for found in results.motions.leakages)
     head = ("Label", "Leak", "Coefficient (mm³/(s bar))", "Holds")
     return table(head, rows, messages, words=("Leak",))
 
 
-def _compared(one: Comparison) -> str:
-    a = [short(value) for value in one.a_m_s2]
-    if one.what == "acceleration":
+def _compared(comparison: Comparison) -> str:
+    a = [short(value) for value in comparison.a_m_s2]
+    if comparison.what == "acceleration":
         return f"ramps of {', '.join(a)} m/s²: the last less the first"
     return f"ramp of {a[0]} m/s² less steady"

@@ -1,8 +1,8 @@
-"""The tables of the page: records as rows of text, in the units that people think in."""
+"""Tables of the page: records as rows of text, in display units."""
 
 from collections.abc import Iterable
 
-from hbench.records import Curve, EfficiencyCurve, Results, RunPlan, ScreenedRun
+from hbench.records import Curve, EfficiencyCurve, HeadlineSeries, Results, RunPlan, ScreenedRun
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import code_of
 from hbench.report.campaign.series_words import kind_words, load_words
@@ -72,7 +72,7 @@ def efficiency_table(results: Results) -> Table:
 
 
 def budget_table(results: Results) -> Table:
-    """Return each curve's mean efficiency and what its uncertainty is made of, largest first."""
+    """Return each curve's mean efficiency and the parts of its uncertainty, largest first."""
     rows = []
     for curve in without_common_rod_pressure(results.efficiency):
         if curve.mean is None or curve.mean.sigma is None:
@@ -133,7 +133,7 @@ def rejected_table(results: Results) -> Table:
 
 
 def remark_table(results: Results) -> Table:
-    """Return what a reader should know of accepted runs."""
+    """Return the remarks on accepted runs."""
     rows = [
         (*_run(plan), "; ".join(run.notes))
         for run, plan in _planned(results)
@@ -156,7 +156,7 @@ def table(
     words: tuple[str, ...] = (),
 ) -> Table:
     """Build a table; a column of ``_WHERE_GIVEN`` without any entry is left out.
-    Among runs of other kinds, an empty one is steady.
+    An empty kind is written as steady where other kinds are present.
 
     Columns in ``words`` hold no numbers.
     """
@@ -178,8 +178,8 @@ def table(
     )
 
 
-def who(curve: Curve | EfficiencyCurve | RunPlan) -> tuple[str, ...]:
-    """Return what tells a curve from others, in the columns ``WHO``."""
+def who(curve: Curve | EfficiencyCurve | HeadlineSeries | RunPlan) -> tuple[str, ...]:
+    """Return what identifies a curve, in the columns ``WHO``."""
     load = force(curve.f_load_n).removesuffix(" N")
     direction = TITLES[curve.direction].lower()
     return curve.label, kind_words(curve), direction, load, _rod_side(curve.p_lr_ref_pa)

@@ -1,4 +1,4 @@
-"""Why runs were rejected: the codes of the reasons and how often each occurs."""
+"""Codes of the reasons for rejection, and how often each occurs."""
 
 from collections import Counter
 

@@ -1,7 +1,6 @@
-"""What ``hbench reconcile`` found, as a section of the campaign's report.
+"""Section of the campaign's report on the results of ``hbench reconcile``.
 
-It is read from ``diagnosis.json``, which may come from anywhere: what has another form than it
-should is left out.
+The content of ``diagnosis.json`` is untrusted: values of an unexpected type are left out.
 """
 
 import math
@@ -13,9 +12,9 @@ from hbench.report.render.document import Section
 from hbench.report.render.numbers import number, significant
 
 _GAPS = (
-    "Gaps of held-out runs, in trial scatters: 1 is as good as the bench repeats itself. Before: "
-    "the model as given; after: refitted and with the effects added; floor: what a model that is "
-    "right would have."
+    "Gaps of held-out runs, in units of the trials' scatter: 1 is the repeatability of the bench. "
+    "Before: the model as given; after: refitted and with the effects added; floor: a correct "
+    "model."
 )
 _HEAD = ("Of", "Name", "Before", "After", "Floor")
 _PARTS = {
@@ -29,12 +28,12 @@ def reconciled_section(folder: str, content: dict[str, Any] | str) -> Section:
     """Return the section of the diagnosis in ``folder``, or the reason why there is none."""
     title = f"Model against measurement ({folder})"
     if isinstance(content, str):
-        return Section(title, (f"The diagnosis can't be read. {content}",))
+        return Section(title, (f"The diagnosis cannot be read. {content}",))
     held = _mapping(_mapping(content.get("gap")).get("heldout"))
-    rows = [_row("all", "balances together", held)]
+    rows = [*_row("all", "balances together", held)]
     for part, words in _PARTS.items():
-        rows += [_row(words, str(name), one) for name, one in _mapping(held.get(part)).items()]
-    rows = [row for row in rows if row is not None]
+        for name, gaps in _mapping(held.get(part)).items():
+            rows += _row(words, str(name), gaps)
     verdict = f"Verdict: {_text(content.get('verdict'))}. {_text(content.get('why'))}".strip()
     next_ = _text(content.get("next_experiment"))
     return Section(
@@ -64,18 +63,18 @@ def _effects(content: dict[str, Any]) -> Iterator[str]:
         yield f"Effect {name}: {words}; its gap goes from {before} to {after}."
 
 
-def _interval(one: dict[str, Any]) -> str:
-    unit, ends = _text(one.get("unit")), one.get("ci95")
+def _interval(value: dict[str, Any]) -> str:
+    unit, ends = _text(value.get("unit")), value.get("ci95")
     if not isinstance(ends, list) or len(ends) != 2:
         return unit
     low, high = (significant(_number(end), 3) for end in ends)
     return f"{unit} (95 %: {low} to {high})".strip()
 
 
-def _row(of: str, name: str, one: Any) -> tuple[str, ...] | None:
-    values = [_number(_mapping(one).get(key)) for key in ("before", "after", "floor")]
-    known = any(value is not None for value in values)
-    return (of, name, *(number(value, 2) for value in values)) if known else None
+def _row(of: str, name: str, gaps: Any) -> Iterator[tuple[str, ...]]:
+    values = [_number(_mapping(gaps).get(key)) for key in ("before", "after", "floor")]
+    if any(value is not None for value in values):
+        yield (of, name, *(number(value, 2) for value in values))
 
 
 def _mapping(value: Any) -> dict[str, Any]:

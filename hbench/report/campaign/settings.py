@@ -1,4 +1,4 @@
-"""What was measured by what: instruments, settings, software, and notes of the analysis."""
+"""Instruments, settings, software, and notes of the analysis."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -23,12 +23,12 @@ def settings_section(results: Results, long_list: int) -> Section:
 
 def _facts(results: Results) -> Iterator[tuple[str, str]]:
     made = results.provenance
-    told = {"Source": made.source, "Bench": made.bench, "Firmware": made.firmware}
+    about = {"Source": made.source, "Bench": made.bench, "Firmware": made.firmware}
     if made.source == "imported":
-        told["Imported"] = _time(made.started)
+        about["Imported"] = _time(made.started)
     else:
-        told |= {"Started": _time(made.started), "Stopped": _time(made.stopped)}
-    yield from ((name, value or "not recorded") for name, value in told.items())
+        about |= {"Started": _time(made.started), "Stopped": _time(made.stopped)}
+    yield from ((name, value or "not recorded") for name, value in about.items())
     specimens: dict[Specimen, dict[str, None]] = {}
     for run in results.runs:
         if run.accepted:
@@ -62,7 +62,7 @@ def _name(key: str) -> str:
 
 
 def _words(value: Any, inside: bool = False) -> str:
-    """Write a section of a bench file in a line, with the values that stand there."""
+    """Write a section of a bench file in a line, with its values unchanged."""
     if isinstance(value, Mapping):
         parts = [
             f"{str(name).replace('_', ' ')} {_words(one, inside=True)}"

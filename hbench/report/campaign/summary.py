@@ -94,15 +94,15 @@ def _table(series: Iterable[HeadlineSeries]) -> Table:
     return table((WHO[0], *WHO[2:], *head), rows)
 
 
-def _cell(found: HeadlineNumber | None, scale: float = 1.0) -> Cell:
-    if found is None:
+def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
+    if estimate is None:
         return Cell("–")
-    half = None if found.u95 is None else scale * found.u95
-    return Cell(with_interval(scale * found.value, half), _FLAGS[found.basis])
+    half = None if estimate.u95 is None else scale * estimate.u95
+    return Cell(with_interval(scale * estimate.value, half), _FLAGS[estimate.basis])
 
 
-def _trials(found: HeadlineNumber | None) -> str:
-    return "" if found is None or found.ci95 is None else f"±{number(found.ci95)}"
+def _trials(estimate: HeadlineNumber | None) -> str:
+    return "" if estimate is None or estimate.ci95 is None else f"±{number(estimate.ci95)}"
 
 
 def _measured(results: Results) -> str:

@@ -11,7 +11,7 @@ from hbench.report.render.numbers import short, span
 
 
 def summary_text(results: Results) -> str:
-    """Return what a terminal shows: runs, reasons, and a line a curve."""
+    """Return runs, reasons, and a line for each curve."""
     accepted = sum(run.accepted for run in results.runs)
     reasons = ", ".join(f"{n} {code}" for code, n in reason_counts(results).most_common())
     rejected = f"{len(results.runs) - accepted} rejected" + (f" ({reasons})" if reasons else "")
@@ -44,7 +44,7 @@ def summary_text(results: Results) -> str:
 
 
 def _friction_words(curve: Curve) -> str:
-    """Write friction against the motion; negative where it was measured along with it."""
+    """Write friction against the motion; negative where it acts with the motion."""
     sign = 1 if curve.direction == "extend" else -1
     if len(curve.points) != 1:
         return span([sign * point.friction_n for point in curve.points])

@@ -17,30 +17,30 @@ _CAPTION = (
 )
 
 
-def draw_differences(found: CampaignDifferences) -> tuple[Drawing, ...]:
+def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
     """Draw each pair of curves that has at least two speeds."""
     sketches = []
-    for number, one in enumerate(found.curves):
-        if len(one.points) < 2:
+    for number, curve in enumerate(differences.curves):
+        if len(curve.points) < 2:
             continue
         with rc_context(style.RC):
-            figure = draw_pair(one, found)
+            figure = draw_pair(curve, differences)
         title = figure.axes[0].get_title("left")
         sketches.append(Sketch(f"pair-{number + 1}", "comparison", title, _CAPTION, figure))
     return drawn(sketches)
 
 
-def draw_pair(one: CurveDifference, found: CampaignDifferences) -> Figure:
+def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> Figure:
     """Draw |F| [N] of both over |v| [mm/s], and the difference below."""
     figure = style.new_figure(height_in=5.0)
     above, below = figure.subplots(2, sharex=True, height_ratios=(5, 3))
-    for index, (name, curve) in enumerate((("A", one.a), ("B", one.b))):
-        label = f"{name}: {style.safe(found.names[index])}"
+    for index, (name, curve) in enumerate((("A", difference.a), ("B", difference.b))):
+        label = f"{name}: {style.safe(differences.names[index])}"
         look = style.series_style(index)
         bars = above.errorbar(*_columns(curve), label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
-    v = 1e3 * np.abs([point.v_m_s for point in one.points])
-    found_n = [point.friction_n for point in one.points]
+    v = 1e3 * np.abs([point.v_m_s for point in difference.points])
+    found_n = [point.friction_n for point in difference.points]
     u95 = [np.nan if d.u95 is None else d.u95 for d in found_n]
     ci95 = [np.nan if d.ci95 is None else d.ci95 for d in found_n]
     values = np.array([d.value for d in found_n])
@@ -57,12 +57,12 @@ def draw_pair(one: CurveDifference, found: CampaignDifferences) -> Figure:
     above.set_ylabel("Friction |F| (N)")
     below.set(xlabel="Speed |v| (mm/s)", ylabel="B − A (N)")
     style.start_at_zero(above)
-    load = load_words(one.a.f_load_n, one.a.p_lr_ref_pa)
-    kind = kind_words(one.a)
-    title = ", ".join(filter(None, (style.TITLES[one.direction], kind, load)))
+    load = load_words(difference.a.f_load_n, difference.a.p_lr_ref_pa)
+    kind = kind_words(difference.a)
+    title = ", ".join(filter(None, (style.TITLES[difference.direction], kind, load)))
     above.set_title(f"Friction, {title[0].lower()}{title[1:]}")
     style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
-    sources = {found.a.source, found.b.source}
+    sources = {differences.a.source, differences.b.source}
     if "simulated" in sources:
         mark = "simulated" if len(sources) == 1 else "one is simulated"
         above.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")

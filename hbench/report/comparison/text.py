@@ -22,76 +22,81 @@ from hbench.report.render.terminal_table import aligned
 from hbench.units import from_si
 
 SCHEMA = "hbench.comparison/1"
-_REAL, _NOT = "differs", "not shown"
+_REAL, _NOT = "differs", "not significant"
 
 
-def differences_text(found: CampaignDifferences) -> str:
+def differences_text(differences: CampaignDifferences) -> str:
     """Return the tables for a terminal."""
-    parts = [f"A: {_name(found, 0)}", f"B: {_name(found, 1)}", _instruments(found), ""]
-    for table in (_means(found), _parameters(found)):
+    parts = [
+        f"A: {_name(differences, 0)}",
+        f"B: {_name(differences, 1)}",
+        _instruments(differences),
+        "",
+    ]
+    for table in (_means(differences), _parameters(differences)):
         if table.rows:
             parts += [*aligned(table), ""]
-    parts += [f"note: {note}" for note in found.notes]
+    parts += [f"note: {note}" for note in differences.notes]
     text = "\n".join(parts).rstrip()
     return text.replace("−", "-").replace("–", "-").replace("±", "+-").replace("²", "^2")
 
 
-def differences_json(found: CampaignDifferences) -> str:
+def differences_json(differences: CampaignDifferences) -> str:
     """Return the text of ``comparison.json``."""
     document = {
         "schema": SCHEMA,
-        "a": asdict(found.a),
-        "b": asdict(found.b),
-        "same_instruments": found.same_instruments,
+        "a": asdict(differences.a),
+        "b": asdict(differences.b),
+        "same_instruments": differences.same_instruments,
         "curves": [
             {
-                "kind": one.a.kind,
-                "direction": one.direction,
-                "f_load_n": one.a.f_load_n,
-                "p_lr_ref_pa": one.a.p_lr_ref_pa,
-                "a_ref_m_s2": one.a.a_ref_m_s2,
-                "label_a": one.a.label,
-                "label_b": one.b.label,
-                "friction_n": _numbers(one.mean_n),
-                "efficiency": _numbers(one.efficiency),
+                "kind": curve.a.kind,
+                "direction": curve.direction,
+                "f_load_n": curve.a.f_load_n,
+                "p_lr_ref_pa": curve.a.p_lr_ref_pa,
+                "a_ref_m_s2": curve.a.a_ref_m_s2,
+                "label_a": curve.a.label,
+                "label_b": curve.b.label,
+                "friction_n": _numbers(curve.mean_n),
+                "efficiency": _numbers(curve.efficiency),
                 "points": [
                     {
                         "v_m_s": point.v_m_s,
                         "between": point.between,
                         "friction_n": _numbers(point.friction_n),
                     }
-                    for point in one.points
+                    for point in curve.points
                 ],
                 "parameters": [
                     {"law": p.law, "name": p.name, "unit": p.unit, **_numbers(p.value)}
-                    for p in one.parameters
+                    for p in curve.parameters
                 ],
             }
-            for one in found.curves
+            for curve in differences.curves
         ],
-        "notes": found.notes,
+        "notes": differences.notes,
     }
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
 
 
-def differences_page(found: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
+def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     sections = [
-        Section("What differs", tables=(_means(found),), drawings=tuple(drawings)),
-        Section("Fitted parameters", tables=(replace(_parameters(found), title=""),)),
-        Section("Speed by speed", tables=(_points(found),)),
-        Section("How it was computed", items=(_instruments(found), *_METHOD)),
+        Section("What differs", tables=(_means(differences),), drawings=tuple(drawings)),
+        Section("Fitted parameters", tables=(replace(_parameters(differences), title=""),)),
+        Section("Speed by speed", tables=(_points(differences),)),
+        Section("How it was computed", items=(_instruments(differences), *_METHOD)),
     ]
-    if found.notes:
-        sections.append(Section("Not compared", items=found.notes))
+    if differences.notes:
+        sections.append(Section("Not compared", items=differences.notes))
     return document(
-        f"{found.names[1]} against {found.names[0]}",
-        f"A: {_name(found, 0)}. B: {_name(found, 1)}. Differences are B less A.",
+        f"{differences.names[1]} against {differences.names[0]}",
+        f"A: {_name(differences, 0)}. B: {_name(differences, 1)}. Differences are B less A.",
         tuple(
             section for section in sections if any(t.rows for t in section.tables) or section.items
         ),
-        _verdict(found),
-        "simulated" if "simulated" in (found.a.source, found.b.source) else "",
+        _verdict(differences),
+        "simulated" if "simulated" in (differences.a.source, differences.b.source) else "",
     )
 
 
@@ -107,59 +112,61 @@ _METHOD = (
 )
 
 
-def _verdict(found: CampaignDifferences) -> str:
-    means = [(one.a, one.mean_n) for one in found.curves if one.mean_n is not None]
+def _verdict(differences: CampaignDifferences) -> str:
+    means = [(each.a, each.mean_n) for each in differences.curves if each.mean_n is not None]
     real = [(curve, mean) for curve, mean in means if mean.real]
     if not real:
-        return f"No difference of mean friction is shown in any of {len(found.curves)} curves."
+        return (
+            f"No difference of mean friction is shown in any of {len(differences.curves)} curves."
+        )
     words = "; ".join(
         f"{_who(curve)}: {_signed(mean)} N ({_percent(mean)})" for curve, mean in real
     )
-    return f"Mean friction differs in {len(real)} of {len(found.curves)} curves: {words}."
+    return f"Mean friction differs in {len(real)} of {len(differences.curves)} curves: {words}."
 
 
-def _instruments(found: CampaignDifferences) -> str:
-    if found.same_instruments:
+def _instruments(differences: CampaignDifferences) -> str:
+    if differences.same_instruments:
         return "Same instruments: their errors are in both, and cancel where the readings agree."
     return "Other instruments in each, or not known to be the same: the errors of both count."
 
 
-def _means(found: CampaignDifferences) -> WordTable:
+def _means(differences: CampaignDifferences) -> WordTable:
     rows = []
-    for one in found.curves:
+    for curve in differences.curves:
         for words, scale, difference in (
-            ("friction (N)", 1.0, one.mean_n),
-            ("efficiency (%)", 100.0, one.efficiency),
+            ("friction (N)", 1.0, curve.mean_n),
+            ("efficiency (%)", 100.0, curve.efficiency),
         ):
             if difference is not None:
-                rows.append((_who(one.a), words, *_cells(difference, scale)))
+                rows.append((_who(curve.a), words, *_cells(difference, scale)))
     return WordTable("Means over the speeds", ("Curve", "Mean of", *_HEAD), tuple(rows))
 
 
-def _parameters(found: CampaignDifferences) -> WordTable:
+def _parameters(differences: CampaignDifferences) -> WordTable:
     rows = []
-    for one in found.curves:
-        for p in one.parameters:
+    for curve in differences.curves:
+        for p in curve.parameters:
             words, unit = label_and_unit(p.name, p.unit)
             scale = from_si(1.0, unit)
             rows.append(
-                (_who(one.a), law_words(p.law), f"{words} ({unit})", *_cells(p.value, scale))
+                (_who(curve.a), law_words(p.law), f"{words} ({unit})", *_cells(p.value, scale))
             )
     return WordTable("Fitted parameters", ("Curve", "Law", "Parameter", *_HEAD), tuple(rows))
 
 
-def _points(found: CampaignDifferences) -> WordTable:
+def _points(differences: CampaignDifferences) -> WordTable:
     rows = [
         (
-            _who(one.a),
+            _who(curve.a),
             number(1e3 * point.v_m_s, 1) + (" *" if point.between else ""),
             *_cells(point.friction_n, 1.0),
         )
-        for one in found.curves
-        for point in one.points
+        for curve in differences.curves
+        for point in curve.points
     ]
     title = "Friction (N)"
-    if any(point.between for one in found.curves for point in one.points):
+    if any(point.between for each in differences.curves for point in each.points):
         title += "; * between two speeds of B"
     return WordTable(title, ("Curve", "Velocity (mm/s)", *_HEAD), tuple(rows))
 
@@ -208,6 +215,8 @@ def _who(curve: Curve) -> str:
     return ", ".join(filter(None, (curve.label, kind, TITLES[curve.direction].lower(), load)))
 
 
-def _name(found: CampaignDifferences, which: int) -> str:
-    own = (found.a, found.b)[which]
-    return ", ".join(filter(None, (found.names[which], own.name, own.source, own.started[:10])))
+def _name(differences: CampaignDifferences, which: int) -> str:
+    own = (differences.a, differences.b)[which]
+    return ", ".join(
+        filter(None, (differences.names[which], own.name, own.source, own.started[:10]))
+    )

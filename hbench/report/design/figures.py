@@ -130,7 +130,7 @@ def pole_zero(loop: ControlLoop) -> Figure:
             markerfacecolor="none",
             label=f"{merits.chain}: largest |z| {merits.digital_modulus:.5f}",
         )
-        if merits.poles_rad_s is not None:
+        if merits.poles_rad_s is not None and merits.zeros_rad_s is not None:
             poles, own = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
             plane.plot(poles.real, poles.imag, "x", **own)
             zeros = merits.zeros_rad_s

@@ -117,7 +117,7 @@ def point_words(design: Design) -> str:
 
 
 def fact_lines(design: Design) -> tuple[str, ...]:
-    """Return what is known beside the loops, a sentence each."""
+    """Return the further results beside the loops, a sentence each."""
     rod, piston = design.feedforward
     stable = "stable" if design.coupled_modulus < 1 else "UNSTABLE"
     board = [(loop.name, loop.merits[-1]) for loop in design.loops]
@@ -215,7 +215,7 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
     order = ", ".join(f"{name} {w:.0f}" for name, w in proposal.bandwidths_rad_s.items())
     return (
         f"bandwidths, a factor of {proposal.ratio:g} apart (ideal valve): {order} rad/s",
-        f"margins judged at {proposal.points} points: positions, loads, speeds, both directions",
+        f"margins computed at {proposal.points} points: positions, loads, speeds, both directions",
         f"feedforward, if it is used: C_ffLr {proposal.feedforward[0]:.4g}, "
         f"C_ffLp {proposal.feedforward[1]:.4g} V s/m",
         *(f"left out: {reason}" for reason in proposal.left_out),
@@ -223,7 +223,7 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
 
 
 def design_text(design: Design) -> str:
-    """Return what a terminal shows, in plain ASCII."""
+    """Return the design for a terminal, in plain ASCII."""
     parts = [
         design.bench,
         f"operating point: {point_words(design)}",

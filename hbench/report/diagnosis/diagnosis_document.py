@@ -57,9 +57,9 @@ LAYOUTS: Layouts = {
 }
 
 
-def diagnosis_json(found: Diagnosis) -> str:
+def diagnosis_json(diagnosis: Diagnosis) -> str:
     """Return the text of ``diagnosis.json``: all but maps and overlays."""
-    return json.dumps(document(found, LAYOUTS), indent=1, allow_nan=False) + "\n"
+    return json.dumps(document(diagnosis, LAYOUTS), indent=1, allow_nan=False) + "\n"
 
 
 def diagnosis_schema() -> Schema:

@@ -1,4 +1,4 @@
-"""Figures of a diagnosis in numbers: gaps, where they stand, candidates, refitted values."""
+"""Figures of gaps, their regions, candidates and refitted values."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -36,26 +36,28 @@ _LEAST = 0.3  # gap that is drawn; below, runs are closer than trials by chance
 _MOST = 3.0  # of the colour scale: a gap of 1000
 
 
-def gap_figures(found: Diagnosis) -> dict[str, Figure]:
+def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
     """Draw the held-out gaps of balances, and of signals in closed and open loop."""
-    table = found.gap_heldout
+    table = diagnosis.gap_heldout
     parts: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], Words]], ...] = (
         ("Balances", with_total(table), balance),
         ("Signals, closed loop", table.signals, signal),
         ("Signals, open loop", table.open_loop, signal),
     )
-    return {title: _gaps(found, title, values, words) for title, values, words in parts if values}
+    return {
+        title: _gaps(diagnosis, title, values, words) for title, values, words in parts if values
+    }
 
 
 def _gaps(
-    found: Diagnosis,
+    diagnosis: Diagnosis,
     title: str,
     values: Mapping[str, BeforeAfter],
     words: Callable[[str], Words],
 ) -> Figure:
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(values))
     axes = figure.subplots()
-    steps, places = steps_of(found), np.arange(len(values))
+    steps, places = steps_of(diagnosis), np.arange(len(values))
     every = {
         step: np.maximum([getattr(one, step) for one in values.values()], _LEAST) for step in steps
     }
@@ -66,7 +68,7 @@ def _gaps(
     axes.axvline(1, color="#374151", linewidth=0.9)
     _log_gaps(axes)
     _rows(axes, [drawn(words(name).says) for name in values])
-    style.head(axes, title, found)
+    style.head(axes, title, diagnosis)
     style.legend_above(figure, axes, columns=2)
     return figure
 
@@ -85,11 +87,11 @@ def _rows(axes: Axes, names: list[str]) -> None:
     axes.grid(visible=False, axis="y")
 
 
-def region_figure(found: Diagnosis) -> Figure:
+def region_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the refitted model's gap of each balance in each region as a table of colours."""
-    names = [one.name for one in found.where]
-    axes_names = list(dict.fromkeys(region.axis for region in found.regions))
-    groups = [[r for r in found.regions if r.axis == name] for name in axes_names]
+    names = [gap.name for gap in diagnosis.where]
+    axes_names = list(dict.fromkeys(region.axis for region in diagnosis.regions))
+    groups = [[r for r in diagnosis.regions if r.axis == name] for name in axes_names]
     figure = style.new_figure(height_in=1.5 + 0.34 * len(names), wide=True)
     panels = figure.subplots(
         1, len(groups), sharey=True, width_ratios=[len(group) for group in groups], squeeze=False
@@ -121,7 +123,7 @@ def region_figure(found: Diagnosis) -> Figure:
     figure.colorbar(
         image, ax=panels, label="Gap (trial scatters)", pad=0.01
     ).ax.yaxis.set_major_formatter(lambda value, _: short(value))
-    style.head(panels[0], "Gap by region, refitted model", found, panels[-1])
+    style.head(panels[0], "Gap by region, refitted model", diagnosis, panels[-1])
     return figure
 
 
@@ -134,13 +136,15 @@ def _bounds(region: Region) -> str:
     return f"{number(low, decimals)}\nto\n{number(high, decimals)}"
 
 
-def ranking_figure(found: Diagnosis, most: int = 12) -> Figure:
+def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
     """Draw the scores of the best candidates, with their thresholds."""
-    chosen = found.ranking[:most]
+    chosen = diagnosis.ranking[:most]
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(chosen))
     axes = figure.subplots()
     top = max(max(one.threshold, one.score) for one in chosen)
-    named = {one.name for one in found.effects} | {one.name for one in found.alternatives}
+    named = {effect.name for effect in diagnosis.effects} | {
+        candidate.name for candidate in diagnosis.alternatives
+    }
     for place, one in enumerate(chosen):
         colour = AFTER if one.name in named else "#9ca3af"
         look = {"color": colour} if one.tried == "simulated" else {"facecolor": "white"}
@@ -153,22 +157,22 @@ def ranking_figure(found: Diagnosis, most: int = 12) -> Figure:
     axes.set_xlim(min(0.0, max(-0.1 * top, min(one.score for one in chosen))), 1.65 * top)
     axes.set_xlabel("Gain of log-likelihood, left out (nats)")
     _rows(axes, [one.name for one in chosen])
-    style.head(axes, "Candidates", found)
+    style.head(axes, "Candidates", diagnosis)
     style.legend_above(figure, axes)
     return figure
 
 
-def _remark(one: Candidate) -> str:
-    return f"{short(round(one.score, 1))}; explains {share(one.explained)}"
+def _remark(candidate: Candidate) -> str:
+    return f"{short(round(candidate.score, 1))}; explains {share(candidate.explained)}"
 
 
-def refitted_figure(found: Diagnosis) -> Figure:
+def refitted_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the factors on the model's values with their intervals."""
-    names = list(found.refitted)
+    names = list(diagnosis.refitted)
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(names))
     axes = figure.subplots()
     axes.axvline(1, color="#374151", linewidth=0.9)
-    for place, one in enumerate(found.refitted.values()):
+    for place, one in enumerate(diagnosis.refitted.values()):
         if one.ci95 is not None:
             axes.hlines(place, *one.ci95, color=BEFORE, linewidth=1.4)
         face = "white" if one.ci95 is None or one.at_bound else BEFORE
@@ -178,5 +182,5 @@ def refitted_figure(found: Diagnosis) -> Figure:
             behind(mark, {"from": [one.ci95[0]], "to": [one.ci95[1]]})
     axes.set_xlabel("Factor on the model's value (1)")
     _rows(axes, [name.replace("_", " ") for name in names])
-    style.head(axes, "Refitted values", found)
+    style.head(axes, "Refitted values", diagnosis)
     return figure

@@ -1,4 +1,4 @@
-"""What balances and signals are called on a page, and the units that a bench's people think in."""
+"""Display names and units of balances, signals and axes."""
 
 from typing import Any, NamedTuple
 
@@ -8,7 +8,7 @@ from hbench.units import from_si
 
 
 class Words(NamedTuple):
-    """What something is called, and the unit that its numbers are shown in."""
+    """Display name of a quantity, and the unit its numbers are shown in."""
 
     says: str
     unit: str
@@ -56,7 +56,7 @@ STEPS = {
     "after": "with the effects",
     "floor": "floor",
 }
-# Edges that meter a chamber's flow: what feeds it while the piston extends, and while it retracts.
+# Metering edge of each chamber while the piston extends, and while it retracts.
 EDGES = {
     "flow_tp": ("supply", "tank"),
     "flow_tr": ("tank", "supply"),
@@ -68,18 +68,18 @@ _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 
 def balance(name: str) -> Words:
-    """Return the words of a balance; one that is not in the table is called by its name."""
+    """Return the display name of a balance, by default its key."""
     return BALANCES.get(name, Words(name.replace("_", " "), ""))
 
 
 def signal(name: str) -> Words:
-    """Return the words of a signal."""
+    """Return the display name of a signal, by default its key."""
     return SIGNALS.get(name, Words(name.replace("_", " "), ""))
 
 
-def steps_of(found: Diagnosis) -> dict[str, str]:
-    """Return the fields of ``BeforeAfter`` that tell something, and their words."""
-    return {step: words for step, words in STEPS.items() if found.effects or step != "after"}
+def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return the fields of ``BeforeAfter`` that differ from each other, and their display names."""
+    return {step: words for step, words in STEPS.items() if diagnosis.effects or step != "after"}
 
 
 def scatter_words(gap: Gap) -> str:
@@ -89,7 +89,7 @@ def scatter_words(gap: Gap) -> str:
 
 
 def share(value: float) -> str:
-    """Write a share in whole per cent; what made things far worse needs no number."""
+    """Write a share in whole per cent, and all shares below −100 % alike."""
     if value < -1:
         return "< −100 %"
     return f"{number(round(100 * value) + 0.0, 0)} %"

@@ -13,46 +13,49 @@ from hbench.units import parse_unit
 _ROW_IN = 1.75
 
 
-def overlay_figures(found: Diagnosis) -> dict[str, Figure]:
-    """Draw each run's signals, and beside each what the simulations are off."""
-    runs = dict.fromkeys(one.run for one in found.overlays)
+def overlay_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
+    """Draw each run's signals, and beside each the errors of the simulations."""
+    runs = dict.fromkeys(overlay.run for overlay in diagnosis.overlays)
     return {
-        run: _run(found, run, [one for one in found.overlays if one.run == run]) for run in runs
+        run: _run(diagnosis, run, [one for one in diagnosis.overlays if one.run == run])
+        for run in runs
     }
 
 
-def _run(found: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
+def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
     figure = style.new_figure(height_in=0.9 + _ROW_IN * len(overlays), wide=True)
     panels = figure.subplots(len(overlays), 2, sharex=True, squeeze=False)
-    after = bool(found.effects)
-    for (left, right), one in zip(panels, overlays, strict=True):
-        words = signal(one.signal)
-        factor, unit = _scale(one, words)
-        left.plot(one.t_s, factor * one.measured, color=MEASURED, linewidth=3.2, label="measured")
+    after = bool(diagnosis.effects)
+    for (left, right), overlay in zip(panels, overlays, strict=True):
+        words = signal(overlay.signal)
+        factor, unit = _scale(overlay, words)
+        left.plot(
+            overlay.t_s, factor * overlay.measured, color=MEASURED, linewidth=3.2, label="measured"
+        )
         right.axhline(0, color="#374151", linewidth=0.9)
-        sides = [("refitted model", one.before, BEFORE, 1.0)]
-        sides += [("with the effects", one.after, AFTER, 1.3)] if after else []
+        sides = [("refitted model", overlay.before, BEFORE, 1.0)]
+        sides += [("with the effects", overlay.after, AFTER, 1.3)] if after else []
         for label, values, colour, width in sides:
-            left.plot(one.t_s, factor * values, color=colour, linewidth=width, label=label)
-            off = factor * (values - one.measured)
-            right.plot(one.t_s, off, color=colour, linewidth=width, label=f"_{label}")
+            left.plot(overlay.t_s, factor * values, color=colour, linewidth=width, label=label)
+            off = factor * (values - overlay.measured)
+            right.plot(overlay.t_s, off, color=colour, linewidth=width, label=f"_{label}")
         left.set_ylabel(f"{drawn(words.says)}\n({unit})")
         right.set_ylabel(f"off by ({unit})")
     for axes in panels[-1]:
         axes.set_xlabel("Time (s)")
     figure.align_ylabels(panels[:, 0])
     figure.align_ylabels(panels[:, 1])
-    style.head(panels[0, 0], f"Run {run}", found)
+    style.head(panels[0, 0], f"Run {run}", diagnosis)
     panels[0, 1].set_title("Simulated less measured")
     style.legend_above(figure, panels[0, 0], columns=3)
     return figure
 
 
-def _scale(one: Overlay, words: Words) -> tuple[float, str]:
+def _scale(overlay: Overlay, words: Words) -> tuple[float, str]:
     """Return the factor from the overlay's unit to the one it is shown in, and that unit."""
     if not words.unit:
-        return 1.0, one.unit
-    given, wanted = parse_unit(one.unit), parse_unit(words.unit)
+        return 1.0, overlay.unit
+    given, wanted = parse_unit(overlay.unit), parse_unit(words.unit)
     if given.dimension != wanted.dimension:
-        return 1.0, one.unit
+        return 1.0, overlay.unit
     return given.factor / wanted.factor, words.unit

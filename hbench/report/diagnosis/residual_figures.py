@@ -1,4 +1,4 @@
-"""Figures of what balances lack, before and after: over velocity, load, position and time."""
+"""Figures of the residuals of balances over velocity, load, position and time."""
 
 import numpy as np
 from matplotlib import colormaps
@@ -18,8 +18,7 @@ _CELLS = 24  # of a map, either way
 _PARTS = 8  # of an axis, each with its median
 _SEEN = 99.0  # percentile of what the axis shows
 _LEAST = 3.0  # scatters that an axis shows at least, either way
-_DPI = 150  # of the points, which are thousands
-# Each panel's axis, and what its points' colour tells.
+# Each panel's axis, and the quantity of its colours.
 _PANELS = (("v_m_s", "load_n"), ("x_m", "load_n"), ("t_s", "load_n"), ("load_n", "v_m_s"))
 _COLOURS = {"load_n": "viridis", "v_m_s": "plasma"}
 _DARK = 0.9  # of a colour scale, whose light end can't be seen on white
@@ -27,10 +26,10 @@ REST_M_S = 2e-3
 _TITLES = ("before", "after")
 
 
-def maps_figure(found: Diagnosis) -> Figure:
+def maps_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the worst balances over velocity and load, signed, in one scale of colours."""
-    names = worst(found)[:_WORST]
-    sides = _sides(found)
+    names = worst(diagnosis)[:_WORST]
+    sides = _sides(diagnosis)
     figure = style.new_figure(height_in=0.9 + 2.3 * len(sides), wide=True)
     panels = figure.subplots(len(sides), len(names), sharex=True, sharey=True, squeeze=False)
     cells = [[_cells(side, name) for name in names] for side in sides]
@@ -45,7 +44,7 @@ def maps_figure(found: Diagnosis) -> Figure:
             )  # fmt: skip
             behind(dots, {"Residual (trial scatters)": value, "windows": count})
         panel_row[0].set_ylabel(
-            f"{title.capitalize()}\nLoad (kN)" if found.effects else "Load (kN)"
+            f"{title.capitalize()}\nLoad (kN)" if diagnosis.effects else "Load (kN)"
         )
     for axes, name in zip(panels[0], names, strict=True):
         axes.set_title(balance(name).says, fontsize=11)
@@ -54,29 +53,29 @@ def maps_figure(found: Diagnosis) -> Figure:
     bar = figure.colorbar(
         ScalarMappable(norm, "RdBu_r"), ax=panels, label="Residual (trial scatters)", pad=0.01
     )
-    style.simulated(bar.ax, found)
+    style.simulated(bar.ax, diagnosis)
     return figure
 
 
-def shape_figure(found: Diagnosis, name: str) -> Figure:
+def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
     """Draw one balance against each axis, before above after, in one scale."""
-    sides = _sides(found)
+    sides = _sides(diagnosis)
     figure = style.new_figure(height_in=0.5 + 2.5 * len(sides), wide=True)
     panels = figure.subplots(len(sides), len(_PANELS), sharex="col", sharey=True, squeeze=False)
     values = [side.value[:, side.names.index(name)] for side in sides]
     limits = _limits(np.concatenate(values))
     for row, side, value, title in zip(panels, sides, values, _TITLES, strict=False):
         for axes, (across, colour) in zip(row, _PANELS, strict=True):
-            _points(axes, side, value, across, colour, limits, bool(found.effects))
+            _points(axes, side, value, across, colour, limits, bool(diagnosis.effects))
         _windows(row[0], side, value, title)
-        row[0].set_ylabel(f"Residual {title if found.effects else ''}\n(trial scatters)")
+        row[0].set_ylabel(f"Residual {title if diagnosis.effects else ''}\n(trial scatters)")
         row[0].set_ylim(*limits)
     for axes, (across, _) in zip(panels[-1], _PANELS, strict=True):
         words = AXES[across]
         axes.set_xlabel(f"{words.says.capitalize()} ({words.unit})")
     _colour_bars(figure, panels, sides[0])
-    style.head(panels[0, 0], balance(name).says, found, panels[0, -1])
-    (scatter,) = (scatter_words(one) for one in found.where if one.name == name)
+    style.head(panels[0, 0], balance(name).says, diagnosis, panels[0, -1])
+    (scatter,) = (scatter_words(gap) for gap in diagnosis.where if gap.name == name)
     panels[0, 2].set_title(
         f"1 scatter = {scatter}", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
     )
@@ -90,16 +89,16 @@ def _limits(values: np.ndarray) -> tuple[float, float]:
     return low - room, high + room
 
 
-def worst(found: Diagnosis) -> list[str]:
-    """Return the balances that are mapped: those that stand out, or else the one worst."""
-    known = [one for one in found.where if one.name in found.residuals_before.names]
+def worst(diagnosis: Diagnosis) -> list[str]:
+    """Return the balances with significant gaps, or else the worst one."""
+    known = [gap for gap in diagnosis.where if gap.name in diagnosis.residuals_before.names]
     out = [one.name for one in known if one.p_value < 0.05]
     return out or [one.name for one in known[:1]]
 
 
-def _sides(found: Diagnosis) -> list[ResidualMap]:
-    before, after = found.residuals_before, found.residuals_after
-    return [before, after] if found.effects else [before]
+def _sides(diagnosis: Diagnosis) -> list[ResidualMap]:
+    before, after = diagnosis.residuals_before, diagnosis.residuals_after
+    return [before, after] if diagnosis.effects else [before]
 
 
 def _cells(side: ResidualMap, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -151,7 +150,7 @@ def _points(
 
 
 def _windows(axes: Axes, side: ResidualMap, value: np.ndarray, title: str) -> None:
-    """Put every window's numbers behind the figure; the points of its panels are an image."""
+    """Put every window's numbers behind the figure, whose points are drawn as an image."""
     own = np.isfinite(value)
     (first, _), *others = _PANELS
     axes.set_autoscale_on(False)

@@ -1,4 +1,4 @@
-"""The revised model as a file, with where each number comes from; the next schedule."""
+"""The revised model as a file, with the origin of each number, and the next schedule."""
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +11,7 @@ from hbench.report.diagnosis.names import quantity
 from hbench.report.diagnosis.text import gap_line
 
 _SOURCES = {
-    "simulated": "SIMULATED on the virtual rig: these numbers say nothing of a real bench",
+    "simulated": "SIMULATED on the virtual rig: not valid for a real bench",
     "real": "measured on a bench",
     "imported": "measured elsewhere and imported",
 }
@@ -19,25 +19,25 @@ _WIDE = 96
 _COLUMN = 44  # where a comment beside a value begins
 
 
-def revised_yaml(found: Diagnosis) -> str:
+def revised_yaml(diagnosis: Diagnosis) -> str:
     """Return the text of ``model.yaml``: ``found.revised`` with comments."""
-    made = found.provenance
+    made = diagnosis.provenance
     lines = [
-        f"{found.model}, revised by `hbench reconcile` after campaign {made.name!r} of "
+        f"{diagnosis.model}, revised by `hbench reconcile` after campaign {made.name!r} of "
         f"{made.started[:10]} (bench {made.bench!r}), {_SOURCES[made.source]}.",
         "Give it to `hbench run --plant`, or to `hbench simulate` or `reconcile` as --model.",
-        f"Verdict: {found.verdict}. {found.why}",
-        gap_line(found),
-        "Values with 95 % intervals; what has no comment is as in the model.",
+        f"Verdict: {diagnosis.verdict}. {diagnosis.why}",
+        gap_line(diagnosis),
+        "Values with 95 % intervals; values without a comment are those of the model.",
     ]
-    body = "".join(_lines(found.revised, _comments(found), ()))
+    body = "".join(_lines(diagnosis.revised, _comments(diagnosis), ()))
     return f"{_head(lines)}\n{body}"
 
 
-def schedule_yaml(found: Diagnosis) -> str:
-    """Return the text of ``next.yaml``, the schedule that would tell the alternatives apart."""
-    lines = [f"Made by `hbench reconcile` after campaign {found.provenance.name!r}."]
-    return _head([*lines, found.next_experiment or ""]) + _dump(found.next_schedule)
+def schedule_yaml(diagnosis: Diagnosis) -> str:
+    """Return the text of ``next.yaml``, the schedule that would distinguish the alternatives."""
+    lines = [f"Made by `hbench reconcile` after campaign {diagnosis.provenance.name!r}."]
+    return _head([*lines, diagnosis.next_experiment or ""]) + _dump(diagnosis.next_schedule)
 
 
 def _head(lines: Sequence[str]) -> str:
@@ -45,13 +45,13 @@ def _head(lines: Sequence[str]) -> str:
     return "".join(f"# {part}\n" for part in wrapped)
 
 
-def _comments(found: Diagnosis) -> dict[tuple[str, ...], str]:
-    """Return what is to be said of the values, by their paths."""
+def _comments(diagnosis: Diagnosis) -> dict[tuple[str, ...], str]:
+    """Return the comments of the values, by their paths."""
     said = {
         tuple(path.split(".")): f"refitted: the model's times {quantity(factor)}"
-        for path, factor in found.refitted.items()
+        for path, factor in diagnosis.refitted.items()
     }
-    for effect in found.effects:
+    for effect in diagnosis.effects:
         said["effects", effect.name] = _law(effect)
         for name, parameter in effect.parameters.items():
             said["effects", effect.name, name] = f"found: {quantity(parameter)}"
@@ -67,7 +67,7 @@ def _law(effect: AddedEffect) -> str:
 def _lines(
     values: Mapping[str, Any], said: Mapping[tuple[str, ...], str], above: tuple[str, ...]
 ) -> Iterator[str]:
-    """Yield a mapping's lines; a section's comment stands above it, a value's beside it."""
+    """Yield a mapping's lines, with the comment of a section above it and of a value beside it."""
     indent = "  " * len(above)
     for key, value in values.items():
         path = (*above, key)

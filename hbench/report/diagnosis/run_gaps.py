@@ -13,31 +13,31 @@ _PARTS = ("balances", "signals", "open_loop")
 _COLUMNS = ("run", *_PLAN, "held_out", "of", "name", *STEPS)
 
 
-def run_gaps_csv(found: Diagnosis) -> str:
+def run_gaps_csv(diagnosis: Diagnosis) -> str:
     """Return a row for each run and balance or signal, in the campaign's order.
 
     ``of`` is balances, signals (closed loop) or open_loop; each run begins with all its balances.
     """
     rows = []
-    for one in found.gap_runs:
-        about = {"run": one.plan.run, **{name: getattr(one.plan, name) for name in _PLAN}}
-        about["held_out"] = one.held_out
+    for run_gap in diagnosis.gap_runs:
+        about = {"run": run_gap.plan.run, **{name: getattr(run_gap.plan, name) for name in _PLAN}}
+        about["held_out"] = run_gap.held_out
         parts: dict[str, Mapping[str, BeforeAfter]] = {
-            part: getattr(one.gap, part) for part in _PARTS
+            part: getattr(run_gap.gap, part) for part in _PARTS
         }
-        parts["balances"] = {"all": one.gap.total, **parts["balances"]}
+        parts["balances"] = {"all": run_gap.gap.total, **parts["balances"]}
         for part, gaps in parts.items():
             for name, gap in gaps.items():
                 rows.append({**about, "of": part, "name": name, **vars(gap)})
     return csv_text(_COLUMNS, rows)
 
 
-def run_table(found: Diagnosis, most: int) -> WordTable:
+def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
     """Return the ``most`` worst runs, by the balances of the model with its effects."""
-    compared = [one for one in found.gap_runs if one.gap.balances]
+    compared = [run_gap for run_gap in diagnosis.gap_runs if run_gap.gap.balances]
     chosen = sorted(compared, key=lambda one: -one.gap.total.after)[:most]
-    steps = steps_of(found)
-    title = "Gap of each run: all balances, and what is worst in it"
+    steps = steps_of(diagnosis)
+    title = "Gap of each run: all balances, the worst balance and signals"
     if len(chosen) < len(compared):
         title += f" (the worst {len(chosen)} of {len(compared)})"
     rows = tuple(

@@ -28,55 +28,55 @@ from hbench.report.render.terminal_table import aligned
 
 Rows = tuple[tuple[str, ...], ...]
 
-_UNIT_OF_GAP = "Gaps are in trial scatters: 1 is as good as the bench repeats itself."
+_UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability of the bench."
 
 
-def diagnosis_text(found: Diagnosis) -> str:
-    """Return the verdict, then every table and what is missing, for a terminal (ASCII)."""
-    parts = [f"{headline(found)}\n{found.why}", gap_line(found)]
-    parts += effect_lines(found)
-    if found.next_experiment:
-        parts.append(f"next experiment: {found.next_experiment}")
-    parts += ["\n".join(aligned(table)) for table in tables(found)]
-    parts += ["\n".join(lines) for lines in (caveats(found), found.notes) if lines]
+def diagnosis_text(diagnosis: Diagnosis) -> str:
+    """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
+    parts = [f"{headline(diagnosis)}\n{diagnosis.why}", gap_line(diagnosis)]
+    parts += effect_lines(diagnosis)
+    if diagnosis.next_experiment:
+        parts.append(f"next experiment: {diagnosis.next_experiment}")
+    parts += ["\n".join(aligned(table)) for table in tables(diagnosis)]
+    parts += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
     text = "\n\n".join(part for part in parts if part)
     for sign, plainly in {"−": "-", "–": "-", "±": "+-", "…": "..."}.items():
         text = text.replace(sign, plainly)
     return text
 
 
-def headline(found: Diagnosis) -> str:
+def headline(diagnosis: Diagnosis) -> str:
     """Return the verdict in one sentence, with the effects' coefficients or the set."""
-    told = "; ".join(effect_words(one) for one in found.effects)
-    names = " or ".join(one.name for one in found.alternatives)
-    if found.verdict == "named":
-        also = f" Further {names}: these data can't tell which." if names else ""
-        rest = f" A rest stays in {_list(found.rest)}." if found.rest else ""
-        return f"named: {told}.{also}{rest}"
-    also = f" Beside {told}." if told else ""
-    if found.verdict == "ambiguous":
-        return f"ambiguous: {names}; these data can't tell which.{also}"
-    if found.verdict == "unknown" and not found.where:
+    effects = "; ".join(effect_words(effect) for effect in diagnosis.effects)
+    names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
+    if diagnosis.verdict == "named":
+        also = f" Further {names}: these data cannot distinguish them." if names else ""
+        rest = f" Residuals remain in {_list(diagnosis.rest)}." if diagnosis.rest else ""
+        return f"named: {effects}.{also}{rest}"
+    also = f" Added before: {effects}." if effects else ""
+    if diagnosis.verdict == "ambiguous":
+        return f"ambiguous: {names}; these data cannot distinguish them.{also}"
+    if diagnosis.verdict == "unknown" and not diagnosis.where:
         return "unknown: these data are too few for a verdict."
-    if found.verdict == "unknown":
-        where = _list(found.rest or found.where[:1])
-        return f"unknown: no effect of the catalogue explains what disagrees in {where}.{also}"
-    agrees = "the model agrees with the measurement as well as the bench repeats itself"
-    if {one.name for one in found.where} < BALANCES.keys():
-        return f"none: in the balances that these channels tell, {agrees}."
+    if diagnosis.verdict == "unknown":
+        where = _list(diagnosis.rest or diagnosis.where[:1])
+        return f"unknown: no effect of the catalogue explains the residuals in {where}.{also}"
+    agrees = "the model agrees with the measurement within the repeatability of the bench"
+    if {gap.name for gap in diagnosis.where} < BALANCES.keys():
+        return f"none: in the balances that these channels determine, {agrees}."
     return f"none: {agrees}."
 
 
-def gap_line(found: Diagnosis) -> str:
+def gap_line(diagnosis: Diagnosis) -> str:
     """Return the gap of all balances over the held-out runs, from the model as given on.
 
     Empty where nothing was compared.
     """
-    total = found.gap_heldout.total
-    if not found.gap_heldout.balances:
+    total = diagnosis.gap_heldout.total
+    if not diagnosis.gap_heldout.balances:
         return ""
     steps = ", ".join(
-        f"{number(getattr(total, step), 2)} {words}" for step, words in steps_of(found).items()
+        f"{number(getattr(total, step), 2)} {words}" for step, words in steps_of(diagnosis).items()
     )
     return f"Gap of held-out runs, all balances: {steps}. {_UNIT_OF_GAP}"
 
@@ -87,42 +87,44 @@ def effect_words(effect: AddedEffect) -> str:
     Those at a bound are left out where others are not.
     """
     free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
-    told = free or effect.parameters
-    each = ", ".join(f"{name} {quantity(p)}" for name, p in told.items())
+    chosen = free or effect.parameters
+    each = ", ".join(f"{name} {quantity(p)}" for name, p in chosen.items())
     return f"{effect.name} ({each})"
 
 
-def tables(found: Diagnosis) -> tuple[WordTable, ...]:
-    """Return the tables that have rows, in the order of what a reader asks."""
+def tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
+    """Return the tables that have rows, the answers first and the evidence after them."""
     every = (
-        effects_table(found),
-        alternatives_table(found),
-        where_table(found),
-        *gap_tables(found, found.gap_heldout, "held-out runs"),
-        run_table(found, _FEW),
-        ranking_table(found, _FEW),
-        refitted_table(found),
+        effects_table(diagnosis),
+        alternatives_table(diagnosis),
+        where_table(diagnosis),
+        *gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs"),
+        run_table(diagnosis, _FEW),
+        ranking_table(diagnosis, _FEW),
+        refitted_table(diagnosis),
     )
     return tuple(table for table in every if table.rows)
 
 
-def effect_lines(found: Diagnosis) -> tuple[str, ...]:
+def effect_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return for each effect whether it is the plant's or a sensor's, its law and its form."""
     return tuple(
-        f"{one.name} ({'sensor' if one.of_sensor else 'plant'}): {one.says}; "
-        f"form: {one.shape or 'the textbook one'}."
-        for one in found.effects
+        f"{effect.name} ({'sensor' if effect.of_sensor else 'plant'}): {effect.says}; "
+        f"form: {effect.shape or 'the textbook one'}."
+        for effect in diagnosis.effects
     )
 
 
-def effects_table(found: Diagnosis) -> WordTable:
+def effects_table(diagnosis: Diagnosis) -> WordTable:
     """Return a row for each coefficient, with what adding its effect did to held-out runs."""
     rows = []
-    for one in found.effects:
-        rival = f"{one.runner_up.name}, {short(one.runner_up.margin)}" if one.runner_up else NONE
-        own = (number(one.gap_before, 2), number(one.gap_after, 2), short(one.score), rival)
-        for i, (name, p) in enumerate(one.parameters.items()):
-            effect, cells = ("", ("",) * len(own)) if i else (one.name, own)
+    for added in diagnosis.effects:
+        rival = (
+            f"{added.runner_up.name}, {short(added.runner_up.margin)}" if added.runner_up else NONE
+        )
+        own = (number(added.gap_before, 2), number(added.gap_after, 2), short(added.score), rival)
+        for i, (name, p) in enumerate(added.parameters.items()):
+            effect, cells = ("", ("",) * len(own)) if i else (added.name, own)
             rows.append((effect, name, quantity(p), *cells))
     head = ("effect", "coefficient", "value with 95 % interval", "gap before", "after")
     return WordTable(
@@ -132,33 +134,33 @@ def effects_table(found: Diagnosis) -> WordTable:
     )
 
 
-def alternatives_table(found: Diagnosis) -> WordTable:
+def alternatives_table(diagnosis: Diagnosis) -> WordTable:
     """Return the ambiguous set."""
     return WordTable(
-        "Effects that these data can't tell apart", _RANK_HEAD, _ranked(found.alternatives)
+        "Effects that these data cannot distinguish", _RANK_HEAD, _ranked(diagnosis.alternatives)
     )
 
 
-def where_table(found: Diagnosis) -> WordTable:
+def where_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances of the refitted model, the worst first."""
     rows = tuple(
         (
-            balance(one.name).says,
-            number(one.gap, 2),
-            number(one.structured, 2),
-            p_words(one.p_value),
-            scatter_words(one),
-            str(one.windows),
+            balance(gap.name).says,
+            number(gap.gap, 2),
+            number(gap.structured, 2),
+            p_words(gap.p_value),
+            scatter_words(gap),
+            str(gap.windows),
         )
-        for one in found.where
+        for gap in diagnosis.where
     )
     head = ("balance", "gap", "structured", "p (Holm)", "trial scatter", "windows")
     return WordTable("Where the refitted model disagrees", head, rows)
 
 
-def edges_table(found: Diagnosis) -> WordTable:
+def edges_table(diagnosis: Diagnosis) -> WordTable:
     """Return the gap of each chamber's flow by the edge of its valve that meters it."""
-    ways = {one.label: one for one in found.regions if one.axis == "direction"}
+    ways = {region.label: region for region in diagnosis.regions if region.axis == "direction"}
     rows = []
     for name, edges in EDGES.items():
         by_edge = dict(zip(edges, ("extend", "retract"), strict=True))
@@ -172,9 +174,9 @@ def edges_table(found: Diagnosis) -> WordTable:
     return WordTable("Gap by metering edge", head, tuple(rows) if known else ())
 
 
-def gap_tables(found: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, ...]:
+def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, ...]:
     """Return the gaps of some runs: balances with their total, signals in closed and open loop."""
-    steps = steps_of(found)
+    steps = steps_of(diagnosis)
 
     def rows(of: Mapping[str, BeforeAfter], words: Callable[[str], Words]) -> Rows:
         return tuple(
@@ -203,31 +205,31 @@ _FEW = 8  # candidates, and runs, that a terminal is shown
 _RANK_HEAD = ("candidate", "score nats", "must exceed", "explains", "size", "tried")
 
 
-def ranking_table(found: Diagnosis, most: int | None = None) -> WordTable:
+def ranking_table(diagnosis: Diagnosis, most: int | None = None) -> WordTable:
     """Return the candidates of the first search, the best first; at ``most`` some of them."""
-    chosen = found.ranking[:most]
+    chosen = diagnosis.ranking[:most]
     title = "Candidates of the first search"
-    if len(chosen) < len(found.ranking):
-        title += f" (the best {len(chosen)} of {len(found.ranking)})"
+    if len(chosen) < len(diagnosis.ranking):
+        title += f" (the best {len(chosen)} of {len(diagnosis.ranking)})"
     return WordTable(title, _RANK_HEAD, _ranked(chosen))
 
 
-def refitted_table(found: Diagnosis) -> WordTable:
-    """Return the factors on the model's badly tuned values."""
-    rows = tuple((path, quantity(p)) for path, p in found.refitted.items())
+def refitted_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the factors on the model's poorly known values."""
+    rows = tuple((path, quantity(p)) for path, p in diagnosis.refitted.items())
     head = ("value of the model", "refitted by the factor (95 % interval)")
     return WordTable("Refitted before the search", head, rows)
 
 
-def caveats(found: Diagnosis) -> tuple[str, ...]:
-    """Return what the data lacks, what was not tried and what took no part, a sentence each."""
-    lines = [f"missing for a better verdict: {one}" for one in found.missing]
-    for reason in dict.fromkeys(found.not_tried.values()):
-        names = ", ".join(name for name, own in found.not_tried.items() if own == reason)
+def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return missing data, effects that were not tried and runs left out, a sentence each."""
+    lines = [f"missing for a better verdict: {item}" for item in diagnosis.missing]
+    for reason in dict.fromkeys(diagnosis.not_tried.values()):
+        names = ", ".join(name for name, own in diagnosis.not_tried.items() if own == reason)
         lines.append(f"not tried ({reason}): {names}")
-    if found.left_out:
-        lines.append(f"runs left out: {len(found.left_out)}")
-        lines += [f"  {line}" for line in found.left_out]
+    if diagnosis.left_out:
+        lines.append(f"runs left out: {len(diagnosis.left_out)}")
+        lines += [f"  {line}" for line in diagnosis.left_out]
     return tuple(lines)
 
 
@@ -239,16 +241,16 @@ def p_words(value: float) -> str:
 def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
     return tuple(
         (
-            one.name,
-            number(one.score + 0.0, 1),
-            number(one.threshold, 1),
-            share(one.explained),
-            f"{number(one.size, 2)} x typical",
-            "simulated" if one.tried == "simulated" else "by its signature",
+            candidate.name,
+            number(candidate.score + 0.0, 1),
+            number(candidate.threshold, 1),
+            share(candidate.explained),
+            f"{number(candidate.size, 2)} x typical",
+            "simulated" if candidate.tried == "simulated" else "by its signature",
         )
-        for one in candidates
+        for candidate in candidates
     )
 
 
 def _list(gaps: tuple[Gap, ...]) -> str:
-    return ", ".join(balance(one.name).says for one in gaps)
+    return ", ".join(balance(gap.name).says for gap in gaps)

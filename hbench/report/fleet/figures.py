@@ -19,15 +19,15 @@ _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % 
 _DAYS = 2.0  # a shorter fleet is shown over hours
 
 
-def draw_fleet(found: Fleet) -> tuple[Drawing, ...]:
+def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
     """Draw the distribution of each number and its course, both directions in each figure."""
     sketches = []
-    for quantity in dict.fromkeys(one.quantity for one in found.spreads):
-        own = [one for one in found.spreads if one.quantity == quantity]
+    for quantity in dict.fromkeys(one.quantity for one in fleet.spreads):
+        own = [one for one in fleet.spreads if one.quantity == quantity]
         name = quantity.name.replace("_", "-")
         with rc_context(style.RC):
-            spread = draw_distribution(quantity, own, found)
-            drift = draw_drift(quantity, own, found)
+            spread = draw_distribution(quantity, own, fleet)
+            drift = draw_drift(quantity, own, fleet)
         sketches += [
             Sketch(f"distribution-{name}", DISTRIBUTIONS, quantity.words, _outside(own), spread),
             Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(own), drift),
@@ -35,7 +35,7 @@ def draw_fleet(found: Fleet) -> tuple[Drawing, ...]:
     return drawn(sketches)
 
 
-def draw_distribution(quantity: Quantity, own: Iterable[Spread], found: Fleet) -> Figure:
+def draw_distribution(quantity: Quantity, own: Iterable[Spread], fleet: Fleet) -> Figure:
     """Draw the number of campaigns over the value."""
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
@@ -53,58 +53,58 @@ def draw_distribution(quantity: Quantity, own: Iterable[Spread], found: Fleet) -
     axes.set(xlabel=f"{quantity.words} ({quantity.unit})", ylabel="Campaigns")
     axes.set_ylim(bottom=0)
     axes.yaxis.get_major_locator().set_params(integer=True)
-    _head(axes, quantity, found)
+    _head(axes, quantity, fleet)
     style.read_as(figure, _COUNTED)
     style.legend_above(figure, axes)
     return figure
 
 
-def draw_drift(quantity: Quantity, own: Iterable[Spread], found: Fleet) -> Figure:
+def draw_drift(quantity: Quantity, own: Iterable[Spread], fleet: Fleet) -> Figure:
     """Draw the value over the date, or over the order of the campaigns."""
     own = list(own)
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
-    hours = found.by_date and _span_days(found) < _DAYS
+    hours = fleet.by_date and _span_days(fleet) < _DAYS
     for one in own:
         _course(axes, one, 24.0 if hours else 1.0)
-    since = "" if found.first is None else f" since {found.first:%Y-%m-%d %H:%M} UTC"
-    words = f"Time{since} ({'h' if hours else 'd'})" if found.by_date else "Number in order of path"
+    since = "" if fleet.first is None else f" since {fleet.first:%Y-%m-%d %H:%M} UTC"
+    words = f"Time{since} ({'h' if hours else 'd'})" if fleet.by_date else "Number in order of path"
     axes.set(xlabel=words, ylabel=f"{_short(quantity.words)} ({quantity.unit})")
-    _head(axes, quantity, found)
+    _head(axes, quantity, fleet)
     style.read_as(figure, _read_as(own))
     style.legend_above(figure, axes)
     return figure
 
 
-def _course(axes: Axes, one: Spread, times: float) -> None:
-    look, scale = _look(one), one.quantity.scale
-    title = style.TITLES[one.direction]
-    at = times * np.array([block.at for block in one.blocks])
+def _course(axes: Axes, spread: Spread, times: float) -> None:
+    look, scale = _look(spread), spread.quantity.scale
+    title = style.TITLES[spread.direction]
+    at = times * np.array([block.at for block in spread.blocks])
     median, low, high = (
-        scale * np.array([getattr(block, name) for block in one.blocks])
+        scale * np.array([getattr(block, name) for block in spread.blocks])
         for name in ("median", "low", "high")
     )
-    if any(block.n > 1 for block in one.blocks):
+    if any(block.n > 1 for block in spread.blocks):
         axes.fill_between(at, low, high, color=look["color"], alpha=0.15, linewidth=0)
         (points,) = axes.plot(at, median, linestyle="none", label=title, markersize=4, **look)
-        counts = np.array([float(block.n) for block in one.blocks])
+        counts = np.array([float(block.n) for block in spread.blocks])
         behind(points, {"campaigns": counts, "5 % quantile": low, "95 % quantile": high})
     else:
         axes.errorbar(at, median, (high - low) / 2, label=title, **look, **style.SMALL_POINTS)
-    if one.trend is not None and one.trend.real:
-        ends = [scale * one.trend.start, scale * (one.trend.start + one.trend.change)]
+    if spread.trend is not None and spread.trend.real:
+        ends = [scale * spread.trend.start, scale * (spread.trend.start + spread.trend.change)]
         label = f"{title}, trend"
         axes.plot([at[0], at[-1]], ends, color="#000000", linewidth=3.0, zorder=4)
         axes.plot([at[0], at[-1]], ends, color=look["color"], label=label, zorder=5)
 
 
-def _look(one: Spread) -> dict:
-    return style.series_style(style.DIRECTIONS.index(one.direction))
+def _look(spread: Spread) -> dict:
+    return style.series_style(style.DIRECTIONS.index(spread.direction))
 
 
-def _head(axes: Axes, quantity: Quantity, found: Fleet) -> None:
+def _head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:
     axes.set_title(_short(quantity.words))
-    sources = [source for source, _ in found.sources]
+    sources = [source for source, _ in fleet.sources]
     if "simulated" in sources:
         mark = "simulated" if len(sources) == 1 else "some are simulated"
         axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
@@ -133,10 +133,10 @@ def _read_as(own: Iterable[Spread]) -> str:
 def _trends(own: Iterable[Spread]) -> str:
     if any(one.trend is not None and one.trend.real for one in own):
         return "Line: a trend that chance does not explain (Theil and Sen's line)."
-    return "No trend: chance explains what is seen."
+    return "No significant trend."
 
 
-def _span_days(found: Fleet) -> float:
-    if found.first is None or found.last is None:
+def _span_days(fleet: Fleet) -> float:
+    if fleet.first is None or fleet.last is None:
         return 0.0
-    return (found.last - found.first).total_seconds() / 86_400
+    return (fleet.last - fleet.first).total_seconds() / 86_400

@@ -1,4 +1,4 @@
-"""The page of a fleet: what stands out, distributions, drifts; its size is that of no fleet."""
+"""The page of a fleet: outliers, distributions, drifts. Its size does not grow with the fleet."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import PurePath
@@ -31,16 +31,17 @@ _METHOD = (
     (
         "Compared",
         "Only campaigns of the same kind: areas of piston and rod side, loads and working speed. "
-        "Those of the most frequent kind are judged here; analyze others by a call of their own.",
+        "The page evaluates those of the most frequent kind; analyze the others in a separate "
+        "call.",
     ),
     (
         "Spread",
         "A campaign's number is taken as m + b + e: b with σ between cylinders, e with σ of the "
         "campaign's own trials: the root mean square of their standard errors, and its own for a "
-        "campaign whose trials scatter more than three times as much as is usual. "
-        "m is the median. σ between cylinders is such that the median of |x − m| / "
-        "sqrt(σ_between² + σ_own²) is 0.6745: up to half of the campaigns may be anything. Errors "
-        "of the instruments are common to a bench's campaigns and take no part.",
+        "campaign whose trials scatter more than three times as much as is usual. m is the "
+        "median. σ between cylinders is such that the median of |x − m| / sqrt(σ_between² + "
+        "σ_own²) is 0.6745: up to half of the campaigns may deviate by any amount. Errors of the "
+        "instruments are common to a bench's campaigns and are not included.",
     ),
     (
         "Outliers",
@@ -54,7 +55,7 @@ _METHOD = (
         "Trends",
         "Theil and Sen's line, its interval and p by Kendall's rank correlation, corrected after "
         "Holm for the number of trends. A trend is called a drift where p is below 0.05. "
-        "It does not tell cylinders that change from a bench that changes.",
+        "It does not distinguish a change of the cylinders from a change of the bench.",
     ),
     (
         "All rows",
@@ -63,89 +64,91 @@ _METHOD = (
 )
 
 
-def fleet_page(found: Fleet, drawings: Iterable[Drawing]) -> str:
+def fleet_page(fleet: Fleet, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    return page(fleet_document(found, drawings))
+    return page(fleet_document(fleet, drawings))
 
 
-def fleet_document(found: Fleet, drawings: Iterable[Drawing]) -> Document:
-    """Return what the page is made of."""
+def fleet_document(fleet: Fleet, drawings: Iterable[Drawing]) -> Document:
+    """Return the content of the page."""
     drawings = tuple(drawings)
-    sources = [source for source, _ in found.sources]
+    sources = [source for source, _ in fleet.sources]
     banner = "Some of the campaigns are simulated." if "simulated" in sources else ""
     if len(sources) == 1:
         banner = BANNERS.get(sources[0], "") if sources[0] == "simulated" else ""
-    days = [] if found.first is None else [f"{day:%Y-%m-%d}" for day in (found.first, found.last)]
+    days = [] if fleet.first is None else [f"{day:%Y-%m-%d}" for day in (fleet.first, fleet.last)]
     span = " to ".join(dict.fromkeys(days))
     return Document(
-        f"Fleet of {found.campaigns} campaigns",
+        f"Fleet of {fleet.campaigns} campaigns",
         " · ".join(filter(None, ("Friction and efficiency of cylinders side by side", span))),
-        tuple(_sections(found, drawings)),
-        verdict(found),
+        tuple(_sections(fleet, drawings)),
+        verdict(fleet),
         banner,
         "simulated" if banner else "",
     )
 
 
-def _sections(found: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
-    yield Section("Summary", tiles=tuple(_tiles(found)), tables=_protocols(found))
-    if found.worst:
-        few = "These deviate most; what is not called an outlier is not told from the others."
-        none = (few,) if found.outliers < _LEAST else ()
-        yield Section("Worst cylinders", none, tables=(_worst(found),), anchor="worst")
-    if found.spreads:
-        own = tuple(one for one in drawings if one.section == DISTRIBUTIONS)
-        yield Section("Distributions", drawings=own, tables=(_untitled(spread_table(found)),))
+def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
+    yield Section("Summary", tiles=tuple(_tiles(fleet)), tables=_protocols(fleet))
+    if fleet.worst:
+        few = "These deviate most. Only campaigns marked as outliers deviate significantly."
+        none = (few,) if fleet.outliers < _LEAST else ()
+        yield Section("Worst cylinders", none, tables=(_worst(fleet),), anchor="worst")
+    if fleet.spreads:
+        own = tuple(drawing for drawing in drawings if drawing.section == DISTRIBUTIONS)
+        yield Section("Distributions", drawings=own, tables=(_untitled(spread_table(fleet)),))
         own = tuple(one for one in drawings if one.section == DRIFTS)
-        table = _untitled(trend_table(found))
+        table = _untitled(trend_table(fleet))
         yield Section("Drifts", drawings=own, tables=(table,) if table.rows else ())
-    if found.failed:
-        yield _failures(found)
+    if fleet.failed:
+        yield _failures(fleet)
     yield Section("How it was computed", facts=_METHOD, anchor="method")
 
 
-def _tiles(found: Fleet) -> Iterator[Tile]:
-    good = found.campaigns - found.failed
-    failed = f"{found.failed} failed" if found.failed else "none failed"
-    yield Tile(f"{good} of {found.campaigns}", "campaigns", f"analyzed; {failed}")
-    yield Tile(str(found.outliers), "", "stand out from the others", "method-outliers")
-    drifts = sum(one.trend is not None and one.trend.real for one in found.spreads)
-    yield Tile(str(drifts), "", f"of {len(found.spreads)} numbers drift", "method-trends")
-    for one in found.spreads:
-        if one.quantity.name in ("friction_n", "efficiency"):
-            scale = one.quantity.scale
-            words = f"{one.quantity.words.split()[0].lower()}, {TITLES[one.direction].lower()}"
-            value = alike((scale * one.low, scale * one.high))
+def _tiles(fleet: Fleet) -> Iterator[Tile]:
+    good = fleet.campaigns - fleet.failed
+    failed = f"{fleet.failed} failed" if fleet.failed else "none failed"
+    yield Tile(f"{good} of {fleet.campaigns}", "campaigns", f"analyzed; {failed}")
+    yield Tile(str(fleet.outliers), "", "outliers", "method-outliers")
+    drifts = sum(one.trend is not None and one.trend.real for one in fleet.spreads)
+    yield Tile(str(drifts), "", f"of {len(fleet.spreads)} numbers drift", "method-trends")
+    for spread in fleet.spreads:
+        if spread.quantity.name in ("friction_n", "efficiency"):
+            scale = spread.quantity.scale
+            words = (
+                f"{spread.quantity.words.split()[0].lower()}, {TITLES[spread.direction].lower()}"
+            )
+            value = alike((scale * spread.low, scale * spread.high))
             words = f"{words}: 5 to 95 % of the campaigns"
-            yield Tile(value, one.quantity.unit, words, "method-spread")
-    for grade, count in found.qualities:
+            yield Tile(value, spread.quantity.unit, words, "method-spread")
+    for grade, count in fleet.qualities:
         yield Tile(str(count), "campaigns" if count != 1 else "campaign", f"data: {grade}")
 
 
-def _protocols(found: Fleet) -> tuple[Table, ...]:
+def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     rows = tuple(
-        (Cell(str(count), "" if i else "judged here"), Cell(words))
-        for i, (words, count) in enumerate(found.protocols)
+        (Cell(str(count), "" if i else "evaluated here"), Cell(words))
+        for i, (words, count) in enumerate(fleet.protocols)
     )
     title = "Kinds of campaigns" if len(rows) > 1 else "Kind of campaign"
     words = frozenset({"Piston and rod-side areas, loads, working speed"})
     return (Table(("Campaigns", *words), rows, words, title=title),) if rows else ()
 
 
-def _worst(found: Fleet) -> Table:
+def _worst(fleet: Fleet) -> Table:
     rows = []
-    for one in found.worst[: max(found.outliers, _LEAST)]:
-        name = PurePath(one.path).name or one.path
-        flag = "outlier" if one.deviations[0].outlier else ""
+    for suspect in fleet.worst[: max(fleet.outliers, _LEAST)]:
+        name = PurePath(suspect.path).name or suspect.path
+        flag = "outlier" if suspect.deviations[0].outlier else ""
         remarks = (
-            *([] if one.started is None else [f"{one.started:%Y-%m-%d}"]),
-            *([] if one.quality == "good" else [f"data: {one.quality}"]),
-            _also(tuple(others(one))),
-            one.path,
+            *([] if suspect.started is None else [f"{suspect.started:%Y-%m-%d}"]),
+            *([] if suspect.quality == "good" else [f"data: {suspect.quality}"]),
+            _also(tuple(others(suspect))),
+            suspect.path,
         )
-        numbers = map(Cell, cells(one)[:-1])
+        numbers = map(Cell, cells(suspect)[:-1])
         rows.append(
-            (Cell(name, flag, one.report), *numbers, Cell("; ".join(filter(None, remarks))))
+            (Cell(name, flag, suspect.report), *numbers, Cell("; ".join(filter(None, remarks))))
         )
     last = "Started; remarks; folder"
     words = frozenset({"Campaign", "Number", last})
@@ -160,15 +163,15 @@ def _also(further: tuple[str, ...]) -> str:
     return f"also {', '.join(further[:_ALSO])}{rest}"
 
 
-def _failures(found: Fleet) -> Section:
+def _failures(fleet: Fleet) -> Section:
     reasons = Table(
         ("Campaigns", "Reason"),
-        tuple((Cell(str(count)), Cell(words)) for words, count in found.reasons),
+        tuple((Cell(str(count)), Cell(words)) for words, count in fleet.reasons),
         frozenset({"Reason"}),
     )
-    rows = tuple((Cell(path), Cell(words)) for path, words in found.failures)
+    rows = tuple((Cell(path), Cell(words)) for path, words in fleet.failures)
     first = Table(("Folder", "Reason"), rows, frozenset({"Folder", "Reason"}))
-    words = f"The first {len(rows)} of them" if found.failed > len(rows) else "Each of them"
+    words = f"The first {len(rows)} of them" if fleet.failed > len(rows) else "Each of them"
     parts = (Section(words, tables=(first,), folded=True),)
     return Section("Not analyzed", tables=(reasons,), parts=parts, anchor="failed")
 

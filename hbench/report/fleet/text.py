@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import asdict
 
-from hbench.records import Deviation, Fleet, Spread, Suspect, WordTable
+from hbench.records import Deviation, Fleet, Spread, Suspect, Trend, WordTable
 from hbench.report.json_documents.values import plain
 from hbench.report.render.numbers import NONE, significant, with_ends
 from hbench.report.render.style import TITLES
@@ -14,97 +14,103 @@ SCHEMA = "hbench.fleet/1"
 _FEW = 5
 
 
-def fleet_text(found: Fleet) -> str:
-    """Return what a terminal shows."""
-    failed = f", {found.failed} failed" if found.failed else ""
-    parts = [f"{found.campaigns} campaigns: {found.campaigns - found.failed} analyzed{failed}"]
-    parts += [f"  {count} failed: {words}" for words, count in found.reasons]
-    if len(found.protocols) > 1:
+def fleet_text(fleet: Fleet) -> str:
+    """Return the summary and the tables, for a terminal."""
+    failed = f", {fleet.failed} failed" if fleet.failed else ""
+    parts = [f"{fleet.campaigns} campaigns: {fleet.campaigns - fleet.failed} analyzed{failed}"]
+    parts += [f"  {count} failed: {words}" for words, count in fleet.reasons]
+    if len(fleet.protocols) > 1:
         parts.append(
-            f"{found.judged} of the most frequent kind are judged: {found.protocols[0][0]}"
+            f"{fleet.judged} of the most frequent kind are evaluated: {fleet.protocols[0][0]}"
         )
-    for table in (spread_table(found), trend_table(found), worst_table(found, _FEW)):
+    for table in (spread_table(fleet), trend_table(fleet), worst_table(fleet, _FEW)):
         if table.rows:
             parts += ["", *aligned(table)]
-    parts += ["", verdict(found)]
+    parts += ["", verdict(fleet)]
     text = "\n".join(parts).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
 
 
-def fleet_json(found: Fleet) -> str:
+def fleet_json(fleet: Fleet) -> str:
     """Return the text of ``fleet.json``."""
-    document = {"schema": SCHEMA, **asdict(found)}
-    for shown, one in zip(document["spreads"], found.spreads, strict=True):
-        if one.trend is not None:
-            shown["trend"]["real"] = one.trend.real
-    for shown, suspect in zip(document["worst"], found.worst, strict=True):
+    document = {"schema": SCHEMA, **asdict(fleet)}
+    for shown, spread in zip(document["spreads"], fleet.spreads, strict=True):
+        if spread.trend is not None:
+            shown["trend"]["real"] = spread.trend.real
+    for shown, suspect in zip(document["worst"], fleet.worst, strict=True):
         shown["outlier"] = suspect.deviations[0].outlier
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
 
 
-def verdict(found: Fleet) -> str:
-    """Return in a few sentences what matters."""
+def verdict(fleet: Fleet) -> str:
+    """Return failures, outliers and drifts in a few sentences."""
     words = []
-    if found.failed:
-        words.append(f"{found.failed} of {found.campaigns} campaigns could not be analyzed.")
-    if not found.spreads:
+    if fleet.failed:
+        words.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
+    if not fleet.spreads:
         words.append("No campaign has a number to compare.")
         return " ".join(words)
-    if any(suspect.deviations for suspect in found.worst):
-        stand = "stands" if found.outliers == 1 else "stand"
-        stand = f"{found.outliers} of {found.judged} {stand} out from the others."
-        words.append(stand if found.outliers else "No campaign stands out from the others.")
+    if any(suspect.deviations for suspect in fleet.worst):
+        verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
+        some = f"{fleet.outliers} of {fleet.judged} campaigns {verb}."
+        words.append(some if fleet.outliers else "No campaign is an outlier.")
     else:
-        words.append("Too few campaigns of the same kind to tell which stand out.")
-    drifts = [one for one in found.spreads if one.trend is not None and one.trend.real]
+        words.append("Too few campaigns of the same kind to identify outliers.")
+    drifts = [
+        _drift(spread, spread.trend)
+        for spread in fleet.spreads
+        if spread.trend is not None and spread.trend.real
+    ]
     if drifts:
-        words.append(f"Drifts: {'; '.join(map(_drift, drifts))}.")
-    elif any(one.trend is not None for one in found.spreads):
-        words.append("No drift is shown.")
+        words.append(f"Drifts: {'; '.join(drifts)}.")
+    elif any(one.trend is not None for one in fleet.spreads):
+        words.append("No drift is significant.")
     return " ".join(words)
 
 
-def spread_table(found: Fleet) -> WordTable:
+def spread_table(fleet: Fleet) -> WordTable:
     """Return the middle and the spread of each number."""
     rows = []
-    for one in found.spreads:
-        scale = one.quantity.scale
-        between = significant(scale * one.between, 2) if one.between > 0 else "not shown"
+    for spread in fleet.spreads:
+        scale = spread.quantity.scale
+        between = (
+            significant(scale * spread.between, 2) if spread.between > 0 else "not significant"
+        )
         rows.append(
             (
-                name_of(one),
-                str(one.n),
-                significant(scale * one.median, 4),
-                f"{significant(scale * one.low, 4)} to {significant(scale * one.high, 4)}",
+                name_of(spread),
+                str(spread.n),
+                significant(scale * spread.median, 4),
+                f"{significant(scale * spread.low, 4)} to {significant(scale * spread.high, 4)}",
                 between,
-                NONE if one.own is None else significant(scale * one.own, 2),
+                NONE if spread.own is None else significant(scale * spread.own, 2),
             )
         )
     head = ("Number", "Campaigns", "Median", "5 to 95 %", "σ between cylinders", "σ of own trials")
     return WordTable("Distributions", head, tuple(rows))
 
 
-def trend_table(found: Fleet) -> WordTable:
+def trend_table(fleet: Fleet) -> WordTable:
     """Return the trend of each number over the whole span."""
     rows = []
-    for one in found.spreads:
-        if one.trend is not None:
-            p = one.trend.p_holm
+    for spread in fleet.spreads:
+        if spread.trend is not None:
+            p = spread.trend.p_holm
             rows.append(
                 (
-                    name_of(one),
-                    _change(one),
+                    name_of(spread),
+                    _change(spread, spread.trend),
                     "< 0.0001" if p < 1e-4 else significant(p, 2),
-                    "drifts" if one.trend.real else "not shown",
+                    "drifts" if spread.trend.real else "not significant",
                 )
             )
     head = ("Number", "Change over the span", "p (Holm)", "Verdict")
     return WordTable("Drifts", head, tuple(rows))
 
 
-def worst_table(found: Fleet, most: int) -> WordTable:
+def worst_table(fleet: Fleet, most: int) -> WordTable:
     """Return the campaigns that deviate most, a row each."""
-    rows = tuple((shown.path, *cells(shown)) for shown in found.worst[:most])
+    rows = tuple((shown.path, *cells(shown)) for shown in fleet.worst[:most])
     return WordTable("Worst campaigns", ("Campaign", *WORST_HEAD), rows)
 
 
@@ -121,31 +127,32 @@ def cells(shown: Suspect) -> tuple[str, ...]:
         significant(scale * one.median, 4),
         _signed(significant(one.z, 2)),
         "< 0.0001" if p < 1e-4 else significant(p, 2),
-        "outlier" if one.outlier else "not told from others",
+        "outlier" if one.outlier else "not significant",
     )
 
 
 def others(shown: Suspect) -> Iterator[str]:
     """Yield the further numbers in which a campaign is an outlier."""
-    for one in shown.deviations[1:]:
-        if one.outlier:
-            yield f"{name_of(one)} {_signed(significant(one.z, 2))} σ"
+    for deviation in shown.deviations[1:]:
+        if deviation.outlier:
+            yield f"{name_of(deviation)} {_signed(significant(deviation.z, 2))} σ"
 
 
-def name_of(one: Spread | Deviation) -> str:
+def name_of(number: Spread | Deviation) -> str:
     """Return the number's words with direction and unit."""
-    words = one.quantity.words.removesuffix(" at the working speed")
-    return f"{words}, {TITLES[one.direction].lower()} ({one.quantity.unit})"
+    words = number.quantity.words.removesuffix(" at the working speed")
+    return f"{words}, {TITLES[number.direction].lower()} ({number.quantity.unit})"
 
 
-def _change(one: Spread) -> str:
-    trend, scale = one.trend, one.quantity.scale
+def _change(spread: Spread, trend: Trend) -> str:
+    scale = spread.quantity.scale
     return _signed(with_ends(scale * trend.change, scale * trend.low, scale * trend.high))
 
 
-def _drift(one: Spread) -> str:
-    words = f"{one.quantity.words[0].lower()}{one.quantity.words[1:]}"
-    return f"{words}, {TITLES[one.direction].lower()}: {_change(one)} {one.quantity.unit}"
+def _drift(spread: Spread, trend: Trend) -> str:
+    words = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
+    change = f"{_change(spread, trend)} {spread.quantity.unit}"
+    return f"{words}, {TITLES[spread.direction].lower()}: {change}"
 
 
 def _signed(text: str) -> str:

@@ -15,7 +15,7 @@ from hbench.report.render.figures import Drawing, Sketch, drawn
 from hbench.report.render.numbers import force
 
 _FOLLOWED = (
-    "Friction and velocity along the verification profile, measured (grey) and in the model with "
+    "Friction and velocity over the verification profile, measured (grey) and in the model with "
     "the law (coloured); below, the velocity's difference, model minus measurement."
 )
 _ERRORS = (
@@ -25,31 +25,33 @@ _ERRORS = (
 )
 
 
-def draw_identification(found: Identification) -> tuple[Drawing, ...]:
-    """Draw the errors of all laws, then each law along each load's profile; none unverified."""
+def draw_identification(identification: Identification) -> tuple[Drawing, ...]:
+    """Draw the errors of all laws, then each verified law over each load's profile."""
     sketches = []
-    if any(law.errors for law in found.laws):
+    if any(law.errors for law in identification.laws):
         with rc_context(style.RC):
-            figure = _errors(found)
+            figure = _errors(identification)
         sketches.append(Sketch("errors", "errors", "Errors by law", _ERRORS, figure))
-    for index, law in enumerate(found.laws):
-        for one in found.followed:
+    for index, law in enumerate(identification.laws):
+        for one in identification.followed:
             if law.law not in one.modelled:
                 continue
             load = force(one.f_load_n)
             title = f"{law_words(law.law)}, {load}, run {one.run}"
             with rc_context(style.RC):
-                figure = _along(title, index, one, one.modelled[law.law], found)
+                figure = _along(title, index, one, one.modelled[law.law], identification)
             name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {one.run}".lower())
             sketches.append(Sketch(name, law.law, title, _FOLLOWED, figure))
     return drawn(sketches)
 
 
-def _along(title: str, index: int, one: Followed, model: Trace, found: Identification) -> Figure:
+def _along(
+    title: str, index: int, followed: Followed, model: Trace, identification: Identification
+) -> Figure:
     figure = style.new_figure(height_in=5.6)
     top, middle, bottom = figure.subplots(3, sharex=True, height_ratios=(3, 2, 1.5))
     colour = style.COLOURS[index % len(style.COLOURS)]
-    real, n = one.measured, min(len(one.measured.t_s), len(model.t_s))
+    real, n = followed.measured, min(len(followed.measured.t_s), len(model.t_s))
     for axes, name, factor in ((top, "friction_n", 1.0), (middle, "v_m_s", 1e3)):
         mark = "" if axes is top else "_"  # one legend for both
         grey = {"color": "#9ca3af", "linewidth": 3, "label": f"{mark}measured"}
@@ -62,46 +64,46 @@ def _along(title: str, index: int, one: Followed, model: Trace, found: Identific
     top.set_ylabel("Friction (N)")
     middle.set_ylabel("Velocity (mm/s)")
     bottom.set(xlabel="Time (s)", ylabel="Difference\n(mm/s)")
-    _head(top, title, found)
+    _head(top, title, identification)
     figure.align_ylabels()
     style.legend_above(figure, top, columns=2)
     return figure
 
 
-def _errors(found: Identification) -> Figure:
+def _errors(identification: Identification) -> Figure:
     figure = style.new_figure(height_in=4.6)
     rows = figure.subplots(2, sharex=True)
-    laws = [law for law in found.laws if law.errors]
+    laws = [law for law in identification.laws if law.errors]
     width = 0.8 / len(laws)
-    for axes, name, factor, along in (
+    for axes, name, factor, axis_label in (
         (rows[0], "friction_n", 1.0, "Friction (N)"),
         (rows[1], "v_m_s", 1e3, "Velocity (mm/s)"),
     ):
         for i, law in enumerate(laws):
             place = np.arange(len(PARTS)) + (i - (len(laws) - 1) / 2) * width
             heights = [factor * getattr(law.errors[part], name) for part in PARTS]
-            look = style.series_style(found.laws.index(law))
+            look = style.series_style(identification.laws.index(law))
             label = law_words(law.law) if axes is rows[0] else f"_{law_words(law.law)}"
             axes.plot(place, heights, linestyle="none", label=label, **look)
         for i, part in enumerate(PARTS):
-            if found.scatter:
-                floor = factor * getattr(found.scatter[part], name)
+            if identification.scatter:
+                floor = factor * getattr(identification.scatter[part], name)
                 axes.hlines(floor, i - 0.42, i + 0.42, color="black", linestyle="--", linewidth=1.2)
         axes.set_yscale("log")
         style.plain_log(axes.yaxis)
-        axes.set_ylabel(along)
+        axes.set_ylabel(axis_label)
         axes.grid(False, axis="x")
     rows[1].set_xticks(range(len(PARTS)), PARTS)
     rows[1].set_xlabel("Part of the profile")
     style.read_as(figure, "Points: rms errors; dashed: the trials' scatter.")
-    _head(rows[0], "Errors by law", found)
+    _head(rows[0], "Errors by law", identification)
     style.legend_above(figure, rows[0], columns=3)
     return figure
 
 
-def _head(axes: Axes, title: str, found: Identification) -> None:
+def _head(axes: Axes, title: str, identification: Identification) -> None:
     axes.set_title(style.safe(title))
-    if found.provenance.source == "simulated":
+    if identification.provenance.source == "simulated":
         axes.set_title(
             "simulated", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
         )

@@ -16,12 +16,12 @@ _SOURCE = (
     "Estimation for Hydraulic Asymmetrical Cylinders, Aalborg University, 2011."
 )
 _PARTS = (
-    "Steady is where the reference has been the same speed for 0.3 s, rest where it has been zero "
-    "for as long (there friction is whatever holds the piston)."
+    "Steady: the reference has been constant for 0.3 s. Rest: the reference has been zero for 0.3 "
+    "s; there friction is the force that holds the piston."
 )
 _SCATTER = (
-    "The trials' scatter is what their mean, as a model, would leave; a part of it is how they "
-    "begin, which a model that makes the same trials repeats."
+    "The trials' scatter is the residual of their mean, taken as a model. A part of it comes from "
+    "their initial states, which a simulation of the same trials reproduces."
 )
 _RAMPS = (
     "The source found a ramp's friction unlike the steady one (section 6.2): the last table has "
@@ -29,22 +29,28 @@ _RAMPS = (
 )
 
 
-def identification_page(found: Identification, drawings: Iterable[Drawing]) -> str:
+def identification_page(identification: Identification, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    made = found.provenance
-    files = ", ".join(f"{law.law}.yaml" for law in found.laws if law.fit is not None)
+    made = identification.provenance
+    files = ", ".join(f"{law.law}.yaml" for law in identification.laws if law.fit is not None)
     plants = f"As plant files beside this page: {files}. Give one to hbench run --plant, or put "
-    read = [_PARTS, _SCATTER] if found.scatter else [] if found.not_verified else [_PARTS]
-    read += [_RAMPS] if found.ramps else []
-    words = (*read, *found.notes, f"{plants}its section into a bench file.")
-    laws = Section(paragraphs=words, tables=tuple(map(_named, tables(found))))
-    missing = Section("What is missing or uncertain", items=reasons(found))
-    figures = Section("Along the verification profile", drawings=tuple(drawings))
+    read = (
+        [_PARTS, _SCATTER]
+        if identification.scatter
+        else []
+        if identification.not_verified
+        else [_PARTS]
+    )
+    read += [_RAMPS] if identification.ramps else []
+    words = (*read, *identification.notes, f"{plants}its section into a bench file.")
+    laws = Section(paragraphs=words, tables=tuple(map(_named, tables(identification))))
+    missing = Section("Missing or uncertain results", items=reasons(identification))
+    figures = Section("Verification profile", drawings=tuple(drawings))
     return document(
         "Friction laws of the test cylinder",
         f"Campaign {made.name}, {made.source}, {made.started}; bench {made.bench}. {_SOURCE}",
         tuple(one for one in (laws, missing, figures) if one is not figures or figures.drawings),
-        _verdict(found),
+        _verdict(identification),
         made.source,
     )
 
@@ -55,24 +61,26 @@ def _named(table: WordTable) -> WordTable:
     return replace(table, rows=rows)
 
 
-def _verdict(found: Identification) -> str:
-    if found.not_verified:
-        return f"{found.not_verified[0].upper()}{found.not_verified[1:]}."
+def _verdict(identification: Identification) -> str:
+    if identification.not_verified:
+        return f"{identification.not_verified[0].upper()}{identification.not_verified[1:]}."
     return (
         "Each law, in a model of the bench with the firmware in closed loop, followed the profile "
-        f"of the {len(found.verification_runs)} verification runs (section 5.5), which took no "
-        f"part in the identification.{_closest(found)}"
+        f"of the {len(identification.verification_runs)} verification runs (section 5.5), which "
+        f"took no part in the identification.{_closest(identification)}"
     )
 
 
-def _closest(found: Identification) -> str:
+def _closest(identification: Identification) -> str:
     """Name the law with the smallest error of friction over all parts of the runs."""
-    errors = {law.law: _rms_n(tuple(law.errors.values())) for law in found.laws if law.errors}
+    errors = {
+        law.law: _rms_n(tuple(law.errors.values())) for law in identification.laws if law.errors
+    }
     if not errors:
         return ""
     best = min(errors, key=errors.__getitem__)
     words = f" Closest in friction: {law_words(best)}, {significant(errors[best], 2)} N rms"
-    scatter = found.scatter and _rms_n(tuple(found.scatter.values()))
+    scatter = identification.scatter and _rms_n(tuple(identification.scatter.values()))
     return words + (f"; the trials scatter by {significant(scatter, 2)} N." if scatter else ".")
 
 

@@ -5,9 +5,9 @@ import yaml
 from hbench.records import Fit, FitParameter, Identification, IdentifiedLaw
 
 
-def overlay_yaml(found: Identification, law: IdentifiedLaw, fit: Fit) -> str:
+def overlay_yaml(identification: Identification, law: IdentifiedLaw, fit: Fit) -> str:
     """Return the text of the file: where it comes from as a comment, then the section."""
-    made = found.provenance
+    made = identification.provenance
     lines = [
         f"Friction of the test cylinder, law {law.law}, identified by `hbench identify` from",
         f"{len(law.runs)} runs of the {made.source} campaign {made.name!r} of {made.started}.",

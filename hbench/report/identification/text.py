@@ -23,61 +23,67 @@ _RAMPS_HEAD = (
 _FLOOR = "trials' scatter"
 
 
-def identification_json(found: Identification) -> str:
+def identification_json(identification: Identification) -> str:
     """Return ``identification.json``: all but the curves. A number that does not exist is null."""
     document = {
         "schema": SCHEMA,
-        "provenance": asdict(found.provenance),
-        "laws": [_law(law) for law in found.laws],
+        "provenance": asdict(identification.provenance),
+        "laws": [_law(law) for law in identification.laws],
         "verification": {
-            "runs": found.verification_runs,
-            "trial_scatter": _errors(found.scatter),
-            "not_verified": found.not_verified or None,
+            "runs": identification.verification_runs,
+            "trial_scatter": _errors(identification.scatter),
+            "not_verified": identification.not_verified or None,
         },
-        "steady_and_ramp": [asdict(ramp) for ramp in found.ramps],
-        "no_ramps": found.no_ramps or None,
-        "left_out": found.left_out,
-        "notes": found.notes,
+        "steady_and_ramp": [asdict(ramp) for ramp in identification.ramps],
+        "no_ramps": identification.no_ramps or None,
+        "left_out": identification.left_out,
+        "notes": identification.notes,
     }
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
 
 
-def identification_text(found: Identification) -> str:
-    """Return every table in aligned columns, then what could not be done and why."""
-    parts = ["\n".join(aligned(table)) for table in tables(found)]
-    sentences = [*reasons(found), *found.notes]
+def identification_text(identification: Identification) -> str:
+    """Return every table in aligned columns, then the reasons for missing results."""
+    parts = ["\n".join(aligned(table)) for table in tables(identification)]
+    sentences = [*reasons(identification), *identification.notes]
     return "\n\n".join([*parts, "\n".join(sentences)]).replace("m/s²", "m/s^2")
 
 
-def tables(found: Identification) -> tuple[WordTable, ...]:
+def tables(identification: Identification) -> tuple[WordTable, ...]:
     """Return the tables that have rows: errors, parameters, ramps."""
     every = (
-        WordTable("Errors on the verification runs (rms)", _ERRORS_HEAD, tuple(_error_rows(found))),
-        WordTable("Identified parameters", _PARAMETERS_HEAD, tuple(_parameter_rows(found))),
+        WordTable(
+            "Errors on the verification runs (rms)",
+            _ERRORS_HEAD,
+            tuple(_error_rows(identification)),
+        ),
+        WordTable(
+            "Identified parameters", _PARAMETERS_HEAD, tuple(_parameter_rows(identification))
+        ),
         WordTable(
             "Steady and ramp from breakaway on: rms error of Tustin fits",
             _RAMPS_HEAD,
-            tuple(_ramps(found)),
+            tuple(_ramps(identification)),
         ),
     )
     return tuple(table for table in every if table.rows)
 
 
-def reasons(found: Identification) -> tuple[str, ...]:
-    """Return what could not be identified or verified, and what a fit says, a sentence each."""
-    sentences = [found.not_verified] if found.not_verified else []
-    for law in found.laws:
+def reasons(identification: Identification) -> tuple[str, ...]:
+    """Return the reasons for missing results and the messages of fits, a sentence each."""
+    sentences = [identification.not_verified] if identification.not_verified else []
+    for law in identification.laws:
         if law.fit is None:
             sentences.append(f"{law.law} is not identified: {law.reason}")
         elif law.fit.message:
             sentences.append(f"{law.law}: {law.fit.message}")
         if law.not_verified:
             sentences.append(f"{law.law}: {law.not_verified}")
-    if found.no_ramps:
-        sentences.append(f"steady fits and ramps are not compared: {found.no_ramps}")
-    if found.left_out:
-        sentences.append(f"runs left out: {len(found.left_out)}")
-        sentences += [f"  {line}" for line in found.left_out]
+    if identification.no_ramps:
+        sentences.append(f"steady fits and ramps are not compared: {identification.no_ramps}")
+    if identification.left_out:
+        sentences.append(f"runs left out: {len(identification.left_out)}")
+        sentences += [f"  {line}" for line in identification.left_out]
     return tuple(sentences)
 
 
@@ -107,12 +113,16 @@ def _errors(errors: Mapping[str, ModelErrors]) -> dict[str, Any] | None:
     return {part: asdict(errors[part]) for part in PARTS} if errors else None
 
 
-def _error_rows(found: Identification) -> list[tuple[str, ...]]:
+def _error_rows(identification: Identification) -> list[tuple[str, ...]]:
     rows = []
-    for law in found.laws:
+    for law in identification.laws:
         rows += [_error_row(law.law, part, law.errors[part]) for part in PARTS if law.errors]
     if rows:
-        rows += [_error_row(_FLOOR, part, found.scatter[part]) for part in PARTS if found.scatter]
+        rows += [
+            _error_row(_FLOOR, part, identification.scatter[part])
+            for part in PARTS
+            if identification.scatter
+        ]
     return rows
 
 
@@ -128,16 +138,16 @@ def _error_row(name: str, part: str, errors: ModelErrors) -> tuple[str, ...]:
     )
 
 
-def _parameter_rows(found: Identification) -> list[tuple[str, ...]]:
+def _parameter_rows(identification: Identification) -> list[tuple[str, ...]]:
     return [
         (law.law, name, p.unit, significant(p.value, 4), interval(p.ci95), p.at_bound or "")
-        for law in found.laws
+        for law in identification.laws
         if law.fit is not None
         for name, p in law.fit.parameters.items()
     ]
 
 
-def _ramps(found: Identification) -> list[tuple[str, ...]]:
+def _ramps(identification: Identification) -> list[tuple[str, ...]]:
     return [
         (
             ramp.direction,
@@ -148,5 +158,5 @@ def _ramps(found: Identification) -> list[tuple[str, ...]]:
             number(ramp.ramp_on_steady_n),
             number(ramp.ramp_on_ramp_n),
         )
-        for ramp in found.ramps
+        for ramp in identification.ramps
     ]

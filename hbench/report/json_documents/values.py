@@ -1,4 +1,4 @@
-"""Values as JSON knows them."""
+"""Values of Python and numpy as JSON values."""
 
 import math
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def plain(value: Any) -> Any:
-    """Turn what JSON does not know into what it knows; NaN and infinities into null."""
+    """Return a value as JSON types; NaN and infinities become null."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):

@@ -17,7 +17,7 @@ from hbench.report.render.inline_svg import inline
 from hbench.report.render.style import DARK
 from hbench.report.render.word_tables import Cell, Table
 
-_NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not shown|")
+_NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
 _SYMBOL = re.compile(
     r"\b(?:([AFPp])_(\w+)|(k|a)_(\d)\b|(v)_(SW|stribeck)\b|(m)_(T)\b|(U)_(95)(?!\d))"
 )
@@ -88,8 +88,10 @@ def document(
 
 
 def page(made: Document) -> str:
-    """Return ``made`` as HTML. The only script is the page's own, told to the browser by hash."""
-    script = _environment().loader.get_source(_environment(), "page.js")[0]
+    """Return ``made`` as HTML. The browser runs the page's own script only, by its hash."""
+    loader = _environment().loader
+    assert loader is not None  # _environment gives one
+    script = loader.get_source(_environment(), "page.js")[0]
     titled = [section for section in made.sections if section.title]
     return (
         _environment()
@@ -157,6 +159,6 @@ def _subscripts(text: str) -> Markup:
     return Markup(_SYMBOL.sub(_lowered, str(escape(text))))
 
 
-def _lowered(found: re.Match[str]) -> str:
-    symbol, index = filter(None, found.groups())
+def _lowered(match: re.Match[str]) -> str:
+    symbol, index = filter(None, match.groups())
     return f"{symbol}<sub>{index}</sub>"

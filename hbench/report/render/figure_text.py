@@ -7,14 +7,14 @@ import numpy as np
 
 from hbench.report.render.csv_text import csv_of
 from hbench.report.render.numbers import short, significant
-from hbench.report.render.series import Series
+from hbench.report.render.series import DrawnSeries
 from hbench.untrusted_text import as_cell
 
 _MOST_SERIES = 10  # of a panel, told one by one
 _TURN = 0.1  # of a series' range: less is no change of its course
 
 
-def data_csv(series: Sequence[Series]) -> str:
+def data_csv(series: Sequence[DrawnSeries]) -> str:
     """Return all series as CSV: a row a point, a column a quantity, in the axes' units."""
     several = len({one.panel for one in series}) > 1
     names = list(dict.fromkeys(name for one in series for name in one.columns))
@@ -28,16 +28,16 @@ def data_csv(series: Sequence[Series]) -> str:
     return csv_of([as_cell(name) for name in head], rows)
 
 
-def point_notes(one: Series) -> list[str]:
+def point_notes(series: DrawnSeries) -> list[str]:
     """Return what each point tells when it is pointed at, a line for each quantity."""
-    head = [one.label] if one.label else []
+    head = [series.label] if series.label else []
     return [
-        "\n".join([*head, *(line for line in _lines(one.columns, i) if line)])
-        for i in range(len(one.x))
+        "\n".join([*head, *(line for line in _lines(series.columns, i) if line)])
+        for i in range(len(series.x))
     ]
 
 
-def alternative_text(title: str, series: Sequence[Series]) -> str:
+def alternative_text(title: str, series: Sequence[DrawnSeries]) -> str:
     """Say what is seen in a figure to those who don't see it."""
     sentences = [f"{title}."]
     panels = sorted({one.panel for one in series})
@@ -53,20 +53,20 @@ def alternative_text(title: str, series: Sequence[Series]) -> str:
     return " ".join(sentences)
 
 
-def _course(one: Series) -> str:
+def _course(series: DrawnSeries) -> str:
     """Write how a series goes: its ends, and its extremes where it turns."""
-    label = f"{one.label}: " if one.label else ""
-    if isinstance(one.x[0], str) or isinstance(one.y[0], str):
-        pairs = zip(one.x, one.y, strict=True)
+    label = f"{series.label}: " if series.label else ""
+    if isinstance(series.x[0], str) or isinstance(series.y[0], str):
+        pairs = zip(series.x, series.y, strict=True)
         named = [" ".join((_shown(y), _shown(x))) for x, y in pairs]
         return f"{label}{'; '.join(named[:_MOST_SERIES])}."
-    known = np.isfinite(one.x) & np.isfinite(one.y)
-    x, y = np.asarray(one.x)[known], np.asarray(one.y)[known]
+    known = np.isfinite(series.x) & np.isfinite(series.y)
+    x, y = np.asarray(series.x)[known], np.asarray(series.y)[known]
     if not len(x):
         return f"{label}no values."
     if len(x) == 1:
         return f"{label}{short(y[0])} at {short(x[0])}."
-    points = f"{len(x)} points, " if one.points is not None else ""
+    points = f"{len(x)} points, " if series.points is not None else ""
     if np.all(np.diff(x) < 0):
         x, y = x[::-1], y[::-1]
     if np.any(np.diff(x) <= 0):

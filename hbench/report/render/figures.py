@@ -1,4 +1,4 @@
-"""Figures as files and as parts of a page: drawn once, with their data and what is seen in them."""
+"""Figures as files and as parts of a page: drawn once, with their data and a text alternative."""
 
 import io
 from collections.abc import Iterable, Sequence
@@ -10,15 +10,16 @@ from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from hbench.parallel.forked import side_by_side
 from hbench.report.render.figure_text import alternative_text, data_csv, point_notes
-from hbench.report.render.series import Series, series_of
+from hbench.report.render.series import DrawnSeries, series_of
 from hbench.report.render.style import RC, WIDTH_IN
 
 PNG_DPI = 200
 _PNG = {"compress_level": 1}  # a tenth larger than at 6, in a quarter of the time
-POINT = "point"  # class of what can be pointed at
+POINT = "point"  # class of the marks with a note
 
 _SVG = "{http://www.w3.org/2000/svg}"
 ElementTree.register_namespace("", _SVG[1:-1])
@@ -78,28 +79,28 @@ def figure_files(drawings: Iterable[Drawing]) -> dict[str, bytes]:
 def render(figure: Figure) -> tuple[bytes, bytes]:
     """Return ``figure`` as SVG and PNG; the same figure gives the same bytes.
 
-    In the SVG each point of a series tells its numbers when it is pointed at.
+    In the SVG each point of a series shows its numbers under the pointer.
     """
     svg, png = io.BytesIO(), io.BytesIO()
-    series = [one for one in series_of(figure) if one.points is not None]
-    for number, one in enumerate(series):
-        one.points.set_gid(f"series{number}")
+    marked = [(series, series.points) for series in series_of(figure) if series.points is not None]
+    for number, (_, points) in enumerate(marked):
+        points.set_gid(f"series{number}")
     with rc_context(RC):
         FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Creator": None})
         figure.set_layout_engine("none")  # it is laid out; once more takes as long as drawing
         figure.set_dpi(PNG_DPI)
         FigureCanvasAgg(figure).print_png(png, metadata={"Software": None}, pil_kwargs=_PNG)
-    return _with_notes(svg.getvalue(), series), png.getvalue()
+    return _with_notes(svg.getvalue(), marked), png.getvalue()
 
 
-def _with_notes(svg: bytes, series: list[Series]) -> bytes:
-    """Wrap the mark of each point with a title of what it tells."""
+def _with_notes(svg: bytes, marked: list[tuple[DrawnSeries, Line2D]]) -> bytes:
+    """Wrap the mark of each point with its note as a title."""
     root = ElementTree.fromstring(svg)
     groups = {group.get("id"): group for group in root.iter(f"{_SVG}g")}
-    for number, one in enumerate(series):
-        told = [
+    for number, (series, points) in enumerate(marked):
+        notes = [
             note
-            for note, x, y in zip(point_notes(one), *one.points.get_data(), strict=True)
+            for note, x, y in zip(point_notes(series), *points.get_data(), strict=True)
             if abs(x) + abs(y) < float("inf")
         ]
         marks = [
@@ -107,9 +108,9 @@ def _with_notes(svg: bytes, series: list[Series]) -> bytes:
             for parent in groups[f"series{number}"].iter(f"{_SVG}g")
             for mark in parent.findall(f"{_SVG}use")
         ]
-        if len(marks) != len(told):  # a point lies off the figure: none is told wrongly
+        if len(marks) != len(notes):  # a point lies off the figure: no note may be misplaced
             continue
-        for (parent, mark), note in zip(marks, told, strict=True):
+        for (parent, mark), note in zip(marks, notes, strict=True):
             at = list(parent).index(mark)
             parent.remove(mark)
             point = ElementTree.Element(f"{_SVG}g", {"class": POINT})

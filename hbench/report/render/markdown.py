@@ -35,10 +35,10 @@ def _blocks(section: Section, level: int) -> Iterator[str]:
         yield "\n".join(f"- {plain(item)}" for item in section.items)
     if section.code:
         yield "\n".join(f"    {line}" for line in section.code.splitlines())
-    for one in section.drawings:
-        yield f"![{plain(one.seen or one.caption)}](figures/{one.name}.svg)"
-        data = f" [Data](figures/{one.name}.csv)" if one.csv else ""
-        yield f"**{plain(one.title)}.** {plain(one.caption)}{data}"
+    for drawing in section.drawings:
+        yield f"![{plain(drawing.seen or drawing.caption)}](figures/{drawing.name}.svg)"
+        data = f" [Data](figures/{drawing.name}.csv)" if drawing.csv else ""
+        yield f"**{plain(drawing.title)}.** {plain(drawing.caption)}{data}"
     for table in section.tables:
         if table.title:
             yield f"**{plain(table.title)}**"

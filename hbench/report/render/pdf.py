@@ -115,20 +115,20 @@ class _Sheets:
                 axes.imshow(image, aspect="auto", interpolation="none")
                 axes.set_axis_off()
             self._top_in -= max(heights)
-        for caption in dict.fromkeys(one.caption for one in drawings if one.caption):
+        for caption in dict.fromkeys(drawing.caption for drawing in drawings if drawing.caption):
             titles = ", ".join(one.title for one in drawings if one.caption == caption)
             self.words(f"{titles}. {caption}", 7.5)
 
 
 def _side_by_side(drawings: tuple[Drawing, ...]) -> Iterator[list[Drawing]]:
     waiting: list[Drawing] = []
-    for one in drawings:
-        if one.wide:
+    for drawing in drawings:
+        if drawing.wide:
             yield from ([waiting] if waiting else [])
             waiting = []
-            yield [one]
+            yield [drawing]
         else:
-            waiting.append(one)
+            waiting.append(drawing)
             if len(waiting) == 2:
                 yield waiting
                 waiting = []

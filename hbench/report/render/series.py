@@ -1,8 +1,8 @@
-"""What a figure shows, as data: its series, read back from the figure itself.
+"""Series of a figure as data, read back from the figure itself.
 
-So a figure's data can't differ from what is drawn. A series is a line, error bars, bars, dots or
-an image with a label; one whose label begins with an underscore stays out of the legend, and what
-has no label is there for the eye alone.
+The data therefore cannot differ from the drawing. A series is a line, error bars, bars, dots or
+an image with a label; a label that begins with an underscore stays out of the legend, and marks
+without a label are no data.
 """
 
 import re
@@ -26,14 +26,14 @@ Column = Sequence[float | str] | np.ndarray
 
 
 @dataclass(frozen=True)
-class Series:
-    """One series: a column for each quantity, by its name with its unit."""
+class DrawnSeries:
+    """Series of a figure: a column for each quantity, by its name with its unit."""
 
     panel: int  # of its figure, from 1
     label: str
     x_name: str
     y_name: str
-    columns: dict[str, Column]  # x, y, half-widths of bars, then what stands behind the points
+    columns: dict[str, Column]  # x, y, half-widths of bars, then the columns behind the points
     points: Line2D | None  # where it is drawn as points, their artist
     title: str = ""  # of its panel
 
@@ -53,9 +53,9 @@ def behind(artist: Artist | ErrorbarContainer, columns: Mapping[str, Column]) ->
     artist.columns_behind = dict(columns)
 
 
-def series_of(figure: Figure) -> tuple[Series, ...]:
+def series_of(figure: Figure) -> tuple[DrawnSeries, ...]:
     """Return all series of ``figure``, panel by panel."""
-    found: list[Series] = []
+    found: list[DrawnSeries] = []
     for panel, axes in enumerate(panels(figure), start=1):
         found += _series(panel, axes)
     return tuple(found)
@@ -66,13 +66,13 @@ def panels(figure: Figure) -> list[Axes]:
     return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
 
 
-def plain(words: str) -> str:
-    """Return a label without its formulas' marks: ``Load $F_{Lr}$`` as ``Load F_Lr``."""
+def without_math(words: str) -> str:
+    """Return a label without the marks of formulas: ``Load $F_{Lr}$`` as ``Load F_Lr``."""
     text = " ".join(words.split()).replace(r"\$", "\0")
     return re.sub(r"[${}]", "", text).replace("\0", "$")
 
 
-def _series(panel: int, axes: Axes) -> Iterator[Series]:
+def _series(panel: int, axes: Axes) -> Iterator[DrawnSeries]:
     for artist in _artists(axes):
         label = str(artist.get_label())
         if _FOR_THE_EYE.fullmatch(label):
@@ -88,9 +88,11 @@ def _series(panel: int, axes: Axes) -> Iterator[Series]:
         columns = {x_name: _named(axes.xaxis, x), y_name: _named(axes.yaxis, y)}
         columns |= _half_widths(artist, x_name, y_name) | getattr(artist, "columns_behind", {})
         has_points = line is not None and line.get_marker() not in ("None", "", " ", None)
-        title = plain(axes.get_title("left"))
-        label = plain(label.removeprefix("_"))
-        yield Series(panel, label, x_name, y_name, columns, line if has_points else None, title)
+        title = without_math(axes.get_title("left"))
+        label = without_math(label.removeprefix("_"))
+        yield DrawnSeries(
+            panel, label, x_name, y_name, columns, line if has_points else None, title
+        )
 
 
 def _artists(axes: Axes) -> Iterator[Artist]:
@@ -143,7 +145,7 @@ def _name(axis: Axis, otherwise: str) -> str:
         siblings = axis.axes.get_shared_x_axes().get_siblings(axis.axes)
         label = next(filter(None, (one.get_xlabel() for one in siblings)), "")
     first = label.partition("\n")[0]  # with its unit; a second line is a remark
-    return plain(first if "(" in first else label) or otherwise
+    return without_math(first if "(" in first else label) or otherwise
 
 
 def _named(axis: Axis, values: np.ndarray) -> Column:
@@ -152,5 +154,5 @@ def _named(axis: Axis, values: np.ndarray) -> Column:
     if not isinstance(locator, FixedLocator) or not isinstance(formatter, FuncFormatter):
         return values
     ticks = np.asarray(locator.locs, dtype=float)
-    words = [plain(word) for word in formatter.format_ticks(ticks)]
+    words = [without_math(word) for word in formatter.format_ticks(ticks)]
     return [words[int(np.argmin(np.abs(ticks - value)))] for value in values]

@@ -159,8 +159,8 @@ def share_limits(axes: Iterable[Axes]) -> None:
     for get, set_ in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
         limits = [getattr(one, get)() for one in axes]
         widest = (min(low for low, _ in limits), max(high for _, high in limits))
-        for one in axes:
-            getattr(one, set_)(widest)
+        for panel in axes:
+            getattr(panel, set_)(widest)
 
 
 def columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

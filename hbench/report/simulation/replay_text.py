@@ -10,33 +10,33 @@ from hbench.report.render.numbers import significant
 from hbench.report.render.terminal_table import aligned
 
 
-def replay_text(found: Replay) -> str:
+def replay_text(replay: Replay) -> str:
     """Return what was simulated, how far each signal is off, and what was left out."""
     rows = tuple(
         (signal(one.signal).says, one.unit, *(significant(n, 3) for n in (one.off, one.worst)))
         + (one.worst_run,)
-        for one in found.off
+        for one in replay.off
     )
     head = ("signal", "unit", "all runs", "worst run", "which")
     lines = [
-        f"SIMULATED: {len(found.runs)} runs of {found.provenance.name!r} by {found.model}, in open "
-        "loop: under the measured valve commands and supply pressure.",
+        f"SIMULATED: {len(replay.runs)} runs of {replay.provenance.name!r} by {replay.model}, "
+        "in open loop: under the measured valve commands and supply pressure.",
         "",
         *aligned(WordTable("Simulated less measured, root mean square", head, rows)),
-        *(f"left out: {line}" for line in found.left_out),
+        *(f"left out: {line}" for line in replay.left_out),
     ]
     return "\n".join(lines).replace("−", "-")
 
 
-def replay_json(found: Replay) -> str:
+def replay_json(replay: Replay) -> str:
     """Return the same as one object; the runs are in files."""
     document = {
         "schema": "hbench.replay/1",
         "simulated": True,
-        "model": found.model,
-        "campaign": found.provenance.name,
-        "runs": [run.plan.run for run in found.runs],
-        "off": [asdict(one) for one in found.off],
-        "left_out": found.left_out,
+        "model": replay.model,
+        "campaign": replay.provenance.name,
+        "runs": [run.plan.run for run in replay.runs],
+        "off": [asdict(one) for one in replay.off],
+        "left_out": replay.left_out,
     }
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"

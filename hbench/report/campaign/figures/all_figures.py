@@ -1,4 +1,4 @@
-"""All figures of a campaign: what is drawn when, under which name, with which caption."""
+"""Table of the figures of a campaign: names, sections, captions, conditions."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -42,7 +42,7 @@ class FigureKind:
     section: str  # of the page
     caption: str
     applies: Callable[[Results], bool]
-    draw: Callable[[Results], dict[str, Figure]]  # the key tells figures of one kind apart
+    draw: Callable[[Results], dict[str, Figure]]  # by the part of the name that differs
     each_series: bool = False  # drawn for the steady runs of each label by itself
 
 
@@ -96,7 +96,7 @@ FIGURES = (
         caption="Friction over speed, both as magnitudes. Points: mean of the accepted trials with "
         "the 95 % Student interval. Lines: the first fitted law inside the measured speeds "
         "(dashed: the fit did not converge); dotted: extrapolated, nothing was measured there. "
-        "Hollow points: the load helps the motion. Below: measured less fitted, side by side. Both "
+        "Hollow points: the load helps the motion. Below: residuals, side by side. Both "
         "directions share their axes.",
         applies=has_curves,
         draw=stribeck,
@@ -106,7 +106,7 @@ FIGURES = (
         name="friction-signed",
         section="friction",
         caption="Friction over velocity with their signs, after figure 6.14 of the method's "
-        "source. A colour is one size of the load, whichever way it acts.",
+        "source. A colour is one magnitude of the load, in either direction.",
         applies=has_both_directions,
         draw=signed,
         each_series=True,
@@ -125,8 +125,8 @@ FIGURES = (
     FigureKind(
         name="surface",
         section="friction",
-        caption="Friction over speed and load, steady runs. Dots: what was measured; the colour "
-        "between them is straight from dot to dot.",
+        caption="Friction over speed and load, steady runs. Dots: measured; the colour between "
+        "them is linearly interpolated.",
         applies=has_surfaces,
         draw=surfaces,
     ),
@@ -137,7 +137,8 @@ FIGURES = (
         "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
         "interval of the trials. Positive friction opposes the motion; before breakaway the seals "
         "may still pull from the stroke before. Lines: Tustin's law fitted to the ramp from "
-        "breakaway on. Below: the same from breakaway on, so that differences show.",
+        "breakaway on. Below: the same from breakaway on."
+        "",
         applies=has_ramps,
         draw=ramps,
     ),
@@ -145,7 +146,7 @@ FIGURES = (
         name="differences",
         section="ramps",
         caption="Differences of friction over a range of speeds, with 95 % intervals; the unit is "
-        "the trial. Filled: a difference that stands after the correction for the number of tests.",
+        "the trial. Filled: significant (p < 0.05 after Holm). Hollow: not significant.",
         applies=has_comparisons,
         draw=comparisons,
     ),
@@ -160,8 +161,8 @@ FIGURES = (
     FigureKind(
         name="steps",
         section="steps",
-        caption="Settled friction of each level, in the order of the levels. Lines: how far "
-        "friction went beyond on its way, where that stands above the noise.",
+        caption="Settled friction of each level, in the order of the levels. Lines: overshoot "
+        "of friction, where it exceeds the noise.",
         applies=has_levels,
         draw=levels,
     ),
@@ -186,8 +187,7 @@ FIGURES = (
         name="efficiency-map",
         section="efficiency",
         caption="Efficiency over speed and load, and half of its 95 % interval by trials and "
-        "instruments together. Dots: what was measured; the colour between them is straight from "
-        "dot to dot.",
+        "instruments together. Dots: measured; the colour between them is linearly interpolated.",
         applies=has_efficiency_map,
         draw=efficiency_map,
     ),

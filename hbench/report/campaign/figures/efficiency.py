@@ -49,7 +49,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
 
 
 def has_efficiency(results: Results) -> bool:
-    """Tell whether any point has an efficiency, with at least two speeds."""
+    """Return whether a curve has efficiencies at two speeds or more."""
     return any(_has_values(curve) for curve in results.efficiency)
 
 

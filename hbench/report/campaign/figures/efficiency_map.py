@@ -9,22 +9,23 @@ from matplotlib.tri import Triangulation
 
 from hbench.records import KINDS, EfficiencyCurve, EfficiencyPoint, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.report.campaign.figures.friction import load_helps
 from hbench.report.render import style
-from hbench.report.render.series import behind, plain
+from hbench.report.render.series import behind, without_math
 
 _LEAST = 3  # loads, and speeds
 
 
 def has_efficiency_map(results: Results) -> bool:
-    """Tell whether a direction has efficiencies at three loads of one sign, or more."""
+    """Return whether a direction has efficiencies at three loads of one sign or more."""
     return bool(_groups(results))
 
 
 def efficiency_map(results: Results) -> dict[str, Figure]:
     """Draw efficiency and its U95 [%] over speed [mm/s] and load [kN], one figure a direction.
 
-    Loads that oppose the motion and loads that help it stand in figures of their own: power flows
-    the other way there, and between them there is no efficiency.
+    Loads that oppose the motion and loads that help it have separate figures, since the power
+    flows in opposite directions and there is no efficiency between them.
     """
     figures = {}
     for words, curves in _groups(results).items():
@@ -32,7 +33,7 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
             (1e3 * abs(p.v_m_s), curve.f_load_n / 1e3, 100 * p.efficiency, _percent(p))
             for curve in curves
             for p in curve.points
-            if p.efficiency is not None
+            if p.efficiency is not None and curve.f_load_n is not None
         ]
         speed, load, value, u95 = np.array(found).T
         known = bool(np.isfinite(u95).all())
@@ -56,7 +57,7 @@ def _groups(results: Results) -> dict[str, list[EfficiencyCurve]]:
     groups: dict[str, list[EfficiencyCurve]] = defaultdict(list)
     steady = (curve for curve in results.efficiency if KINDS[curve.kind].has_constant_speed)
     for curve in without_common_rod_pressure(curve for curve in steady if curve.f_load_n):
-        helps = (curve.f_load_n < 0) == (curve.direction == "extend")
+        helps = load_helps(curve)
         words = [style.TITLES[curve.direction] + (", load helps" if helps else "")]
         if curve.p_lr_ref_pa is not None:
             words.append(f"{curve.p_lr_ref_pa / 1e5:g} bar")
@@ -79,7 +80,7 @@ def _map(
     lines = axes.tricontour(mesh, value, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5)
     axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
     (dots,) = axes.plot(speed, load, label="_measured", **style.DOTS)
-    behind(dots, {plain(label): value})
+    behind(dots, {without_math(label): value})
     axes.set_ylabel("Load $F_L$ (kN)")
     axes.grid(visible=False)
     figure.colorbar(filled, ax=axes, label=label)

@@ -15,11 +15,11 @@ from hbench.report.render.numbers import number
 from hbench.report.render.series import behind
 
 AnyCurve = TypeVar("AnyCurve", Curve, EfficiencyCurve)
-LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where it tells curves apart
+LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where curves differ in it
 
 _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
 _READ = "Points: means of the trials; bars: their 95 % Student intervals; lines: the fitted law."
-_ASIDE = 0.006  # residuals of one speed stand side by side, this part of the highest speed apart
+_ASIDE = 0.006  # distance of residuals at one speed, relative to the highest speed
 
 
 def over_velocity(results: Results) -> tuple[Curve, ...]:
@@ -69,17 +69,17 @@ def signed(results: Results) -> dict[str, Figure]:
 
 
 def has_curves(results: Results) -> bool:
-    """Tell whether anything can be drawn over velocity."""
+    """Return whether a curve over velocity exists."""
     return bool(over_velocity(results))
 
 
 def has_both_directions(results: Results) -> bool:
-    """Tell whether both directions have curves over velocity."""
+    """Return whether both directions have curves over velocity."""
     return len({curve.direction for curve in over_velocity(results)}) == 2
 
 
 def of_trials(points: Sequence[CurvePoint]) -> dict[str, list[float | str]]:
-    """Return what stands behind a curve's points: each trial's friction, the runs, and U95."""
+    """Return the data behind a curve's points: friction of each trial, runs, and U95."""
     behind_them: dict[str, list[float | str]] = {
         "trials (N)": [", ".join(number(f) for f in point.trials_n) for point in points],
         "runs": [" ".join(point.runs) for point in points],
@@ -98,7 +98,7 @@ def by_load(curves: Iterable[AnyCurve]) -> list[AnyCurve]:
 
 
 def load_key(curve: AnyCurve) -> LoadKey:
-    """Return what two curves of the same colour share: size of the load, rod-side pressure."""
+    """Return the magnitude of the load and the rod-side pressure, which share a colour."""
     return None if curve.f_load_n is None else abs(curve.f_load_n), curve.p_lr_ref_pa
 
 
@@ -110,9 +110,13 @@ def load_ranks(curves: Iterable[AnyCurve]) -> dict[LoadKey, int]:
 
 def load_style(curve: AnyCurve, ranks: dict[LoadKey, int]) -> dict[str, Any]:
     """Return a load's colour and marker; hollow where the load helps the motion."""
+    return style.series_style(ranks[load_key(curve)], hollow=load_helps(curve))
+
+
+def load_helps(curve: AnyCurve) -> bool:
+    """Return whether the load acts in the direction of the motion."""
     load = curve.f_load_n
-    helps = bool(load) and (load < 0) == (curve.direction == "extend")
-    return style.series_style(ranks[load_key(curve)], hollow=helps)
+    return load is not None and load != 0 and (load < 0) == (curve.direction == "extend")
 
 
 def load_legend(figure: Figure, axes: Axes, load: str, curves: Iterable[AnyCurve]) -> None:

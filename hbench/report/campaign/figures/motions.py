@@ -12,7 +12,7 @@ from hbench.units import from_si
 
 
 def has_loops(results: Results) -> bool:
-    """Tell whether any triangle was accepted."""
+    """Return whether a triangle was accepted."""
     return bool(results.motions.loops)
 
 
@@ -24,13 +24,13 @@ def loops(results: Results) -> dict[str, Figure]:
         closed = [*range(len(x)), 0]
         figure = style.new_figure(height_in=5.2)
         over_v, over_x = figure.subplots(2)
-        for axes, along in ((over_v, v), (over_x, x)):
+        for axes, abscissa in ((over_v, v), (over_x, x)):
             for rising, words in ((True, "velocity rises"), (False, "velocity falls")):
                 own = np.where((np.gradient(v) > 0) == rising, friction, np.nan)
                 colour = style.COLOURS[0 if rising else 1]
                 label = words if axes is over_v else f"_{words}"
-                axes.plot(1e3 * along, own, color=colour, label=label, zorder=3)
-            axes.plot(1e3 * along[closed], friction[closed], color="#9ca3af", linewidth=0.8)
+                axes.plot(1e3 * abscissa, own, color=colour, label=label, zorder=3)
+            axes.plot(1e3 * abscissa[closed], friction[closed], color="#9ca3af", linewidth=0.8)
             axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
             axes.set_ylabel("Friction F (N)")
         over_v.set_xlabel("Velocity v (mm/s)")
@@ -47,7 +47,7 @@ def loops(results: Results) -> dict[str, Figure]:
 
 
 def has_levels(results: Results) -> bool:
-    """Tell whether any run of steps was accepted."""
+    """Return whether a run of steps was accepted."""
     return bool(results.motions.levels)
 
 
@@ -71,7 +71,7 @@ def levels(results: Results) -> dict[str, Figure]:
                 way = np.sign(one.after_n - (one.before_n or 0.0)) * one.overshoot_n
                 axes.plot([at, at], [one.after_n, one.after_n + way], color=look["color"], lw=1.2)
                 axes.plot(at, one.after_n + way, "_", color=look["color"], markersize=9)
-    first = [one for one in results.motions.levels if one.series == series[0]]
+    first = [level for level in results.motions.levels if level.series == series[0]]
     ticks = [f"{one.number}\n{short(1e3 * one.v_to_m_s)}" for one in first]
     axes.set_xticks([one.number for one in first], ticks)
     axes.set(xlabel="Level, and its velocity (mm/s)", ylabel="Friction F (N)")
@@ -83,7 +83,7 @@ def levels(results: Results) -> dict[str, Figure]:
 
 
 def has_leakage(results: Results) -> bool:
-    """Tell whether any hold was accepted."""
+    """Return whether a hold was accepted."""
     return bool(results.motions.leakages)
 
 
@@ -108,7 +108,7 @@ def leakage(results: Results) -> dict[str, Figure]:
 
 
 def has_surfaces(results: Results) -> bool:
-    """Tell whether there is friction over velocity and load."""
+    """Return whether a surface of friction over velocity and load exists."""
     return bool(results.motions.surfaces)
 
 

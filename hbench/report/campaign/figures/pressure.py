@@ -14,12 +14,12 @@ from hbench.report.render import style
 from hbench.report.render.series import behind
 from hbench.units import from_si
 
-Series = tuple[str, str, float | None]  # kind, label, and P_Lr [Pa] where it tells series apart
+SeriesKey = tuple[str, str, float | None]  # kind, label, and P_Lr [Pa] where series differ in it
 Row = tuple[float, float, float | None]  # pressure [Pa], force [N], half-width of its interval [N]
 
 
 def has_pressures(results: Results) -> bool:
-    """Tell whether some label was measured at two pressures or more, without curves over speed."""
+    """Return whether a label was measured at two pressures or more, without curves over speed."""
     found = [(series, curve.direction) for series, curve in _over_pressure(results)]
     return any(found.count(one) >= 2 for one in found)
 
@@ -38,13 +38,13 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
             words = (key[1], load_words(None, key[2]), style.TITLES[direction].lower())
             look = style.series_style(rank, hollow=direction == "retract")
             _points(axes, rows, look, style.safe(", ".join(filter(None, words))), points)
-    told = any(p_lr is not None for _, _, p_lr in ranks)
+    differs = any(p_lr is not None for _, _, p_lr in ranks)
     for key, rank in ranks.items():
         series = (key[1], load_words(None, key[2]))
         rows = [
             (band.p_tp_pa, band.half_n, band.half_ci95_n)
             for band in results.bands
-            if (band.kind, band.label, band.p_lr_ref_pa if told else None) == key
+            if (band.kind, band.label, band.p_lr_ref_pa if differs else None) == key
         ]
         label = style.safe(", ".join(filter(None, series)))
         _points(below, rows, style.series_style(rank), f"_{label or 'half band'}")
@@ -55,11 +55,11 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
         one.set_ylim(bottom=min(0, one.get_ylim()[0]))
     style.head(axes, "Friction against pressure", results)
     style.read_as(figure, "Points: means of the trials; bars: their 95 % Student intervals.")
-    style.legend_above(figure, axes, columns=1 if told else 2)
+    style.legend_above(figure, axes, columns=1 if differs else 2)
     return {"": figure}
 
 
-def _over_pressure(results: Results) -> Iterator[tuple[Series, Curve]]:
+def _over_pressure(results: Results) -> Iterator[tuple[SeriesKey, Curve]]:
     chosen = (curve for curve in results.curves if KINDS[curve.kind].has_constant_speed)
     for curve in without_common_rod_pressure(curve for curve in chosen if not curve.over_velocity):
         yield (curve.kind, curve.label, curve.p_lr_ref_pa), curve

@@ -1,4 +1,4 @@
-"""Ramps and steps beside steady runs, and what the tests of their differences found."""
+"""Figures of ramps and steps beside steady runs, and of their tested differences."""
 
 from collections import defaultdict
 from dataclasses import replace
@@ -21,7 +21,7 @@ _ORDER = ("steady_curve", "ramp_curve", "step_levels")  # of the analyses that g
 
 
 def has_ramps(results: Results) -> bool:
-    """Tell whether there are ramps or steps to draw."""
+    """Return whether there are ramps or steps to draw."""
     return any(not KINDS[curve.kind].has_constant_speed for curve in results.curves)
 
 
@@ -71,8 +71,8 @@ def _drawing_order(curve: Curve) -> tuple[int, float]:
 
 
 def has_comparisons(results: Results) -> bool:
-    """Tell whether any difference was tested."""
-    return any(one.ci95_n is not None for one in results.motions.comparisons)
+    """Return whether a difference was tested."""
+    return any(comparison.ci95_n is not None for comparison in results.motions.comparisons)
 
 
 def comparisons(results: Results) -> dict[str, Figure]:
@@ -83,9 +83,9 @@ def comparisons(results: Results) -> dict[str, Figure]:
         ("steady", "Ramp less steady", "ramp less steady"),
     ):
         found = [
-            one
-            for one in results.motions.comparisons
-            if one.what == what and one.ci95_n is not None
+            comparison
+            for comparison in results.motions.comparisons
+            if comparison.what == what and comparison.ci95_n is not None
         ]
         if found:
             figures[what] = _differences(results, found, title, less)
@@ -122,30 +122,30 @@ def _points(axes: Axes, curve: Curve, accelerations: list[float]) -> None:
     behind(bars, of_trials(curve.points))
 
 
-def _differences(results: Results, found: list[Comparison], title: str, less: str) -> Figure:
-    figure = style.new_figure(height_in=1.6 + 0.27 * len(found))
+def _differences(results: Results, comparisons: list[Comparison], title: str, less: str) -> Figure:
+    figure = style.new_figure(height_in=1.6 + 0.27 * len(comparisons))
     axes = figure.add_subplot()
     names = []
-    for place, one in enumerate(found):
-        colour = style.COLOURS[1] if differs(one) else style.COLOURS[0]
-        face = colour if differs(one) else "white"
-        a = f", {short(one.a_m_s2[0])} m/s²" if one.what == "steady" else ""
-        names.append(style.safe(comparison_words(one) + a, most=60))
+    for place, comparison in enumerate(comparisons):
+        colour = style.COLOURS[1] if differs(comparison) else style.COLOURS[0]
+        face = colour if differs(comparison) else "white"
+        a = f", {short(comparison.a_m_s2[0])} m/s²" if comparison.what == "steady" else ""
+        names.append(style.safe(comparison_words(comparison) + a, most=60))
         axes.errorbar(
-            one.effect_n,
+            comparison.effect_n,
             place,
-            label="_differs" if differs(one) else "_not told from none",
-            xerr=one.ci95_n,
+            label="_differs" if differs(comparison) else "_not significant",
+            xerr=comparison.ci95_n,
             color=colour,
             marker="o",
             markerfacecolor=face,
             **style.POINTS,
         )
     axes.axvline(0, color="#374151", linewidth=0.9)
-    axes.set_yticks(range(len(found)), names, fontsize=8)
-    axes.set_ylim(len(found) - 0.5, -0.5)
+    axes.set_yticks(range(len(comparisons)), names, fontsize=8)
+    axes.set_ylim(len(comparisons) - 0.5, -0.5)
     axes.set_xlabel(f"|F|, {less} (N)")
-    for face, words in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not told from none")):
+    for face, words in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not significant")):
         colour = style.COLOURS[1] if face == "C" else style.COLOURS[0]
         axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=words)
     style.head(axes, title, results)

@@ -9,7 +9,7 @@ from hbench.report.render import style
 
 
 def has_rejected(results: Results) -> bool:
-    """Tell whether any run was rejected."""
+    """Return whether a run was rejected."""
     return not all(run.accepted for run in results.runs)
 
 

@@ -27,7 +27,7 @@ class _Line:
 
 
 def has_traces(results: Results) -> bool:
-    """Tell whether a rejected run has samples to draw."""
+    """Return whether a rejected run has samples to draw."""
     return any(len(run.run.t_s) for run in results.runs if not run.accepted)
 
 
@@ -42,8 +42,8 @@ def traces(results: Results) -> dict[str, Figure]:
     return figures
 
 
-def _figure(results: Results, code: str, found: list[ScreenedRun]) -> Figure:
-    shown = found[:MOST_RUNS]
+def _figure(results: Results, code: str, runs: list[ScreenedRun]) -> Figure:
+    shown = runs[:MOST_RUNS]
     figure = style.new_figure(height_in=1.5 + 1.15 * len(shown))
     all_axes = figure.subplots(len(shown), squeeze=False)[:, 0]
     name, lines_of = _CHANNELS.get(code, _POSITION)
@@ -52,7 +52,7 @@ def _figure(results: Results, code: str, found: list[ScreenedRun]) -> Figure:
         axes.set_ylabel(name, fontsize=9)
     all_axes[-1].set_xlabel("Time (s)")
     style.head(all_axes[0], f"Rejected: {code.replace('_', ' ')}", results)
-    more = f"{len(found)} runs; the first {len(shown)}" if len(found) > len(shown) else "All runs"
+    more = f"{len(runs)} runs; the first {len(shown)}" if len(runs) > len(shown) else "All runs"
     style.read_as(figure, f"{more} of this reason. Grey: steady window. Crosses: at a limit.")
     style.legend_above(figure, all_axes[0])
     return figure
