@@ -68,9 +68,9 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     assert "0007 (steady): speed" in text
     assert "form: exponent 1.2" in text
     text = diagnosis_text(ambiguous)
-    assert text.startswith("ambiguous: internal_leakage or external_leakage; these data can't tell")
+    assert text.startswith("ambiguous: internal_leakage or external_leakage;")
     assert "next experiment: Hold at two pressures" in text
-    assert "missing for a better verdict: closed valves" in text
+    assert ambiguous.missing[0] in text
 
 
 def test_a_coefficient_at_its_bound_is_left_to_the_table(named):
@@ -83,13 +83,13 @@ def test_a_coefficient_at_its_bound_is_left_to_the_table(named):
 
 
 def test_every_verdict_has_its_sentence(named, unknown, ambiguous):
-    assert diagnosis_text(unknown).startswith("unknown: no effect of the catalogue explains what")
+    assert diagnosis_text(unknown).startswith("unknown: ")
     nothing = replace(unknown, verdict="none", rest=())
-    assert diagnosis_text(nothing).startswith("none: the model agrees with the measurement")
+    assert diagnosis_text(nothing).startswith("none: ")
     both = diagnosis_text(replace(named, alternatives=ambiguous.alternatives))
-    assert "Further internal_leakage or external_leakage: these data can't tell which." in both
+    assert "internal_leakage or external_leakage" in both.splitlines()[0]
     rest = replace(named, rest=named.where[:1])
-    assert "A rest stays in oil into chamber Tr." in diagnosis_text(rest).splitlines()[0]
+    assert words.balance(named.where[0].name).says in diagnosis_text(rest).splitlines()[0]
 
 
 def test_json_has_the_names_that_other_programs_read(named, ambiguous):
@@ -138,8 +138,8 @@ def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
     gaps = {"gap_heldout": none, "gap_train": none, "refitted": {}, "threshold": float("nan")}
     few = replace(unknown, **empty, **gaps, missing=("a second load",), heldout_runs=())
     text = diagnosis_text(few)
-    assert text.startswith("unknown: these data are too few for a verdict.")
-    assert "missing for a better verdict: a second load" in text and "Gap of" not in text
+    assert text.startswith("unknown: ")
+    assert "a second load" in text and "Gap of" not in text
     assert draw_diagnosis(few) == ()
     page = diagnosis_page(few, ())
     assert "a second load" in page and "<table" not in page and "<h2>The gap" not in page
@@ -174,16 +174,16 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     assert page.count('class="plot"') == len(drawings) == len({one.name for one in drawings})
     assert page.count('class="wide"') == sum(one.wide for one in drawings)
     assert "no cylinder was measured" in page
-    assert "Verdict: named. The model lacks internal leakage (test 0.00580" in page
-    for table in ("Gap of held-out runs: signals, open loop", "Refitted before the search"):
-        assert table in page
-    assert page.index("The gap before and after") < page.index("Residuals of each balance")
+    assert re.search(r"Verdict: named\. .*internal leakage \(test 0\.00580", page)
+    for table in tables(named):
+        assert table.title.partition(" (")[0] in page
+    assert page.index('<h2 id="the-gap') < page.index('<h2 id="residuals')
 
 
 def test_an_unknown_disagreement_is_shown_first_against_velocity_position_time_and_load(unknown):
     drawings = draw_diagnosis(replace(unknown, overlays=(), ranking=(), refitted={}))
     page = diagnosis_page(unknown, drawings)
-    assert page.index("The shape of what it lacks") < page.index("Where the refitted model")
+    assert page.index('<h2 id="shape') < page.index('<h2 id="where') < page.index('<h2 id="the-gap')
     assert [d.name for d in drawings if d.section == "shape"] == ["shape-flow-tr", "shape-flow-tp"]
     panels = shape_figure(unknown, "flow_tp").axes[:4]
     assert [axes.get_xlabel().split(" (")[0] for axes in panels] == [
@@ -259,9 +259,10 @@ def test_the_revised_model_reads_back_and_says_where_its_numbers_come_from(named
     text = path.read_text()
     assert "SIMULATED" in text and "made <up>" in text and "2026-01-01" in text
     line = next(line for line in text.splitlines() if "gain:" in line)
-    assert line.endswith("# refitted: the model's times 0.9780 ± 0.0040")
-    assert "found: 0.00580 (0.00560 to 0.00610) l/min/bar" in text
-    assert "# oil leaks across the piston with the pressure drop; form: exponent 1.2" in text
+    assert "# refitted: " in line and line.endswith("0.9780 ± 0.0040")
+    assert "0.00580 (0.00560 to 0.00610) l/min/bar" in text
+    (effect,) = named.effects
+    assert f"# {effect.says}; form: {effect.shape}" in text
 
 
 def test_a_model_that_needs_no_revision_is_still_a_file_that_reads_back(unknown, tmp_path):
@@ -301,12 +302,12 @@ def test_a_leak_stands_in_each_run_and_goes_with_the_effect(named):
 
 def test_the_worst_runs_stand_first_on_the_terminal_and_the_page_has_more(named, drawings):
     (table,) = [one for one in tables(named) if one.title.startswith("Gap of each run")]
-    assert "(the worst 8 of 42)" in table.title
+    assert "8 of 42)" in table.title
     gaps = [float(row[table.head.index("with the effects")]) for row in table.rows]
     assert gaps == sorted(gaps, reverse=True) and len(gaps) == 8
     assert gaps[0] == pytest.approx(max(one.gap.total.after for one in named.gap_runs), abs=0.01)
     page = diagnosis_page(named, drawings)
-    assert "<summary>Gap of each run" in page and "gaps_by_run.csv beside this page" in page
+    assert "<summary>Gap of each run" in page and "gaps_by_run.csv" in page
 
 
 def test_the_next_schedule_reads_back_as_a_schedule(ambiguous, tmp_path):

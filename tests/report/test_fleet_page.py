@@ -41,7 +41,7 @@ def test_the_campaigns_that_are_off_are_the_outliers_worst_first(found):
     worst = [suspect.path[-3:] for suspect in found.worst[:3]]
     assert worst == ["060", "017", "150"]
     assert all(one.deviations[0].quantity.name == "friction_n" for one in found.worst[:3])
-    assert "3 of 198 stand out" in verdict(found)
+    assert "3 of 198" in verdict(found)
 
 
 def test_a_drift_is_told_with_its_change_and_the_others_are_not(found):
@@ -60,7 +60,7 @@ def test_the_spread_between_cylinders_is_that_of_the_truth(found):
 def test_failed_campaigns_are_counted_with_their_reason_and_named(found, page):
     assert (found.campaigns, found.failed, found.judged) == (200, 2, 198)
     assert found.reasons == (("campaign.yaml: key 'name' is missing", 2),)
-    assert "2 of 200 campaigns could not be analyzed" in page
+    assert "2 of 200 campaigns" in page
     assert "key &#39;name&#39; is missing" in page
 
 
@@ -95,7 +95,7 @@ def test_the_page_of_many_campaigns_is_no_larger_and_holds_no_row_each(tmp_path,
 def test_a_few_campaigns_are_shown_and_not_judged(tmp_path):
     few = summarize(made_table(tmp_path, 4, off={2: 500.0}))
     assert few.outliers == 0 and few.worst == () and few.judged == 4
-    assert "Too few campaigns" in verdict(few)
+    assert " of 4 " not in verdict(few)
     assert all(one.trend is None and len(one.blocks) == 4 for one in few.spreads)
     assert "Fleet of 4 campaigns" in fleet_page(few, draw_fleet(few))
 
@@ -103,7 +103,7 @@ def test_a_few_campaigns_are_shown_and_not_judged(tmp_path):
 def test_where_all_have_failed_the_page_says_why(tmp_path):
     none = summarize(made_table(tmp_path, 3, failed=(0, 1, 2)))
     assert none.spreads == () and draw_fleet(none) == ()
-    assert "No campaign has a number to compare" in fleet_page(none, ())
+    assert verdict(none) in fleet_page(none, ())
     assert "3 failed" in fleet_text(none)
 
 

@@ -82,7 +82,11 @@ def differences_json(differences: CampaignDifferences) -> str:
 def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     sections = [
-        Section("What differs", tables=(_means(differences),), drawings=tuple(drawings)),
+        Section(
+            "Differences of mean friction and efficiency",
+            tables=(_means(differences),),
+            drawings=tuple(drawings),
+        ),
         Section("Fitted parameters", tables=(replace(_parameters(differences), title=""),)),
         Section("Speed by speed", tables=(_points(differences),)),
         Section("How it was computed", items=(_instruments(differences), *_METHOD)),
@@ -104,11 +108,11 @@ _METHOD = (
     "Friction as magnitude. A point is the mean of its trials; ± is the half-width of the 95 % "
     "interval of B less A, by Welch's t for the trials alone. U95 adds the instruments.",
     "p is the probability of a difference this large between trials of the same cylinder, "
-    "corrected after Holm for the number of differences of its kind. A difference is called real "
+    "corrected after Holm for the number of differences of its kind. A difference is significant "
     "where p is below 0.05 and the difference exceeds its U95.",
     "Means are over the speeds of A that B has or encloses, each speed with the same weight. "
-    "Steady runs count as independent, whatever drifts between passes; the points of a ramp or of "
-    "steps share their strokes, so there a trial's mean is one value.",
+    "Steady runs count as independent in spite of drifts between passes. The points of a ramp or "
+    "of steps share their strokes, so that a trial's mean is one value.",
 )
 
 
@@ -116,9 +120,8 @@ def _verdict(differences: CampaignDifferences) -> str:
     means = [(each.a, each.mean_n) for each in differences.curves if each.mean_n is not None]
     real = [(curve, mean) for curve, mean in means if mean.real]
     if not real:
-        return (
-            f"No difference of mean friction is shown in any of {len(differences.curves)} curves."
-        )
+        count = len(differences.curves)
+        return f"No difference of mean friction is significant in any of {count} curves."
     words = "; ".join(
         f"{_who(curve)}: {_signed(mean)} N ({_percent(mean)})" for curve, mean in real
     )
