@@ -1,1 +1,1 @@
-"""Where model and measurement disagree: balances in weak form, nuisances, gaps."""
+"""Reconciliation of a model with measured runs: residuals, gaps, candidate effects, verdict."""

@@ -1,7 +1,7 @@
-"""From measured runs and a model to a diagnosis: refit, search, verdict, and what shows it."""
+"""Diagnosis of a campaign with a model: refit, search, verdict, and the figures behind them."""
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,191 +10,207 @@ import numpy as np
 from hbench.config.bench import Bench, Plant
 from hbench.errors import DataError
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.estimates import Estimates, estimate
-from hbench.reconcile.gap import GapMap, gaps, point_of
-from hbench.reconcile.gap_regions import regions
-from hbench.reconcile.gap_tables import Stages
-from hbench.reconcile.linearised import (
-    Coefficient,
-    Column,
-    Hypothesis,
-    Linear,
-    Measured,
-    Simulate,
-    linearise,
-    shapes,
-    windows_of,
+from hbench.reconcile.diagnosis_fields import (
+    added_effect,
+    fitted_shape,
+    gap_of_balances,
+    insufficient_data_diagnosis,
+    residual_map,
 )
+from hbench.reconcile.estimates import ParameterEstimates, estimate_parameters
+from hbench.reconcile.gaps.columns import Column, residuals_of_runs
+from hbench.reconcile.gaps.gap_map import gaps, point_of
+from hbench.reconcile.gaps.overlays import overlays
+from hbench.reconcile.gaps.regions import regions
+from hbench.reconcile.gaps.tables import GapComparison
+from hbench.reconcile.hypothesis import Coefficient, Hypothesis, Simulate
+from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.balances import (
-    BALANCES,
-    incomplete,
-    lacking_channels,
-    prepared,
+    channels_missing,
+    incomplete_reason,
+    prepare,
     residuals,
 )
-from hbench.reconcile.overlays import overlays
+from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.revised_model import revised
-from hbench.reconcile.search import TIE, Found, Search
+from hbench.reconcile.search import CampaignSearch, SearchResult
 from hbench.reconcile.signatures import signatures
-from hbench.reconcile.verdict import judge, missing_channels, rest, too_few, what_is_missing
-from hbench.records import (
-    AddedEffect,
-    BeforeAfter,
-    Candidate,
-    Diagnosis,
-    Gap,
-    GapTable,
-    Provenance,
-    ResidualMap,
-    Rival,
-    Run,
+from hbench.reconcile.verdict import (
+    data_shortfalls,
+    decide_verdict,
+    missing_experiments,
+    unexplained_gaps,
+    unmeasured_channels,
 )
+from hbench.records import AddedEffect, Diagnosis, Gap, Provenance, Run
 
-HELD_OUT = 5  # every fifth operating point takes no part in any choice
+HELD_OUT = 5  # every fifth operating point is held out from refit and search
 _FIRST_HELD_OUT = 2
 _DRAWS = 3  # of the parameters' uncertainty, for the floor
-_LIBRARY = "configs/discriminate.yaml is a schedule with all runs that are needed."
-_MOST_TRIALS = 3  # that a simulation makes
+_LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
+_MOST_TRIALS = 3  # of a simulation
 
 
-Propose = Callable[
+ProposeExperiment = Callable[
     [Mapping[str, Hypothesis], Mapping[str, float]], tuple[str, dict[str, Any]] | None
 ]
-"""Returns the experiment that tells hypotheses apart, in words and as a schedule; see ``Task``."""
+"""Returns the experiment that distinguishes hypotheses, in words and as a schedule."""
 
 
 @dataclass(frozen=True)
-class Task:
-    """What is to be reconciled."""
+class ReconcileTask:
+    """Task of a diagnosis: runs of a campaign and a model of its bench."""
 
     provenance: Provenance
     bench: Bench
     model: str  # file name
     plant: Plant  # of the model
-    plant_data: Mapping[str, Any]  # its sections, as its file has them
+    plant_data: Mapping[str, Any]  # sections of the model's file
     runs: tuple[Run, ...]
     simulate: Simulate
-    propose: Propose = lambda rivals, scatter: None
+    propose: ProposeExperiment = lambda rivals, scatter: None
 
 
 @dataclass(frozen=True)
-class Prior:
-    """What does not depend on the measurement: simulations of the model that was given."""
+class BaselineSimulation:
+    """Simulated runs of the given model, and the signatures of the effects about it.
+
+    It does not depend on the measurement.
+    """
 
     runs: tuple[Run, ...]
     signatures: Mapping[Coefficient, Column]
 
 
-def before_measuring(task: Task, names: Sequence[str]) -> Prior:
-    """Simulate the model that was given, and with each of the effects ``names``.
+def simulate_baseline(task: ReconcileTask, names: Sequence[str]) -> BaselineSimulation:
+    """Simulate the given model, without effects and with each of the effects ``names``.
 
-    Raises ``DataError`` where the board stops with the model as it is.
+    Raises ``DataError`` where the board stops with the given model.
     """
     (runs,) = task.simulate([Hypothesis()], _trials(task.runs))
     if runs is None:
         raise DataError(
-            f"{task.model}: the simulated board stops before the campaign's runs are made",
-            "Try the model by `hbench run --port sim --plant`.",
+            f"{task.model}: the simulated board stops before the end of the campaign",
+            f"Check the model with `hbench run --port sim --plant {task.model}`.",
         )
-    measured = Measured(task.bench, task.plant, ())
-    return Prior(runs, signatures(names, task.simulate, measured.known(Hypothesis()), runs))
+    model = MeasuredCampaign(task.bench, task.plant, ()).balance_model(Hypothesis())
+    return BaselineSimulation(runs, signatures(names, task.simulate, model, runs))
 
 
-def search(task: Task, prior: Prior, names: Sequence[str]) -> tuple[Linear, Found, np.ndarray]:
-    """Return the model that was given, what the search found, and the points held out.
+def run_search(
+    task: ReconcileTask, baseline: BaselineSimulation, names: Sequence[str]
+) -> tuple[LinearisedModel, SearchResult, np.ndarray]:
+    """Return the given model, the result of the search, and the indices of held-out points.
 
     Raises ``DataError`` where no operating point has two trials.
     """
-    logs = tuple(prepared(run) for run in task.runs)
-    measured = Measured(task.bench, task.plant, logs)
-    given = linearise(measured, Hypothesis(), prior.runs, prior.signatures)
-    points = np.arange(len(given.lacking.points))
-    out = points % HELD_OUT == _FIRST_HELD_OUT
-    looked = Search(
-        measured, task.simulate, _trials(task.runs), prior.signatures, points[~out], tuple(names)
+    logs = tuple(prepare(run) for run in task.runs)
+    measured = MeasuredCampaign(task.bench, task.plant, logs)
+    given = linearise(measured, Hypothesis(), baseline.runs, baseline.signatures)
+    points = np.arange(len(given.gap_map.points))
+    held_out = points % HELD_OUT == _FIRST_HELD_OUT
+    search = CampaignSearch(
+        measured,
+        task.simulate,
+        _trials(task.runs),
+        baseline.signatures,
+        points[~held_out],
+        tuple(names),
     )
-    return given, looked.run(given), points[out]
+    return given, search.run(given), points[held_out]
 
 
-def diagnose(task: Task) -> Diagnosis:
-    """Find where model and measurement disagree and why; see ``Diagnosis``.
+def diagnose(task: ReconcileTask) -> Diagnosis:
+    """Determine where model and measurement disagree and why; see ``Diagnosis``.
 
-    Data that is too little for a search gets a diagnosis that says what it lacks.
+    Insufficient data give a diagnosis that lists what is missing.
     """
-    usable, left_out = _usable(task.runs)
-    missing = (*missing_channels(usable), *what_is_missing([run.plan for run in usable]))
-    if few := too_few(usable):
-        nothing = too_little(task, tuple(dict.fromkeys((*few, *missing))), left_out)
-        return replace(nothing, next_experiment=f"{nothing.next_experiment} {_LIBRARY}")
+    usable, left_out = _usable_runs(task.runs)
+    missing = unmeasured_channels(usable) | missing_experiments([run.plan for run in usable])
+    if shortfalls := data_shortfalls(usable):
+        every = tuple((shortfalls | missing).values())
+        return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
     trials = Counter(point_of(run.plan) for run in usable)
     repeated = {point for point, count in trials.items() if count > 1}
     task = replace(task, runs=tuple(run for run in usable if point_of(run.plan) in repeated))
-    names, not_tried = _told(task.runs, task.plant)
-    prior = before_measuring(task, names)
-    seen = {name for name, _ in prior.signatures}
-    stopped = "the simulated board stops with it, even with a quarter of its typical size"
-    not_tried |= {name: stopped for name in names if name not in seen}
-    given, found, out = search(task, prior, names)
-    return _assembled(task, given, found, out, not_tried, missing, left_out)
+    names, not_tried = _observable_effects(task.runs, task.plant)
+    baseline = simulate_baseline(task, names)
+    simulated = {name for name, _ in baseline.signatures}
+    stopped = "the simulated board stops, even with a quarter of the effect's typical size"
+    not_tried |= {name: stopped for name in names if name not in simulated}
+    given, result, held_out = run_search(task, baseline, names)
+    return _assembled(task, given, result, held_out, not_tried, tuple(missing.values()), left_out)
 
 
 def _assembled(
-    task: Task,
-    given: Linear,
-    found: Found,
-    out: np.ndarray,
+    task: ReconcileTask,
+    given: LinearisedModel,
+    result: SearchResult,
+    held_out: np.ndarray,
     not_tried: Mapping[str, str],
     missing: tuple[str, ...],
     left_out: tuple[str, ...],
 ) -> Diagnosis:
-    measured = Measured(task.bench, task.plant, tuple(prepared(run) for run in task.runs))
-    refitted, final = found.refitted, found.final
-    points = final.lacking.points
-    held = frozenset(points[i] for i in out)
-    train = np.setdiff1d(np.arange(len(points)), out)
-    best = estimate(task.plant, final, found.names, train)
-    drawn = task.simulate(best.draws(_DRAWS), _trials(task.runs))
-    stages = Stages(
+    measured = MeasuredCampaign(task.bench, task.plant, tuple(prepare(run) for run in task.runs))
+    refitted, final = result.refitted, result.final
+    points = final.gap_map.points
+    held_out_points = frozenset(points[i] for i in held_out)
+    train = np.setdiff1d(np.arange(len(points)), held_out)
+    estimates = estimate_parameters(task.plant, final, result.names, train)
+    drawn = task.simulate(estimates.draws(_DRAWS), _trials(task.runs))
+    comparison = GapComparison(
         measured.logs,
-        tuple((one.runs, measured.known(one.hypothesis)) for one in (given, refitted, final)),
+        tuple(
+            (model.runs, measured.balance_model(model.hypothesis))
+            for model in (given, refitted, final)
+        ),
         [runs for runs in drawn if runs is not None],
     )
-    where = ranked(measured, refitted)
-    left = rest(ranked(measured, final))
+    where = ranked_gaps(measured, refitted)
+    unexplained = unexplained_gaps(ranked_gaps(measured, final))
+    last = result.steps[-1]
     rivals = {
-        one.found.name: one.linear.hypothesis
-        for one in found.steps[-1].tried
-        if one.found in found.steps[-1].close and one.linear
+        each.candidate.name: each.model.hypothesis
+        for each in last.evaluated
+        if each.candidate in last.ambiguous and each.model
     }
-    scatter = {one.name: one.scatter for one in where}
-    words, schedule = (task.propose(rivals, scatter) if rivals else None) or (None, None)
-    verdict, why = judge(found, left)
+    scatter = {gap.name: gap.scatter for gap in where}
+    proposal = task.propose(rivals, scatter) if rivals else None
+    verdict, why = decide_verdict(result, unexplained)
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
         verdict=verdict,
         why=why,
         where=where,
-        regions=regions(refitted.lacking),
-        effects=_added(found, best, out),
-        alternatives=found.steps[-1].close,
-        rest=left,
-        next_experiment=words,
-        next_schedule=schedule,
-        gap_heldout=stages.table(held),
-        gap_train=stages.table(frozenset(points) - held),
-        gap_runs=stages.runs(held),
-        ranking=tuple(one.found for one in found.steps[0].tried),
-        threshold=found.steps[0].tried[0].found.threshold,
-        refitted=best.factors(),
-        residuals_before=residual_map(refitted, held),
-        residuals_after=residual_map(final, held),
-        overlays=overlays(task.runs, refitted.runs, final.runs, measured.known(Hypothesis()), held),
-        heldout_runs=tuple(run.plan.run for run in task.runs if point_of(run.plan) in held),
+        regions=regions(refitted.gap_map),
+        effects=_added_effects(result, estimates, held_out),
+        alternatives=last.ambiguous,
+        rest=unexplained,
+        next_experiment=proposal[0] if proposal else None,
+        next_schedule=proposal[1] if proposal else None,
+        gap_heldout=comparison.table(held_out_points),
+        gap_train=comparison.table(frozenset(points) - held_out_points),
+        gap_runs=comparison.runs(held_out_points),
+        ranking=tuple(each.candidate for each in result.steps[0].evaluated),
+        threshold=result.steps[0].evaluated[0].candidate.threshold,
+        refitted=estimates.factors(),
+        residuals_before=residual_map(refitted, held_out_points),
+        residuals_after=residual_map(final, held_out_points),
+        overlays=overlays(
+            task.runs,
+            refitted.runs,
+            final.runs,
+            measured.balance_model(Hypothesis()),
+            held_out_points,
+        ),
+        heldout_runs=tuple(
+            run.plan.run for run in task.runs if point_of(run.plan) in held_out_points
+        ),
         not_tried=dict(not_tried),
         missing=missing,
         left_out=left_out,
-        revised=revised(task.plant_data, best.factors(), best.hypothesis(best.beta)),
+        revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
     )
 
 
@@ -202,134 +218,61 @@ def _trials(runs: Sequence[Run]) -> int:
     return min(_MOST_TRIALS, max(Counter(point_of(run.plan) for run in runs).values()))
 
 
-def _usable(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
-    """Return whole runs, and why the others take no part."""
+def _usable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
+    """Return the complete runs, and the reasons for which others are left out."""
     usable, left_out = [], []
     for run in runs:
-        why = run.aborted or incomplete(run)
-        if not why and run.plan.motion is None:
-            why = "its motion is not known, so no simulation can make it"
-        if why:
-            left_out.append(f"run {run.plan.run}: {why}")
+        reason = run.aborted or incomplete_reason(run)
+        if not reason and run.plan.motion is None:
+            reason = "its planned motion is unknown, so it can't be simulated"
+        if reason:
+            left_out.append(f"run {run.plan.run}: {reason}")
         else:
             usable.append(run)
     return tuple(usable), tuple(left_out)
 
 
-def _told(runs: Sequence[Run], plant: Plant) -> tuple[tuple[str, ...], dict[str, str]]:
-    """Return the effects that these channels can tell, and why not the others."""
-    told, not_tried = [], {}
+def _observable_effects(
+    runs: Sequence[Run], plant: Plant
+) -> tuple[tuple[str, ...], dict[str, str]]:
+    """Return the effects that these channels can show, and why the others are not tried."""
+    observable, not_tried = [], {}
     for name, row in EFFECTS.items():
-        without = [one for one in row.balances if all(lacking_channels(run, one) for run in runs)]
+        without = [
+            balance
+            for balance in row.balances
+            if all(channels_missing(run, balance) for run in runs)
+        ]
         if name in plant.effects:
-            not_tried[name] = "the model has it already; its coefficients stay as they are"
+            not_tried[name] = "the model already contains it; its coefficients are not changed"
         elif len(without) == len(row.balances):
             not_tried[name] = f"no run has the channels of {', '.join(without)}"
         else:
-            told.append(name)
-    return tuple(told), not_tried
+            observable.append(name)
+    return tuple(observable), not_tried
 
 
-def ranked(measured: Measured, model: Linear) -> tuple[Gap, ...]:
-    """Return the gaps of a model's balances, worst first."""
-    known = measured.known(model.hypothesis)
-    own = [residuals(log, known) for log in measured.logs]
-    return gaps(own, windows_of(model.runs, known))[0]
+def ranked_gaps(measured: MeasuredCampaign, model: LinearisedModel) -> tuple[Gap, ...]:
+    """Return the gaps of a model's balances, largest first."""
+    balances = measured.balance_model(model.hypothesis)
+    logs = [residuals(log, balances) for log in measured.logs]
+    return gaps(logs, residuals_of_runs(model.runs, balances))[0]
 
 
-def residual_map(model: Linear, held: frozenset[Hashable]) -> ResidualMap:
-    """Return what a model's balances lack; ``held`` are the operating points held out."""
-    found = model.lacking
-    with np.errstate(divide="ignore", invalid="ignore"):
-        value = found.difference / found.scatter
-    out = np.array([point in held for point in found.points])
-    return ResidualMap(
-        found.names, value, found.v_m_s, found.load_n, found.x_m, found.t_s, out[found.point]
-    )
-
-
-def _added(found: Found, best: Estimates, out: np.ndarray) -> tuple[AddedEffect, ...]:
+def _added_effects(
+    result: SearchResult, estimates: ParameterEstimates, held_out: np.ndarray
+) -> tuple[AddedEffect, ...]:
     effects = []
-    for step in found.steps:
-        if step.taken is not None:
-            balances = EFFECTS[step.taken].balances
-            gap = tuple(
-                touched_gap(one.lacking, balances, out) for one in (step.before, found.final)
+    for step in result.steps:
+        if step.added is not None:
+            balances = EFFECTS[step.added].balances
+            effect = added_effect(
+                step.added,
+                [each.candidate for each in step.evaluated],
+                estimates,
+                gap_of_balances(step.before.gap_map, balances, held_out),
+                gap_of_balances(result.final.gap_map, balances, held_out),
             )
-            one = added_effect(step.taken, [each.found for each in step.tried], best, gap)
-            effects.append(replace(one, shape=shape_words(step.taken, found.final.hypothesis)))
+            shape = fitted_shape(step.added, result.final.hypothesis)
+            effects.append(replace(effect, shape=shape))
     return tuple(effects)
-
-
-def added_effect(
-    name: str, tried: Sequence[Candidate], best: Estimates, gap: tuple[float, ...]
-) -> AddedEffect:
-    """Return what was taken of some candidates; ``gap`` before and after.
-
-    Its rival is the best whose score is not above its own: one above it explained too little.
-    """
-    taken = next(one for one in tried if one.name == name)
-    below = [one for one in tried if one.name != name and one.score <= taken.score + TIE]
-    rival = max(below, key=lambda one: one.score, default=None)
-    row = EFFECTS[name]
-    return AddedEffect(
-        name=name,
-        says=row.description,
-        parameters=best.coefficients(name),
-        of_sensor=row.of_sensor,
-        gap_before=gap[0],
-        gap_after=gap[1],
-        score=taken.score,
-        runner_up=Rival(rival.name, taken.score - rival.score) if rival else None,
-    )
-
-
-def shape_words(name: str, hypothesis: Hypothesis) -> str:
-    """Return what another shape of its law an effect was given; empty for the textbook one."""
-    given = hypothesis.effects.get(name, {})
-    return ", ".join(key for _, key in shapes(name) if key in given)
-
-
-def touched_gap(found: GapMap, balances: Sequence[str], points: np.ndarray) -> float:
-    """Return the gap over some balances and operating points."""
-    own = found.excess[np.isin(found.point, points)][:, np.isin(found.names, balances)]
-    return float(np.sqrt(max(1 + np.nanmean(own), 0.0)))
-
-
-def too_little(task: Any, missing: tuple[str, ...], left_out: tuple[str, ...]) -> Diagnosis:
-    """Return the diagnosis of data that no effect can be named from; ``task`` as for a search.
-
-    ``missing`` begins with what it lacks most.
-    """
-    nothing = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
-    none = np.zeros(0)
-    no_map = ResidualMap(
-        BALANCES, np.zeros((0, len(BALANCES))), none, none, none, none, none.astype(bool)
-    )
-    return Diagnosis(
-        provenance=task.provenance,
-        model=task.model,
-        verdict="unknown",
-        why=f"To name an effect would be a guess. These runs lack {missing[0]}.",
-        where=(),
-        regions=(),
-        effects=(),
-        alternatives=(),
-        rest=(),
-        next_experiment=f"Measure {missing[0]}.",
-        next_schedule=None,
-        gap_heldout=nothing,
-        gap_train=nothing,
-        gap_runs=(),
-        ranking=(),
-        threshold=float("nan"),
-        refitted={},
-        residuals_before=no_map,
-        residuals_after=no_map,
-        overlays=(),
-        heldout_runs=(),
-        not_tried=dict.fromkeys(EFFECTS, "too few runs"),
-        missing=missing,
-        left_out=left_out,
-        revised=dict(task.plant_data),
-    )

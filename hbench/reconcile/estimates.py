@@ -1,17 +1,18 @@
-"""The parameters of the revised model: factors on nuisances and coefficients, with intervals."""
+"""Parameter estimates of the revised model: nuisance factors and coefficients, with intervals."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
-from hbench.config.bench import Plant
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import fit, intervals
-from hbench.reconcile.linearised import Coefficient, Hypothesis, Linear, moved, typical
+from hbench.reconcile.hypothesis import Coefficient, Hypothesis, typical_size
+from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
 from hbench.units import parse_unit
@@ -20,52 +21,54 @@ _AT_BOUND = 1e-6  # priors and typical sizes
 
 
 @dataclass(frozen=True)
-class Estimates:
-    """The most likely parameters around a model: nuisances, then the coefficients ``which``."""
+class ParameterEstimates:
+    """Most likely parameters about a linearised model: nuisances, then ``coefficients``."""
 
-    plant: Plant
-    around: Linear
-    which: tuple[Coefficient, ...]
+    plant: Any  # the given model: a ``Plant`` or part of one
+    model: LinearisedModel
+    coefficients: tuple[Coefficient, ...]
     beta: np.ndarray  # (q,)
-    spread: np.ndarray  # (q, q)
+    covariance: np.ndarray  # (q, q)
     dof: np.ndarray  # (q,)
     low: np.ndarray  # (q,)
     high: np.ndarray  # (q,)
 
     def hypothesis(self, beta: np.ndarray) -> Hypothesis:
         """Return the hypothesis at some beta (q,)."""
-        return moved(self.around, self.plant, self.which, beta)
+        return hypothesis_at(self.model, self.plant, self.coefficients, beta)
 
     def factors(self) -> dict[str, FitParameter]:
         """Return the factors on the nuisances, by dotted path."""
         values = self.hypothesis(self.beta).factors
-        found = {}
+        factors = {}
         for i, (path, prior) in enumerate(nuisances(self.plant).items()):
-            value, wide = values[path], prior * self._half(i)
-            ends = (float(value * np.exp(-wide)), float(value * np.exp(wide)))
-            se = prior * value * float(np.sqrt(self.spread[i, i]))
-            found[path] = self._parameter(i, value, se, ends, "1")
-        return found
+            value, half_width = values[path], prior * self._half_width(i)
+            ends = (float(value * np.exp(-half_width)), float(value * np.exp(half_width)))
+            se = prior * value * float(np.sqrt(self.covariance[i, i]))
+            factors[path] = self._parameter(i, value, se, ends, "1")
+        return factors
 
-    def coefficients(self, name: str) -> dict[str, FitParameter]:
+    def of_effect(self, name: str) -> dict[str, FitParameter]:
         """Return an effect's coefficients in the units of the catalogue."""
-        at = self.hypothesis(self.beta)
-        first, found = len(self.beta) - len(self.which), {}
-        for i, one in enumerate(self.which, start=first):
-            if one[0] != name:
+        hypothesis = self.hypothesis(self.beta)
+        first, parameters = len(self.beta) - len(self.coefficients), {}
+        for i, which in enumerate(self.coefficients, start=first):
+            if which[0] != name:
                 continue
-            unit = EFFECTS[name].coefficients[one[1]].unit
-            size = typical(one) / parse_unit(unit).factor
-            value = at.coefficient(one) / parse_unit(unit).factor
-            wide, se = size * self._half(i), size * float(np.sqrt(self.spread[i, i]))
-            found[one[1]] = self._parameter(i, value, se, (value - wide, value + wide), unit)
-        return found
+            unit = EFFECTS[name].coefficients[which[1]].unit
+            size = typical_size(which) / parse_unit(unit).factor
+            value = hypothesis.coefficient(which) / parse_unit(unit).factor
+            half_width = size * self._half_width(i)
+            se = size * float(np.sqrt(self.covariance[i, i]))
+            ends = (value - half_width, value + half_width)
+            parameters[which[1]] = self._parameter(i, value, se, ends, unit)
+        return parameters
 
     def draws(self, count: int, seed: int = 1) -> list[Hypothesis]:
         """Return hypotheses drawn from the parameters' uncertainty, within their bounds."""
         rng = np.random.default_rng(seed)
-        drawn = rng.multivariate_normal(self.beta, self.spread, count, method="svd")
-        return [self.hypothesis(np.clip(one, self.low, self.high)) for one in drawn]
+        drawn = rng.multivariate_normal(self.beta, self.covariance, count, method="svd")
+        return [self.hypothesis(np.clip(beta, self.low, self.high)) for beta in drawn]
 
     def _parameter(
         self, i: int, value: float, se: float, ends: tuple[float, float], unit: str
@@ -76,8 +79,8 @@ class Estimates:
         ci95 = (value, ends[1]) if bound == "lower" else (ends[0], value)
         return FitParameter(value, None, ci95, bound, unit)
 
-    def _half(self, i: int) -> float:
-        return float(student_factor(whole_dof(self.dof[i])) * np.sqrt(self.spread[i, i]))
+    def _half_width(self, i: int) -> float:
+        return float(student_factor(whole_dof(self.dof[i])) * np.sqrt(self.covariance[i, i]))
 
     def _bound(self, i: int) -> Bound:
         if self.beta[i] <= self.low[i] + _AT_BOUND:
@@ -86,15 +89,19 @@ class Estimates:
 
 
 def whole_dof(dof: float) -> int:
-    """Return degrees of freedom rounded down, but not where rounding alone is missing."""
+    """Return degrees of freedom rounded down, except where only rounding errors are missing."""
     return int(dof * (1 + ROUNDING))
 
 
-def estimate(plant: Plant, around: Linear, names: Sequence[str], train: np.ndarray) -> Estimates:
-    """Return the most likely nuisances and coefficients of the effects ``names``."""
-    which = around.coefficients_of(names)
-    chosen = around.index(which)
-    beta = fit(around.data, around.free, chosen, train)[0]
-    spread, dof = intervals(around.data, around.free, chosen, beta, train)
-    own = around.free.of(chosen)
-    return Estimates(plant, around, which, beta, spread, dof, own.low, own.high)
+def estimate_parameters(
+    plant: Any, model: LinearisedModel, names: Sequence[str], train: np.ndarray
+) -> ParameterEstimates:
+    """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``."""
+    coefficients = model.coefficients_of(names)
+    chosen = model.index(coefficients)
+    beta = fit(model.data, model.priors, chosen, train)[0]
+    covariance, dof = intervals(model.data, model.priors, chosen, beta, train)
+    priors = model.priors.select(chosen)
+    return ParameterEstimates(
+        plant, model, coefficients, beta, covariance, dof, priors.low, priors.high
+    )

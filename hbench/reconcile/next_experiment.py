@@ -1,4 +1,4 @@
-"""The experiment that would tell an ambiguous set of effects apart, found by simulating each."""
+"""Next experiment: the one in which the effects of an ambiguous set differ most."""
 
 from collections.abc import Mapping
 from itertools import combinations
@@ -12,9 +12,10 @@ from hbench.config.files.loading import parse_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
-from hbench.reconcile.gap import column_means
-from hbench.reconcile.linearised import Hypothesis, less, mean_column, windows_of
-from hbench.reconcile.measured.balances import BALANCES, model
+from hbench.reconcile.gaps.columns import column_difference, mean_column, residuals_of_runs
+from hbench.reconcile.gaps.gap_map import column_means
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.measured.balances import BALANCES, balance_model
 from hbench.reconcile.simulated_runs import simulator
 
 _LIBRARY = "discriminate.yaml"
@@ -28,54 +29,56 @@ def next_experiment(
     rivals: Mapping[str, Hypothesis],
     scatter: Mapping[str, float],
 ) -> tuple[str, dict[str, Any]] | None:
-    """Return in words, and as a schedule, which experiment tells ``rivals`` apart best.
+    """Return the experiment that distinguishes ``rivals`` best, in words and as a schedule.
 
-    The experiments of ``discriminate.yaml`` are tried, as far as the bench can make them.
-    ``scatter`` is the trials' by balance. None where no experiment tells them apart.
+    The experiments of ``discriminate.yaml`` that the bench can run are simulated. ``scatter`` is
+    that of the trials by balance. None where the rivals are not distinguishable in any of them.
     """
     best, chosen = 1.0, None  # a scatter
     for experiment in parse_yaml(example(_LIBRARY).decode())["experiments"]:
-        apart = _apart(bench, plant, {**experiment, "trials": 1}, rivals, scatter)
-        if apart > best:
-            best, chosen = apart, experiment
+        separation = _separation(bench, plant, {**experiment, "trials": 1}, rivals, scatter)
+        if separation > best:
+            best, chosen = separation, experiment
     if chosen is None:
         return None
     names = " and ".join(rivals)
     label = f" {chosen['label']!r}" if "label" in chosen else ""
     words = (
-        f"Measure the {chosen['kind']} runs{label} of next.yaml: there {names} "
-        f"differ by {best:.1f} trial scatters."
+        f"Measure the {chosen['kind']} runs{label} of next.yaml. In these runs {names} differ by "
+        f"{best:.1f} trial scatters."
     )
     schedule = {
-        "name": f"Telling {names} apart",
+        "name": f"Distinguish {names}",
         "order": "passes",
         "experiments": [{**chosen, "trials": _TRIALS}],
     }
     return words, schedule
 
 
-def _apart(
+def _separation(
     bench: Bench,
     plant: Plant,
     experiment: dict[str, Any],
     rivals: Mapping[str, Hypothesis],
     scatter: Mapping[str, float],
 ) -> float:
-    """Return by how many scatters the two closest of the rivals differ; 0 if it can't be made."""
+    """Return the difference of the two closest rivals, in scatters; 0 if the bench can't run it."""
     try:
         schedule = parse_schedule({"name": "next", "experiments": [experiment]}, "next")
         plans = plan_runs(schedule, bench, "next").runs
     except ConfigError:
         return 0.0
-    made = simulator(bench, plant, plans, spread=map)(tuple(rivals.values()), 1)
-    known = model(bench, plant)
-    columns = [mean_column(windows_of(runs, known)) for runs in made if runs is not None]
+    simulated = simulator(bench, plant, plans, spread=map)(tuple(rivals.values()), 1)
+    model = balance_model(bench, plant)
+    columns = [
+        mean_column(residuals_of_runs(runs, model)) for runs in simulated if runs is not None
+    ]
     if len(columns) < len(rivals):
         return 0.0
     unit = np.array([scatter.get(name, np.inf) for name in BALANCES])
-    return min(_distance(less(a, b), unit) for a, b in combinations(columns, 2))
+    return min(_distance(column_difference(a, b), unit) for a, b in combinations(columns, 2))
 
 
-def _distance(apart: Mapping[Any, np.ndarray], unit: np.ndarray) -> float:
-    square = column_means((np.concatenate(list(apart.values())) / unit) ** 2)
+def _distance(difference: Mapping[Any, np.ndarray], unit: np.ndarray) -> float:
+    square = column_means((np.concatenate(list(difference.values())) / unit) ** 2)
     return float(np.sqrt(max(np.nanmax(square) - _NOISE, 0.0)))

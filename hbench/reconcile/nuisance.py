@@ -1,8 +1,8 @@
-"""Known parameters that may only be badly tuned, and are refitted before effects are sought.
+"""Nuisance parameters: known parameters with uncertain values, refitted before the search.
 
 Each is a factor on a value of the plant file, with a prior (standard deviation of its logarithm)
-and bounds at three of them, so that none can swallow an effect. Balances share no nuisance but
-within a group: what friction lacks can't bend the valve's gain.
+and bounds at three standard deviations, so that no nuisance can absorb an effect. Balances share
+nuisances only within a group: a residual of friction cannot change the valve's gain.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from hbench.config.bench import Bench, Plant
-from hbench.config.scaling import scaled
-from hbench.reconcile.measured.balances import FLOWS, Prepared, model, residuals
+from hbench.config.scaling import scaled, value_paths
+from hbench.errors import ConfigError
+from hbench.reconcile.measured.balances import FLOWS, PreparedRun, balance_model, residuals
 
 _FRICTION = {
     "coulomb": 0.3,
@@ -22,7 +23,7 @@ _FRICTION = {
     "bristle_stiffness": 0.3,
     "stribeck_force": 0.3,
 }
-# Balances, and the priors of their nuisances. Judged: how well a bench file's values are known.
+# Priors of the nuisances of each group of balances: assumed accuracy of a bench file's values.
 GROUPS: Mapping[tuple[str, ...], Mapping[str, float]] = {
     FLOWS: {
         "valve.gain": 0.1,
@@ -46,49 +47,61 @@ _STEP = 1e-3  # of a logarithm, for its derivative
 
 
 def nuisances(plant: Any) -> dict[str, float]:
-    """Return the priors of the nuisances that a plant has, by dotted path."""
+    """Return the priors of the nuisances that a plant, or part of a plant, has, by dotted path.
+
+    Left out are values of zero, sections that a part of a plant does not have, and parameters of
+    other friction laws. Raises ``ConfigError`` for a path that no plant has.
+    """
     return {
         path: prior
         for priors in GROUPS.values()
         for path, prior in priors.items()
-        if _value(plant, path)
+        if nuisance_value(plant, path)
     }
 
 
+def nuisance_value(plant: Any, path: str) -> float:
+    """Return the value at a nuisance's path; 0 where this plant has none.
+
+    Raises ``ConfigError`` for a path that no plant has.
+    """
+    if path not in value_paths(Plant):
+        raise ConfigError(f"nuisance {path}: no plant file has this key", "Correct the path.")
+    value: Any = plant
+    for name in path.split("."):
+        if not hasattr(value, name):
+            return 0.0
+        value = getattr(value, name)
+    return value
+
+
 def slopes(
-    logs: Sequence[Prepared],
+    logs: Sequence[PreparedRun],
     bench: Bench,
     plant: Plant,
     factors: Mapping[str, float],
     names: tuple[str, ...],
 ) -> dict[str, list[np.ndarray]]:
-    """Return each run's change (m, names) of the balances in ``names`` with ln of each factor.
+    """Return each run's derivative (m, names) of the balances by the logarithm of each factor.
 
-    ``factors`` are the ones on ``plant`` so far.
+    ``factors`` are the current ones on ``plant``.
     """
-    known = nuisances(plant)
-    found = {}
+    of_plant = nuisances(plant)
+    derivatives = {}
     for balances, priors in GROUPS.items():
-        here = model(bench, scaled(plant, factors))
-        before = [residuals(log, here, balances).values for log in logs]
-        own = [balances.index(name) if name in balances else -1 for name in names]
+        model = balance_model(bench, scaled(plant, factors))
+        before = [residuals(log, model, balances).values for log in logs]
+        column = [balances.index(name) if name in balances else -1 for name in names]
         for path in priors:
-            if path not in known:
+            if path not in of_plant:
                 continue
             log_factor = np.log(factors.get(path, 1.0))
-            step = -_STEP if log_factor > 0 else _STEP  # inwards
-            moved = {**factors, path: float(np.exp(log_factor + step))}
-            there = model(bench, scaled(plant, moved))
-            after = [residuals(log, there, balances).values for log in logs]
-            found[path] = [
-                np.where(np.array(own) >= 0, ((b - a) / step)[:, own], 0.0)
+            step = -_STEP if log_factor > 0 else _STEP  # towards a factor of 1
+            stepped = {**factors, path: float(np.exp(log_factor + step))}
+            model_after = balance_model(bench, scaled(plant, stepped))
+            after = [residuals(log, model_after, balances).values for log in logs]
+            derivatives[path] = [
+                np.where(np.array(column) >= 0, ((b - a) / step)[:, column], 0.0)
                 for a, b in zip(before, after, strict=True)
             ]
-    return found
-
-
-def _value(plant: Plant, path: str) -> float:
-    value: Any = plant
-    for name in path.split("."):
-        value = getattr(value, name, 0.0)
-    return value
+    return derivatives

@@ -1,4 +1,4 @@
-"""The revised model as the sections of a plant file."""
+"""Revised model as the sections of a plant file."""
 
 import re
 from collections.abc import Mapping
@@ -6,11 +6,11 @@ from copy import deepcopy
 from typing import Any
 
 from hbench.config.friction import LuGre
-from hbench.reconcile.linearised import Hypothesis
+from hbench.reconcile.hypothesis import Hypothesis
 from hbench.records import FitParameter
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
-# The nuisances that a file may leave out, as it would have them.
+# Nuisances that a file may omit, as it would contain them.
 _DEFAULTS = {"bristle_stiffness": f"{LuGre.model_fields['bristle_stiffness'].default:g} N/m"}
 
 
@@ -18,22 +18,25 @@ def revised(
     sections: Mapping[str, Any], factors: Mapping[str, FitParameter], hypothesis: Hypothesis
 ) -> dict[str, Any]:
     """Return a plant's sections with values multiplied by their factors, and with effects."""
-    found = deepcopy(dict(sections))
+    revised_sections = deepcopy(dict(sections))
     for path, factor in factors.items():
-        *above, last = path.split(".")
-        section = found
-        for name in above:
+        *parents, key = path.split(".")
+        section = revised_sections
+        for name in parents:
             section = section[name]
-        given = section[last] if last in section else _DEFAULTS[last]
-        section[last] = _times(given, factor.value)
+        given = section[key] if key in section else _DEFAULTS[key]
+        section[key] = _times(given, factor.value)
     if hypothesis.effects:
-        found["effects"] = {**found.get("effects", {}), **hypothesis.section()}
-    return found
+        effects = revised_sections.get("effects", {})
+        revised_sections["effects"] = {**effects, **hypothesis.section()}
+    return revised_sections
 
 
 def _times(quantity: str | float, factor: float) -> str | float:
-    """Multiply what a file has: a number, or one with its unit."""
+    """Multiply a quantity from a file: a number, or a number with its unit."""
     if not isinstance(quantity, str):
         return float(f"{quantity * factor:.6g}")
-    number, unit = _NUMBER.match(quantity).groups()
+    match = _NUMBER.match(quantity)
+    assert match is not None  # the file has been parsed
+    number, unit = match.groups()
     return f"{float(number) * factor:.6g}{unit}"

@@ -1,297 +1,188 @@
-"""Which effects of the catalogue a model lacks: one after another, each must earn its place.
+"""Search for effects of the catalogue that a model does not contain, one after another.
 
-Around the refitted model every candidate is judged by its signature (``evidence.score``); the best
-are simulated with the coefficient found, and judged again there. One is taken if, on operating
-points left out,
+Each candidate is first evaluated about the refitted model by its signature (``evidence.score``).
+The best are then simulated with their fitted coefficients and evaluated again. An effect is added
+if, by cross-validation over operating points,
 
-    its score exceeds 5 nats, and the largest that any candidate for the same balances reaches in
-    98 % of nulls of this very plan: what it leaves itself, with random signs,
+    its score exceeds 5 nats and the 98 % quantile of the largest null score: null data sets are the
+    candidate's own residuals with random signs, over all candidates for the same balances,
     it explains more than a quarter of the excess gap in the balances it touches, and
     its coefficient is at least a fifth of the typical size.
 
-Candidates whose scores are too close to the best one's are an ambiguous set, and none is taken.
+Candidates whose scores are close to the best one form an ambiguous set, and none is added.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
 
 import numpy as np
 
 from hbench.analysis.rounding import ranked
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.evidence import (
-    LeftOut,
-    cost,
-    fit,
-    left_out,
-    log_likelihood,
-    random_signs,
-    score,
+from hbench.reconcile.candidates import (
+    CRITERIA,
+    NULLS,
+    TIE,
+    CandidateEvaluator,
+    EvaluatedCandidate,
+    indistinguishable,
 )
-from hbench.reconcile.linearised import (
-    Coefficient,
-    Column,
-    Hypothesis,
-    Linear,
-    Simulate,
-    linearise,
-    moved,
-    shapes,
-    typical,
-    windows_of,
-)
+from hbench.reconcile.evidence import log_likelihood, random_signs, score
+from hbench.reconcile.gaps.columns import residuals_of_runs
+from hbench.reconcile.hypothesis import shape_coefficients, typical_size
+from hbench.reconcile.linearised import LinearisedModel, linearise
+from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.signatures import signature
 from hbench.records import Candidate
 
-_NULLS = 200
-_QUANTILE = 0.98  # of the nulls' largest scores
-_LEAST = 5.0  # nats: the least threshold, e^5 = 150 to 1
-_EXPLAINED = 0.25  # the rest may be other effects'
-_MATERIAL = 0.2  # typical sizes
-_CLOSE = 3.0, 0.1  # nats, share of the best score: closer candidates are ambiguous
-TIE = 1e-6  # nats: scores that differ by rounding keep the catalogue's order
-_TRIED = 6  # candidates that are simulated
-_WORTH = 0.3  # of the best score: others are not simulated
-_PROMISING = 0.5  # of the least threshold: others are not simulated
-_MOST = 4  # effects
-_ROUNDS = 2  # of simulating and refitting
-_STILL = 0.05  # priors of nuisances and typical sizes: no need to simulate again
+_MOST_SIMULATED = 6  # candidates
+_LEAST_SHARE = 0.3  # of the best score; candidates below are not simulated
+_LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not simulated
+_MOST_EFFECTS = 4
 
 
 @dataclass(frozen=True)
-class Tried:
-    """A candidate, with its own simulation if it has one."""
+class SearchStep:
+    """Step of the search: evaluated candidates, best first, and the effect that was added."""
 
-    found: Candidate
-    linear: Linear | None
-
-
-@dataclass(frozen=True)
-class Step:
-    """One search: what was tried, best first, and what was taken."""
-
-    before: Linear
-    tried: tuple[Tried, ...]
-    taken: str | None
-    close: tuple[Candidate, ...]  # the ambiguous set, where nothing was taken
+    before: LinearisedModel
+    evaluated: tuple[EvaluatedCandidate, ...]
+    added: str | None
+    ambiguous: tuple[Candidate, ...]  # where none was added
 
 
 @dataclass(frozen=True)
-class Found:
-    """The refitted model, the steps from it, and where they end."""
+class SearchResult:
+    """Refitted model, steps of the search, and final model."""
 
-    refitted: Linear
-    steps: tuple[Step, ...]
-    final: Linear
+    refitted: LinearisedModel
+    steps: tuple[SearchStep, ...]
+    final: LinearisedModel
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The effects that were taken, in order."""
-        return _taken(self.steps)
+        """The effects that were added, in order."""
+        return _added(self.steps)
 
 
 @dataclass(frozen=True)
-class Search:
-    """What a search needs besides a model."""
+class CampaignSearch(CandidateEvaluator):
+    """Search in the runs of a campaign."""
 
-    measured: Any  # ``Measured``, or strokes of another bench
-    simulate: Simulate
-    trials: int
-    signatures: Mapping[Coefficient, Column]
-    train: np.ndarray  # numbers of the operating points that may be seen
-    candidates: tuple[str, ...]
+    measured: MeasuredCampaign
 
-    def run(self, given: Linear) -> Found:
-        """Refit the nuisances of the model that was given, then look for effects."""
-        here = refitted = self.settled(given, ())
-        steps: list[Step] = []
+    def run(self, given: LinearisedModel) -> SearchResult:
+        """Refit the nuisances of the given model, then search for effects."""
+        current = refitted = self.refit(given, ())
+        steps: list[SearchStep] = []
         search = self
-        while len(steps) < _MOST:
-            step, there = search._step(here, _taken(steps))
+        while len(steps) < _MOST_EFFECTS:
+            step, with_effect = search._step(current, _added(steps))
             steps.append(step)
-            if there is None:
+            if with_effect is None:
                 break
-            search, here = search._refined(there, _taken(steps))
-        return Found(refitted, tuple(steps), here)
+            search, current = search._with_shape(with_effect, _added(steps))
+        return SearchResult(refitted, tuple(steps), current)
 
-    def at(self, hypothesis: Hypothesis) -> Linear | None:
-        """Simulate a hypothesis and return its surroundings; None where the board stops."""
-        (runs,) = self.simulate([hypothesis], self.trials)
-        if runs is None:
-            return None
-        return linearise(self.measured, hypothesis, runs, self.signatures)
-
-    def settled(self, start: Linear, effects: Sequence[str]) -> Linear:
-        """Move to the best nuisances and coefficients of ``effects``, but nowhere that is worse."""
-        which = start.coefficients_of(effects)
-        here, lacks = start, self._cost(start, which)
-        for _ in range(_ROUNDS):
-            beta = fit(here.data, here.free, here.index(which), self.train)[0]
-            if np.abs(beta).max() < _STILL:
-                break
-            there = self.at(moved(here, self.measured.plant, which, beta))
-            if there is None or (less := self._cost(there, which)) > lacks + _LEAST:
-                break
-            here, lacks = there, less
-        return here
-
-    def _cost(self, here: Linear, which: Sequence[Coefficient]) -> float:
-        return cost(here.data, here.free, here.index(which), self.train)
-
-    def _refined(self, here: Linear, taken: tuple[str, ...]) -> tuple["Search", Linear]:
-        """Give the effect that was taken last the shape that operating points left out support."""
-        before = log_likelihood(self._left_out(here, taken))
-        best, found = _LEAST, (self, here)
-        for which in shapes(taken[-1]):
-            other = here.hypothesis.with_coefficients(
-                {which: here.hypothesis.coefficient(which) + typical(which)}
+    def _with_shape(
+        self, model: LinearisedModel, added: tuple[str, ...]
+    ) -> tuple["CampaignSearch", LinearisedModel]:
+        """Give the effect that was added last the shape that cross-validation supports."""
+        before = log_likelihood(self._cross_validate(model, added))
+        balances = self.measured.balance_model(model.hypothesis)
+        best_gain, best = CRITERIA.score, (self, model)
+        for which in shape_coefficients(added[-1]):
+            reshaped = model.hypothesis.with_coefficients(
+                {which: model.hypothesis.coefficient(which) + typical_size(which)}
             )
-            (runs,) = self.simulate([other], 1)
+            (runs,) = self.simulate([reshaped], 1)
             if runs is None:
                 continue
-            known = self.measured.known(here.hypothesis)
-            column = signature(which[0], windows_of(runs, known), windows_of(here.runs, known))
+            column = signature(
+                which[0],
+                residuals_of_runs(runs, balances),
+                residuals_of_runs(model.runs, balances),
+            )
             search = replace(self, signatures={**self.signatures, which: column})
-            start = linearise(
-                self.measured, here.hypothesis, here.runs, search.signatures, here.lacking
-            )
-            there = search.settled(start, taken)
-            own = linearise(
-                self.measured, there.hypothesis, there.runs, search.signatures, here.lacking
-            )
-            gain = float((log_likelihood(search._left_out(own, taken)) - before)[0])
-            if gain > best:
-                best, found = gain, (search, there)
-        return found
+            start = search._linearise_like(model, model)
+            refitted = search.refit(start, added)
+            scaled_alike = search._linearise_like(refitted, model)
+            after = log_likelihood(search._cross_validate(scaled_alike, added))
+            gain = float((after - before)[0])
+            if gain > best_gain:
+                best_gain, best = gain, (search, refitted)
+        return best
 
-    def _left_out(self, here: Linear, taken: Sequence[str]) -> LeftOut:
-        chosen = here.index(here.coefficients_of(taken))
-        return left_out(here.data, here.free, chosen, self.train)
+    def _linearise_like(
+        self, model: LinearisedModel, reference: LinearisedModel
+    ) -> LinearisedModel:
+        """Linearise about a model's hypothesis with the scatter of ``reference``."""
+        return linearise(
+            self.measured, model.hypothesis, model.runs, self.signatures, reference.gap_map
+        )
 
-    def _step(self, here: Linear, taken: tuple[str, ...]) -> tuple[Step, Linear | None]:
-        base = here.index(here.coefficients_of(taken))
-        rest = [
-            name for name in self.candidates if name not in taken and here.coefficients_of([name])
+    def _step(
+        self, model: LinearisedModel, added: tuple[str, ...]
+    ) -> tuple[SearchStep, LinearisedModel | None]:
+        """Return a step of the search, and the refitted model if an effect was added."""
+        base = model.index(model.coefficients_of(added))
+        names = [
+            name for name in self.candidates if name not in added and model.coefficients_of([name])
         ]
-        judged = ranked(
-            [self._linear(here, base, name) for name in rest], lambda one: one.found.score, TIE
+        by_signature = _best_first(self._evaluate_by_signature(model, base, name) for name in names)
+        best = by_signature[0].candidate.score if by_signature else 0.0
+        least = max(_LEAST_SHARE * best, _LEAST_PROMISING * CRITERIA.score)
+        promising = [each.candidate.name for each in by_signature if each.candidate.score > least]
+        simulated = self._evaluate_by_simulation(model, added, promising[:_MOST_SIMULATED])
+        evaluated = _best_first(
+            self._with_threshold(simulated.get(each.candidate.name, each), model, base, names)
+            for each in by_signature
         )
-        best = judged[0].found.score if judged else 0.0
-        worth = [one for one in judged if one.found.score > max(_WORTH * best, _PROMISING * _LEAST)]
-        simulated = self._simulated(here, taken, [one.found for one in worth[:_TRIED]])
-        tried = ranked(
-            [
-                self._with_threshold(simulated.get(one.found.name, one), here, base, rest)
-                for one in judged
-            ],
-            lambda one: one.found.score,
-            TIE,
-        )
-        good = [one for one in tried if one.linear and _earned(one.found)]
-        if not good:
-            return Step(here, tuple(tried), None, ()), None
-        first = good[0]
-        least = first.found.score - max(_CLOSE[0], _CLOSE[1] * first.found.score)
-        close = tuple(one.found for one in good if one.found.score >= least)
-        if len(close) > 1:
-            return Step(here, tuple(tried), None, close), None
-        name = first.found.name
-        step = Step(here, tuple(tried), name, ())
-        return step, self.settled(first.linear, (*taken, name))
-
-    def _linear(self, here: Linear, base: Sequence[int], name: str) -> Tried:
-        which = here.coefficients_of([name])
-        more = [i for i in here.index(which) if i not in base]
-        gain = float(score(here.data, here.free, base, more, self.train)[0])
-        beta = fit(here.data, here.free, [*base, *more], self.train)[0][len(base) :]
-        before = left_out(here.data, here.free, base, self.train)
-        after = left_out(here.data, here.free, [*base, *more], self.train)
-        values = {one: float(b) * typical(one) for one, b in zip(which, beta, strict=True)}
-        share = explained(name, here, before, after)
-        return Tried(_candidate(name, gain, share, values, "linear"), None)
-
-    def _simulated(
-        self, here: Linear, taken: tuple[str, ...], worth: Sequence[Candidate]
-    ) -> dict[str, Tried]:
-        """Simulate candidates with the coefficients that the linear fit has found."""
-        before = left_out(here.data, here.free, here.index(here.coefficients_of(taken)), self.train)
-        hypotheses = []
-        for one in worth:
-            which = here.coefficients_of((*taken, one.name))
-            beta = fit(here.data, here.free, here.index(which), self.train)[0]
-            hypotheses.append(moved(here, self.measured.plant, which, beta))
-        found = {}
-        made = self.simulate(hypotheses, self.trials)
-        for one, hypothesis, runs in zip(worth, hypotheses, made, strict=True):
-            if runs is None:
-                continue
-            there = linearise(self.measured, hypothesis, runs, self.signatures, here.lacking)
-            own = there.index(here.coefficients_of((*taken, one.name)))
-            after = left_out(there.data, there.free, own, self.train)
-            gain = float((log_likelihood(after) - log_likelihood(before))[0])
-            beta = fit(there.data, there.free, own, self.train)[0].tolist()
-            steps = dict(zip(own, beta, strict=True))
-            values = {
-                key: hypothesis.coefficient(key) + steps[there.column(key)] * typical(key)
-                for key in there.coefficients_of([one.name])
-            }
-            share = explained(one.name, here, before, after)
-            found[one.name] = Tried(_candidate(one.name, gain, share, values, "simulated"), there)
-        return found
+        accepted = {
+            each.candidate.name: (each.candidate, each.model)
+            for each in evaluated
+            if each.model and CRITERIA.accepts(each.candidate)
+        }
+        if not accepted:
+            return SearchStep(model, evaluated, None, ()), None
+        ambiguous = indistinguishable([candidate for candidate, _ in accepted.values()])
+        if len(ambiguous) > 1:
+            return SearchStep(model, evaluated, None, ambiguous), None
+        name, (_, with_effect) = next(iter(accepted.items()))
+        step = SearchStep(model, evaluated, name, ())
+        return step, self.refit(with_effect, (*added, name))
 
     def _with_threshold(
-        self, one: Tried, here: Linear, base: Sequence[int], names: Sequence[str]
-    ) -> Tried:
-        """Return a candidate with what its score must exceed, if it could earn its place.
+        self,
+        evaluated: EvaluatedCandidate,
+        model: LinearisedModel,
+        base: Sequence[int],
+        names: Sequence[str],
+    ) -> EvaluatedCandidate:
+        """Return a candidate with the threshold of its score, if it could be accepted.
 
-        Nulls are what its own simulation lacks, with random signs: not yet what it explains.
+        Null data sets are the residuals about its own simulation with random signs, without the
+        part that it explains.
         """
-        if one.linear is None or not _earned(one.found):
-            return one
-        data = one.linear.data
-        signs = random_signs(_NULLS, len(here.lacking.points), seed=1)
-        largest = np.zeros(_NULLS)
-        own = set(EFFECTS[one.found.name].balances)
+        candidate = evaluated.candidate
+        if evaluated.model is None or not CRITERIA.accepts(candidate):
+            return evaluated
+        data = evaluated.model.data
+        signs = random_signs(NULLS, len(model.gap_map.points), seed=1)
+        largest = np.zeros(NULLS)
+        balances = set(EFFECTS[candidate.name].balances)
         for name in names:
-            if own.issuperset(EFFECTS[name].balances):
-                more = [i for i in here.index(here.coefficients_of([name])) if i not in base]
-                reached = score(data, here.free, base, more, self.train, signs)
-                largest = np.maximum(largest, reached)
-        threshold = max(_LEAST, float(np.quantile(largest, _QUANTILE)))
-        return replace(one, found=replace(one.found, threshold=threshold))
+            if balances.issuperset(EFFECTS[name].balances):
+                more = [i for i in model.index(model.coefficients_of([name])) if i not in base]
+                null_scores = score(data, model.priors, base, more, self.train, signs)
+                largest = np.maximum(largest, null_scores)
+        threshold = CRITERIA.threshold(largest)
+        return replace(evaluated, candidate=replace(candidate, threshold=threshold))
 
 
-def _taken(steps: Sequence[Step]) -> tuple[str, ...]:
-    return tuple(step.taken for step in steps if step.taken)
+def _best_first(evaluated: Iterable[EvaluatedCandidate]) -> tuple[EvaluatedCandidate, ...]:
+    return tuple(ranked(tuple(evaluated), lambda each: each.candidate.score, TIE))
 
 
-def explained(name: str, here: Linear, before: LeftOut, after: LeftOut) -> float:
-    """Return the share of the excess gap that goes in the balances that an effect shows in."""
-    which = [here.column(one) for one in here.coefficients_of([name])]
-    shown = np.einsum("pgjj->gj", here.data.columns)[:, which].any(axis=1)
-    balances = {balance for (balance, _), own in zip(here.data.groups, shown, strict=True) if own}
-    own = np.isin([balance for balance, _ in here.data.groups], list(balances))
-
-    def excess(left: LeftOut) -> float:
-        over = np.maximum(left.variance[0] - left.noise, 0.0) * left.windows
-        return float(over[own].sum())
-
-    whole = excess(before)
-    return 1 - excess(after) / whole if whole > 0 else 0.0
-
-
-def _earned(one: Candidate) -> bool:
-    return one.score > one.threshold and one.explained > _EXPLAINED and one.size >= _MATERIAL
-
-
-def _candidate(
-    name: str,
-    gain: float,
-    share: float,
-    values: Mapping[Coefficient, float],
-    tried: Literal["simulated", "linear"],
-) -> Candidate:
-    size = max((abs(value) / typical(one) for one, value in values.items()), default=0.0)
-    parameters = {key: value for (_, key), value in values.items()}
-    return Candidate(name, gain, share, size, parameters, tried, _LEAST)
+def _added(steps: Sequence[SearchStep]) -> tuple[str, ...]:
+    return tuple(step.added for step in steps if step.added)

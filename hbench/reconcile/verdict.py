@@ -1,108 +1,136 @@
-"""What a search means: the verdict in words, and what the data lacks for a better one."""
+"""Verdict of a search, and what the data do not contain."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from hbench.analysis.screening.calibrate import FIELDS
-from hbench.reconcile.gap import point_of
-from hbench.reconcile.measured.balances import BALANCES, lacking_channels
-from hbench.reconcile.search import Found
-from hbench.records import KINDS, Gap, Run, RunPlan, Verdict
+from hbench.reconcile.gaps.gap_map import point_of
+from hbench.reconcile.measured.balances import BALANCES, channels_missing
+from hbench.reconcile.search import SearchResult
+from hbench.records import KINDS, Candidate, Gap, Run, RunPlan, Verdict
 
-_REST = 2.0  # gap of a balance that is as far again from the model as its trials from one another
-_P = 0.1
-_FEWEST = 8  # operating points: fewer name nothing
-_SPEEDS = "three or more speeds: what grows with speed is not told from what does not"
-_LOADS = "a second load: effects of load and pressure look like offsets"
-
-
-def rest(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
-    """Return the balances that lack something: structured, and too much for the trials."""
-    return tuple(one for one in ranked if one.gap > _REST and one.p_value < _P)
-
-
-def judge(found: Found, left: Sequence[Gap]) -> tuple[Verdict, str]:
-    """Return the verdict and why; ``left`` are the balances that lack something at the end."""
-    last = found.steps[-1]
-    names = ", then ".join(found.names)
-    where = ", ".join(f"{one.name} ({one.gap:.1f})" for one in left)
-    if found.names:
-        why = f"Adding {names} explains what operating points left out lack."
-        if last.close:
-            others = " or ".join(one.name for one in last.close)
-            why += f" Of what is left, {others} would explain as much as one another."
-        elif left:
-            why += f" A rest is structured that no effect explains: {where} trial scatters."
-        return "named", why
-    if last.close:
-        scores = ", ".join(f"{one.name} ({one.score:.0f})" for one in last.close)
-        return "ambiguous", f"These data can't tell apart, scores in nats: {scores}."
-    if left:
-        best = last.tried[0].found if last.tried else None
-        tried = (
-            f" The best candidate, {best.name}, explains {best.explained:.0%} of it on operating "
-            f"points left out (score {best.score:.1f}, threshold {best.threshold:.1f})."
-            if best
-            else ""
-        )
-        return "unknown", f"No effect of the catalogue explains the gap of {where}.{tried}"
-    return "none", "No balance of the refitted model lacks more than its trials scatter."
+UNEXPLAINED_GAP = 2.0  # trial scatters
+_SIGNIFICANCE = 0.1  # p
+FEWEST_POINTS = 8  # operating points with two trials
+NO_RESIDUALS = "The residuals of the refitted model are within the scatter of the trials."
+MISSING: Mapping[str, str] = {
+    "speeds": "three or more speeds, to separate effects that grow with speed from the others",
+    "loads": "a second load, to separate effects of load and pressure from offsets",
+    "directions": "the other direction: friction changes its sign with it, a sensor error does not",
+    "reversals": "reversals (triangle): they show presliding and the lag of friction",
+    "steps": "steps: they show slow valves, masses and filters",
+    "hold": "a hold with closed valves, to separate leakage from valve errors",
+    "pressures": "one load at two pressures, to separate the friction of seals from that of guides",
+    "chambers": "the chambers' pressures, with the valves' commands or the load cell's force",
+}
+"""Text of each kind of missing data, by code."""
 
 
-def too_few(runs: Sequence[Run]) -> tuple[str, ...]:
-    """Return why no effect can be named from whole runs, in words; empty where a search may begin.
+def unexplained_gaps(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
+    """Return the gaps that are structured and too large for the scatter of the trials."""
+    return tuple(gap for gap in ranked if gap.gap > UNEXPLAINED_GAP and gap.p_value < _SIGNIFICANCE)
 
-    One speed or one load alone: then too many effects look the same for a name to be no guess.
+
+def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:
+    """Return the verdict and its reason; ``unexplained`` are the gaps of the final model."""
+    last = result.steps[-1]
+    where = gap_list(unexplained)
+    if result.names:
+        reason = f"{explains(result.names)} the residuals at held-out operating points."
+        if last.ambiguous:
+            others = " or ".join(candidate.name for candidate in last.ambiguous)
+            reason += f" {others} would explain the remaining residuals equally well."
+        elif unexplained:
+            reason += f" No effect explains the remaining gaps (in trial scatters): {where}."
+        return "named", reason
+    if last.ambiguous:
+        return "ambiguous", f"Not distinguishable, scores in nats: {scores(last.ambiguous)}."
+    if unexplained:
+        reason = f"No effect of the catalogue explains the gaps (in trial scatters): {where}."
+        if last.evaluated:
+            best = last.evaluated[0].candidate
+            reason += (
+                f" The best candidate, {best.name}, explains {best.explained:.0%} at held-out "
+                f"operating points (score {best.score:.1f}, threshold {best.threshold:.1f})."
+            )
+        return "unknown", reason
+    return "none", NO_RESIDUALS
+
+
+def explains(names: Sequence[str]) -> str:
+    """Return subject and verb of a sentence about effects."""
+    return f"{' and '.join(names)} {'explain' if len(names) > 1 else 'explains'}"
+
+
+def scores(candidates: Sequence[Candidate]) -> str:
+    """Return candidates with their scores in nats."""
+    return ", ".join(f"{candidate.name} ({candidate.score:.0f})" for candidate in candidates)
+
+
+def gap_list(gaps: Sequence[Gap]) -> str:
+    """Return balances with their gaps."""
+    return ", ".join(f"{gap.name} ({gap.gap:.1f})" for gap in gaps)
+
+
+def data_shortfalls(runs: Sequence[Run]) -> dict[str, str]:
+    """Return by code why complete runs do not suffice to name an effect; empty if they do.
+
+    With a single speed or a single load too many effects have the same signature.
     """
     plans = [run.plan for run in runs]
     repeated = sum(count > 1 for count in Counter(map(point_of, plans)).values())
     speeds = {abs(plan.v_ref_m_s) for plan in plans if KINDS[plan.kind].has_constant_speed}
-    lacks = []
-    if repeated < _FEWEST:
-        lacks.append(f"operating points with two trials or more: {repeated}, of {_FEWEST} at least")
+    shortfalls = {}
+    if repeated < FEWEST_POINTS:
+        shortfalls["points"] = (
+            f"operating points with two or more trials: {repeated}, at least {FEWEST_POINTS} needed"
+        )
+    codes = []
     if len(speeds) < 2 and not any(KINDS[plan.kind].covers_speeds for plan in plans):
-        lacks.append(_SPEEDS)
+        codes.append("speeds")
     if len({plan.f_load_n for plan in plans if plan.f_load_n is not None}) < 2:
-        lacks.append(_LOADS)
+        codes.append("loads")
     if runs and not set(_compared(runs)) - {"kinematics", "supply"}:
-        lacks.append("the chambers' pressures, with the valves' commands or the load cell's force")
-    return tuple(lacks)
+        codes.append("chambers")
+    return shortfalls | {code: MISSING[code] for code in codes}
 
 
-def missing_channels(runs: Sequence[Run]) -> tuple[str, ...]:
-    """Return which channels no run has, and what can't be compared without them, in words."""
-    without = [name for name in BALANCES if name not in _compared(runs)]
-    lacking = {one for run in runs for name in without for one in lacking_channels(run, name)}
-    if not lacking:
-        return ()
-    channels = ", ".join(name for name, field in FIELDS.items() if field in lacking)
-    return (f"{channels} (not measured): {', '.join(without)} are not compared",)
+def unmeasured_channels(runs: Sequence[Run]) -> dict[str, str]:
+    """Return under ``channels`` those that no run has, with the balances that need them."""
+    balances = [name for name in BALANCES if name not in _compared(runs)]
+    missing = {
+        channel for run in runs for name in balances for channel in channels_missing(run, name)
+    }
+    if not missing:
+        return {}
+    channels = ", ".join(name for name, field in FIELDS.items() if field in missing)
+    return {"channels": f"{channels} (not measured), for the balances {', '.join(balances)}"}
 
 
 def _compared(runs: Sequence[Run]) -> tuple[str, ...]:
-    return tuple(name for name in BALANCES if any(not lacking_channels(run, name) for run in runs))
+    return tuple(name for name in BALANCES if any(not channels_missing(run, name) for run in runs))
 
 
-def what_is_missing(plans: Sequence[RunPlan]) -> tuple[str, ...]:
-    """Return what runs lack for telling effects apart, in words."""
+def missing_experiments(plans: Sequence[RunPlan]) -> dict[str, str]:
+    """Return by code which experiments would make more effects distinguishable."""
     steady = [plan for plan in plans if KINDS[plan.kind].has_constant_speed]
     kinds = [KINDS[plan.kind] for plan in plans]
-    lacks = []
+    codes = []
     if len({abs(plan.v_ref_m_s) for plan in steady}) < 3:
-        lacks.append(_SPEEDS)
+        codes.append("speeds")
     if len({plan.f_load_n for plan in plans if plan.f_load_n is not None}) < 2:
-        lacks.append(_LOADS)
+        codes.append("loads")
     if len({plan.direction for plan in steady}) < 2:
-        lacks.append("the other direction: friction turns with it, a sensor's error does not")
+        codes.append("directions")
     if not any(kind.reverses for kind in kinds):
-        lacks.append("reversals (triangle): presliding and friction's lag do not show")
+        codes.append("reversals")
     if not any(kind.has_fast_changes for kind in kinds):
-        lacks.append("steps: slow valves, masses and filters hardly show")
+        codes.append("steps")
     if not any(kind.is_at_rest for kind in kinds):
-        lacks.append("a hold with closed valves: leaks look like the valves' errors")
+        codes.append("hold")
     by_load: dict[float | None, set[float | None]] = {}
     for plan in steady:
         by_load.setdefault(plan.f_load_n, set()).add(plan.p_lr_ref_pa)
     if all(len(levels) < 2 for levels in by_load.values()):
-        lacks.append("one load at two pressures: friction of seals looks like that of guides")
-    return tuple(lacks)
+        codes.append("pressures")
+    return {code: MISSING[code] for code in codes}

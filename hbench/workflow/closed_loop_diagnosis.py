@@ -7,7 +7,7 @@ from pathlib import Path
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.bench import Bench, plant_sections
 from hbench.config.files.loading import read_yaml
-from hbench.reconcile.diagnose import Task, diagnose
+from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.next_experiment import next_experiment
 from hbench.reconcile.simulated_runs import simulator
 from hbench.records import Diagnosis
@@ -23,7 +23,7 @@ def diagnosed(
     plant = physics_of(content, model_file) or bench
     runs = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())
     return diagnose(
-        Task(
+        ReconcileTask(
             provenance=campaign.provenance(),
             bench=bench,
             model=model_file.name,

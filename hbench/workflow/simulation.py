@@ -50,7 +50,7 @@ def replay(folder: Path, model_file: Path) -> Replay:
     The model is a bench file, or a plant file that is laid over the campaign's bench. Raises
     ``ConfigError``, ``DataError``.
     """
-    from hbench.reconcile.measured.replay import off_by, replayed  # compiles
+    from hbench.reconcile.measured.replay import replay_runs, signal_errors  # compiles
 
     campaign = load_campaign(folder)
     bench = campaign.bench()
@@ -62,10 +62,10 @@ def replay(folder: Path, model_file: Path) -> Replay:
         measured = tuple(campaign.runs())
     else:
         measured = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())
-    made, left_out = replayed(measured, bench, plant)
+    made, left_out = replay_runs(measured, bench, plant)
     if not made:
         raise DataError(f"{folder}: no run can be simulated: {'; '.join(left_out[:3])}")
-    off = off_by(measured, made)
+    off = signal_errors(measured, made)
     return Replay(
         provenance=campaign.provenance(),
         model=model_file.name,

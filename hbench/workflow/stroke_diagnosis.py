@@ -7,7 +7,7 @@ from hbench.config.bench import plant_sections
 from hbench.config.files.loading import read_yaml
 from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
-from hbench.reconcile.strokes.diagnose import StrokeTask, diagnose_strokes
+from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
 from hbench.records import Diagnosis, ScreenedRun
 from hbench.store.campaign.folder import Campaign
 from hbench.workflow.results import screened_runs

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hbench.analysis.rounding import ranked
+from hbench.reconcile.candidates import TIE
 from hbench.reconcile.estimates import whole_dof
-from hbench.reconcile.evidence import Freedom, Products, intervals, score
-from hbench.reconcile.gap import gaps
-from hbench.reconcile.gap_regions import regions
-from hbench.reconcile.measured.balances import Windowed
-from hbench.reconcile.search import TIE
-from hbench.reconcile.strokes.series import Pair, Stroke, Strokes
+from hbench.reconcile.evidence import Priors, Products, intervals, score
+from hbench.reconcile.gaps.gap_map import gaps
+from hbench.reconcile.gaps.regions import regions
+from hbench.reconcile.measured.balances import WindowedRun
+from hbench.reconcile.strokes.series import MeasuredStrokes, Stroke, StrokePair
 from hbench.records import RunPlan, Specimen
 
 SHAKE = 1e-13
@@ -45,7 +45,7 @@ def products(d, columns):
     )
 
 
-FREE = Freedom(np.zeros(3), np.full(3, 10.0), np.full(3, -50.0), np.full(3, 50.0))
+FREE = Priors(np.zeros(3), np.full(3, 10.0), np.full(3, -50.0), np.full(3, 50.0))
 
 
 @shaking
@@ -89,7 +89,7 @@ def test_windows_whose_trials_are_equal_say_nothing(equal, seed):
                 at = np.arange(8.0)
                 plan = replace(PLAN, trial=trial, v_ref_m_s=0.01 * point)
                 shape = (plan, ("first", "second"), shake(values), at, at, at, 0 * at, np.zeros(2))
-                runs.append(Windowed(*shape))
+                runs.append(WindowedRun(*shape))
         return runs
 
     def found(shake):
@@ -114,7 +114,7 @@ def test_windows_at_one_place_are_in_one_region(seed):
                 load = np.full(8, [500.0, 2000.0][point % 2])
                 values = rng.standard_normal((8, 1))
                 where = (shake(t), shake(0.3 * t), shake(0 * t + 0.05), shake(load))
-                runs.append(Windowed(plan, ("only",), values, *where, np.zeros(1)))
+                runs.append(WindowedRun(plan, ("only",), values, *where, np.zeros(1)))
         return runs
 
     def parts(shake):
@@ -130,7 +130,7 @@ def test_windows_at_one_place_are_in_one_region(seed):
 def test_a_constant_pressure_is_no_channel(p_tr, seed):
     pressures = shaken(np.full(6, p_tr), seed)
     strokes = [Stroke(0.0, 0.05, 1e6, float(p), 100.0) for p in pressures]
-    pairs = tuple(Pair(PLAN, *both) for both in zip(strokes[::2], strokes[1::2], strict=True))
-    assert not Strokes(None, pairs)._rod_side_measured
+    pairs = tuple(StrokePair(PLAN, *both) for both in zip(strokes[::2], strokes[1::2], strict=True))
+    assert not MeasuredStrokes(None, pairs)._rod_side_measured
     other = replace(pairs[0], extend=replace(strokes[0], p_tr_pa=1.01 * p_tr + 1e3))
-    assert Strokes(None, (other, *pairs[1:]))._rod_side_measured
+    assert MeasuredStrokes(None, (other, *pairs[1:]))._rod_side_measured

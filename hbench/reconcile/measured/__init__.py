@@ -1,1 +1,1 @@
-"""Balances of the bench evaluated along logged runs."""
+"""Balances of the bench, evaluated on logged runs."""

@@ -1,21 +1,22 @@
-"""The eight balances of the bench, as residuals of a logged run, in weak form.
+"""Residuals of the bench's eight balances on a logged run, in weak form.
 
-What a balance lacks, by its name and unit; P, V, Q of the chamber, V_0 its volume at the window:
+Residual of each balance, by name and unit; P, V, Q of the chamber, V_0 its volume at the window:
 
     flow_tp, flow_tr, flow_lp, flow_lr   m^3/s
-                   V_0 (<(P / beta + ln V)'> - <Q / V>): oil that comes in, unknown to the model
+                   V_0 (<(P / beta + ln V)'> - <Q / V>): inflow that the model does not explain
     force_test     N     <F_T - F_applied - F_fT> - m_T <x''>: force against extension
     force_load     N     <F_applied - F_L - F_fL> - m_L <x''>: force against extension
     kinematics     m/s   <x'> - <v> - tau <v'>, v the board's velocity, tau its filter's lag
-    supply         Pa    pressure above what the source gives
+    supply         Pa    measured supply pressure less the source's
 
-Continuity P'/beta + V'/V = Q/V (2.1 to 2.8) has the derivative of ln V(x), so neither pressure nor
-position is differentiated. Q is made of the valve's spool, which follows the logged command (2.16),
-and the measured pressures. Within a record signals are parabolas with the record's mean. Friction
-follows the measured motion; until the piston has gone 20 mm it depends on the unknown beginning,
-and force balances are not compared (nan), as where a channel is missing.
+Continuity P'/beta + V'/V = Q/V (2.1 to 2.8) contains the derivative of ln V(x), so neither pressure
+nor position is differentiated. Q follows from the measured pressures and the valve's spool, which
+is computed from the logged command (2.16). Within a record a signal is a parabola with the record's
+mean. Friction follows the measured motion. Over the first 20 mm it depends on the unknown initial
+state, so force balances are nan there, as they are where a channel is missing.
 
-A pump's balance in flow (see ``model/supply.py``) is divided by its regulation slope Q_max / band.
+The flow balance of a pump (see ``model/supply.py``) is divided by its regulation slope
+Q_max / band.
 """
 
 from collections.abc import Mapping
@@ -46,178 +47,196 @@ UNITS = {
 BALANCES = tuple(UNITS)
 FLOWS = BALANCES[:4]
 CHAMBERS = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")
+_TEST_FORCES = ("p_tp_pa", "p_tr_pa", "f_applied_n")
 _COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 _CHANNELS = {
     **dict.fromkeys(FLOWS, ("p_s_pa", *CHAMBERS, *_COMMANDS)),
-    "force_test": ("p_tp_pa", "p_tr_pa", "f_applied_n"),
-    "force_load": ("p_tp_pa", "p_tr_pa", "f_applied_n", "p_lp_pa", "p_lr_pa"),
+    "force_test": _TEST_FORCES,
+    "force_load": (*_TEST_FORCES, "p_lp_pa", "p_lr_pa"),
     "kinematics": ("v_m_s",),
     "supply": ("p_s_pa",),
 }
 
 
 @dataclass(frozen=True)
-class Model:
-    """What the balances take of a bench: the plant, and how its board measures."""
+class BalanceModel:
+    """Model of a bench for the balances: the plant's parameters, and how the board measures."""
 
     par: PlantParameters
     velocity_lag_s: float
-    word_steps: Mapping[str, float]  # of the sensors' log words, by channel, in SI
+    word_steps: Mapping[str, float]  # resolution of the sensors' log words, by channel, in SI
 
 
 @dataclass(frozen=True)
-class Windowed:
-    """One run's windows: values (m, names), nan where not compared, and the operating points."""
+class WindowedRun:
+    """Window values of one run, with the operating conditions of each window."""
 
     plan: RunPlan
     names: tuple[str, ...]
-    values: np.ndarray  # (m, names)
-    t_s: np.ndarray  # (m,) middle of the window, since the run's start
+    values: np.ndarray  # (m, names); nan where not compared
+    t_s: np.ndarray  # (m,) centre of the window, since the run's start
     x_m: np.ndarray  # (m,)
     v_m_s: np.ndarray  # (m,)
     load_n: np.ndarray  # (m,) F_L; nan where the load cylinder's pressures are missing
-    resolution: np.ndarray  # (names,) standard deviation that the log's rounding leaves
+    resolution: np.ndarray  # (names,) standard deviation that the log's rounding causes
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """A run with what no model changes: its window, and its motion where force is known."""
+class PreparedRun:
+    """Run with its model-independent quantities: the window, and the motion if force is known."""
 
     run: Run
-    one: Window
+    window: Window
     motion: LoggedMotion | None
 
+    def channels(self, *names: str) -> list[np.ndarray] | None:
+        """Return the channels with these names, in order; None if any is missing."""
+        return run_channels(self.run, *names)
 
-def prepared(run: Run) -> Prepared:
+
+def prepare(run: Run) -> PreparedRun:
     """Prepare a run for its balances. Raises ``DataError`` for uneven samples."""
-    one = window(sampling(run))
-    known = _has(run, "p_tp_pa", "p_tr_pa", "f_applied_n") and one.count(len(run.t_s))
-    return Prepared(run, one, logged_motion(run, 0.0) if known else None)
+    run_window = window(sampling(run))
+    known = run_channels(run, *_TEST_FORCES) and run_window.count(len(run.t_s))
+    return PreparedRun(run, run_window, logged_motion(run, 0.0) if known else None)
 
 
-def model(bench: Bench, plant: Plant | None = None) -> Model:
-    """Return the model of a bench; ``plant`` stands in for its physics.
+def balance_model(bench: Bench, plant: Plant | None = None) -> BalanceModel:
+    """Return the model of a bench; ``plant`` replaces its physics.
 
-    D.11 as the board computes it, from the last tick's position, lags by tau_c and half a tick.
+    The board computes D.11 from the position of the last tick, so its velocity lags by tau_c and
+    half a tick.
     """
     lag = bench.controllers.velocity_filter + 0.5 / bench.controllers.rate
     steps = {name: gain / FRACTION for name, (gain, _) in sensor_gains(bench.sensors).items()}
-    return Model(plant_parameters(plant or bench), lag, steps)
+    return BalanceModel(plant_parameters(plant or bench), lag, steps)
 
 
-def windowed(
-    run: Run,
+def windowed_run(
+    log: PreparedRun,
     names: tuple[str, ...],
     values: np.ndarray,
     resolution: np.ndarray,
-    one: Window,
     load: CylinderParameters,
-) -> Windowed:
-    """Return windows with their operating points; ``load`` is the load cylinder."""
-    n = len(run.t_s)
-    f_load = np.full(one.count(n), np.nan)
+) -> WindowedRun:
+    """Return window values with their operating conditions; ``load`` is the load cylinder."""
+    run, win = log.run, log.window
+    f_load = np.full(win.count(len(run.t_s)), np.nan)
     if run.p_lp_pa is not None and run.p_lr_pa is not None:
-        f_load = one.mean(run.p_lp_pa * load.area_piston_m2 - run.p_lr_pa * load.area_rod_m2)
-    return Windowed(
+        f_load = win.mean(run.p_lp_pa * load.area_piston_m2 - run.p_lr_pa * load.area_rod_m2)
+    return WindowedRun(
         plan=run.plan,
         names=names,
         values=values,
-        t_s=one.mean(run.t_s) - run.t_s[0],
-        x_m=one.mean(run.x_m),
-        v_m_s=one.rate(run.x_m),
+        t_s=win.mean(run.t_s) - run.t_s[0],
+        x_m=win.mean(run.x_m),
+        v_m_s=win.rate(run.x_m),
         load_n=f_load,
         resolution=resolution,
     )
 
 
-def residuals(log: Prepared, known: Model, names: tuple[str, ...] = BALANCES) -> Windowed:
+def residuals(
+    log: PreparedRun, model: BalanceModel, names: tuple[str, ...] = BALANCES
+) -> WindowedRun:
     """Return the residuals of the balances in ``names``.
 
-    A supply that stays the same is logged as the same word: its rounding is no noise that a mean
-    lessens. The other signals' noise makes it one.
+    A constant supply pressure is logged as a constant word, so averaging does not reduce its
+    rounding error. The noise of the other signals dithers theirs.
     """
-    run, one = log.run, log.one
-    found: dict[str, np.ndarray] = {}
-    for made, make in _MAKERS:
-        if set(made) & set(names):
-            found |= make(log, known)
-    missing = np.full(one.count(len(run.t_s)), np.nan)
-    values = np.column_stack([found.get(name, missing) for name in names])
-    step = known.word_steps["p_s"]
+    values: dict[str, np.ndarray] = {}
+    for balances, compute in _BALANCE_FUNCTIONS:
+        if set(balances) & set(names):
+            values |= compute(log, model)
+    missing = np.full(log.window.count(len(log.run.t_s)), np.nan)
+    columns = np.column_stack([values.get(name, missing) for name in names])
+    step = model.word_steps["p_s"]
     rounding = np.where(np.array(names) == "supply", step / np.sqrt(12), 0.0)
-    return windowed(run, names, values, rounding, one, known.par.load)
+    return windowed_run(log, names, columns, rounding, model.par.load)
 
 
-def lacking_channels(run: Run, name: str) -> tuple[str, ...]:
+def channels_missing(run: Run, balance: str) -> tuple[str, ...]:
     """Return the channels of a balance that a run does not have."""
-    return tuple(channel for channel in _CHANNELS[name] if not _has(run, channel))
+    return tuple(name for name in _CHANNELS[balance] if getattr(run, name) is None)
 
 
-def incomplete(run: Run) -> str:
-    """Tell what a run's log lacks at its end or inside; empty for a whole one."""
+def run_channels(run: Run, *names: str) -> list[np.ndarray] | None:
+    """Return the channels of a run with these names, in order; None if any is missing."""
+    channels = [getattr(run, name) for name in names]
+    return None if any(channel is None for channel in channels) else channels
+
+
+def incomplete_reason(run: Run) -> str:
+    """Return why a run's log is incomplete; empty for a complete one."""
     inside = f"{run.missing_records} records are missing inside the log"
     return run.truncated or (inside if run.missing_records else "")
 
 
-def _has(run: Run, *names: str) -> bool:
-    return all(getattr(run, name) is not None for name in names)
-
-
-def _flows_and_supply(log: Prepared, known: Model) -> dict[str, np.ndarray]:
-    run, one, found, par = log.run, log.one, {}, known.par
-    if _has(run, "p_s_pa") and not par.supply.has_pump:
-        found["supply"] = one.mean(run.p_s_pa) - par.supply.pressure_pa
-    if not _has(run, "p_s_pa", *CHAMBERS, *_COMMANDS):
-        return found
-    pressures = np.array([getattr(run, name) for name in CHAMBERS])
-    commands = np.array([getattr(run, name) for name in _COMMANDS])
-    flows = chamber_flows(run.x_m, pressures, run.p_s_pa, commands, one.dt_s, par)
+def _flows_and_supply(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
+    run, win, par = log.run, log.window, model.par
+    values: dict[str, np.ndarray] = {}
+    p_s = run.p_s_pa
+    if p_s is not None and not par.supply.has_pump:
+        values["supply"] = win.mean(p_s) - par.supply.pressure_pa
+    chambers, valves = log.channels(*CHAMBERS), log.channels(*_COMMANDS)
+    if p_s is None or chambers is None or valves is None:
+        return values
+    pressures, commands = np.array(chambers), np.array(valves)
+    flows = chamber_flows(run.x_m, pressures, p_s, commands, win.dt_s, par)
     for i, name in enumerate(FLOWS):
-        swelling = one.rate(pressures[i] / par.bulk_modulus_pa + flows.log_volume[i])
-        volume = np.exp(one.mean(flows.log_volume[i]))
-        found[name] = volume * (swelling - one.mean(flows.per_volume[i]))
+        swelling = win.rate(pressures[i] / par.bulk_modulus_pa + flows.log_volume[i])
+        volume = np.exp(win.mean(flows.log_volume[i]))
+        values[name] = volume * (swelling - win.mean(flows.per_volume[i]))
     if par.supply.has_pump:
         source = par.supply
-        given = pump_flow(run.p_s_pa, one.dt_s, source)
-        relief = source.relief_gain * np.maximum(run.p_s_pa - source.relief_pa, 0.0)
-        net = one.mean(given - flows.drawn - relief - source.leakage * run.p_s_pa)
-        lacking = source.capacity * one.rate(run.p_s_pa) - net
-        found["supply"] = lacking * source.band_pa / source.flow_m3_s
-    return found
+        delivered = pump_flow(p_s, win.dt_s, source)
+        relief = source.relief_gain * np.maximum(p_s - source.relief_pa, 0.0)
+        net = win.mean(delivered - flows.drawn - relief - source.leakage * p_s)
+        residual = source.capacity * win.rate(p_s) - net
+        values["supply"] = residual * source.band_pa / source.flow_m3_s
+    return values
 
 
-def _force_test(log: Prepared, known: Model) -> dict[str, np.ndarray]:
-    run, par, test = log.run, known.par, known.par.test
-    if log.motion is None:
+def _force_test(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
+    par, test = model.par, model.par.test
+    channels = log.channels(*_TEST_FORCES)
+    if log.motion is None or channels is None:
         return {}
-    f_test = run.p_tp_pa * test.area_piston_m2 - run.p_tr_pa * test.area_rod_m2
+    p_tp, p_tr, f_applied = channels
+    f_test = p_tp * test.area_piston_m2 - p_tr * test.area_rod_m2
     friction = friction_along(log.motion, test.friction)
-    return {"force_test": _force(log, f_test - run.f_applied_n - friction, par.mass_test_kg)}
+    unbalanced = f_test - f_applied - friction
+    return {"force_test": _force_residual(log, log.motion, unbalanced, par.mass_test_kg)}
 
 
-def _force_load(log: Prepared, known: Model) -> dict[str, np.ndarray]:
-    run, par, load = log.run, known.par, known.par.load
-    if log.motion is None or not _has(run, "p_lp_pa", "p_lr_pa"):
+def _force_load(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
+    par, load = model.par, model.par.load
+    channels = log.channels("f_applied_n", "p_lp_pa", "p_lr_pa")
+    if log.motion is None or channels is None:
         return {}
-    f_load = run.p_lp_pa * load.area_piston_m2 - run.p_lr_pa * load.area_rod_m2
-    motion = replace(log.motion, p_p_pa=run.p_lp_pa, p_r_pa=run.p_lr_pa)
-    friction = friction_along(motion, load.friction)
-    return {"force_load": _force(log, run.f_applied_n - f_load - friction, par.mass_load_kg)}
+    f_applied, p_lp, p_lr = channels
+    f_load = p_lp * load.area_piston_m2 - p_lr * load.area_rod_m2
+    friction = friction_along(replace(log.motion, p_p_pa=p_lp, p_r_pa=p_lr), load.friction)
+    unbalanced = f_applied - f_load - friction
+    return {"force_load": _force_residual(log, log.motion, unbalanced, par.mass_load_kg)}
 
 
-def _force(log: Prepared, lacking_n: np.ndarray, mass_kg: float) -> np.ndarray:
-    left = log.one.mean(lacking_n) - mass_kg * log.one.second(log.run.x_m)
-    return np.where(log.motion.compared[log.one.starts(len(lacking_n))], left, np.nan)
+def _force_residual(
+    log: PreparedRun, motion: LoggedMotion, unbalanced_n: np.ndarray, mass_kg: float
+) -> np.ndarray:
+    win = log.window
+    residual = win.mean(unbalanced_n) - mass_kg * win.second(log.run.x_m)
+    return np.where(motion.compared[win.starts(len(unbalanced_n))], residual, np.nan)
 
 
-def _kinematics(log: Prepared, known: Model) -> dict[str, np.ndarray]:
-    run, one, lag = log.run, log.one, known.velocity_lag_s
+def _kinematics(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
+    run, win, lag = log.run, log.window, model.velocity_lag_s
     if run.v_m_s is None:
         return {}
-    return {"kinematics": one.rate(run.x_m) - one.mean(run.v_m_s) - lag * one.rate(run.v_m_s)}
+    return {"kinematics": win.rate(run.x_m) - win.mean(run.v_m_s) - lag * win.rate(run.v_m_s)}
 
 
-_MAKERS = (
+_BALANCE_FUNCTIONS = (
     ((*FLOWS, "supply"), _flows_and_supply),
     (("force_test",), _force_test),
     (("force_load",), _force_load),

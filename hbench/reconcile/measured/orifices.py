@@ -1,8 +1,8 @@
-"""Flows that a model's valves and pump would give under a log's commands and pressures.
+"""Flows of the modelled valves and pump at a log's commands and pressures.
 
-The spool (2.16) follows the logged command, limited, by the exact solution of its equation over a
-step; ten steps a record, in which all signals are parabolas with the record's mean, so that the
-means of products such as u sqrt(dP) are those of the products.
+The spool (2.16) follows the limited logged command by the exact solution of its equation over a
+step. Each record has ten steps, in which all signals are parabolas with the record's mean, so that
+means of products such as u sqrt(dP) are correct.
 """
 
 from functools import cache
@@ -21,12 +21,12 @@ _SPOOLS = (0, 0, 2, 1)  # the valve of Tp, Tr, Lp, Lr: test, test, load 2, load 
 _SIDES = (1.0, -1.0, 1.0, 1.0)  # the test valve's other port opens the other way
 
 
-class Flows(NamedTuple):
-    """Means over each record; chambers are Tp, Tr, Lp, Lr."""
+class RecordFlows(NamedTuple):
+    """Mean flows over each record, for the chambers Tp, Tr, Lp, Lr."""
 
     per_volume: np.ndarray  # (4, n) Q / V [1/s]
     log_volume: np.ndarray  # (4, n) ln(V / 1 m^3)
-    drawn: np.ndarray  # (n,) from the supply line [m^3/s]
+    drawn: np.ndarray  # (n,) flow from the supply line [m^3/s]
 
 
 def chamber_flows(
@@ -36,24 +36,27 @@ def chamber_flows(
     commands_v: np.ndarray,
     dt_s: float,
     par: PlantParameters,
-) -> Flows:
-    """Return the valves' flows along a log of n records.
+) -> RecordFlows:
+    """Return the valves' flows over a log of n records.
 
-    ``pressures_pa`` (4, n) of the chambers, ``commands_v`` (3, n) of the valves T, L1, L2. The
-    spools begin at their first command, at rest.
+    ``pressures_pa`` (4, n) are the chambers' pressures, ``commands_v`` (3, n) the commands of the
+    valves T, L1, L2. The spools start at rest at their first command.
     """
     n = len(x_m)
     signals = np.ascontiguousarray(np.vstack([x_m, pressures_pa, p_supply_pa, commands_v]))
     out = np.zeros((9, n))
     spools = np.zeros((3, 2))
     spools[:, 0] = np.clip(commands_v[:, 0], -par.valve.limit_v, par.valve.limit_v)
-    _along(signals, _spool_step(par.valve, dt_s / _STEPS), par, spools, np.zeros(9), out)
-    return Flows(out[:4], out[4:8], out[8])
+    _integrate(signals, _spool_step(par.valve, dt_s / _STEPS), par, spools, np.zeros(9), out)
+    return RecordFlows(out[:4], out[4:8], out[8])
 
 
 @cache
 def _spool_step(valve: ValveParameters, h: float) -> np.ndarray:
-    """Return A (2, 2) of the spool's position and rate less the held command, over ``h`` [s]."""
+    """Return the transition matrix (2, 2) of the spool over ``h`` [s] at a constant command.
+
+    Its states are the position less the command, and the rate.
+    """
     from scipy.linalg import expm
 
     omega = valve.natural_frequency_rad_s
@@ -61,7 +64,7 @@ def _spool_step(valve: ValveParameters, h: float) -> np.ndarray:
 
 
 @compiled
-def _along(
+def _integrate(
     signals: np.ndarray,
     a: np.ndarray,
     par: "PlantParameters",
@@ -95,19 +98,23 @@ def _along(
 
 
 def pump_flow(p_supply_pa: np.ndarray, dt_s: float, source: SupplyParameters) -> np.ndarray:
-    """Return the flow [m^3/s] (n,) that a pump's compensator and swash give at these pressures.
+    """Return the flow [m^3/s] (n,) of a pump with compensator and swash at these pressures.
 
-    Both lags by their exact solution over each record's held value; they begin settled.
+    Both lags have their exact solution for an input that is constant over each record, and start
+    at steady state.
     """
-    asked = source.flow_m3_s * (source.cut_off_pa - p_supply_pa) / source.band_pa
-    flow = np.clip(asked, 0.0, source.flow_m3_s)
+    demanded = source.flow_m3_s * (source.cut_off_pa - p_supply_pa) / source.band_pa
+    flow = np.clip(demanded, 0.0, source.flow_m3_s)
     for lag in (source.compensator_lag_s, source.swash_lag_s):
         flow = _lagged(flow, dt_s, lag)
     return flow
 
 
 def _lagged(y: np.ndarray, dt_s: float, lag_s: float) -> np.ndarray:
-    """Return the records' means of y, held over each record, behind a lag that begins settled."""
+    """Return the records' means of y after a first-order lag; y is constant over each record.
+
+    The lag starts at steady state.
+    """
     out, state, decay = np.empty_like(y), y[0], np.exp(-dt_s / lag_s)
     for k, value in enumerate(y):
         out[k] = value + (state - value) * (1 - decay) * lag_s / dt_s

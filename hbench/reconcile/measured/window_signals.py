@@ -1,9 +1,9 @@
-"""Measured and simulated signals, as means over the windows of the balances.
+"""Measured and simulated signals as means over the windows of the balances.
 
-Closed loop: measured runs against runs that the same firmware made with the model. Open loop: the
-model under the measured valve commands and supply pressure, from the run's first record on; what is
-compared is how far it goes astray, for measured and for simulated runs alike. Both sides go to
-``gap.gaps``, so the unit is the trials' scatter.
+Closed loop: measured runs are compared with runs of the same firmware and the model. Open loop: the
+model runs under the measured valve commands and supply pressure, from the run's first record; its
+error is compared between measured and simulated runs. Both go to ``gap_map.gaps``, so the unit is
+the scatter of the trials.
 """
 
 from dataclasses import replace
@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.analysis.screening.calibrate import FIELDS
+from hbench.errors import DataError
 from hbench.model.compiled import compiled
 from hbench.model.friction.laws import deflection_under
 from hbench.model.parameters import PlantParameters
@@ -34,16 +35,21 @@ from hbench.model.plant import (
 )
 from hbench.model.sensing import sensed
 from hbench.model.sensors import CHANNELS, N_CHANNELS
-from hbench.reconcile.measured.balances import Model, Prepared, Windowed, windowed
+from hbench.reconcile.measured.balances import (
+    BalanceModel,
+    PreparedRun,
+    WindowedRun,
+    run_channels,
+    windowed_run,
+)
 from hbench.records import Run
 
-# Signals that are logged, by their channel: fields of Run.
-_FIELDS = {name: field for name, field in FIELDS.items() if name != "v_ref"}
-_PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr")  # that the open loop begins with
+_FIELDS = {name: field for name, field in FIELDS.items() if name != "v_ref"}  # of Run, by channel
+_PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr")  # initial state of the open loop
 INPUTS = ("p_s", "u_t", "u_l1", "u_l2")  # of the open loop
-NEEDED = (*_PRESSURES, *INPUTS)  # for the open loop
+OPEN_LOOP_CHANNELS = (*_PRESSURES, *INPUTS)  # required for the open loop
 SIGNALS = (*_FIELDS, "friction")
-FOLLOWED = tuple(name for name in SIGNALS if name not in INPUTS)
+OPEN_LOOP_SIGNALS = tuple(name for name in SIGNALS if name not in INPUTS)  # predicted by it
 
 
 def signal_field(name: str) -> str | None:
@@ -51,48 +57,60 @@ def signal_field(name: str) -> str | None:
     return _FIELDS.get(name)
 
 
-def signals(log: Prepared, known: Model) -> Windowed:
+def signals(log: PreparedRun, model: BalanceModel) -> WindowedRun:
     """Return the means of ``SIGNALS`` in SI; friction is 2.12 with the weak acceleration."""
-    return _windowed(log, known, SIGNALS, _means(log, known, SIGNALS))
+    return _windowed(log, model, SIGNALS, _means(log, model, SIGNALS))
 
 
-def astray(log: Prepared, known: Model) -> Windowed:
-    """Return measured less open-loop means of ``FOLLOWED``; nan without commands and pressures."""
-    if any(getattr(log.run, _FIELDS[name]) is None for name in NEEDED):
-        return _windowed(log, known, FOLLOWED, _nan(log, FOLLOWED))
-    followed = replace(log, run=open_loop(log.run, known))
-    off = _means(log, known, FOLLOWED) - _means(followed, known, FOLLOWED)
-    return _windowed(log, known, FOLLOWED, off)
+def open_loop_errors(log: PreparedRun, model: BalanceModel) -> WindowedRun:
+    """Return measured less open-loop means of ``OPEN_LOOP_SIGNALS``.
+
+    nan without commands and pressures.
+    """
+    names = OPEN_LOOP_SIGNALS
+    if log.channels(*(_FIELDS[name] for name in OPEN_LOOP_CHANNELS)) is None:
+        return _windowed(log, model, names, _nan(log, names))
+    predicted = replace(log, run=open_loop(log.run, model))
+    return _windowed(log, model, names, _means(log, model, names) - _means(predicted, model, names))
 
 
-def open_loop(run: Run, known: Model) -> Run:
+def open_loop(run: Run, model: BalanceModel) -> Run:
     """Simulate a run's signals under its commands and supply pressure, without noise or scatter.
 
-    Inputs are held over each record. It begins with the first record's motion and pressures, the
-    spools at their commands, and bristles (LuGre's) that carry the measured forces.
+    Inputs are constant over each record. The initial state is the motion and the pressures of the
+    first record, the spools at their commands, and bristles (LuGre) that carry the measured forces.
+    Raises ``DataError`` where a channel is missing.
     """
-    par = known.par
+    par = model.par
+    pressures = run_channels(run, *(_FIELDS[name] for name in _PRESSURES))
+    channels = run_channels(run, *(_FIELDS[name] for name in INPUTS))
+    if pressures is None or channels is None:
+        raise DataError(
+            f"run {run.plan.run}: the open loop needs {', '.join(OPEN_LOOP_CHANNELS)}",
+            "Leave the run out.",
+        )
     ticks = max(1, round(float(np.median(np.diff(run.t_s))) / TICK_S))
-    inputs = np.array([getattr(run, _FIELDS[name]) for name in INPUTS])
+    inputs = np.array(channels)
     out = np.zeros((N_CHANNELS + 1, len(run.t_s)))
-    state = _first_state(run, known)
+    state = _first_state(run, par, [pressure[0] for pressure in pressures], inputs[:, 0])
     memory = np.concatenate([state[V : V + 1], np.zeros(3)])
-    _follow(
-        par, state, inputs, ticks, TICK_S / known.velocity_lag_s, memory, np.ones(2),
+    _simulate(
+        par, state, inputs, ticks, TICK_S / model.velocity_lag_s, memory, np.ones(2),
         np.zeros(N_CHANNELS), new_work(par), out,
     )  # fmt: skip
-    found = {_FIELDS[name]: row for name, row in zip(CHANNELS, out[:-1], strict=True)}
-    return replace(run, **found, v_m_s=out[-1])
+    simulated = {_FIELDS[name]: row for name, row in zip(CHANNELS, out[:-1], strict=True)}
+    return replace(run, **simulated, v_m_s=out[-1])
 
 
-def _first_state(run: Run, known: Model) -> np.ndarray:
-    par, state = known.par, np.zeros(n_states(known.par))
+def _first_state(
+    run: Run, par: PlantParameters, pressures: list[float], inputs: np.ndarray
+) -> np.ndarray:
+    """Return the state at a run's first record, whose ``inputs`` (4,) are those of ``INPUTS``."""
+    state = np.zeros(n_states(par))
     state[X] = run.x_m[0]
     state[V] = 0.0 if run.v_m_s is None else run.v_m_s[0]
-    pressures = [getattr(run, _FIELDS[name])[0] for name in _PRESSURES]
     state[[P_TP, P_TR, P_LP, P_LR]] = pressures
-    state[P_S] = run.p_s_pa[0]
-    state[[SPOOL_T, SPOOL_L1, SPOOL_L2]] = run.u_t_v[0], run.u_l1_v[0], run.u_l2_v[0]
+    state[[P_S, SPOOL_T, SPOOL_L1, SPOOL_L2]] = inputs
     if run.f_applied_n is not None:
         p_tp, p_tr, p_lp, p_lr = pressures
         f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
@@ -103,7 +121,7 @@ def _first_state(run: Run, known: Model) -> np.ndarray:
 
 
 @compiled
-def _follow(
+def _simulate(
     par: "PlantParameters",
     state: np.ndarray,
     inputs: np.ndarray,
@@ -117,7 +135,7 @@ def _follow(
 ) -> None:
     """Write each record's means of the sensors and, last, the board's velocity into ``out``.
 
-    ``memory`` holds that velocity and, after it, the commands.
+    ``memory`` holds this velocity, then the commands.
     """
     for k in range(inputs.shape[1]):
         for j in range(3):
@@ -132,26 +150,30 @@ def _follow(
             step(state, memory[1:], levels, par, TICK_S, work)
 
 
-def _means(log: Prepared, known: Model, names: tuple[str, ...]) -> np.ndarray:
-    columns = [_mean(log, known, name) for name in names]
+def _means(log: PreparedRun, model: BalanceModel, names: tuple[str, ...]) -> np.ndarray:
+    columns = [_mean(log, model, name) for name in names]
     return np.column_stack(columns)
 
 
-def _mean(log: Prepared, known: Model, name: str) -> np.ndarray:
-    run, one, par = log.run, log.one, known.par
+def _mean(log: PreparedRun, model: BalanceModel, name: str) -> np.ndarray:
+    run, win, par = log.run, log.window, model.par
     if name != "friction":
         signal = getattr(run, _FIELDS[name])
-        return _nan(log, (name,))[:, 0] if signal is None else one.mean(signal)
-    if log.motion is None:
+        return _nan(log, (name,))[:, 0] if signal is None else win.mean(signal)
+    channels = log.channels("p_tp_pa", "p_tr_pa", "f_applied_n")
+    if log.motion is None or channels is None:
         return _nan(log, (name,))[:, 0]
-    f_test = run.p_tp_pa * par.test.area_piston_m2 - run.p_tr_pa * par.test.area_rod_m2
-    return one.mean(f_test - run.f_applied_n) - par.mass_test_kg * one.second(run.x_m)
+    p_tp, p_tr, f_applied = channels
+    f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
+    return win.mean(f_test - f_applied) - par.mass_test_kg * win.second(run.x_m)
 
 
-def _nan(log: Prepared, names: tuple[str, ...]) -> np.ndarray:
-    return np.full((log.one.count(len(log.run.t_s)), len(names)), np.nan)
+def _nan(log: PreparedRun, names: tuple[str, ...]) -> np.ndarray:
+    return np.full((log.window.count(len(log.run.t_s)), len(names)), np.nan)
 
 
-def _windowed(log: Prepared, known: Model, names: tuple[str, ...], values: np.ndarray) -> Windowed:
-    rounding = np.array([known.word_steps.get(name, 0.0) for name in names]) / np.sqrt(12)
-    return windowed(log.run, names, values, rounding, log.one, known.par.load)
+def _windowed(
+    log: PreparedRun, model: BalanceModel, names: tuple[str, ...], values: np.ndarray
+) -> WindowedRun:
+    rounding = np.array([model.word_steps.get(name, 0.0) for name in names]) / np.sqrt(12)
+    return windowed_run(log, names, values, rounding, model.par.load)

@@ -1,1 +1,1 @@
-"""Diagnosis from steady strokes alone, for logs without valve commands."""
+"""Reconciliation of imported steady strokes."""

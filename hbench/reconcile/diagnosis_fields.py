@@ -1,0 +1,142 @@
+"""Fields of a diagnosis that the diagnoses of campaigns and of imported strokes share."""
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.candidates import TIE
+from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.hypothesis import Hypothesis, shape_coefficients
+from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.measured.balances import BALANCES
+from hbench.records import (
+    AddedEffect,
+    BeforeAfter,
+    Candidate,
+    Diagnosis,
+    GapTable,
+    Provenance,
+    ResidualMap,
+    Rival,
+)
+
+
+class ModelledData(Protocol):
+    """Task of a diagnosis: data and model."""
+
+    @property
+    def provenance(self) -> Provenance:
+        """Provenance of the data."""
+
+    @property
+    def model(self) -> str:
+        """File name of the model."""
+
+    @property
+    def plant_data(self) -> Mapping[str, Any]:
+        """Sections of the model's file."""
+
+
+def residual_map(model: LinearisedModel, held_out: frozenset[Hashable]) -> ResidualMap:
+    """Return the residuals of a model's balances; ``held_out`` are operating points."""
+    differences = model.gap_map
+    with np.errstate(divide="ignore", invalid="ignore"):
+        value = differences.difference / differences.scatter
+    is_held_out = np.array([point in held_out for point in differences.points])
+    return ResidualMap(
+        differences.names,
+        value,
+        differences.v_m_s,
+        differences.load_n,
+        differences.x_m,
+        differences.t_s,
+        is_held_out[differences.point],
+    )
+
+
+def added_effect(
+    name: str,
+    candidates: Sequence[Candidate],
+    estimates: ParameterEstimates,
+    gap_before: float,
+    gap_after: float,
+) -> AddedEffect:
+    """Return the effect that was added out of some candidates.
+
+    Its rival is the best candidate with a score not above its own: one above explained too little.
+    """
+    added = next(candidate for candidate in candidates if candidate.name == name)
+    others = [
+        candidate
+        for candidate in candidates
+        if candidate.name != name and candidate.score <= added.score + TIE
+    ]
+    rival = max(others, key=lambda candidate: candidate.score, default=None)
+    row = EFFECTS[name]
+    return AddedEffect(
+        name=name,
+        says=row.description,
+        parameters=estimates.of_effect(name),
+        of_sensor=row.of_sensor,
+        gap_before=gap_before,
+        gap_after=gap_after,
+        score=added.score,
+        runner_up=Rival(rival.name, added.score - rival.score) if rival else None,
+    )
+
+
+def fitted_shape(name: str, hypothesis: Hypothesis) -> str:
+    """Return the shape coefficients that were fitted; empty for the textbook law."""
+    coefficients = hypothesis.effects.get(name, {})
+    return ", ".join(key for _, key in shape_coefficients(name) if key in coefficients)
+
+
+def gap_of_balances(differences: GapMap, balances: Sequence[str], points: np.ndarray) -> float:
+    """Return the gap over some balances and operating points."""
+    windows = differences.excess[np.isin(differences.point, points)]
+    excess = windows[:, np.isin(differences.names, balances)]
+    return float(np.sqrt(max(1 + np.nanmean(excess), 0.0)))
+
+
+def insufficient_data_diagnosis(
+    task: ModelledData, missing: tuple[str, ...], left_out: tuple[str, ...], advice: str = ""
+) -> Diagnosis:
+    """Return the diagnosis of data that do not suffice to name an effect.
+
+    ``missing`` starts with the most important item. ``advice`` ends the next experiment.
+    """
+    no_gaps = GapTable(BeforeAfter(*[float("nan")] * 4), {}, {}, {})
+    none = np.zeros(0)
+    no_map = ResidualMap(
+        BALANCES, np.zeros((0, len(BALANCES))), none, none, none, none, none.astype(bool)
+    )
+    return Diagnosis(
+        provenance=task.provenance,
+        model=task.model,
+        verdict="unknown",
+        why=f"The data do not suffice to name an effect. Missing: {missing[0]}.",
+        where=(),
+        regions=(),
+        effects=(),
+        alternatives=(),
+        rest=(),
+        next_experiment=f"Measure {missing[0]}. {advice}".rstrip(),
+        next_schedule=None,
+        gap_heldout=no_gaps,
+        gap_train=no_gaps,
+        gap_runs=(),
+        ranking=(),
+        threshold=float("nan"),
+        refitted={},
+        residuals_before=no_map,
+        residuals_after=no_map,
+        overlays=(),
+        heldout_runs=(),
+        not_tried=dict.fromkeys(EFFECTS, "too few runs"),
+        missing=missing,
+        left_out=left_out,
+        revised=dict(task.plant_data),
+    )

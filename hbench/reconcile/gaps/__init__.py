@@ -1,0 +1,1 @@
+"""Gaps between measured and simulated runs: per window, region, run and table."""

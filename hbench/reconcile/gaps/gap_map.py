@@ -1,0 +1,283 @@
+"""Gap between model and measurement, in units of the scatter of the trials.
+
+Runs with the same plan are trials of one operating point. Measured trials r_1..r_n and simulated
+ones q_1..q_k are compared window by window:
+
+    d = mean r - mean q                         errors of the method itself cancel
+    g^2 = 1 + mean of (d^2 - s^2/n - s_q^2/k) / s^2
+
+s^2 is the variance between measured trials (pure error), s_q^2 that between simulated ones. The
+noise of the means is subtracted, so a model that equals the expectation of the trials has g = 1:
+its distance from a trial is that of another trial's expectation. sqrt(g^2 - 1) is the structured
+part.
+
+A single run differs by d_i = r_i - mean q, which includes its own scatter:
+
+    g_i^2 = mean of (d_i^2 - s_q^2/k) / s^2
+
+This is also 1 for a correct model. Over the trials of an operating point the mean of g_i^2 is g^2.
+
+A variance of few trials is uncertain, so it is shrunk towards that of all windows by empirical
+Bayes (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 2004):
+s^2 = (nu_0 s_0^2 + nu s^2) / (nu_0 + nu), with s_0 and nu_0 from the spread of ln s^2. The log's
+rounding error is added where noise does not dither it.
+
+p-values come from a permutation test: for a correct model, measured and simulated trials of an
+operating point are exchangeable. Whole runs are exchanged at random 999 times, so the windows of a
+run stay together.
+"""
+
+from collections import defaultdict
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from hbench.analysis.rounding import ROUNDING, ranked
+from hbench.analysis.statistics.holm import holm
+from hbench.errors import DataError
+from hbench.reconcile.measured.balances import WindowedRun
+from hbench.records import Gap, RunPlan
+
+_PERMUTATIONS = 999
+_NEGLIGIBLE_SPREAD = 1e-8  # of ln s^2, beyond chance: nu_0 of 1e8
+
+
+@dataclass(frozen=True)
+class GapMap:
+    """Differences of all compared windows, with their operating points: w windows, c names."""
+
+    names: tuple[str, ...]
+    difference: np.ndarray  # (w, c) d, in the balances' units; nan where not compared
+    scatter: np.ndarray  # (w, c) s
+    noise: np.ndarray  # (w, c) variance of d: s^2/n + s_q^2/k
+    t_s: np.ndarray  # (w,) since the run's start
+    x_m: np.ndarray  # (w,)
+    v_m_s: np.ndarray  # (w,) signed by the direction
+    load_n: np.ndarray  # (w,)
+    point: np.ndarray  # (w,) index of the operating point
+    points: tuple[Hashable, ...]  # keys of the operating points, see ``point_of``
+
+    @property
+    def excess(self) -> np.ndarray:
+        """(d^2 - noise) / s^2 (w, c); its mean is the square of the structured part."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (self.difference**2 - self.noise) / self.scatter**2
+
+    def select_points(self, points: np.ndarray) -> "GapMap":
+        """Return the windows of the operating points with these indices."""
+        selected = np.isin(self.point, points)
+        rows = ("difference", "scatter", "noise", "t_s", "x_m", "v_m_s", "load_n", "point")
+        return replace(self, **{name: getattr(self, name)[selected] for name in rows})
+
+    def gaps_by_bin(self, bins: np.ndarray) -> np.ndarray:
+        """Return gaps (b, c) of the windows in each bin 0..b-1; ``bins`` (w,) numbers them.
+
+        nan where a bin has no windows. A window with a negative number is in no bin.
+        """
+        excess = self.excess
+        gaps = np.full((int(bins.max()) + 1, len(self.names)), np.nan)
+        for number in np.unique(bins[bins >= 0]):
+            in_bin = excess[bins == number]
+            compared = np.isfinite(in_bin).any(axis=0)
+            gaps[number, compared] = _gap(in_bin[:, compared])
+        return gaps
+
+
+def point_of(plan: RunPlan) -> Hashable:
+    """Return the key of a run's operating point, equal for all its trials."""
+    load = plan.f_load_n, plan.p_lr_ref_pa, plan.p_lp_ref_pa
+    return plan.kind, plan.label, plan.v_ref_m_s, plan.a_ref_m_s2, load, plan.motion
+
+
+def by_point(runs: Sequence[WindowedRun]) -> dict[Hashable, list[WindowedRun]]:
+    """Return the trials of each operating point."""
+    points: dict[Hashable, list[WindowedRun]] = defaultdict(list)
+    for run in runs:
+        points[point_of(run.plan)].append(run)
+    return points
+
+
+def stacked(trials: Sequence[WindowedRun], windows: int) -> np.ndarray:
+    """Return the values (trials, windows, c) of the first windows."""
+    return np.array([trial.values[:windows] for trial in trials])
+
+
+def gaps(
+    measured: Sequence[WindowedRun], simulated: Sequence[WindowedRun], seed: int = 0
+) -> tuple[tuple[Gap, ...], GapMap]:
+    """Return the gaps of all names, largest first, and the map behind them.
+
+    Operating points with fewer than two measured trials or without a simulated one are left out.
+    Raises ``DataError`` where none remains.
+    """
+    pairs = _paired_trials(measured, simulated)
+    differences = _gap_map(pairs)
+    p_values = holm(_permutation_p_values(pairs, np.random.default_rng(seed)))
+    excess = differences.excess
+    unordered = []
+    for i, name in enumerate(differences.names):
+        compared = np.isfinite(excess[:, i])
+        if not compared.any():
+            continue
+        gap = float(_gap(excess[compared, i]))
+        scatter = float(np.sqrt(np.mean(differences.scatter[compared, i] ** 2)))
+        structured = float(np.sqrt(max(gap**2 - 1, 0.0)))
+        unordered.append(Gap(name, gap, structured, float(p_values[i]), scatter, int(compared.sum())))
+    return tuple(ranked(unordered, lambda balance: balance.gap, ROUNDING)), differences
+
+
+def gap_map(measured: Sequence[WindowedRun], simulated: Sequence[WindowedRun]) -> GapMap:
+    """Return the map of ``gaps`` alone. Raises ``DataError``."""
+    return _gap_map(_paired_trials(measured, simulated))
+
+
+def run_gaps(
+    measured: Sequence[WindowedRun], simulated: Sequence[WindowedRun]
+) -> dict[str, np.ndarray]:
+    """Return the gaps (c,) of each measured run, by its id; nan where nothing was compared.
+
+    Runs are left out as in ``gaps``. Raises ``DataError``.
+    """
+    pairs = _paired_trials(measured, simulated)
+    differences = _gap_map(pairs)
+    by_run = {}
+    for number, (_, trials, r, q) in enumerate(pairs):
+        windows = differences.select_points(np.array([number]))
+        model_noise = windows.noise - windows.scatter**2 / len(r)
+        for trial, values in zip(trials, r, strict=True):
+            difference = values - q.mean(axis=0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                square = column_means((difference**2 - model_noise) / windows.scatter**2)
+                by_run[trial.plan.run] = np.sqrt(np.maximum(square, 0.0))
+    return by_run
+
+
+def pooled_variance(variance: np.ndarray, dof: np.ndarray) -> np.ndarray:
+    """Shrink variances (w,), with degrees of freedom ``dof`` (w,), towards their common prior.
+
+    nan and zero do not contribute to the prior.
+    """
+    from scipy.special import digamma, polygamma
+
+    usable = np.isfinite(variance) & (variance > 0)
+    if usable.sum() < 3:
+        return variance
+    half = dof[usable] / 2
+    log = np.log(variance[usable]) - digamma(half) + np.log(half)
+    spread = log.var(ddof=1) - polygamma(1, half).mean()
+    if spread <= _NEGLIGIBLE_SPREAD:  # no more than by chance: one common variance
+        return np.where(np.isfinite(variance), np.exp(log.mean()), np.nan)
+    half_prior = _inverse_trigamma(spread)
+    prior = np.exp(log.mean() + digamma(half_prior) - np.log(half_prior))
+    return (2 * half_prior * prior + dof * variance) / (2 * half_prior + dof)
+
+
+def _inverse_trigamma(y: float) -> float:
+    from scipy.optimize import brentq
+    from scipy.special import polygamma
+
+    return float(np.exp(brentq(lambda ln: np.log(polygamma(1, np.exp(ln)) / y), -20, 20)))
+
+
+def column_means(values: np.ndarray) -> np.ndarray:
+    """Return the means (c,) of the finite values in each column of (w, c); nan without any."""
+    usable = np.isfinite(values)
+    count = np.where(usable.any(axis=0), usable.sum(axis=0), np.nan)
+    return np.where(usable, values, 0.0).sum(axis=0) / count
+
+
+def _gap(excess: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.maximum(1 + np.nanmean(excess, axis=0), 0.0))
+
+
+class _Pair(NamedTuple):
+    point: Hashable
+    trials: list[WindowedRun]  # measured
+    r: np.ndarray  # (n, m, c) measured
+    q: np.ndarray  # (k, m, c) simulated
+
+
+def _paired_trials(
+    measured: Sequence[WindowedRun], simulated: Sequence[WindowedRun]
+) -> list[_Pair]:
+    simulated_by_point, pairs = by_point(simulated), []
+    for point, trials in by_point(measured).items():
+        others = simulated_by_point.get(point, [])
+        if len(trials) < 2 or not others:
+            continue
+        windows = min(len(trial.t_s) for trial in (*trials, *others))
+        pairs.append(_Pair(point, trials, stacked(trials, windows), stacked(others, windows)))
+    if not pairs:
+        raise DataError(
+            "no operating point has two measured trials and a simulated one",
+            "Set `trials` in the schedule to 2 or more.",
+        )
+    return pairs
+
+
+def _gap_map(pairs: Sequence[_Pair]) -> GapMap:
+    variance = np.concatenate([pair.r.var(axis=0, ddof=1) for pair in pairs])
+    variance = np.where(variance <= _rounding_variance(pairs), 0.0, variance)
+    dof = np.concatenate([np.full(pair.r.shape[1], len(pair.r) - 1.0) for pair in pairs])
+    first = pairs[0].trials[0]
+    pooled = np.column_stack([pooled_variance(column, dof) for column in variance.T])
+    pooled = pooled + first.resolution**2
+    n = np.concatenate([np.full((pair.r.shape[1], 1), len(pair.r)) for pair in pairs])
+    model_noise = [
+        pair.q.var(axis=0, ddof=1) / len(pair.q) if len(pair.q) > 1 else np.zeros(pair.q.shape[1:])
+        for pair in pairs
+    ]
+
+    def operating(name: str) -> np.ndarray:
+        """Return the mean over the trials of each window's coordinate."""
+        return np.concatenate(
+            [
+                np.mean([getattr(trial, name)[: pair.r.shape[1]] for trial in pair.trials], axis=0)
+                for pair in pairs
+            ]
+        )
+
+    return GapMap(
+        names=first.names,
+        difference=np.concatenate([pair.r.mean(axis=0) - pair.q.mean(axis=0) for pair in pairs]),
+        scatter=np.sqrt(pooled),
+        noise=pooled / n + np.concatenate(model_noise),
+        t_s=operating("t_s"),
+        x_m=operating("x_m"),
+        v_m_s=operating("v_m_s"),
+        load_n=operating("load_n"),
+        point=np.repeat(np.arange(len(pairs)), [pair.r.shape[1] for pair in pairs]),
+        points=tuple(pair.point for pair in pairs),
+    )
+
+
+def _rounding_variance(pairs: Sequence[_Pair]) -> np.ndarray:
+    """Return the largest variance (c,) that rounding errors of the measured values can cause."""
+    return (ROUNDING * np.max([_largest(pair.r) for pair in pairs], axis=0)) ** 2
+
+
+def _largest(values: np.ndarray) -> np.ndarray:
+    return np.abs(np.nan_to_num(values, posinf=0.0, neginf=0.0)).max(axis=(0, 1), initial=0.0)
+
+
+def _permutation_p_values(pairs: Sequence[_Pair], rng: np.random.Generator) -> np.ndarray:
+    """Return p-values (c,): the share of permutations with a statistic at least as large.
+
+    The statistic is the sum of d^2 over the variance of all trials, which is invariant.
+    """
+    observed, exchanged, negligible = 0.0, 0.0, _rounding_variance(pairs)
+    for _, _, r, q in pairs:
+        both = np.concatenate([r, q])
+        total = both.var(axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # Products of whole runs (n + k, n + k, c): each d^2 is a quadratic form of the labels.
+            scaled = np.nan_to_num((both - both.mean(axis=0)) / np.sqrt(total), posinf=0, neginf=0)
+        scaled = np.where(total <= negligible, 0.0, scaled)
+        products = np.einsum("iwc,jwc->ijc", scaled, scaled)
+        labels = np.concatenate([np.full(len(r), 1 / len(r)), np.full(len(q), -1 / len(q))])
+        orders = rng.permuted(np.tile(labels, (_PERMUTATIONS, 1)), axis=1)
+        observed = observed + np.einsum("i,j,ijc->c", labels, labels, products)
+        exchanged = exchanged + np.einsum("ei,ej,ijc->ec", orders, orders, products, optimize=True)
+    return (1 + np.sum(exchanged >= observed * (1 - 1e-9), axis=0)) / (1 + _PERMUTATIONS)

@@ -1,0 +1,76 @@
+"""Hypothesis: the given plant with factors on its nuisance parameters and with effects."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from hbench.config.scaling import scaled
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.units import parse_unit
+
+Coefficient = tuple[str, str]  # name of the effect, key of its coefficient
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """Factors on nuisance parameters by dotted path, and coefficients of effects in SI."""
+
+    factors: Mapping[str, float] = field(default_factory=dict)
+    effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def plant(self, given: Any) -> Any:
+        """Return the given plant, or part of a plant, with the factors and effects applied."""
+        changed = scaled(given, self.factors)
+        return changed.model_copy(update={"effects": {**given.effects, **self.section()}})
+
+    def section(self) -> dict[str, dict[str, str]]:
+        """Return the effects as in a file, in the units of the catalogue."""
+        return {
+            name: {
+                key: _quantity(value, EFFECTS[name].coefficients[key].unit)
+                for key, value in coefficients.items()
+            }
+            for name, coefficients in self.effects.items()
+        }
+
+    def with_coefficients(self, values: Mapping[Coefficient, float]) -> "Hypothesis":
+        """Return the hypothesis with coefficients [SI] changed or added."""
+        effects = {name: dict(coefficients) for name, coefficients in self.effects.items()}
+        for (name, key), value in values.items():
+            effects.setdefault(name, {})[key] = value
+        return replace(self, effects=effects)
+
+    def coefficient(self, which: Coefficient) -> float:
+        """Return a coefficient [SI], or its default where it is not set."""
+        name, key = which
+        row = EFFECTS[name].coefficients[key]
+        return self.effects.get(name, {}).get(key, row.to_si(row.default))
+
+
+Simulate = Callable[[Sequence[Hypothesis], int], Iterable[Any]]
+"""Simulates the campaign's runs for each hypothesis, with the given number of trials.
+
+Yields None for a hypothesis with which the board stops.
+"""
+
+
+def effect_coefficients(name: str) -> tuple[Coefficient, ...]:
+    """Return the coefficients of an effect that switch it on."""
+    rows = EFFECTS[name].coefficients.items()
+    return tuple((name, key) for key, row in rows if row.typical)
+
+
+def shape_coefficients(name: str) -> tuple[Coefficient, ...]:
+    """Return the coefficients of an effect that only change the shape of its law."""
+    rows = EFFECTS[name].coefficients.items()
+    return tuple((name, key) for key, row in rows if not row.typical)
+
+
+def typical_size(which: Coefficient) -> float:
+    """Return a coefficient's typical size [SI]; for a shape a quarter of its default, or 0.25."""
+    row = EFFECTS[which[0]].coefficients[which[1]]
+    return row.to_si(row.typical or 0.25 * (row.default or 1.0))
+
+
+def _quantity(si: float, unit: str) -> str:
+    return f"{si / parse_unit(unit).factor:.9g} {unit}"

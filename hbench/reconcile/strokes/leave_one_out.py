@@ -1,0 +1,94 @@
+"""Leave-one-out prediction: the error of a stroke model at a load outside the fit."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.strokes.series import BALANCES, MeasuredStrokes
+from hbench.reconcile.strokes.stroke_search import SeriesSearch
+from hbench.records import BeforeAfter, GapTable
+
+_DRAWS = 8
+StageGaps = dict[str, GapMap]  # before, refitted, after: of some points, parameters from others
+
+
+def gaps_at(
+    search: SeriesSearch, given: LinearisedModel, names: Sequence[str], points: np.ndarray
+) -> StageGaps:
+    """Return the gap maps of ``points``: model as given, refitted and with effects."""
+    refitted = search.refit(given, ())
+    after = search.refit(refitted, names) if names else refitted
+    stages = {"before": given.gap_map}
+    for stage, model, effects in (("refitted", refitted, ()), ("after", after, names)):
+        best = search.estimates(model, effects)
+        stages[stage] = _simulated_gaps(search.measured, best.hypothesis(best.beta))
+    return {stage: differences.select_points(points) for stage, differences in stages.items()}
+
+
+def leave_each_load_out(
+    search: SeriesSearch, given: LinearisedModel, names: Sequence[str]
+) -> list[StageGaps]:
+    """Return the gap maps of each load, with parameters from the other loads."""
+    points = np.arange(len(given.gap_map.points))
+    return [
+        gaps_at(replace(search, train=np.setdiff1d(points, [load])), given, names, np.array([load]))
+        for load in points
+    ]
+
+
+def _simulated_gaps(strokes: MeasuredStrokes, hypothesis: Hypothesis) -> GapMap:
+    (simulated,) = strokes.simulate([hypothesis], 1)
+    return strokes.gap_map(hypothesis, simulated)
+
+
+def gap_floor(strokes: MeasuredStrokes, best: ParameterEstimates) -> np.ndarray:
+    """Return the gaps (2,) of a correct model with parameters as uncertain as these."""
+    centre = _simulated_gaps(strokes, best.hypothesis(best.beta))
+    squares = [
+        ((_simulated_gaps(strokes, drawn).difference - centre.difference) / centre.scatter) ** 2
+        for drawn in best.draws(_DRAWS)
+    ]
+    return np.sqrt(1 + np.mean(squares, axis=(0, 1)))
+
+
+def gap_table(stages: Sequence[StageGaps], floor: np.ndarray | None = None) -> GapTable:
+    """Return the gaps over several sets of points; ``floor`` (2,) are the floors."""
+    values = {
+        stage: np.sqrt(
+            np.maximum(1 + np.mean([maps[stage].excess for maps in stages], axis=(0, 1)), 0)
+        )
+        for stage in ("before", "refitted", "after")
+    }
+    values["floor"] = np.ones(len(BALANCES)) if floor is None else floor
+    total = BeforeAfter(*(float(np.sqrt(np.mean(gaps**2))) for gaps in values.values()))
+    balances = {
+        name: BeforeAfter(*(float(gaps[i]) for gaps in values.values()))
+        for i, name in enumerate(BALANCES)
+    }
+    return GapTable(total, balances, {}, {})
+
+
+def with_floor(held_out: GapTable, other: GapTable) -> GapTable:
+    """Return a table with the floors of another."""
+    balances = {
+        name: replace(held_out.balances[name], floor=gap.floor)
+        for name, gap in other.balances.items()
+    }
+    total = replace(held_out.total, floor=other.total.floor)
+    return replace(held_out, total=total, balances=balances)
+
+
+def force_errors(stages: Sequence[StageGaps]) -> str:
+    """Return the force errors by load, refitted and with the effects, as text."""
+    texts = []
+    for maps in stages:
+        refitted, after = (
+            float(np.sqrt(np.sum(maps[stage].difference ** 2))) for stage in ("refitted", "after")
+        )
+        texts.append(f"{refitted:.2f} to {after:.2f} N at {maps['after'].load_n[0]:.0f} N")
+    return ", ".join(texts)

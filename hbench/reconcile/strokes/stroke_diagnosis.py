@@ -1,0 +1,283 @@
+"""Diagnosis of the steady strokes of another bench: verdict, intervals, leave-one-out gaps.
+
+The gaps of held-out runs are those of each load in turn, with parameters from the other loads. The
+effects of the model were chosen with all loads: four loads are too few to choose by three.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hbench.config.stroke_model import StrokePlant
+from hbench.errors import ConfigError
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.diagnosis_fields import (
+    added_effect,
+    gap_of_balances,
+    insufficient_data_diagnosis,
+    residual_map,
+)
+from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.gaps.gap_map import gaps
+from hbench.reconcile.gaps.regions import regions
+from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.revised_model import revised
+from hbench.reconcile.strokes.leave_one_out import (
+    StageGaps,
+    force_errors,
+    gap_floor,
+    gap_table,
+    gaps_at,
+    leave_each_load_out,
+    with_floor,
+)
+from hbench.reconcile.strokes.series import MeasuredStrokes, StrokePair, stroke_pairs
+from hbench.reconcile.strokes.stroke_search import (
+    OF_THE_SEAL,
+    SeriesSearch,
+    StrokeSearchResult,
+    search_series,
+    start_search,
+)
+from hbench.reconcile.verdict import (
+    NO_RESIDUALS,
+    explains,
+    gap_list,
+    missing_experiments,
+    scores,
+    unexplained_gaps,
+)
+from hbench.records import (
+    AddedEffect,
+    Candidate,
+    Diagnosis,
+    Gap,
+    Provenance,
+    ScreenedRun,
+    Verdict,
+)
+
+FEWEST_LOADS = 4  # with two strokes in each direction
+_SAME_AREA = 0.002
+_BALANCE_TEXTS = {
+    "force_band": "the friction band",
+    "force_middle": "the mean offset of both directions",
+}
+GAIN_NOTE = (
+    "load_cell_gain represents any gain error between pressure and force: load cell, pressure "
+    "transducer, or piston area of the model. Steady strokes show the same with each."
+)
+DISTINGUISHING_TESTS = {
+    "load_cell_gain": "known weights on the load cell, and the piston's bore measured",
+    "load_cell_offset": "the load cell's zero without load",
+    "pressure_offset": "the pressure transducer's zero in open air",
+    "direction_asymmetry": "the same strokes with the cylinder turned around, or other seals in it",
+    "load_friction": "the same strokes with another seal in this cylinder",
+    "seal_pressure_friction": "the same strokes with another seal in this cylinder",
+}
+
+
+@dataclass(frozen=True)
+class StrokeTask:
+    """Task of a diagnosis: series of steady strokes and a model of the cylinder."""
+
+    provenance: Provenance
+    model: str  # file name
+    plant: StrokePlant  # of the model
+    plant_data: Mapping[str, Any]  # sections of the model's file
+    series: Mapping[str, Sequence[ScreenedRun]]  # by label, the requested one first
+
+
+def diagnose_strokes(task: StrokeTask) -> Diagnosis:
+    """Determine the effects behind the residuals of steady strokes; see ``Diagnosis``.
+
+    Other series of the same cylinder are evidence too. Raises ``ConfigError`` where the model's
+    cylinder is not the one that was measured.
+    """
+    (label, screened), *others = task.series.items()
+    left_out = tuple(
+        f"run {run.run.plan.run}: {'; '.join(run.reasons)}" for run in screened if not run.accepted
+    )
+    plans = [run.run.plan for run in screened if run.accepted]
+    missing = tuple(missing_experiments(plans).values())
+    pairs = _repeated(screened)
+    loads = len({pair.plan for pair in pairs})
+    if loads < FEWEST_LOADS:
+        shortfall = (
+            f"loads or pressures with two or more strokes in each direction: {loads}, at least "
+            f"{FEWEST_LOADS} needed"
+        )
+        return insufficient_data_diagnosis(task, (shortfall, *missing), left_out)
+    _check_area(task, pairs)
+    of_cylinder = {label: pairs}
+    for other, runs in others:
+        more = _repeated(runs)
+        if len({pair.plan for pair in more}) >= FEWEST_LOADS:
+            if more[0].plan.specimen == pairs[0].plan.specimen:
+                of_cylinder[other] = more
+    series = [
+        start_search(MeasuredStrokes(task.plant, of_series)) for of_series in of_cylinder.values()
+    ]
+    return _assembled(task, list(of_cylinder), series, missing, left_out)
+
+
+def _repeated(screened: Sequence[ScreenedRun]) -> tuple[StrokePair, ...]:
+    pairs = stroke_pairs(screened)
+    plans = [pair.plan for pair in pairs]
+    return tuple(pair for pair in pairs if plans.count(pair.plan) > 1)
+
+
+def _check_area(task: StrokeTask, pairs: Sequence[StrokePair]) -> None:
+    measured = pairs[0].plan.specimen.area_piston_m2
+    modelled = task.plant.test_cylinder.area_piston_m2
+    if abs(modelled / measured - 1) > _SAME_AREA:
+        raise ConfigError(
+            f"{task.model}: test_cylinder has a piston area of {1e4 * modelled:.4g} cm^2, the "
+            f"campaign's cylinder {1e4 * measured:.4g} cm^2 (limit: {_SAME_AREA:.1%} difference)",
+            f"Correct test_cylinder.piston_diameter in {task.model}, or the import's map.",
+        )
+
+
+def _assembled(
+    task: StrokeTask,
+    labels: Sequence[str],
+    series: Sequence[tuple[SeriesSearch, LinearisedModel]],
+    missing: tuple[str, ...],
+    left_out: tuple[str, ...],
+) -> Diagnosis:
+    search, given = series[0]
+    result = search_series(series)
+    names, strokes = result.names, search.measured
+    estimates = search.estimates(result.final, names)
+    ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
+    no_change = "does not change the mean of a steady stroke"
+    not_tried = {name: no_change for name in EFFECTS if name not in search.candidates}
+    alternatives = tuple(candidate for step in result.steps for candidate in step.ambiguous)
+    undecided = {step.balance for step in result.steps if step.ambiguous}
+    unexplained = tuple(
+        gap
+        for gap in unexplained_gaps(_ranked_gaps(strokes, result.final))
+        if gap.name not in undecided
+    )
+    verdict, why = _decide_verdict(result, unexplained)
+    by_load = leave_each_load_out(search, given, names)
+    held_out = gap_table(by_load)
+    points = frozenset(given.gap_map.points)
+    indices = np.arange(len(points))
+    train = gap_table([gaps_at(search, given, names, indices)], gap_floor(strokes, estimates))
+    return Diagnosis(
+        provenance=task.provenance,
+        model=task.model,
+        verdict=verdict,
+        why=why,
+        where=_ranked_gaps(strokes, result.refitted),
+        regions=regions(result.refitted.gap_map),
+        effects=_added_effects(result, estimates, indices),
+        alternatives=alternatives,
+        rest=unexplained,
+        next_experiment=_next_experiment(alternatives),
+        next_schedule=None,
+        gap_heldout=with_floor(held_out, train),
+        gap_train=train,
+        gap_runs=(),
+        ranking=result.steps[0].evaluated,
+        threshold=result.steps[0].evaluated[0].threshold,
+        refitted=estimates.factors(),
+        residuals_before=residual_map(result.refitted, points),
+        residuals_after=residual_map(result.final, points),
+        overlays=(),
+        heldout_runs=tuple(run.run.plan.run for run in task.series[labels[0]] if run.accepted),
+        not_tried=not_tried | ruled_out,
+        missing=missing,
+        left_out=left_out,
+        revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
+        notes=tuple(_notes(labels, search, given, result, by_load)),
+    )
+
+
+def _ranked_gaps(strokes: MeasuredStrokes, model: LinearisedModel) -> tuple[Gap, ...]:
+    measured = strokes.residuals(model.hypothesis, strokes.pairs)
+    return gaps(measured, strokes.residuals(model.hypothesis, model.runs))[0]
+
+
+def _decide_verdict(result: StrokeSearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:
+    sentences = []
+    if result.names:
+        sentences.append(f"{explains(result.names)} the residuals at held-out loads.")
+    for step in result.steps:
+        if step.ambiguous:
+            sentences.append(
+                f"Not distinguishable for {_BALANCE_TEXTS[step.balance]}, scores in nats: "
+                f"{scores(step.ambiguous)}."
+            )
+    if unexplained:
+        sentences.append(
+            "No effect of the catalogue explains the gaps (in trial scatters): "
+            f"{gap_list(unexplained)}."
+        )
+    if result.names:
+        return "named", " ".join(sentences)
+    if any(step.ambiguous for step in result.steps):
+        return "ambiguous", " ".join(sentences)
+    if unexplained:
+        return "unknown", " ".join(sentences)
+    return "none", NO_RESIDUALS
+
+
+def _next_experiment(alternatives: Sequence[Candidate]) -> str | None:
+    tests = dict.fromkeys(
+        DISTINGUISHING_TESTS[candidate.name]
+        for candidate in alternatives
+        if candidate.name in DISTINGUISHING_TESTS
+    )
+    return f"Tests that distinguish them: {'; '.join(tests)}." if tests else None
+
+
+def _added_effects(
+    result: StrokeSearchResult, estimates: ParameterEstimates, points: np.ndarray
+) -> tuple[AddedEffect, ...]:
+    effects = []
+    for step in result.steps:
+        if step.added is not None:
+            balances = (step.balance,)
+            candidates = [each for each in step.evaluated if each.name not in step.ruled_out]
+            effects.append(
+                added_effect(
+                    step.added,
+                    candidates,
+                    estimates,
+                    gap_of_balances(step.before.gap_map, balances, points),
+                    gap_of_balances(result.final.gap_map, balances, points),
+                )
+            )
+    return tuple(effects)
+
+
+def _notes(
+    labels: Sequence[str],
+    search: SeriesSearch,
+    given: LinearisedModel,
+    result: StrokeSearchResult,
+    by_load: Sequence[StageGaps],
+) -> Iterator[str]:
+    yield (
+        "Leave-one-out: the gaps of held-out runs are predictions of each load with parameters "
+        "from the other loads. The effects were chosen with all loads."
+    )
+    yield (
+        "Root mean square error of both directions at the held-out load, refitted to with the "
+        f"effects: {force_errors(by_load)}."
+    )
+    alternatives = [candidate.name for step in result.steps for candidate in step.ambiguous]
+    for name in alternatives:
+        more = leave_each_load_out(search, given, (*result.names, name))
+        yield f"The same errors with {name} in addition: {force_errors(more)}."
+    if "load_cell_gain" in (*alternatives, *result.names):
+        yield GAIN_NOTE
+    if len(labels) > 1:
+        yield (
+            f"Other series used as evidence: {', '.join(labels[1:])}. They are assumed to be the "
+            f"same cylinder with other seals; only {' and '.join(OF_THE_SEAL)} may differ."
+        )

@@ -1,0 +1,230 @@
+"""Search for effects in steady strokes: few operating points, two balances, several series.
+
+The band and the middle are searched one after the other, so that effects that change sign with the
+direction are separated from those that do not. Where several candidates explain the band equally
+well, the middle is searched with the best of them, since part of a friction effect may appear in
+it. Operating points are few, so null data sets are drawn by rotation (``evidence.rotated``).
+
+Series of one cylinder on one bench differ only in the seal, so they share the verdict: scores and
+null scores are summed. Effects that do not depend on the seal must have one coefficient in all
+series; an effect whose coefficients differ beyond their 95 % intervals is ruled out.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from hbench.analysis.rounding import ranked
+from hbench.analysis.statistics.student import student_factor
+from hbench.reconcile.candidates import (
+    NULLS,
+    TIE,
+    AcceptanceCriteria,
+    CandidateEvaluator,
+    EvaluatedCandidate,
+    indistinguishable,
+)
+from hbench.reconcile.estimates import ParameterEstimates, estimate_parameters, whole_dof
+from hbench.reconcile.evidence import rotated, score
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.linearised import LinearisedModel, linearise
+from hbench.reconcile.strokes.series import BALANCES, MeasuredStrokes
+from hbench.records import Candidate
+
+OF_THE_SEAL = ("seal_pressure_friction", "direction_asymmetry")
+# 3 nats are odds of 20 to 1, which four operating points can reach.
+_CRITERIA = AcceptanceCriteria(score=3.0, explained=0.5, size=0.1)
+
+
+@dataclass(frozen=True)
+class SeriesSearch(CandidateEvaluator):
+    """Evaluation of candidates on the strokes of one series."""
+
+    measured: MeasuredStrokes
+
+    def evaluate(
+        self, model: LinearisedModel, added: tuple[str, ...], names: Sequence[str]
+    ) -> dict[str, EvaluatedCandidate]:
+        """Evaluate candidates with a simulation of each."""
+        return self._evaluate_by_simulation(model, added, names)
+
+    def null_scores(
+        self, model: LinearisedModel, added: tuple[str, ...], name: str, seed: int
+    ) -> np.ndarray:
+        """Return a candidate's scores on null data sets."""
+        base = model.index(model.coefficients_of(added))
+        more = [i for i in model.index(model.coefficients_of([name])) if i not in base]
+        nulls = rotated(model.data, NULLS, seed)
+        return score(model.data, model.priors, base, more, self.train, nulls)
+
+    def estimates(self, model: LinearisedModel, names: Sequence[str]) -> ParameterEstimates:
+        """Return the parameters about a model with the effects ``names``."""
+        return estimate_parameters(self.measured.plant, model, names, self.train)
+
+
+@dataclass(frozen=True)
+class StrokeSearchStep:
+    """Step of the search in one balance, with the summed scores of the candidates."""
+
+    balance: str
+    before: LinearisedModel  # of the first series
+    evaluated: tuple[Candidate, ...]  # best first: values of the first series, scores of all
+    added: str | None
+    ambiguous: tuple[Candidate, ...]
+    ruled_out: dict[str, str]  # reason by candidate
+
+
+@dataclass(frozen=True)
+class StrokeSearchResult:
+    """Models and steps of the search in the first series."""
+
+    given: LinearisedModel
+    refitted: LinearisedModel
+    steps: tuple[StrokeSearchStep, ...]
+    final: LinearisedModel
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The effects that were added, in order."""
+        return tuple(step.added for step in self.steps if step.added)
+
+
+def start_search(strokes: MeasuredStrokes) -> tuple[SeriesSearch, LinearisedModel]:
+    """Return the search of a series and the given model. Raises ``DataError``."""
+    signatures = strokes.signatures
+    names = tuple(dict.fromkeys(name for name, _ in signatures))
+    (simulated,) = strokes.simulate([Hypothesis()], 1)
+    given = linearise(strokes, Hypothesis(), simulated, signatures)
+    points = np.arange(len(given.gap_map.points))
+    return SeriesSearch(strokes, strokes.simulate, 1, signatures, points, names), given
+
+
+def search_series(series: Sequence[tuple[SeriesSearch, LinearisedModel]]) -> StrokeSearchResult:
+    """Search for effects; ``series`` are those of one cylinder, the requested one first."""
+    searches = [search for search, _ in series]
+    models = [search.refit(given, ()) for search, given in series]
+    refitted, steps = models[0], []
+    assumed: tuple[str, ...] = ()
+    for balance in BALANCES:
+        while True:
+            step, extended = _step(searches, models, assumed, balance)
+            steps.append(step)
+            best = step.added or (step.ambiguous[0].name if step.ambiguous else None)
+            if best is None:
+                break
+            models, assumed = extended, (*assumed, best)
+            if step.added is None:
+                break
+    names = tuple(step.added for step in steps if step.added)
+    final = models[0] if assumed == names else searches[0].refit(refitted, names)
+    return StrokeSearchResult(series[0][1], refitted, tuple(steps), final)
+
+
+def _step(
+    searches: Sequence[SeriesSearch],
+    models: list[LinearisedModel],
+    added: tuple[str, ...],
+    balance: str,
+) -> tuple[StrokeSearchStep, list[LinearisedModel]]:
+    """Return a step, and the models with its best accepted candidate."""
+    visible = [_visible_effects(model, balance) for model in models]
+    names = [
+        name
+        for name in searches[0].candidates
+        if name not in added and all(name in effects for effects in visible)
+    ]
+    evaluated = [
+        search.evaluate(model, added, names) for search, model in zip(searches, models, strict=True)
+    ]
+    threshold = _CRITERIA.threshold(_largest_null_scores(searches, models, added, names))
+    summed = (
+        replace(
+            evaluated[0][name].candidate,
+            score=sum(of_series[name].candidate.score for of_series in evaluated),
+            threshold=threshold,
+        )
+        for name in names
+    )
+    candidates = tuple(ranked(tuple(summed), lambda candidate: candidate.score, TIE))
+    simulated = {name: [_model_of(of_series[name]) for of_series in evaluated] for name in names}
+    accepted = [candidate for candidate in candidates if _CRITERIA.accepts(candidate)]
+    ruled_out = {}
+    for candidate in accepted:
+        if candidate.name not in OF_THE_SEAL:
+            estimates = [
+                search.estimates(model, (*added, candidate.name))
+                for search, model in zip(searches, simulated[candidate.name], strict=True)
+            ]
+            if reason := _inconsistency(estimates, candidate.name):
+                ruled_out[candidate.name] = reason
+    accepted = [candidate for candidate in accepted if candidate.name not in ruled_out]
+    rejected = (candidate for candidate in candidates if candidate not in accepted)
+    candidates = (*accepted, *rejected)
+    if not accepted:
+        return StrokeSearchStep(balance, models[0], candidates, None, (), ruled_out), models
+    ambiguous, name = indistinguishable(accepted), accepted[0].name
+    extended = [
+        search.refit(model, (*added, name))
+        for search, model in zip(searches, simulated[name], strict=True)
+    ]
+    if len(ambiguous) > 1:
+        return StrokeSearchStep(balance, models[0], candidates, None, ambiguous, ruled_out), extended
+    return StrokeSearchStep(balance, models[0], candidates, name, (), ruled_out), extended
+
+
+def _largest_null_scores(
+    searches: Sequence[SeriesSearch],
+    models: Sequence[LinearisedModel],
+    added: tuple[str, ...],
+    names: Sequence[str],
+) -> np.ndarray:
+    """Return the largest score (n,) of any candidate on each null data set, over all series."""
+    largest = np.zeros(NULLS)
+    for name in names:
+        scores = [
+            search.null_scores(model, added, name, seed)
+            for seed, (search, model) in enumerate(zip(searches, models, strict=True))
+        ]
+        largest = np.maximum(largest, np.sum(scores, axis=0))
+    return largest
+
+
+def _model_of(evaluated: EvaluatedCandidate) -> LinearisedModel:
+    assert evaluated.model is not None  # strokes are always simulated
+    return evaluated.model
+
+
+def _visible_effects(model: LinearisedModel, balance: str) -> set[str]:
+    """Return the effects with a nonzero column in a balance."""
+    groups = [i for i, (name, _) in enumerate(model.data.groups) if name == balance]
+    energies = np.einsum("pgjj->gj", model.data.columns)[groups].sum(axis=0)
+    columns = zip(model.data.names, energies, strict=True)
+    return {name.partition(".")[0] for name, e in columns if e > 0 and not name.startswith("/")}
+
+
+def _inconsistency(estimates: Sequence[ParameterEstimates], name: str) -> str:
+    """Return where a coefficient differs between two series beyond its 95 % interval.
+
+    A coefficient at a bound has no standard error and is not compared.
+    """
+    for pair in combinations(estimates, 2):
+        of_series = [each.of_effect(name) for each in pair]
+        for key, a in of_series[0].items():
+            b = of_series[1][key]
+            if a.se is None or b.se is None:
+                continue
+            dof = whole_dof(min(_degrees_of_freedom(each, name, key) for each in pair))
+            if abs(a.value - b.value) > student_factor(dof) * np.hypot(a.se, b.se):
+                return (
+                    f"{key} differs between series of this cylinder with different seals: "
+                    f"{a.value:.3g} and {b.value:.3g} {a.unit}, standard errors {a.se:.1g} and "
+                    f"{b.se:.1g}; only an effect of the seal may differ"
+                )
+    return ""
+
+
+def _degrees_of_freedom(estimates: ParameterEstimates, name: str, key: str) -> float:
+    index = estimates.coefficients.index((name, key)) - len(estimates.coefficients)
+    return estimates.dof[index]
