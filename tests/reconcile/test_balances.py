@@ -10,7 +10,7 @@ import pytest
 
 from hbench.config.bench import parse_plant
 from hbench.errors import DataError
-from hbench.reconcile.measured.balances import BALANCES, UNITS, model, prepared, residuals
+from hbench.reconcile.measured.balances import BALANCES, UNITS, balance_model, prepare, residuals
 from hbench.records import Run, RunPlan, Specimen
 
 FINE_S, RECORD = 1e-5, 1000
@@ -32,7 +32,9 @@ STATIC = {
 
 @pytest.fixture(scope="module")
 def known(bench, bench_data):
-    return model(bench, parse_plant(bench_data, {"friction": {"test": STATIC, "load": STATIC}}, ""))
+    return balance_model(
+        bench, parse_plant(bench_data, {"friction": {"test": STATIC, "load": STATIC}}, "")
+    )
 
 
 def logged(y):
@@ -98,7 +100,7 @@ def made_up(chamber=0, leak=0.0, drag_test=0.0, drag_load=0.0, lag=LAG, sag=0.0)
 
 
 def of(run, known, name):
-    found = residuals(prepared(run), known)
+    found = residuals(prepare(run), known)
     return found.values[3:-1, BALANCES.index(name)]  # a valve's start and 20 mm are left out
 
 
@@ -126,7 +128,7 @@ def test_kinematics_lack_the_lag_that_the_model_does_not_know(known):
     run, _ = made_up()
     assert np.abs(of(run, known, "kinematics")).max() < 1e-6
     slower, _ = made_up(lag=LAG + 3e-3)
-    found = residuals(prepared(slower), known)
+    found = residuals(prepare(slower), known)
     a = slope(np.interp(np.arange(0, 1.6, FINE_S), slower.t_s, slower.v_m_s))
     expected = 3e-3 * np.interp(found.t_s, np.arange(0, 1.6, FINE_S), a)
     off = found.values[:, BALANCES.index("kinematics")] - expected
@@ -140,7 +142,7 @@ def test_a_sagging_supply_is_below_the_models(known):
 
 def test_a_missing_channel_leaves_out_what_needs_it(known):
     run, _ = made_up()
-    found = residuals(prepared(replace(run, p_lp_pa=None)), known)
+    found = residuals(prepare(replace(run, p_lp_pa=None)), known)
     seen = dict(zip(BALANCES, np.isfinite(found.values).any(axis=0).tolist(), strict=True))
     assert seen == dict.fromkeys(UNITS, False) | dict.fromkeys(
         ("force_test", "kinematics", "supply"), True
@@ -152,5 +154,5 @@ def test_uneven_samples_are_refused():
     run, _ = made_up()
     t = run.t_s.copy()
     t[50:] += 0.02
-    with pytest.raises(DataError, match="not evenly spaced"):
-        prepared(replace(run, t_s=t))
+    with pytest.raises(DataError, match=r"run 0001: .*0\.01 to 0\.03 s"):
+        prepare(replace(run, t_s=t))

@@ -8,12 +8,12 @@ from scipy.optimize import minimize
 
 from hbench.analysis.statistics.student import student_factor
 from hbench.reconcile.evidence import (
-    Freedom,
+    Priors,
     Products,
     _touched,
+    cross_validate,
     fit,
     intervals,
-    left_out,
     log_likelihood,
     random_signs,
     score,
@@ -46,7 +46,7 @@ class Drawn:
         """- ln L by the module's equation, window by window."""
         left = self.d[points] - self.columns[points][..., chosen] @ beta
         variance = np.maximum(np.mean(left**2, axis=(0, 2)), noise)
-        off = (beta - free.centre[chosen]) / free.prior[chosen]
+        off = (beta - free.centre[chosen]) / free.sigma[chosen]
         return 0.5 * len(points) * np.sum(np.log(variance)) + 0.5 * np.sum(off**2)
 
 
@@ -61,7 +61,7 @@ def drawn(rng, truth, points=30, spread=(0.3, 1.0, 4.0), windows=8, within=0.6):
 
 
 def freedom(count, centre=0.0, prior=10.0, low=-50.0, high=50.0):
-    return Freedom(
+    return Priors(
         *(np.broadcast_to(one, count).astype(float) for one in (centre, prior, low, high))
     )
 
@@ -199,7 +199,7 @@ def test_groups_that_a_candidate_does_not_touch_change_no_score():
     assert base == [0] and joined == [0, 1]
 
     def whole(chosen):
-        return log_likelihood(left_out(data, free, chosen, points))[0]
+        return log_likelihood(cross_validate(data, free, chosen, points))[0]
 
     assert score(data, free, [0, 2], [1], points)[0] == pytest.approx(
         whole([0, 2, 1]) - whole([0, 2]), abs=1e-6
@@ -215,7 +215,7 @@ def test_points_left_out_are_predicted_by_the_others_alone():
         out = points[np.arange(len(points)) % 5 == number]
         beta = fit(data, free, [0, 1], np.setdiff1d(points, out))[0]
         total += np.sum((raw.d[out] - raw.columns[out] @ beta) ** 2, axis=(0, 2))
-    found = left_out(data, free, [0, 1], points)
+    found = cross_validate(data, free, [0, 1], points)
     assert found.variance[0] == pytest.approx(total / (25 * 8))
     assert log_likelihood(found)[0] == pytest.approx(-0.5 * 25 * np.sum(np.log(total / (25 * 8))))
 

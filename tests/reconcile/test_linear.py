@@ -6,24 +6,25 @@ import pytest
 from hbench.config.bench import parse_plant
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS, read_effects
-from hbench.reconcile.gap import GapMap
+from hbench.reconcile.gaps.columns import column_difference, mean_column
+from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.hypothesis import (
+    Hypothesis,
+    effect_coefficients,
+    shape_coefficients,
+    typical_size,
+)
 from hbench.reconcile.linearised import (
     MOTIONS,
-    Hypothesis,
-    Linear,
-    _like,
+    LinearisedModel,
     _products,
-    coefficients,
-    less,
-    mean_column,
-    motion_of,
-    moved,
-    shapes,
-    typical,
+    _scatter_at,
+    hypothesis_at,
+    window_motions,
 )
-from hbench.reconcile.measured.balances import Windowed
+from hbench.reconcile.measured.balances import WindowedRun
 from hbench.reconcile.nuisance import nuisances
-from hbench.reconcile.signatures import packed, signature
+from hbench.reconcile.signatures import disjoint_groups, signature
 from hbench.records import RunPlan, Specimen
 from tests.support.reconcile.rounds import plant_of
 
@@ -52,7 +53,7 @@ def a_map(rng, lengths=(7, 5, 9), v_m_s=None):
 
 
 def linear(hypothesis=None, lacking=None):
-    return Linear(hypothesis or Hypothesis(), (), lacking, None, None)
+    return LinearisedModel(hypothesis or Hypothesis(), (), lacking, None, None)
 
 
 # ---- columns
@@ -70,7 +71,7 @@ def test_products_are_those_of_the_windows_that_are_compared():
         "two": {"b": rng.standard_normal((5, 3))},
     }
     data = _products(found, (found.scatter, found.noise), columns)
-    motion, starts = motion_of(found), (0, 7, 12)
+    motion, starts = window_motions(found), (0, 7, 12)
     expected = np.zeros((3, 9, 3, 3))
     noise, windows = np.zeros((3, 9)), np.zeros((3, 9))
     for w in range(21):
@@ -100,14 +101,14 @@ def test_products_are_those_of_the_windows_that_are_compared():
 def test_windows_are_at_rest_steady_or_unsteady():
     """By the change from the window before to the one after; edges are like their neighbours."""
     v = [0, 0, 0, 0.05, 0.1, 0.1, 0.1, 0.1] + [-0.1] * 4 + [0.1, 0.1, 0.05, 0.0, 0.0, 0.0]
-    found = motion_of(a_map(np.random.default_rng(2), (8, 4, 6), v))
+    found = window_motions(a_map(np.random.default_rng(2), (8, 4, 6), v))
     assert "".join(MOTIONS[k][0] for k in found) == "rruuusssssssuuuurr"
 
 
 def test_a_single_window_moves_as_fast_as_it_is_whatever_its_neighbours_do():
     rng = np.random.default_rng(3)
-    assert len(motion_of(a_map(rng, ()))) == 0
-    found = motion_of(a_map(rng, (1, 3, 1), [0.1, 0.0, 0.05, 0.1, 0.0]))
+    assert len(window_motions(a_map(rng, ()))) == 0
+    found = window_motions(a_map(rng, (1, 3, 1), [0.1, 0.0, 0.05, 0.1, 0.0]))
     assert [MOTIONS[k] for k in found] == ["steady", *["unsteady"] * 3, "rest"]
 
 
@@ -116,7 +117,7 @@ def test_scatters_of_another_map_stand_at_the_windows_of_the_same_point():
     rng = np.random.default_rng(4)
     unit = a_map(rng, (4, 3))
     other = GapMap(**{**a_map(rng, (2, 6)).__dict__, "points": ("b", "a")})
-    scatter, noise = _like(unit, other)
+    scatter, noise = _scatter_at(unit, other)
     rows = [4, 5, 0, 1, 2, 3, 3, 3]
     assert np.array_equal(scatter, unit.scatter[rows])
     assert np.array_equal(noise, unit.noise[rows])
@@ -125,7 +126,7 @@ def test_scatters_of_another_map_stand_at_the_windows_of_the_same_point():
 def trial(speed, values, names=NAMES):
     plan = RunPlan("0001", "steady", 1, speed, Specimen(1e-3, 8e-4))
     at = np.arange(len(values), dtype=float)
-    return Windowed(plan, names, np.asarray(values, float), at, at, at, at, np.zeros(len(names)))
+    return WindowedRun(plan, names, np.asarray(values, float), at, at, at, at, np.zeros(len(names)))
 
 
 def test_columns_are_means_of_trials_and_differ_where_both_have_windows():
@@ -137,16 +138,16 @@ def test_columns_are_means_of_trials_and_differ_where_both_have_windows():
     )
     (point,) = fast
     assert slow[point] == pytest.approx((first[:4] + second) / 2)
-    assert less(slow, fast).keys() == {point}
-    assert less(slow, fast)[point] == pytest.approx((first[:4] + second) / 2 - 1)
+    assert column_difference(slow, fast).keys() == {point}
+    assert column_difference(slow, fast)[point] == pytest.approx((first[:4] + second) / 2 - 1)
 
 
 # ---- signatures
 
 
 def test_packed_effects_share_no_balance_and_none_is_lost():
-    wanted = [one for name in EFFECTS for one in coefficients(name)]
-    groups = packed(wanted)
+    wanted = [one for name in EFFECTS for one in effect_coefficients(name)]
+    groups = disjoint_groups(wanted)
     assert sorted(one for group in groups for one in group) == sorted(wanted)
     assert len(groups) < 0.75 * len(wanted)
     for group in groups:
@@ -173,15 +174,15 @@ def test_coefficients_switch_effects_on_and_shapes_do_not(bench):
     """Over all rows: an effect with its shapes alone is no effect at all."""
     plain = plant_parameters(bench)
     for name, row in EFFECTS.items():
-        switches, forms = coefficients(name), shapes(name)
+        switches, forms = effect_coefficients(name), shape_coefficients(name)
         assert {key for _, key in (*switches, *forms)} == set(row.coefficients)
         assert switches and not set(switches) & set(forms)
-        assert all(typical(one) > 0 for one in (*switches, *forms))
+        assert all(typical_size(one) > 0 for one in (*switches, *forms))
     only = Hypothesis().with_coefficients({("internal_leakage", "exponent"): 0.5})
     par = plant_parameters(only.plant(plant_of(bench)))
     assert par._replace(effects=None) == plain
-    assert typical(LEAK) == pytest.approx(3e-3 * 1e-3 / 60 / 1e5)
-    assert typical(("internal_leakage", "exponent")) == 0.25
+    assert typical_size(LEAK) == pytest.approx(3e-3 * 1e-3 / 60 / 1e5)
+    assert typical_size(("internal_leakage", "exponent")) == 0.25
 
 
 def test_a_hypothesis_is_the_plant_that_its_sections_read_as(bench, bench_data):
@@ -231,10 +232,10 @@ def test_steps_are_taken_in_priors_and_typical_sizes(bench):
     paths = list(priors)
     start = linear(Hypothesis({paths[0]: 1.2}).with_coefficients({LEAK: 1e-12}))
     beta = np.linspace(-1, 1, len(paths) + 2)
-    found = moved(start, plant, (LEAK, DROOP), beta)
+    found = hypothesis_at(start, plant, (LEAK, DROOP), beta)
     for path, step in zip(paths, beta, strict=False):
         before = 1.2 if path == paths[0] else 1.0
         assert found.factors[path] == pytest.approx(before * np.exp(priors[path] * step))
-    assert found.coefficient(LEAK) == pytest.approx(1e-12 + beta[-2] * typical(LEAK))
-    assert found.coefficient(DROOP) == pytest.approx(beta[-1] * typical(DROOP))
+    assert found.coefficient(LEAK) == pytest.approx(1e-12 + beta[-2] * typical_size(LEAK))
+    assert found.coefficient(DROOP) == pytest.approx(beta[-1] * typical_size(DROOP))
     assert start.hypothesis.coefficient(LEAK) == 1e-12

@@ -5,9 +5,9 @@ import pytest
 
 from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.gap import gaps
-from hbench.reconcile.measured.balances import FLOWS, model, prepared
-from hbench.reconcile.measured.window_signals import astray, signals
+from hbench.reconcile.gaps.gap_map import gaps
+from hbench.reconcile.measured.balances import FLOWS, balance_model, prepare
+from hbench.reconcile.measured.window_signals import open_loop_errors, signals
 from tests.support.reconcile.rounds import compare, plant_of, reconciled, schedule, table
 
 # What a bench file knows badly, off by 4 to 20 %.
@@ -125,11 +125,14 @@ def test_signals_of_the_models_own_plant_agree_and_of_another_tank_do_not(bench,
     Open loop: the load's pressures go astray.
     """
     plan = schedule(speeds=("30 mm/s", "120 mm/s"))
-    known = model(bench)
-    modelled = [prepared(run) for run in record(bench, plan, seed=77).runs]
-    for hidden, first in (({}, {}), (HIDDEN["flow_lp"], {signals: "u_l2", astray: "p_lp"})):
-        logs = [prepared(run) for run in measured(bench, bench_data, plan, hidden)]
-        for view in (signals, astray):
+    known = balance_model(bench)
+    modelled = [prepare(run) for run in record(bench, plan, seed=77).runs]
+    for hidden, first in (
+        ({}, {}),
+        (HIDDEN["flow_lp"], {signals: "u_l2", open_loop_errors: "p_lp"}),
+    ):
+        logs = [prepare(run) for run in measured(bench, bench_data, plan, hidden)]
+        for view in (signals, open_loop_errors):
             sides = [[view(log, known) for log in side] for side in (logs, modelled)]
             ranked = {one.name: one for one in gaps(*sides)[0]}
             table(f"{view.__name__}, hidden: {hidden or 'nothing'}", ranked)
@@ -150,6 +153,6 @@ def test_the_map_tells_that_friction_of_seals_turns_with_the_direction(bench, be
     lacks = found.difference[:, found.names.index("force_test")]
     known = np.isfinite(lacks) & (np.abs(found.v_m_s) > 0.01)
     assert np.mean(np.sign(lacks[known]) == np.sign(found.v_m_s[known])) > 0.97
-    light, heavy = found.over((np.abs(found.load_n) > 2000).astype(int))
+    light, heavy = found.gaps_by_bin((np.abs(found.load_n) > 2000).astype(int))
     column = found.names.index("force_test")
     assert heavy[column] > light[column] > 3

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from hbench.reconcile.gap import GapMap
-from hbench.reconcile.gap_regions import regions
+from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.gaps.regions import regions
 
 
 def made_up(lacking):

@@ -11,13 +11,17 @@ from hbench.config.bench import merge, parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.diagnose import HELD_OUT, touched_gap
-from hbench.reconcile.estimates import estimate
-from hbench.reconcile.evidence import Freedom, Products
-from hbench.reconcile.gap import GapMap
-from hbench.reconcile.linearised import Hypothesis, Linear, Measured, linearise
-from hbench.reconcile.measured.balances import prepared
-from hbench.reconcile.search import Search, Tried
+from hbench.reconcile.candidates import EvaluatedCandidate
+from hbench.reconcile.diagnose import HELD_OUT
+from hbench.reconcile.diagnosis_fields import gap_of_balances
+from hbench.reconcile.estimates import estimate_parameters
+from hbench.reconcile.evidence import Priors, Products
+from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.linearised import LinearisedModel, linearise
+from hbench.reconcile.measured.balances import prepare
+from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.search import CampaignSearch
 from hbench.reconcile.signatures import signatures
 from tests.support import ROOT
 from tests.support.reconcile.rounds import plant_of, schedule, simulator
@@ -34,33 +38,33 @@ def before(candidates):
     bench = parse_bench(data, "bench")
     simulate = simulator(bench, PLAN, seed=100)
     (runs,) = simulate([Hypothesis()], 2)
-    known = Measured(bench, plant_of(bench), ()).known(Hypothesis())
+    known = MeasuredCampaign(bench, plant_of(bench), ()).balance_model(Hypothesis())
     return data, bench, simulate, runs, signatures(candidates, simulate, known, runs)
 
 
 def searched(effects, seed=5, candidates=CANDIDATES):
-    """Search a campaign with these effects; return the find, its estimates and points held out."""
+    """Search a campaign with these effects; return result, estimates and held-out points."""
     data, bench, simulate, runs, seen = before(candidates)
     hidden = parse_plant(data, merge(UNTUNED, {"effects": effects}), "hidden")
     made = record(bench, PLAN, hidden, seed=seed)
     assert not made.stopped
-    own = Measured(bench, plant_of(bench), tuple(prepared(run) for run in made.runs))
+    own = MeasuredCampaign(bench, plant_of(bench), tuple(prepare(run) for run in made.runs))
     given = linearise(own, Hypothesis(), runs, seen)
-    points = np.arange(len(given.lacking.points))
+    points = np.arange(len(given.gap_map.points))
     out = points[points % HELD_OUT == 2]
     train = np.setdiff1d(points, out)
-    found = Search(own, simulate, 2, seen, train, candidates).run(given)
-    return found, estimate(own.plant, found.final, found.names, train), out
+    found = CampaignSearch(own, simulate, 2, seen, train, candidates).run(given)
+    return found, estimate_parameters(own.plant, found.final, found.names, train), out
 
 
 def gap(linear, name, out):
-    return touched_gap(linear.lacking, EFFECTS[name].balances, out)
+    return gap_of_balances(linear.gap_map, EFFECTS[name].balances, out)
 
 
 def test_a_leak_through_an_orifice_is_named_and_given_its_exponent():
     found, best, out = searched({"internal_leakage": {"test": "1e-2 l/min/bar", "exponent": "0.5"}})
     assert found.names == ("internal_leakage",)
-    form = best.coefficients("internal_leakage")
+    form = best.of_effect("internal_leakage")
     print(
         form,
         gap(found.refitted, "internal_leakage", out),
@@ -74,7 +78,7 @@ def test_a_leak_through_an_orifice_is_named_and_given_its_exponent():
 
 def test_without_an_effect_nothing_is_taken():
     found, _, _ = searched({})
-    assert not found.names and not found.steps[-1].close
+    assert not found.names and not found.steps[-1].ambiguous
     assert len(found.steps) == 1 and found.final is found.steps[0].before
 
 
@@ -84,9 +88,9 @@ def test_two_effects_are_found_one_after_the_other():
         {"internal_leakage": {"load": "5e-3 l/min/bar"}, "supply_droop": {"slope": "0.1 bar min/l"}}
     )
     assert set(found.names) == {"internal_leakage", "supply_droop"}
-    one = best.coefficients("internal_leakage")["load"]
+    one = best.of_effect("internal_leakage")["load"]
     assert one.ci95[0] < 5e-3 < one.ci95[1]
-    slope = best.coefficients("supply_droop")["slope"]
+    slope = best.of_effect("supply_droop")["slope"]
     assert slope.ci95[0] < 0.1 < slope.ci95[1]
     for name in found.names:
         assert gap(found.final, name, out) < 1.5
@@ -101,7 +105,7 @@ def test_what_builds_up_over_the_runs_is_simulated_with_all_trials():
         return [None] * len(hypotheses)
 
     _, bench, _, runs, _ = before(CANDIDATES)
-    known = Measured(bench, plant_of(bench), ()).known(Hypothesis())
+    known = MeasuredCampaign(bench, plant_of(bench), ()).balance_model(Hypothesis())
     assert signatures(("oil_warming", "supply_droop"), stopped, known, runs) == {}
     assert asked == {("oil_warming", 2), ("supply_droop", 1)}
 
@@ -117,7 +121,7 @@ def test_intervals_hold_the_truth_of_an_effect_of_the_catalogues_own_law():
         section = {key: f"{value} l/min/bar" for key, value in both.items()}
         found, best, _ = searched({"internal_leakage": section}, seed, ("internal_leakage",))
         assert found.names == ("internal_leakage",)
-        own = best.coefficients("internal_leakage") | best.factors()
+        own = best.of_effect("internal_leakage") | best.factors()
         row = [own[key].ci95[0] < value < own[key].ci95[1] for key, value in (both | truth).items()]
         inside.append(row)
     share = np.mean(inside, axis=0)
@@ -135,13 +139,13 @@ def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(fou
     before, cushion = lacking(scatter + 6 * lacking(scatter)[1])
     there, _ = lacking(found * scatter)
 
-    class Simulated(Search):
-        def at(self, hypothesis):
+    class Simulated(CampaignSearch):
+        def simulate_at(self, hypothesis):
             return there
 
     measured = SimpleNamespace(plant=None)
     search = Simulated(measured, None, 1, {}, np.arange(40), ("end_cushion",))
-    assert search.settled(before, ("end_cushion",)) is (there if moves else before)
+    assert search.refit(before, ("end_cushion",)) is (there if moves else before)
 
 
 # ---- thresholds
@@ -164,8 +168,8 @@ def lacking(force_test):
     )
     nothing = np.zeros(0)
     at = GapMap(("force_test",), *[nothing] * 8, points=tuple(range(points)))
-    free = Freedom(np.zeros(2), np.full(2, 10.0), np.array([0.0, -50.0]), np.full(2, 50.0))
-    return Linear(Hypothesis(), (), at, data, free), cushion
+    free = Priors(np.zeros(2), np.full(2, 10.0), np.array([0.0, -50.0]), np.full(2, 50.0))
+    return LinearisedModel(Hypothesis(), (), at, data, free), cushion
 
 
 def test_an_effect_that_few_points_hold_is_judged_by_what_it_leaves():
@@ -174,11 +178,13 @@ def test_an_effect_that_few_points_hold_is_judged_by_what_it_leaves():
     after, cushion = lacking(scatter)
     before, _ = lacking(scatter + 6 * cushion)
     train = np.arange(40)
-    search = Search(None, None, 1, {}, train, ("end_cushion", "position_friction"))
-    one = search._linear(before, [], "end_cushion").found
+    search = CampaignSearch(None, None, 1, {}, train, ("end_cushion", "position_friction"))
+    one = search._evaluate_by_signature(before, [], "end_cushion").candidate
     assert one.score > 10 and one.explained > 0.5
     here, left = (
-        search._with_threshold(Tried(one, there), before, [], search.candidates).found.threshold
+        search._with_threshold(
+            EvaluatedCandidate(one, there), before, [], search.candidates
+        ).candidate.threshold
         for there in (before, after)
     )
     assert left < 6 < 10 < here
@@ -188,7 +194,13 @@ def test_what_leaves_much_has_a_high_threshold():
     """A bore that explains a little of what the cushion does."""
     scatter = np.random.default_rng(4).standard_normal(40)
     before, _ = lacking(scatter + 20 * lacking(scatter)[1])
-    search = Search(None, None, 1, {}, np.arange(40), ("end_cushion", "position_friction"))
-    one = replace(search._linear(before, [], "position_friction").found, explained=1.0, score=9.0)
-    threshold = search._with_threshold(Tried(one, before), before, [], search.candidates)
-    assert threshold.found.threshold > 9
+    search = CampaignSearch(None, None, 1, {}, np.arange(40), ("end_cushion", "position_friction"))
+    one = replace(
+        search._evaluate_by_signature(before, [], "position_friction").found,
+        explained=1.0,
+        score=9.0,
+    )
+    threshold = search._with_threshold(
+        EvaluatedCandidate(one, before), before, [], search.candidates
+    )
+    assert threshold.candidate.threshold > 9

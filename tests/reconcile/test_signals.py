@@ -7,8 +7,14 @@ import pytest
 from scipy.optimize import fsolve
 
 from hbench.config.bench import parse_plant
-from hbench.reconcile.measured.balances import model, prepared
-from hbench.reconcile.measured.window_signals import FOLLOWED, SIGNALS, astray, open_loop, signals
+from hbench.reconcile.measured.balances import balance_model, prepare
+from hbench.reconcile.measured.window_signals import (
+    OPEN_LOOP_SIGNALS,
+    SIGNALS,
+    open_loop,
+    open_loop_errors,
+    signals,
+)
 from hbench.records import Run, RunPlan, Specimen
 
 A_P, A_R = np.pi / 4 * 0.04**2, np.pi / 4 * (0.04**2 - 0.025**2)
@@ -66,7 +72,9 @@ def logged(p_s, seconds=4.0):
 
 @pytest.fixture(scope="module")
 def known(bench, bench_data):
-    return model(bench, parse_plant(bench_data, {"friction": {"test": STATIC, "load": STATIC}}, ""))
+    return balance_model(
+        bench, parse_plant(bench_data, {"friction": {"test": STATIC, "load": STATIC}}, "")
+    )
 
 
 @pytest.mark.parametrize("p_s", [150e5, 110e5])
@@ -84,7 +92,7 @@ def test_under_constant_commands_it_settles_at_the_steady_motion_of_the_measured
 
 def test_signals_are_means_and_friction_is_what_force_leaves(known):
     run = logged(150e5)
-    found = signals(prepared(run), known)
+    found = signals(prepare(run), known)
     column = dict(zip(SIGNALS, found.values.T, strict=True))
     v, p_tp, p_tr, p_lp, p_lr = steady(150e5)
     friction = 0.9 * p_tp * A_P - p_tr * A_R - (p_lp * A_P - p_lr * A_R + 300 + 2000 * v)
@@ -95,8 +103,8 @@ def test_signals_are_means_and_friction_is_what_force_leaves(known):
 
 def test_without_commands_nothing_can_be_followed(known):
     run = replace(logged(150e5), u_l1_v=None)
-    assert np.isnan(astray(prepared(run), known).values).all()
-    found = signals(prepared(run), known)
+    assert np.isnan(open_loop_errors(prepare(run), known).values).all()
+    found = signals(prepare(run), known)
     seen = dict(zip(SIGNALS, np.isfinite(found.values).all(axis=0).tolist(), strict=True))
     assert seen == dict.fromkeys(SIGNALS, True) | {"u_l1": False}
-    assert set(FOLLOWED) < set(SIGNALS)
+    assert set(OPEN_LOOP_SIGNALS) < set(SIGNALS)

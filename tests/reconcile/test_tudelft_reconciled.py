@@ -10,6 +10,7 @@ from hbench import workflow
 from hbench.config.files.loading import read_yaml
 from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
+from hbench.reconcile.strokes.stroke_diagnosis import DISTINGUISHING_TESTS, GAIN_NOTE
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.reconciliation import write_diagnosis
@@ -54,7 +55,7 @@ def test_friction_of_the_seal_that_grows_with_pressure_is_named_for_both_seals(s
 
 
 def test_guides_are_ruled_out_as_they_would_rub_alike_with_either_seal(seal):
-    assert "differ in its test" in seal[1].not_tried["load_friction"]
+    assert "standard errors" in seal[1].not_tried["load_friction"]
 
 
 def test_the_error_shrinks_at_pressures_left_out_of_the_fit(seal):
@@ -65,12 +66,10 @@ def test_the_error_shrinks_at_pressures_left_out_of_the_fit(seal):
 def test_the_mean_offset_is_ambiguous_between_a_gain_an_area_and_an_asymmetry(seal):
     _, found = seal
     assert {one.name for one in found.alternatives} == {"direction_asymmetry", "load_cell_gain"}
-    (note,) = (note for note in found.notes if note.startswith("load_cell_gain stands for"))
-    assert "a piston whose area is not the model's" in note
-    assert "pressure transducer" in note
+    assert GAIN_NOTE in found.notes
     middle = found.gap_heldout.balances["force_middle"]
     assert middle.after > 0.9 * middle.refitted  # nothing was added for it
-    assert "weights on the load cell" in found.next_experiment
+    assert DISTINGUISHING_TESTS["load_cell_gain"] in found.next_experiment
 
 
 def test_the_diagnosis_is_written_as_for_any_campaign(seal, tmp_path):
@@ -81,7 +80,7 @@ def test_the_diagnosis_is_written_as_for_any_campaign(seal, tmp_path):
     coefficient = parse_strokes(written, "model").effects["seal_pressure_friction"]["test_piston"]
     value = found.effects[0].parameters["test_piston"].value
     assert float(coefficient.split()[0]) == pytest.approx(value, rel=1e-6)
-    assert "Error at loads left out" in diagnosis_text(found)
+    assert all(note in diagnosis_text(found) for note in found.notes)
 
 
 def test_one_seal_alone_leaves_guides_and_seal_ambiguous(campaign, tmp_path):
@@ -95,9 +94,9 @@ def test_one_seal_alone_leaves_guides_and_seal_ambiguous(campaign, tmp_path):
 
 
 def test_a_series_must_be_told_and_its_cylinder_be_the_models(campaign):
-    with pytest.raises(ConfigError, match="holds several series: 'O-ring', 'NAPN'"):
+    with pytest.raises(ConfigError, match="'O-ring', 'NAPN'"):
         diagnosed_strokes(campaign, MODEL, None)
-    with pytest.raises(ConfigError, match=r"piston of 4.909 cm\^2; the campaign's has 5.187"):
+    with pytest.raises(ConfigError, match=r"4\.909 cm\^2.*5\.187 cm\^2"):
         diagnosed_strokes(campaign, MODEL, "O-ring 25.7 mm")
-    with pytest.raises(ConfigError, match="has no series 'PTFE'"):
+    with pytest.raises(ConfigError, match="'PTFE'"):
         diagnosed_strokes(campaign, MODEL, "PTFE")

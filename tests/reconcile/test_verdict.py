@@ -12,14 +12,25 @@ from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
 from hbench.model.effects.catalogue import EFFECTS, read_effects
-from hbench.reconcile.diagnose import Task, _usable, added_effect, diagnose
-from hbench.reconcile.estimates import Estimates
+from hbench.reconcile.candidates import EvaluatedCandidate
+from hbench.reconcile.diagnose import ReconcileTask, _usable_runs, diagnose
+from hbench.reconcile.diagnosis_fields import added_effect
+from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.evidence import Products
-from hbench.reconcile.linearised import Hypothesis, Linear
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.revised_model import revised
-from hbench.reconcile.search import Found, Step, Tried
-from hbench.reconcile.verdict import judge, missing_channels, rest, too_few, what_is_missing
+from hbench.reconcile.search import SearchResult, SearchStep
+from hbench.reconcile.verdict import (
+    FEWEST_POINTS,
+    MISSING,
+    data_shortfalls,
+    decide_verdict,
+    missing_experiments,
+    unexplained_gaps,
+    unmeasured_channels,
+)
 from hbench.records import Candidate, FitParameter, Gap, Rival, Run, RunPlan, Specimen
 from tests.support.reconcile.rounds import plant_of
 
@@ -30,42 +41,47 @@ LACKS = Gap("flow_tp", 9.0, 8.9, 0.01, 1e-7, 100)
 
 def found(*steps):
     """Steps are (taken, close); every one has tried both."""
-    tried = Tried(LEAK, None), Tried(OTHER, None)
-    return Found(None, tuple(Step(None, tried, *step) for step in steps), None)
+    tried = EvaluatedCandidate(LEAK, None), EvaluatedCandidate(OTHER, None)
+    return SearchResult(None, tuple(SearchStep(None, tried, *step) for step in steps), None)
 
 
 # ---- verdicts
 
 
 def test_an_effect_that_was_taken_is_named_and_the_rest_is_told():
-    verdict, why = judge(found(("internal_leakage", ()), (None, ())), ())
-    assert verdict == "named" and "internal_leakage" in why and "rest" not in why
-    verdict, why = judge(found(("internal_leakage", ()), (None, ())), (LACKS,))
+    verdict, why = decide_verdict(found(("internal_leakage", ()), (None, ())), ())
+    assert verdict == "named" and "internal_leakage" in why and "flow_tp" not in why
+    verdict, why = decide_verdict(found(("internal_leakage", ()), (None, ())), (LACKS,))
     assert verdict == "named" and "flow_tp (9.0)" in why
     both = found(("internal_leakage", ()), ("supply_droop", ()), (None, ()))
-    assert "internal_leakage, then supply_droop" in judge(both, ())[1]
+    assert {"internal_leakage", "supply_droop"} <= set(decide_verdict(both, ())[1].split())
 
 
 def test_a_set_beside_a_named_effect_is_told():
-    verdict, why = judge(found(("supply_droop", ()), (None, (LEAK, OTHER))), (LACKS,))
-    assert verdict == "named" and "internal_leakage or external_leakage" in why
+    verdict, why = decide_verdict(found(("supply_droop", ()), (None, (LEAK, OTHER))), (LACKS,))
+    assert verdict == "named" and {"internal_leakage", "external_leakage"} <= set(why.split())
 
 
 def test_candidates_that_are_close_are_ambiguous():
-    verdict, why = judge(found((None, (LEAK, OTHER))), (LACKS,))
-    assert verdict == "ambiguous" and "internal_leakage (80), external_leakage (78)" in why
+    verdict, why = decide_verdict(found((None, (LEAK, OTHER))), (LACKS,))
+    assert (
+        verdict == "ambiguous" and "internal_leakage (80)" in why and "external_leakage (78)" in why
+    )
 
 
 def test_what_nothing_explains_is_unknown_and_no_gap_is_none():
-    verdict, why = judge(found((None, ())), (LACKS,))
-    assert verdict == "unknown" and "flow_tp (9.0)" in why and "threshold 7.0" in why
-    assert judge(Found(None, (Step(None, (), None, ()),), None), (LACKS,))[0] == "unknown"
-    assert judge(found((None, ())), ())[0] == "none"
+    verdict, why = decide_verdict(found((None, ())), (LACKS,))
+    assert verdict == "unknown" and "flow_tp (9.0)" in why and "7.0" in why
+    assert (
+        decide_verdict(SearchResult(None, (SearchStep(None, (), None, ()),), None), (LACKS,))[0]
+        == "unknown"
+    )
+    assert decide_verdict(found((None, ())), ())[0] == "none"
 
 
 def test_a_balance_lacks_something_if_it_is_far_and_not_by_chance():
     ranked = [LACKS, replace(LACKS, p_value=0.3), replace(LACKS, gap=1.9), replace(LACKS, gap=2.1)]
-    assert rest(ranked) == (LACKS, ranked[3])
+    assert unexplained_gaps(ranked) == (LACKS, ranked[3])
 
 
 # ---- what data lacks
@@ -83,35 +99,31 @@ def plans_of(bench, kinds=None, **changes):
 
 
 def test_the_plan_made_for_telling_effects_apart_lacks_nothing(bench):
-    assert what_is_missing(plans_of(bench)) == ()
+    assert missing_experiments(plans_of(bench)) == {}
 
 
 @pytest.mark.parametrize(
     "lacks, kinds, changes",
     [
-        ("three or more speeds", None, {"velocities": ["30 mm/s", "80 mm/s"]}),
-        ("closed valves", ("steady", "triangle", "steps"), {}),
+        ("speeds", None, {"velocities": ["30 mm/s", "80 mm/s"]}),
+        ("hold", ("steady", "triangle", "steps"), {}),
         ("reversals", ("steady", "steps", "hold"), {}),
     ],
 )
 def test_what_is_left_out_is_missing_and_nothing_else(bench, lacks, kinds, changes):
-    (said,) = what_is_missing(plans_of(bench, kinds, **changes))
-    assert lacks in said
+    assert list(missing_experiments(plans_of(bench, kinds, **changes))) == [lacks]
 
 
 def test_one_speed_at_one_load_in_one_direction_lacks_everything(bench):
     one = [plan for plan in plans_of(bench, ("steady",)) if plan.label == "extending, again"]
-    said = " ".join(what_is_missing(one[:1]))
-    for lack in ("speeds", "second load", "other direction", "reversals", "steps", "closed valves"):
-        assert lack in said
-    assert "two pressures" in said
-    assert len(what_is_missing([])) == len(what_is_missing(one[:1]))
+    every = ["speeds", "loads", "directions", "reversals", "steps", "hold", "pressures"]
+    assert list(missing_experiments(one[:1])) == list(missing_experiments([])) == every
+    assert all(missing_experiments([])[code] == MISSING[code] for code in every)
 
 
 def test_the_same_load_at_two_pressures_is_asked_for(bench):
     level = [plan for plan in plans_of(bench) if plan.label != "extending, high pressures"]
-    (said,) = what_is_missing(level)
-    assert "two pressures" in said
+    assert list(missing_experiments(level)) == ["pressures"]
 
 
 def repeated(plans):
@@ -127,25 +139,26 @@ def test_many_points_of_one_speed_or_of_one_load_name_nothing(bench):
     plans = plans_of(bench, ("steady",), trials=1)
     speed = [replace(plan, p_lr_ref_pa=p) for plan in plans for p in (1e6, 2e6)]
     speed = [plan for plan in speed if abs(plan.v_ref_m_s) == 0.08]
-    assert [one.split(":")[0] for one in too_few(repeated(speed))] == ["three or more speeds"]
+    assert list(data_shortfalls(repeated(speed))) == ["speeds"]
     load = [replace(plan, f_load_n=500.0, p_lr_ref_pa=1e5 * i) for i, plan in enumerate(plans)]
-    assert [one.split(":")[0] for one in too_few(repeated(load))] == ["a second load"]
-    assert too_few(repeated(plans)) == ()
+    assert list(data_shortfalls(repeated(load))) == ["loads"]
+    assert data_shortfalls(repeated(plans)) == {}
 
 
 def test_reversals_have_many_speeds(bench):
     moving = plans_of(bench, ("triangle", "steps", "hold"), trials=1)
-    assert too_few(repeated([replace(one, p_lr_ref_pa=p) for one in moving for p in (0, 1)])) == ()
+    plans = [replace(one, p_lr_ref_pa=p) for one in moving for p in (0, 1)]
+    assert data_shortfalls(repeated(plans)) == {}
 
 
 def test_channels_that_no_run_has_are_named_with_what_is_not_compared(bench):
     runs = repeated(plans_of(bench))
-    assert missing_channels(runs) == ()
-    (said,) = missing_channels([replace(run, p_s_pa=None) for run in runs])
-    assert said.startswith("p_s (not measured): flow_tp, flow_tr, flow_lp, flow_lr, supply")
-    assert too_few([replace(run, p_s_pa=None) for run in runs]) == ()  # forces are compared
+    assert unmeasured_channels(runs) == {}
+    text = unmeasured_channels([replace(run, p_s_pa=None) for run in runs])["channels"]
+    assert text.startswith("p_s ") and text.endswith("flow_tp, flow_tr, flow_lp, flow_lr, supply")
+    assert data_shortfalls([replace(run, p_s_pa=None) for run in runs]) == {}  # forces are compared
     some = [replace(runs[0], p_s_pa=None), *runs[1:]]
-    assert missing_channels(some) == ()
+    assert unmeasured_channels(some) == {}
 
 
 # ---- runs that take no part
@@ -163,9 +176,9 @@ def test_runs_that_are_not_whole_take_no_part_and_it_is_told_why(bench):
         replace(whole, missing_records=7),
         unknown,
     ]
-    usable, left_out = _usable(runs)
+    usable, left_out = _usable_runs(runs)
     assert usable == (whole,)
-    reasons = ("emergency stop", "the link broke", "7 records", "motion is not known")
+    reasons = ("emergency stop", "the link broke", "7 records", "motion")
     assert len(left_out) == len(reasons)
     for said, reason in zip(left_out, reasons, strict=True):
         assert reason in said and said.startswith("run 0")
@@ -183,11 +196,12 @@ def test_too_few_operating_points_name_nothing_and_simulate_nothing(bench):
     def simulate(hypotheses, trials):
         raise AssertionError("nothing is simulated")
 
-    task = Task(None, bench, "model.yaml", plant_of(bench), {"oil": {}}, runs, simulate)
+    task = ReconcileTask(None, bench, "model.yaml", plant_of(bench), {"oil": {}}, runs, simulate)
     found = diagnose(task)
     assert found.verdict == "unknown" and not found.effects
-    assert "two trials or more: 7, of 8" in found.missing[0]
-    assert any("closed valves" in one for one in found.missing)
+    assert found.missing[0] == data_shortfalls(runs[:-1])["points"]
+    assert " 7, " in found.missing[0] and f" {FEWEST_POINTS} " in found.missing[0]
+    assert MISSING["hold"] in found.missing
     assert "discriminate.yaml" in found.next_experiment
     assert found.revised == {"oil": {}} and set(found.not_tried) == set(EFFECTS)
     assert len(found.left_out) == 1
@@ -268,9 +282,9 @@ def test_an_effect_that_was_taken_keeps_its_own_score_though_another_scored_more
         Candidate("load_friction", 12.0, 0.9, 1.0, {}, "simulated"),
         Candidate("load_cell_gain", 4.0, 0.1, 0.1, {}, "linear"),
     ]
-    empty = Linear(Hypothesis(), (), None, Products((), *[np.zeros(0)] * 5, ()), None)
-    nothing = Estimates(bench, empty, (), *[np.zeros(19)] * 5)
-    found = added_effect("load_friction", tried, nothing, (3.0, 1.0))
+    empty = LinearisedModel(Hypothesis(), (), None, Products((), *[np.zeros(0)] * 5, ()), None)
+    nothing = ParameterEstimates(bench, empty, (), *[np.zeros(19)] * 5)
+    found = added_effect("load_friction", tried, nothing, 3.0, 1.0)
     assert (found.name, found.score, found.gap_before, found.gap_after) == (
         "load_friction", 12.0, 3.0, 1.0,
     )  # fmt: skip

@@ -14,7 +14,7 @@ from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.model.effects.catalogue import read_effects
-from hbench.reconcile.diagnose import too_little
+from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
 from hbench.reconcile.measured.balances import UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance
@@ -334,7 +334,7 @@ def quick():
     """Return a diagnosis without figures."""
     about = Provenance("made", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
     task = SimpleNamespace(provenance=about, model="model.yaml", plant_data={})
-    return too_little(task, ("a second load",), ())
+    return insufficient_data_diagnosis(task, ("a second load",), ())
 
 
 def test_a_diagnosis_leaves_nothing_of_an_earlier_one_in_its_folder(quick, tmp_path):

@@ -26,11 +26,12 @@ from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import on_all_cores
-from hbench.reconcile.diagnose import Task, before_measuring, ranked, search, touched_gap
-from hbench.reconcile.linearised import Measured
-from hbench.reconcile.measured.balances import prepared
+from hbench.reconcile.diagnose import ReconcileTask, ranked_gaps, run_search, simulate_baseline
+from hbench.reconcile.diagnosis_fields import gap_of_balances
+from hbench.reconcile.measured.balances import prepare
+from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.simulated_runs import simulator
-from hbench.reconcile.verdict import judge, rest
+from hbench.reconcile.verdict import decide_verdict, unexplained_gaps
 from hbench.store.campaign.folder import load_campaign
 from tests.support import ROOT
 
@@ -59,40 +60,40 @@ def outcome(folder: Path, prior=None) -> Outcome:
     started = time.process_time()
     task = task_of(folder)
     names = tuple(EFFECTS)
-    given, found, out = search(task, prior or before_measuring(task, names), names)
-    own = Measured(task.bench, task.plant, tuple(prepared(run) for run in task.runs))
-    left = rest(ranked(own, found.final))
-    verdict, _ = judge(found, left)
-    best = found.steps[0].tried[0].found
+    given, found, out = run_search(task, prior or simulate_baseline(task, names), names)
+    own = MeasuredCampaign(task.bench, task.plant, tuple(prepare(run) for run in task.runs))
+    left = unexplained_gaps(ranked_gaps(own, found.final))
+    verdict, _ = decide_verdict(found, left)
+    best = found.steps[0].evaluated[0].candidate
     touched = EFFECTS[best.name].balances
     return Outcome(
         name=folder.name,
         verdict=verdict,
         named=found.names,
-        close=tuple(one.name for one in found.steps[-1].close),
+        close=tuple(one.name for one in found.steps[-1].ambiguous),
         rest=tuple(one.name for one in left),
         first=(best.name, best.score, best.explained, best.size),
         threshold=best.threshold,
-        before=touched_gap(found.refitted.lacking, touched, out),
-        after=touched_gap(found.final.lacking, touched, out),
+        before=gap_of_balances(found.refitted.gap_map, touched, out),
+        after=gap_of_balances(found.final.gap_map, touched, out),
         seconds=time.process_time() - started,
     )
 
 
-def task_of(folder: Path) -> Task:
+def task_of(folder: Path) -> ReconcileTask:
     campaign = load_campaign(folder)
     bench = campaign.bench()
     content = campaign.header["bench"]["content"]
     plant = parse_plant(content, read_yaml(MODEL), MODEL.name)
     runs = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())
     one_by_one = simulator(bench, plant, campaign.plans, spread=map)
-    return Task(campaign.provenance(), bench, MODEL.name, plant, {}, runs, one_by_one)
+    return ReconcileTask(campaign.provenance(), bench, MODEL.name, plant, {}, runs, one_by_one)
 
 
 @cache
 def _prior(folder: Path):
     """Return the simulations of the model, which are the same for all campaigns of a plan."""
-    return before_measuring(task_of(folder), tuple(EFFECTS))
+    return simulate_baseline(task_of(folder), tuple(EFFECTS))
 
 
 def _one(first: Path, folder: Path) -> Outcome:
@@ -130,7 +131,7 @@ def _turn(folder: Path) -> tuple[int, str]:
 def row(one: Outcome) -> str:
     """Return a line of the listing."""
     name, score, share, size = one.first
-    said = "+".join(one.named) or "|".join(one.close) or "-"
+    said = "+".join(one.named) or "|".join(one.ambiguous) or "-"
     return (
         f"{one.name:44} {one.verdict:9} {said:40} best {name:22} {score:7.1f}/{one.threshold:5.1f} "
         f"{share:5.0%} {size:5.2f}  {one.before:6.2f} -> {one.after:5.2f}  "
@@ -140,7 +141,7 @@ def row(one: Outcome) -> str:
 
 def first_said(one: Outcome) -> tuple[str, ...]:
     """Return what stands first: the named effect, or the ambiguous set, or nothing."""
-    return one.named[:1] or one.close
+    return one.named[:1] or one.ambiguous
 
 
 def tables(truth: dict, found: list[Outcome]) -> str:

@@ -11,10 +11,10 @@ import numpy as np
 from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.gap import by_point, gaps, point_of
-from hbench.reconcile.gap_regions import regions
-from hbench.reconcile.gap_tables import Stages
-from hbench.reconcile.measured.balances import model, prepared, residuals
+from hbench.reconcile.gaps.gap_map import by_point, gaps, point_of
+from hbench.reconcile.gaps.regions import regions
+from hbench.reconcile.gaps.tables import GapComparison
+from hbench.reconcile.measured.balances import balance_model, prepare, residuals
 from hbench.records import (
     AddedEffect,
     Candidate,
@@ -50,15 +50,15 @@ def diagnosis(hidden=LEAK, found=FOUND) -> Diagnosis:
     measured = made({"effects": hidden}, 5)
     plants = (GIVEN, {}, {"effects": found})
     before, refitted, after = (made(over, seed) for seed, over in enumerate(plants, 77))
-    known = model(bench)
+    known = balance_model(bench)
     held = _held_out(measured)
-    stages = Stages(
-        [prepared(run) for run in measured],
+    stages = GapComparison(
+        [prepare(run) for run in measured],
         tuple((runs, known) for runs in (before, refitted, after)),
         [made({"effects": found}, 99)],
     )
     own, *sides = (
-        [residuals(prepared(run), known) for run in runs] for runs in (measured, refitted, after)
+        [residuals(prepare(run), known) for run in runs] for runs in (measured, refitted, after)
     )
     (where, lacked), (rest, lacks) = (gaps(own, side) for side in sides)
     table = stages.table(held)

@@ -5,11 +5,13 @@ import numpy as np
 from hbench.config.bench import Plant
 from hbench.config.scaling import scaled
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.estimates import estimate
-from hbench.reconcile.gap import gaps
-from hbench.reconcile.linearised import Hypothesis, Measured, linearise
-from hbench.reconcile.measured.balances import model, prepared, residuals
-from hbench.reconcile.search import Search
+from hbench.reconcile.estimates import estimate_parameters
+from hbench.reconcile.gaps.gap_map import gaps
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.linearised import linearise
+from hbench.reconcile.measured.balances import balance_model, prepare, residuals
+from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.search import CampaignSearch
 
 
 def schedule(trials=3, speeds=("20 mm/s", "60 mm/s", "150 mm/s")):
@@ -43,8 +45,8 @@ def plant_of(bench) -> Plant:
 
 def compare(measured, modelled, bench, plant):
     """Return the ranked gaps by name, and the map."""
-    known = model(bench, plant)
-    sides = [[residuals(prepared(run), known) for run in runs] for runs in (measured, modelled)]
+    known = balance_model(bench, plant)
+    sides = [[residuals(prepare(run), known) for run in runs] for runs in (measured, modelled)]
     ranked, found = gaps(*sides)
     return {one.name: one for one in ranked}, found
 
@@ -68,14 +70,14 @@ def reconciled(measured, bench, plan, seed=100):
     """Return the refitted model, and the gaps before and after."""
     simulate, plant = simulator(bench, plan, seed), plant_of(bench)
     before = compare(measured, record(bench, plan, plant, seed=seed).runs, bench, plant)[0]
-    own = Measured(bench, plant, tuple(prepared(run) for run in measured))
+    own = MeasuredCampaign(bench, plant, tuple(prepare(run) for run in measured))
     (runs,) = simulate([Hypothesis()], 3)
     given = linearise(own, Hypothesis(), runs, {})
-    train = np.arange(len(given.lacking.points))
-    here = Search(own, simulate, 3, {}, train, ()).settled(given, ())
+    train = np.arange(len(given.gap_map.points))
+    here = CampaignSearch(own, simulate, 3, {}, train, ()).refit(given, ())
     refitted = here.hypothesis.plant(plant)
     after = compare(measured, record(bench, plan, refitted, seed=seed + 1).runs, bench, refitted)[0]
-    return estimate(plant, here, (), train).factors(), before, after
+    return estimate_parameters(plant, here, (), train).factors(), before, after
 
 
 def table(title, ranked):
