@@ -196,7 +196,7 @@ def test_what_leaves_much_has_a_high_threshold():
     before, _ = lacking(scatter + 20 * lacking(scatter)[1])
     search = CampaignSearch(None, None, 1, {}, np.arange(40), ("end_cushion", "position_friction"))
     one = replace(
-        search._evaluate_by_signature(before, [], "position_friction").found,
+        search._evaluate_by_signature(before, [], "position_friction").candidate,
         explained=1.0,
         score=9.0,
     )
