@@ -124,7 +124,9 @@ def gaps(
         gap = float(_gap(excess[compared, i]))
         scatter = float(np.sqrt(np.mean(differences.scatter[compared, i] ** 2)))
         structured = float(np.sqrt(max(gap**2 - 1, 0.0)))
-        unordered.append(Gap(name, gap, structured, float(p_values[i]), scatter, int(compared.sum())))
+        unordered.append(
+            Gap(name, gap, structured, float(p_values[i]), scatter, int(compared.sum()))
+        )
     return tuple(ranked(unordered, lambda balance: balance.gap, ROUNDING)), differences
 
 

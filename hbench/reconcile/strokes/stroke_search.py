@@ -170,7 +170,9 @@ def _step(
         for search, model in zip(searches, simulated[name], strict=True)
     ]
     if len(ambiguous) > 1:
-        return StrokeSearchStep(balance, models[0], candidates, None, ambiguous, ruled_out), extended
+        return StrokeSearchStep(
+            balance, models[0], candidates, None, ambiguous, ruled_out
+        ), extended
     return StrokeSearchStep(balance, models[0], candidates, name, (), ruled_out), extended
 
 
