@@ -6,18 +6,14 @@ import sys
 
 import pytest
 
+from tests.support import commands
+
 
 @pytest.fixture
-def hbench(tmp_path):
-    """Call ``hbench`` with arguments in an empty folder; returns the finished process."""
-
-    def call(*arguments):
-        command = [sys.executable, "-c", "from hbench.cli.main import main; main()"]
-        return subprocess.run(
-            [*command, *map(str, arguments)], capture_output=True, text=True, cwd=tmp_path
-        )
-
-    return call
+def hbench(tmp_path, monkeypatch):
+    """Return a function that calls ``hbench`` with arguments in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return commands.hbench
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,7 @@
 
 import json
 import re
-import subprocess
-import sys
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,21 +12,16 @@ from typer.testing import CliRunner
 
 from hbench import workflow
 from hbench.cli.main import app
+from tests.support.commands import hbench
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 
 
 @pytest.fixture
-def design(tmp_path):
-    """Call ``hbench design`` in an empty folder; returns the finished process."""
-
-    def call(*arguments):
-        command = [sys.executable, "-c", "from hbench.cli.main import main; main()", "design"]
-        return subprocess.run(
-            [*command, *map(str, arguments)], capture_output=True, text=True, cwd=tmp_path
-        )
-
-    return call
+def design(tmp_path, monkeypatch):
+    """Return a function that calls ``hbench design`` in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return partial(hbench, "design")
 
 
 @pytest.fixture

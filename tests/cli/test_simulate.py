@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import yaml
 from hbench.store.campaign.folder import load_campaign
 from hbench.studies.catalogue import PHENOMENA
 from hbench.workflow import write_diagnosis
+from tests.support import commands
 from tests.support.reconcile import made_diagnosis as made
 from tests.support.reconcile import rounds
 
@@ -20,10 +19,7 @@ BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 
 
 def hbench(*arguments, command=("simulate",)):
-    python = [sys.executable, "-P", "-c", "from hbench.cli.main import main; main()"]
-    return subprocess.run(
-        [*python, *map(str, (*command, *arguments))], capture_output=True, text=True
-    )
+    return commands.hbench(*command, *arguments)
 
 
 def test_without_a_name_it_lists_what_there_is():
