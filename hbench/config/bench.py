@@ -1,8 +1,8 @@
-"""The bench file: everything that is known of a bench, and the plant that stands in for it.
+"""The bench file and the plant file.
 
-``Plant`` holds the physics (what the virtual rig simulates); ``Bench`` adds what a real bench
-needs too: controllers, limits and the tolerances of the instruments. A plant file holds any
-keys of ``Plant`` and replaces them one by one.
+``Plant`` has the physics, which the virtual rig simulates; ``Bench`` adds controllers, limits and
+the tolerances of the instruments. A plant file has any keys of ``Plant``, which replace those of
+the bench file one by one.
 """
 
 from typing import Annotated, Any
@@ -19,7 +19,7 @@ from hbench.config.sensors import Instruments, Sensors
 
 
 class Bore(Section):
-    """A cylinder's diameters; without a rod its is 0."""
+    """Diameters of a cylinder; ``rod_diameter`` is 0 without a rod."""
 
     piston_diameter: q.Length
     rod_diameter: q.Position = 0.0
@@ -52,25 +52,25 @@ class Cylinder(Bore):
 
 
 class MovingMass(Section):
-    """Moving masses on either side of the load cell."""
+    """Moving masses on both sides of the load cell."""
 
     test: q.Mass
     load: q.Mass
 
 
 class Oil(Section):
-    """The fluid, with its effective stiffness."""
+    """Density and effective bulk modulus of the oil."""
 
     bulk_modulus: q.BulkModulus
     density: q.Density
 
 
 class Pump(Section):
-    """A pump with pressure compensator, relief valve and line (see model/supply.py)."""
+    """Pump with pressure compensator, relief valve and line (see model/supply.py)."""
 
-    flow: q.Flow  # at most
+    flow: q.Flow  # maximum
     cut_off: q.Pressure  # at which it delivers nothing
-    # Below cut_off, over which it swivels out.
+    # Pressure range below cut_off over which the pump swivels out.
     band: Annotated[float, q.quantity("bar", gt=0, le=1e8)]
     compensator_lag: q.TimeConstant
     swash_lag: q.TimeConstant
@@ -81,7 +81,7 @@ class Pump(Section):
 
 
 class Supply(Section):
-    """Pressure source and tank: constant, or a pump where one is given."""
+    """Supply and tank pressure; the supply is constant unless ``pump`` is given."""
 
     pressure: q.Pressure
     tank: q.Pressure
@@ -89,7 +89,7 @@ class Supply(Section):
 
 
 class Valve(Section):
-    """The three servo valves, all alike: static gain 2.15, dynamics 2.16."""
+    """The three identical servo valves: static gain 2.15, dynamics 2.16."""
 
     gain: Annotated[float, q.quantity("m^2/V", gt=0, le=1e-3)]
     bandwidth: q.Frequency
@@ -142,7 +142,7 @@ class Feedforward(Section):
 
 
 class Controllers(Section):
-    """What the board runs at its control rate."""
+    """Controllers of the board and their rates."""
 
     rate: q.Frequency
     log_rate: q.Frequency
@@ -153,27 +153,27 @@ class Controllers(Section):
     pressure_filter: q.TimeConstant  # tau of D.29
     feedforward: Feedforward
     pressure_slew: q.PressureRate
-    return_speed: q.Speed  # of the way back to the start position
-    acceleration: q.Acceleration  # where a run gives none, and for stopping
+    return_speed: q.Speed  # back to the start position
+    acceleration: q.Acceleration  # default of a run, and for braking
 
 
 class Limits(Section):
-    """Where the board stops by itself: valves to neutral, cause latched."""
+    """Limits at which the board stops itself: valves to neutral, cause latched."""
 
     travel_min: q.Position
     travel_max: q.Position
     pressure_max: Annotated[float, q.quantity("bar", gt=0, le=1e8)]
     speed_max: Annotated[float, q.quantity("mm/s", gt=0, le=0.6)]  # a log word holds 0.65 m/s
-    # Valves closed, the piston goes on for its speed times this.
+    # With closed valves the piston moves on by its speed times this.
     stopping_time: Annotated[float, q.quantity("ms", ge=0, le=1)]
     speed_error: q.Speed  # from the reference ...
     speed_error_time: Annotated[float, q.quantity("s", ge=0, le=60)]  # ... for longer than this
-    # Longest silence of the host, which asks again for 2 s.
+    # Longest time without a message of the host, which repeats a request for 2 s.
     heartbeat: Annotated[float, q.quantity("s", ge=1, le=60)]
 
 
 class Programmer(Section):
-    """An outside program that flashes the board, e.g. over JTAG."""
+    """External program that flashes the board, e.g. over JTAG."""
 
     command: tuple[str, ...] = Field(min_length=1)  # program and arguments; {image} is the file
     timeout: q.Duration
@@ -186,7 +186,7 @@ class Programmer(Section):
 
 
 class Bench(Plant):
-    """A bench: its physics, controllers, limits and instruments."""
+    """Bench: physics, controllers, limits and instruments."""
 
     name: str
     controllers: Controllers
@@ -233,9 +233,9 @@ def parse_bench(data: dict[str, Any], source: str) -> Bench:
 
 
 def parse_plant(bench_data: dict[str, Any], plant_data: dict[str, Any], source: str) -> Plant:
-    """Lay the mapping of a plant file over that of its bench. Raises ``ConfigError``.
+    """Return the bench's physics with the values of a plant file. Raises ``ConfigError``.
 
-    A whole bench file, which has a name, stands for its physics alone.
+    Of a whole bench file, which has a name, the physics alone counts.
     """
     return validate(Plant, plant_sections(bench_data, plant_data, source), source)
 
@@ -255,9 +255,9 @@ def _physics(bench_data: dict[str, Any]) -> dict[str, Any]:
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
-    """Lay one mapping over another, key by key at every depth.
+    """Return ``base`` with the values of ``over``, merged key by key at every depth.
 
-    A section with another ``law`` replaces the one below it whole: its keys mean something else.
+    A section with another ``law`` replaces the whole section, since its keys have other meanings.
     """
     merged = dict(base)
     for key, value in over.items():

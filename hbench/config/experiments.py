@@ -1,4 +1,4 @@
-"""The experiments of a schedule file, one class a velocity profile (chapter 5 of the source)."""
+"""Experiments of a schedule file, one class per velocity profile (chapter 5 of the source)."""
 
 from typing import Annotated, Any, Literal, get_args
 
@@ -6,18 +6,18 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from hbench.config import quantity as q
 from hbench.config.quantity import Section
-from hbench.config.velocities import Adaptive, Velocities
+from hbench.config.velocities import AdaptiveSpeeds, Velocities
 from hbench.records import KINDS
 
 Direction = Literal["extend", "retract"]
 NOT_ADAPTIVE = (
-    "order: passes does not go with adaptive velocities: a speed's trials are needed to choose the "
-    "next speed"
+    "order: passes is not possible with adaptive velocities, which need all trials of a speed to "
+    "choose the next"
 )
 
 
 class Travel(Section):
-    """The piece of the stroke a run may use; a retracting run goes from ``end`` to ``start``."""
+    """Part of the stroke that a run may use; a retracting run goes from ``end`` to ``start``."""
 
     start: q.Position
     end: q.Position
@@ -29,11 +29,11 @@ class Travel(Section):
         return self
 
 
-class Loaded(Section):
-    """What all kinds have: the load, the trials and the hold before each run."""
+class ExperimentBase(Section):
+    """Keys that all kinds share: load, trials and the hold before each run."""
 
     kind: str  # its row of KINDS chooses the class
-    label: str = ""  # tells two series of one campaign apart
+    label: str = ""  # distinguishes series of one campaign
     p_lr: q.Pressure  # reference of the load cylinder's rod side
     # Of F_L; positive opposes extension.
     loads: tuple[q.SignedForce, ...] = Field(min_length=1, max_length=50)
@@ -43,7 +43,7 @@ class Loaded(Section):
     hold: q.Duration  # at rest under load before each run
 
 
-class Steady(Loaded):
+class Steady(ExperimentBase):
     """Runs at constant velocity and load (section 5.3)."""
 
     direction: Direction
@@ -54,19 +54,19 @@ class Steady(Loaded):
 
     @model_validator(mode="after")
     def _follows_friction(self) -> "Steady":
-        if isinstance(self.velocities, Adaptive):
+        if isinstance(self.velocities, AdaptiveSpeeds):
             if self.order == "passes":
                 raise ValueError(NOT_ADAPTIVE)
             if self.trials < 2:
                 raise ValueError(
-                    "adaptive velocities need trials: 2 or more, whose scatter tells noise from "
+                    "adaptive velocities need trials: 2 or more, to distinguish noise from "
                     "curvature"
                 )
         return self
 
 
-class Ramp(Loaded):
-    """Velocity rises from rest to ``speed`` at each acceleration, or to the travel's end (5.3)."""
+class Ramp(ExperimentBase):
+    """Velocity ramps from rest to ``speed``, or to the travel's end, at each acceleration (5.3)."""
 
     direction: Direction
     speed: q.Speed
@@ -74,8 +74,8 @@ class Ramp(Loaded):
     travel: Travel
 
 
-class Until(Section):
-    """Ends a triangle before its last cycle: two cycles in a row changed by at most ``within``.
+class Settling(Section):
+    """Condition that ends a triangle early: two cycles in a row changed by at most ``within``.
 
     The quantity is a cycle's mean: ``friction`` falls while the oil warms up; ``speed_error``,
     the lag behind the reference, falls while trapped air leaves.
@@ -85,45 +85,45 @@ class Until(Section):
     within: q.Ratio
 
 
-class Triangle(Loaded):
-    """Velocity between +speed and -speed in straight lines, over the whole travel (section 5.2).
+class Triangle(ExperimentBase):
+    """Triangular velocity between +speed and -speed over the whole travel (section 5.2).
 
-    Its slope follows: speed^2 / (end - start). For hysteresis, and to warm up and purge the bench.
+    Its slope is speed^2 / (end - start). For hysteresis, and to warm up and purge the bench.
     """
 
     speed: q.Speed
     cycles: int = Field(ge=1, le=1000)  # at most
-    until: Until | None = None
+    until: Settling | None = None
     travel: Travel
     trials: int = Field(default=1, ge=1, le=20)
 
 
-class Steps(Loaded):
-    """Velocity steps (section 5.4), from the travel's end where the first level leads away from."""
+class Steps(ExperimentBase):
+    """Velocity steps (section 5.4); the first level leads away from the start position."""
 
     levels: tuple[q.Velocity, ...] = Field(min_length=1, max_length=50)
     dwell: Annotated[float, q.quantity("s", gt=0, le=600)]
-    acceleration: q.Acceleration = 100.0  # of the reference: as good as at once
+    acceleration: q.Acceleration = 100.0  # of the reference: practically a step
     travel: Travel
 
 
-class Stretch(Section):
-    """A piece of a velocity profile: to a velocity at a slope, then at that velocity."""
+class ProfilePiece(Section):
+    """Segment of a velocity profile: to a velocity at a slope, then constant."""
 
     velocity: q.Velocity
     acceleration: q.Acceleration
     duration: Annotated[float, q.quantity("s", gt=0, le=600)]
 
 
-class Verification(Loaded):
-    """A velocity profile steady and unsteady, to verify friction models (section 5.5)."""
+class Verification(ExperimentBase):
+    """Velocity profile with steady and unsteady parts, to verify friction models (section 5.5)."""
 
-    profile: tuple[Stretch, ...] = Field(min_length=1, max_length=100)
+    profile: tuple[ProfilePiece, ...] = Field(min_length=1, max_length=100)
     travel: Travel
 
 
-class Hold(Loaded):
-    """All valves closed at rest under load: chamber pressures decay by leakage alone."""
+class Hold(ExperimentBase):
+    """Rest under load with all valves closed: chamber pressures decay by leakage alone."""
 
     positions: tuple[q.Position, ...] = Field(min_length=1, max_length=50)
     duration: Annotated[float, q.quantity("s", gt=0, le=3600)]

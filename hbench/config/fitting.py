@@ -1,4 +1,4 @@
-"""The fit file: which laws, within which bounds, with which weights and loss."""
+"""The fit file: laws, bounds, weights and loss."""
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -37,18 +37,18 @@ class FitBounds(Section):
     f_stiction_n: Annotated[tuple[_Force, _Force], _rising] = (0.0, 1e5)
     v_stribeck_m_s: Annotated[tuple[_Speed, _Speed], _rising] = (0.05, 0.2)
     b_viscous_n_s_m: Annotated[tuple[_Slope, _Slope], _rising] = (0.0, 1e5)
-    # From no fall at all to one over 2 mm/s, below the speeds that the bench holds.
+    # From no decay to a decay over 2 mm/s, below the lowest steady speeds.
     k2_s_m: Annotated[tuple[_Rate, _Rate], _rising] = (-500.0, 0.0)
 
 
 class Fitting(Section):
-    """How laws are fitted to curves."""
+    """Settings of the fits of friction laws to curves."""
 
     laws: tuple[LawName, ...] = Field(default=FITTED_LAWS, min_length=1)
     bounds: FitBounds = FitBounds()
     weights: Literal["trials", "equal"] = "trials"
     loss: Literal["linear", "huber", "soft_l1"] = "linear"
-    bootstrap: int = Field(default=0, ge=0, le=100_000)  # campaigns drawn from the trials
+    bootstrap: int = Field(default=0, ge=0, le=100_000)  # resampled campaigns
 
 
 def parse_fitting(data: dict[str, Any], source: str) -> Fitting:

@@ -1,4 +1,4 @@
-"""How a foreign file is laid out: the dialect of its text, and where a channel stands in it."""
+"""Layout of a foreign file: the dialect of its text, and the columns of its channels."""
 
 from typing import Annotated, Literal
 
@@ -8,7 +8,7 @@ from hbench.config.quantity import Section, SignedVoltage
 from hbench.config.sensors import LoadCell
 from hbench.units import parse_unit
 
-# Channels a map can fill, and the unit that each ends in.
+# Channels of an import map, with their units.
 CHANNELS = {
     "t_s": "s",
     "x_m": "m",
@@ -27,17 +27,17 @@ CHANNELS = {
     "p_lp_ref_pa": "Pa",
 }
 FLAGS = ("sensor_saturated", "valve_saturated")  # 0 or 1, in files of the default layout
-# By the unit of a channel: nothing that a bench measures is beyond.
+# By the unit of a channel: larger values are no measurements.
 LIMITS = {"s": 1e12, "m": 1e3, "m/s": 1e3, "Pa": 1e11, "N": 1e10, "V": 1e6}
 LONGEST_S = 1e6  # from a file's first sample to its last
-ALWAYS = ("t_s", "x_m")  # without these nothing can be analyzed; no gaps in them
+ALWAYS = ("t_s", "x_m")  # required, without gaps
 DATE_TIME = "date-time"  # the unit of times such as 2024-05-01T12:00:00.25
 
 
 class Column(Section):
-    """Where a channel stands in a file: its value is ``number * scale`` in ``unit``, + ``offset``.
+    """Column of a channel: its value is ``number * scale`` in ``unit``, plus ``offset``.
 
-    Without ``unit`` the column is named as the channel is, in SI, or the file has a row of units.
+    Without ``unit`` the column has the channel's name and is in SI, or the file has a row of units.
     ``column`` is a number from 1, a header's name, or in a MATLAB file a path as MATLAB writes it:
     ``data.p``, ``runs(2).log.t_s``, ``M(:,3)``.
     """
@@ -50,16 +50,16 @@ class Column(Section):
 
     @field_validator("scale")
     @classmethod
-    def _something_left(cls, scale: float) -> float:
+    def _not_zero(cls, scale: float) -> float:
         if scale == 0:
-            raise ValueError("leaves nothing of the channel")
+            raise ValueError("must not be 0")
         return scale
 
 
 class Format(Section):
-    """The dialect of text files; MATLAB (.mat) and Parquet (.parquet) files need none.
+    """Dialect of text files; MATLAB (.mat) and Parquet (.parquet) files need none.
 
-    Blank lines and those that begin with ``comment`` are passed over. The character set is told
+    Blank lines and lines that begin with ``comment`` are skipped. The character set is determined
     from the file: UTF-8, UTF-16, or else Windows-1252.
     """
 
@@ -75,13 +75,13 @@ class Format(Section):
     @model_validator(mode="after")
     def _unambiguous(self) -> "Format":
         if self.decimal == "," and self.separator == "comma":
-            raise ValueError("decimal ',' can't be told from separator comma")
+            raise ValueError("decimal ',' and separator comma are ambiguous")
         if self.thousands == self.decimal:
             raise ValueError(f"thousands and decimal are both {self.decimal!r}")
         if self.thousands == " " and self.separator == "whitespace":
-            raise ValueError("thousands ' ' can't be told from separator whitespace")
+            raise ValueError("thousands ' ' and separator whitespace are ambiguous")
         if self.units_row and not self.header:
-            raise ValueError("units_row stands under a header, but header is false")
+            raise ValueError("units_row needs a header, but header is false")
         return self
 
 
@@ -97,7 +97,7 @@ def check_column(name: str, column: Column, layout: Format, wanted: str) -> None
         own = str(column.column).rsplit(".")[-1] == name
         if not own and not layout.units_row:
             raise ValueError(
-                f"columns.{name}: no unit; only a column that is named {name} is known to be in SI"
+                f"columns.{name}: unit is missing; only a column named {name} is in SI without one"
             )
     elif name == "t_s" and column.unit == DATE_TIME:
         if column.scale != 1.0 or column.offset is not None:
@@ -105,4 +105,4 @@ def check_column(name: str, column: Column, layout: Format, wanted: str) -> None
     elif parse_unit(column.unit).dimension != parse_unit(wanted).dimension:
         raise ValueError(f"columns.{name}: unit {column.unit!r} is not one of {wanted}")
     if column.zero is not None and name in ("t_s", "x_m"):
-        raise ValueError(f"columns.{name}: its zero is not told by rest")
+        raise ValueError(f"columns.{name}: zero: rest is not possible for this channel")

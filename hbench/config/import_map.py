@@ -1,4 +1,4 @@
-"""The import map: how another bench's files become runs."""
+"""The import map: rules to convert another bench's files to runs."""
 
 import math
 import re
@@ -21,7 +21,7 @@ from hbench.config.schedule import Screening
 from hbench.records import KINDS, kind_names
 from hbench.units import parse_unit, to_si
 
-FIELDS = ("pressure", "load", "speed", "trial")  # what a file's name can tell
+FIELDS = ("pressure", "load", "speed", "trial")  # of file names
 
 
 class ImportedCylinder(Section):
@@ -29,7 +29,7 @@ class ImportedCylinder(Section):
 
     piston_diameter: q.Length
     rod_diameter: Annotated[float, q.quantity("mm", ge=0, le=20)] = 0.0
-    stroke: q.Length | None = None  # for end_stop: x_m is 0 where the piston is all the way in
+    stroke: q.Length | None = None  # for end_stop; x_m is 0 with the piston fully retracted
 
     @property
     def area_piston_m2(self) -> float:
@@ -48,7 +48,7 @@ class ImportedCylinder(Section):
         return self
 
 
-class Series(Section):
+class FileSeries(Section):
     """Files that belong together: one cylinder, one label, several trials, loads or speeds.
 
     ``files`` is a path below the imported folder with fields in braces, each a number:
@@ -72,38 +72,38 @@ class Series(Section):
         rest = re.sub(rf"\{{({'|'.join(FIELDS)})\}}", "", files)
         if "{" in rest or "}" in rest:
             words = ", ".join(f"{{{name}}}" for name in FIELDS)
-            raise ValueError(f"only {words} can stand in braces")
+            raise ValueError(f"only {words} are possible in braces")
         if any(files.count(f"{{{name}}}") > 1 for name in FIELDS):
-            raise ValueError("a field can stand there once")
+            raise ValueError("a field may occur only once")
         return files
 
     @model_validator(mode="after")
-    def _units(self) -> "Series":
+    def _units(self) -> "FileSeries":
         for name, si in (("pressure", "Pa"), ("load", "N"), ("speed", "m/s")):
             unit = getattr(self, f"{name}_unit")
             if parse_unit(unit).dimension != parse_unit(si).dimension:
                 raise ValueError(f"{name}_unit {unit!r} is not a unit of {name}")
         if self.speed is not None and "{speed}" in self.files:
-            raise ValueError("speed stands there and in files too")
+            raise ValueError("speed is given twice, here and in files")
         return self
 
 
 class ImportMap(Section):
-    """A map for ``hbench import``."""
+    """Map for ``hbench import``."""
 
     name: str
     kind: str = "steady"  # a row of KINDS
     format: Format = Format()
     columns: dict[str, Column] = Field(min_length=2)
-    # Channel: quantity, for what is known but not logged; it may name a field of the files' names,
-    # as in "{load} N".
+    # Channel: quantity, for channels that are known but not logged. It may contain a field of the
+    # file names, as in "{load} N".
     constants: dict[str, str] = {}
     load_cell: ForeignLoadCell | None = None  # f_applied_n is logged as a voltage: C.6
-    series: tuple[Series, ...] = Field(min_length=1, max_length=1000)
+    series: tuple[FileSeries, ...] = Field(min_length=1, max_length=1000)
     repeated_times: Literal["refuse", "drop"] = "refuse"  # drop: the first sample of each counts
     resample: q.Frequency | None = None
     cut: Literal["none", "reversals"] = "none"
-    min_stroke: q.Length = 0.01  # shorter pieces between reversals are dropped, and said so
+    min_stroke: q.Length = 0.01  # shorter strokes are dropped, with a note
     screening: Screening = Screening()
 
     @field_validator("kind")
@@ -114,7 +114,7 @@ class ImportMap(Section):
         return kind
 
     def wanted(self, channel: str) -> str:
-        """Return the unit that a channel's column must have the dimension of."""
+        """Return a unit of the dimension that a channel's column must have."""
         return "V" if channel == "f_applied_n" and self.load_cell else CHANNELS[channel]
 
     @model_validator(mode="after")
@@ -124,7 +124,7 @@ class ImportMap(Section):
                 raise ValueError(f"unknown channel '{name}'; known are {', '.join(CHANNELS)}")
         for name in ALWAYS:
             if name not in self.columns:
-                raise ValueError(f"columns.{name} is missing; nothing can be analyzed without it")
+                raise ValueError(f"columns.{name} is missing; the analysis needs it")
         for name, column in self.columns.items():
             if isinstance(column.column, str) and not self.format.header:
                 raise ValueError(
@@ -134,7 +134,7 @@ class ImportMap(Section):
             if column.offset is not None:
                 _quantity(f"columns.{name}.offset", column.offset, CHANNELS[name])
         if self.load_cell and "f_applied_n" not in self.columns:
-            raise ValueError("load_cell stands there, but columns.f_applied_n does not")
+            raise ValueError("load_cell needs columns.f_applied_n")
         return self
 
     @model_validator(mode="after")

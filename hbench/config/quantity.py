@@ -1,4 +1,4 @@
-"""Field types of the configuration: quantities with a unit, a range, and a hint in the error."""
+"""Field types of the configuration: quantities with a unit and a range."""
 
 import operator
 from typing import Annotated
@@ -16,9 +16,9 @@ _LIMITS = {
 
 
 def quantity(unit: str, **limits: float) -> BeforeValidator:
-    """Return what makes an ``Annotated[float, ...]`` read ``"150 bar"`` and hold a float in SI.
+    """Return a validator that reads a quantity such as ``"150 bar"`` as a float in SI.
 
-    ``unit`` is what messages speak in. ``limits`` (``gt``, ``ge``, ``lt``, ``le``) are in SI.
+    ``unit`` is the unit of messages. ``limits`` (``gt``, ``ge``, ``lt``, ``le``) are in SI.
     """
 
     def read(value: object) -> float:
@@ -33,7 +33,7 @@ def quantity(unit: str, **limits: float) -> BeforeValidator:
 
 
 class Section(BaseModel):
-    """A part of a configuration file: unknown keys are refused, values don't change."""
+    """Section of a configuration file: refuses unknown keys, and is frozen."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

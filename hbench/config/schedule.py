@@ -1,4 +1,4 @@
-"""The schedule file: which runs to make, and when a run counts as steady."""
+"""The schedule file: experiments, and the limits of the screening."""
 
 from typing import Any, Literal
 
@@ -8,11 +8,11 @@ from hbench.config import quantity as q
 from hbench.config.experiments import NOT_ADAPTIVE, Experiment, Steady
 from hbench.config.files.loading import validate
 from hbench.config.quantity import Section
-from hbench.config.velocities import Adaptive
+from hbench.config.velocities import AdaptiveSpeeds
 
 
 class Screening(Section):
-    """When a run counts. Every limit that rejects a run stands here."""
+    """Limits of the screening; no other limit rejects a run."""
 
     settle_time: q.Duration = 0.3  # from reaching the reference to the window
     settle_travel: q.Length = 0.02  # and this much travel: about ten lengths of presliding
@@ -29,10 +29,10 @@ class Screening(Section):
     friction_drift_relative: q.Ratio = 0.10  # ... the larger of the two
     end_stop_margin: q.Length = 0.002
     max_gap: q.Duration = 0.1  # longest step between two samples of a foreign log
-    # Runs that are not steady: speed over 0.1 s against its reference, root mean square ...
+    # Non-steady runs: speed over 0.1 s against its reference, root mean square ...
     tracking_error: q.Speed = 0.005
     tracking_error_relative: q.Ratio = 0.05  # ... of the top speed; the larger of the two
-    rest_travel: q.Length = 0.0005  # that a hold may move
+    rest_travel: q.Length = 0.0005  # of the piston in a hold
 
     def speed_limit(self, v_ref_m_s: float) -> float:
         """Return how far a mean speed may be off its reference [m/s]."""
@@ -43,10 +43,10 @@ class Screening(Section):
 
 
 class Schedule(Section):
-    """A campaign to run: experiments in order, or all of them again and again, a trial each time.
+    """Schedule of a campaign: experiments in order, or as passes of one trial over all of them.
 
-    Passes over the whole plan put a point's trials far apart in time, so that what drifts shows
-    as their scatter and not as a difference between points.
+    Passes put the trials of a point far apart in time, so that drift appears as their scatter and
+    not as a difference between points.
     """
 
     name: str
@@ -62,10 +62,10 @@ class Schedule(Section):
         for number, experiment in enumerate(self.experiments):
             if "order" in experiment.model_fields_set:
                 raise ValueError(
-                    f"experiments.{number}.order: the schedule's order: passes is that of all "
-                    "experiments; leave this one out"
+                    f"experiments.{number}.order: the schedule's order: passes applies to all "
+                    "experiments; remove this key"
                 )
-            if isinstance(experiment, Steady) and isinstance(experiment.velocities, Adaptive):
+            if isinstance(experiment, Steady) and isinstance(experiment.velocities, AdaptiveSpeeds):
                 raise ValueError(f"experiments.{number}.velocities: {NOT_ADAPTIVE}")
         return self
 

@@ -1,4 +1,4 @@
-"""What measures: the sensors with their signal path to the converter, and their tolerances."""
+"""Sensors with their signal path to the converter, and tolerances of the instruments."""
 
 from typing import Annotated, Literal
 
@@ -9,7 +9,7 @@ from hbench.config.quantity import Section
 
 
 class Adc(Section):
-    """The converter behind every sensor."""
+    """Analogue-to-digital converter of all sensors."""
 
     bits: Literal[12]  # a log word holds 1/16 counts
     reference: q.Voltage
@@ -20,7 +20,7 @@ class Adc(Section):
 
 
 class Transducer(Section):
-    """A sensor with a 0..output signal over 0..span, through an amplifier (appendix B)."""
+    """Sensor with a 0..output signal over 0..span, through an amplifier (appendix B)."""
 
     span: float
     output: q.Voltage
@@ -59,7 +59,7 @@ class LoadCell(Section):
 
 
 class Sensors(Section):
-    """All seven measured channels."""
+    """Sensors of the seven measured channels."""
 
     adc: Adc
     position: PositionSensor
@@ -68,7 +68,7 @@ class Sensors(Section):
 
     @property
     def force_range_n(self) -> tuple[float, float]:
-        """The load cell's forces between the converter's ends [N]."""
+        """Range of the load cell within the converter's range [N]."""
         cell = self.load_cell
         per_newton = cell.volts_per_newton
         return -cell.level / per_newton, (self.adc.reference - cell.level) / per_newton

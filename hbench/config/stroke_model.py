@@ -1,6 +1,6 @@
-"""The model of a cylinder whose steady strokes are all that is known: areas, friction, effects.
+"""Model of a cylinder in steady strokes: areas, friction and effects.
 
-A bench or plant file serves too: its other sections say nothing of a steady stroke.
+A bench or plant file is accepted too; its other sections are ignored.
 """
 
 from typing import Any
@@ -23,7 +23,7 @@ class TestFriction(Section):
 
 
 class StrokePlant(Section):
-    """What friction in steady strokes depends on."""
+    """Sections that determine friction in steady strokes."""
 
     test_cylinder: Bore
     friction: TestFriction
@@ -31,7 +31,7 @@ class StrokePlant(Section):
 
 
 def stroke_sections(data: dict[str, Any]) -> dict[str, Any]:
-    """Return what of a bench or plant file is about steady strokes."""
+    """Return the sections of a bench or plant file that apply to steady strokes."""
     found = {
         section: {key: value for key, value in data[section].items() if key in keys}
         for section, keys in _KEYS.items()

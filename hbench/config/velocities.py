@@ -1,4 +1,4 @@
-"""How a steady experiment's speeds follow each other: one class a strategy (section 5.6.1)."""
+"""Speed sequences of a steady experiment, one class per strategy (section 5.6.1)."""
 
 from typing import Annotated, Any, Literal
 
@@ -8,7 +8,7 @@ from hbench.config import quantity as q
 from hbench.config.quantity import Section
 
 
-class Polynomial(Section):
+class PolynomialSpeeds(Section):
     """Speeds v_i = a i + b i^2 (i = 1..count) from ``first`` to ``last``: dense where slow.
 
     The source's own spacing (section 5.3), and the default.
@@ -20,7 +20,7 @@ class Polynomial(Section):
     count: int = Field(ge=2, le=100)
 
     @model_validator(mode="after")
-    def _rises(self) -> "Polynomial":
+    def _rises(self) -> "PolynomialSpeeds":
         if not self.count * self.first <= self.last:
             raise ValueError(
                 "steps would not grow: 'last' must be at least count * first "
@@ -29,7 +29,7 @@ class Polynomial(Section):
         return self
 
 
-class Linear(Section):
+class LinearSpeeds(Section):
     """Equal steps from ``first`` to ``last``."""
 
     strategy: Literal["linear"]
@@ -38,17 +38,17 @@ class Linear(Section):
     count: int = Field(ge=2, le=1000)
 
     @model_validator(mode="after")
-    def _rises(self) -> "Linear":
+    def _rises(self) -> "LinearSpeeds":
         if not self.first < self.last:
             raise ValueError("'first' must be less than 'last'")
         return self
 
 
-class SlopeAdjusted(Section):
+class SlopeAdjustedSpeeds(Section):
     """Equal small steps to ``transition``, then equal large ones to ``last``.
 
-    ``transition`` is where friction is expected to turn from nonlinear to linear. Each side has
-    half of the steps; of an odd number the slow side has one more.
+    Friction is expected to turn from nonlinear to linear at ``transition``. Each side has half of
+    the steps; the slow side has one more of an odd number.
     """
 
     strategy: Literal["slope_adjusted"]
@@ -58,25 +58,25 @@ class SlopeAdjusted(Section):
     count: int = Field(ge=3, le=1000)
 
     @model_validator(mode="after")
-    def _rises(self) -> "SlopeAdjusted":
+    def _rises(self) -> "SlopeAdjustedSpeeds":
         if not self.first < self.transition < self.last:
             raise ValueError("'first', 'transition' and 'last' must rise in this order")
         return self
 
 
-class Adaptive(Section):
-    """Each step follows from the friction measured so far (``hbench.experiment.adaptive``)."""
+class AdaptiveSpeeds(Section):
+    """Speeds chosen from the friction measured so far (``hbench.experiment.adaptive``)."""
 
     strategy: Literal["adaptive"]
     first: q.Speed
     last: q.Speed
     min_step: q.Speed
     max_step: q.Speed
-    # Between two speeds, friction may depart by this much from what its neighbours tell.
+    # Largest departure of friction from interpolation between neighbouring speeds.
     tolerance: Annotated[float, q.quantity("N", gt=0, le=1e6)]
 
     @model_validator(mode="after")
-    def _has_room(self) -> "Adaptive":
+    def _has_room(self) -> "AdaptiveSpeeds":
         if not self.first + self.min_step <= self.last:
             raise ValueError("'last' must be at least 'first' and one 'min_step'")
         if not 2 * self.min_step <= self.max_step:
@@ -95,10 +95,10 @@ def _strategy(value: Any) -> str | None:
 
 
 Velocities = Annotated[
-    Annotated[Polynomial, Tag("polynomial")]
-    | Annotated[Linear, Tag("linear")]
-    | Annotated[SlopeAdjusted, Tag("slope_adjusted")]
-    | Annotated[Adaptive, Tag("adaptive")]
+    Annotated[PolynomialSpeeds, Tag("polynomial")]
+    | Annotated[LinearSpeeds, Tag("linear")]
+    | Annotated[SlopeAdjustedSpeeds, Tag("slope_adjusted")]
+    | Annotated[AdaptiveSpeeds, Tag("adaptive")]
     | Annotated[tuple[q.Speed, ...], Field(min_length=1, max_length=1000), Tag("list")],
     Discriminator(
         _strategy,

@@ -1,4 +1,4 @@
-"""The next speed from the friction measured so far (third suggestion of section 5.6.1).
+"""Adaptive speeds: the next one from the friction measured so far (5.6.1, third suggestion).
 
 The source would step in small steps where friction is steep, in large ones where it is flat, and
 would look at the second derivative so as not to take small steps in the fully developed viscous
@@ -14,9 +14,9 @@ references (least squares). The trials' scatter gives their standard errors, and
 
     D1 = |F'| + se(F'),    D2 = |F''| + se(F''),
 
-which is about the most that the trials don't rule out. So a start with nothing but noise goes in
-small steps; with each of them the five references span more, se(F'') falls with the square of
-the span, and steps grow until friction's own curvature limits them.
+which is about the upper limit that the trials allow. So speeds rise in small steps while noise
+dominates; with each step the five references span more, se(F'') falls with the square of the span,
+and steps grow until the curvature of friction limits them.
 
 A pure function of the measured means: the same friction gives the same speeds.
 """
@@ -26,36 +26,36 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hbench.config.velocities import Adaptive
+from hbench.config.velocities import AdaptiveSpeeds
 
-_REFERENCES = 5  # that the parabola goes through: two more than it has coefficients
-_LEAST = 3
+_REFERENCES = 5  # of the parabola: two more than its coefficients
+_LEAST = 3  # references
 
 
 @dataclass(frozen=True)
-class Measured:
-    """A reference speed and the friction of its accepted trials; none: rejected, or not made."""
+class SpeedFriction:
+    """Reference speed with the friction of its accepted trials; empty: rejected, or not made."""
 
     speed_m_s: float
     trials_n: tuple[float, ...]
 
 
-def next_speed(rule: Adaptive, measured: Sequence[Measured]) -> float | None:
+def next_speed(rule: AdaptiveSpeeds, measured: Sequence[SpeedFriction]) -> float | None:
     """Return the speed [m/s] after the last one of ``measured``; None after ``rule.last``.
 
     After a reference without accepted trials the step is the smallest.
     """
     speed = measured[-1].speed_m_s
-    rest = rule.last - speed
-    if rest <= 0:
+    remaining = rule.last - speed
+    if remaining <= 0:
         return None
     step = _step(rule, measured) if measured[-1].trials_n else rule.min_step
-    if rest >= step + rule.min_step:
+    if remaining >= step + rule.min_step:
         return speed + step
-    return rule.last if rest <= rule.max_step else rule.last - rule.min_step
+    return rule.last if remaining <= rule.max_step else rule.last - rule.min_step
 
 
-def _step(rule: Adaptive, measured: Sequence[Measured]) -> float:
+def _step(rule: AdaptiveSpeeds, measured: Sequence[SpeedFriction]) -> float:
     slope, curvature = _steepest(measured)
     longest = max(
         rule.tolerance / slope if slope else np.inf,
@@ -64,16 +64,16 @@ def _step(rule: Adaptive, measured: Sequence[Measured]) -> float:
     return float(np.clip(longest, rule.min_step, rule.max_step))
 
 
-def _steepest(measured: Sequence[Measured]) -> tuple[float, float]:
-    """Return D1 [N s/m] and D2 [N s^2/m^2] at the last speed; inf where nothing tells."""
-    last = [one for one in measured if one.trials_n][-_REFERENCES:]
-    trials = [np.array(one.trials_n) for one in last]
+def _steepest(measured: Sequence[SpeedFriction]) -> tuple[float, float]:
+    """Return D1 [N s/m] and D2 [N s^2/m^2] at the last speed; inf with too few trials."""
+    last = [point for point in measured if point.trials_n][-_REFERENCES:]
+    trials = [np.array(point.trials_n) for point in last]
     n = np.array([len(values) for values in trials])
-    freedom = np.sum(n - 1)
-    if len(last) < _LEAST or freedom == 0:
+    dof = np.sum(n - 1)
+    if len(last) < _LEAST or dof == 0:
         return np.inf, np.inf
-    variance = sum(np.sum((values - values.mean()) ** 2) for values in trials) / freedom
-    v = np.array([one.speed_m_s for one in last]) - last[-1].speed_m_s
+    variance = sum(np.sum((values - values.mean()) ** 2) for values in trials) / dof
+    v = np.array([point.speed_m_s for point in last]) - last[-1].speed_m_s
     weight = np.sqrt(n)  # of a mean of n trials
     inverse = np.linalg.pinv(weight[:, None] * np.vander(v, 3, increasing=True))
     parabola = inverse @ (weight * [values.mean() for values in trials])

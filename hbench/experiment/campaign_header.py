@@ -1,4 +1,4 @@
-"""What a campaign says of itself: its header, and whether a session may go on with it."""
+"""Header of a campaign, and the check that a resumed session may continue it."""
 
 import platform
 import zlib
@@ -13,7 +13,7 @@ from hbench.protocol.dictionary import FLAGS, PROTOCOL, RECORD, dictionary_hash
 from hbench.rig.client import Identity
 from hbench.store.campaign.folder import Campaign
 
-SIMULATED_BOARDS = ("host", "mps2")  # ports of the firmware that never have a real bench
+SIMULATED_BOARDS = ("host", "mps2")  # firmware ports without a real bench
 _PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
 
 
@@ -25,7 +25,7 @@ def campaign_header(
     port: str,
     now: datetime,
 ) -> dict[str, Any]:
-    """Return the header of a campaign on the board that answered; ``files`` as read."""
+    """Return the header of a campaign; ``identity`` is the board's, ``files`` are as read."""
     simulated = identity.board in SIMULATED_BOARDS
     return {
         "schema": "hbench.campaign/1",
@@ -53,31 +53,32 @@ def campaign_header(
 
 
 def software() -> dict[str, str]:
-    """Return the versions of what computes."""
+    """Return the versions of Python and of the packages that compute results."""
     packages = {name: version(name) for name in _PACKAGES}
     return {"python": platform.python_version(), **packages}
 
 
 def session_seed(seed: int, campaign: Campaign | None) -> int:
-    """The rig's seed: another for each session, so that a resumed trial is no copy of one before.
+    """Return the seed of the virtual rig, different for each session of a campaign.
 
-    It follows from the campaign: its seed and the number of runs that had been started.
+    It follows from ``seed`` and the number of runs started so far, so that a resumed trial does
+    not repeat the noise of an earlier one.
     """
     started = len(campaign.entries) if campaign else 0
     return zlib.crc32(f"{seed} {started}".encode()) if started else seed
 
 
 def refuse_another(campaign: Campaign, header: dict[str, Any]) -> None:
-    """Raise ``ConfigError`` where a resumed campaign would mix what can't be compared."""
+    """Raise ``ConfigError`` where bench, schedule, firmware or log format have changed."""
     for key in ("source", "bench", "schedule", "plant", "firmware", "log"):
         before, now = (_content(part.get(key)) for part in (campaign.header, header))
         if before != now:
             raise ConfigError(
-                f"{campaign.folder}: its {key} is not the present one, so it can't be resumed",
-                "Resume with what it was begun with, or begin a new campaign.",
+                f"{campaign.folder}: can't be resumed: {key} differs from the campaign's",
+                f"Resume with the original {key}, or start a new campaign.",
             )
 
 
 def _content(section: Any) -> Any:
-    """The content of a file section: its file may have been renamed."""
+    """Return the content of a file section, without the name of its file."""
     return section.get("content", section) if isinstance(section, dict) else section

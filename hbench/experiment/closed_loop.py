@@ -1,4 +1,4 @@
-"""The firmware in closed loop with a simulated bench, without a campaign on disk."""
+"""Closed-loop runs of the firmware on a simulated bench, kept in memory."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,17 +21,17 @@ from hbench.rig.client import BoardClient
 
 
 @dataclass(frozen=True)
-class Recorded:
-    """The runs that were made, and what stopped the board before the last; empty if nothing."""
+class ClosedLoopRuns:
+    """Closed-loop runs, with the reason where the board stopped before the last one."""
 
     runs: tuple[Run, ...]
     planned: int
-    stopped: str = ""
+    stopped: str = ""  # empty: all runs were made
 
 
 @dataclass
-class _Kept:
-    """Keeps runs where a campaign's journal writes them."""
+class _MemoryJournal:
+    """Journal that keeps the calibrated runs in memory."""
 
     bench: Bench
     runs: list[Run] = field(default_factory=list)
@@ -52,11 +52,11 @@ def record(
     plant: Plant | None = None,
     report: Callable[[Progress], None] = lambda progress: None,
     seed: int = 1,
-) -> Recorded:
+) -> ClosedLoopRuns:
     """Make the runs of a schedule (as in its file) on the virtual rig, in simulated time.
 
-    ``plant`` stands in for the bench's own physics. Raises ``ConfigError`` where the bench can't
-    make them; a board that stops itself is told in the result.
+    ``plant`` replaces the bench's own physics. Raises ``ConfigError`` where the bench can't make
+    the runs. Where the board stops itself, ``stopped`` of the result has the reason.
     """
     plans = plan_runs(parse_schedule(dict(schedule), "design"), bench, "design").runs
     return record_plans(bench, plans, plant, report, seed)
@@ -68,18 +68,18 @@ def record_plans(
     plant: Plant | None = None,
     report: Callable[[Progress], None] = lambda progress: None,
     seed: int = 1,
-) -> Recorded:
-    """Make runs that are planned already, as ``record`` does."""
+) -> ClosedLoopRuns:
+    """Make planned runs on the virtual rig; otherwise as ``record``."""
     from hbench.model.simulated_bench import as_run  # compiles
     from hbench.rig.virtual import VirtualRig
 
     on_board = as_run(bench, plant)
-    rig, kept = VirtualRig(bench, plant, seed), _Kept(bench)
+    rig, journal = VirtualRig(bench, plant, seed), _MemoryJournal(bench)
     try:
         clock = datetime.fromtimestamp(0, UTC)
-        run_campaign(plans, on_board, BoardClient(rig), kept, lambda: clock, report)
+        run_campaign(plans, on_board, BoardClient(rig), journal, lambda: clock, report)
     except DeviceError as error:
-        return Recorded(tuple(kept.runs), len(plans), error.message)
+        return ClosedLoopRuns(tuple(journal.runs), len(plans), error.message)
     finally:
         rig.close()
-    return Recorded(tuple(kept.runs), len(plans))
+    return ClosedLoopRuns(tuple(journal.runs), len(plans))

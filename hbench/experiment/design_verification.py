@@ -1,7 +1,8 @@
-"""Proposed gains in the nonlinear closed loop: the firmware against the bench, and its variants.
+"""Check of proposed gains in the nonlinear closed loop, on the bench and on variants of it.
 
-Steady runs at the grid's slow, middle and fast speed, every load and both directions, through as
-much of the stroke as 6 s and the way to brake allow. Each is judged as ``hbench analyze`` would.
+The firmware makes steady runs at the grid's slow, middle and fast speed, every load and both
+directions, over as much of the stroke as 6 s and the braking distance allow. Each run is screened
+as by ``hbench analyze``.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,12 +20,12 @@ from hbench.control.linearisation import OperatingPoint
 from hbench.control.loops import LOOPS
 from hbench.control.propose import propose
 from hbench.control.sampled import Pi
-from hbench.experiment.closed_loop import Recorded, record
+from hbench.experiment.closed_loop import ClosedLoopRuns, record
 from hbench.experiment.progress import Progress
 from hbench.model.build import plant_parameters
 from hbench.records import Check, Proposal, Run
 
-OVERSHOOT = 0.5  # beyond the reference: of limits.speed_error, which stops the board
+OVERSHOOT = 0.5  # of limits.speed_error, at which the board stops
 PRESSURE_ERROR = 0.01  # of the supply pressure; mean error of a load pressure
 _LAG_S, _WINDOW_S, _SPARE_M = 0.06, 6.0, 2e-3
 
@@ -34,7 +35,7 @@ def proposal(
 ) -> Proposal:
     """Propose gains for ``bench``, designed at ``point``, and check them with the firmware.
 
-    ``ratio`` is that of neighbouring bandwidths. Raises ``ConfigError``, ``ConvergenceError``.
+    ``ratio`` is the ratio of neighbouring bandwidths. Raises ``ConfigError``, ``ConvergenceError``.
     """
     found = propose(bench, ratio, point)
     names = [name for name, *_ in LOOPS]
@@ -52,9 +53,10 @@ def proposal(
 
 
 def plants(bench: Bench) -> dict[str, dict[str, float]]:
-    """Return the bench's own plant, and two off by 20 % in what a bench file knows least.
+    """Return the plants of the check: the bench's own, and two with uncertain values off by 20 %.
 
-    Factors by the dotted path of the value; viscous friction where the law has it.
+    Each is a mapping from the dotted path of a value to its factor. Viscous friction is varied
+    where the law has it.
     """
     laws = [s for s in ("test", "load") if hasattr(getattr(bench.friction, s), "viscous")]
     viscous = [f"friction.{side}.viscous" for side in laws]
@@ -81,7 +83,7 @@ def _constant(value: float) -> Callable[[float], float]:
 
 
 def with_gains(bench: Bench, loops: Sequence[Pi]) -> Bench:
-    """Return the bench with other gains: K_c and tau_c of velocity, rod and piston pressure."""
+    """Return the bench with other K_c and tau_c: velocity, rod and piston pressure."""
     names = ("velocity", "rod_pressure", "piston_pressure")
     for name, (gain, tau) in zip(names, loops, strict=True):
         for key, value in (("gain", gain), ("time_constant", tau)):
@@ -93,7 +95,7 @@ def with_gains(bench: Bench, loops: Sequence[Pi]) -> Bench:
 def verify(
     bench: Bench, report: Callable[[Progress], None] = lambda progress: None
 ) -> tuple[Check, ...]:
-    """Run the bench's gains against each of ``plants`` and judge the runs.
+    """Make the runs with the bench's gains on each of ``plants``, and check them.
 
     Raises ``ConfigError`` where the bench can't make the runs at all.
     """
@@ -103,11 +105,11 @@ def verify(
 
     for before, (name, factors) in enumerate(variants.items()):
 
-        def over_all(progress: Progress, made: int = before * each) -> None:
+        def report_total(progress: Progress, made: int = before * each) -> None:
             total = len(variants) * each
             report(replace(progress, runs_done=made + progress.runs_done, runs_total=total))
 
-        recorded = record(bench, motions, _physics(bench, factors), over_all)
+        recorded = record(bench, motions, _physics(bench, factors), report_total)
         checks += judge(recorded, bench, rules, name)
     return tuple(checks)
 
@@ -118,7 +120,7 @@ def _physics(bench: Bench, factors: Mapping[str, float]) -> Plant:
 
 
 def schedule(bench: Bench) -> dict[str, Any]:
-    """Return the schedule of the check, as in a schedule file."""
+    """Return the schedule of the check, in the form of a schedule file."""
     limits, brake = bench.limits, bench.controllers.acceleration
     experiments = []
     for condition in conditions(bench, plant_parameters(bench))[0]:
@@ -142,7 +144,7 @@ def schedule(bench: Bench) -> dict[str, Any]:
     return {"name": "design", "experiments": experiments}
 
 
-def judge(recorded: Recorded, bench: Bench, rules: Screening, plant: str) -> Iterator[Check]:
+def judge(recorded: ClosedLoopRuns, bench: Bench, rules: Screening, plant: str) -> Iterator[Check]:
     """Yield the checks on the runs against one plant."""
     whole, stop = sum(not run.aborted for run in recorded.runs), recorded.stopped
     cut = max(recorded.planned - whole, 1 if stop else 0)
@@ -152,11 +154,13 @@ def judge(recorded: Recorded, bench: Bench, rules: Screening, plant: str) -> Ite
     why = f"{_where(rejected[0].run)}: {rejected[0].reasons[0]}" if rejected else ""
     yield Check(f"{plant}: rejected runs", len(rejected), 0, "runs", not rejected, why)
 
-    found: dict[tuple[str, str], list[tuple[float, float, str]]] = {}
+    rows_of_check: dict[tuple[str, str], list[tuple[float, float, str]]] = {}
     for verdict in verdicts:
         run, means = verdict.run, verdict.means
         if means is None:
             continue  # rejected, so counted above
+        p_lp, p_lr, v = run.p_lp_pa, run.p_lr_pa, run.v_m_s
+        assert p_lp is not None and p_lr is not None and v is not None  # the board logs them all
         v_ref, window = run.plan.v_ref_m_s, _window(run, means.t_start_s, means.t_stop_s)
         speed, side = abs(v_ref), np.sign(v_ref)
         allowed = max(rules.low_speed_error, rules.low_speed_error_relative * speed)
@@ -165,17 +169,17 @@ def judge(recorded: Recorded, bench: Bench, rules: Screening, plant: str) -> Ite
         ripple = max(rules.speed_ripple, rules.speed_ripple_relative * speed)
         beyond = OVERSHOOT * bench.limits.speed_error
         off = max(
-            abs(run.p_lr_pa[window].mean() - run.plan.p_lr_ref_pa),
-            abs(run.p_lp_pa[window].mean() - run.plan.p_lp_ref_pa),
+            abs(p_lr[window].mean() - run.plan.p_lr_ref_pa),
+            abs(p_lp[window].mean() - run.plan.p_lp_ref_pa),
         )
         for what, unit, value, limit in (
             ("mean speed error", "mm/s", 1e3 * abs(means.v_m_s - v_ref), 1e3 * allowed),
-            ("speed ripple", "mm/s", 1e3 * run.v_m_s[window].std(), 1e3 * ripple),
-            ("overshoot", "mm/s", 1e3 * max(0.0, (side * run.v_m_s).max() - speed), 1e3 * beyond),
+            ("speed ripple", "mm/s", 1e3 * v[window].std(), 1e3 * ripple),
+            ("overshoot", "mm/s", 1e3 * max(0.0, (side * v).max() - speed), 1e3 * beyond),
             ("load pressure error", "bar", off / 1e5, PRESSURE_ERROR * bench.supply.pressure / 1e5),
         ):
-            found.setdefault((what, unit), []).append((float(value), limit, _where(run)))
-    for (what, unit), rows in found.items():
+            rows_of_check.setdefault((what, unit), []).append((float(value), limit, _where(run)))
+    for (what, unit), rows in rows_of_check.items():
         value, limit, where = max(rows, key=lambda row: row[0] / row[1])
         yield Check(f"{plant}: {what}", value, limit, unit, value <= limit, where)
 

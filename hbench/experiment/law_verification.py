@@ -1,8 +1,8 @@
-"""Identified laws in a model of the bench that follows the verification profile (section 5.5).
+"""Verification of identified laws: a model of the bench follows the measured profile (5.5).
 
-The model is the bench file with the test cylinder's friction replaced, without scatter and
-without the sensors' noise, under the firmware in closed loop. It makes the runs that were measured,
-and before them the campaign's run before, which leaves bristles and oil as they were.
+The model is the bench file with the test cylinder's friction replaced, without scatter and sensor
+noise, under the firmware in closed loop. It makes the measured runs, and before them the preceding
+run of the campaign, so that bristles and oil start in the same state.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,8 +23,8 @@ _EXACT = {
 
 
 @dataclass(frozen=True)
-class Verified:
-    """Laws with their errors, and the curves behind them."""
+class VerifiedLaws:
+    """Identified laws with their errors, and the measured and modelled curves."""
 
     laws: tuple[IdentifiedLaw, ...]
     followed: tuple[Followed, ...]
@@ -36,40 +36,40 @@ def verify_laws(
     measured: Sequence[Run],
     made: Sequence[RunPlan],
     report: Callable[[Progress], None] = lambda progress: None,
-) -> Verified:
-    """Let each identified law follow the ``measured`` verification runs; compare both.
+) -> VerifiedLaws:
+    """Simulate the ``measured`` verification runs with each identified law, and compare both.
 
     ``bench_data`` is the content of the bench file, ``made`` are all runs of the campaign in order.
-    The measured ones have their motion and v_ref. A model whose board stops itself is compared as
-    far as it came, and the law says so. Raises ``DataError`` for a log without what friction is
-    made of.
+    The measured runs must have a motion and v_ref. Where the model's board stops itself, the runs
+    before that are compared and ``not_verified`` has the reason. Raises ``DataError`` for a log
+    without a channel that friction needs.
     """
     bench = parse_bench(bench_data, "bench")
     mass_kg = bench.moving_mass.test
     wanted = {run.plan.run for run in measured}
-    chosen = _with_the_run_before(made, wanted)
+    chosen = _with_preceding_runs(made, wanted)
     plans = [replace(plan, run=f"{i:04d}") for i, plan in enumerate(chosen, 1)]
-    tried = [law for law in laws if law.fit is not None]
-    done, models = {}, {}
-    for before, law in enumerate(tried):
+    fitted = [law for law in laws if law.fit is not None]
+    verified, runs_of_law = {}, {}
+    for before, law in enumerate(fitted):
 
-        def over_all(progress: Progress, made: int = before * len(plans)) -> None:
-            total = len(tried) * len(plans)
+        def report_total(progress: Progress, made: int = before * len(plans)) -> None:
+            total = len(fitted) * len(plans)
             report(replace(progress, runs_done=made + progress.runs_done, runs_total=total))
 
-        recorded = record_plans(bench, plans, _plant(bench_data, law), over_all)
+        recorded = record_plans(bench, plans, _plant(bench_data, law), report_total)
         whole = [run for run in recorded.runs if not run.aborted and not run.truncated]
-        modelled = {chosen[int(run.plan.run) - 1].run: run for run in whole}
-        pairs = [(run, modelled[run.plan.run]) for run in measured if run.plan.run in modelled]
-        runs, models_runs = [run for run, _ in pairs], [run for _, run in pairs]
-        errors = model_errors(runs, models_runs, mass_kg) if pairs else {}
+        simulated = {chosen[int(run.plan.run) - 1].run: run for run in whole}
+        compared = [run for run in measured if run.plan.run in simulated]
+        of_model = [simulated[run.plan.run] for run in compared]
+        errors = model_errors(compared, of_model, mass_kg) if compared else {}
         stopped = (
-            f"the model's board stopped itself after {len(pairs)} of {len(measured)} runs: "
+            f"the model's board stopped itself after {len(compared)} of {len(measured)} runs: "
             f"{recorded.stopped}"
         )
         why = stopped if recorded.stopped else ""
-        done[law.law] = replace(law, errors=errors, not_verified=why)
-        models[law.law] = modelled
+        verified[law.law] = replace(law, errors=errors, not_verified=why)
+        runs_of_law[law.law] = simulated
     followed = tuple(
         Followed(
             run=run.plan.run,
@@ -78,20 +78,20 @@ def verify_laws(
             measured=_trace(run, mass_kg),
             modelled={
                 law: _trace(runs[run.plan.run], mass_kg)
-                for law, runs in models.items()
+                for law, runs in runs_of_law.items()
                 if run.plan.run in runs
             },
         )
         for run in _first_trials(measured)
     )
-    return Verified(tuple(done.get(law.law, law) for law in laws), followed)
+    return VerifiedLaws(tuple(verified.get(law.law, law) for law in laws), followed)
 
 
 def _plant(bench_data: dict[str, Any], law: IdentifiedLaw) -> Plant:
     return parse_plant(merge(bench_data, {"friction": {"test": law.section}}), _EXACT, law.law)
 
 
-def _with_the_run_before(made: Sequence[RunPlan], wanted: set[str]) -> list[RunPlan]:
+def _with_preceding_runs(made: Sequence[RunPlan], wanted: set[str]) -> list[RunPlan]:
     chosen: list[RunPlan] = []
     for i, plan in enumerate(made):
         if plan.run in wanted:

@@ -1,4 +1,4 @@
-"""From an experiment to its references: for each, the velocity profile that the board plays."""
+"""References of an experiment, each with the velocity profile that the board plays."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ import numpy as np
 
 from hbench.config.bench import Bench
 from hbench.config.experiments import (
+    ExperimentBase,
     Hold,
-    Loaded,
     Ramp,
     Steady,
     Steps,
@@ -18,26 +18,26 @@ from hbench.config.experiments import (
     Verification,
 )
 from hbench.config.schedule import Screening
-from hbench.config.velocities import Adaptive
+from hbench.config.velocities import AdaptiveSpeeds
 from hbench.errors import ConfigError
 from hbench.experiment.fixed_speeds import speeds
 from hbench.records import KINDS, Motion, Segment
 
-_LONGER = 1.05  # a piece that ends at a position may take than it should
+_TIME_MARGIN = 1.05  # of a segment that ends at a position, over its ideal time
 
 
 @dataclass(frozen=True)
 class Reference:
-    """One motion to be run several times."""
+    """Reference of the runs of one operating point: top velocity, acceleration and motion."""
 
-    v_ref_m_s: float  # signed; the largest of the profile
+    v_ref_m_s: float  # signed; the profile's largest in magnitude
     a_ref_m_s2: float | None
     motion: Motion
 
 
 @dataclass(frozen=True)
-class Way:
-    """Where an ideal piston goes in one run, the final brake included."""
+class IdealPath:
+    """Path of a piston that follows the reference exactly, final braking included."""
 
     seconds: float
     x_low_m: float
@@ -46,17 +46,17 @@ class Way:
 
 
 def references(
-    experiment: Loaded, screening: Screening, bench: Bench, key: str
+    experiment: ExperimentBase, screening: Screening, bench: Bench, key: str
 ) -> tuple[Reference, ...]:
-    """Return the experiment's references in order; not for adaptive velocities.
+    """Return the references of an experiment in order; its velocities must not be adaptive.
 
-    Raises ``ConfigError`` (naming ``key``) where one can't be made.
+    Raises ``ConfigError`` naming ``key`` for a reference that can't be made.
     """
     return tuple(PROFILES[KINDS[experiment.kind].profile](experiment, screening, bench, key))
 
 
-def way(motion: Motion, brake_m_s2: float) -> Way:
-    """Return the way of a piston that follows the reference exactly."""
+def ideal_path(motion: Motion, brake_m_s2: float) -> IdealPath:
+    """Return the path of a piston that follows the reference exactly."""
     x, v, seconds, turns = motion.x_start_m, 0.0, 0.0, [motion.x_start_m]
     for segment in motion.segments * motion.cycles:
         end = motion.x_max_m if segment.v_m_s > 0 else motion.x_min_m
@@ -72,11 +72,11 @@ def way(motion: Motion, brake_m_s2: float) -> Way:
             if duration == until_end:
                 break
     x += v * abs(v) / (2 * brake_m_s2)
-    return Way(seconds, min(*turns, x), max(*turns, x), x)
+    return IdealPath(seconds, min(*turns, x), max(*turns, x), x)
 
 
 def _pieces(v: float, segment: Segment) -> Iterator[tuple[float, float]]:
-    """Yield the segment's acceleration and then its rest, each with its duration."""
+    """Yield acceleration and duration of a segment's two parts: accelerating, then constant."""
     if segment.closed:
         yield 0.0, segment.duration_s
         return
@@ -87,7 +87,7 @@ def _pieces(v: float, segment: Segment) -> Iterator[tuple[float, float]]:
 
 
 def _time_to(distance: float, v: float, a: float, target: float) -> float:
-    """Return when the motion leaves over the end towards which ``target`` leads; inf if never."""
+    """Return when the piston passes the travel end in the direction of ``target``; inf if never."""
     if target == 0.0:
         return np.inf
     sign = np.copysign(1.0, target)
@@ -99,14 +99,14 @@ def _time_to(distance: float, v: float, a: float, target: float) -> float:
         return 2 * distance / (v + np.sqrt(squared)) if squared >= 0.0 else np.inf
     if a <= 0.0:
         return np.inf
-    # It turns first; where it turns beyond the end, it leaves there.
+    # The piston turns first; if it turns beyond the end, it passes the end there.
     return (-v + np.sqrt(max(squared, 0.0))) / a
 
 
 def _steady(
     experiment: Steady, screening: Screening, bench: Bench, key: str
 ) -> Iterator[Reference]:
-    assert not isinstance(experiment.velocities, Adaptive)  # whose speeds are found while it runs
+    assert not isinstance(experiment.velocities, AdaptiveSpeeds)  # planned during the campaign
     for speed in speeds(experiment.velocities):
         yield steady_reference(experiment, float(speed), screening, bench, key)
 
@@ -149,10 +149,10 @@ def _triangle(
 ) -> Iterator[Reference]:
     v, travel = experiment.speed, experiment.travel
     a = v**2 / (travel.end - travel.start)
-    # The turns are at the middle, so that nothing drifts; the times only bound the pieces.
+    # Segments end at the middle of the travel, so that nothing drifts; times only bound them.
     cycle = (
-        Segment(v, a, _LONGER * v / a),
-        Segment(-v, a, 2 * _LONGER * v / a),
+        Segment(v, a, _TIME_MARGIN * v / a),
+        Segment(-v, a, 2 * _TIME_MARGIN * v / a),
         Segment(0.0, a, v / a),
     )
     until = experiment.until
@@ -188,8 +188,10 @@ def _largest(row: tuple[Segment, ...]) -> float:
     return max((segment.v_m_s for segment in row), key=abs)
 
 
-def _motion(experiment: Loaded, travel: Travel, row: tuple[Segment, ...], **ending: Any) -> Motion:
-    """Start at the end of the travel from which the first movement leads away."""
+def _motion(
+    experiment: ExperimentBase, travel: Travel, row: tuple[Segment, ...], **ending: Any
+) -> Motion:
+    """Return a motion that starts at the end of the travel from which the first segment leads."""
     first = next((segment.v_m_s for segment in row if segment.v_m_s), 1.0)
     x_start = travel.start if first > 0 else travel.end
     return Motion(x_start, travel.start, travel.end, experiment.hold, row, **ending)

@@ -1,4 +1,4 @@
-"""From a schedule to the plan: every run with its references, checked before anything moves."""
+"""Plan of a schedule: every run with its references, checked before anything moves."""
 
 import math
 from collections import Counter, defaultdict
@@ -7,27 +7,27 @@ from dataclasses import dataclass
 from itertools import product
 
 from hbench.config.bench import Bench
-from hbench.config.experiments import Loaded, Steady
+from hbench.config.experiments import ExperimentBase, Steady
 from hbench.config.schedule import Schedule, Screening
-from hbench.config.velocities import Adaptive
+from hbench.config.velocities import AdaptiveSpeeds
 from hbench.errors import ConfigError
-from hbench.experiment.adaptive import Measured, next_speed
-from hbench.experiment.motions import Reference, references, steady_reference, way
+from hbench.experiment.adaptive import SpeedFriction, next_speed
+from hbench.experiment.motions import Reference, ideal_path, references, steady_reference
 from hbench.records import RunPlan, Specimen
 
-MIN_SLOPE_M_S2 = 1e-4  # whose step in one tick a single still takes without rounding it away
-MAX_RUNS = 9999  # that a run's number has digits for
-_LAG_S = 0.05  # of the velocity loop and its settling, to be added to the way
+MIN_SLOPE_M_S2 = 1e-4  # smaller steps in one tick are lost in single precision
+MAX_RUNS = 9999  # a run's number has four digits
+_LAG_S = 0.05  # of the velocity loop and its settling; lengthens the path
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The runs of a schedule, as far as they are decided."""
+    """Runs of a schedule: those decided, and those that adaptive velocities may still change."""
 
     runs: tuple[RunPlan, ...]
-    # What follows where adaptive velocities still wait for friction: the smallest steps, so the
-    # most runs that there can be.
-    rest: tuple[RunPlan, ...] = ()
+    # Where adaptive velocities still wait for friction: the runs of the smallest steps, which are
+    # the most runs possible.
+    undecided: tuple[RunPlan, ...] = ()
 
 
 def load_pressure(bench: Bench, f_load_n: float, p_lr_pa: float) -> float:
@@ -44,29 +44,31 @@ def plan_runs(
 ) -> Plan:
     """Return the runs of a schedule in order.
 
-    ``friction`` [N] is that of the runs made so far, None for one that was rejected; adaptive
-    velocities follow from it. The same friction gives the same plan. Raises ``ConfigError``
-    (naming ``source`` and the key) where the bench can't make a run.
+    ``friction`` [N] of the runs made so far, None for a rejected one, decides adaptive velocities.
+    The same friction gives the same plan. Raises ``ConfigError`` naming ``source`` and the key
+    where the bench can't make a run.
     """
     planner = _Planner(bench, friction or {}, source)
-    passes: dict[int, list[tuple[Loaded, Reference, float]]] = defaultdict(list)  # over all
+    # By trial, for order: passes.
+    passes: dict[int, list[tuple[ExperimentBase, Reference, float]]] = defaultdict(list)
     for number, experiment in enumerate(schedule.experiments):
         key = f"{source}: experiments.{number}"
         for load in experiment.loads:
             _check_load(load, experiment.p_lr, bench, key)
-        if isinstance(experiment, Steady) and isinstance(experiment.velocities, Adaptive):
+        if isinstance(experiment, Steady) and isinstance(experiment.velocities, AdaptiveSpeeds):
             planner.follow(experiment, experiment.velocities, schedule.screening, key)
             continue
-        found = references(experiment, schedule.screening, bench, key)
-        for reference in sorted(found, key=lambda one: -abs(one.v_ref_m_s)):  # the worst is told
+        in_order = references(experiment, schedule.screening, bench, key)
+        # The fastest first, so that the message names the worst.
+        for reference in sorted(in_order, key=lambda reference: -abs(reference.v_ref_m_s)):
             _check_motion(reference, bench, key)
         if schedule.order == "passes":
-            pairs = product(experiment.loads, found)
-            one = [(experiment, reference, load) for load, reference in pairs]
+            pairs = product(experiment.loads, in_order)
+            one_pass = [(experiment, reference, load) for load, reference in pairs]
             for number in range(experiment.trials):
-                passes[number] += one
+                passes[number] += one_pass
             continue
-        for load, reference in _in_order(experiment, found):
+        for load, reference in _in_order(experiment, in_order):
             planner.add(experiment, reference, load)
     for number in sorted(passes):
         for run in passes[number]:
@@ -81,31 +83,35 @@ class _Planner:
     def __init__(self, bench: Bench, friction: Mapping[RunPlan, float | None], source: str):
         self.runs: list[RunPlan] = []
         self.decided = 0
-        self._open = False  # a speed before depends on friction that is not measured yet
+        self._open = False  # an earlier speed depends on friction that is not measured yet
         self._bench = bench
         self._friction = friction
         self._source = source
         self._trials: Counter[tuple] = Counter()
 
-    def add(self, experiment: Loaded, reference: Reference, load: float) -> RunPlan:
+    def add(self, experiment: ExperimentBase, reference: Reference, load: float) -> RunPlan:
         """Append the next trial of a reference."""
         same = (experiment.kind, experiment.label, reference, load, experiment.p_lr)
         self._trials[same] += 1  # goes on where an experiment is listed again
         trial, number = self._trials[same], len(self.runs) + 1
         if number > MAX_RUNS:
             raise ConfigError(
-                f"{self._source}: more than {MAX_RUNS} runs; at most as many fit one campaign",
-                "Adaptive velocities count with their smallest steps." if self._open else "",
+                f"{self._source}: more than {MAX_RUNS} runs, the limit of a campaign",
+                "Split the schedule. Adaptive velocities count with their smallest steps."
+                if self._open
+                else "Split the schedule.",
             )
         plan = _plan(number, experiment, reference, load, trial, self._bench)
         self.runs.append(plan)
         self.decided += not self._open
         return plan
 
-    def follow(self, experiment: Steady, rule: Adaptive, screening: Screening, key: str) -> None:
-        """Append an adaptive experiment: what friction tells, then the smallest steps."""
+    def follow(
+        self, experiment: Steady, rule: AdaptiveSpeeds, screening: Screening, key: str
+    ) -> None:
+        """Append an adaptive experiment: speeds from friction so far, then the smallest steps."""
         for load in experiment.loads:
-            measured: list[Measured] = []
+            measured: list[SpeedFriction] = []
             speed: float | None = rule.first
             while speed is not None:
                 reference = steady_reference(experiment, speed, screening, self._bench, key)
@@ -114,12 +120,12 @@ class _Planner:
                 made = [self._friction.get(plan) for plan in plans]
                 self._open = self._open or any(plan not in self._friction for plan in plans)
                 trials = () if self._open else tuple(f for f in made if f is not None)
-                measured.append(Measured(speed, trials))
+                measured.append(SpeedFriction(speed, trials))
                 speed = next_speed(rule, measured)
 
 
 def trials_in_a_row(plans: Sequence[RunPlan]) -> list[list[RunPlan]]:
-    """Group consecutive runs that differ in nothing but their trial: one step of the board each."""
+    """Group consecutive runs that differ only in their trial; each group is a step of the board."""
 
     def same(plan: RunPlan) -> tuple:
         return (plan.kind, plan.label, plan.f_load_n, plan.p_lr_ref_pa, plan.motion)
@@ -127,8 +133,7 @@ def trials_in_a_row(plans: Sequence[RunPlan]) -> list[list[RunPlan]]:
     steps: list[list[RunPlan]] = []
     for plan in plans:
         before = steps[-1][-1] if steps else None
-        follows = before is not None and int(plan.run) == int(before.run) + 1
-        if follows and same(plan) == same(before):
+        if before and int(plan.run) == int(before.run) + 1 and same(plan) == same(before):
             steps[-1].append(plan)
         else:
             steps.append([plan])
@@ -136,27 +141,35 @@ def trials_in_a_row(plans: Sequence[RunPlan]) -> list[list[RunPlan]]:
 
 
 def run_seconds(plans: Sequence[RunPlan], bench: Bench) -> dict[str, float]:
-    """Return about how long each run takes on the bench: return, hold and motion."""
+    """Return the approximate duration [s] of each run on the bench: return, hold and motion."""
     control = bench.controllers
     seconds, x = {}, None
     for plan in plans:
-        gone = way(plan.motion, control.acceleration)
-        back = 0.0 if x is None else abs(x - plan.motion.x_start_m) / control.return_speed + 1.0
-        seconds[plan.run] = back + plan.motion.hold_s + gone.seconds + 0.2
-        x = gone.x_end_m
+        motion = plan.planned_motion
+        path = ideal_path(motion, control.acceleration)
+        back = 0.0 if x is None else abs(x - motion.x_start_m) / control.return_speed + 1.0
+        seconds[plan.run] = back + motion.hold_s + path.seconds + 0.2
+        x = path.x_end_m
     return seconds
 
 
-def _in_order(experiment: Loaded, found: Sequence[Reference]) -> Iterator[tuple[float, Reference]]:
+def _in_order(
+    experiment: ExperimentBase, in_order: Sequence[Reference]
+) -> Iterator[tuple[float, Reference]]:
     """Yield each load and reference as often as there are trials, in the experiment's order."""
-    pairs = list(product(experiment.loads, found))
+    pairs = list(product(experiment.loads, in_order))
     if experiment.order == "row":
         return (pair for pair in pairs for _ in range(experiment.trials))
     return (pair for _ in range(experiment.trials) for pair in pairs)
 
 
 def _plan(
-    number: int, experiment: Loaded, reference: Reference, load: float, trial: int, bench: Bench
+    number: int,
+    experiment: ExperimentBase,
+    reference: Reference,
+    load: float,
+    trial: int,
+    bench: Bench,
 ) -> RunPlan:
     cylinder = bench.test_cylinder
     return RunPlan(
@@ -184,29 +197,30 @@ def _check_motion(reference: Reference, bench: Bench, key: str) -> None:
     for segment in reference.motion.segments:
         if segment.a_m_s2 < MIN_SLOPE_M_S2:
             raise ConfigError(
-                f"{key}: its velocity would change by {segment.a_m_s2:.2g} m/s^2; the board's "
+                f"{key}: slope of the velocity {segment.a_m_s2:.2g} m/s^2; the board's "
                 f"least slope is {MIN_SLOPE_M_S2:g} m/s^2",
                 "Give a higher speed or a smaller travel.",
             )
-    gone = way(reference.motion, bench.controllers.acceleration)
-    if gone.seconds < 2 / bench.controllers.log_rate:
+    path = ideal_path(reference.motion, bench.controllers.acceleration)
+    if path.seconds < 2 / bench.controllers.log_rate:
         raise ConfigError(
-            f"{key}: a run would last {gone.seconds:.3g} s; its log needs two records, "
-            f"{2 / bench.controllers.log_rate:g} s"
+            f"{key}: a run would last {path.seconds:.3g} s; two records of the log take "
+            f"{2 / bench.controllers.log_rate:g} s",
+            "Lengthen the run, or raise controllers.log_rate.",
         )
     lag = _LAG_S * top
-    low = gone.x_low_m - (lag if gone.x_low_m < reference.motion.x_start_m else 0.0)
-    high = gone.x_high_m + (lag if gone.x_high_m > reference.motion.x_start_m else 0.0)
+    low = path.x_low_m - (lag if path.x_low_m < reference.motion.x_start_m else 0.0)
+    high = path.x_high_m + (lag if path.x_high_m > reference.motion.x_start_m else 0.0)
     beyond = max(limits.travel_min - low, high - limits.travel_max)
-    if beyond > 1e-9:  # beyond what sums are rounded by
-        less = (
+    if beyond > 1e-9:  # more than rounding of the sums
+        shorten = (
             f"Shorten the travel there by {math.ceil(1e3 * beyond - 1e-6)} mm, or lower the speed."
         )
         raise ConfigError(
             f"{key}.{'travel' if top else 'positions'}: at up to {1e3 * top:.4g} mm/s the piston "
-            f"would move between {1e3 * low:.4g} and {1e3 * high:.4g} mm, way to brake included; "
+            f"would move between {1e3 * low:.4g} and {1e3 * high:.4g} mm, braking included; "
             f"limits.travel are {1e3 * limits.travel_min:.4g} to {1e3 * limits.travel_max:.4g} mm",
-            less if top else "Give positions inside the limits.",
+            shorten if top else "Give positions inside the limits.",
         )
 
 
@@ -227,9 +241,9 @@ def _check_load(load: float, p_lr: float, bench: Bench, key: str) -> None:
     lowest, highest = bench.sensors.force_range_n
     if not lowest < load < highest:
         raise ConfigError(
-            f"{key}.loads: {load:g} N is beyond what the load cell shows, {lowest:.0f} to "
-            f"{highest:.0f} N",
-            "Choose a smaller load; sensors.load_cell in the bench file tells the range.",
+            f"{key}.loads: {load:g} N is outside the load cell's range, "
+            f"{lowest:.0f} to {highest:.0f} N",
+            "Choose a smaller load; the range follows from sensors.load_cell in the bench file.",
         )
     _check_pressures(load, p_lr, bench, key)
 
@@ -249,7 +263,7 @@ def _check_pressures(load: float, p_lr: float, bench: Bench, key: str) -> None:
             raise ConfigError(
                 f"{key}.{where}: the load of {load:g} N needs {name} = {pressure / 1e5:.4g} bar, "
                 f"above limits.pressure_max ({bench.limits.pressure_max / 1e5:.4g} bar)",
-                "The board would stop the run; choose another load, p_lr or limit.",
+                "Choose another load, p_lr or limit.",
             )
 
 

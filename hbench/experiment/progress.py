@@ -1,4 +1,4 @@
-"""What an operator sees of a campaign while it is made."""
+"""Progress of a campaign, for the operator."""
 
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -11,44 +11,44 @@ from hbench.records import RunPlan
 
 @dataclass(frozen=True)
 class Ended:
-    """A run that has come to its end, with the verdict on it."""
+    """Completed run with its verdict."""
 
     plan: RunPlan
     attempt: int  # of this run in this session, from 1
     reasons: tuple[str, ...]  # why it is rejected; empty: accepted
     friction_n: float | None  # mean of the steady window
-    again: bool = False  # it is made again at once
+    again: bool = False  # it is repeated at once
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a campaign stands, and what the board reads at this moment."""
+    """Progress of a campaign and the board's present readings."""
 
     runs_done: int
     runs_total: int
-    plan: RunPlan  # the run that is being made, or that was made last
+    plan: RunPlan  # the current run, or the last one
     v_m_s: float
     f_applied_n: float
-    v_ref_m_s: float = 0.0  # at this moment; the plan's is that of the steady part
+    v_ref_m_s: float = 0.0  # at present; the plan has that of the steady part
     f_load_n: float = 0.0  # F_L, from the load cylinder's pressures
     pressures_pa: Mapping[str, float] = field(default_factory=dict)  # p_tp, p_tr, p_lp, p_lr, p_s
-    pressure_max_pa: float = 0.0  # where the board stops by itself
+    pressure_max_pa: float = 0.0  # at which the board stops itself
     phase: str = "none"
     attempt: int = 1
     ended: tuple[Ended, ...] = ()  # since the last report, in order
-    at_most: bool = False  # the total is not known yet: it may become less
+    at_most: bool = False  # the total is an upper limit
     # Of the campaign as a whole:
     trials: int = 1  # of this run's reference
-    rejected: int = 0  # runs of this session, with each attempt
+    rejected: int = 0  # attempts of this session
     last_rejected: Ended | None = None
-    seconds_left: float | None = None  # on the clock of the wall; None: not known yet
+    seconds_left: float | None = None  # wall-clock time; None: not known yet
 
 
 Report = Callable[[Progress], None]
 
 
 class WholeCampaign:
-    """Turns the progress of a campaign's parts into that of the whole."""
+    """Progress of a whole campaign, from that of its parts."""
 
     def __init__(
         self,
@@ -68,9 +68,9 @@ class WholeCampaign:
         self._count_trials(plans)
 
     def part(self, part: Plan, made: int) -> Report:
-        """Return what reports the progress of ``part``, with ``made`` runs before it."""
-        self._count_trials((*part.runs, *part.rest))
-        seconds = run_seconds((*part.runs, *part.rest), self._bench)
+        """Return a report function for ``part``, with ``made`` runs before it."""
+        self._count_trials((*part.runs, *part.undecided))
+        seconds = run_seconds((*part.runs, *part.undecided), self._bench)
 
         def report(now: Progress) -> None:
             for ended in now.ended:
@@ -80,29 +80,29 @@ class WholeCampaign:
                 if ended.reasons:
                     self._rejected += 1
                     self._last_rejected = ended
-            rest = list(seconds.values())[now.runs_done :]
+            remaining = list(seconds.values())[now.runs_done :]
             self._report(
                 replace(
                     now,
                     runs_done=made + now.runs_done,
-                    runs_total=made + now.runs_total + len(part.rest),
-                    at_most=bool(part.rest),
+                    runs_total=made + now.runs_total + len(part.undecided),
+                    at_most=bool(part.undecided),
                     trials=self._trials[_reference(now.plan)],
                     rejected=self._rejected,
                     last_rejected=self._last_rejected,
-                    seconds_left=self._left(rest),
+                    seconds_left=self._left(remaining),
                 )
             )
 
         return report
 
-    def _left(self, rest: list[float]) -> float | None:
-        """Return the time left at the pace so far, less what the present run has taken."""
+    def _left(self, remaining: list[float]) -> float | None:
+        """Return the time left at the pace so far, less the time of the current run."""
         if not self._seconds_done:
             return None
         pace = (self._last_end - self._start) / self._seconds_done
         since = self._now() - self._last_end
-        return pace * sum(rest) - min(since, pace * rest[0]) if rest else 0.0
+        return pace * sum(remaining) - min(since, pace * remaining[0]) if remaining else 0.0
 
     def _count_trials(self, plans: Iterable[RunPlan]) -> None:
         for plan in plans:

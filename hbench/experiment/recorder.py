@@ -1,4 +1,4 @@
-"""Sorts the records that a board logs into runs, and journals each run."""
+"""Recorder of a board's log: sorts its records into runs and journals each run."""
 
 from collections.abc import Callable, Iterable, Mapping
 from datetime import datetime
@@ -26,10 +26,10 @@ Judge = Callable[[RawRun], ScreenedRun]
 
 
 class Recorder:
-    """Sorts pulled records into runs and journals each at its start and its end.
+    """Recorder of the runs of a plan; journals each run at its start and its end.
 
-    Only a run of which all records have come, up to its last, is done. ``judge``, if there is
-    one, screens each as it ends; one that is rejected may be made ``retry`` times more.
+    A run is done once all its records up to the last have been received. ``judge``, if given,
+    screens each run as it ends; a rejected one may be repeated ``retry`` times.
     """
 
     def __init__(
@@ -48,24 +48,24 @@ class Recorder:
         self._judge = judge
         self._retry = retry
         self._words: list[np.ndarray] = []
-        self._number = 0  # of the run that is being made; 0: none
-        self._lost = 0  # records of that run, at most
+        self._number = 0  # of the current run; 0: none
+        self._lost = 0  # records of the current run, at most
         self._gap = 0  # records lost right before the next one
         self._finished: dict[int, Outcome] = {}
         self._attempts: dict[int, int] = {}
         self._verdicts: dict[int, Ended] = {}  # the last of each run
-        self._to_tell: list[int] = []  # runs that have ended since the last report
-        self._again: set[int] = set()  # finished, but to be made again
+        self._unreported: list[int] = []  # runs that have ended since the last report
+        self._again: set[int] = set()  # finished, but to be repeated
 
     @property
     def current(self) -> str:
-        """Id of the run that is being made; empty between runs."""
+        """Id of the current run; empty between runs."""
         return self._plans[self._number].run if self._number else ""
 
     def progress(self, status: Mapping[str, Any]) -> Progress | None:
-        """Return where the campaign stands; None where there is nothing to tell."""
-        told, self._to_tell = self._to_tell, []
-        number = self._number or (told[-1] if told else 0)
+        """Return the progress of the campaign; None before the first run."""
+        ended, self._unreported = self._unreported, []
+        number = self._number or (ended[-1] if ended else 0)
         if not number:
             return None
         cylinder = self._bench.load_cylinder
@@ -82,11 +82,11 @@ class Recorder:
             pressure_max_pa=self._bench.limits.pressure_max,
             phase=PHASES[status["phase"]] if status["phase"] < len(PHASES) else "none",
             attempt=self._attempts[number],
-            ended=tuple(self._verdicts[one] for one in told if one in self._verdicts),
+            ended=tuple(self._verdicts[n] for n in ended if n in self._verdicts),
         )
 
     def begin(self, number: int) -> None:
-        """A run has started, as its status or its first record tells.
+        """Note that a run has started, according to the status or its first record.
 
         The board still names a run while it brakes after the last record; that starts nothing.
         """
@@ -103,18 +103,18 @@ class Recorder:
         self._number = number
 
     def lose(self, count: int) -> None:
-        """The next ``count`` records are gone, whichever runs' they were."""
+        """Note that the next ``count`` records are lost, of whichever runs."""
         self._gap += count
         if self._number:
             self._lost += count
 
     def feed(self, words: np.ndarray) -> None:
-        """Take records in order: (n, words of a record)."""
+        """Sort records in order: ``words`` (n, words of a record)."""
         edges = np.flatnonzero(np.diff(words[:, _RUN])) + 1
         for piece in np.split(words, edges) if len(words) else ():
             self.begin(int(piece[0, _RUN]))
             if not self._words and piece[0, _INDEX]:
-                self._lost = self._gap  # it held this run's beginning
+                self._lost = self._gap  # which held this run's first records
             self._gap = 0
             if not self._number:
                 raise DeviceError(f"the board sent records of run {piece[0, _RUN]} after its last")
@@ -123,7 +123,7 @@ class Recorder:
                 self.finish("done", _ending(self._plans[self._number], piece[-1, _FLAGS]))
 
     def finish(self, outcome: Outcome, why: str) -> None:
-        """The run is over: its log to disk, then its stop part to the journal; then the verdict."""
+        """End the current run: journal its log and its outcome, then screen it."""
         if not self._number:
             return
         number, plan = self._number, self._plans[self._number]
@@ -133,7 +133,7 @@ class Recorder:
         self._finished[number] = outcome
         self._words, self._number, self._lost = [], 0, 0
         self._journal.finish_run(plan, words, outcome, why, self._clock())
-        self._to_tell.append(number)
+        self._unreported.append(number)
         if self._judge is not None:
             rate_hz = self._bench.controllers.log_rate
             judged = self._judge(RawRun(plan, words, CHANNELS, FLAGS, rate_hz, outcome, why))
@@ -145,7 +145,7 @@ class Recorder:
                 self._again.add(number)
 
     def again(self, plan: RunPlan) -> bool:
-        """Whether a run is to be made again at once; if so, it counts as not made."""
+        """Return whether to repeat a run at once; if so, it counts as not made."""
         number = int(plan.run)
         if number not in self._again:
             return False
@@ -154,13 +154,13 @@ class Recorder:
         return True
 
     def abandon(self, error: BaseException) -> None:
-        """Something ended the campaign in the middle of a run."""
+        """End the current run because of an error or an interruption."""
         interrupted = not isinstance(error, Exception)
         why = "interrupted by the operator" if interrupted else str(error) or type(error).__name__
         self.finish("aborted" if interrupted else "failed", why)
 
     def close(self) -> None:
-        """All steps have been made. Raises ``DeviceError`` if runs failed."""
+        """End the campaign after its last step. Raises ``DeviceError`` if runs failed."""
         for number in [n for n in self._plans if n not in self._finished]:
             self.begin(number)
             self.finish("failed", "all its records were overwritten: the log ran over")
@@ -168,14 +168,14 @@ class Recorder:
         if failed:
             raise DeviceError(
                 f"{len(failed)} of {len(self._plans)} runs failed: {', '.join(failed)}",
-                "Make them again with --resume. Where the log ran over, a faster line (--baud) or "
-                "a lower controllers.log_rate helps.",
+                "Repeat them with --resume. Where the log ran over, use a faster line (--baud) or "
+                "a lower controllers.log_rate.",
             )
 
 
 def _ending(plan: RunPlan, flags: int) -> str:
-    """What to say of a run that came to its end: whether what it waited for has settled."""
-    motion = plan.motion
+    """Return a remark on a completed run: whether its quantity has settled."""
+    motion = plan.planned_motion
     if motion.until == "cycles":
         return ""
     quantity = motion.until.replace("_", " ")

@@ -1,4 +1,4 @@
-"""What the runner writes its runs to: a campaign's folder, or memory."""
+"""Journal interface of the runner, for a campaign folder or memory."""
 
 from datetime import datetime
 from typing import Protocol
@@ -9,12 +9,12 @@ from hbench.records import Outcome, RunPlan
 
 
 class Journal(Protocol):
-    """Takes the start part and the stop part of one run after the other."""
+    """Journal of the start and the end of each run, in order."""
 
     def start_run(self, plan: RunPlan, at: datetime, after: str) -> None:
-        """Note that a run begins, again ``after`` the reasons that spoke against it; or empty."""
+        """Note the start of a run; ``after`` has the reasons that rejected its last attempt."""
 
     def finish_run(
         self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
     ) -> None:
-        """Keep the log (n, channels) of the run that began last, and how it ended."""
+        """Keep the log (n, channels) of the run that started last, and its outcome."""

@@ -1,8 +1,8 @@
-"""Runs a plan on a board: uploads it, follows it, pulls every run's log and journals it.
+"""Runner of a plan on a board: uploads it, follows it, pulls and journals each run's log.
 
-The log is pulled while the runs go on. A run's raw log is on disk before its stop part is in the
-journal, and both are there before anything is derived. Whatever ends the campaign early, the
-board is told to stop; a board that can't hear that stops by its heartbeat limit.
+The log is pulled during the runs. A run's raw log is on disk before its stop part is in the
+journal, and both before anything is derived. Whatever ends the campaign early, the runner stops
+the board; a board out of reach stops itself at its heartbeat limit.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,20 +21,20 @@ from hbench.records import RunPlan
 from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient, Identity, NoAnswer
 
-POLL_S = 0.25  # between two looks at the board
-LEAST_LOG_S = 4.0  # that its log must hold: some lost looks and their repetitions
+POLL_S = 0.25  # between two status requests
+LEAST_LOG_S = 4.0  # capacity of the board's log: some lost requests and their repetitions
 
-# What the board's latched causes mean on the bench.
+# The board's latched faults in words.
 FAULT_WORDS = {
-    "heartbeat": "it had not heard its host for longer than limits.heartbeat",
-    "sensor": "the position or a pressure reads what its sensor can't give; look at the wires",
-    "travel": "the piston left limits.travel, or was about to",
+    "heartbeat": "no message from the host for longer than limits.heartbeat",
+    "sensor": "the position or a pressure is outside its sensor's range; check the wiring",
+    "travel": "the piston left limits.travel, or could not stop within it",
     "pressure": "a pressure was above limits.pressure_max",
-    "speed": "the piston was faster than limits.speed_max",
-    "speed_error": "for limits.speed_error_time the speed was off its reference by more than "
-    "limits.speed_error",
-    "overrun": "its control interrupt came late or took too long",
-    "return": "the piston did not come back to the start of a run in time",
+    "speed": "the speed was above limits.speed_max",
+    "speed_error": "the speed was off its reference by more than limits.speed_error for "
+    "limits.speed_error_time",
+    "overrun": "the control interrupt was late or took too long",
+    "return": "the piston did not return to the start of a run in time",
 }
 
 
@@ -51,14 +51,13 @@ def run_campaign(
 ) -> None:
     """Make all runs of ``plans`` and journal them.
 
-    A run that ``judge`` rejects is made again at once, up to ``retry`` times. For that the board
-    gets one run at a time, and rests between two, with its valves in neutral.
+    A run that ``judge`` rejects is repeated at once, up to ``retry`` times. With ``retry`` the
+    board gets one run at a time, and rests in between with its valves in neutral.
 
     A board that still runs for an earlier host, or that has stopped itself, is taken over only
     with ``resume`` (see ``bring_to_rest``). Raises ``ConfigError`` where bench file and board
-    differ, and ``DeviceError`` when the board faults or the line is lost; what was measured until
-    then is in the journal.
-    ``DeviceError`` too where all steps have been made and some runs failed.
+    differ, and ``DeviceError`` when the board faults, the line is lost or runs failed; all runs
+    made until then are in the journal.
     """
     identity = client.identify()
     _check_rates(bench, identity)
@@ -71,7 +70,7 @@ def run_campaign(
             while retry and recorder.again(batch[0]):
                 _make(batch, client, identity, settings_crc, recorder, report)
     except BaseException as error:
-        _stop(client)  # first of all: what follows may fail too
+        _stop(client)  # first, since the next lines may fail too
         cause = _cause(error, client, identity, recorder.current)
         recorder.abandon(cause)
         raise cause from None
@@ -88,7 +87,7 @@ def _make(
 ) -> None:
     for upload in uploads(plans, identity):
         schedule_crc = client.write_schedule(upload.segments, upload.steps)
-        number = client.status()["log_next"]  # the board is idle: what it holds is not ours
+        number = client.status()["log_next"]  # records before are of an earlier host
         client.start(settings_crc, schedule_crc)
         _follow(client, recorder, report, number)
 
@@ -97,30 +96,32 @@ def _check_rates(bench: Bench, identity: Identity) -> None:
     control = bench.controllers
     if control.rate != identity.rate_hz:
         raise ConfigError(
-            f"controllers.rate = {control.rate:g} Hz, but the board controls at "
-            f"{identity.rate_hz} Hz"
+            f"controllers.rate = {control.rate:g} Hz, but the board's rate is "
+            f"{identity.rate_hz} Hz",
+            f"Set controllers.rate to {identity.rate_hz} Hz.",
         )
     held_s = identity.ring_records / control.log_rate
     if held_s < LEAST_LOG_S:
         raise ConfigError(
-            f"controllers.log_rate = {control.log_rate:g} Hz: the board's log would hold "
-            f"{held_s:.1f} s; at least {LEAST_LOG_S:g} s are needed to pull it in time"
+            f"controllers.log_rate = {control.log_rate:g} Hz: the board's log holds "
+            f"{held_s:.1f} s; limit {LEAST_LOG_S:g} s",
+            "Lower controllers.log_rate, so that the log can be pulled in time.",
         )
 
 
 def bring_to_rest(client: BoardClient, allowed: bool) -> None:
-    """Bring the board to rest, whatever an earlier host left, or raise ``DeviceError``."""
+    """Stop the board or clear its fault if ``allowed``; otherwise raise ``DeviceError``."""
     status = client.status()
     state = STATES[status["state"]]
     if state == "fault" and not allowed:
         raise DeviceError(
             f"the board has stopped itself: {_fault(status)}",
-            "Look at the bench, then give --take-over, or go on with --resume.",
+            "Check the bench, then give --take-over, or continue with --resume.",
         )
     if state == "running" and not allowed:
         raise DeviceError(
-            "the board is running a schedule that another host began",
-            "Wait until it stops itself, or stop it with --take-over or --resume.",
+            "the board is running a schedule of another host",
+            "Wait until it stops, or stop it with --take-over or --resume.",
         )
     if state == "running":
         client.stop()
@@ -129,11 +130,11 @@ def bring_to_rest(client: BoardClient, allowed: bool) -> None:
 
 
 def _follow(client: BoardClient, recorder: Recorder, report: Report, number: int) -> None:
-    """Watch the board through one upload, pulling records from ``number`` until it is done."""
+    """Follow the board through one upload, and pull its records from ``number`` on."""
     while True:
         status = client.status()
         state = STATES[status["state"]]
-        # First, so that a run is whole before the next begins.
+        # Before the status counts, so that a run is complete before the next begins.
         for part in client.pull(number, status["log_next"]):
             recorder.lose(part.lost)
             recorder.feed(part.words)
@@ -147,20 +148,20 @@ def _follow(client: BoardClient, recorder: Recorder, report: Report, number: int
         if state == "fault":
             raise DeviceError(
                 f"run {status['run']:04d}: the board stopped itself: {_fault(status)}",
-                "Look at the bench, then go on with --resume.",
+                "Check the bench, then continue with --resume.",
             )
         if state == "done":
             return
         if state != "running":
             raise DeviceError(
                 f"{_where(recorder.current)}: the board was stopped from elsewhere",
-                "Go on with --resume.",
+                "Continue with --resume.",
             )
         client.wait(POLL_S)
 
 
 def _stop(client: BoardClient) -> None:
-    """Ask for neutral valves; a board out of reach has its heartbeat limit for that."""
+    """Stop the board; one out of reach stops itself at its heartbeat limit."""
     with suppress(DeviceError):
         client.stop()
 
@@ -168,7 +169,7 @@ def _stop(client: BoardClient) -> None:
 def _cause(
     error: BaseException, client: BoardClient, identity: Identity, run: str
 ) -> BaseException:
-    """Return what ended the campaign: a lost line and a reset explain whatever came of them."""
+    """Return the cause of an error: a lost line or a reset of the board, else the error itself."""
     if not isinstance(error, DeviceError):
         return error
     try:
@@ -178,19 +179,19 @@ def _cause(
     except DeviceError:
         return DeviceError(
             f"{_where(run)}: the line to the board is lost: {error.message}",
-            "Without its host the board stops itself. Check power and cable, then go on with "
+            "The board stops itself without its host. Check power and cable, then continue with "
             "--resume.",
         )
     if reset:
         return DeviceError(
-            f"{_where(run)}: the board was reset", "Check its supply, then go on with --resume."
+            f"{_where(run)}: the board was reset", "Check its supply, then continue with --resume."
         )
     return error
 
 
 def _fault(status: Mapping[str, Any]) -> str:
     name = FAULTS[status["fault"]]
-    return f"{name}: {FAULT_WORDS.get(name, 'a cause that this state does not have')}"
+    return f"{name}: {FAULT_WORDS.get(name, 'unknown cause')}"
 
 
 def _where(run: str) -> str:

@@ -1,9 +1,8 @@
-"""A campaign in parts: what is decided is made, then the plan is looked at again.
+"""Parts of a campaign: the decided runs are made, then the rest is planned again.
 
-Without adaptive velocities all is decided beforehand, and there is one part. With them a part
-ends where the next speed waits for friction; the board is then done, with its valves in neutral,
-until the next part comes. Friction is read from the campaign's own logs, so a campaign that is
-resumed goes on as it would have.
+Without adaptive velocities all runs are decided beforehand, and there is one part. With them a
+part ends where the next speed needs friction; the board then waits with its valves in neutral.
+Friction is read from the campaign's own logs, so a resumed campaign continues in the same way.
 """
 
 from collections.abc import Iterator, Set
@@ -19,16 +18,16 @@ from hbench.records import RunPlan
 from hbench.store.campaign.folder import load_campaign
 
 
-def parts(
+def plan_parts(
     plan: Plan, schedule: Schedule, bench: Bench, folder: Path, done: Set[RunPlan]
 ) -> Iterator[Plan]:
-    """Yield what to make next, and the most that can follow it.
+    """Yield the runs to make next, with the most that can follow.
 
-    ``plan`` is that of ``schedule`` before anything was measured, ``done`` what the campaign in
-    ``folder`` holds already. The runs of a part must have been made when the next is asked for.
+    ``plan`` is the plan of ``schedule`` before any run, ``done`` are the runs in ``folder``. The
+    runs of a part must have been made before the next part is requested.
     """
     friction: dict[RunPlan, float | None] = {}
-    adaptive = bool(plan.rest)
+    adaptive = bool(plan.undecided)
     while True:
         if adaptive:
             friction |= _friction(schedule, bench, folder, done - friction.keys())
@@ -36,14 +35,14 @@ def parts(
         runs = tuple(run for run in plan.runs if run not in done)
         if not runs:
             return
-        yield Plan(runs, plan.rest)
+        yield Plan(runs, plan.undecided)
         done = done | set(runs)
 
 
 def _friction(
     schedule: Schedule, bench: Bench, folder: Path, plans: Set[RunPlan]
 ) -> dict[RunPlan, float | None]:
-    """Return the mean friction [N] of runs that were made; None for a rejected one."""
+    """Return the mean friction [N] of the runs ``plans``; None for a rejected one."""
     campaign = load_campaign(folder)
     entries = tuple(entry for entry in campaign.entries if entry.plan in plans)
     found = {}

@@ -1,4 +1,4 @@
-"""From planned runs to what the board is told: segments, steps, in batches that it can hold."""
+"""Segments and steps of planned runs, in batches that the board can hold."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -13,21 +13,21 @@ from hbench.rig.client import Identity
 
 @dataclass
 class Upload:
-    """One schedule of the board, in the dictionary's fields."""
+    """One schedule of the board, in the fields of the message dictionary."""
 
     segments: list[dict[str, Any]] = field(default_factory=list)
     steps: list[dict[str, Any]] = field(default_factory=list)
     _rows: dict[tuple[Segment, ...], int] = field(default_factory=dict)
 
     def takes(self, row: tuple[Segment, ...], board: Identity) -> bool:
-        """Whether one more step that plays ``row`` has room."""
+        """Return whether one more step that plays ``row`` has room."""
         new = 0 if row in self._rows else len(row)
         return len(self.steps) < board.max_steps and len(self.segments) + new <= board.max_segments
 
     def add(self, trials: Sequence[RunPlan]) -> None:
-        """Append the step of runs that differ in their trial alone."""
+        """Append the step of runs that differ only in their trial."""
         plan = trials[0]
-        motion = plan.motion
+        motion = plan.planned_motion
         if motion.segments not in self._rows:  # steps may share a row
             self._rows[motion.segments] = len(self.segments)
             self.segments += [_segment(segment) for segment in motion.segments]
@@ -51,14 +51,15 @@ class Upload:
 
 
 def uploads(plans: Sequence[RunPlan], board: Identity) -> Iterator[Upload]:
-    """Yield the plan as schedules that fit the board. Raises ``ConfigError`` for a run too long."""
+    """Yield the plan as schedules that fit the board. Raises ``ConfigError`` for too long a run."""
     upload = Upload()
     for trials in trials_in_a_row(plans):
-        row = trials[0].motion.segments
+        row = trials[0].planned_motion.segments
         if len(row) > board.max_segments:
             raise ConfigError(
-                f"run {trials[0].run}: its profile has {len(row)} pieces; the board takes "
-                f"{board.max_segments}"
+                f"run {trials[0].run}: its profile has {len(row)} segments; limit of the board "
+                f"{board.max_segments}",
+                "Divide the profile into several experiments.",
             )
         if not upload.takes(row, board):
             yield upload

@@ -73,6 +73,12 @@ class RunPlan:
     motion: Motion | None = None  # None for runs that another bench made
 
     @property
+    def planned_motion(self) -> Motion:
+        """Motion of a run that hbench planned; only imported runs have none."""
+        assert self.motion is not None, f"run {self.run} was imported"
+        return self.motion
+
+    @property
     def direction(self) -> Direction:
         """``extend`` for a positive reference."""
         return "extend" if self.v_ref_m_s >= 0 else "retract"

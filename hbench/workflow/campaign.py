@@ -22,7 +22,7 @@ from hbench.experiment.kind_support import check_kinds
 from hbench.experiment.plan import Plan, plan_runs, run_seconds
 from hbench.experiment.progress import Report, WholeCampaign
 from hbench.experiment.runner import bring_to_rest, run_campaign
-from hbench.experiment.staged_plan import parts
+from hbench.experiment.staged_plan import plan_parts
 from hbench.protocol.dictionary import RECORD
 from hbench.records import RunPlan
 from hbench.rig.client import BoardClient
@@ -45,7 +45,7 @@ class Experiment:
     @property
     def plans(self) -> tuple[RunPlan, ...]:
         """All runs; with adaptive velocities the most that there can be."""
-        return self.plan.runs + self.plan.rest
+        return self.plan.runs + self.plan.undecided
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def estimate(experiment: Experiment) -> Estimate:
     plans, rate = experiment.plans, experiment.bench.controllers.log_rate
     words = sum(plan.motion.duration_s for plan in plans if plan.motion) * rate * len(RECORD)
     seconds = sum(run_seconds(plans, experiment.bench).values())
-    return Estimate(len(plans), seconds, round(5 * words), bool(experiment.plan.rest))
+    return Estimate(len(plans), seconds, round(5 * words), bool(experiment.plan.undecided))
 
 
 def measure(
@@ -161,7 +161,7 @@ def measure(
             about = {key: str(header[key]) for key in ("name", "source")}
             with published(folder, report, about) as told:
                 whole = WholeCampaign(told, bench, (*experiment.plans, *done))
-                for part in parts(experiment.plan, experiment.schedule, bench, folder, done):
+                for part in plan_parts(experiment.plan, experiment.schedule, bench, folder, done):
                     run_campaign(
                         part.runs,
                         on_board,

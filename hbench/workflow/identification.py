@@ -33,7 +33,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
         identify_laws,  # these compile; only who identifies waits
     )
     from hbench.analysis.identification.verification import trial_scatter
-    from hbench.experiment.law_verification import Verified, verify_laws
+    from hbench.experiment.law_verification import VerifiedLaws, verify_laws
 
     campaign = load_campaign(folder)
     bench = campaign.bench()
@@ -54,7 +54,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     measured = [run for run, _ in usable if identification_use(run.plan) == "verification"]
     not_verified = _not_verified(measured)
     if not_verified:
-        verified, scatter = Verified(laws, ()), {}
+        verified, scatter = VerifiedLaws(laws, ()), {}
     else:
         verified = verify_laws(_bench_data(campaign), laws, measured, campaign.plans, report)
         scatter = trial_scatter(measured, bench.moving_mass.test)

@@ -155,7 +155,7 @@ def _planned(campaign: Campaign) -> int | None:
         plan = plan_runs(schedule, bench, "schedule")
     except (KeyError, TypeError, ConfigError, DataError):
         return None
-    return None if plan.rest else len(plan.runs)
+    return None if plan.undecided else len(plan.runs)
 
 
 def _time(seconds: float) -> str:

@@ -1,6 +1,7 @@
 """The shipped files are good; a bad one is refused with file, key, value and limit."""
 
 import copy
+import re
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from hbench.config.fitting import parse_fitting
 from hbench.config.import_map import parse_import_map
 from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError, ExitCode
+from hbench.records import KINDS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 BENCH = read_yaml(CONFIGS / "bench-aau.yaml")
@@ -52,21 +54,29 @@ def test_the_shipped_import_map_is_good():
     [
         ("oil.density", 870, ["oil.density", "870", "no unit", "kg/m^3"]),
         ("oil.density", "870 bar", ["oil.density", "wrong unit"]),
-        ("oil.density", "8700 kg/m^3", ["oil.density", "at most 2000 kg/m^3"]),
-        ("supply.pressure", "-1 bar", ["supply.pressure", "at least 0 bar"]),
-        ("valve.gian", "1 V", ["unknown key 'valve.gian'"]),
-        ("test_cylinder.rod_diameter", "41 mm", ["test_cylinder", "smaller than piston"]),
+        ("oil.density", "8700 kg/m^3", ["oil.density", "8700 kg/m^3", "2000 kg/m^3"]),
+        ("supply.pressure", "-1 bar", ["supply.pressure", "-1 bar", "0 bar"]),
+        ("valve.gian", "1 V", ["'valve.gian'"]),
+        (
+            "test_cylinder.rod_diameter",
+            "41 mm",
+            ["test_cylinder", "rod_diameter", "piston_diameter"],
+        ),
         (
             "limits.travel_max",
             "500 mm",
-            ["my-bench.yaml: limits.travel_max = 500 mm lies beyond test_cylinder.stroke = 400 mm"],
+            ["limits.travel_max = 500 mm", "test_cylinder.stroke = 400 mm"],
         ),
-        ("limits.travel_min", "376 mm", ["limits.travel_min = 376 mm must be less than"]),
-        ("limits.travel_max", "390 mm", ["390 mm lies beyond", "head at 380 mm"]),
+        (
+            "limits.travel_min",
+            "376 mm",
+            ["limits.travel_min = 376 mm", "limits.travel_max = 375 mm"],
+        ),
+        ("limits.travel_max", "390 mm", ["limits.travel_max = 390 mm", "380 mm"]),
         ("test_cylinder.stroke", "400,5 mm", ["decimal comma"]),
-        ("supply.pressure", "150 Bar", ["unknown unit 'Bar'; did you mean 'bar'?"]),
-        ("supply.pressure", "150 at", ["unknown unit 'at'; known are", "psi"]),
-        ("controllers.log_rate", "300 Hz", ["whole multiple"]),
+        ("supply.pressure", "150 Bar", ["supply.pressure", "'Bar'", "'bar'"]),
+        ("supply.pressure", "150 at", ["supply.pressure", "'at'", "psi"]),
+        ("controllers.log_rate", "300 Hz", ["controllers.rate", "controllers.log_rate", "65535"]),
         ("sensors.adc.bits", 40, ["sensors.adc.bits"]),
     ],
 )
@@ -81,7 +91,7 @@ def test_a_fault_in_a_bench_file_is_named(key, value, words):
 def test_a_missing_key_is_named():
     data = copy.deepcopy(BENCH)
     del data["oil"]["density"]
-    with pytest.raises(ConfigError, match=r"key 'oil.density' is missing"):
+    with pytest.raises(ConfigError, match="b.yaml: .*'oil.density'"):
         parse_bench(data, "b.yaml")
 
 
@@ -94,26 +104,23 @@ def test_a_misspelt_key_is_told_once_with_the_one_that_is_meant(right, wrong):
     with pytest.raises(ConfigError) as error:
         parse_bench(data, "b.yaml")
     told = ".".join([*above, wrong])
-    assert error.value.message == f"b.yaml: unknown key '{told}'; did you mean '{key}'?"
+    assert re.fullmatch(rf"b.yaml: .*'{told}'.*'{key}'.?", error.value.message)
 
 
 def test_a_file_of_another_kind_is_told_in_one_line():
     columns, laws = read_yaml(CONFIGS / "tudelft.yaml"), read_yaml(CONFIGS / "fit.yaml")
-    for parse, data, told in (
-        (parse_schedule, BENCH, "x.yaml: is a bench file, not a schedule"),
-        (parse_bench, SCHEDULE, "x.yaml: is a schedule, not a bench file"),
-        (parse_bench, columns, "x.yaml: is an import map, not a bench file"),
-        (parse_import_map, BENCH, "x.yaml: is a bench file, not an import map"),
-        (parse_fitting, SCHEDULE, "x.yaml: is a schedule, not what is wanted here"),
-        (
-            parse_schedule,
-            laws,
-            "x.yaml: is not a schedule; it has 'laws, bounds, weights",
-        ),
+    for parse, data, types in (
+        (parse_schedule, BENCH, ["bench file", "schedule"]),
+        (parse_bench, SCHEDULE, ["schedule", "bench file"]),
+        (parse_bench, columns, ["import map", "bench file"]),
+        (parse_import_map, BENCH, ["bench file", "import map"]),
+        (parse_fitting, SCHEDULE, ["schedule"]),
+        (parse_schedule, laws, ["schedule", "laws, bounds, weights"]),
     ):
         with pytest.raises(ConfigError) as error:
             parse(data, "x.yaml")
-        assert error.value.message.startswith(told) and "\n" not in error.value.message
+        assert re.match("x.yaml: .*" + ".*".join(types), error.value.message)
+        assert "\n" not in error.value.message
 
 
 def test_every_fault_of_a_file_is_told_at_once():
@@ -127,20 +134,22 @@ def test_every_fault_of_a_file_is_told_at_once():
     ("key", "value", "words"),
     [
         ("experiments.0.kind", "stedy",
-         ["experiments.0.kind = 'stedy': must be one of steady, ramp"]),
-        ("experiments.0.trials", "three", ["experiments.0.trials = 'three'", "a whole number"]),
-        ("experiments.0.direction", "out", ["must be 'extend' or 'retract'"]),
-        ("experiments.0.loads", "500 N", ["experiments.0.loads = '500 N': must be a list"]),
+         ["experiments.0.kind = 'stedy'", *KINDS]),
+        ("experiments.0.trials", "three", ["experiments.0.trials = 'three'"]),
+        ("experiments.0.direction", "out",
+         ["experiments.0.direction = 'out'", "'extend'", "'retract'"]),
+        ("experiments.0.loads", "500 N", ["experiments.0.loads = '500 N'", "[500 N]"]),
         ("experiments.0.velocities", {"first": "50 mm/s", "last": "200 mm/s", "count": 15},
-         ["would not grow"]),
-        ("experiments.0.travel", {"start": "300 mm", "end": "20 mm"}, ["'start' must be less"]),
+         ["experiments.0.velocities", "0.75 m/s"]),
+        ("experiments.0.travel", {"start": "300 mm", "end": "20 mm"},
+         ["experiments.0.travel", "'start'", "'end'"]),
         ("experiments.0.loads", [], ["experiments.0.loads"]),
-        ("experiments.0.loads", "500 N, 1 kN", ["must be a list: [500 N, 1 kN]"]),
-        ("experiments.0.loads", [500], ["no unit"]),
-        ("experiments.0.loads", ["500 N; 5 kN"], ["is more than a number with its unit"]),
-        ("experiments.0.trial", 3, ["experiments.0.trial'; did you mean 'trials'?"]),
-        ("experiments.0.trials", 0, ["must be at least 1"]),
-        ("speed", "1 m/s", ["unknown key 'speed'"]),
+        ("experiments.0.loads", "500 N, 1 kN", ["experiments.0.loads", "[500 N, 1 kN]"]),
+        ("experiments.0.loads", [500], ["experiments.0.loads.0 = 500"]),
+        ("experiments.0.loads", ["500 N; 5 kN"], ["experiments.0.loads.0 = '500 N; 5 kN'"]),
+        ("experiments.0.trial", 3, ["'experiments.0.trial'", "'trials'"]),
+        ("experiments.0.trials", 0, ["experiments.0.trials = 0", "1"]),
+        ("speed", "1 m/s", ["'speed'"]),
     ],
 )  # fmt: skip
 def test_a_fault_in_a_schedule_is_named(key, value, words):
@@ -155,7 +164,7 @@ def test_a_list_of_decimal_commas_is_told_what_a_comma_means_in_a_list():
     data = changed(SCHEDULE, "experiments.0.loads", [0, "5 kN"])  # of [0,5 kN]
     with pytest.raises(ConfigError) as error:
         parse_schedule(data, "my.yaml")
-    assert "comma stands between two values" in error.value.hint
+    assert "[0.5 kN, 5 kN]" in error.value.hint
 
 
 ENDS = {"first": "5 mm/s", "last": "200 mm/s"}
@@ -172,17 +181,17 @@ STRATEGIES = ["polynomial", "linear", "slope_adjusted", "adaptive"]
         ({"velocities": []}, ["experiments.0.velocities = []"]),
         ({"velocities": ["5 mm/s", "6 bar"]}, ["experiments.0.velocities.1 = '6 bar'"]),
         ({"velocities": {**ENDS, "strategy": "linear"}},
-         ["key 'experiments.0.velocities.count' is missing"]),
+         ["'experiments.0.velocities.count'"]),
         ({"velocities": {**ENDS, "strategy": "slope_adjusted", "count": 9}},
-         ["key 'experiments.0.velocities.transition' is missing"]),
+         ["'experiments.0.velocities.transition'"]),
         ({"velocities": {**ENDS, "strategy": "slope_adjusted", "transition": "3 mm/s", "count": 9}},
-         ["experiments.0.velocities: 'first', 'transition' and 'last' must rise"]),
+         ["experiments.0.velocities: 'first', 'transition' and 'last'"]),
         ({"velocities": {**ADAPTIVE, "count": 9}},
-         ["unknown key 'experiments.0.velocities.count'"]),
+         ["'experiments.0.velocities.count'"]),
         ({"velocities": {**ADAPTIVE, "tolerance": "2 mm"}},
          ["experiments.0.velocities.tolerance = '2 mm'", "N"]),
         ({"velocities": {**ADAPTIVE, "max_step": "5 mm/s"}},
-         ["experiments.0.velocities: 'max_step'", "twice 'min_step'"]),
+         ["experiments.0.velocities: 'max_step'", "'min_step'"]),
         ({"velocities": ADAPTIVE, "order": "passes"}, ["experiments.0: order: passes", "adaptive"]),
         ({"velocities": ADAPTIVE, "trials": 1}, ["experiments.0: adaptive", "trials: 2"]),
     ],
@@ -200,8 +209,8 @@ def test_a_fault_in_velocities_is_one_line_with_the_key_as_it_stands_in_the_file
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"order": "row"}, ["experiments.0.order", "leave this one out"]),
-        ({"order": "passes"}, ["experiments.0.order", "leave this one out"]),
+        ({"order": "row"}, ["experiments.0.order", "passes"]),
+        ({"order": "passes"}, ["experiments.0.order", "passes"]),
         ({"velocities": ADAPTIVE}, ["experiments.0.velocities", "adaptive"]),
     ],
 )
@@ -230,7 +239,7 @@ def test_a_whole_bench_file_as_a_plant_file_is_its_physics_alone():
     with_effects = BENCH | {"effects": {"valve_lag": {"time": "2 ms"}}}
     plant = parse_plant(with_effects, other, "other.yaml")
     assert (plant.oil.bulk_modulus, plant.effects) == (9e7, {})
-    with pytest.raises(ConfigError, match=r"other.yaml: key 'controllers' is missing"):
+    with pytest.raises(ConfigError, match="other.yaml: .*'controllers'"):
         parse_plant(BENCH, {k: v for k, v in other.items() if k != "controllers"}, "other.yaml")
 
 
@@ -243,17 +252,17 @@ def test_the_model_of_the_shipped_bench_is_its_physics():
 
 
 def test_a_plant_file_may_not_touch_what_is_not_physics():
-    with pytest.raises(ConfigError, match="unknown key 'controllers'"):
+    with pytest.raises(ConfigError, match="plant.yaml: .*'controllers'"):
         parse_plant(BENCH, {"controllers": {}}, "plant.yaml")
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("a: 1\na: 2\n", ["line 2", "'a' stands twice"]),
+        ("a: 1\na: 2\n", ["line 2", "'a'"]),
         ("a: [1\n", ["line 2", "not valid|,"]),
-        ("- 1\n", ["no keys"]),
-        ("a: !!python/object/apply:os.system ['true']\n", ["could not determine a constructor"]),
+        ("- 1\n", ["key"]),
+        ("a: !!python/object/apply:os.system ['true']\n", ["python/object"]),
         ("\x00", [":"]),
     ],
 )
@@ -272,5 +281,5 @@ def test_a_missing_file_is_named(tmp_path):
 
 
 def test_a_folder_is_not_taken_for_a_file(tmp_path):
-    with pytest.raises(ConfigError, match="is a folder; a YAML file is wanted here"):
+    with pytest.raises(ConfigError, match="folder"):
         read_yaml(tmp_path)

@@ -22,7 +22,7 @@ experiments:
     ("told", "line"),
     [
         ("experiments.0.loads.1 = 5000: has no unit", 6),
-        ("experiments.0.loads: 5000 N is beyond what the load cell shows", 5),
+        ("experiments.0.loads: 5000 N is too much", 5),
         ("experiments.1.velocities.last = 2: has no unit", 8),  # where the alias's value stands
         ("unknown key 'experiments.1.kind'", 9),
         ("key 'experiments.1.loads' is missing", 9),  # in the section that begins there

@@ -45,8 +45,8 @@ def test_a_quantity_is_stored_in_si(text, unit, si):
 @pytest.mark.parametrize(
     ("value", "unit", "message"),
     [
-        (150, "bar", "has no unit; write for example '150 bar'"),
-        ("150", "bar", "has no unit"),
+        (150, "bar", "unit.*'150 bar'"),
+        ("150", "bar", "no unit"),
         ("150 mm", "bar", "wrong unit"),
         ("150 baar", "bar", "unknown unit 'baar'"),
         ("bar", "bar", "not a number"),
@@ -54,7 +54,7 @@ def test_a_quantity_is_stored_in_si(text, unit, si):
         ("1 V/(Pa s", "V/(Pa s)", "not closed"),
         ("1 Pa)", "Pa", "without"),
         ("nan bar", "bar", "not a number"),
-        ("1e999 bar", "bar", "not a finite"),
+        ("1e999 bar", "bar", "finite"),
         (True, "bar", "not a quantity"),
         ([1], "bar", "not a quantity"),
         (None, "bar", "not a quantity"),

@@ -22,17 +22,17 @@ def test_good_text_is_read_as_another_loader_reads_it():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("a: 1\nb: 2026-99-99\n", "line 2: '2026-99-99' can't be read as timestamp"),
-        ("a: 1\nb: !!bool maybe\n", "line 2: 'maybe' can't be read as bool"),
-        ("a: !!int x", "line 1: 'x' can't be read as int"),
-        ("a: " + "9" * 5000, "line 1: '9{40}' can't be read as int"),
-        ("a: 1\nb: {c: 1,\n c: 2}", "line 3: key 'c' stands twice .first in line 2"),
-        ("a: b: c", "line 1: mapping values are not allowed"),
-        ("a: \x00", "special characters are not allowed|control characters"),
-        ("a: &a [*a]", "line 1: alias .a stands for nothing, or within itself"),
-        ("\n".join(BOMB), "line 6: aliases repeat more than 100000 values"),
-        ("a: " + "[" * 60 + "]" * 60, "line 1: nested more than 50 deep"),
-        ("a:\n" + "\n".join(" " * n + "a:" for n in range(1, 60)), "line 51: nested more than 50"),
+        ("a: 1\nb: 2026-99-99\n", "line 2: '2026-99-99' .*timestamp"),
+        ("a: 1\nb: !!bool maybe\n", "line 2: 'maybe' .*bool"),
+        ("a: !!int x", "line 1: 'x' .*int"),
+        ("a: " + "9" * 5000, "line 1: '9{40}' .*int"),
+        ("a: 1\nb: {c: 1,\n c: 2}", "line 3: key 'c' .*line 2"),
+        ("a: b: c", "line 1: "),
+        ("a: \x00", "character"),
+        ("a: &a [*a]", "line 1: alias .a "),
+        ("\n".join(BOMB), "line 6: aliases .*100000"),
+        ("a: " + "[" * 60 + "]" * 60, "line 1: nested .*50"),
+        ("a:\n" + "\n".join(" " * n + "a:" for n in range(1, 60)), "line 51: nested .*50"),
         ("? [a, b]\n: c", "unhashable key"),
     ],
     ids=range(12),
@@ -45,6 +45,6 @@ def test_what_cannot_be_read_is_named_with_its_line(text, message):
 @pytest.mark.parametrize("opening", ["[", "- ", "{a: ", "? "])
 def test_the_deepest_nesting_is_refused_at_once_and_breaks_no_stack(opening):
     start = time.perf_counter()
-    with pytest.raises(ValueError, match="nested more than"):
+    with pytest.raises(ValueError, match="line .: nested .*50"):
         parse_yaml("a:\n " + opening * 200_000)
     assert time.perf_counter() - start < 5

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from hbench.config.velocities import Adaptive
-from hbench.experiment.adaptive import Measured, next_speed
+from hbench.config.velocities import AdaptiveSpeeds
+from hbench.experiment.adaptive import SpeedFriction, next_speed
 
-RULE = Adaptive(
+RULE = AdaptiveSpeeds(
     strategy="adaptive",
     first="5 mm/s",
     last="200 mm/s",
@@ -26,7 +26,7 @@ def steps_of(friction, scatter_n=0.0, rule=RULE, seed=0, rejected=()):
     measured, speed = [], rule.first
     while speed is not None:
         trials = friction(speed) + scatter_n * rng.standard_normal(3)
-        measured.append(Measured(speed, () if len(measured) in rejected else tuple(trials)))
+        measured.append(SpeedFriction(speed, () if len(measured) in rejected else tuple(trials)))
         speed = next_speed(rule, measured)
         assert len(measured) < 200
     return np.array([one.speed_m_s for one in measured])
@@ -52,7 +52,7 @@ def test_at_the_bottom_of_a_curve_the_slope_allows_a_longer_step_than_the_curvat
     rule = RULE.model_copy(update={"max_step": 0.1})
     speeds = np.array([0.02, 0.03, 0.04, 0.05, 0.06])
     friction = 300 + 64e3 / 2 * (speeds - 0.06) ** 2
-    measured = [Measured(v, (f, f)) for v, f in zip(speeds, friction, strict=True)]
+    measured = [SpeedFriction(v, (f, f)) for v, f in zip(speeds, friction, strict=True)]
     assert next_speed(rule, measured) == pytest.approx(0.16)
 
 
@@ -98,5 +98,5 @@ def test_a_rejected_reference_is_passed_by_the_smallest_step():
 
 
 def test_one_accepted_trial_a_reference_tells_no_noise_so_the_steps_stay_small():
-    measured = [Measured(v, (400.0,)) for v in (0.02, 0.04, 0.06)]
+    measured = [SpeedFriction(v, (400.0,)) for v in (0.02, 0.04, 0.06)]
     assert next_speed(RULE, measured) == pytest.approx(0.06 + RULE.min_step)

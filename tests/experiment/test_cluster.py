@@ -167,20 +167,20 @@ def test_no_worker_for_long_and_nobody_at_the_address_are_errors_with_a_hint(
     folder = line("a", "b", "c")
     monkeypatch.setattr(dask_cluster, "_PATIENCE_S", 1.5)
     monkeypatch.setattr(dask_cluster, "_CONNECT_S", 1.0)
-    with pytest.raises(DeviceError, match="no worker for") as error:
+    with pytest.raises(DeviceError, match="no worker") as error:
         analyze(folder, tmp_path / "out", loopback(0).address)
     assert "dask worker" in error.value.hint
-    with pytest.raises(DeviceError, match="nobody answers there") as error:
+    with pytest.raises(DeviceError, match="127.0.0.1:9") as error:
         analyze(folder, tmp_path / "out", "tcp://127.0.0.1:9")
     assert "dask scheduler" in error.value.hint
     for address in ("machine", "ftp://machine:1"):
-        with pytest.raises(ConfigError, match="is no address"):
+        with pytest.raises(ConfigError, match=address):
             analyze(folder, tmp_path / "out", address)
 
 
 def test_without_dask_it_says_what_to_install(line, tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "distributed", None)
-    with pytest.raises(ConfigError, match="not installed") as error:
+    with pytest.raises(ConfigError, match="installed") as error:
         analyze(line("a", "b", "c"), tmp_path / "out", "tcp://127.0.0.1:8786")
     assert "cluster" in error.value.hint
 

@@ -236,7 +236,7 @@ def test_cut_logs_are_left_out_with_a_reason_and_nothing_left_is_an_error(tmp_pa
     logs = sorted((made.folder / "runs").glob("*.dat"))
     for log in logs:
         log.write_bytes(log.read_bytes()[:20_000])
-    with pytest.raises(DataError, match="no friction law can be identified.*lugre") as caught:
+    with pytest.raises(DataError, match=f"{made.folder}: .*lugre") as caught:
         workflow.identify(made.folder, lambda progress: None)
     assert "dynamics.yaml" in caught.value.hint
 
@@ -249,7 +249,7 @@ def test_an_imported_campaign_without_a_bench_is_refused_with_a_hint(tmp_path, c
     rows = "".join(f"{0.01 * i},{5e-4 * i},4e6,2e6,1e3\n" for i in range(200))
     (source / "1.csv").write_text(f"t_s,x_m,p_tp_pa,p_tr_pa,f_applied_n\n{rows}")
     workflow.import_runs(source, tmp_path / "c", None, clock)
-    with pytest.raises(DataError, match="tells no bench") as caught:
+    with pytest.raises(DataError, match="bench") as caught:
         workflow.identify(tmp_path / "c", lambda progress: None)
     assert "bench.yaml" in caught.value.hint
 

@@ -114,13 +114,13 @@ def test_trials_of_an_experiment_that_is_listed_twice_go_on_counting():
     [
         (
             {"travel": {"start": "20 mm", "end": "350 mm"}},
-            ["travel", "20 and 380 mm", "5 to 375 mm", "brake", "200 mm/s"],
+            ["experiments.0.travel", "20 and 380 mm", "5 to 375 mm", "200 mm/s"],
         ),
         ({"travel": {"start": "100 mm", "end": "160 mm"}}, ["steady window", "mm/s"]),
-        ({"loads": ["30 kN"]}, ["30000 N", "can push at 150 bar, 18696 N"]),
+        ({"loads": ["30 kN"]}, ["experiments.0.loads: 30000 N", "150 bar", "18696 N"]),
         ({"loads": ["-5000 N"]}, ["experiments.0.loads", "-5000 N", "tank"]),
-        ({"loads": ["13 kN"]}, ["13000 N", "load cell shows, -12257 to 12257 N"]),
-        ({"p_lr": "150 bar"}, ["p_lr = 150 bar", "below supply (150 bar)"]),
+        ({"loads": ["13 kN"]}, ["experiments.0.loads: 13000 N", "-12257 to 12257 N"]),
+        ({"p_lr": "150 bar"}, ["experiments.0.p_lr", "p_lr = 150 bar", "(150 bar)"]),
         ({"velocities": ["0.39 m/s"]}, ["travel"]),
     ],
 )
@@ -144,7 +144,7 @@ def test_the_hint_tells_by_how_much_the_travel_is_too_long():
 
     with pytest.raises(ConfigError) as error:
         plan(360)
-    too_long = int(re.search(r"Shorten the travel there by (\d+) mm", error.value.hint)[1])
+    too_long = int(re.search(r"(\d+) mm", error.value.hint)[1])
     assert plan(360 - too_long)
     with pytest.raises(ConfigError):
         plan(360 - too_long + 1)
@@ -156,7 +156,7 @@ def test_the_hint_tells_the_loads_that_a_rod_side_pressure_allows():
     data["experiments"][0]["loads"] = ["-1 kN"]
     with pytest.raises(ConfigError) as error:
         plans_of(data)
-    assert "at p_lr = 15 bar loads lie between -897 and 17701 N" in error.value.hint
+    assert re.search("p_lr = 15 bar .*-897 .*17701 N", error.value.hint)
 
 
 def test_a_load_that_the_test_cylinder_cant_move_is_refused():
@@ -167,10 +167,10 @@ def test_a_load_that_the_test_cylinder_cant_move_is_refused():
     small = BENCH.test_cylinder.model_copy(update={"piston_diameter": 20e-3, "rod_diameter": 12e-3})
     bench = BENCH.model_copy(update={"test_cylinder": small})
     data = copy.deepcopy(STRIBECK)
-    for number, load, told in ((0, "4700 N", "can push"), (1, "-4000 N", "can pull")):
+    for number, load, reach in ((0, "4700 N", "4672 N"), (1, "-4000 N", "2953 N")):
         one = {**STRIBECK["experiments"][number], "loads": [load]}
         data["experiments"] = [one]
-        with pytest.raises(ConfigError, match=rf"experiments.0.loads: .* {told} at 150 bar"):
+        with pytest.raises(ConfigError, match=rf"experiments.0.loads: {load} .*150 bar, {reach}"):
             plan_runs(parse_schedule(data, "s.yaml"), bench, "s.yaml")
 
 
@@ -179,6 +179,6 @@ def test_a_load_pressure_at_which_the_board_would_stop_is_refused():
         update={"limits": BENCH.limits.model_copy(update={"pressure_max": 100e5})}
     )
     schedule = parse_schedule(STRIBECK, "s.yaml")
-    told = r"experiments.1.p_lr: .* p_lr = 110 bar, above limits.pressure_max \(100 bar\)"
+    told = r"experiments.1.p_lr: .* p_lr = 110 bar.* limits.pressure_max \(100 bar\)"
     with pytest.raises(ConfigError, match=told):
         plan_runs(schedule, bench, "s.yaml")

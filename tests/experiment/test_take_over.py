@@ -45,7 +45,7 @@ def test_a_board_that_runs_for_a_dead_host_is_taken_over_by_resume_alone(
     with pytest.raises(Killed):
         measure(world)
     assert state(world) == "running"
-    with pytest.raises(DeviceError, match="running a schedule that another host began") as error:
+    with pytest.raises(DeviceError, match="another host") as error:
         measure(world, "another")
     assert "--resume" in error.value.hint and state(world) == "running"
     measure(world, resume=True)
@@ -80,17 +80,17 @@ def test_records_of_a_start_whose_answer_was_lost_are_not_lost(quick_experiment,
 
 
 @pytest.mark.parametrize(
-    ("kind", "words"),
-    [("reset", "the board was reset"), ("vanish", "the line to the board is lost")],
+    ("kind", "word"),
+    [("reset", "reset"), ("vanish", "lost")],
 )
-def test_a_reset_and_a_lost_line_are_told_apart(quick_experiment, measure, tmp_path, kind, words):
+def test_a_reset_and_a_lost_line_are_told_apart(quick_experiment, measure, tmp_path, kind, word):
     for at_s in (1.2, 1.3, 1.4, 1.5):  # between and in the middle of pulls
         world = World(quick_experiment.bench, Script(events=(Event(at_s, kind, 0.1),)))
-        with pytest.raises(DeviceError, match=rf"run 000\d: {words}") as error:
+        with pytest.raises(DeviceError, match=rf"run 000\d: .*{word}") as error:
             measure(world, f"{at_s}")
         assert "--resume" in error.value.hint
         (*_, entry) = load_campaign(tmp_path / f"{at_s}").entries
-        assert entry.stop.outcome == "failed" and words in entry.stop.why
+        assert entry.stop.outcome == "failed" and word in entry.stop.why
 
 
 def test_a_bug_of_the_host_stops_the_board(quick_experiment, measure, tmp_path):
@@ -112,9 +112,7 @@ def test_a_second_host_of_the_same_campaign_is_turned_away(quick_experiment, mea
 
     def second(progress):
         if not refused:
-            with pytest.raises(
-                ConfigError, match="another hbench is making this campaign"
-            ) as error:
+            with pytest.raises(ConfigError, match="campaign: .*another hbench") as error:
                 measure(other, resume=True)
             refused.append(error)
 

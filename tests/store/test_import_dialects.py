@@ -152,7 +152,7 @@ def test_units_that_cannot_be_or_contradict_are_refused(bring_in, rules, row, gi
 
 def test_a_column_without_unit_is_refused_unless_it_is_named_in_si(rules):
     rules["format"] = {}
-    with pytest.raises(ConfigError, match="columns.t_s: no unit; only a column that is named t_s"):
+    with pytest.raises(ConfigError, match="columns.t_s: unit"):
         parse_import_map(rules, "map.yaml")
     rules["columns"] = {name: {"column": name} for name in rules["columns"]}
     parse_import_map(rules, "map.yaml")
@@ -201,7 +201,7 @@ def test_a_dead_load_of_the_name_stands_in_for_a_load_cell(bring_in, rules):
         ({"constants": {"p_tr_pa": "{load} bar"}}, "constants.p_tr_pa: {load} is not in every"),
         ({"constants": {"p_tr_pa": "{load"}}, "constants.p_tr_pa"),
         ({"format": {"decimal": ",", "thousands": ",", "separator": "tab"}}, "are both ','"),
-        ({"format": {"header": False, "units_row": True}}, "units_row stands under a header"),
+        ({"format": {"header": False, "units_row": True}}, "format: units_row .*header"),
         ({"resample": "5 s"}, "resample"),
     ],
 )

@@ -209,7 +209,7 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
         ({"constants": {"p_tr_pa": "0"}}, "constants.p_tr_pa = '0': has no unit"),
         ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa stands both in columns and in constants"),
         ({"constants": {"p_xx_pa": "0 bar"}}, "unknown channel 'p_xx_pa'"),
-        ({"format": {"decimal": ","}}, "decimal ',' can't be told from separator comma"),
+        ({"format": {"decimal": ","}}, "decimal ',' .*separator comma"),
         (
             {"columns": {"t_s": {"column": 0, "unit": "ms"}, "x_m": {"column": 1, "unit": "mm"}}},
             "columns.t_s.column.*must be at least 1",
@@ -232,8 +232,8 @@ def test_map_that_cannot_work_is_refused(rules, change, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"files": "{presure}.csv"}, "only {pressure}, .* {trial} can stand in braces"),
-        ({"files": "{trial}/{trial}.csv"}, "a field can stand there once"),
+        ({"files": "{presure}.csv"}, "series.0.files = .*{pressure}, .* {trial}"),
+        ({"files": "{trial}/{trial}.csv"}, "series.0.files = "),
         ({"pressure_unit": "N"}, "is not a unit of pressure"),
         (
             {"cylinder": {"piston_diameter": "25 mm", "rod_diameter": "25 mm"}},

@@ -1,4 +1,4 @@
-"""Tells in which line of its file a key stands that a message names."""
+"""Line numbers of the keys in messages."""
 
 import re
 from collections.abc import Sequence
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import yaml
 
-from hbench.config.files.regular_file import NoSuchSize, read_regular
+from hbench.config.files.regular_file import FileTooLarge, read_regular_file
 from hbench.config.files.yaml_text import parse_yaml
 
 _MAX_BYTES = 1_000_000
@@ -14,23 +14,23 @@ _NAMED = re.compile(r"(.+?\.ya?ml): (?:(?:unknown )?key ')?([\w.]+)")
 
 
 def with_lines(message: str) -> str:
-    """Return a message with the lines of the keys in it: "bench.yaml: line 7: oil.density ...".
+    """Return a message with the line of each key in it: "bench.yaml: line 7: oil.density ...".
 
-    They are looked up in the file as it lies there; what is not in it is told without a line.
+    The file is read again; a key that it does not contain gets no line.
     """
     return "\n".join(map(_with_line, message.split("\n")))
 
 
-def _with_line(told: str) -> str:
-    named = _NAMED.match(told)
+def _with_line(message: str) -> str:
+    named = _NAMED.match(message)
     if named is None:
-        return told
+        return message
     file, keys = named.groups()
     try:
-        line = line_of(read_regular(Path(file), _MAX_BYTES).decode("utf-8"), keys.split("."))
-    except (OSError, NoSuchSize, ValueError):
-        return told
-    return f"{file}: line {line}: {told.removeprefix(f'{file}: ')}" if line else told
+        line = line_of(read_regular_file(Path(file), _MAX_BYTES).decode("utf-8"), keys.split("."))
+    except (OSError, FileTooLarge, ValueError):
+        return message
+    return f"{file}: line {line}: {message.removeprefix(f'{file}: ')}" if line else message
 
 
 def line_of(text: str, keys: Sequence[str]) -> int | None:

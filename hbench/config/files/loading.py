@@ -1,4 +1,4 @@
-"""Reads a YAML file into a validated section, with errors that name file, key, value and limit."""
+"""YAML files as validated sections; errors name file, key, value and limit."""
 
 import difflib
 import hashlib
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from hbench.config.files.regular_file import NoSuchSize, read_regular
+from hbench.config.files.regular_file import FileTooLarge, read_regular_file
 from hbench.config.files.yaml_text import parse_yaml
 from hbench.errors import ConfigError
 
@@ -22,12 +22,12 @@ _YAML = (
     "The file is not valid YAML there or just above: indent by spaces, the keys of one section "
     "alike; a space after each ':'; put what holds [ ] { } , # or ': ' between quotes."
 )
-_KINDS = {  # a key that only files of this kind have
+_FILE_TYPES = {  # by a key that only this type has
     "test_cylinder": "a bench file",
     "experiments": "a schedule",
     "columns": "an import map",
 }
-_SAID = {  # what pydantic says in the words of Python
+_MESSAGES = {  # of pydantic's error types, in the terms of YAML
     "tuple_type": "must be a list, such as [A, B]",
     "dict_type": "must be 'key: value' lines, or {{key: value}}",
     "model_type": "must be 'key: value' lines, or {{key: value}}",
@@ -52,11 +52,11 @@ _SAID = {  # what pydantic says in the words of Python
 def read_yaml(path: Path) -> dict[str, Any]:
     """Return the mapping in a YAML file. Raises ``ConfigError``."""
     try:
-        data = parse_yaml(read_regular(path, _MAX_BYTES).decode("utf-8"))
-    except NoSuchSize as error:
+        data = parse_yaml(read_regular_file(path, _MAX_BYTES).decode("utf-8"))
+    except FileTooLarge as error:
         raise ConfigError(f"{path}: {error}; not a configuration file") from None
     except IsADirectoryError:
-        raise ConfigError(f"{path}: is a folder; a YAML file is wanted here") from None
+        raise ConfigError(f"{path}: is a folder; a YAML file is expected") from None
     except OSError as error:
         raise ConfigError(
             f"{path}: {error.strerror or error}",
@@ -67,46 +67,46 @@ def read_yaml(path: Path) -> dict[str, Any]:
     except ValueError as error:
         raise ConfigError(f"{path}: {error}", _YAML) from None
     if not isinstance(data, dict):
-        raise ConfigError(f"{path}: holds no keys; expected 'key: value' lines")
+        raise ConfigError(f"{path}: has no keys; expected 'key: value' lines")
     return data
 
 
 def file_sha256(path: Path) -> str:
-    """Return the hash of a file that was read before."""
-    return hashlib.sha256(read_regular(path, _MAX_BYTES)).hexdigest()
+    """Return the SHA-256 of a file."""
+    return hashlib.sha256(read_regular_file(path, _MAX_BYTES)).hexdigest()
 
 
 def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
-    """Check ``data`` against ``model``. Raises ``ConfigError`` with every fault in it."""
+    """Check ``data`` against ``model``. Raises ``ConfigError`` that lists every fault."""
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        _refuse_another_kind(model, data, source)
+        _refuse_other_type(model, data, source)
         faults = error.errors()
         meant = _meant(faults, model)
-        told = [
+        messages = [
             f"{source}: {_explain(fault, data, meant)}"
             for fault in _own_faults(faults)
             if fault["loc"] not in meant.values()
         ]
-        raise ConfigError("\n".join(told), _hint(faults)) from None
+        raise ConfigError("\n".join(messages), _hint(faults)) from None
 
 
-def _refuse_another_kind(model: type[BaseModel], data: dict[str, Any], source: str) -> None:
+def _refuse_other_type(model: type[BaseModel], data: dict[str, Any], source: str) -> None:
     fields = model.model_fields
-    wanted = [kind for key, kind in _KINDS.items() if key in fields]
-    there = [kind for key, kind in _KINDS.items() if key in data]
-    if any(key in fields and key in data for key in _KINDS):
+    wanted = [name for key, name in _FILE_TYPES.items() if key in fields]
+    there = [name for key, name in _FILE_TYPES.items() if key in data]
+    if any(key in fields and key in data for key in _FILE_TYPES):
         return
     if there:
-        raise ConfigError(f"{source}: is {there[0]}, not {(*wanted, 'what is wanted here')[0]}")
+        raise ConfigError(f"{source}: is {there[0]}, not {(*wanted, 'the expected file')[0]}")
     if wanted and not data.keys() & fields.keys() - {"name"}:
         has = brief(", ".join(map(str, data)))
         raise ConfigError(f"{source}: is not {wanted[0]}; it has {has}")
 
 
 def _meant(faults: list["ErrorDetails"], model: type[BaseModel]) -> dict[tuple, tuple]:
-    """Return for each unknown key the one that it looks like: a missing one beside it, or any."""
+    """Return the likely meant key of each unknown one: a missing key beside it, or any similar."""
     known = _names(model)
     missing = [fault["loc"] for fault in faults if fault["type"] == "missing"]
     meant: dict[tuple, tuple] = {}
@@ -133,7 +133,7 @@ def _names(model: type[BaseModel]) -> set[str]:
 
 
 def _own_faults(faults: list["ErrorDetails"]) -> list["ErrorDetails"]:
-    """Return the faults, but no list that is too short only because its items have faults."""
+    """Return the faults without lists that are too short only because of faulty items."""
 
     def follows(fault: "ErrorDetails") -> bool:
         depth = len(fault["loc"])
@@ -153,8 +153,8 @@ def _explain(fault: "ErrorDetails", data: Any, meant: dict[tuple, tuple]) -> str
         return f"key '{key}' is missing"
     message = fault["msg"].removeprefix("Value error, ")
     message = message[0].lower() + message[1:]
-    if fault["type"] in _SAID:
-        message = _SAID[fault["type"]].format(**fault.get("ctx", {}))
+    if fault["type"] in _MESSAGES:
+        message = _MESSAGES[fault["type"]].format(**fault.get("ctx", {}))
     value = fault["input"]
     if fault["type"] == "tuple_type" and isinstance(value, str):
         message = f"must be a list: [{brief(value)[1:-1]}]"
@@ -171,15 +171,15 @@ def _explain(fault: "ErrorDetails", data: Any, meant: dict[tuple, tuple]) -> str
 
 
 def brief(value: Any) -> str:
-    """Return a value as a message shows it: on one line, and not all of a long one."""
+    """Return a value for a message: on one line, cut if long."""
     words = repr(value)
     return words if len(words) <= _BRIEF else f"{words[:_BRIEF]}..."
 
 
 def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
-    """Yield the keys that stand in the file, and one that is missing there.
+    """Yield the keys of a fault that are in the file, and a missing one.
 
-    Pydantic adds the kind or strategy that it chose by one.
+    Pydantic's locations also contain the tag of a union's member, which is no key.
     """
     loc = fault["loc"]
     for number, part in enumerate(loc):
@@ -195,8 +195,8 @@ def _keys(fault: "ErrorDetails", data: Any) -> Iterator[str]:
 
 def _hint(faults: list["ErrorDetails"]) -> str:
     if any(fault["type"] == "extra_forbidden" for fault in faults):
-        return "Keys are checked so that a misspelt one is not ignored; see the commented examples."
+        return "Correct or remove the key; see the commented examples."
     of_items = (fault for fault in faults if fault["type"] != "unknown_kind")
     if any(isinstance(key, int) for fault in of_items for key in fault["loc"][-1:]):
-        return "In a list a comma stands between two values, each with its unit: [0.5 kN, 5 kN]."
+        return "Separate the values of a list by commas, each with its unit: [0.5 kN, 5 kN]."
     return ""

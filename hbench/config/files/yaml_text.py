@@ -1,4 +1,4 @@
-"""Reads YAML text that anybody may have written: no surprises, no bombs, a line in each error."""
+"""Strict YAML parser for untrusted text, with line numbers in errors."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -8,16 +8,16 @@ import yaml
 
 from hbench.untrusted_text import CONTROL
 
-DEEPEST = 50  # levels of nesting; what reads it is recursive
+DEEPEST = 50  # levels of nesting; the parser is recursive
 MOST_REPEATED = 100_000  # values that aliases may add
-LONGEST_NUMBER = 400  # characters; some take quadratic time, and more than 4300 can't be shown
+LONGEST_NUMBER = 400  # characters; conversion takes quadratic time and fails beyond 4300
 
 _Base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _SCALARS = ("int", "float", "bool", "timestamp")
 
 
 class _Loader(_Base):
-    """A safe loader that names the line of a value that is none, such as the date 2026-99-99."""
+    """Safe loader that reports the line of an invalid value, such as the date 2026-99-99."""
 
 
 def _with_line(construct: Callable) -> Callable:
@@ -39,11 +39,11 @@ for _name in _SCALARS:
 
 
 def parse_yaml(text: str) -> Any:
-    """Return what YAML text says. Raises ``ValueError``: "line 3: what is wrong there".
+    """Return the content of YAML text. Raises ``ValueError``, such as "line 3: key 'a' ...".
 
-    Beyond what is no YAML it refuses keys that stand twice, nesting deeper than ``DEEPEST``,
-    aliases that repeat more than ``MOST_REPEATED`` values or that hold themselves, numbers longer
-    than ``LONGEST_NUMBER`` and control characters.
+    Besides invalid YAML it refuses duplicate keys, nesting deeper than ``DEEPEST``, aliases that
+    repeat more than ``MOST_REPEATED`` values or contain themselves, numbers longer than
+    ``LONGEST_NUMBER`` and control characters.
     """
     try:
         _check(text)
@@ -57,19 +57,19 @@ def parse_yaml(text: str) -> Any:
 
 @dataclass
 class _Open:
-    """A mapping or sequence that has begun."""
+    """Mapping or sequence whose end is not parsed yet."""
 
     anchor: str | None
     mapping: bool
-    values: int = 1  # so far: itself, what it holds, aliases in full
+    values: int = 1  # so far: itself and its content, aliases expanded
     items: int = 0  # keys and values
-    keys: dict[str, int] = field(default_factory=dict)  # and their lines
+    keys: dict[str, int] = field(default_factory=dict)  # with their lines
 
 
 def _check(text: str) -> None:
-    """Raise ``MarkedYAMLError`` for what a loader would take, or break at."""
+    """Raise ``MarkedYAMLError`` for valid YAML that this parser refuses."""
     stack: list[_Open] = []
-    anchors: dict[str | None, int] = {}  # to the number of values
+    anchors: dict[str | None, int] = {}  # with the number of values
     repeated = 0
     for event in yaml.parse(text, Loader=_Base):
         if isinstance(event, yaml.CollectionEndEvent):
@@ -88,7 +88,7 @@ def _check(text: str) -> None:
             values = 1
             if isinstance(event, yaml.AliasEvent):
                 if event.anchor not in anchors:
-                    _refuse(f"alias *{event.anchor} stands for nothing, or within itself", event)
+                    _refuse(f"alias *{event.anchor} has no anchor, or contains itself", event)
                 values = anchors[event.anchor]
                 repeated += values
                 if repeated > MOST_REPEATED:
@@ -96,7 +96,7 @@ def _check(text: str) -> None:
             else:
                 anchors[event.anchor] = 1
                 if CONTROL.search(event.value):
-                    _refuse("a control character, which a terminal would obey", event)
+                    _refuse("contains a control character", event)
             if stack:
                 stack[-1].values += values
 
@@ -107,7 +107,7 @@ def _check_key(into: _Open, event: yaml.NodeEvent) -> None:
     if is_key and isinstance(event, yaml.ScalarEvent):
         key = event.value
         if key in into.keys:
-            _refuse(f"key {key[:40]!r} stands twice (first in line {into.keys[key]})", event)
+            _refuse(f"key {key[:40]!r} is duplicate (first in line {into.keys[key]})", event)
         into.keys[key] = event.start_mark.line + 1
 
 

@@ -17,7 +17,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from hbench.config.files.regular_file import NoSuchSize, read_regular
+from hbench.config.files.regular_file import FileTooLarge, read_regular_file
 from hbench.errors import ConfigError, DataError
 
 KEY = b"\xaa\x08"
@@ -67,10 +67,10 @@ class BootImage:
 def read_boot_image(path: Path) -> BootImage:
     """Read and check an image file. Raises ``ConfigError`` (no file), ``DataError``."""
     try:
-        text = read_regular(path, _LARGEST).decode(
+        text = read_regular_file(path, _LARGEST).decode(
             "latin-1"
         )  # never fails; what is not hex is shown
-    except NoSuchSize as error:
+    except FileTooLarge as error:
         raise DataError(f"{path}: {error}", "It can't be an image for an F28335.") from None
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror or error}", "Check the path.") from None

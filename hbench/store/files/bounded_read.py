@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from hbench.config.files.regular_file import NoSuchSize, read_regular
+from hbench.config.files.regular_file import FileTooLarge, read_regular_file
 from hbench.errors import DataError
 
 # In bytes, such that reading one takes less than 500 MB of memory.
@@ -13,8 +13,8 @@ LARGEST_JOURNAL = 8_000_000  # some nine thousand runs
 def read_file(path: Path, largest: int = LARGEST_LOG, hint: str = "") -> bytes:
     """Return a file's bytes. Raises ``DataError``, before it is read if it is too large."""
     try:
-        return read_regular(path, largest)
-    except NoSuchSize as error:
+        return read_regular_file(path, largest)
+    except FileTooLarge as error:
         raise DataError(
             f"{path}: {error}", "Is it the right file? A longer log can be split."
         ) from None

@@ -9,7 +9,7 @@ from statistics import median
 
 import numpy as np
 
-from hbench.config.import_map import ImportMap, Series
+from hbench.config.import_map import FileSeries, ImportMap
 from hbench.errors import ConfigError, DataError
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_file
@@ -26,7 +26,7 @@ class _Match:
     """A file that a series names."""
 
     name: str
-    series: Series
+    series: FileSeries
     fields: dict[str, str]  # what its name tells
 
     @property
