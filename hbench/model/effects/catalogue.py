@@ -203,8 +203,8 @@ def changed_by(place: str, parameters: Any, values: Values) -> Any:
         law = EFFECTS[name].laws.get(place)
         if law is not None:
             c = _in_order(name, coefficients)
-            own = name in _OWN
-            parameters = call_own(name, law, parameters, c) if own else law(parameters, c)
+            is_own = name in _OWN
+            parameters = call_own(name, law, parameters, c) if is_own else law(parameters, c)
     return parameters
 
 

@@ -22,11 +22,11 @@ def fit_tables(results: Results) -> dict[str, Table]:
         for fit in c.fits
     ]
     for joint in results.joint_fits:
-        words = ", ".join(filter(None, (joint.label, _ALL)))
-        fits += [((joint.label, "", _ALL, "all", ""), words, fit) for fit in joint.fits]
+        series = ", ".join(filter(None, (joint.label, _ALL)))
+        fits += [((joint.label, "", _ALL, "all", ""), series, fit) for fit in joint.fits]
     tables = {}
     for law in dict.fromkeys(fit.law for _, _, fit in fits):
-        chosen = [one for one in fits if one[2].law == law]
+        chosen = [row for row in fits if row[2].law == law]
         names = list(dict.fromkeys(name for _, _, fit in chosen for name in fit.parameters))
         units = {name: fit.parameters[name].unit for *_, fit in chosen for name in fit.parameters}
         heads = [_parameter_head(name, units[name]) for name in names]
@@ -35,11 +35,11 @@ def fit_tables(results: Results) -> dict[str, Table]:
             cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
             rows.append((*columns, *cells, _residual_cell(fit)))
         curves_of: dict[str, list[str]] = {}
-        for _, words, fit in chosen:
+        for _, series, fit in chosen:
             if fit.message:
-                curves_of.setdefault(fit.message, []).append(words)
+                curves_of.setdefault(fit.message, []).append(series)
         messages = [
-            f"{'; '.join(words)}: {in_words(message)}" for message, words in curves_of.items()
+            f"{'; '.join(series)}: {in_words(message)}" for message, series in curves_of.items()
         ]
         tables[law] = table((*WHO, *heads, "RMS residual (N)"), rows, messages)
     return tables
@@ -49,14 +49,16 @@ def selection_table(results: Results) -> Table:
     """Return the laws' errors at held-out speeds."""
     chosen = [(who(c), c.selection) for c in without_common_rod_pressure(results.curves)]
     chosen += [((j.label, "", _ALL, "all", ""), j.selection) for j in results.joint_fits]
-    rows = [(*columns, *_selected(found)) for columns, found in chosen if found is not None]
+    rows = [
+        (*columns, *_selected(selection)) for columns, selection in chosen if selection is not None
+    ]
     head = ("Best law", "Next", "Difference (N²)", "s.e. (N²)", "Remark")
     return table((*WHO, *head), rows, words=("Best law", "Next"))
 
 
 def _selected(selection: Selection) -> tuple[str, ...]:
     best, following = (
-        f"{law_words(one.law)} ({significant(one.rmse_n, 3)} N)" for one in selection.laws[:2]
+        f"{law_words(law.law)} ({significant(law.rmse_n, 3)} N)" for law in selection.laws[:2]
     )
     verdict = "distinguishable" if selection.told_apart else "not distinguishable"
     return (

@@ -35,7 +35,7 @@ def method_section(results: Results) -> Section:
         "Efficiency": efficient,
         "Half band": bool(results.bands),
     }
-    facts = {name: words for name, words in _NUMBERS.items() if applies.get(name, True)}
+    facts = {name: text for name, text in _NUMBERS.items() if applies.get(name, True)}
     if "Working speed" in facts:
         tolerance = 100 * results.headline.v_tolerance
         facts["Working speed"] = facts["Working speed"].format(tolerance=tolerance)

@@ -45,18 +45,20 @@ def differs(comparison: Comparison) -> bool:
 
 
 def _of_comparisons(comparisons: tuple[Comparison, ...]) -> Iterator[str]:
-    for what, words in (("acceleration", "ramps' acceleration"), ("steady", "ramp against steady")):
+    for what, title in (("acceleration", "ramps' acceleration"), ("steady", "ramp against steady")):
         chosen = [comparison for comparison in comparisons if comparison.what == what]
-        tested = [one for one in chosen if one.p_holm is not None]
+        tested = [comparison for comparison in chosen if comparison.p_holm is not None]
         if not tested:
             if chosen:
-                yield f"{words}: not tested, {chosen[0].message}"
+                yield f"{title}: not tested, {chosen[0].message}"
             continue
-        clearest = min(tested, key=lambda one: (one.p_holm, -abs(one.effect_n)))
+        clearest = min(
+            tested, key=lambda comparison: (comparison.p_holm, -abs(comparison.effect_n))
+        )
         p = significant(clearest.p_holm, 2)
         # No interval: that of one comparison is too narrow for the largest of many.
         yield (
-            f"{words}: {sum(map(differs, tested))} of {len(tested)} comparisons differ "
+            f"{title}: {sum(map(differs, tested))} of {len(tested)} comparisons differ "
             f"(p < {SIGNIFICANT:g} after Holm); the clearest: "
             f"{_signed(clearest.effect_n, None)} N, p {p} ({comparison_words(clearest)})"
         )
@@ -67,26 +69,28 @@ def _signed(value: float, half: float | None) -> str:
 
 
 def _of_loop(loop: Loop) -> str:
-    words = (
+    text = (
         f"hysteresis ({series_words(loop.series)}, up to {short(1e3 * loop.v_top_m_s)} mm/s): "
         f"{_signed(loop.area_j, loop.area_ci95_j)} J a cycle"
     )
     if loop.unit == "cycle":
-        words += f" over {loop.cycles} cycles of 1 trial"
+        text += f" over {loop.cycles} cycles of 1 trial"
     widths = [
         f"{_signed(width.width_n, width.ci95_n)} N at {number(1e3 * width.v_m_s, 0)}"
         for width in loop.widths
         if abs(abs(width.v_m_s) - loop.v_top_m_s / 2) < 1e-9
     ]
-    return words + (f"; width {', '.join(widths)} mm/s" if widths else "")
+    return text + (f"; width {', '.join(widths)} mm/s" if widths else "")
 
 
 def _of_levels(levels: tuple[Level, ...]) -> Iterator[str]:
     if not levels:
         return
-    seen = [(one.overshoot_n, one.resolved) for one in levels if one.overshoot_n is not None]
+    seen = [
+        (level.overshoot_n, level.resolved) for level in levels if level.overshoot_n is not None
+    ]
     over = [overshoot_n for overshoot_n, resolved in seen if resolved]
-    settled = [one.settling_s for one in levels if one.settling_s is not None]
+    settled = [level.settling_s for level in levels if level.settling_s is not None]
     step = f" in steps of {short(levels[0].settling_step_s)} s" if levels[0].settling_step_s else ""
     hidden = len(seen) - len(over)
     yield (
@@ -109,9 +113,9 @@ def _of_leakage(leakage: Leakage) -> Iterator[str]:
                 if coefficient.ci95 is None
                 else f" +- {significant(coefficient.ci95[1] - coefficient.value, 2)}"
             )
-            words = f"{significant(coefficient.value, 2)}{half} m^3/(s Pa)"
+            value = f"{significant(coefficient.value, 2)}{half} m^3/(s Pa)"
             note = ", the interval contains 0" if zero else ""
-            yield f"{holds} {LEAKS[coefficient.name]}: {words}{note}"
+            yield f"{holds} {LEAKS[coefficient.name]}: {value}{note}"
 
 
 def _of_surface(surface: Surface) -> str:

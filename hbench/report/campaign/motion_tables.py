@@ -49,16 +49,16 @@ def levels_csv(results: Results) -> str:
 def leakage_csv(results: Results) -> str:
     """Return one row a leak."""
     rows = []
-    for found in results.motions.leakages:
-        for coefficient in found.coefficients:
+    for leakage in results.motions.leakages:
+        for coefficient in leakage.coefficients:
             low, high = coefficient.ci95 or (None, None)
-            own = {
+            cells = {
                 "leak": coefficient.name,
                 "value_m3_s_pa": coefficient.value,
                 "se_m3_s_pa": coefficient.se,
             }
-            own |= {"ci95_low_m3_s_pa": low, "ci95_high_m3_s_pa": high}
-            rows.append({**vars(found), **own})
+            cells |= {"ci95_low_m3_s_pa": low, "ci95_high_m3_s_pa": high}
+            rows.append({**vars(leakage), **cells})
     columns = (
         "kind label leak value_m3_s_pa se_m3_s_pa ci95_low_m3_s_pa ci95_high_m3_s_pa "
         "bulk_modulus_pa message"
@@ -69,9 +69,9 @@ def leakage_csv(results: Results) -> str:
 def decays_csv(results: Results) -> str:
     """Return one row a hold."""
     rows = (
-        {"kind": found.kind, **row(decay)}
-        for found in results.motions.leakages
-        for decay in found.decays
+        {"kind": leakage.kind, **row(decay)}
+        for leakage in results.motions.leakages
+        for decay in leakage.decays
     )
     columns = "run p_p_pa p_r_pa rate_p_pa_s rate_r_pa_s out_p_m3_s out_r_m3_s"
     return csv_text((*_SERIES, *columns.split()), rows)

@@ -48,7 +48,7 @@ def report_document(
     folder = folder if folder != made.name else ""
     imported = "imported " if made.source == "imported" else ""
     day = imported + made.started[:10]
-    words = (folder, "Friction and efficiency of a cylinder", bench, day)
+    subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
     sections = (
         summary_section(results),
         _friction(results, figures.get("friction", ())),
@@ -63,7 +63,7 @@ def report_document(
     )
     return Document(
         made.name,
-        " · ".join(filter(None, words)),
+        " · ".join(filter(None, subtitle)),
         sections,
         verdict(results.quality),
         BANNERS[made.source],
@@ -91,20 +91,22 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
 
 def _fits(results: Results) -> tuple[Section, ...]:
     sections = []
-    parts: list[Section] = []
+    subsections: list[Section] = []
     for law, table in fit_tables(results).items():
-        parts.append(Section(law_words(law), tables=(table,)))
+        subsections.append(Section(law_words(law), tables=(table,)))
         if len(table.messages) > _FEW:
             words = f"Remarks on these fits ({len(table.messages)})"
-            parts.append(Section(words, items=table.messages, folded=True))
+            subsections.append(Section(words, items=table.messages, folded=True))
         elif table.messages:
-            parts.append(Section(items=table.messages))
-    if parts:
+            subsections.append(Section(items=table.messages))
+    if subsections:
         words = (
             "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
             "side. A parameter without an interval was not determined by these points."
         )
-        sections.append(Section("Fitted parameters", (words,), parts=tuple(parts), anchor="fits"))
+        sections.append(
+            Section("Fitted parameters", (words,), parts=tuple(subsections), anchor="fits")
+        )
     selection = selection_table(results)
     if selection.rows:
         sections.append(
@@ -114,52 +116,56 @@ def _fits(results: Results) -> tuple[Section, ...]:
 
 
 def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:
-    if found := figures.get("ramps"):
+    if drawings := figures.get("ramps"):
         table = page_motions.comparison_table(results)
-        parts = (Section(_RAMPS, (_TESTED,), tables=(table,)),) if table.rows else ()
-        yield Section("Ramps", drawings=found, parts=parts)
+        subsections = (Section(_RAMPS, (_TESTED,), tables=(table,)),) if table.rows else ()
+        yield Section("Ramps", drawings=drawings, parts=subsections)
     for name, table in (
         ("hysteresis", page_motions.loop_table(results)),
         ("steps", page_motions.level_table(results)),
         ("leakage", page_motions.leak_table(results)),
     ):
-        if found := figures.get(name):
+        if drawings := figures.get(name):
             messages = (Section(items=table.messages),) if table.messages else ()
-            yield Section(name.capitalize(), drawings=found, tables=(table,), parts=messages)
+            yield Section(name.capitalize(), drawings=drawings, tables=(table,), parts=messages)
 
 
 def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
     if not drawings:
         return ()
     budget = page_tables.budget_table(results)
-    words = "Mean over the speeds, and the parts of its uncertainty"
-    return (Section("Efficiency", drawings=drawings, tables=_titled(budget, words)),)
+    title = "Mean over the speeds, and the parts of its uncertainty"
+    return (Section("Efficiency", drawings=drawings, tables=_titled(budget, title)),)
 
 
 def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
-    parts = []
+    subsections = []
     if has_rejected(results):
         table = page_tables.rejected_table(results)
-        words = f"Rejected runs and why ({len(table.rows)})"
-        parts.append(Section(words, tables=(table,), folded=len(table.rows) > LONG_LIST))
+        title = f"Rejected runs and why ({len(table.rows)})"
+        subsections.append(Section(title, tables=(table,), folded=len(table.rows) > LONG_LIST))
     remarks = page_tables.remark_table(results)
     if remarks.rows:
-        words = f"Remarks on accepted runs ({len(remarks.rows)})"
-        parts.append(Section(words, tables=(remarks,), folded=True))
+        title = f"Remarks on accepted runs ({len(remarks.rows)})"
+        subsections.append(Section(title, tables=(remarks,), folded=True))
     none = () if has_rejected(results) else ("None.",)
-    return Section("Rejected runs", none, drawings=drawings, parts=tuple(parts), anchor="rejected")
+    return Section(
+        "Rejected runs", none, drawings=drawings, parts=tuple(subsections), anchor="rejected"
+    )
 
 
 def _points(results: Results) -> tuple[Section, ...]:
-    parts = [
-        Section(f"Points of the {words} curves ({len(table.rows)})", tables=(table,), folded=True)
-        for words, table in (
+    subsections = [
+        Section(f"Points of the {name} curves ({len(table.rows)})", tables=(table,), folded=True)
+        for name, table in (
             ("friction", page_tables.point_table(results)),
             ("efficiency", page_tables.efficiency_table(results)),
         )
         if table.rows
     ]
-    return (Section("All points", parts=tuple(parts), anchor="points"),) if parts else ()
+    return (
+        (Section("All points", parts=tuple(subsections), anchor="points"),) if subsections else ()
+    )
 
 
 def _titled(table: Table, title: str) -> tuple[Table, ...]:

@@ -83,8 +83,8 @@ def leak_table(results: Results) -> Table:
     """Return the leak coefficients in mm^3/(s bar), and below what they depend on."""
     scale = 1e9 * from_si(1.0, "bar") ** -1
     rows = []
-    for found in results.motions.leakages:
-        for coefficient in found.coefficients:
+    for leakage in results.motions.leakages:
+        for coefficient in leakage.coefficients:
             if coefficient.value is None:
                 cell = Cell(NONE, "not determined")
             else:
@@ -96,8 +96,8 @@ def leak_table(results: Results) -> Table:
                 cell = Cell(
                     with_interval(scale * coefficient.value, half), "" if half else "no interval"
                 )
-            rows.append((found.label, LEAKS[coefficient.name], cell, str(len(found.decays))))
-    messages = tuple(found.message for found in results.motions.leakages)
+            rows.append((leakage.label, LEAKS[coefficient.name], cell, str(len(leakage.decays))))
+    messages = tuple(leakage.message for leakage in results.motions.leakages)
     head = ("Label", "Leak", "Coefficient (mm³/(s bar))", "Holds")
     return table(head, rows, messages, words=("Leak",))
 

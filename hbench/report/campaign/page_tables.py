@@ -77,17 +77,17 @@ def budget_table(results: Results) -> Table:
     for curve in without_common_rod_pressure(results.efficiency):
         if curve.mean is None or curve.mean.sigma is None:
             continue
-        parts = {name: abs(part) for name, part in curve.mean.parts.items()}
+        sigmas = {name: abs(sigma) for name, sigma in curve.mean.parts.items()}
         if curve.mean.sigma_trials is not None:
-            parts["trials"] = curve.mean.sigma_trials
-        ranked = sorted(parts, key=lambda name: -parts[name])
+            sigmas["trials"] = curve.mean.sigma_trials
+        ranked = sorted(sigmas, key=lambda name: -sigmas[name])
         rows.append(
             (
                 *who(curve),
                 str(curve.mean.points),
                 _percent(curve.mean.efficiency),
                 _percent(curve.mean.sigma_combined),
-                ", ".join(f"{name} {_percent(parts[name])}" for name in ranked),
+                ", ".join(f"{name} {_percent(sigmas[name])}" for name in ranked),
             )
         )
     head = ("Speeds", "Mean efficiency (%)", "σ (%)", "Parts of σ (%)")
@@ -192,8 +192,8 @@ def _rod_side(pressure_pa: float | None) -> str:
 def who_text(curve: Curve) -> str:
     """Return the same as words."""
     load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
-    words = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
-    return ", ".join(filter(None, words))
+    texts = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
+    return ", ".join(filter(None, texts))
 
 
 def _planned(results: Results) -> list[tuple[ScreenedRun, RunPlan]]:

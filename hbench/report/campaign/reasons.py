@@ -8,7 +8,7 @@ from hbench.records import Results
 def reason_counts(results: Results) -> Counter[str]:
     """Count the runs of each reason's code; a run with two reasons counts under both."""
     codes = (dict.fromkeys(map(code_of, run.reasons)) for run in results.runs)
-    return Counter(code for own in codes for code in own)
+    return Counter(code for run_codes in codes for code in run_codes)
 
 
 def code_of(reason: str) -> str:

@@ -31,9 +31,9 @@ def reconciled_section(folder: str, content: dict[str, Any] | str) -> Section:
         return Section(title, (f"The diagnosis cannot be read. {content}",))
     held = _mapping(_mapping(content.get("gap")).get("heldout"))
     rows = [*_row("all", "balances together", held)]
-    for part, words in _PARTS.items():
+    for part, part_title in _PARTS.items():
         for name, gaps in _mapping(held.get(part)).items():
-            rows += _row(words, str(name), gaps)
+            rows += _row(part_title, str(name), gaps)
     verdict = f"Verdict: {_text(content.get('verdict'))}. {_text(content.get('why'))}".strip()
     next_ = _text(content.get("next_experiment"))
     return Section(
@@ -54,13 +54,15 @@ def _effects(content: dict[str, Any]) -> Iterator[str]:
     for effect in effects if isinstance(effects, list) else ():
         effect = _mapping(effect)
         values = []
-        for name, one in _mapping(effect.get("parameters")).items():
-            one = _mapping(one)
-            values.append(f"{name} = {significant(_number(one.get('value')), 3)} {_interval(one)}")
-        words = ", ".join(values)
+        for name, parameter in _mapping(effect.get("parameters")).items():
+            parameter = _mapping(parameter)
+            values.append(
+                f"{name} = {significant(_number(parameter.get('value')), 3)} {_interval(parameter)}"
+            )
+        coefficients = ", ".join(values)
         before, after = (number(_number(effect.get(key)), 2) for key in ("gap_before", "gap_after"))
         name = _text(effect.get("name"))
-        yield f"Effect {name}: {words}; its gap goes from {before} to {after}."
+        yield f"Effect {name}: {coefficients}; its gap goes from {before} to {after}."
 
 
 def _interval(value: dict[str, Any]) -> str:

@@ -7,10 +7,10 @@ from hbench.units import from_si
 
 def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:
     """Write the references of the load cylinder, such as ``500 N, 15 bar``; empty without any."""
-    words = [] if f_load_n is None else [force(f_load_n)]
+    references = [] if f_load_n is None else [force(f_load_n)]
     if p_lr_ref_pa is not None:
-        words.append(f"{short(from_si(p_lr_ref_pa, 'bar'))} bar")
-    return ", ".join(words)
+        references.append(f"{short(from_si(p_lr_ref_pa, 'bar'))} bar")
+    return ", ".join(references)
 
 
 def kind_words(series: Curve | EfficiencyCurve | HeadlineSeries | RunPlan) -> str:

@@ -14,8 +14,8 @@ def settings_section(results: Results, long_list: int) -> Section:
     """Return the section; more notes than ``long_list`` start folded."""
     notes: tuple[Section, ...] = ()
     if results.notes:
-        words = f"Notes of the analysis ({len(results.notes)})"
-        notes = (Section(words, items=results.notes, folded=len(results.notes) > long_list),)
+        title = f"Notes of the analysis ({len(results.notes)})"
+        notes = (Section(title, items=results.notes, folded=len(results.notes) > long_list),)
     return Section(
         "Instruments and settings", facts=tuple(_facts(results)), parts=notes, anchor="settings"
     )
@@ -35,11 +35,11 @@ def _facts(results: Results) -> Iterator[tuple[str, str]]:
             specimens.setdefault(run.run.plan.specimen, {})[run.run.plan.label] = None
     for specimen, labels in specimens.items():
         areas = (1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2)
-        words = f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²"
+        dimensions = f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²"
         if specimen.stroke_m is not None:
-            words += f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
+            dimensions += f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
         which = ", ".join(filter(None, labels)) if len(specimens) > 1 else ""
-        yield f"Cylinder {which}".strip(), words
+        yield f"Cylinder {which}".strip(), dimensions
     for name, section in made.settings.items():
         yield _name(name), _words(section)
     yield from ((_name(name), _words(value)) for name, value in made.details.items())
@@ -57,16 +57,16 @@ def _time(written: str) -> str:
 
 
 def _name(key: str) -> str:
-    words = key.replace("_", " ")
-    return f"{words[:1].upper()}{words[1:]}"
+    text = key.replace("_", " ")
+    return f"{text[:1].upper()}{text[1:]}"
 
 
 def _words(value: Any, inside: bool = False) -> str:
     """Write a section of a bench file in a line, with its values unchanged."""
     if isinstance(value, Mapping):
-        parts = [
-            f"{str(name).replace('_', ' ')} {_words(one, inside=True)}"
-            for name, one in value.items()
+        entries = [
+            f"{str(name).replace('_', ' ')} {_words(entry, inside=True)}"
+            for name, entry in value.items()
         ]
-        return f"({', '.join(parts)})" if inside else "; ".join(parts)
+        return f"({', '.join(entries)})" if inside else "; ".join(entries)
     return value if isinstance(value, str) else json.dumps(value, default=str, ensure_ascii=False)

@@ -45,18 +45,18 @@ def _tiles(results: Results) -> Iterable[Tile]:
     at = f"friction at {number(1e3 * median_low(speeds), 0)} mm/s" if speeds else ""
     yield from _tile([each.friction_n for each in series], 1.0, "N", at, "working-speed")
     yield from _tile([each.breakaway_n for each in series], 1.0, "N", "breakaway", "breakaway")
-    words = "efficiency at that speed"
-    yield from _tile([each.efficiency for each in series], 100.0, "%", words, "efficiency")
+    caption = "efficiency at that speed"
+    yield from _tile([each.efficiency for each in series], 100.0, "%", caption, "efficiency")
     accepted = sum(run.accepted for run in results.runs)
     yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
     checks = results.quality.checks
     good = sum(check.grade == "good" for check in checks)
-    words = f"data: {good} of {len(checks)} checks are good"
-    yield Tile(results.quality.grade.capitalize(), "", words)
+    caption = f"data: {good} of {len(checks)} checks are good"
+    yield Tile(results.quality.grade.capitalize(), "", caption)
 
 
 def _tile(
-    numbers: Iterable[HeadlineNumber | None], scale: float, unit: str, words: str, anchor: str
+    numbers: Iterable[HeadlineNumber | None], scale: float, unit: str, caption: str, anchor: str
 ) -> Iterable[Tile]:
     known = [each for each in numbers if each is not None]
     if not known:
@@ -64,17 +64,17 @@ def _tile(
     halves = [each.u95 for each in known if each.u95 is not None]
     flags = dict.fromkeys(_FLAGS[each.basis] for each in known if _FLAGS[each.basis])
     partly = "" if all(_FLAGS[each.basis] for each in known) else "partly "
-    words = ", ".join([words, *(partly + flag for flag in flags)])
+    caption = ", ".join([caption, *(partly + flag for flag in flags)])
     anchor = f"method-{anchor}"
     if len(known) == 1:
         half = scale * halves[0] if halves else None
-        yield Tile(with_interval(scale * known[0].value, half), unit, words, anchor)
+        yield Tile(with_interval(scale * known[0].value, half), unit, caption, anchor)
         return
     values = [scale * each.value for each in known]
     points = "percentage points" if unit == "%" else unit  # not per cent of the value
     widest = significant(scale * max(halves), 2) if halves else ""
     most = f"; 95 % interval ±{widest} {points} at most" if halves else ""
-    yield Tile(alike(values), unit, f"{words}, all loads and directions{most}", anchor)
+    yield Tile(alike(values), unit, f"{caption}, all loads and directions{most}", anchor)
 
 
 def _table(series: Iterable[HeadlineSeries]) -> Table:
@@ -109,17 +109,17 @@ def _measured(results: Results) -> str:
     """Return runs, speeds, loads and directions in a sentence."""
     kinds = Counter(KINDS[run.run.plan.kind].display_name for run in results.runs)
     made = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"
-    words = [f"{len(results.runs)} runs ({made})"]
+    phrases = [f"{len(results.runs)} runs ({made})"]
     curves = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
     points = [point for curve in curves for point in curve.points]
     if points:
-        words.append(f"steady at {span([1e3 * abs(p.v_m_s) for p in points])} mm/s")
+        phrases.append(f"steady at {span([1e3 * abs(p.v_m_s) for p in points])} mm/s")
         loads = {abs(c.f_load_n) for c in curves if c.f_load_n is not None}
         if loads:
             count = "1 load" if len(loads) == 1 else f"{len(loads)} loads"
-            words.append(f"{count} of {span(loads)} N")
+            phrases.append(f"{count} of {span(loads)} N")
         both = len({curve.direction for curve in curves}) == 2
-        words.append("both directions" if both else "one direction")
+        phrases.append("both directions" if both else "one direction")
         if not any(curve.over_velocity for curve in curves):
-            words.append(f"chamber pressure {span([p.p_tp_pa / 1e5 for p in points])} bar")
-    return ", ".join(words) + "."
+            phrases.append(f"chamber pressure {span([p.p_tp_pa / 1e5 for p in points])} bar")
+    return ", ".join(phrases) + "."

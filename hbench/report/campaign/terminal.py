@@ -58,8 +58,8 @@ def _joint_words(joint: JointFit) -> str:
 
 
 def _fit_words(fit: Fit) -> str:
-    words = [
+    parameters = [
         f"{name}={short(value.value)}" + (f" (at {value.at_bound} bound)" if value.at_bound else "")
         for name, value in fit.parameters.items()
     ]
-    return " ".join([fit.law, *words, *([] if fit.converged else ["NOT CONVERGED"])])
+    return " ".join([fit.law, *parameters, *([] if fit.converged else ["NOT CONVERGED"])])

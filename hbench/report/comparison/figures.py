@@ -40,17 +40,17 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
         bars = above.errorbar(*_columns(curve), label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
     v = 1e3 * np.abs([point.v_m_s for point in difference.points])
-    found_n = [point.friction_n for point in difference.points]
-    u95 = [np.nan if d.u95 is None else d.u95 for d in found_n]
-    ci95 = [np.nan if d.ci95 is None else d.ci95 for d in found_n]
-    values = np.array([d.value for d in found_n])
+    differences_n = [point.friction_n for point in difference.points]
+    u95 = [np.nan if d.u95 is None else d.u95 for d in differences_n]
+    ci95 = [np.nan if d.ci95 is None else d.ci95 for d in differences_n]
+    values = np.array([d.value for d in differences_n])
     below.axhline(0, color="#374151", linewidth=0.9)
     below.errorbar(v, values, u95, linestyle="none", color="#000000", elinewidth=5, alpha=0.18)
     below.errorbar(v, values, ci95, linestyle="none", color="#000000", elinewidth=1.1, capsize=2.5)
-    real = np.array([d.real for d in found_n])
+    real = np.array([d.real for d in differences_n])
     for chosen, face in ((real, "#000000"), (~real, "white")):
-        words = "_B − A" if face == "white" else "_B − A, real"
-        look = {"color": "#000000", "markerfacecolor": face, "zorder": 4, "label": words}
+        label = "_B − A" if face == "white" else "_B − A, real"
+        look = {"color": "#000000", "markerfacecolor": face, "zorder": 4, "label": label}
         (dots,) = below.plot(v[chosen], values[chosen], "o", **look)
         halves = {"± B − A (N)": np.array(ci95)[chosen], "U95 (N)": np.array(u95)[chosen]}
         behind(dots, halves)

@@ -27,7 +27,7 @@ _REAL, _NOT = "differs", "not significant"
 
 def differences_text(differences: CampaignDifferences) -> str:
     """Return the tables for a terminal."""
-    parts = [
+    lines = [
         f"A: {_name(differences, 0)}",
         f"B: {_name(differences, 1)}",
         _instruments(differences),
@@ -35,9 +35,9 @@ def differences_text(differences: CampaignDifferences) -> str:
     ]
     for table in (_means(differences), _parameters(differences)):
         if table.rows:
-            parts += [*aligned(table), ""]
-    parts += [f"note: {note}" for note in differences.notes]
-    text = "\n".join(parts).rstrip()
+            lines += [*aligned(table), ""]
+    lines += [f"note: {note}" for note in differences.notes]
+    text = "\n".join(lines).rstrip()
     return text.replace("−", "-").replace("–", "-").replace("±", "+-").replace("²", "^2")
 
 
@@ -122,10 +122,12 @@ def _verdict(differences: CampaignDifferences) -> str:
     if not real:
         count = len(differences.curves)
         return f"No difference of mean friction is significant in any of {count} curves."
-    words = "; ".join(
+    means_text = "; ".join(
         f"{_who(curve)}: {_signed(mean)} N ({_percent(mean)})" for curve, mean in real
     )
-    return f"Mean friction differs in {len(real)} of {len(differences.curves)} curves: {words}."
+    return (
+        f"Mean friction differs in {len(real)} of {len(differences.curves)} curves: {means_text}."
+    )
 
 
 def _instruments(differences: CampaignDifferences) -> str:
@@ -219,7 +221,9 @@ def _who(curve: Curve) -> str:
 
 
 def _name(differences: CampaignDifferences, which: int) -> str:
-    own = (differences.a, differences.b)[which]
+    campaign = (differences.a, differences.b)[which]
     return ", ".join(
-        filter(None, (differences.names[which], own.name, own.source, own.started[:10]))
+        filter(
+            None, (differences.names[which], campaign.name, campaign.source, campaign.started[:10])
+        )
     )

@@ -28,8 +28,8 @@ def draw_design(design: Design) -> tuple[Drawing, ...]:
                 figure = draw(loop)
                 figure.axes[0].set_title(f"{title}, {loop.name}")
                 slug = f"{loop.name.replace(' ', '-')}-{name}"
-                words = f"{title}, {loop.name}"
-                sketches.append(Sketch(slug, loop.name, words, caption, figure))
+                full_title = f"{title}, {loop.name}"
+                sketches.append(Sketch(slug, loop.name, full_title, caption, figure))
     return drawn(sketches)
 
 
@@ -90,14 +90,14 @@ def locus(loop: ControlLoop) -> Figure:
     """Draw the closed loop's poles over the gain, without and with the valve."""
     figure = style.new_figure(height_in=4.2)
     axes = figure.add_subplot()
-    for merits, found in zip(loop.merits, loop.locus, strict=False):
+    for merits, branches in zip(loop.merits, loop.locus, strict=False):
         colour, line, marker = LOOKS[merits.chain]
-        for branch in found.poles_rad_s.T:
+        for branch in branches.poles_rad_s.T:
             label = f"_{merits.chain}, as the gain grows"
             axes.plot(branch.real, branch.imag, line, color=colour, linewidth=1.2, label=label)
-        design = found.poles_rad_s[np.argmin(np.abs(found.gain_factor - 1.0))]
+        design = branches.poles_rad_s[np.argmin(np.abs(branches.gain_factor - 1.0))]
         axes.plot(design.real, design.imag, marker, color=colour, label=f"{merits.chain}: closed")
-        roots = found.open_poles_rad_s
+        roots = branches.open_poles_rad_s
         label = "open-loop pole" if merits is loop.merits[1] else f"_{merits.chain}, open-loop pole"
         axes.plot(roots.real, roots.imag, "x", color="black", markersize=7, label=label)
     zeros = loop.locus[0].zeros_rad_s
@@ -131,11 +131,11 @@ def pole_zero(loop: ControlLoop) -> Figure:
             label=f"{merits.chain}: largest |z| {merits.digital_modulus:.5f}",
         )
         if merits.poles_rad_s is not None and merits.zeros_rad_s is not None:
-            poles, own = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
-            plane.plot(poles.real, poles.imag, "x", **own)
+            poles, look = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
+            plane.plot(poles.real, poles.imag, "x", **look)
             zeros = merits.zeros_rad_s
-            own["label"] = f"_{merits.chain}, zero"
-            plane.plot(zeros.real, zeros.imag, "o", markerfacecolor="none", **own)
+            look["label"] = f"_{merits.chain}, zero"
+            plane.plot(zeros.real, zeros.imag, "o", markerfacecolor="none", **look)
     _s_plane(plane, reach=1.2 * _reach(loop))
     angle = np.linspace(0, 2 * np.pi, 721)
     disc.plot(np.cos(angle), np.sin(angle), color=style.QUIET, linewidth=1.0)

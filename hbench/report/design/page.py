@@ -10,14 +10,14 @@ from hbench.report.render.figures import Drawing
 
 def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    found = design.proposal
+    proposal = design.proposal
     sections = []
-    if found is not None:
-        rows = text.check_rows((*found.margins, *found.closed_loop))
+    if proposal is not None:
+        rows = text.check_rows((*proposal.margins, *proposal.closed_loop))
         checks = WordTable("Checks", text.CHECK_HEAD, tuple(rows))
-        items, code = tuple(text.proposal_lines(found)), text.gains_yaml(found)
+        items, code = tuple(text.proposal_lines(proposal)), text.gains_yaml(proposal)
         sections.append(Section("Proposal", items=items, code=code, tables=(checks,)))
-    chains = tuple(f"{name}: {words}" for name, words in text.CHAINS.items())
+    chains = tuple(f"{name}: {about}" for name, about in text.CHAINS.items())
     loops = WordTable("", text.LOOP_HEAD, tuple(text.loop_rows(design)))
     facts = tuple(text.fact_lines(design))
     sections.append(Section("Loops", items=(*chains, *facts), tables=(loops,)))
@@ -31,5 +31,5 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         "Computed and simulated; nothing here was measured. Operating point: "
         f"{text.point_words(design)}.",
         tuple(sections),
-        "" if found is None else text.verdict(found),
+        "" if proposal is None else text.verdict(proposal),
     )

@@ -224,25 +224,25 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
 
 def design_text(design: Design) -> str:
     """Return the design for a terminal, in plain ASCII."""
-    parts = [
+    lines = [
         design.bench,
         f"operating point: {point_words(design)}",
         "",
         *_table(LOOP_HEAD, loop_rows(design)),
         "",
-        *(f"{name}: {words}" for name, words in CHAINS.items()),
+        *(f"{name}: {text}" for name, text in CHAINS.items()),
         *fact_lines(design),
     ]
     if design.reproduced:
         agree = sum(number.agrees for number in design.reproduced)
-        parts += ["", *_table(REPRODUCED_HEAD, reproduced_rows(design.reproduced))]
-        parts += [f"{agree} of {len(design.reproduced)} numbers of the source agree"]
+        lines += ["", *_table(REPRODUCED_HEAD, reproduced_rows(design.reproduced))]
+        lines += [f"{agree} of {len(design.reproduced)} numbers of the source agree"]
     if design.proposal is not None:
-        found = design.proposal
-        parts += ["", "proposal", *proposal_lines(found), "", gains_yaml(found), ""]
-        parts += _table(CHECK_HEAD, check_rows((*found.margins, *found.closed_loop)))
-        parts += [verdict(found)]
-    return "\n".join(parts).replace("−", "-").replace("–", "-")
+        proposal = design.proposal
+        lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
+        lines += _table(CHECK_HEAD, check_rows((*proposal.margins, *proposal.closed_loop)))
+        lines += [verdict(proposal)]
+    return "\n".join(lines).replace("−", "-").replace("–", "-")
 
 
 def _table(head: tuple[str, ...], rows: Rows) -> list[str]:

@@ -39,13 +39,13 @@ _MOST = 3.0  # of the colour scale: a gap of 1000
 def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
     """Draw the held-out gaps of balances, and of signals in closed and open loop."""
     table = diagnosis.gap_heldout
-    parts: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], Words]], ...] = (
+    groups: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], Words]], ...] = (
         ("Balances", with_total(table), balance),
         ("Signals, closed loop", table.signals, signal),
         ("Signals, open loop", table.open_loop, signal),
     )
     return {
-        title: _gaps(diagnosis, title, values, words) for title, values, words in parts if values
+        title: _gaps(diagnosis, title, values, words) for title, values, words in groups if values
     }
 
 
@@ -57,14 +57,14 @@ def _gaps(
 ) -> Figure:
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(values))
     axes = figure.subplots()
-    steps, places = steps_of(diagnosis), np.arange(len(values))
+    steps, rows = steps_of(diagnosis), np.arange(len(values))
     every = {
-        step: np.maximum([getattr(one, step) for one in values.values()], _LEAST) for step in steps
+        step: np.maximum([getattr(gap, step) for gap in values.values()], _LEAST) for step in steps
     }
     across = [every[step] for step in steps if step != "floor"]
-    axes.hlines(places, np.min(across, 0), np.max(across, 0), color="#d1d5db", linewidth=2.5)
+    axes.hlines(rows, np.min(across, 0), np.max(across, 0), color="#d1d5db", linewidth=2.5)
     for step, label in steps.items():
-        axes.plot(every[step], places, linestyle="none", label=label, **_LOOKS[step])
+        axes.plot(every[step], rows, linestyle="none", label=label, **_LOOKS[step])
     axes.axvline(1, color="#374151", linewidth=0.9)
     _log_gaps(axes)
     _rows(axes, [drawn(words(name).says) for name in values])
@@ -141,22 +141,30 @@ def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
     chosen = diagnosis.ranking[:most]
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(chosen))
     axes = figure.subplots()
-    top = max(max(one.threshold, one.score) for one in chosen)
+    top = max(max(candidate.threshold, candidate.score) for candidate in chosen)
     named = {effect.name for effect in diagnosis.effects} | {
         candidate.name for candidate in diagnosis.alternatives
     }
-    for place, one in enumerate(chosen):
-        colour = AFTER if one.name in named else "#9ca3af"
-        look = {"color": colour} if one.tried == "simulated" else {"facecolor": "white"}
-        look["label"] = f"_{one.tried}"
-        axes.barh(place, one.score, height=0.62, edgecolor=colour, linewidth=1.4, **look)
-        axes.annotate(_remark(one), (max(one.score, 0.0), place), (4, 0), va="center", fontsize=9,
-                      textcoords="offset points")  # fmt: skip
-    needed = [one.threshold for one in chosen]
+    for row, candidate in enumerate(chosen):
+        colour = AFTER if candidate.name in named else "#9ca3af"
+        look = {"color": colour} if candidate.tried == "simulated" else {"facecolor": "white"}
+        look["label"] = f"_{candidate.tried}"
+        axes.barh(row, candidate.score, height=0.62, edgecolor=colour, linewidth=1.4, **look)
+        axes.annotate(
+            _remark(candidate),
+            (max(candidate.score, 0.0), row),
+            (4, 0),
+            va="center",
+            fontsize=9,
+            textcoords="offset points",
+        )
+    needed = [candidate.threshold for candidate in chosen]
     axes.plot(needed, range(len(chosen)), linestyle="none", label="threshold", **_LOOKS["floor"])
-    axes.set_xlim(min(0.0, max(-0.1 * top, min(one.score for one in chosen))), 1.65 * top)
-    axes.set_xlabel("Gain of log-likelihood, left out (nats)")
-    _rows(axes, [one.name for one in chosen])
+    axes.set_xlim(
+        min(0.0, max(-0.1 * top, min(candidate.score for candidate in chosen))), 1.65 * top
+    )
+    axes.set_xlabel("Gain of log-likelihood, held-out points (nats)")
+    _rows(axes, [candidate.name for candidate in chosen])
     style.head(axes, "Candidates", diagnosis)
     style.legend_above(figure, axes)
     return figure
@@ -172,14 +180,14 @@ def refitted_figure(diagnosis: Diagnosis) -> Figure:
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(names))
     axes = figure.subplots()
     axes.axvline(1, color="#374151", linewidth=0.9)
-    for place, one in enumerate(diagnosis.refitted.values()):
-        if one.ci95 is not None:
-            axes.hlines(place, *one.ci95, color=BEFORE, linewidth=1.4)
-        face = "white" if one.ci95 is None or one.at_bound else BEFORE
+    for row, factor in enumerate(diagnosis.refitted.values()):
+        if factor.ci95 is not None:
+            axes.hlines(row, *factor.ci95, color=BEFORE, linewidth=1.4)
+        face = "white" if factor.ci95 is None or factor.at_bound else BEFORE
         look = {"color": BEFORE, "markerfacecolor": face, "label": "_factor"}
-        (mark,) = axes.plot(one.value, place, "D", **look)
-        if one.ci95 is not None:
-            behind(mark, {"from": [one.ci95[0]], "to": [one.ci95[1]]})
+        (mark,) = axes.plot(factor.value, row, "D", **look)
+        if factor.ci95 is not None:
+            behind(mark, {"from": [factor.ci95[0]], "to": [factor.ci95[1]]})
     axes.set_xlabel("Factor on the model's value (1)")
     _rows(axes, [name.replace("_", " ") for name in names])
     style.head(axes, "Refitted values", diagnosis)

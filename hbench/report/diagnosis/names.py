@@ -79,7 +79,7 @@ def signal(name: str) -> Words:
 
 def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
     """Return the fields of ``BeforeAfter`` that differ from each other, and their display names."""
-    return {step: words for step, words in STEPS.items() if diagnosis.effects or step != "after"}
+    return {step: title for step, title in STEPS.items() if diagnosis.effects or step != "after"}
 
 
 def scatter_words(gap: Gap) -> str:
@@ -95,10 +95,10 @@ def share(value: float) -> str:
     return f"{number(round(100 * value) + 0.0, 0)} %"
 
 
-def drawn(words: str) -> str:
+def drawn(symbol: str) -> str:
     """Write ``P_Tp`` for a figure, its index below the line."""
-    head, index = words.partition("_")[::2]
-    return f"${head}_{{{index}}}$" if index else words
+    head, index = symbol.partition("_")[::2]
+    return f"${head}_{{{index}}}$" if index else symbol
 
 
 def shown(si: Any, words: Words) -> Any:
@@ -108,14 +108,14 @@ def shown(si: Any, words: Words) -> Any:
 
 def quantity(parameter: FitParameter) -> str:
     """Write a value with its 95 % interval and its unit, or why there is no interval."""
-    words = [_with_interval(parameter)]
+    texts = [_with_interval(parameter)]
     if parameter.unit != "1":
-        words.append(parameter.unit)
+        texts.append(parameter.unit)
     if parameter.at_bound:
-        words.append(f"(at its {parameter.at_bound} bound)")
+        texts.append(f"(at its {parameter.at_bound} bound)")
     elif parameter.ci95 is None:
-        words.append("(not determined)")
-    return " ".join(words)
+        texts.append("(not determined)")
+    return " ".join(texts)
 
 
 def _with_interval(parameter: FitParameter) -> str:

@@ -17,7 +17,7 @@ def overlay_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
     """Draw each run's signals, and beside each the errors of the simulations."""
     runs = dict.fromkeys(overlay.run for overlay in diagnosis.overlays)
     return {
-        run: _run(diagnosis, run, [one for one in diagnosis.overlays if one.run == run])
+        run: _run(diagnosis, run, [overlay for overlay in diagnosis.overlays if overlay.run == run])
         for run in runs
     }
 

@@ -97,7 +97,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     return document(
         f"{diagnosis.model} against {made.name}",
         f"Campaign {made.name}, {made.source}, {made.started}; bench {made.bench}.",
-        tuple(one for one in sections if one is sections[0] or _holds_something(one)),
+        tuple(
+            section for section in sections if section is sections[0] or _holds_something(section)
+        ),
         _verdict(diagnosis),
         made.source,
     )
@@ -105,15 +107,15 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
 
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the terminal's headline as sentences."""
-    kind, _, words = text.headline(diagnosis).partition(": ")
+    kind, _, finding = text.headline(diagnosis).partition(": ")
     names = [effect.name for effect in diagnosis.effects] + [
         candidate.name for candidate in diagnosis.alternatives
     ]
     for name in names:
-        words = words.replace(name, name.replace("_", " "))
+        finding = finding.replace(name, name.replace("_", " "))
     if diagnosis.verdict in ("named", "ambiguous"):
-        return f"Verdict: {kind}. Missing in the model: {words}"
-    return f"Verdict: {kind}. {words[:1].upper()}{words[1:]}"
+        return f"Verdict: {kind}. Missing in the model: {finding}"
+    return f"Verdict: {kind}. {finding[:1].upper()}{finding[1:]}"
 
 
 def _answer(diagnosis: Diagnosis) -> Section:

@@ -33,7 +33,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
     figure = style.new_figure(height_in=0.9 + 2.3 * len(sides), wide=True)
     panels = figure.subplots(len(sides), len(names), sharex=True, sharey=True, squeeze=False)
     cells = [[_cells(side, name) for name in names] for side in sides]
-    largest = max(float(np.max(np.abs(one[2]), initial=_LEAST)) for row in cells for one in row)
+    largest = max(float(np.max(np.abs(cell[2]), initial=_LEAST)) for row in cells for cell in row)
     norm = Normalize(-largest, largest)
     for row, panel_row, title in zip(cells, panels, _TITLES, strict=False):
         for (v, load, value, count), axes, name in zip(row, panel_row, names, strict=True):
@@ -92,8 +92,8 @@ def _limits(values: np.ndarray) -> tuple[float, float]:
 def worst(diagnosis: Diagnosis) -> list[str]:
     """Return the balances with significant gaps, or else the worst one."""
     known = [gap for gap in diagnosis.where if gap.name in diagnosis.residuals_before.names]
-    out = [one.name for one in known if one.p_value < 0.05]
-    return out or [one.name for one in known[:1]]
+    significant = [gap.name for gap in known if gap.p_value < 0.05]
+    return significant or [gap.name for gap in known[:1]]
 
 
 def _sides(diagnosis: Diagnosis) -> list[ResidualMap]:
@@ -104,8 +104,8 @@ def _sides(diagnosis: Diagnosis) -> list[ResidualMap]:
 def _cells(side: ResidualMap, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return the means of windows that lie close: velocity, load, residual; and their number."""
     value = side.value[:, side.names.index(name)]
-    own = np.isfinite(value) & np.isfinite(side.load_n)
-    v, load, value = side.v_m_s[own], side.load_n[own], value[own]
+    known = np.isfinite(value) & np.isfinite(side.load_n)
+    v, load, value = side.v_m_s[known], side.load_n[known], value[known]
     if not len(value):
         return v, load, value, value
     wanted = [v, load, value]
@@ -125,12 +125,12 @@ def _points(
     only_held_out: bool,
 ) -> None:
     x = shown(getattr(side, across), AXES[across])
-    own = np.isfinite(value) & np.isfinite(x)
-    coloured = own & (side.held_out if only_held_out else True)
+    known = np.isfinite(value) & np.isfinite(x)
+    coloured = known & (side.held_out if only_held_out else True)
     inside = np.clip(value, *limits)
     axes.axhspan(-1, 1, color="#e5e7eb", zorder=0)
     axes.axhline(0, color="#374151", linewidth=0.8, zorder=1)
-    grey = own & ~coloured
+    grey = known & ~coloured
     axes.scatter(
         x[grey], inside[grey], s=5, color="#c4c9d1", rasterized=True, clip_on=False, linewidths=0
     )
@@ -140,7 +140,7 @@ def _points(
         x[coloured], inside[coloured], c=colours, s=9, rasterized=True, clip_on=False, linewidths=0
     )
     for way, marker in ((1, ">"), (-1, "<")):
-        going = own & (way * side.v_m_s > REST_M_S)
+        going = known & (way * side.v_m_s > REST_M_S)
         middles, medians = _medians(x[going], value[going])
         axes.plot(
             middles, np.clip(medians, *limits), marker, color="black",
@@ -151,15 +151,15 @@ def _points(
 
 def _windows(axes: Axes, side: ResidualMap, value: np.ndarray, title: str) -> None:
     """Put every window's numbers behind the figure, whose points are drawn as an image."""
-    own = np.isfinite(value)
+    known = np.isfinite(value)
     (first, _), *others = _PANELS
     axes.set_autoscale_on(False)
-    (line,) = axes.plot(shown(getattr(side, first), AXES[first])[own], value[own], " ")
+    (line,) = axes.plot(shown(getattr(side, first), AXES[first])[known], value[known], " ")
     line.set_label(f"_windows {title}")
     columns = {}
     for name, _ in others:
         words, values = AXES[name], shown(getattr(side, name), AXES[name])
-        columns[f"{words.says.capitalize()} ({words.unit})"] = values[own]
+        columns[f"{words.says.capitalize()} ({words.unit})"] = values[known]
     behind(line, columns)
 
 
@@ -168,9 +168,10 @@ def _medians(x: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if not len(x):
         return x, value
     cuts = np.unique(np.quantile(x, np.arange(1, _PARTS) / _PARTS))
-    place = np.searchsorted(cuts, x)
+    interval = np.searchsorted(cuts, x)
     x_mid, y_mid = (
-        [float(np.median(what[place == part])) for part in np.unique(place)] for what in (x, value)
+        [float(np.median(values[interval == i])) for i in np.unique(interval)]
+        for values in (x, value)
     )
     return np.array(x_mid), np.array(y_mid)
 

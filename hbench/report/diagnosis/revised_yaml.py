@@ -47,21 +47,21 @@ def _head(lines: Sequence[str]) -> str:
 
 def _comments(diagnosis: Diagnosis) -> dict[tuple[str, ...], str]:
     """Return the comments of the values, by their paths."""
-    said = {
+    comments = {
         tuple(path.split(".")): f"refitted: the model's times {quantity(factor)}"
         for path, factor in diagnosis.refitted.items()
     }
     for effect in diagnosis.effects:
-        said["effects", effect.name] = _law(effect)
+        comments["effects", effect.name] = _law(effect)
         for name, parameter in effect.parameters.items():
-            said["effects", effect.name, name] = f"found: {quantity(parameter)}"
-    return said
+            comments["effects", effect.name, name] = f"found: {quantity(parameter)}"
+    return comments
 
 
 def _law(effect: AddedEffect) -> str:
-    place = "an error of a sensor: " if effect.of_sensor else ""
+    origin = "an error of a sensor: " if effect.of_sensor else ""
     form = f"; form: {effect.shape}" if effect.shape else ""
-    return f"{place}{effect.says}{form}"
+    return f"{origin}{effect.says}{form}"
 
 
 def _lines(

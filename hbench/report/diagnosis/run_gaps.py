@@ -35,20 +35,20 @@ def run_gaps_csv(diagnosis: Diagnosis) -> str:
 def run_table(diagnosis: Diagnosis, most: int) -> WordTable:
     """Return the ``most`` worst runs, by the balances of the model with its effects."""
     compared = [run_gap for run_gap in diagnosis.gap_runs if run_gap.gap.balances]
-    chosen = sorted(compared, key=lambda one: -one.gap.total.after)[:most]
+    chosen = sorted(compared, key=lambda run_gap: -run_gap.gap.total.after)[:most]
     steps = steps_of(diagnosis)
     title = "Gap of each run: all balances, the worst balance and signals"
     if len(chosen) < len(compared):
         title += f" (the worst {len(chosen)} of {len(compared)})"
     rows = tuple(
         (
-            one.plan.run,
-            _what(one.plan),
-            "yes" if one.held_out else "no",
-            *(number(getattr(one.gap.total, step), 2) for step in steps),
-            *_worst(one.gap),
+            run_gap.plan.run,
+            _what(run_gap.plan),
+            "yes" if run_gap.held_out else "no",
+            *(number(getattr(run_gap.gap.total, step), 2) for step in steps),
+            *_worst(run_gap.gap),
         )
-        for one in chosen
+        for run_gap in chosen
     )
     head = ("run", "what", "held out", *steps.values())
     return WordTable(title, (*head, "balance", "signal, closed loop", "open loop"), rows)
@@ -64,6 +64,6 @@ def _worst(gap: GapTable) -> tuple[str, ...]:
     cells = []
     for part, words in zip(_PARTS, (balance, signal, signal), strict=True):
         gaps: Mapping[str, BeforeAfter] = getattr(gap, part)
-        name = max(gaps, key=lambda one: gaps[one].after, default=None)
+        name = max(gaps, key=lambda name: gaps[name].after, default=None)
         cells.append(f"{words(name).says} {number(gaps[name].after, 2)}" if name else NONE)
     return tuple(cells)

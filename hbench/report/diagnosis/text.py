@@ -33,13 +33,13 @@ _UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    parts = [f"{headline(diagnosis)}\n{diagnosis.why}", gap_line(diagnosis)]
-    parts += effect_lines(diagnosis)
+    blocks = [f"{headline(diagnosis)}\n{diagnosis.why}", gap_line(diagnosis)]
+    blocks += effect_lines(diagnosis)
     if diagnosis.next_experiment:
-        parts.append(f"next experiment: {diagnosis.next_experiment}")
-    parts += ["\n".join(aligned(table)) for table in tables(diagnosis)]
-    parts += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
-    text = "\n\n".join(part for part in parts if part)
+        blocks.append(f"next experiment: {diagnosis.next_experiment}")
+    blocks += ["\n".join(aligned(table)) for table in tables(diagnosis)]
+    blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
+    text = "\n\n".join(block for block in blocks if block)
     for sign, plainly in {"−": "-", "–": "-", "±": "+-", "…": "..."}.items():
         text = text.replace(sign, plainly)
     return text
@@ -76,7 +76,7 @@ def gap_line(diagnosis: Diagnosis) -> str:
     if not diagnosis.gap_heldout.balances:
         return ""
     steps = ", ".join(
-        f"{number(getattr(total, step), 2)} {words}" for step, words in steps_of(diagnosis).items()
+        f"{number(getattr(total, step), 2)} {title}" for step, title in steps_of(diagnosis).items()
     )
     return f"Gap of held-out runs, all balances: {steps}. {_UNIT_OF_GAP}"
 
@@ -122,9 +122,9 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
         rival = (
             f"{added.runner_up.name}, {short(added.runner_up.margin)}" if added.runner_up else NONE
         )
-        own = (number(added.gap_before, 2), number(added.gap_after, 2), short(added.score), rival)
+        gains = (number(added.gap_before, 2), number(added.gap_after, 2), short(added.score), rival)
         for i, (name, p) in enumerate(added.parameters.items()):
-            effect, cells = ("", ("",) * len(own)) if i else (added.name, own)
+            effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
             rows.append((effect, name, quantity(p), *cells))
     head = ("effect", "coefficient", "value with 95 % interval", "gap before", "after")
     return WordTable(
@@ -180,18 +180,18 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
 
     def rows(of: Mapping[str, BeforeAfter], words: Callable[[str], Words]) -> Rows:
         return tuple(
-            (words(name).says, *(number(getattr(one, step), 2) for step in steps))
-            for name, one in of.items()
+            (words(name).says, *(number(getattr(gap, step), 2) for step in steps))
+            for name, gap in of.items()
         )
 
-    parts = (
+    groups = (
         ("balance", "balances", with_total(table), balance),
         ("signal", "signals, closed loop", table.signals, signal),
         ("signal", "signals, open loop", table.open_loop, signal),
     )
     return tuple(
         WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows(values, words))
-        for kind, title, values, words in parts
+        for kind, title, values, words in groups
         if values
     )
 
@@ -225,7 +225,7 @@ def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return missing data, effects that were not tried and runs left out, a sentence each."""
     lines = [f"missing for a better verdict: {item}" for item in diagnosis.missing]
     for reason in dict.fromkeys(diagnosis.not_tried.values()):
-        names = ", ".join(name for name, own in diagnosis.not_tried.items() if own == reason)
+        names = ", ".join(name for name, why in diagnosis.not_tried.items() if why == reason)
         lines.append(f"not tried ({reason}): {names}")
     if diagnosis.left_out:
         lines.append(f"runs left out: {len(diagnosis.left_out)}")

@@ -22,34 +22,40 @@ _DAYS = 2.0  # a shorter fleet is shown over hours
 def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
     """Draw the distribution of each number and its course, both directions in each figure."""
     sketches = []
-    for quantity in dict.fromkeys(one.quantity for one in fleet.spreads):
-        own = [one for one in fleet.spreads if one.quantity == quantity]
+    for quantity in dict.fromkeys(spread.quantity for spread in fleet.spreads):
+        spreads = [spread for spread in fleet.spreads if spread.quantity == quantity]
         name = quantity.name.replace("_", "-")
         with rc_context(style.RC):
-            spread = draw_distribution(quantity, own, fleet)
-            drift = draw_drift(quantity, own, fleet)
+            distribution = draw_distribution(quantity, spreads, fleet)
+            drift = draw_drift(quantity, spreads, fleet)
         sketches += [
-            Sketch(f"distribution-{name}", DISTRIBUTIONS, quantity.words, _outside(own), spread),
-            Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(own), drift),
+            Sketch(
+                f"distribution-{name}",
+                DISTRIBUTIONS,
+                quantity.words,
+                _outside(spreads),
+                distribution,
+            ),
+            Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(spreads), drift),
         ]
     return drawn(sketches)
 
 
-def draw_distribution(quantity: Quantity, own: Iterable[Spread], fleet: Fleet) -> Figure:
+def draw_distribution(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> Figure:
     """Draw the number of campaigns over the value."""
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
-    for one in own:
-        look = _look(one)
-        edges = quantity.scale * np.array(one.edges)
+    for spread in spreads:
+        look = _look(spread)
+        edges = quantity.scale * np.array(spread.edges)
         middles = (edges[:-1] + edges[1:]) / 2
-        axes.stairs(one.counts, edges, fill=True, color=look["color"], alpha=0.2)
-        axes.stairs(one.counts, edges, color=look["color"], linewidth=1.6)
-        label = f"{style.TITLES[one.direction]}, median"
-        axes.plot(middles, one.counts, linestyle="none", label=f"_{style.TITLES[one.direction]}")
-        median = quantity.scale * one.median
+        axes.stairs(spread.counts, edges, fill=True, color=look["color"], alpha=0.2)
+        axes.stairs(spread.counts, edges, color=look["color"], linewidth=1.6)
+        title = style.TITLES[spread.direction]
+        axes.plot(middles, spread.counts, linestyle="none", label=f"_{title}")
+        median = quantity.scale * spread.median
         axes.axvline(median, color=look["color"], linestyle="--", linewidth=1.2)
-        axes.plot([], [], color=look["color"], linestyle="--", label=label)
+        axes.plot([], [], color=look["color"], linestyle="--", label=f"{title}, median")
     axes.set(xlabel=f"{quantity.words} ({quantity.unit})", ylabel="Campaigns")
     axes.set_ylim(bottom=0)
     axes.yaxis.get_major_locator().set_params(integer=True)
@@ -59,19 +65,21 @@ def draw_distribution(quantity: Quantity, own: Iterable[Spread], fleet: Fleet) -
     return figure
 
 
-def draw_drift(quantity: Quantity, own: Iterable[Spread], fleet: Fleet) -> Figure:
+def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> Figure:
     """Draw the value over the date, or over the order of the campaigns."""
-    own = list(own)
+    spreads = list(spreads)
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
     hours = fleet.by_date and _span_days(fleet) < _DAYS
-    for one in own:
-        _course(axes, one, 24.0 if hours else 1.0)
+    for spread in spreads:
+        _course(axes, spread, 24.0 if hours else 1.0)
     since = "" if fleet.first is None else f" since {fleet.first:%Y-%m-%d %H:%M} UTC"
-    words = f"Time{since} ({'h' if hours else 'd'})" if fleet.by_date else "Number in order of path"
-    axes.set(xlabel=words, ylabel=f"{_short(quantity.words)} ({quantity.unit})")
+    x_label = (
+        f"Time{since} ({'h' if hours else 'd'})" if fleet.by_date else "Number in order of path"
+    )
+    axes.set(xlabel=x_label, ylabel=f"{_short(quantity.words)} ({quantity.unit})")
     _head(axes, quantity, fleet)
-    style.read_as(figure, _read_as(own))
+    style.read_as(figure, _read_as(spreads))
     style.legend_above(figure, axes)
     return figure
 
@@ -110,28 +118,28 @@ def _head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:
         axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
 
 
-def _short(words: str) -> str:
-    return words.partition(",")[0]
+def _short(title: str) -> str:
+    return title.partition(",")[0]
 
 
-def _outside(own: Iterable[Spread]) -> str:
-    words = ["Dashed: medians."]
-    for one in own:
-        if one.below or one.above:
-            words.append(
-                f"{style.TITLES[one.direction]}: {one.below} further left, {one.above} further "
-                "right than the figure shows."
+def _outside(spreads: Iterable[Spread]) -> str:
+    sentences = ["Dashed: medians."]
+    for spread in spreads:
+        if spread.below or spread.above:
+            sentences.append(
+                f"{style.TITLES[spread.direction]}: {spread.below} campaigns lie further left and "
+                f"{spread.above} further right than the figure shows."
             )
-    return " ".join(words)
+    return " ".join(sentences)
 
 
-def _read_as(own: Iterable[Spread]) -> str:
-    many = any(block.n > 1 for one in own for block in one.blocks)
+def _read_as(spreads: Iterable[Spread]) -> str:
+    many = any(block.n > 1 for spread in spreads for block in spread.blocks)
     return _BLOCKS if many else _SINGLE
 
 
-def _trends(own: Iterable[Spread]) -> str:
-    if any(one.trend is not None and one.trend.real for one in own):
+def _trends(spreads: Iterable[Spread]) -> str:
+    if any(spread.trend is not None and spread.trend.real for spread in spreads):
         return "Line: a trend that chance does not explain (Theil and Sen's line)."
     return "No significant trend."
 

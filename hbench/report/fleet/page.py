@@ -95,11 +95,11 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         none = (few,) if fleet.outliers < _LEAST else ()
         yield Section("Worst cylinders", none, tables=(_worst(fleet),), anchor="worst")
     if fleet.spreads:
-        own = tuple(drawing for drawing in drawings if drawing.section == DISTRIBUTIONS)
-        yield Section("Distributions", drawings=own, tables=(_untitled(spread_table(fleet)),))
-        own = tuple(one for one in drawings if one.section == DRIFTS)
+        chosen = tuple(drawing for drawing in drawings if drawing.section == DISTRIBUTIONS)
+        yield Section("Distributions", drawings=chosen, tables=(_untitled(spread_table(fleet)),))
+        chosen = tuple(drawing for drawing in drawings if drawing.section == DRIFTS)
         table = _untitled(trend_table(fleet))
-        yield Section("Drifts", drawings=own, tables=(table,) if table.rows else ())
+        yield Section("Drifts", drawings=chosen, tables=(table,) if table.rows else ())
     if fleet.failed:
         yield _failures(fleet)
     yield Section("How it was computed", facts=_METHOD, anchor="method")
@@ -110,29 +110,29 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
     failed = f"{fleet.failed} failed" if fleet.failed else "none failed"
     yield Tile(f"{good} of {fleet.campaigns}", "campaigns", f"analyzed; {failed}")
     yield Tile(str(fleet.outliers), "", "outliers", "method-outliers")
-    drifts = sum(one.trend is not None and one.trend.real for one in fleet.spreads)
+    drifts = sum(spread.trend is not None and spread.trend.real for spread in fleet.spreads)
     yield Tile(str(drifts), "", f"of {len(fleet.spreads)} numbers drift", "method-trends")
     for spread in fleet.spreads:
         if spread.quantity.name in ("friction_n", "efficiency"):
             scale = spread.quantity.scale
-            words = (
+            caption = (
                 f"{spread.quantity.words.split()[0].lower()}, {TITLES[spread.direction].lower()}"
             )
             value = alike((scale * spread.low, scale * spread.high))
-            words = f"{words}: 5 to 95 % of the campaigns"
-            yield Tile(value, spread.quantity.unit, words, "method-spread")
+            caption = f"{caption}: 5 to 95 % of the campaigns"
+            yield Tile(value, spread.quantity.unit, caption, "method-spread")
     for grade, count in fleet.qualities:
         yield Tile(str(count), "campaigns" if count != 1 else "campaign", f"data: {grade}")
 
 
 def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     rows = tuple(
-        (Cell(str(count), "" if i else "evaluated here"), Cell(words))
-        for i, (words, count) in enumerate(fleet.protocols)
+        (Cell(str(count), "" if i else "evaluated here"), Cell(protocol))
+        for i, (protocol, count) in enumerate(fleet.protocols)
     )
     title = "Kinds of campaigns" if len(rows) > 1 else "Kind of campaign"
-    words = frozenset({"Piston and rod-side areas, loads, working speed"})
-    return (Table(("Campaigns", *words), rows, words, title=title),) if rows else ()
+    text_columns = frozenset({"Piston and rod-side areas, loads, working speed"})
+    return (Table(("Campaigns", *text_columns), rows, text_columns, title=title),) if rows else ()
 
 
 def _worst(fleet: Fleet) -> Table:
@@ -151,8 +151,8 @@ def _worst(fleet: Fleet) -> Table:
             (Cell(name, flag, suspect.report), *numbers, Cell("; ".join(filter(None, remarks))))
         )
     last = "Started; remarks; folder"
-    words = frozenset({"Campaign", "Number", last})
-    return Table(("Campaign", *WORST_HEAD[:-1], last), tuple(rows), words)
+    text_columns = frozenset({"Campaign", "Number", last})
+    return Table(("Campaign", *WORST_HEAD[:-1], last), tuple(rows), text_columns)
 
 
 def _also(further: tuple[str, ...]) -> str:
@@ -166,14 +166,14 @@ def _also(further: tuple[str, ...]) -> str:
 def _failures(fleet: Fleet) -> Section:
     reasons = Table(
         ("Campaigns", "Reason"),
-        tuple((Cell(str(count)), Cell(words)) for words, count in fleet.reasons),
+        tuple((Cell(str(count)), Cell(reason)) for reason, count in fleet.reasons),
         frozenset({"Reason"}),
     )
-    rows = tuple((Cell(path), Cell(words)) for path, words in fleet.failures)
+    rows = tuple((Cell(path), Cell(reason)) for path, reason in fleet.failures)
     first = Table(("Folder", "Reason"), rows, frozenset({"Folder", "Reason"}))
-    words = f"The first {len(rows)} of them" if fleet.failed > len(rows) else "Each of them"
-    parts = (Section(words, tables=(first,), folded=True),)
-    return Section("Not analyzed", tables=(reasons,), parts=parts, anchor="failed")
+    title = f"The first {len(rows)} of them" if fleet.failed > len(rows) else "Each of them"
+    subsections = (Section(title, tables=(first,), folded=True),)
+    return Section("Not analyzed", tables=(reasons,), parts=subsections, anchor="failed")
 
 
 def _untitled(table: WordTable) -> WordTable:

@@ -43,21 +43,21 @@ def fleet_row(
 def _protocol(plans: list[RunPlan], speed: float | None) -> str:
     """Return what must be equal where cylinders are compared."""
     areas = sorted({(p.specimen.area_piston_m2, p.specimen.area_rod_m2) for p in plans})
-    words = ["; ".join(f"{short(1e6 * a)}/{short(1e6 * b)} mm²" for a, b in areas)]
+    settings = ["; ".join(f"{short(1e6 * a)}/{short(1e6 * b)} mm²" for a, b in areas)]
     for direction in _DIRECTIONS:
         chosen = [plan for plan in plans if plan.direction == direction]
         loads = dict.fromkeys(load_words(p.f_load_n, p.p_lr_ref_pa) or "no load" for p in chosen)
         if chosen:
-            words.append(f"{direction} {', '.join(loads)}")
-    words += sorted({plan.label for plan in plans if plan.label})
+            settings.append(f"{direction} {', '.join(loads)}")
+    settings += sorted({plan.label for plan in plans if plan.label})
     if speed is not None:
-        words.append(f"{short(1e3 * speed)} mm/s")
-    return _line("; ".join(words))
+        settings.append(f"{short(1e3 * speed)} mm/s")
+    return _line("; ".join(settings))
 
 
-def _line(words: str) -> str:
-    words = " ".join(printable(words).split())
-    return words if len(words) <= _LONGEST else words[: _LONGEST - 1] + "…"
+def _line(text: str) -> str:
+    text = " ".join(printable(text).split())
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
 
 
 def _moment(text: str) -> datetime | None:

@@ -17,17 +17,17 @@ _FEW = 5
 def fleet_text(fleet: Fleet) -> str:
     """Return the summary and the tables, for a terminal."""
     failed = f", {fleet.failed} failed" if fleet.failed else ""
-    parts = [f"{fleet.campaigns} campaigns: {fleet.campaigns - fleet.failed} analyzed{failed}"]
-    parts += [f"  {count} failed: {words}" for words, count in fleet.reasons]
+    lines = [f"{fleet.campaigns} campaigns: {fleet.campaigns - fleet.failed} analyzed{failed}"]
+    lines += [f"  {count} failed: {reason}" for reason, count in fleet.reasons]
     if len(fleet.protocols) > 1:
-        parts.append(
+        lines.append(
             f"{fleet.judged} of the most frequent kind are evaluated: {fleet.protocols[0][0]}"
         )
     for table in (spread_table(fleet), trend_table(fleet), worst_table(fleet, _FEW)):
         if table.rows:
-            parts += ["", *aligned(table)]
-    parts += ["", verdict(fleet)]
-    text = "\n".join(parts).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
+            lines += ["", *aligned(table)]
+    lines += ["", verdict(fleet)]
+    text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
 
 
@@ -44,28 +44,28 @@ def fleet_json(fleet: Fleet) -> str:
 
 def verdict(fleet: Fleet) -> str:
     """Return failures, outliers and drifts in a few sentences."""
-    words = []
+    sentences = []
     if fleet.failed:
-        words.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
+        sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
     if not fleet.spreads:
-        words.append("No campaign has a number to compare.")
-        return " ".join(words)
+        sentences.append("No campaign has a number to compare.")
+        return " ".join(sentences)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         some = f"{fleet.outliers} of {fleet.judged} campaigns {verb}."
-        words.append(some if fleet.outliers else "No campaign is an outlier.")
+        sentences.append(some if fleet.outliers else "No campaign is an outlier.")
     else:
-        words.append("Too few campaigns of the same kind to identify outliers.")
+        sentences.append("Too few campaigns of the same kind to identify outliers.")
     drifts = [
         _drift(spread, spread.trend)
         for spread in fleet.spreads
         if spread.trend is not None and spread.trend.real
     ]
     if drifts:
-        words.append(f"Drifts: {'; '.join(drifts)}.")
-    elif any(one.trend is not None for one in fleet.spreads):
-        words.append("No drift is significant.")
-    return " ".join(words)
+        sentences.append(f"Drifts: {'; '.join(drifts)}.")
+    elif any(spread.trend is not None for spread in fleet.spreads):
+        sentences.append("No drift is significant.")
+    return " ".join(sentences)
 
 
 def spread_table(fleet: Fleet) -> WordTable:
@@ -119,15 +119,15 @@ WORST_HEAD = ("Number", "Value", "Usual", "Deviation (σ)", "p", "Verdict")
 
 def cells(shown: Suspect) -> tuple[str, ...]:
     """Return the worst number of a campaign, in the columns ``WORST_HEAD``."""
-    one = shown.deviations[0]
-    scale, p = one.quantity.scale, one.p_bonferroni
+    deviation = shown.deviations[0]
+    scale, p = deviation.quantity.scale, deviation.p_bonferroni
     return (
-        name_of(one),
-        significant(scale * one.value, 4),
-        significant(scale * one.median, 4),
-        _signed(significant(one.z, 2)),
+        name_of(deviation),
+        significant(scale * deviation.value, 4),
+        significant(scale * deviation.median, 4),
+        _signed(significant(deviation.z, 2)),
         "< 0.0001" if p < 1e-4 else significant(p, 2),
-        "outlier" if one.outlier else "not significant",
+        "outlier" if deviation.outlier else "not significant",
     )
 
 
@@ -140,8 +140,8 @@ def others(shown: Suspect) -> Iterator[str]:
 
 def name_of(number: Spread | Deviation) -> str:
     """Return the number's words with direction and unit."""
-    words = number.quantity.words.removesuffix(" at the working speed")
-    return f"{words}, {TITLES[number.direction].lower()} ({number.quantity.unit})"
+    title = number.quantity.words.removesuffix(" at the working speed")
+    return f"{title}, {TITLES[number.direction].lower()} ({number.quantity.unit})"
 
 
 def _change(spread: Spread, trend: Trend) -> str:
@@ -150,9 +150,9 @@ def _change(spread: Spread, trend: Trend) -> str:
 
 
 def _drift(spread: Spread, trend: Trend) -> str:
-    words = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
+    title = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
     change = f"{_change(spread, trend)} {spread.quantity.unit}"
-    return f"{words}, {TITLES[spread.direction].lower()}: {change}"
+    return f"{title}, {TITLES[spread.direction].lower()}: {change}"
 
 
 def _signed(text: str) -> str:

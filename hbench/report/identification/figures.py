@@ -33,19 +33,21 @@ def draw_identification(identification: Identification) -> tuple[Drawing, ...]:
             figure = _errors(identification)
         sketches.append(Sketch("errors", "errors", "Errors by law", _ERRORS, figure))
     for index, law in enumerate(identification.laws):
-        for one in identification.followed:
-            if law.law not in one.modelled:
+        for followed in identification.followed:
+            if law.law not in followed.modelled:
                 continue
-            load = force(one.f_load_n)
-            title = f"{law_words(law.law)}, {load}, run {one.run}"
+            load = force(followed.f_load_n)
+            title = f"{law_words(law.law)}, {load}, run {followed.run}"
             with rc_context(style.RC):
-                figure = _along(title, index, one, one.modelled[law.law], identification)
-            name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {one.run}".lower())
+                figure = _followed_figure(
+                    title, index, followed, followed.modelled[law.law], identification
+                )
+            name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {followed.run}".lower())
             sketches.append(Sketch(name, law.law, title, _FOLLOWED, figure))
     return drawn(sketches)
 
 
-def _along(
+def _followed_figure(
     title: str, index: int, followed: Followed, model: Trace, identification: Identification
 ) -> Figure:
     figure = style.new_figure(height_in=5.6)
@@ -55,12 +57,12 @@ def _along(
     for axes, name, factor in ((top, "friction_n", 1.0), (middle, "v_m_s", 1e3)):
         mark = "" if axes is top else "_"  # one legend for both
         grey = {"color": "#9ca3af", "linewidth": 3, "label": f"{mark}measured"}
-        own = {"color": colour, "linewidth": 1.1, "label": f"{mark}model"}
+        coloured = {"color": colour, "linewidth": 1.1, "label": f"{mark}model"}
         axes.plot(real.t_s, factor * getattr(real, name), **grey)
-        axes.plot(model.t_s, factor * getattr(model, name), **own)
+        axes.plot(model.t_s, factor * getattr(model, name), **coloured)
     difference = 1e3 * (model.v_m_s[:n] - real.v_m_s[:n])
-    own["label"] = "_model − measured"
-    bottom.plot(real.t_s[:n], difference, **own)
+    coloured["label"] = "_model − measured"
+    bottom.plot(real.t_s[:n], difference, **coloured)
     top.set_ylabel("Friction (N)")
     middle.set_ylabel("Velocity (mm/s)")
     bottom.set(xlabel="Time (s)", ylabel="Difference\n(mm/s)")
@@ -80,11 +82,11 @@ def _errors(identification: Identification) -> Figure:
         (rows[1], "v_m_s", 1e3, "Velocity (mm/s)"),
     ):
         for i, law in enumerate(laws):
-            place = np.arange(len(PARTS)) + (i - (len(laws) - 1) / 2) * width
+            positions = np.arange(len(PARTS)) + (i - (len(laws) - 1) / 2) * width
             heights = [factor * getattr(law.errors[part], name) for part in PARTS]
             look = style.series_style(identification.laws.index(law))
             label = law_words(law.law) if axes is rows[0] else f"_{law_words(law.law)}"
-            axes.plot(place, heights, linestyle="none", label=label, **look)
+            axes.plot(positions, heights, linestyle="none", label=label, **look)
         for i, part in enumerate(PARTS):
             if identification.scatter:
                 floor = factor * getattr(identification.scatter[part], name)

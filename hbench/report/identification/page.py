@@ -42,14 +42,18 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         else [_PARTS]
     )
     read += [_RAMPS] if identification.ramps else []
-    words = (*read, *identification.notes, f"{plants}its section into a bench file.")
-    laws = Section(paragraphs=words, tables=tuple(map(_named, tables(identification))))
+    paragraphs = (*read, *identification.notes, f"{plants}its section into a bench file.")
+    laws = Section(paragraphs=paragraphs, tables=tuple(map(_named, tables(identification))))
     missing = Section("Missing or uncertain results", items=reasons(identification))
     figures = Section("Verification profile", drawings=tuple(drawings))
     return document(
         "Friction laws of the test cylinder",
         f"Campaign {made.name}, {made.source}, {made.started}; bench {made.bench}. {_SOURCE}",
-        tuple(one for one in (laws, missing, figures) if one is not figures or figures.drawings),
+        tuple(
+            section
+            for section in (laws, missing, figures)
+            if section is not figures or figures.drawings
+        ),
         _verdict(identification),
         made.source,
     )
@@ -79,12 +83,12 @@ def _closest(identification: Identification) -> str:
     if not errors:
         return ""
     best = min(errors, key=errors.__getitem__)
-    words = f" Closest in friction: {law_words(best)}, {significant(errors[best], 2)} N rms"
+    text = f" Closest in friction: {law_words(best)}, {significant(errors[best], 2)} N rms"
     scatter = identification.scatter and _rms_n(tuple(identification.scatter.values()))
-    return words + (f"; the trials scatter by {significant(scatter, 2)} N." if scatter else ".")
+    return text + (f"; the trials scatter by {significant(scatter, 2)} N." if scatter else ".")
 
 
 def _rms_n(parts: tuple[ModelErrors, ...]) -> float:
-    seen = [part for part in parts if part.samples]
-    squares = sum(part.samples * part.friction_n**2 for part in seen)
-    return math.sqrt(squares / sum(part.samples for part in seen)) if seen else math.inf
+    sampled = [part for part in parts if part.samples]
+    squares = sum(part.samples * part.friction_n**2 for part in sampled)
+    return math.sqrt(squares / sum(part.samples for part in sampled)) if sampled else math.inf

@@ -44,9 +44,9 @@ def identification_json(identification: Identification) -> str:
 
 def identification_text(identification: Identification) -> str:
     """Return every table in aligned columns, then the reasons for missing results."""
-    parts = ["\n".join(aligned(table)) for table in tables(identification)]
+    blocks = ["\n".join(aligned(table)) for table in tables(identification)]
     sentences = [*reasons(identification), *identification.notes]
-    return "\n\n".join([*parts, "\n".join(sentences)]).replace("m/s²", "m/s^2")
+    return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2")
 
 
 def tables(identification: Identification) -> tuple[WordTable, ...]:

@@ -20,7 +20,7 @@ def field_comments(record: type) -> dict[str, str]:
                 alone.add(token.start[0])
     (definition,) = ast.parse(source).body
     assert isinstance(definition, ast.ClassDef)
-    found = {}
+    by_field = {}
     for node in definition.body:
         if not isinstance(node, ast.AnnAssign) or not isinstance(node.target, ast.Name):
             continue
@@ -31,5 +31,5 @@ def field_comments(record: type) -> dict[str, str]:
             texts.insert(0, comments[above])
             above -= 1
         if texts:
-            found[node.target.id] = " ".join(texts)
-    return found
+            by_field[node.target.id] = " ".join(texts)
+    return by_field

@@ -81,11 +81,11 @@ class _Writer:
         null_if_empty = isinstance(source, NullIfEmpty)
         path = source.path if isinstance(source, NullIfEmpty) else source
         kind, owner, name, optional = _follow(record, path)
-        own = self._type(kind)
+        value_schema = self._type(kind)
         if optional or null_if_empty:
-            own = _or_null(own)
+            value_schema = _or_null(value_schema)
         description = _description(owner, name)
-        return {**own, "description": description} if description else own
+        return {**value_schema, "description": description} if description else value_schema
 
     def _type(self, kind: Any) -> Schema:
         origin, args = get_origin(kind), get_args(kind)
@@ -134,37 +134,37 @@ def _follow(record: Any, path: str) -> tuple[Any, Any, str, bool]:
 
 
 def _hint(record: Any, name: str) -> Any:
-    found = getattr(record, name, None)
-    if isinstance(found, property):
-        return get_type_hints(found.fget, include_extras=True)["return"]
+    attribute = getattr(record, name, None)
+    if isinstance(attribute, property):
+        return get_type_hints(attribute.fget, include_extras=True)["return"]
     return get_type_hints(record, include_extras=True)[name]
 
 
-def _marked(own: Schema, marks: tuple[Any, ...]) -> Schema:
+def _marked(value_schema: Schema, marks: tuple[Any, ...]) -> Schema:
     for mark in marks:
         if isinstance(mark, Minimum):
-            own = {**own, "minimum": mark.value}
+            value_schema = {**value_schema, "minimum": mark.value}
         elif isinstance(mark, OneOf):
-            own = {"enum": list(mark.values)}
+            value_schema = {"enum": list(mark.values)}
         elif isinstance(mark, Nonfinite):
-            own = _or_null(own)
-    return own
+            value_schema = _or_null(value_schema)
+    return value_schema
 
 
-def _or_null(own: Schema) -> Schema:
-    if "enum" in own:
-        return {**own, "enum": list(dict.fromkeys((*own["enum"], None)))}
-    if isinstance(own.get("type"), list) or "anyOf" in own:
-        return own
-    if "$ref" in own or own["type"] in ("object", "array"):
-        return {"anyOf": [own, {"type": "null"}]}
-    return {**own, "type": [own["type"], "null"]}
+def _or_null(value_schema: Schema) -> Schema:
+    if "enum" in value_schema:
+        return {**value_schema, "enum": list(dict.fromkeys((*value_schema["enum"], None)))}
+    if isinstance(value_schema.get("type"), list) or "anyOf" in value_schema:
+        return value_schema
+    if "$ref" in value_schema or value_schema["type"] in ("object", "array"):
+        return {"anyOf": [value_schema, {"type": "null"}]}
+    return {**value_schema, "type": [value_schema["type"], "null"]}
 
 
 def _description(record: Any, name: str) -> str:
-    found = getattr(record, name, None)
-    if isinstance(found, property):
-        text = _sentence(found.__doc__)
+    attribute = getattr(record, name, None)
+    if isinstance(attribute, property):
+        text = _sentence(attribute.__doc__)
     else:
         text = field_comments(record).get(name) or field_comments(RunPlan).get(name, "")
     text = re.sub(r"\bNone\b", "null", text.replace("``", "'")).removesuffix(".")

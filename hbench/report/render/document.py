@@ -112,9 +112,9 @@ def anchor(section: Section) -> str:
     return section.anchor or slug(section.title)
 
 
-def slug(words: str) -> str:
+def slug(text: str) -> str:
     """Return words as a name for links."""
-    return "-".join(re.findall(r"\w+", words.lower()))
+    return "-".join(re.findall(r"\w+", text.lower()))
 
 
 @cache

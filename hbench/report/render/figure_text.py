@@ -16,13 +16,13 @@ _TURN = 0.1  # of a series' range: less is no change of its course
 
 def data_csv(series: Sequence[DrawnSeries]) -> str:
     """Return all series as CSV: a row a point, a column a quantity, in the axes' units."""
-    several = len({one.panel for one in series}) > 1
-    names = list(dict.fromkeys(name for one in series for name in one.columns))
+    several = len({line.panel for line in series}) > 1
+    names = list(dict.fromkeys(name for line in series for name in line.columns))
     rows = []
-    for one in series:
-        who = [str(one.panel), as_cell(one.label)] if several else [as_cell(one.label)]
-        columns = [one.columns.get(name) for name in names]
-        for i in range(len(one.x)):
+    for line in series:
+        who = [str(line.panel), as_cell(line.label)] if several else [as_cell(line.label)]
+        columns = [line.columns.get(name) for name in names]
+        for i in range(len(line.x)):
             rows.append([*who, *("" if c is None else _cell(c[i]) for c in columns)])
     head = ["panel", "series", *names] if several else ["series", *names]
     return csv_of([as_cell(name) for name in head], rows)
@@ -40,14 +40,14 @@ def point_notes(series: DrawnSeries) -> list[str]:
 def alternative_text(title: str, series: Sequence[DrawnSeries]) -> str:
     """Say what is seen in a figure to those who don't see it."""
     sentences = [f"{title}."]
-    panels = sorted({one.panel for one in series})
+    panels = sorted({line.panel for line in series})
     for panel in panels:
-        own = [one for one in series if one.panel == panel]
-        shown = [one for one in own if one.points] or own
-        names = dict.fromkeys(f"{one.y_name} over {one.x_name}" for one in shown)
+        lines = [line for line in series if line.panel == panel]
+        shown = [line for line in lines if line.points] or lines
+        names = dict.fromkeys(f"{line.y_name} over {line.x_name}" for line in shown)
         where = f"Panel {panel} of {len(panels)}: " if len(panels) > 1 else ""
         sentences.append(f"{where}{'; '.join(names)}.")
-        sentences += [_course(one) for one in shown[:_MOST_SERIES]]
+        sentences += [_course(line) for line in shown[:_MOST_SERIES]]
         if len(shown) > _MOST_SERIES:
             sentences.append(f"{len(shown) - _MOST_SERIES} more series.")
     return " ".join(sentences)

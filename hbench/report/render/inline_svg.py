@@ -25,19 +25,23 @@ def inline(drawing: Drawing, number: int) -> Markup:
             for child in parent.findall(f"{_SVG}{name}"):
                 parent.remove(child)
     for element in root.iter():
-        _own(element, f"f{number}-")
+        _make_local(element, f"f{number}-")
     points = any(group.get("class") == POINT for group in root.iter(f"{_SVG}g"))
     for name in ("width", "height", "version"):
         root.attrib.pop(name, None)
-    words = drawing.seen or f"{drawing.title}. {drawing.caption}"
-    root.attrib |= {"class": "plot", "role": "group" if points else "img", "aria-label": words}
+    text_alternative = drawing.seen or f"{drawing.title}. {drawing.caption}"
+    root.attrib |= {
+        "class": "plot",
+        "role": "group" if points else "img",
+        "aria-label": text_alternative,
+    }
     if points:
         root.set("tabindex", "0")
     text = ElementTree.tostring(root, encoding="unicode").replace(f' xmlns="{_SVG[1:-1]}"', "")
     return Markup(text)
 
 
-def _own(element: ElementTree.Element, prefix: str) -> None:
+def _make_local(element: ElementTree.Element, prefix: str) -> None:
     """Give an element names of its own, and colours that follow the page."""
     attributes = element.attrib
     if _HREF in attributes:  # of a mark or a letter, or data of an image
@@ -49,7 +53,7 @@ def _own(element: ElementTree.Element, prefix: str) -> None:
         attributes["clip-path"] = attributes["clip-path"].replace("url(#", f"url(#{prefix}")
     if "style" in attributes:
         attributes["style"] = _COLOUR.sub(
-            lambda found: f"var(--c{found[0][1:]},{found[0]})", attributes["style"]
+            lambda colour: f"var(--c{colour[0][1:]},{colour[0]})", attributes["style"]
         )
     element.tail = None
     if not (element.text or "").strip():

@@ -13,7 +13,7 @@ _MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
 def markdown(made: Document) -> str:
     """Return ``made`` as Markdown with tables (GitHub's dialect); what is folded is unfolded."""
     head = [f"# {plain(made.title)}", plain(made.subtitle)]
-    head += [f"**{plain(words)}**" for words in (made.banner, made.verdict) if words]
+    head += [f"**{plain(text)}**" for text in (made.banner, made.verdict) if text]
     blocks = [block for section in made.sections for block in _blocks(section, 2)]
     return "\n\n".join([*filter(None, head), *blocks]) + "\n"
 
@@ -44,7 +44,7 @@ def _blocks(section: Section, level: int) -> Iterator[str]:
             yield f"**{plain(table.title)}**"
         yield "\n".join(_table(table))
     if section.facts:
-        yield "\n".join(f"- **{plain(name)}:** {plain(words)}" for name, words in section.facts)
+        yield "\n".join(f"- **{plain(name)}:** {plain(text)}" for name, text in section.facts)
     for part in section.parts:
         yield from _blocks(part, level + 1)
 

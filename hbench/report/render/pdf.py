@@ -102,21 +102,21 @@ class _Sheets:
     def figures(self, drawings: tuple[Drawing, ...]) -> None:
         """Set figures, two side by side or one over the whole width, each over its title."""
         for row in _side_by_side(drawings):
-            images = [imread(io.BytesIO(one.png)) for one in row]
+            images = [imread(io.BytesIO(drawing.png)) for drawing in row]
             sizes = [(image.shape[1] / PNG_DPI, image.shape[0] / PNG_DPI) for image in images]
             wide = _WIDE_IN if row[0].wide else _FIGURE_IN
             heights = [wide * height / width for width, height in sizes]
             self.room(max(heights) + 0.4)
             self._top_in -= 0.1
-            for place, (image, height) in enumerate(zip(images, heights, strict=True)):
-                left = _MARGIN_IN + place * (_WIDE_IN - _FIGURE_IN)
+            for column, (image, height) in enumerate(zip(images, heights, strict=True)):
+                left = _MARGIN_IN + column * (_WIDE_IN - _FIGURE_IN)
                 box = (left, self._top_in - height, wide, height)
                 axes = self.done[-1].add_axes([v / _A4_IN[i % 2] for i, v in enumerate(box)])
                 axes.imshow(image, aspect="auto", interpolation="none")
                 axes.set_axis_off()
             self._top_in -= max(heights)
         for caption in dict.fromkeys(drawing.caption for drawing in drawings if drawing.caption):
-            titles = ", ".join(one.title for one in drawings if one.caption == caption)
+            titles = ", ".join(drawing.title for drawing in drawings if drawing.caption == caption)
             self.words(f"{titles}. {caption}", 7.5)
 
 
@@ -167,9 +167,9 @@ def _aligned(table: WordTable | Table) -> list[str]:
     needed = [max(map(len, cells)) for cells in zip(*rows[1:], strict=True)] or widths
     while sum(widths) + 2 * (len(widths) - 1) > most and max(widths) > _LEAST_CELL:
         spare = [width - cells for width, cells in zip(widths, needed, strict=True)]
-        heads = [place for place, width in enumerate(widths) if width > _LEAST_CELL]
+        heads = [column for column, width in enumerate(widths) if width > _LEAST_CELL]
         # A long head is broken before any number is.
-        at = max(heads, key=lambda place: (spare[place] > 0, widths[place]))
+        at = max(heads, key=lambda column: (spare[column] > 0, widths[column]))
         widths[at] -= 1
     right = numeric(table)
     lines = []
@@ -178,10 +178,10 @@ def _aligned(table: WordTable | Table) -> list[str]:
             textwrap.wrap(cell, width) or [""] for cell, width in zip(row, widths, strict=True)
         ]
         for i in range(max(map(len, cells))):
-            parts = [cell[i] if i < len(cell) else "" for cell in cells]
+            texts = [cell[i] if i < len(cell) else "" for cell in cells]
             line = "  ".join(
-                part.rjust(width) if column in right else part.ljust(width)
-                for column, (part, width) in enumerate(zip(parts, widths, strict=True))
+                text.rjust(width) if column in right else text.ljust(width)
+                for column, (text, width) in enumerate(zip(texts, widths, strict=True))
             )
             lines.append(line.rstrip())
         if number == 0:

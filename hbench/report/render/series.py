@@ -55,10 +55,10 @@ def behind(artist: Artist | ErrorbarContainer, columns: Mapping[str, Column]) ->
 
 def series_of(figure: Figure) -> tuple[DrawnSeries, ...]:
     """Return all series of ``figure``, panel by panel."""
-    found: list[DrawnSeries] = []
+    drawn: list[DrawnSeries] = []
     for panel, axes in enumerate(panels(figure), start=1):
-        found += _series(panel, axes)
-    return tuple(found)
+        drawn += _series(panel, axes)
+    return tuple(drawn)
 
 
 def panels(figure: Figure) -> list[Axes]:
@@ -66,9 +66,9 @@ def panels(figure: Figure) -> list[Axes]:
     return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
 
 
-def without_math(words: str) -> str:
+def without_math(label: str) -> str:
     """Return a label without the marks of formulas: ``Load $F_{Lr}$`` as ``Load F_Lr``."""
-    text = " ".join(words.split()).replace(r"\$", "\0")
+    text = " ".join(label.split()).replace(r"\$", "\0")
     return re.sub(r"[${}]", "", text).replace("\0", "$")
 
 
@@ -102,8 +102,8 @@ def _artists(axes: Axes) -> Iterator[Artist]:
     yield from (c for c in axes.containers if isinstance(c, BarContainer))
     yield from (dots for dots in axes.collections if isinstance(dots, PathCollection))
     yield from axes.images
-    parts = {id(part) for c in bars for part in (c.lines[0], *c.lines[1])}
-    yield from (line for line in axes.lines if id(line) not in parts)
+    artists = {id(artist) for c in bars for artist in (c.lines[0], *c.lines[1])}
+    yield from (line for line in axes.lines if id(line) not in artists)
 
 
 def _dots(dots: PathCollection) -> tuple[np.ndarray, np.ndarray]:
@@ -143,7 +143,7 @@ def _name(axis: Axis, otherwise: str) -> str:
     label = axis.get_label_text()
     if not label and axis.axis_name == "x":
         siblings = axis.axes.get_shared_x_axes().get_siblings(axis.axes)
-        label = next(filter(None, (one.get_xlabel() for one in siblings)), "")
+        label = next(filter(None, (sibling.get_xlabel() for sibling in siblings)), "")
     first = label.partition("\n")[0]  # with its unit; a second line is a remark
     return without_math(first if "(" in first else label) or otherwise
 
@@ -154,5 +154,5 @@ def _named(axis: Axis, values: np.ndarray) -> Column:
     if not isinstance(locator, FixedLocator) or not isinstance(formatter, FuncFormatter):
         return values
     ticks = np.asarray(locator.locs, dtype=float)
-    words = [without_math(word) for word in formatter.format_ticks(ticks)]
-    return [words[int(np.argmin(np.abs(ticks - value)))] for value in values]
+    labels = [without_math(word) for word in formatter.format_ticks(ticks)]
+    return [labels[int(np.argmin(np.abs(ticks - value)))] for value in values]

@@ -122,9 +122,9 @@ def simulated(axes: Axes, results: Results | Diagnosis) -> None:
         axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
 
 
-def read_as(figure: Figure, words: str) -> None:
+def read_as(figure: Figure, note: str) -> None:
     """Say below the axes how the figure is to be read, such as what its bars are."""
-    figure.supxlabel(words, x=0.01, ha="left", fontsize=8.5, color=QUIET)
+    figure.supxlabel(note, x=0.01, ha="left", fontsize=8.5, color=QUIET)
 
 
 def legend_above(figure: Figure, axes: Axes, title: str = "", columns: int = 4) -> None:
@@ -157,7 +157,7 @@ def share_limits(axes: Iterable[Axes]) -> None:
     if not axes:
         return
     for get, set_ in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
-        limits = [getattr(one, get)() for one in axes]
+        limits = [getattr(panel, get)() for panel in axes]
         widest = (min(low for low, _ in limits), max(high for _, high in limits))
         for panel in axes:
             getattr(panel, set_)(widest)

@@ -38,10 +38,10 @@ def draw_panel(panel: Panel) -> Figure:
     for axis, is_log in ((axes.xaxis, panel.x_log), (axes.yaxis, panel.y_log)):
         if is_log:
             style.plain_log(axis)
-    for x, words in panel.marks:
+    for x, text in panel.marks:
         axes.axvline(x, color=style.QUIET, linewidth=0.9, linestyle=":", zorder=1)
         axes.annotate(
-            words,
+            text,
             (x, 1.0),
             xycoords=("data", "axes fraction"),
             xytext=(4, -12),
@@ -49,8 +49,8 @@ def draw_panel(panel: Panel) -> Figure:
             color=style.QUIET,
             fontsize=10,
         )
-    for x, y, words in panel.names:
-        axes.annotate(words, (x, y), xytext=(4, -12), textcoords="offset points", fontsize=11)
+    for x, y, text in panel.names:
+        axes.annotate(text, (x, y), xytext=(4, -12), textcoords="offset points", fontsize=11)
     axes.set_title(panel.title)
     axes.set_title("simulated", loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
     style.legend_above(figure, axes, columns=2)

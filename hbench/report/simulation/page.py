@@ -16,6 +16,6 @@ _SUBTITLE = (
 
 def phenomenon_page(phenomenon: Phenomenon, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    found = Section(paragraphs=phenomenon.text, drawings=tuple(drawings))
+    phenomenon_section = Section(paragraphs=phenomenon.text, drawings=tuple(drawings))
     numbers = Section("Numbers", tables=tables(phenomenon))
-    return document(phenomenon.title, _SUBTITLE, (found, numbers))
+    return document(phenomenon.title, _SUBTITLE, (phenomenon_section, numbers))

@@ -13,9 +13,13 @@ from hbench.report.render.terminal_table import aligned
 def replay_text(replay: Replay) -> str:
     """Return what was simulated, how far each signal is off, and what was left out."""
     rows = tuple(
-        (signal(one.signal).says, one.unit, *(significant(n, 3) for n in (one.off, one.worst)))
-        + (one.worst_run,)
-        for one in replay.off
+        (
+            signal(error.signal).says,
+            error.unit,
+            *(significant(n, 3) for n in (error.off, error.worst)),
+        )
+        + (error.worst_run,)
+        for error in replay.off
     )
     head = ("signal", "unit", "all runs", "worst run", "which")
     lines = [
@@ -36,7 +40,7 @@ def replay_json(replay: Replay) -> str:
         "model": replay.model,
         "campaign": replay.provenance.name,
         "runs": [run.plan.run for run in replay.runs],
-        "off": [asdict(one) for one in replay.off],
+        "off": [asdict(error) for error in replay.off],
         "left_out": replay.left_out,
     }
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"

@@ -13,10 +13,10 @@ FINDINGS_HEAD = ("quantity", "unit", "simulated", "expected", "formula or source
 
 def phenomenon_text(phenomenon: Phenomenon) -> str:
     """Return the title and every table in aligned columns."""
-    parts = [phenomenon.title]
+    blocks = [phenomenon.title]
     for table in tables(phenomenon):
-        parts.append("\n".join(aligned(table)))
-    return "\n\n".join(parts)
+        blocks.append("\n".join(aligned(table)))
+    return "\n\n".join(blocks)
 
 
 def phenomenon_json(phenomenon: Phenomenon) -> str:
@@ -35,8 +35,8 @@ def phenomenon_json(phenomenon: Phenomenon) -> str:
 def tables(phenomenon: Phenomenon) -> tuple[WordTable, ...]:
     """Return the table of the phenomenon's findings, then its own tables."""
     rows = tuple(_finding(finding) for finding in phenomenon.findings)
-    own = WordTable("Defining numbers", FINDINGS_HEAD, rows)
-    return (own, *phenomenon.tables) if rows else phenomenon.tables
+    findings = WordTable("Defining numbers", FINDINGS_HEAD, rows)
+    return (findings, *phenomenon.tables) if rows else phenomenon.tables
 
 
 def _finding(finding: Finding) -> tuple[str, ...]:

@@ -50,16 +50,16 @@ def draw_all(results: Results) -> tuple[Drawing, ...]:
     """Draw every figure that applies to ``results``, in the order of the page."""
     sketches: list[Sketch] = []
     for kind in FIGURES:
-        for series, words in _series(results) if kind.each_series else [(results, "")]:
+        for series, label in _series(results) if kind.each_series else [(results, "")]:
             if kind.applies(series):
                 with rc_context(RC):
                     figures = kind.draw(series)
-                    for part, figure in figures.items():
+                    for suffix, figure in figures.items():
                         name = _unique(
-                            _slug(kind.name, part, words), {sketch.name for sketch in sketches}
+                            _slug(kind.name, suffix, label), {sketch.name for sketch in sketches}
                         )
-                        own = " ".join(figure.axes[0].get_title("left").split())
-                        title = ", ".join(filter(None, (words, own)))
+                        heading = " ".join(figure.axes[0].get_title("left").split())
+                        title = ", ".join(filter(None, (label, heading)))
                         sketches.append(Sketch(name, kind.section, title, kind.caption, figure))
     return drawn(sketches)
 
@@ -77,8 +77,8 @@ def _series(results: Results) -> Iterator[tuple[Results, str]]:
 
 
 def _slug(*parts: str) -> str:
-    words = re.findall(r"[a-z0-9]+", " ".join(parts).lower())
-    return "-".join(words)[:60].strip("-")
+    syllables = re.findall(r"[a-z0-9]+", " ".join(parts).lower())
+    return "-".join(syllables)[:60].strip("-")
 
 
 def _unique(name: str, taken: set[str]) -> str:

@@ -28,14 +28,14 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
     flows in opposite directions and there is no efficiency between them.
     """
     figures = {}
-    for words, curves in _groups(results).items():
-        found = [
+    for name, curves in _groups(results).items():
+        points = [
             (1e3 * abs(p.v_m_s), curve.f_load_n / 1e3, 100 * p.efficiency, _percent(p))
             for curve in curves
             for p in curve.points
             if p.efficiency is not None and curve.f_load_n is not None
         ]
-        speed, load, value, u95 = np.array(found).T
+        speed, load, value, u95 = np.array(points).T
         known = bool(np.isfinite(u95).all())
         figure = style.new_figure(height_in=6.0 if known else 3.8)
         panels = figure.subplots(2 if known else 1, sharex=True, squeeze=False)[:, 0]
@@ -43,9 +43,9 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
         if known:
             _map(figure, panels[1], speed, load, u95, "U95, trials and instruments (%)")
         panels[-1].set_xlabel("Speed |v| (mm/s)")
-        style.head(panels[0], f"Efficiency map, {words[0].lower()}{words[1:]}", results)
+        style.head(panels[0], f"Efficiency map, {name[0].lower()}{name[1:]}", results)
         style.read_as(figure, style.OF_MAPS)
-        figures[words] = figure
+        figures[name] = figure
     return figures
 
 
@@ -58,14 +58,14 @@ def _groups(results: Results) -> dict[str, list[EfficiencyCurve]]:
     steady = (curve for curve in results.efficiency if KINDS[curve.kind].has_constant_speed)
     for curve in without_common_rod_pressure(curve for curve in steady if curve.f_load_n):
         helps = load_helps(curve)
-        words = [style.TITLES[curve.direction] + (", load helps" if helps else "")]
+        names = [style.TITLES[curve.direction] + (", load helps" if helps else "")]
         if curve.p_lr_ref_pa is not None:
-            words.append(f"{curve.p_lr_ref_pa / 1e5:g} bar")
+            names.append(f"{curve.p_lr_ref_pa / 1e5:g} bar")
         if sum(point.efficiency is not None for point in curve.points) >= _LEAST:
-            groups[", ".join(filter(None, (curve.label, *words)))].append(curve)
+            groups[", ".join(filter(None, (curve.label, *names)))].append(curve)
     return {
-        words: curves
-        for words, curves in groups.items()
+        names: curves
+        for names, curves in groups.items()
         if len({curve.f_load_n for curve in curves}) >= _LEAST
     }
 

@@ -61,7 +61,9 @@ def signed(results: Results) -> dict[str, Figure]:
         behind(bars, of_trials(curve.points))
     for line in (axes.axhline, axes.axvline):
         line(0, color="#374151", linewidth=0.9, zorder=1)
-    axes.set(xlabel=_along("Velocity v (mm/s), positive extends", curves), ylabel="Friction F (N)")
+    axes.set(
+        xlabel=_speed_label("Velocity v (mm/s), positive extends", curves), ylabel="Friction F (N)"
+    )
     style.head(axes, "Friction, both directions", results)
     style.read_as(figure, _READ)
     load_legend(figure, axes, "Load |$F_L$|", curves)
@@ -164,7 +166,7 @@ def _one_direction(
         below.set_ylabel("Measured\n− fitted (N)")
         reach = max(abs(limit) for limit in below.get_ylim())
         below.set_ylim(-reach, reach)
-    figure.axes[-1].set_xlabel(_along("Speed |v| (mm/s)", curves))
+    figure.axes[-1].set_xlabel(_speed_label("Speed |v| (mm/s)", curves))
     style.head(axes, f"Friction, {style.TITLES[direction].lower()}", results)
     style.read_as(figure, _READ)
     load_legend(figure, axes, "Load $F_L$", curves)
@@ -181,18 +183,18 @@ def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) ->
             "label": who,
         }
         outside = {**_EXTRAPOLATED, "label": f"{who}, extrapolated"}
-        parts = [(fit.line, inside), *((part, outside) for part in fit.beyond)]
-        for line, look in parts:
+        pieces = [(fit.line, inside), *((piece, outside) for piece in fit.beyond)]
+        for line, look in pieces:
             if line:
                 v, friction = np.array(line, dtype=float).T
                 speed = np.abs(v) if absolute else v
                 axes.plot(1e3 * speed, sign * friction, color=colour, **look)
 
 
-def _along(words: str, curves: Iterable[Curve]) -> str:
+def _speed_label(label: str, curves: Iterable[Curve]) -> str:
     """Return the words under the speeds, with a warning where lines are extrapolated."""
     beyond = any(fit.beyond for curve in curves for fit in curve.fits[:1])
-    return words + ("\ndotted: extrapolated, nothing was measured there" if beyond else "")
+    return label + ("\ndotted: extrapolated, nothing was measured there" if beyond else "")
 
 
 def _at(fit: Fit, v_m_s: np.ndarray) -> np.ndarray:

@@ -25,11 +25,11 @@ def loops(results: Results) -> dict[str, Figure]:
         figure = style.new_figure(height_in=5.2)
         over_v, over_x = figure.subplots(2)
         for axes, abscissa in ((over_v, v), (over_x, x)):
-            for rising, words in ((True, "velocity rises"), (False, "velocity falls")):
-                own = np.where((np.gradient(v) > 0) == rising, friction, np.nan)
+            for rising, branch_name in ((True, "velocity rises"), (False, "velocity falls")):
+                branch = np.where((np.gradient(v) > 0) == rising, friction, np.nan)
                 colour = style.COLOURS[0 if rising else 1]
-                label = words if axes is over_v else f"_{words}"
-                axes.plot(1e3 * abscissa, own, color=colour, label=label, zorder=3)
+                label = branch_name if axes is over_v else f"_{branch_name}"
+                axes.plot(1e3 * abscissa, branch, color=colour, label=label, zorder=3)
             axes.plot(1e3 * abscissa[closed], friction[closed], color="#9ca3af", linewidth=0.8)
             axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
             axes.set_ylabel("Friction F (N)")
@@ -37,7 +37,7 @@ def loops(results: Results) -> dict[str, Figure]:
         over_x.set_xlabel("Position x (mm)")
         name = series_words(loop.series)
         title = f"{name[:1].upper()}{name[1:]}" or "Hysteresis"
-        if [one.series for one in results.motions.loops].count(loop.series) > 1:
+        if [other.series for other in results.motions.loops].count(loop.series) > 1:
             title += f", to {short(1e3 * loop.v_top_m_s)} mm/s"
         style.head(over_v, title, results)
         style.read_as(figure, "Mean of all cycles but the first.")
@@ -55,25 +55,29 @@ def levels(results: Results) -> dict[str, Figure]:
     """Draw settled friction [N] of each level in turn, and the overshoot before it settled."""
     figure = style.new_figure(height_in=3.8)
     axes = figure.add_subplot()
-    series = list(dict.fromkeys(one.series for one in results.motions.levels))
+    series = list(dict.fromkeys(level.series for level in results.motions.levels))
     for rank, of in enumerate(series):
-        found = [one for one in results.motions.levels if one.series == of]
-        place = np.array([one.number for one in found]) + 0.12 * (rank - (len(series) - 1) / 2)
+        steps = [level for level in results.motions.levels if level.series == of]
+        positions = np.array([level.number for level in steps]) + 0.12 * (
+            rank - (len(series) - 1) / 2
+        )
         look = style.series_style(rank)
-        after = np.array([one.after_n for one in found])
-        interval = [np.nan if one.after_ci95_n is None else one.after_ci95_n for one in found]
-        bars = axes.errorbar(place, after, interval, label=series_words(of), **look, **style.POINTS)
-        over = [np.nan if one.overshoot_n is None else one.overshoot_n for one in found]
-        runs = [" ".join(one.runs) for one in found]
+        after = np.array([level.after_n for level in steps])
+        interval = [np.nan if level.after_ci95_n is None else level.after_ci95_n for level in steps]
+        bars = axes.errorbar(
+            positions, after, interval, label=series_words(of), **look, **style.POINTS
+        )
+        over = [np.nan if level.overshoot_n is None else level.overshoot_n for level in steps]
+        runs = [" ".join(level.runs) for level in steps]
         behind(bars, {"overshoot (N)": over, "runs": runs})
-        for at, one in zip(place, found, strict=True):
-            if one.overshoot_n is not None:
-                way = np.sign(one.after_n - (one.before_n or 0.0)) * one.overshoot_n
-                axes.plot([at, at], [one.after_n, one.after_n + way], color=look["color"], lw=1.2)
-                axes.plot(at, one.after_n + way, "_", color=look["color"], markersize=9)
+        for x, level in zip(positions, steps, strict=True):
+            if level.overshoot_n is not None:
+                way = np.sign(level.after_n - (level.before_n or 0.0)) * level.overshoot_n
+                axes.plot([x, x], [level.after_n, level.after_n + way], color=look["color"], lw=1.2)
+                axes.plot(x, level.after_n + way, "_", color=look["color"], markersize=9)
     first = [level for level in results.motions.levels if level.series == series[0]]
-    ticks = [f"{one.number}\n{short(1e3 * one.v_to_m_s)}" for one in first]
-    axes.set_xticks([one.number for one in first], ticks)
+    ticks = [f"{level.number}\n{short(1e3 * level.v_to_m_s)}" for level in first]
+    axes.set_xticks([level.number for level in first], ticks)
     axes.set(xlabel="Level, and its velocity (mm/s)", ylabel="Friction F (N)")
     axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
     style.head(axes, "Friction of velocity steps", results)
@@ -92,12 +96,12 @@ def leakage(results: Results) -> dict[str, Figure]:
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
     sides = (("piston side", "p_p_pa", "out_p_m3_s"), ("rod side", "p_r_pa", "out_r_m3_s"))
-    for rank, (words, pressure, flow) in enumerate(sides):
-        decays = [decay for found in results.motions.leakages for decay in found.decays]
+    for rank, (side, pressure, flow) in enumerate(sides):
+        decays = [decay for leak in results.motions.leakages for decay in leak.decays]
         p = [from_si(getattr(decay, pressure), "bar") for decay in decays]
         q = [1e9 * getattr(decay, flow) for decay in decays]
         look = style.series_style(rank)
-        bars = axes.errorbar(p, q, label=words, **look, **style.POINTS)
+        bars = axes.errorbar(p, q, label=side, **look, **style.POINTS)
         behind(bars, {"run": [decay.run for decay in decays]})
     axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
     axes.set(xlabel="Pressure of the side (bar)", ylabel="Oil that leaves (mm³/s)")
@@ -115,26 +119,26 @@ def has_surfaces(results: Results) -> bool:
 def surfaces(results: Results) -> dict[str, Figure]:
     """Draw |F| [N] over speed [mm/s] and load [kN] as a filled contour with the measured points."""
     figures = {}
-    for found in results.motions.surfaces:
+    for surface in results.motions.surfaces:
         figure = style.new_figure(height_in=4.0)
         axes = figure.add_subplot()
-        v, load = np.array(found.v_m_s) * 1e3, np.array(found.f_load_n) / 1e3
-        friction = np.array(found.friction_n)
+        v, load = np.array(surface.v_m_s) * 1e3, np.array(surface.f_load_n) / 1e3
+        friction = np.array(surface.friction_n)
         filled = axes.contourf(v, load, friction, levels=12, cmap="cividis")
         lines = axes.contour(
             v, load, friction, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5
         )
         axes.clabel(lines, list(lines.levels)[1::2], fontsize=8, fmt="%g")
-        points = np.array([(speed, one) for one in load for speed in v])
+        points = np.array([(speed, force) for force in load for speed in v])
         (dots,) = axes.plot(*points.T, label="_measured", **style.DOTS)
         behind(dots, {"Friction |F| (N)": friction.ravel()})
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Load $F_L$ (kN)")
         axes.grid(visible=False)
         figure.colorbar(filled, ax=axes, label="Friction |F| (N)")
-        words = ", ".join(filter(None, (found.label, style.TITLES[found.direction])))
-        if len(results.motions.surfaces) > 2 and found.p_lr_ref_pa is not None:
-            words += f", {short(from_si(found.p_lr_ref_pa, 'bar'))} bar"
-        style.head(axes, f"Friction map, {words[0].lower()}{words[1:]}", results)
+        name = ", ".join(filter(None, (surface.label, style.TITLES[surface.direction])))
+        if len(results.motions.surfaces) > 2 and surface.p_lr_ref_pa is not None:
+            name += f", {short(from_si(surface.p_lr_ref_pa, 'bar'))} bar"
+        style.head(axes, f"Friction map, {name[0].lower()}{name[1:]}", results)
         style.read_as(figure, style.OF_MAPS)
-        figures[words] = figure
+        figures[name] = figure
     return figures

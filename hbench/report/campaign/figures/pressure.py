@@ -20,8 +20,8 @@ Row = tuple[float, float, float | None]  # pressure [Pa], force [N], half-width 
 
 def has_pressures(results: Results) -> bool:
     """Return whether a label was measured at two pressures or more, without curves over speed."""
-    found = [(series, curve.direction) for series, curve in _over_pressure(results)]
-    return any(found.count(one) >= 2 for one in found)
+    keys = [(series, curve.direction) for series, curve in _over_pressure(results)]
+    return any(keys.count(key) >= 2 for key in keys)
 
 
 def friction_pressure(results: Results) -> dict[str, Figure]:
@@ -35,9 +35,9 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
             chosen = [c for series, c in curves if (series, c.direction) == (key, direction)]
             points = [point for curve in chosen for point in curve.points]
             rows = [(p.p_tp_pa, sign * p.friction_n, p.ci95_n) for p in points]
-            words = (key[1], load_words(None, key[2]), style.TITLES[direction].lower())
+            labels = (key[1], load_words(None, key[2]), style.TITLES[direction].lower())
             look = style.series_style(rank, hollow=direction == "retract")
-            _points(axes, rows, look, style.safe(", ".join(filter(None, words))), points)
+            _points(axes, rows, look, style.safe(", ".join(filter(None, labels))), points)
     differs = any(p_lr is not None for _, _, p_lr in ranks)
     for key, rank in ranks.items():
         series = (key[1], load_words(None, key[2]))
@@ -51,8 +51,8 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
     axes.set_ylabel("Friction |F| (N)")
     below.set(xlabel="Chamber pressure (bar)", ylabel="Half band (N)")
     style.start_at_zero(below)
-    for one in (axes, below):
-        one.set_ylim(bottom=min(0, one.get_ylim()[0]))
+    for panel in (axes, below):
+        panel.set_ylim(bottom=min(0, panel.get_ylim()[0]))
     style.head(axes, "Friction against pressure", results)
     style.read_as(figure, "Points: means of the trials; bars: their 95 % Student intervals.")
     style.legend_above(figure, axes, columns=1 if differs else 2)

@@ -37,7 +37,7 @@ def ramps(results: Results) -> dict[str, Figure]:
     ):
         key = curve.label, curve.direction, curve.f_load_n, curve.p_lr_ref_pa
         groups[key].append(curve)
-    found = sorted({c.a_ref_m_s2 or 0.0 for c in results.curves if KINDS[c.kind].is_ramp})
+    accelerations = sorted({c.a_ref_m_s2 or 0.0 for c in results.curves if KINDS[c.kind].is_ramp})
     figures = {}
     for (label, direction, load, p_lr), curves in groups.items():
         analyses = {_analysis(curve) for curve in curves}
@@ -45,18 +45,18 @@ def ramps(results: Results) -> dict[str, Figure]:
             figure = style.new_figure(height_in=6.4)
             axes, below = figure.subplots(2, sharex=True, height_ratios=(2, 3))
             for curve in sorted(curves, key=_drawing_order):
-                _points(axes, curve, found)
-                _points(below, _from_breakaway(curve), found)
-            for one in (axes, below):
-                one.set_ylabel("Friction (N)")
+                _points(axes, curve, accelerations)
+                _points(below, _from_breakaway(curve), accelerations)
+            for panel_axes in (axes, below):
+                panel_axes.set_ylabel("Friction (N)")
             below.set_xlabel("Speed |v| (mm/s)")
             style.start_at_zero(axes)
-            words = (label, style.TITLES[direction], load_words(load, p_lr))
-            title = ", ".join(filter(None, words))
+            names = (label, style.TITLES[direction], load_words(load, p_lr))
+            title = ", ".join(filter(None, names))
             style.head(axes, f"Ramps, {title[0].lower()}{title[1:]}", results)
             style.read_as(figure, _READ)
             style.legend_above(figure, axes, columns=3)
-            figures["-".join(filter(None, words))] = figure
+            figures["-".join(filter(None, names))] = figure
     for panel in (0, 1):
         style.share_limits(figure.axes[panel] for figure in figures.values())
     return figures
@@ -82,13 +82,13 @@ def comparisons(results: Results) -> dict[str, Figure]:
         ("acceleration", "Accelerations", "fastest less slowest"),
         ("steady", "Ramp less steady", "ramp less steady"),
     ):
-        found = [
+        tested = [
             comparison
             for comparison in results.motions.comparisons
             if comparison.what == what and comparison.ci95_n is not None
         ]
-        if found:
-            figures[what] = _differences(results, found, title, less)
+        if tested:
+            figures[what] = _differences(results, tested, title, less)
     return figures
 
 
@@ -126,14 +126,14 @@ def _differences(results: Results, comparisons: list[Comparison], title: str, le
     figure = style.new_figure(height_in=1.6 + 0.27 * len(comparisons))
     axes = figure.add_subplot()
     names = []
-    for place, comparison in enumerate(comparisons):
+    for row, comparison in enumerate(comparisons):
         colour = style.COLOURS[1] if differs(comparison) else style.COLOURS[0]
         face = colour if differs(comparison) else "white"
         a = f", {short(comparison.a_m_s2[0])} m/s²" if comparison.what == "steady" else ""
         names.append(style.safe(comparison_words(comparison) + a, most=60))
         axes.errorbar(
             comparison.effect_n,
-            place,
+            row,
             label="_differs" if differs(comparison) else "_not significant",
             xerr=comparison.ci95_n,
             color=colour,
@@ -145,9 +145,9 @@ def _differences(results: Results, comparisons: list[Comparison], title: str, le
     axes.set_yticks(range(len(comparisons)), names, fontsize=8)
     axes.set_ylim(len(comparisons) - 0.5, -0.5)
     axes.set_xlabel(f"|F|, {less} (N)")
-    for face, words in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not significant")):
+    for face, meaning in (("C", f"p < {SIGNIFICANT:g} after Holm"), ("w", "not significant")):
         colour = style.COLOURS[1] if face == "C" else style.COLOURS[0]
-        axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=words)
+        axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=meaning)
     style.head(axes, title, results)
     style.read_as(figure, "Bars: 95 % intervals; the unit is the trial.")
     style.legend_above(figure, axes)

@@ -36,9 +36,9 @@ def traces(results: Results) -> dict[str, Figure]:
     figures = {}
     rejected = [run for run in results.runs if not run.accepted and len(run.run.t_s)]
     for code, _ in reason_counts(results).most_common(MOST_REASONS):
-        found = [run for run in rejected if any(code_of(r) == code for r in run.reasons)]
-        if found:
-            figures[code] = _figure(results, code, found)
+        runs = [run for run in rejected if any(code_of(r) == code for r in run.reasons)]
+        if runs:
+            figures[code] = _figure(results, code, runs)
     return figures
 
 
@@ -47,8 +47,8 @@ def _figure(results: Results, code: str, runs: list[ScreenedRun]) -> Figure:
     figure = style.new_figure(height_in=1.5 + 1.15 * len(shown))
     all_axes = figure.subplots(len(shown), squeeze=False)[:, 0]
     name, lines_of = _CHANNELS.get(code, _POSITION)
-    for axes, one in zip(all_axes, shown, strict=True):
-        _trace(axes, one, lines_of(one.run), code, first=axes is all_axes[0])
+    for axes, run in zip(all_axes, shown, strict=True):
+        _trace(axes, run, lines_of(run.run), code, first=axes is all_axes[0])
         axes.set_ylabel(name, fontsize=9)
     all_axes[-1].set_xlabel("Time (s)")
     style.head(all_axes[0], f"Rejected: {code.replace('_', ' ')}", results)
@@ -58,12 +58,12 @@ def _figure(results: Results, code: str, runs: list[ScreenedRun]) -> Figure:
     return figure
 
 
-def _trace(axes: Axes, one: ScreenedRun, lines: list[_Line], code: str, first: bool) -> None:
-    run, plan = one.run, one.run.plan
+def _trace(axes: Axes, screened: ScreenedRun, lines: list[_Line], code: str, first: bool) -> None:
+    run, plan = screened.run, screened.run.plan
     step = -(-len(run.t_s) // _MOST_SAMPLES)
     mark = "" if first else "_"  # one legend for all
-    if one.means is not None:
-        axes.axvspan(one.means.t_start_s, one.means.t_stop_s, color="#e5e7eb", zorder=0)
+    if screened.means is not None:
+        axes.axvspan(screened.means.t_start_s, screened.means.t_stop_s, color="#e5e7eb", zorder=0)
     for number, line in enumerate(lines):
         look: dict[str, Any] = {"color": style.QUIET, "linestyle": "--"} if line.dashed else {}
         look = {"color": _LINES[number % len(_LINES)], "linewidth": 1.0, **look}
@@ -78,9 +78,15 @@ def _trace(axes: Axes, one: ScreenedRun, lines: list[_Line], code: str, first: b
         axes.plot(run.t_s[at], largest[at], "x", color=style.COLOURS[1], markersize=4, zorder=4)
     axes.tick_params(labelsize=8)
     load = "" if plan.f_load_n is None else f", {short(plan.f_load_n)} N"
-    words = f"run {style.safe(plan.run, 20)}: {short(1e3 * plan.v_ref_m_s)} mm/s{load}"
+    caption = f"run {style.safe(plan.run, 20)}: {short(1e3 * plan.v_ref_m_s)} mm/s{load}"
     axes.annotate(
-        words, (0.995, 0.96), xycoords="axes fraction", ha="right", va="top", fontsize=8.5, zorder=5
+        caption,
+        (0.995, 0.96),
+        xycoords="axes fraction",
+        ha="right",
+        va="top",
+        fontsize=8.5,
+        zorder=5,
     )
     axes.margins(y=0.25)
 
@@ -117,13 +123,13 @@ def _positions(run: Run) -> list[_Line]:
 
 def _sensors(run: Run) -> list[_Line]:
     names = {"p_tp_pa": "P_Tp", "p_tr_pa": "P_Tr", "p_s_pa": "supply"}
-    own = {words: getattr(run, name) for name, words in names.items()}
-    return [_Line(words, values / 1e5) for words, values in own.items() if values is not None]
+    channels = {label: getattr(run, name) for name, label in names.items()}
+    return [_Line(label, values / 1e5) for label, values in channels.items() if values is not None]
 
 
 def _valves(run: Run) -> list[_Line]:
-    own = {"test valve": run.u_t_v, "load valve 1": run.u_l1_v, "load valve 2": run.u_l2_v}
-    return [_Line(words, values) for words, values in own.items() if values is not None]
+    channels = {"test valve": run.u_t_v, "load valve 1": run.u_l1_v, "load valve 2": run.u_l2_v}
+    return [_Line(label, values) for label, values in channels.items() if values is not None]
 
 
 _SPEED = ("Velocity (mm/s)", _speeds)
