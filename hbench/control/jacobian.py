@@ -61,8 +61,8 @@ def numerical_jacobian(
 def disagreement(par: PlantParameters, point: OperatingPoint, c: Coefficients) -> float:
     """Return the largest relative difference between entries of the two linearisations.
 
-    Where an entry is zero by hand, the other's counts relative to the largest of its row. Friction
-    is the point's own in both, viscous as in 4.1.
+    Where an entry is zero by hand, the other's counts relative to the largest of its row. Both
+    take the point's viscous friction, as in 4.1.
     """
     static = FrictionParameters(law=LAWS["tustin"].code)
     same = par._replace(

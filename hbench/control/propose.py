@@ -11,7 +11,7 @@ and with an ideal valve, as the source counts them (table 4.2). With G of 4.25, 
 w is the largest for which every loop, opened at its valve with the other two closed, keeps its
 margins at every point of a grid: positions, loads, speeds and both directions, with valve,
 filters and sampling. Of the six orders, the proposal is that with the fastest slowest loop: the
-source's order (velocity, rod, piston) suits a soft bench, a stiff one wants fast pressure loops.
+source's order (velocity, rod, piston) suits a soft bench, a stiff one needs fast pressure loops.
 """
 
 from collections.abc import Sequence
@@ -97,7 +97,7 @@ def _fastest(
     order: Sequence[int],
     beyond: float,
 ) -> float:
-    """Return the largest w [rad/s] with which all margins are kept; 0 if not beyond ``beyond``."""
+    """Return the largest w [rad/s] that keeps all margins; 0 if it does not exceed ``beyond``."""
 
     def good(log_w: float) -> bool:
         loops = family(c, float(np.exp(log_w)), ratio, order)
@@ -137,5 +137,5 @@ def _gain(plant: TransferFunction, tau: float, width: float) -> float:
 
     low, high = -4.0, 2.0
     if not surplus(low) < 0 < surplus(high):
-        return guess  # a resonance makes the bandwidth jump; the margins will tell
+        return guess  # a resonance makes the bandwidth jump; the margins decide
     return float(guess * np.exp(brentq(surplus, low, high, xtol=1e-4)))

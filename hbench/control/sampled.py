@@ -23,7 +23,7 @@ Pi = tuple[float, float]  # K_c and tau_c of 4.36
 class SampledPlant:
     """Plant with valves from tick to tick: s' = f s + g u; y = h s, one output a loop.
 
-    Outputs: mean velocity over the last tick (what the position's difference tells), P_Lr, P_Lp.
+    Outputs: mean velocity over the last tick (the position's difference), P_Lr, P_Lp.
     """
 
     f: np.ndarray  # (12, 12)
@@ -37,7 +37,7 @@ def sample_plant(
 ) -> SampledPlant:
     """Sample the linear bench A (11, 11), B (11, 3) of ``linearisation.state_space``."""
     n, way = N_STATES, N_STATES
-    whole = np.zeros((n + 4, n + 4))  # the state, the way that the piston has gone, commands
+    whole = np.zeros((n + 4, n + 4))  # state, distance travelled by the piston, commands
     whole[:n, :n], whole[:n, n + 1 :], whole[way, V] = a, b, 1.0
     moved = expm(whole * TICK_S)
     moved[way, way] = 0.0  # of the last tick alone

@@ -1,7 +1,7 @@
 """Eigenvalues of the bench at constant velocity, with its friction law.
 
-``linearisation.py`` has viscous friction alone, as the source's design. Here the slope of the
-Stribeck curve and the states of a dynamic law are in: the plant's Jacobian by differences.
+``linearisation.py`` has viscous friction alone, as the source's design. Here the
+plant's Jacobian by differences includes the slope of the Stribeck curve and a dynamic law's states.
 """
 
 from collections.abc import Sequence
@@ -82,7 +82,7 @@ def loop_eigenvalues(
 
 
 def friction_slope(par: PlantParameters, point: OperatingPoint) -> float:
-    """Slope [N s/m] of the steady friction of both cylinders over velocity."""
+    """Return the slope [N s/m] of the steady friction of both cylinders over velocity."""
     v, h = point.v_m_s, copysign(1e-6, point.v_m_s)
     total = 0.0
     for cylinder, p_p, p_r in (

@@ -79,6 +79,6 @@ def pi(gain: float, time_constant_s: float) -> TransferFunction:
 
 
 def valve(natural_frequency_rad_s: float, damping: float) -> TransferFunction:
-    """Spool over command, second order, equation 2.16."""
+    """Return spool over command, second order, equation 2.16."""
     square = natural_frequency_rad_s**2
     return TransferFunction((square,), (1.0, 2 * damping * natural_frequency_rad_s, square))

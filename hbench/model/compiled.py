@@ -53,5 +53,5 @@ def compiled(function: Callable) -> Any:
 
 
 def inlined(function: Callable) -> Any:
-    """Compile as ``compiled`` does a function made of others (a closure): its callers cache it."""
+    """Compile a closure of compiled functions as ``compiled`` does; its callers cache it."""
     return numba.njit(**_OPTIONS)(function)

@@ -3,7 +3,7 @@
 from hbench.model.compiled import compiled
 from hbench.model.parameters import CylinderParameters, EndStopParameters
 
-CAVITATION_PA = 1e5  # below it a chamber that is torn apart stops falling
+CAVITATION_PA = 1e5  # below it a chamber's pressure stops falling
 
 
 @compiled
@@ -50,7 +50,7 @@ def pressure_force(p_p: float, p_r: float, cylinder: CylinderParameters) -> floa
 def end_stop_force(
     x: float, v: float, cylinder: CylinderParameters, stop: EndStopParameters
 ) -> float:
-    """Force [N] of the cylinder's heads on its piston, along +x: k depth + c d(depth)/dt.
+    """Return the heads' force [N] on the piston, along +x: k depth + c d(depth)/dt.
 
     Only while the piston presses into a head, and only away from it: a head never pulls.
     """

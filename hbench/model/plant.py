@@ -121,7 +121,7 @@ def load_cell_force(
 def valve_flows(
     state: np.ndarray, opened: Openings, p_tank: float, par: PlantParameters
 ) -> ChamberFlows:
-    """Flows from the valves into the chambers; from the supply line, and into the tank's."""
+    """Return the flows of the valves into the chambers, from the supply and into the tank."""
     p_s, valve = state[P_S], par.valve
     u_t, u_l1, u_l2 = opened
     q_tp = port_flow(u_t, state[P_TP], p_s, p_tank, valve)
@@ -138,7 +138,7 @@ def valve_flows(
 
 @compiled
 def drawn_flow(state: np.ndarray, par: PlantParameters, rates: np.ndarray) -> float:
-    """Flow [m^3/s] from the supply line into the chambers; ``rates`` is scratch."""
+    """Return the flow [m^3/s] from the supply line into the chambers; ``rates`` is scratch."""
     opened = openings(state, par, par.effects, rates)
     tank = oil(state, par, par.effects, rates).tank_pa
     return valve_flows(state, opened, tank, par).drawn

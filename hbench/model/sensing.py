@@ -1,4 +1,4 @@
-"""What the sensors see of the plant, and its way to ADC counts."""
+"""Quantities that the sensors measure, and their conversion to ADC counts."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ def sensed(
     values: np.ndarray,
     work: np.ndarray,
 ) -> None:
-    """Write what the sensors see at this moment into ``values``, SI, in ``CHANNELS`` order.
+    """Write the sensed quantities at this moment into ``values``, SI, in ``CHANNELS`` order.
 
     ``work`` is scratch of the plant's ``new_work``.
     """

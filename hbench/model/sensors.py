@@ -66,7 +66,7 @@ def sensor_gains(sensors: Sensors) -> dict[str, tuple[float, float]]:
 
 
 def _scaling(sensors: Sensors, name: str) -> tuple[float, float]:
-    """Volts at the converter's input per SI unit, and at 0."""
+    """Return the volts at the converter's input per SI unit, and at 0."""
     if name == "f_applied":
         return sensors.load_cell.volts_per_newton, float(sensors.load_cell.level)
     sensor: Transducer = sensors.position if name == "x" else sensors.pressure

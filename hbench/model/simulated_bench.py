@@ -1,6 +1,6 @@
 """The bench as its board sees it: converter words out, DAC codes in.
 
-A tick of it is ``sensed`` and ``convert``, then the board's own, then ``step`` and
+A tick of it is ``sensed`` and ``convert``, then the board's control step, then ``step`` and
 ``update_levels``. Compiled loops of ticks write these out: functions around them would cost a sixth
 of the speed.
 """
@@ -32,7 +32,7 @@ class SimulatedBench(NamedTuple):
     noise: np.ndarray
     par: PlantParameters
     sensors: SensorParameters
-    values: np.ndarray  # this and what follows is scratch
+    values: np.ndarray  # this and the fields below are scratch
     u: np.ndarray
     work: np.ndarray
 

@@ -1,4 +1,4 @@
-"""Hydraulic supply: a constant pressure, or a pump whose pressure sags with what is drawn.
+"""Hydraulic supply: a constant pressure, or a pump whose pressure sags with the drawn flow.
 
     C_s dP_s/dt = Q_p - Q_drawn - G_l P_s - K_r max(P_s - P_relief, 0)
 
@@ -14,7 +14,7 @@ from hbench.model.parameters import SupplyParameters
 def pump_rates(
     p_supply: float, command: float, flow: float, drawn: float, par: SupplyParameters
 ) -> tuple[float, float, float]:
-    """Rates of the supply pressure [Pa/s], the compensator's command and the flow [m^3/s^2]."""
+    """Return the rates of supply pressure [Pa/s], compensator's command and flow [m^3/s^2]."""
     if not par.has_pump:
         return 0.0, 0.0, 0.0
     asked = par.flow_m3_s * (par.cut_off_pa - p_supply) / par.band_pa
@@ -29,7 +29,7 @@ def pump_rates(
 
 
 def rest_flow(par: SupplyParameters) -> tuple[float, float]:
-    """Supply pressure [Pa] and flow [m^3/s] in equilibrium while nothing is drawn."""
+    """Return the supply pressure [Pa] and flow [m^3/s] in equilibrium without drawn flow."""
     if not par.has_pump:
         return par.pressure_pa, 0.0
     slope = par.flow_m3_s / par.band_pa

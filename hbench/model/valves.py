@@ -29,7 +29,7 @@ def clamp(value: float, limit: float) -> float:
 def port_flow(
     spool: float, p_chamber: float, p_supply: float, p_tank: float, valve: ValveParameters
 ) -> float:
-    """Flow [m^3/s] from the valve into a chamber.
+    """Return the flow [m^3/s] from the valve into a chamber.
 
     Q = k_s u root(P_s - P)  for u >= 0 (to supply),
     Q = k_s u root(P - P_t)  for u < 0 (to tank; Q is negative).
@@ -45,7 +45,7 @@ def port_flow(
 
 @compiled
 def spool_acceleration(command: float, spool: float, rate: float, valve: ValveParameters) -> float:
-    """Second derivative [V/s^2] of the spool, in volts: 2.16 with the command limited.
+    """Return the spool's second derivative [V/s^2]: 2.16 with the command limited.
 
     w^2 (u - y) - 2 zeta w dy/dt
     """

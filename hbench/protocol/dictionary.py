@@ -226,7 +226,7 @@ FLAGS = (
 
 
 def canonical_text() -> str:
-    """Text of all definitions that host and board share."""
+    """Return the text of all definitions that host and board share."""
     lines = [f"protocol {PROTOCOL}", f"frame {REPLY} {ERROR} {MAX_FRAME} {CRC_START}"]
     for message in MESSAGES:
         for side, fields in (("request", message.request), ("reply", message.reply)):
@@ -249,5 +249,5 @@ def canonical_text() -> str:
 
 
 def dictionary_hash() -> int:
-    """CRC-32 of the canonical text."""
+    """Return the CRC-32 of the canonical text."""
     return binascii.crc32(canonical_text().encode("ascii"))

@@ -23,7 +23,7 @@ class Frame:
 
 
 def crc16(data: bytes) -> int:
-    """CRC-16/CCITT-FALSE."""
+    """Return the CRC-16/CCITT-FALSE of ``data``."""
     return binascii.crc_hqx(data, CRC_START)
 
 

@@ -7,7 +7,7 @@ from hbench.protocol.payloads import NOTICE
 
 
 def header_text() -> str:
-    """Text of ``firmware/core/dictionary.h``."""
+    """Return the text of ``firmware/core/dictionary.h``."""
     blocks = [
         NOTICE,
         "#ifndef HB_DICTIONARY_H\n#define HB_DICTIONARY_H",
@@ -53,7 +53,7 @@ def _defines(*pairs: tuple[str, str]) -> str:
 
 
 def _texts(names: Iterable[str]) -> str:
-    """Names as a C initialiser, one per line."""
+    """Return names as a C initialiser, one per line."""
     rows = ", \\\n    ".join(f'"{name.replace("_", " ")}"' for name in names)
     return f"{{ \\\n    {rows} \\\n}}"
 

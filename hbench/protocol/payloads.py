@@ -14,7 +14,7 @@ Fields = Sequence[tuple[str, str]]
 
 
 def payloads_header() -> str:
-    """Text of ``firmware/core/payloads.h``."""
+    """Return the text of ``firmware/core/payloads.h``."""
     blocks = [
         NOTICE,
         "#ifndef HB_PAYLOADS_H\n#define HB_PAYLOADS_H",
@@ -39,7 +39,7 @@ def payloads_header() -> str:
 
 
 def payloads_source() -> str:
-    """Text of ``firmware/core/payloads.c``."""
+    """Return the text of ``firmware/core/payloads.c``."""
     blocks = [
         NOTICE,
         '#include "payloads.h"',
@@ -52,7 +52,7 @@ def payloads_source() -> str:
 
 
 def _requests() -> list[d.Message]:
-    """Messages whose request has fields."""
+    """Return the messages whose request has fields."""
     return [message for message in d.MESSAGES if message.request]
 
 
@@ -72,7 +72,7 @@ def _member(name: str, kind: str) -> str:
 
 
 def _row_of(fields: Fields) -> tuple[Fields, str]:
-    """Fields before a segment or step at the end of a request, and its name or ""."""
+    """Return the fields before a request's final segment or step, and its name or ""."""
     for name, row in _ROWS.items():
         if tuple(fields[-len(row) :]) == row:
             return fields[: -len(row)], name

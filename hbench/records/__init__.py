@@ -96,7 +96,7 @@ from hbench.records.phenomenon import (
     Phenomenon,
     WordTable,
 )
-from hbench.records.replay import Off, Replay
+from hbench.records.replay import Replay, SignalError
 from hbench.records.results import Results
 from hbench.records.summary import (
     Basis,
@@ -166,7 +166,6 @@ __all__ = [
     "Motion",
     "Motions",
     "Outcome",
-    "Off",
     "Overlay",
     "Panel",
     "Phenomenon",
@@ -191,6 +190,7 @@ __all__ = [
     "Segment",
     "Selection",
     "Series",
+    "SignalError",
     "Specimen",
     "Spread",
     "SteadyMeans",

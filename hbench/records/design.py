@@ -1,4 +1,4 @@
-"""What ``design`` finds out about the controllers of a bench. All quantities are SI."""
+"""Results of ``design`` for the controllers of a bench. All quantities are SI."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class LoopMerits:
-    """One loop with one chain of dynamics: its figures of merit and its curves.
+    """Figures of merit and curves of one loop with one chain of dynamics.
 
     A margin or a bandwidth is infinite where there is no crossing.
     """
@@ -55,7 +55,7 @@ class ControlLoop:
 
 @dataclass(frozen=True)
 class Reproduced:
-    """A number of the source, and what it comes out as."""
+    """Number printed in the source, and the value computed here."""
 
     quantity: str
     unit: str
@@ -86,8 +86,8 @@ class Proposal:
     bandwidths_rad_s: dict[str, float]  # loop: closed, ideal valve; from fast to slow
     feedforward: tuple[float, float]  # rod, piston [V s/m]
     ratio: float  # of neighbouring bandwidths
-    points: int  # of the grid, at which the margins were judged
-    left_out: tuple[str, ...]  # what the bench can't reach, and why
+    points: int  # of the grid, at which the margins were computed
+    left_out: tuple[str, ...]  # points that the bench cannot reach, with the reason
     margins: tuple[Check, ...]
     closed_loop: tuple[Check, ...]  # the firmware against the nonlinear bench and its variants
 

@@ -55,7 +55,7 @@ class CurveDifference:
 
     a: Curve
     b: Curve
-    points: tuple[FrictionDifference, ...]  # where both have been, by rising speed
+    points: tuple[FrictionDifference, ...]  # at speeds of both, rising
     mean_n: Difference | None  # of |F| over these speeds
     efficiency: Difference | None  # of the mean over the speeds where both have one
     parameters: tuple[FitDifference, ...]
@@ -75,4 +75,4 @@ class CampaignDifferences:
     b: Provenance
     same_instruments: bool  # their errors are the same in both
     curves: tuple[CurveDifference, ...]
-    notes: tuple[str, ...]  # what could not be compared, and why
+    notes: tuple[str, ...]  # curves that could not be compared, with the reason

@@ -43,7 +43,7 @@ class FleetNumber:
 
 @dataclass(frozen=True)
 class FleetRow:
-    """A campaign in a row. ``failed`` says why it could not be analyzed; else it is empty."""
+    """Row of a fleet: one campaign. ``failed`` is why it could not be analyzed, or empty."""
 
     path: str
     failed: str = ""
@@ -99,7 +99,7 @@ class Spread:
     direction: Direction
     n: int  # campaigns that have it
     median: float
-    between: float  # standard deviation from cylinder to cylinder, robust, without own scatter
+    between: float  # standard deviation from cylinder to cylinder, robust, without trial scatter
     own: float | None  # standard error of a campaign's own trials, median
     low: float  # 5 % quantile
     high: float  # 95 % quantile

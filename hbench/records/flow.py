@@ -47,18 +47,18 @@ class Motion:
     hold_s: float  # at rest at x_start before the run, load on
     segments: tuple[Segment, ...]  # one cycle
     cycles: int = 1  # at most
-    until: str = "cycles"  # or "friction", "speed_error": what must settle to end earlier
+    until: str = "cycles"  # or "friction", "speed_error": its settling ends the run
     within: float = 0.0  # settled: relative change from cycle to cycle
 
     @property
     def duration_s(self) -> float:
-        """The longest that it can last."""
+        """Longest possible duration."""
         return self.cycles * sum(segment.duration_s for segment in self.segments)
 
 
 @dataclass(frozen=True)
 class RunPlan:
-    """One run to be made, or made: what it is and its references."""
+    """Planned or completed run: its kind, its set-up and its references."""
 
     run: str  # id, also the raw log's file name
     kind: KindName  # of experiment
@@ -105,12 +105,12 @@ class RawRun:
     rate_hz: float
     outcome: Outcome | None  # None: no stop part in the campaign, the host crashed
     why: str = ""  # why it was aborted or failed
-    warnings: tuple[str, ...] = ()  # what the reader noticed in the file
+    warnings: tuple[str, ...] = ()  # remarks of the file's reader
 
 
 @dataclass(frozen=True)
 class Run:
-    """A run in SI units. A channel that the bench does not have is ``None``."""
+    """A run in SI units. Channels that the bench does not have are ``None``."""
 
     plan: RunPlan
     t_s: np.ndarray  # (n,) sample times; uneven for some foreign logs

@@ -1,4 +1,4 @@
-"""What ``identify`` finds out: friction laws of the test cylinder, put to the test. In SI."""
+"""Results of ``identify``: friction laws of the test cylinder and their verification. In SI."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,7 +23,7 @@ class ModelErrors:
 
 @dataclass(frozen=True)
 class IdentifiedLaw:
-    """One friction law: what was found, or why there is nothing."""
+    """One friction law: its fit, or the reason why there is none."""
 
     law: str
     fit: Fit | None  # None with a reason
@@ -71,7 +71,7 @@ class Followed:
 
 @dataclass(frozen=True)
 class Identification:
-    """The friction laws that a campaign tells, and how well each does in a model of the bench."""
+    """Friction laws identified from a campaign, and their errors in a model of the bench."""
 
     provenance: Provenance
     laws: tuple[IdentifiedLaw, ...]
@@ -79,7 +79,7 @@ class Identification:
     no_ramps: str  # why ``ramps`` is empty
     verification_runs: tuple[str, ...]
     scatter: dict[str, ModelErrors]  # between the trials of a verification run, by ``PARTS``
-    not_verified: str  # why nothing verified the laws; empty if something did
+    not_verified: str  # why no run verified the laws; empty if one did
     followed: tuple[Followed, ...]  # the first trial of each profile and load
     left_out: tuple[str, ...]  # runs that took no part, each with its reason
     notes: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Types of numbers and words in records that say more than float, int or str.
+"""Types of the records' numbers and texts, more precise than float, int or str.
 
 Python and mypy see the plain type; the JSON Schemas of the documents follow the marks.
 """

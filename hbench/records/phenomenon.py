@@ -1,4 +1,4 @@
-"""What ``simulate`` shows: a phenomenon with its curves and its defining numbers."""
+"""Results of ``simulate``: a phenomenon with its curves and its defining numbers."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """A pair of axes with their units, and what is drawn in it."""
+    """Pair of axes with their units, series and marks."""
 
     name: str
     title: str
@@ -32,7 +32,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Finding:
-    """A number that defines a phenomenon, and what theory or the source says of it."""
+    """Number that defines a phenomenon, and its value by theory or the source."""
 
     quantity: str
     unit: str
@@ -43,7 +43,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class WordTable:
-    """A table as it is printed."""
+    """Table as it is printed."""
 
     title: str
     head: tuple[str, ...]
@@ -52,11 +52,11 @@ class WordTable:
 
 @dataclass(frozen=True)
 class Phenomenon:
-    """A scripted simulation: what it shows, its curves and its defining numbers."""
+    """Scripted simulation: its explanation, its curves and its defining numbers."""
 
     name: str
     title: str
-    text: tuple[str, ...]  # paragraphs: what is done, what comes out, why
+    text: tuple[str, ...]  # paragraphs: method, result, explanation
     panels: tuple[Panel, ...]
     findings: tuple[Finding, ...]
     tables: tuple[WordTable, ...] = ()

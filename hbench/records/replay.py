@@ -7,7 +7,7 @@ from hbench.records.flow import Provenance, Run
 
 
 @dataclass(frozen=True)
-class Off:
+class SignalError:
     """Root mean square error of a simulated signal, in ``unit``."""
 
     signal: str
@@ -25,5 +25,5 @@ class Replay:
     model: str  # file name
     bench: dict[str, Any]  # the campaign's bench file, under a name that says simulated
     runs: tuple[Run, ...]  # labelled as simulated; commands and supply are the measured ones
-    off: tuple[Off, ...]  # by signal
+    off: tuple[SignalError, ...]  # by signal
     left_out: tuple[str, ...]  # runs that could not be simulated, each with its reason

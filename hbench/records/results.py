@@ -9,14 +9,14 @@ from hbench.records.summary import Headline, Quality
 
 @dataclass(frozen=True)
 class Results:
-    """All that ``analyze`` derives from a campaign."""
+    """Everything that ``analyze`` derives from a campaign."""
 
     provenance: Provenance
     runs: tuple[ScreenedRun, ...]
     curves: tuple[Curve, ...]
     efficiency: tuple[EfficiencyCurve, ...]
     bands: tuple[Band, ...]
-    notes: tuple[str, ...]  # what was left out, and why
+    notes: tuple[str, ...]  # data left out, with the reason
     motions: Motions = Motions()
     joint_fits: tuple[JointFit, ...] = ()
     headline: Headline = field(kw_only=True)

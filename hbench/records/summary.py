@@ -52,7 +52,7 @@ class QualityCheck:
 
     name: Literal["runs_accepted", "trials_per_point", "repeatability", "instruments", "fits"]
     grade: Grade
-    value: float | None  # what was graded; None: not known
+    value: float | None  # graded value; None: not known
     unit: Literal["%", "trials"]  # of value and limits
     good: float  # the limit of "good"
     poor: float | None  # beyond it "poor"; None: there is no such limit

@@ -1,4 +1,4 @@
-"""The table of phenomena: each name with what simulates it."""
+"""Table of phenomena: each name with its simulation."""
 
 from collections.abc import Callable
 from typing import Any

@@ -72,7 +72,7 @@ class Fastest(NamedTuple):
 
 
 def fastest(par: PlantParameters, fit: PrintedFit, speed_m_s: float, loops: list[Pi]) -> Fastest:
-    """Return the growth rates at a steady speed; a positive one leaves it."""
+    """Return the growth rates at a steady speed; a positive rate means instability."""
     static, lugre = with_fit(par, fit, "tustin"), with_fit(par, fit, "lugre")
     point = steady_point(static, X_M, speed_m_s, LOAD_N, P_LR_PA)
     (gain, tau), *others = loops
@@ -93,7 +93,7 @@ def _viscous(par: PlantParameters, total_n_s_m: float) -> PlantParameters:
 
 
 def least_slope(par: PlantParameters, loops: list[Pi], filters_s: tuple[float, float]) -> float:
-    """Slope of friction [N s/m] of both cylinders that the loops need at 50 mm/s.
+    """Return the slope of friction [N s/m] of both cylinders that the loops need at 50 mm/s.
 
     ``filters_s``: of velocity and pressures on the board; (0, 0) takes the loops in continuous
     time, without sampling.
@@ -178,7 +178,7 @@ def _patient(bench: Bench) -> Bench:
 
 
 def ripple(run: Run) -> float:
-    """Standard deviation [m/s] of the velocity in the last half of a run at its reference."""
+    """Return the velocity's standard deviation [m/s] in the last half of a run at its reference."""
     at = np.flatnonzero(run.channel("at_reference"))
     late = at[len(at) // 2 :]
     return float(run.channel("v_m_s")[late].std()) if len(late) else np.nan

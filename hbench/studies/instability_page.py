@@ -30,7 +30,7 @@ _EXTRA = ("6.2 ramp", "6.5 ramp")  # drawn beside the steady fits
 
 
 def instability(bench_data: dict[str, Any]) -> Phenomenon:
-    """Show where the fits of tables 6.2 to 6.5 let the loops hold, and why."""
+    """Show at which speeds the loops hold with the fits of tables 6.2 to 6.5, and why."""
     bench = parse_bench(bench_data, "bench")
     par, control = plant_parameters(bench), bench.controllers
     loops = [
@@ -184,7 +184,7 @@ def _text(needed: float, on_board: float, mass: float) -> tuple[str, ...]:
 
 
 def _slope(name: str, v: float) -> float:
-    """F'(v) [N s/m] of both cylinders: the derivative of 3.2."""
+    """Return F'(v) [N s/m] of both cylinders: the derivative of 3.2."""
     fit = FITS[name]
     fallen = (fit.stiction_n - fit.coulomb_n) * np.exp(-v / fit.stribeck_velocity_m_s)
     return 2 * (fit.viscous_n_s_m - fallen / fit.stribeck_velocity_m_s)

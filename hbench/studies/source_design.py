@@ -1,8 +1,9 @@
-"""The source's own design: where it was linearised, what it prints, and what comes out.
+"""The source's own design: its operating points, its printed numbers, and the results here.
 
 The operating points were on a disc that is not available. They are reconstructed from the printed
 gains, poles and bandwidths, and are no steady state: each loop has its own (u_L1 and u_L2 would
-mean 239 and 83 mm/s). Three printed items contradict the others; they stand beside their numbers.
+mean 239 and 83 mm/s). Three printed items contradict the others, as their notes
+explain.
 """
 
 from collections.abc import Iterator
@@ -136,7 +137,7 @@ def _loops(c: Coefficients) -> Iterator[Reproduced]:
 
 
 def _width_with_pole(c: Coefficients) -> float:
-    """Bandwidth of the rod-side loop whose gain puts a closed pole at the printed place."""
+    """Return the bandwidth of the rod-side loop with a closed pole at the printed value."""
     plant, tau = rod_pressure_plant(c), LOOPS[1][1]
     # On the real axis 1 + K_c G C = 0 gives the gain at once.
     gain = -1 / (plant * pi(1.0, tau))(-PRINTED_ROD_POLE)

@@ -45,7 +45,7 @@ ALLOWED_M_S = 2e-3  # section 4.5
 
 
 def least_capacity(pump: dict[str, float]) -> float:
-    """Capacity [m^3/Pa] above which the compensator's loop is stable at rest, by Routh.
+    """Return the capacity [m^3/Pa] above which the compensator is stable at rest, by Routh.
 
     C s + G + K / ((tau_1 s + 1) (tau_2 s + 1)), K = Q_max / band; keys and SI of ``config.Pump``.
     """
@@ -58,7 +58,7 @@ def least_capacity(pump: dict[str, float]) -> float:
 
 
 def deviation(run: Run) -> float:
-    """Largest speed error [m/s] in the later part of a run at its reference."""
+    """Return the largest speed error [m/s] in the later part of a run at its reference."""
     late = (run.x_m > LATE_M) & run.channel("at_reference")
     return float(np.abs(run.channel("v_m_s")[late] - run.plan.v_ref_m_s).max())
 

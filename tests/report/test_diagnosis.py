@@ -89,7 +89,7 @@ def test_every_verdict_has_its_sentence(named, unknown, ambiguous):
     both = diagnosis_text(replace(named, alternatives=ambiguous.alternatives))
     assert "internal_leakage or external_leakage" in both.splitlines()[0]
     rest = replace(named, rest=named.where[:1])
-    assert words.balance(named.where[0].name).says in diagnosis_text(rest).splitlines()[0]
+    assert words.balance(named.where[0].name).title in diagnosis_text(rest).splitlines()[0]
 
 
 def test_json_has_the_names_that_other_programs_read(named, ambiguous):

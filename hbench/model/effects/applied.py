@@ -56,7 +56,7 @@ def effect_states(effects: tuple[tuple[float, ...], ...] | None) -> int:
     return _STATES
 
 
-# ``effects`` is ``par.effects``: where this argument is None, what follows is not compiled.
+# ``effects`` is ``par.effects``: where this argument is None, the code below is not compiled.
 
 
 @compiled
@@ -112,7 +112,7 @@ def friction_effects(
 
 @compiled
 def _raised(level: float, more: float, dry: float) -> float:
-    """Level at which the dry part is ``dry + more``, but not below a tenth of ``dry``."""
+    """Return the level at which the dry part is ``dry + more``, at least a tenth of ``dry``."""
     if more == 0.0 or dry == 0.0:
         return level
     return level * max(LEAST_DRY, 1.0 + more / dry)

@@ -119,7 +119,7 @@ def presliding(
     """A part F of the test cylinder's dry friction builds up over a displacement L.
 
     dz/dt = (v - |v| z) / L, force F z instead of F sign(v): a seal that shears before it slides
-    (Dahl 1968). Friction in steady motion stays what it is. c: F [N], L [m].
+    (Dahl 1968). Friction in steady motion does not change. c: F [N], L [m].
     """
     part, length = c
     if part == 0.0:
@@ -151,7 +151,7 @@ def thinner_film(
 ) -> FrictionTerms:  # fmt: skip
     """Viscous friction falls with the warm oil's viscosity: B v (exp(-k theta) - 1) is added.
 
-    See ``effect_flows.warmth``. A law without a viscous part B does not change.
+    See ``flows.warmth``. A law without a viscous part B does not change.
     """
     rise, pump, _, k = c
     if rise == 0.0 and pump == 0.0:

@@ -1,4 +1,4 @@
-"""Dynamic friction laws: what is stored in the deflection of asperities.
+"""Dynamic friction laws, whose state is the deflection of asperities.
 
     LuGre (3.8 to 3.12)             F = sigma_0 z + sigma_1 dz/dt + B v
                                     dz/dt = v - |v| z sigma_0 / F_dry(v)
@@ -94,5 +94,5 @@ def leuven(
 
 @compiled
 def slipping(deflection: float, z_rate: float, limit: float) -> bool:
-    """Whether an element slips: at its limit, and driven on."""
+    """Return whether an element slips: it is at its limit and driven further."""
     return abs(deflection) >= limit and z_rate * deflection > 0.0

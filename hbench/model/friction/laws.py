@@ -46,9 +46,9 @@ _MARTON_LANTOS, _PRESSURE_BASED = LAWS["marton_lantos"].code, LAWS["pressure_bas
 def steady_parts(
     v: float, p_p: float, p_r: float, level: float, par: FrictionParameters
 ) -> tuple[float, float]:
-    """Dry part, with the sign of v, and viscous part [N] of friction at constant velocity.
+    """Return the dry part, signed like v, and the viscous part [N] of the steady friction.
 
-    A Leuven law whose elements together carry less than F_dry ends at what they carry.
+    Leuven's dry part is limited to the force that its elements carry together.
     """
     if par.law == _MARTON_LANTOS:
         return marton_lantos(v, level, par)
@@ -59,7 +59,7 @@ def steady_parts(
 
 @compiled
 def steady_friction(v: float, p_p: float, p_r: float, par: FrictionParameters) -> float:
-    """Friction [N] at constant velocity, with a sharp sign (3.13 with its parenthesis).
+    """Return friction [N] at constant velocity, with a sharp sign (3.13 with its parenthesis).
 
     The nominal level, for every law. At v = 0 it is the static friction against extension.
     """
@@ -152,14 +152,14 @@ def exact_step(
 
 
 def viscous_coefficient(v: float, par: FrictionParameters) -> float:
-    """B [N s/m], the viscous part's slope; of Marton and Lantos the slope at high speed."""
+    """Return B [N s/m], the viscous part's slope; of Marton and Lantos, that at high speed."""
     if par.law == _MARTON_LANTOS:
         return par.extend_high_slope if v > 0 else par.retract_high_slope
     return par.viscous
 
 
 def settled_deflection(v: float, p_p: float, p_r: float, par: FrictionParameters) -> float | None:
-    """LuGre's z [m] at constant velocity, F_dry / sigma_0; None for a law without this state."""
+    """Return LuGre's z [m] at constant velocity, F_dry / sigma_0; None without this state."""
     if par.law != _LUGRE:
         return None
     dry, _ = steady_parts(v, p_p, p_r, 1.0, par)
@@ -167,7 +167,7 @@ def settled_deflection(v: float, p_p: float, p_r: float, par: FrictionParameters
 
 
 def deflection_under(force: float, v: float, par: FrictionParameters) -> float:
-    """LuGre's z [m] that carries a friction force, (F - B v) / sigma_0; 0 for any other law."""
+    """Return LuGre's z [m] that carries a friction force, (F - B v) / sigma_0; 0 for other laws."""
     if par.law != _LUGRE:
         return 0.0
     return (force - par.viscous * v) / par.bristle_stiffness

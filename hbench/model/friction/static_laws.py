@@ -27,7 +27,7 @@ _two_lines = compiled(formulas.two_lines)
 
 @compiled
 def dry_friction(v: float, p_p: float, p_r: float, level: float, par: FrictionParameters) -> float:
-    """Magnitude F_dry [N] of the Stribeck curve's dry part at v [m/s], pressures in Pa."""
+    """Return F_dry [N], the Stribeck curve's dry part at v [m/s], pressures in Pa."""
     seal = _seal_force(p_p, p_r, par.piston_seal, par.rod_seal)
     return level * _stribeck_curve(
         abs(v), seal, par.coulomb, par.stiction, par.stribeck_velocity, par.stribeck_exponent
@@ -38,7 +38,7 @@ def dry_friction(v: float, p_p: float, p_r: float, level: float, par: FrictionPa
 def tustin(
     v: float, p_p: float, p_r: float, level: float, par: FrictionParameters
 ) -> tuple[float, float]:
-    """Dry part of the Tustin law with its sign, and its viscous part [N]."""
+    """Return the dry part of the Tustin law with its sign, and its viscous part [N]."""
     return copysign(dry_friction(v, p_p, p_r, level, par), v), par.viscous * v
 
 
@@ -70,5 +70,5 @@ def pressure_based(
 
 @compiled
 def regularised_sign(v: float) -> float:
-    """|tanh(v / 1 mm/s)|: what a static law's dry part is multiplied with."""
+    """|tanh(v / 1 mm/s)|, the factor on a static law's dry part."""
     return abs(tanh(v / REST_VELOCITY_M_S))

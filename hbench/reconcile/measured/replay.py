@@ -19,7 +19,7 @@ from hbench.model.simulated_bench import as_run
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.weak import sampling
 from hbench.reconcile.measured.window_signals import INPUTS, OPEN_LOOP_CHANNELS, SIGNALS, open_loop
-from hbench.records import Off, Run
+from hbench.records import Run, SignalError
 
 _UNITS = {"p": "bar", "f": "N", "v": "mm/s", "x": "mm"}
 _PER_SI = {"bar": 1e-5, "N": 1.0, "mm/s": 1e3, "mm": 1e3}
@@ -47,7 +47,7 @@ def replay_runs(
     return tuple(replays), tuple(omitted)
 
 
-def signal_errors(measured: Sequence[Run], replays: Sequence[Run]) -> tuple[Off, ...]:
+def signal_errors(measured: Sequence[Run], replays: Sequence[Run]) -> tuple[SignalError, ...]:
     """Return the root mean square error of each signal of the replays, in a bench's units."""
     measured_by_run = {run.plan.run: run for run in measured}
     errors = []
@@ -62,7 +62,8 @@ def signal_errors(measured: Sequence[Run], replays: Sequence[Run]) -> tuple[Off,
         if squares:
             worst = max(squares, key=lambda run: squares[run].mean())
             pooled = np.concatenate(list(squares.values()))
-            errors.append(Off(name, unit, _root_mean(pooled), _root_mean(squares[worst]), worst))
+            all_runs, worst_run = _root_mean(pooled), _root_mean(squares[worst])
+            errors.append(SignalError(name, unit, all_runs, worst_run, worst))
     return tuple(errors)
 
 

@@ -52,7 +52,7 @@ def loop_table(results: Results) -> Table:
 
 
 def level_table(results: Results) -> Table:
-    """Return the steps of the reference and what friction did."""
+    """Return the steps of the reference and the friction's response."""
     head = (
         *("Load", "From (mm/s)", "To (mm/s)", "Friction before (N)", "Friction after (N)"),
         *("Overshoot (N)", "Settled after (s), in whole records", "Trials", "Remark"),
@@ -80,7 +80,7 @@ def level_table(results: Results) -> Table:
 
 
 def leak_table(results: Results) -> Table:
-    """Return the leak coefficients in mm^3/(s bar), and below what they depend on."""
+    """Return the leak coefficients in mm^3/(s bar), and below them their conditions."""
     scale = 1e9 * from_si(1.0, "bar") ** -1
     rows = []
     for leakage in results.motions.leakages:

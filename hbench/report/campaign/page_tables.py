@@ -156,9 +156,9 @@ def table(
     words: tuple[str, ...] = (),
 ) -> Table:
     """Build a table; a column of ``_WHERE_GIVEN`` without any entry is left out.
-    An empty kind is written as steady where other kinds are present.
 
-    Columns in ``words`` hold no numbers.
+    An empty kind is written as steady where other kinds are present. Columns in ``words`` hold
+    no numbers.
     """
     cells = [tuple(c if isinstance(c, Cell) else Cell(c) for c in row) for row in rows]
     if "Kind" in head and any(row[head.index("Kind")].text for row in cells):
@@ -179,7 +179,7 @@ def table(
 
 
 def who(curve: Curve | EfficiencyCurve | HeadlineSeries | RunPlan) -> tuple[str, ...]:
-    """Return what identifies a curve, in the columns ``WHO``."""
+    """Return the identification of a curve, in the columns ``WHO``."""
     load = force(curve.f_load_n).removesuffix(" N")
     direction = TITLES[curve.direction].lower()
     return curve.label, kind_words(curve), direction, load, _rod_side(curve.p_lr_ref_pa)
@@ -190,7 +190,7 @@ def _rod_side(pressure_pa: float | None) -> str:
 
 
 def who_text(curve: Curve) -> str:
-    """Return the same as words."""
+    """Return the identification of a curve as text."""
     load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
     texts = curve.label, kind_words(curve), TITLES[curve.direction].lower(), load
     return ", ".join(filter(None, texts))

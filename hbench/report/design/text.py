@@ -211,7 +211,7 @@ def verdict(proposal: Proposal) -> str:
 
 
 def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
-    """Return how the gains came about, a sentence each."""
+    """Return the derivation of the gains, a sentence each."""
     order = ", ".join(f"{name} {w:.0f}" for name, w in proposal.bandwidths_rad_s.items())
     return (
         f"bandwidths, a factor of {proposal.ratio:g} apart (ideal valve): {order} rad/s",

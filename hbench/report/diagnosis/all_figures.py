@@ -73,7 +73,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         yield "where", "maps", "Residuals over velocity and load", _MAPS, maps_figure(diagnosis)
         shape = _SHAPE + (_HELD_OUT if diagnosis.effects else "")
         for name in worst(diagnosis)[:_MOST_SHAPES]:
-            title = f"Residual: {balance(name).says}"
+            title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
     if diagnosis.where and diagnosis.regions:
         yield "where", "regions", "Gap by region", _REGIONS, region_figure(diagnosis)

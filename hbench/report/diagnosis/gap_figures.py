@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from hbench.records import BeforeAfter, Candidate, Diagnosis, Region
 from hbench.report.diagnosis.names import (
     AXES,
-    Words,
+    DisplayName,
     balance,
     drawn,
     share,
@@ -39,7 +39,7 @@ _MOST = 3.0  # of the colour scale: a gap of 1000
 def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
     """Draw the held-out gaps of balances, and of signals in closed and open loop."""
     table = diagnosis.gap_heldout
-    groups: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], Words]], ...] = (
+    groups: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], DisplayName]], ...] = (
         ("Balances", with_total(table), balance),
         ("Signals, closed loop", table.signals, signal),
         ("Signals, open loop", table.open_loop, signal),
@@ -53,7 +53,7 @@ def _gaps(
     diagnosis: Diagnosis,
     title: str,
     values: Mapping[str, BeforeAfter],
-    words: Callable[[str], Words],
+    words: Callable[[str], DisplayName],
 ) -> Figure:
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(values))
     axes = figure.subplots()
@@ -67,7 +67,7 @@ def _gaps(
         axes.plot(every[step], rows, linestyle="none", label=label, **_LOOKS[step])
     axes.axvline(1, color="#374151", linewidth=0.9)
     _log_gaps(axes)
-    _rows(axes, [drawn(words(name).says) for name in values])
+    _rows(axes, [drawn(words(name).title) for name in values])
     style.head(axes, title, diagnosis)
     style.legend_above(figure, axes, columns=2)
     return figure
@@ -114,11 +114,11 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
             )
         axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
         words = AXES[group[0].axis]
-        axes.set_xlabel(f"{words.says} ({words.unit})" if words.unit else words.says)
+        axes.set_xlabel(f"{words.title} ({words.unit})" if words.unit else words.title)
         axes.grid(visible=False)
         axes.tick_params(length=0)
         axes.spines[:].set_visible(False)
-    _rows(panels[0], [balance(name).says for name in names])
+    _rows(panels[0], [balance(name).title for name in names])
     panels[0].set_ylim(len(names) - 0.5, -0.5)
     figure.colorbar(
         image, ax=panels, label="Gap (trial scatters)", pad=0.01

@@ -7,47 +7,47 @@ from hbench.report.render.numbers import number, significant, with_ends
 from hbench.units import from_si
 
 
-class Words(NamedTuple):
+class DisplayName(NamedTuple):
     """Display name of a quantity, and the unit its numbers are shown in."""
 
-    says: str
+    title: str
     unit: str
 
 
 BALANCES = {
-    "flow_tp": Words("oil into chamber Tp", "l/min"),
-    "flow_tr": Words("oil into chamber Tr", "l/min"),
-    "flow_lp": Words("oil into chamber Lp", "l/min"),
-    "flow_lr": Words("oil into chamber Lr", "l/min"),
-    "force_test": Words("force, test side", "N"),
-    "force_load": Words("force, load side", "N"),
-    "kinematics": Words("position against velocity", "mm/s"),
-    "supply": Words("supply pressure", "bar"),
+    "flow_tp": DisplayName("oil into chamber Tp", "l/min"),
+    "flow_tr": DisplayName("oil into chamber Tr", "l/min"),
+    "flow_lp": DisplayName("oil into chamber Lp", "l/min"),
+    "flow_lr": DisplayName("oil into chamber Lr", "l/min"),
+    "force_test": DisplayName("force, test side", "N"),
+    "force_load": DisplayName("force, load side", "N"),
+    "kinematics": DisplayName("position against velocity", "mm/s"),
+    "supply": DisplayName("supply pressure", "bar"),
 }
 SIGNALS = {
-    "x": Words("position", "mm"),
-    "v": Words("velocity", "mm/s"),
-    "p_tp": Words("P_Tp", "bar"),
-    "p_tr": Words("P_Tr", "bar"),
-    "p_lp": Words("P_Lp", "bar"),
-    "p_lr": Words("P_Lr", "bar"),
-    "p_s": Words("supply pressure", "bar"),
-    "f_applied": Words("load cell's force", "N"),
-    "u_t": Words("valve T", "V"),
-    "u_l1": Words("valve L1", "V"),
-    "u_l2": Words("valve L2", "V"),
-    "friction": Words("friction", "N"),
+    "x": DisplayName("position", "mm"),
+    "v": DisplayName("velocity", "mm/s"),
+    "p_tp": DisplayName("P_Tp", "bar"),
+    "p_tr": DisplayName("P_Tr", "bar"),
+    "p_lp": DisplayName("P_Lp", "bar"),
+    "p_lr": DisplayName("P_Lr", "bar"),
+    "p_s": DisplayName("supply pressure", "bar"),
+    "f_applied": DisplayName("load cell's force", "N"),
+    "u_t": DisplayName("valve T", "V"),
+    "u_l1": DisplayName("valve L1", "V"),
+    "u_l2": DisplayName("valve L2", "V"),
+    "friction": DisplayName("friction", "N"),
 }
 # Axes of regions and maps, by the records' names.
 AXES = {
-    "direction": Words("direction", ""),
-    "speed_m_s": Words("speed", "mm/s"),
-    "v_m_s": Words("velocity", "mm/s"),
-    "load_n": Words("load", "kN"),
-    "position_m": Words("position", "mm"),
-    "x_m": Words("position", "mm"),
-    "time_s": Words("time in the run", "s"),
-    "t_s": Words("time in the run", "s"),
+    "direction": DisplayName("direction", ""),
+    "speed_m_s": DisplayName("speed", "mm/s"),
+    "v_m_s": DisplayName("velocity", "mm/s"),
+    "load_n": DisplayName("load", "kN"),
+    "position_m": DisplayName("position", "mm"),
+    "x_m": DisplayName("position", "mm"),
+    "time_s": DisplayName("time in the run", "s"),
+    "t_s": DisplayName("time in the run", "s"),
 }
 # Fields of BeforeAfter.
 STEPS = {
@@ -67,14 +67,14 @@ EDGES = {
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 
-def balance(name: str) -> Words:
+def balance(name: str) -> DisplayName:
     """Return the display name of a balance, by default its key."""
-    return BALANCES.get(name, Words(name.replace("_", " "), ""))
+    return BALANCES.get(name, DisplayName(name.replace("_", " "), ""))
 
 
-def signal(name: str) -> Words:
+def signal(name: str) -> DisplayName:
     """Return the display name of a signal, by default its key."""
-    return SIGNALS.get(name, Words(name.replace("_", " "), ""))
+    return SIGNALS.get(name, DisplayName(name.replace("_", " "), ""))
 
 
 def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
@@ -101,7 +101,7 @@ def drawn(symbol: str) -> str:
     return f"${head}_{{{index}}}$" if index else symbol
 
 
-def shown(si: Any, words: Words) -> Any:
+def shown(si: Any, words: DisplayName) -> Any:
     """Convert a number or an array in SI to the unit it is shown in."""
     return from_si(si, words.unit) if words.unit else si
 

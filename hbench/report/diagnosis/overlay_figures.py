@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, Overlay
 from hbench.report.diagnosis.gap_figures import AFTER, BEFORE, MEASURED
-from hbench.report.diagnosis.names import Words, drawn, signal
+from hbench.report.diagnosis.names import DisplayName, drawn, signal
 from hbench.report.render import style
 from hbench.units import parse_unit
 
@@ -39,8 +39,8 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
             left.plot(overlay.t_s, factor * values, color=colour, linewidth=width, label=label)
             off = factor * (values - overlay.measured)
             right.plot(overlay.t_s, off, color=colour, linewidth=width, label=f"_{label}")
-        left.set_ylabel(f"{drawn(words.says)}\n({unit})")
-        right.set_ylabel(f"off by ({unit})")
+        left.set_ylabel(f"{drawn(words.title)}\n({unit})")
+        right.set_ylabel(f"error ({unit})")
     for axes in panels[-1]:
         axes.set_xlabel("Time (s)")
     figure.align_ylabels(panels[:, 0])
@@ -51,7 +51,7 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
     return figure
 
 
-def _scale(overlay: Overlay, words: Words) -> tuple[float, str]:
+def _scale(overlay: Overlay, words: DisplayName) -> tuple[float, str]:
     """Return the factor from the overlay's unit to the one it is shown in, and that unit."""
     if not words.unit:
         return 1.0, overlay.unit

@@ -40,14 +40,14 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
             size = 14 + 46 * np.sqrt(count / max(count.max(initial=1), 1))
             dots = axes.scatter(
                 1e3 * v, load / 1e3, c=value, s=size, norm=norm, cmap="RdBu_r",
-                edgecolors="#6b7280", linewidths=0.4, label=f"_{balance(name).says}, {title}",
+                edgecolors="#6b7280", linewidths=0.4, label=f"_{balance(name).title}, {title}",
             )  # fmt: skip
             behind(dots, {"Residual (trial scatters)": value, "windows": count})
         panel_row[0].set_ylabel(
             f"{title.capitalize()}\nLoad (kN)" if diagnosis.effects else "Load (kN)"
         )
     for axes, name in zip(panels[0], names, strict=True):
-        axes.set_title(balance(name).says, fontsize=11)
+        axes.set_title(balance(name).title, fontsize=11)
     for axes in panels[-1]:
         axes.set_xlabel("Velocity (mm/s)")
     bar = figure.colorbar(
@@ -72,9 +72,9 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
         row[0].set_ylim(*limits)
     for axes, (across, _) in zip(panels[-1], _PANELS, strict=True):
         words = AXES[across]
-        axes.set_xlabel(f"{words.says.capitalize()} ({words.unit})")
+        axes.set_xlabel(f"{words.title.capitalize()} ({words.unit})")
     _colour_bars(figure, panels, sides[0])
-    style.head(panels[0, 0], balance(name).says, diagnosis, panels[0, -1])
+    style.head(panels[0, 0], balance(name).title, diagnosis, panels[0, -1])
     (scatter,) = (scatter_words(gap) for gap in diagnosis.where if gap.name == name)
     panels[0, 2].set_title(
         f"1 scatter = {scatter}", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
@@ -159,7 +159,7 @@ def _windows(axes: Axes, side: ResidualMap, value: np.ndarray, title: str) -> No
     columns = {}
     for name, _ in others:
         words, values = AXES[name], shown(getattr(side, name), AXES[name])
-        columns[f"{words.says.capitalize()} ({words.unit})"] = values[known]
+        columns[f"{words.title.capitalize()} ({words.unit})"] = values[known]
     behind(line, columns)
 
 
@@ -187,5 +187,5 @@ def _colour_bars(figure: Figure, panels: np.ndarray, side: ResidualMap) -> None:
     """Put a bar for each colour beside the panels that it is for."""
     for columns, colour in ((panels[:, :3], "load_n"), (panels[:, 3:], "v_m_s")):
         words = AXES[colour]
-        label = f"{words.says.capitalize()} ({words.unit})"
+        label = f"{words.title.capitalize()} ({words.unit})"
         figure.colorbar(_scale(side, colour), ax=columns, label=label, pad=0.02)

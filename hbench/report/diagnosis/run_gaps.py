@@ -65,5 +65,5 @@ def _worst(gap: GapTable) -> tuple[str, ...]:
     for part, words in zip(_PARTS, (balance, signal, signal), strict=True):
         gaps: Mapping[str, BeforeAfter] = getattr(gap, part)
         name = max(gaps, key=lambda name: gaps[name].after, default=None)
-        cells.append(f"{words(name).says} {number(gaps[name].after, 2)}" if name else NONE)
+        cells.append(f"{words(name).title} {number(gaps[name].after, 2)}" if name else NONE)
     return tuple(cells)

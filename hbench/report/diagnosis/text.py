@@ -14,7 +14,7 @@ from hbench.records import (
 from hbench.report.diagnosis.names import (
     BALANCES,
     EDGES,
-    Words,
+    DisplayName,
     balance,
     quantity,
     scatter_words,
@@ -145,7 +145,7 @@ def where_table(diagnosis: Diagnosis) -> WordTable:
     """Return the balances of the refitted model, the worst first."""
     rows = tuple(
         (
-            balance(gap.name).says,
+            balance(gap.name).title,
             number(gap.gap, 2),
             number(gap.structured, 2),
             p_words(gap.p_value),
@@ -168,7 +168,7 @@ def edges_table(diagnosis: Diagnosis) -> WordTable:
         for edge in ("supply", "tank"):
             gaps = ways[by_edge[edge]].gaps if by_edge[edge] in ways else {}
             cells.append(number(gaps.get(name), 2))
-        rows.append((balance(name).says, *cells))
+        rows.append((balance(name).title, *cells))
     known = any(cell != NONE for _, *cells in rows for cell in cells)
     head = ("chamber", "open to supply", "open to tank")
     return WordTable("Gap by metering edge", head, tuple(rows) if known else ())
@@ -178,9 +178,9 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
     """Return the gaps of some runs: balances with their total, signals in closed and open loop."""
     steps = steps_of(diagnosis)
 
-    def rows(of: Mapping[str, BeforeAfter], words: Callable[[str], Words]) -> Rows:
+    def rows(of: Mapping[str, BeforeAfter], words: Callable[[str], DisplayName]) -> Rows:
         return tuple(
-            (words(name).says, *(number(getattr(gap, step), 2) for step in steps))
+            (words(name).title, *(number(getattr(gap, step), 2) for step in steps))
             for name, gap in of.items()
         )
 
@@ -253,4 +253,4 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
 
 
 def _list(gaps: tuple[Gap, ...]) -> str:
-    return ", ".join(balance(gap.name).says for gap in gaps)
+    return ", ".join(balance(gap.name).title for gap in gaps)

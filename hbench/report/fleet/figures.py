@@ -1,4 +1,4 @@
-"""Figures of a fleet: how each number is distributed over the campaigns, and how it drifts."""
+"""Figures of a fleet: the distribution of each number over the campaigns, and its drift."""
 
 from collections.abc import Iterable
 
@@ -140,7 +140,7 @@ def _read_as(spreads: Iterable[Spread]) -> str:
 
 def _trends(spreads: Iterable[Spread]) -> str:
     if any(spread.trend is not None and spread.trend.real for spread in spreads):
-        return "Line: a trend that chance does not explain (Theil and Sen's line)."
+        return "Line: significant trend (Theil and Sen's line)."
     return "No significant trend."
 
 

@@ -41,7 +41,7 @@ def fleet_row(
 
 
 def _protocol(plans: list[RunPlan], speed: float | None) -> str:
-    """Return what must be equal where cylinders are compared."""
+    """Return the settings that must be equal for a comparison of cylinders."""
     areas = sorted({(p.specimen.area_piston_m2, p.specimen.area_rod_m2) for p in plans})
     settings = ["; ".join(f"{short(1e6 * a)}/{short(1e6 * b)} mm²" for a, b in areas)]
     for direction in _DIRECTIONS:

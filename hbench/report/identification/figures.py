@@ -1,4 +1,4 @@
-"""Figures of an identification: what each law makes of the verification profile, and its errors."""
+"""Figures of an identification: each law's motion over the verification profile, and its errors."""
 
 import re
 

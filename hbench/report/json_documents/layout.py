@@ -44,7 +44,7 @@ def all_fields(record: type, without: tuple[str, ...] = (), **changed: Source) -
 
 
 def document(value: Any, layouts: Layouts) -> Any:
-    """Return a record, or anything made of records, as JSON knows it."""
+    """Return a record, or a container of records, as JSON values."""
     if is_dataclass(value) and not isinstance(value, type):
         return _object(value, layouts.get(type(value)) or all_fields(type(value)), layouts)
     if isinstance(value, Mapping):

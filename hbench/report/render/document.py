@@ -1,4 +1,4 @@
-"""Pages: one HTML file each that needs nothing else, every text of it escaped."""
+"""Pages: self-contained HTML files with all text escaped."""
 
 import re
 from base64 import b64encode
@@ -31,17 +31,17 @@ _MENU = 4  # sections with a title: a shorter page needs no menu
 
 @dataclass(frozen=True)
 class Tile:
-    """A number that a reader looks for first."""
+    """Headline number at the top of a page."""
 
     value: str
     unit: str
     more: str = ""
-    how: str = ""  # anchor of where it is told how it is computed
+    how: str = ""  # anchor of the method that computes it
 
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a document: its words, then its figures, tables, facts and smaller parts."""
+    """Part of a document: its paragraphs, then its figures, tables, facts and smaller parts."""
 
     title: str = ""
     paragraphs: tuple[str, ...] = ()
@@ -49,24 +49,24 @@ class Section:
     code: str = ""
     drawings: tuple[Drawing, ...] = ()
     tables: tuple[WordTable | Table, ...] = ()
-    facts: tuple[tuple[str, str], ...] = ()  # a name, and what is told of it
+    facts: tuple[tuple[str, str], ...] = ()  # name and description
     parts: tuple["Section", ...] = ()
     tiles: tuple[Tile, ...] = ()
-    anchor: str = ""  # by default made of the title
+    anchor: str = ""  # by default derived from the title
     folded: bool | None = None  # behind its title: whether it starts folded; None: not at all
 
 
 @dataclass(frozen=True)
 class Document:
-    """What a page, a Markdown file or a PDF is made of."""
+    """Content of a page, a Markdown file or a PDF."""
 
     title: str
     subtitle: str
     sections: tuple[Section, ...]
     verdict: str = ""
-    banner: str = ""  # what must not be missed: where the numbers come from
+    banner: str = ""  # warning at the top: the origin of the numbers
     source: str = ""  # simulated, imported, real: the banner's colour
-    folder: str = ""  # tells reports of the same title apart, in a browser's tab or a reader's list
+    folder: str = ""  # distinguishes reports of the same title, as in browser tabs
 
     @property
     def tab(self) -> str:

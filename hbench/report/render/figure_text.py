@@ -1,4 +1,4 @@
-"""A figure in words and numbers: its data as CSV, what is seen in it, what each point tells."""
+"""A figure in words and numbers: its data as CSV, its text alternative, its points' notes."""
 
 import math
 from collections.abc import Sequence
@@ -10,8 +10,8 @@ from hbench.report.render.numbers import short, significant
 from hbench.report.render.series import DrawnSeries
 from hbench.untrusted_text import as_cell
 
-_MOST_SERIES = 10  # of a panel, told one by one
-_TURN = 0.1  # of a series' range: less is no change of its course
+_MOST_SERIES = 10  # of a panel, described one by one
+_TURN = 0.1  # of a series' range: a smaller change is not a turn
 
 
 def data_csv(series: Sequence[DrawnSeries]) -> str:
@@ -29,7 +29,7 @@ def data_csv(series: Sequence[DrawnSeries]) -> str:
 
 
 def point_notes(series: DrawnSeries) -> list[str]:
-    """Return what each point tells when it is pointed at, a line for each quantity."""
+    """Return the note of each point for the pointer, a line for each quantity."""
     head = [series.label] if series.label else []
     return [
         "\n".join([*head, *(line for line in _lines(series.columns, i) if line)])
@@ -38,7 +38,7 @@ def point_notes(series: DrawnSeries) -> list[str]:
 
 
 def alternative_text(title: str, series: Sequence[DrawnSeries]) -> str:
-    """Say what is seen in a figure to those who don't see it."""
+    """Describe a figure for readers who cannot see it."""
     sentences = [f"{title}."]
     panels = sorted({line.panel for line in series})
     for panel in panels:
@@ -54,7 +54,7 @@ def alternative_text(title: str, series: Sequence[DrawnSeries]) -> str:
 
 
 def _course(series: DrawnSeries) -> str:
-    """Write how a series goes: its ends, and its extremes where it turns."""
+    """Describe the course of a series: its ends, and its extremes where it turns."""
     label = f"{series.label}: " if series.label else ""
     if isinstance(series.x[0], str) or isinstance(series.y[0], str):
         pairs = zip(series.x, series.y, strict=True)

@@ -38,7 +38,7 @@ class Drawing:
     png: bytes
     wide: bool = False  # over the page's whole width
     csv: bytes = b""  # its data
-    seen: str = ""  # what is seen in it, in words
+    seen: str = ""  # its text alternative
 
 
 class Sketch(NamedTuple):
@@ -52,7 +52,7 @@ class Sketch(NamedTuple):
 
 
 def drawn(sketches: Sequence[Sketch]) -> tuple[Drawing, ...]:
-    """Return the figures as drawings, each with its data and what is seen in it."""
+    """Return the figures as drawings, each with its data and its text alternative."""
     return tuple(side_by_side(_drawn, sketches))
 
 

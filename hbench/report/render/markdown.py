@@ -19,7 +19,7 @@ def markdown(made: Document) -> str:
 
 
 def plain(text: str) -> str:
-    """Return text that Markdown takes as it is: one line, no markup of anybody's."""
+    """Return text on one line, with the characters of Markdown's markup escaped."""
     line = _MARKS.sub(r"\\\1", " ".join(text.split()))
     return re.sub(r"^(\d*)([-+=.)])(?=\s|$)", r"\1\\\2", line)  # no list, no rule
 

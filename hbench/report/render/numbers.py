@@ -1,11 +1,11 @@
-"""How numbers are written for people: rounding by the interval, minus signs, units."""
+"""Numbers as text for readers: rounding by the interval, minus signs, units."""
 
 import math
 from collections.abc import Collection
 
 _SYMMETRIC = 0.05  # of the half-width
 K95 = 1.96  # half of a normal 95 % interval, in standard deviations
-NONE = "–"  # what stands for a number that does not exist
+NONE = "–"  # in place of a number that does not exist
 
 
 def _minus(text: str) -> str:

@@ -30,11 +30,11 @@
     });
     let at = -1;
     const show = (next) => {
-      if (at >= 0) points[at].classList.remove("told");
+      if (at >= 0) points[at].classList.remove("pointed");
       at = next;
       tip.hidden = at < 0;
       if (at < 0) return;
-      points[at].classList.add("told");
+      points[at].classList.add("pointed");
       beside(points[at], notes[at]);
     };
     const nearest = (event) => {

@@ -1,7 +1,7 @@
 """A document as PDF, set by matplotlib: no browser, no other program, the same everywhere.
 
-Figures stand in it as the PNG that lies beside the page. Who wants them as vectors, or the page's
-own look, prints the page from a browser.
+Figures are embedded as the PNG files beside the page. For vector figures, or the page's layout,
+print the page from a browser.
 """
 
 import io
@@ -168,7 +168,7 @@ def _aligned(table: WordTable | Table) -> list[str]:
     while sum(widths) + 2 * (len(widths) - 1) > most and max(widths) > _LEAST_CELL:
         spare = [width - cells for width, cells in zip(widths, needed, strict=True)]
         heads = [column for column, width in enumerate(widths) if width > _LEAST_CELL]
-        # A long head is broken before any number is.
+        # Long heads are broken before numbers.
         at = max(heads, key=lambda column: (spare[column] > 0, widths[column]))
         widths[at] -= 1
     right = numeric(table)

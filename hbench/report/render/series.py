@@ -121,7 +121,7 @@ def _bars(bars: BarContainer) -> tuple[np.ndarray, np.ndarray]:
     return np.array([bar.get_width() for bar in bars]), np.array(along)
 
 
-# Where the values of what is no line stand.
+# Readers of the values of artists that are not lines.
 _OTHERS = {BarContainer: _bars, PathCollection: _dots, AxesImage: _cells}
 
 

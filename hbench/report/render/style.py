@@ -1,4 +1,4 @@
-"""How all figures look: colours, markers, sizes, and what keeps their bytes the same."""
+"""Style of all figures: colours, markers, sizes, and settings for reproducible bytes."""
 
 import textwrap
 from collections.abc import Iterable
@@ -12,8 +12,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from hbench.records import Curve, Diagnosis, Direction, Results
 
-# Okabe and Ito's colours, told apart with any colour vision; their yellow is left out, since thin
-# lines in it can't be seen on white.
+# Okabe and Ito's colours, distinguishable with any colour vision, without their yellow, in which
+# thin lines are invisible on white.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 # What a page shows in the dark instead, by colour in lower case; the files stay light.
 DARK = {
@@ -105,25 +105,25 @@ def new_figure(height_in: float, wide: bool = False) -> Figure:
 
 
 def head(axes: Axes, title: str, results: Results | Diagnosis, last: Axes | None = None) -> None:
-    """Put the title, and on a simulated campaign's figures that they are simulated.
+    """Put the title, and a mark on the figures of a simulated campaign.
 
-    ``last`` are the axes at the right of a row, where this stands.
+    ``last`` are the axes at the right of a row, above which the mark is written.
     """
     title = safe(title)
     if last is None and axes.figure.get_figwidth() <= WIDTH_IN:
-        title = textwrap.fill(title, _TITLE_LINE)  # beside it stands that it is simulated
+        title = textwrap.fill(title, _TITLE_LINE)  # beside the mark of simulated data
     axes.set_title(title)
     simulated(last or axes, results)
 
 
 def simulated(axes: Axes, results: Results | Diagnosis) -> None:
-    """Say at the right above the axes that the campaign is simulated, if it is."""
+    """Mark the figure of a simulated campaign at the right above the axes."""
     if results.provenance.source == "simulated":
         axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")
 
 
 def read_as(figure: Figure, note: str) -> None:
-    """Say below the axes how the figure is to be read, such as what its bars are."""
+    """Write below the axes how to read the figure, such as the meaning of its bars."""
     figure.supxlabel(note, x=0.01, ha="left", fontsize=8.5, color=QUIET)
 
 
@@ -146,7 +146,7 @@ def plain_log(axis: Axis) -> None:
 
 
 def start_at_zero(axes: Axes) -> None:
-    """Let a speed or pressure begin at zero, with room for a point that lies near it."""
+    """Start a speed or pressure axis at zero, with room for a point near it."""
     _, right = axes.get_xlim()
     axes.set_xlim(left=-0.02 * right)
 
@@ -175,7 +175,7 @@ def columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def safe(text: str, most: int = 42) -> str:
-    """Make a campaign's own words fit for a figure: one line, no formula, not too long."""
+    """Make a campaign's text safe for a figure: one line, no formula, limited length."""
     line = " ".join(text.split())
     line = line if len(line) <= most else line[: most - 1] + "…"
     return line.replace("$", r"\$")

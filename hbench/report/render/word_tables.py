@@ -1,20 +1,20 @@
-"""Tables of words with what a reader must not miss about a cell."""
+"""Tables of text whose cells can carry a flag."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a table; ``flag`` is what a reader must not miss about it."""
+    """Cell of a table; ``flag`` is a remark that the page shows beside its text."""
 
     text: str
     flag: str = ""
-    link: str = ""  # where its text leads to, relative to the page
+    link: str = ""  # target of its text, relative to the page
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table as it is printed. Numeric columns are those not in ``words``."""
+    """Table as it is printed. Numeric columns are those not in ``words``."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]

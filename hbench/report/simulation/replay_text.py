@@ -11,10 +11,10 @@ from hbench.report.render.terminal_table import aligned
 
 
 def replay_text(replay: Replay) -> str:
-    """Return what was simulated, how far each signal is off, and what was left out."""
+    """Return the simulated runs, the error of each signal, and the runs left out."""
     rows = tuple(
         (
-            signal(error.signal).says,
+            signal(error.signal).title,
             error.unit,
             *(significant(n, 3) for n in (error.off, error.worst)),
         )
@@ -33,7 +33,7 @@ def replay_text(replay: Replay) -> str:
 
 
 def replay_json(replay: Replay) -> str:
-    """Return the same as one object; the runs are in files."""
+    """Return the replay as one object; the runs are in files."""
     document = {
         "schema": "hbench.replay/1",
         "simulated": True,

@@ -20,7 +20,7 @@ def phenomenon_text(phenomenon: Phenomenon) -> str:
 
 
 def phenomenon_json(phenomenon: Phenomenon) -> str:
-    """Return what it shows and its numbers as one object; curves are in the CSV of its folder."""
+    """Return the explanation and the numbers as one object; the curves are in CSV files."""
     document = {
         "schema": "hbench.phenomenon/1",
         "name": phenomenon.name,

@@ -15,7 +15,7 @@ SLIDES_M_S = 0.3  # ten Stribeck velocities
 
 
 def breakaway(rate_n_s: float, mass_kg: float, law: FrictionParameters) -> float:
-    """Largest friction [N] while the force on a mass at rest rises, simulated."""
+    """Return the simulated largest friction [N] while the force on a mass at rest rises."""
     end_n, dt = 1.3 * law.stiction, 2e-5  # the bristles' own vibration: 4 ms a radian
     force = np.linspace(0.0, end_n, round(end_n / rate_n_s / dt))
     moved = driven_mass(force, 0.0, mass_kg, dt, law)
@@ -24,7 +24,9 @@ def breakaway(rate_n_s: float, mass_kg: float, law: FrictionParameters) -> float
 
 
 def breakaway_by_formula(rate_n_s: float, law: FrictionParameters) -> float:
-    """Breakaway force [N] of LuGre without mass or damping: max over v of F_dry (1 - r / (s0 v)).
+    """Return LuGre's breakaway force [N] without mass or damping.
+
+    The maximum over v of F_dry (1 - r / (s0 v)).
 
     While the force follows the ramp, sigma_0 dz/dt = r, and dz/dt = v (1 - F / F_dry(v)) (3.8).
     Beyond the largest F that some v allows, nothing balances the ramp: it breaks away.
@@ -37,7 +39,7 @@ def breakaway_by_formula(rate_n_s: float, law: FrictionParameters) -> float:
 
 
 def breakaway_force() -> Phenomenon:
-    """Breakaway falls as the force rises faster, from F_s towards F_C."""
+    """Show that breakaway falls as the force rises faster, from F_s towards F_C."""
     fine = np.geomspace(RATES_N_S[0], RATES_N_S[-1], 80)
     simulated = {
         mass: np.array([breakaway(rate, mass, PUSHED) for rate in RATES_N_S]) for mass in MASSES_KG

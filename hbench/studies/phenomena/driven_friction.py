@@ -12,7 +12,9 @@ _MEAN_PRESSURE_PA = 0.0  # of both chambers: the laws here have no seal terms
 
 
 def prescribed_friction(v_m_s: np.ndarray, dt_s: float, par: FrictionParameters) -> np.ndarray:
-    """Friction [N] at the middle of each step of a motion (n,), each velocity held ``dt_s``.
+    """Return friction [N] at the middle of each step of a motion (n,).
+
+    Each velocity is held for ``dt_s``.
 
     The law starts relaxed. Midpoint rule: second order in ``dt_s``.
     """

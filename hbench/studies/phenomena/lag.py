@@ -14,7 +14,7 @@ MEAN_M_S, SWING_M_S = 0.015, 0.002
 
 
 def lag_width(frequency_hz: float, law: FrictionParameters) -> float:
-    """Signed width [N] of the loop over velocity at its middle: accelerating less decelerating.
+    """Return the loop's signed width [N] at its middle: accelerating less decelerating.
 
     v = v_0 + a sin(2 pi f t), settled.
     """
@@ -27,7 +27,7 @@ def lag_width(frequency_hz: float, law: FrictionParameters) -> float:
 def _lag_cycle(
     frequency_hz: float, law: FrictionParameters, cycles: int, per_cycle: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Friction and velocity over the last cycle; it begins at v_0, accelerating."""
+    """Return friction and velocity over the last cycle; it begins at v_0, accelerating."""
     phase = 2 * pi * np.arange(cycles * per_cycle) / per_cycle
     v = MEAN_M_S + SWING_M_S * np.sin(phase)
     force = prescribed_friction(v, 1 / (frequency_hz * per_cycle), law)

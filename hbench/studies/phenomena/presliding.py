@@ -13,7 +13,7 @@ TURNS_M = (0.0, 0.3e-3, -0.05e-3, 0.25e-3, -0.05e-3, -0.25e-3)  # A B C D C E
 
 
 def path(turns_m: tuple[float, ...], step_m: float = 1e-7) -> np.ndarray:
-    """Positions along straight ways between the turns, ``step_m`` apart."""
+    """Return positions along straight ways between the turns, ``step_m`` apart."""
     ways = [
         np.linspace(a, b, round(abs(b - a) / step_m), endpoint=False)
         for a, b in zip(turns_m[:-1], turns_m[1:], strict=True)
@@ -22,13 +22,13 @@ def path(turns_m: tuple[float, ...], step_m: float = 1e-7) -> np.ndarray:
 
 
 def traced(turns_m: tuple[float, ...], law: FrictionParameters) -> tuple[np.ndarray, np.ndarray]:
-    """Positions [m] in the middle of steps, and friction [N], along a slow path."""
+    """Return positions [m] in the middle of steps, and friction [N], along a slow path."""
     x, dt = path(turns_m), 1e-3  # 0.1 mm/s
     return 0.5 * (x[1:] + x[:-1]), prescribed_friction(np.diff(x) / dt, dt, law)
 
 
 def creep(law: FrictionParameters, low_n: float, high_n: float, cycles: int) -> np.ndarray:
-    """Position [m] of a mass at the start of each cycle of a force between two values."""
+    """Return a mass's position [m] at the start of each cycle of a force between two values."""
     per_cycle, dt = 50_000, 2e-5
     swing = 0.5 * (1 - np.cos(2 * pi * np.arange(per_cycle * cycles + 1) / per_cycle))
     first = np.linspace(0.0, low_n, per_cycle, endpoint=False)
@@ -38,7 +38,7 @@ def creep(law: FrictionParameters, low_n: float, high_n: float, cycles: int) -> 
 
 def presliding() -> Phenomenon:
     """Show inner loops along a path that turns, and the drift under a swinging force."""
-    # Memory alone, without what the velocity adds.
+    # Memory alone, without the terms in velocity.
     leuven = LEUVEN._replace(viscous=0.0, coulomb=LEUVEN.stiction)
     stiffness = sum(
         theta / (leuven.presliding * (i + 1) / len(leuven.elements))
@@ -135,7 +135,7 @@ def presliding() -> Phenomenon:
 
 
 def _lugre_gap(law: FrictionParameters) -> float:
-    """LuGre's friction at the second C less that at the first, for ``TURNS_M``; closed form."""
+    """Return LuGre's friction at the second C of ``TURNS_M`` less the first; closed form."""
     u, at = 0.0, []
     for way in np.diff(TURNS_M):
         decay = exp(-abs(way) * law.bristle_stiffness / law.stiction)

@@ -21,7 +21,7 @@ MASS_KG = 10.0
 def pulled(
     speed_m_s: float, stiffness_n_m: float, law: FrictionParameters, cycles: float = 4.0
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time [s], velocity [m/s] and spring force [N] of a mass that a spring pulls from rest."""
+    """Return time [s], velocity [m/s] and spring force [N] of a mass pulled from rest."""
     drop = law.stiction - law.coulomb
     dwell, slip = stick_slip_times(speed_m_s, stiffness_n_m, drop)
     dt = 2e-5
@@ -33,7 +33,7 @@ def pulled(
 
 
 def stick_slip_times(speed_m_s: float, stiffness_n_m: float, drop_n: float) -> tuple[float, float]:
-    """Dwell and slip time [s] where friction drops by F_s - F_k on slipping; no viscous part.
+    """Return dwell and slip time [s] where friction drops by F_s - F_k; no viscous part.
 
     t_d = 2 (F_s - F_k) / (K V),  t_s = 2 sqrt(m/K) (pi - atan((F_s - F_k) / (V sqrt(K m))))
     """
@@ -43,7 +43,7 @@ def stick_slip_times(speed_m_s: float, stiffness_n_m: float, drop_n: float) -> t
 
 
 def measured_times(t_s: np.ndarray, v_m_s: np.ndarray, speed_m_s: float) -> tuple[float, float]:
-    """Mean dwell and slip time [s] of a motion, its first slip left out.
+    """Return the mean dwell and slip time [s] of a motion, without its first slip.
 
     It slips while it is faster than half the pull.
     """
@@ -61,7 +61,7 @@ STIFFNESS_N_M = 5e4
 
 
 def critical_speed(stiffness_n_m: float, law: FrictionParameters) -> float:
-    """Speed [m/s] above which even sliding is stable: Routh on LuGre, linearised.
+    """Return the speed [m/s] above which even sliding is stable: Routh on linearised LuGre.
 
     m s^2 + (B + F_dry' / (1 + s tau)) s + K = 0,  tau = F_dry / (sigma_0 v)
     is stable where (m + B tau) (B + F_dry') + B K tau^2 > 0. Without sigma_1.
@@ -83,7 +83,7 @@ def critical_speed(stiffness_n_m: float, law: FrictionParameters) -> float:
 
 
 def growth(speed_m_s: float, stiffness_n_m: float, law: FrictionParameters) -> float:
-    """Rate [1/s] at which a small disturbance of even sliding grows, from the simulation."""
+    """Return the simulated growth rate [1/s] of a small disturbance of even sliding."""
     dry = law.coulomb + (law.stiction - law.coulomb) * np.exp(-speed_m_s / law.stribeck_velocity)
     dt, seconds = 2e-5, 4.0
     t = dt * np.arange(round(seconds / dt))

@@ -28,8 +28,8 @@ def has_ramps(results: Results) -> bool:
 def ramps(results: Results) -> dict[str, Figure]:
     """Draw friction [N] against the motion over |v| [mm/s] of steady runs, ramps and steps.
 
-    One figure a load. The lower panel leaves out what the ramps did before breakaway, so that
-    differences show.
+    One figure a load. The lower panel omits the ramps' points before breakaway, so that differences
+    are visible.
     """
     groups: dict[tuple, list[Curve]] = defaultdict(list)
     for curve in without_common_rod_pressure(

@@ -134,7 +134,7 @@ def _valves(run: Run) -> list[_Line]:
 
 _SPEED = ("Velocity (mm/s)", _speeds)
 _POSITION = ("Position (mm)", _positions)
-# What shows a reason; the position shows any other, such as a gap or an early end.
+# The channel drawn for each reason; position for all others, such as a gap or an early end.
 _CHANNELS: dict[str, tuple[str, Callable[[Run], list[_Line]]]] = {
     "off_reference": _SPEED,
     "not_steady": _SPEED,
