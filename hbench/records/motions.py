@@ -57,7 +57,7 @@ class Loop:
     a_m_s2: float | None
     cycles: int  # that were averaged
     trials: int
-    unit: Literal["trial", "cycle"]  # what the intervals count
+    unit: Literal["trial", "cycle"]  # sampling unit of the intervals
     area_j: float  # energy per cycle: integral of F dx around the loop
     area_ci95_j: float | None
     widths: tuple[LoopWidth, ...]

@@ -120,7 +120,7 @@ def instability(bench_data: dict[str, Any]) -> Phenomenon:
             ),
             WordTable(
                 "The firmware in closed loop with the nonlinear bench, from rest, 5 kN: standard "
-                "deviation of the speed (mm/s), or what ended the run",
+                "deviation of the speed (mm/s), or the fault that ended the run",
                 ("friction", "fit", *(f"{1e3 * v:g} mm/s" for v in SPEEDS_M_S)),
                 tuple(
                     ({"tustin": "static", "lugre": "LuGre, both cylinders"}[law], name,
@@ -163,19 +163,19 @@ def _text(needed: float, on_board: float, mass: float) -> tuple[str, ...]:
         "falling part comes through bristles, as F_dry' / (1 + s tau), tau = F_dry / (sigma_0 v). "
         "At 50 mm/s tau is 75 ms, so that at the oil's frequency, 270 rad/s, friction looks "
         "viscous with B_T + B_L alone. That is 2.7 to 4.7 kN s/m in the steady fits, which hold, "
-        "and at most 1.4 kN s/m in the ramp fits, which don't: the source itself calls the viscous "
-        "coefficients of table 6.2 corrupted. Table 6.2, steady, at 197 mm/s is at the edge: its "
-        "eigenvalue of +0.6 1/s needs longer than the stroke lasts. Eigenvalues judge small "
-        "disturbances: on the board's way back at 150 mm/s tables 6.2 and 6.3 are thrown into "
-        "a cycle, 6.4 and 6.5 are not. Stiffer bristles bring the "
-        "static law back: with sigma_0 = 1e6 N/m table 6.2 is unstable again at 50 mm/s.",
+        "and at most 1.4 kN s/m in the ramp fits, which don't hold: the source itself calls the "
+        "viscous coefficients of table 6.2 corrupted. Table 6.2, steady, at 197 mm/s is at the "
+        "edge: its eigenvalue of +0.6 1/s needs longer than the stroke lasts. Eigenvalues hold "
+        "for small disturbances: on the board's return at 150 mm/s, tables 6.2 and 6.3 enter a "
+        "cycle, tables 6.4 and 6.5 do not. Stiffer bristles approach the static law: with "
+        "sigma_0 = 1e6 N/m table 6.2 is unstable again at 50 mm/s.",
         "Second, the static fit in the test cylinder alone, with a viscous load cylinder that "
-        "makes up the slope: B_L from about 5 kN s/m at 50 mm/s, 7 kN s/m down to 10 mm/s for "
+        "restores the slope: B_L from about 5 kN s/m at 50 mm/s, 7 kN s/m down to 10 mm/s for "
         "table 6.2, steady. The measured friction is the test cylinder's; that the source put it "
         "in both is an assumption of this reconstruction.",
-        "So the measured friction was no obstacle; the law was. A Stribeck curve measured at "
-        "steady speed says nothing about how fast friction follows a change of speed, and a static "
-        "law claims that it follows at once.",
+        "The static law caused the instability, not the measured friction. A Stribeck curve "
+        "measured at steady speed does not determine how fast friction follows a change of speed, "
+        "and a static law assumes that it follows at once.",
         "What is assumed. The source's masses, oil stiffness and operating point are not printed; "
         "those of the bench file are used; its comments give their status. F_C 'about 0' is read "
         "as 1 N. -F'(v) / (2 m) does not depend on the oil, and heavier masses slow the growth but "

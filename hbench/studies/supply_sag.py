@@ -109,8 +109,9 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
         name="supply",
         title="Supply pressure",
         text=(
-            "The source saw its supply pressure sag (figure 4.15) and 197 mm/s not held (figure "
-            "4.16), blamed the pump, and proposed an accumulator. Extending takes (A_Tp + A_Lr) v: "
+            "The source reports that its supply pressure sagged (figure 4.15) and that the piston "
+            "did not hold 197 mm/s (figure 4.16). It names the pump as the cause and proposes an "
+            "accumulator. Extending takes (A_Tp + A_Lr) v: "
             + ", ".join(f"{flow:.1f} l/min at {speed}" for speed, flow in drawn.items())
             + ". The pump gives 30 l/min at most, but its compensator is slower than the valves: "
             "the pressure falls until it has swivelled out, and swings back.",
@@ -118,7 +119,7 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
             "falls behind and then runs ahead: the reference is not held within the source's 2 "
             "mm/s. At 52 mm/s the pressure only swings, as in figure 4.15. An accumulator of about "
             "2 l of gas fills the gap, as the source proposed. The steeper the ramp, the deeper "
-            "the sag, as section 6.2.1 says.",
+            "the sag, as section 6.2.1 reports.",
             "All values of the pump are estimated; the source prints none. At rest, with leakage "
             f"alone, a line of less than {least_capacity(pump) * 1e11:.2f} cm^3/bar would let the "
             "compensator swing by itself (Routh); motion damps it.",

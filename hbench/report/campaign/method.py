@@ -62,13 +62,13 @@ _NUMBERS = {
     "and s the standard deviation of the trials. One trial has no interval.",
     "Instruments": "σ of friction by first-order propagation of the tolerances of force and "
     "pressures (6.15) through 5.1; the tolerances count as standard uncertainties. "
-    "U_95² = (t s/√n)² + (1.96 σ)². An instrument's error is the same in all points: it moves a "
-    "curve, and hardly bends it.",
+    "U_95² = (t s/√n)² + (1.96 σ)². An instrument's error is the same in all points: it shifts a "
+    "curve and changes its shape little.",
     "Working speed": "The median of the measured speeds, or the value of --speed. The measured "
-    "point next to it is taken, up to a distance of {tolerance:g} %; nothing is interpolated.",
+    "point next to it is used, up to a distance of {tolerance:g} %; nothing is interpolated.",
     "Breakaway": "With ramps: the largest friction of the slowest ramp's first 20 mm, as the mean "
-    "of its bin of velocity. Without: F_s of Tustin's law (3.2), which is extrapolated to "
-    "rest; its interval is the parameter's together with the instruments' at the slowest point.",
+    "of its bin of velocity. Without ramps: F_s of Tustin's law (3.2), which is extrapolated to "
+    "rest; its interval combines the parameter's with the instruments' at the slowest point.",
     **{
         _of_law(law): f"{law.formula} ({law.equations}), fitted by least squares within bounds "
         + _FITTED_TO[law.data]
@@ -76,29 +76,29 @@ _NUMBERS = {
     },
     "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side; a "
     "parameter without an interval was not determined by these points.",
-    "Which law predicts best": "Each speed but the lowest and the highest is left out in turn and "
-    "predicted from the rest; laws are distinguishable where the 95 % interval of the difference "
-    "of their mean squares is above zero.",
+    "Which law predicts best": "Each speed but the lowest and the highest is held out in turn and "
+    "predicted from the others; laws are distinguishable where the 95 % interval of the "
+    "difference of their mean squares is above zero.",
     "Friction of moving runs": "F_T − F_applied − m_T a (2.12 with the test side's mass, since the "
-    "load cell carries the load side's). Velocity and acceleration are the position's own "
-    "derivatives without lag.",
+    "load cell carries the load side's). Velocity and acceleration are derivatives of the "
+    "position, without lag.",
     "Differences": "Each trial's mean friction over the lower and the upper half of the speeds "
-    "that all have, from breakaway on. Accelerations: F test of the analysis of variance. Ramp "
+    "common to all, from breakaway on. Accelerations: F test of the analysis of variance. Ramp "
     "against steady: Welch's test. p is corrected after Holm for the number of tests.",
     "Loops": "Energy is the integral of F dx over a cycle. Width at a velocity is |F| while the "
     "speed rises less |F| while it falls. The board's velocity has its filter's lag; the table's "
-    "last column shows what that would make of the width.",
+    "last column shows the width over that velocity.",
     "Steps": "Settled friction is the mean of the second half of a level; the overshoot is the "
     "largest excess of friction over it, where it exceeds the noise.",
     "Leakage": "Laminar leaks from the decay of both chambers' pressures with all valves closed, "
-    "V/β dp/dt less what the piston displaced; conditional on the bench file's bulk modulus and "
-    "volumes.",
+    "V/β dp/dt less the flow displaced by the piston; conditional on the bench file's bulk "
+    "modulus and volumes.",
     "Efficiency": "F_applied/F_T (6.10) where the oil drives the load, and its inverse where the "
     "load drives the oil. Its σ comes from the tolerances of force and pressures by first-order "
-    "propagation (6.16 to 6.19); all points share it, so that it is no scatter, and a mean over "
-    "speeds does not lessen it. ± is U_95, of trials and instruments as that of friction.",
+    "propagation (6.16 to 6.19); all points share it, so that a mean over speeds does "
+    "not reduce it. ± is U_95, of trials and instruments as that of friction.",
     "Half band": "(F_extend − F_retract)/2. A constant error in force shifts both directions alike "
-    "and cancels in it, but shows in the middle of the band. Its interval is Student's over the "
-    "halves of the trials that both directions have.",
+    "and cancels in it, but shifts the middle of the band. Its interval is Student's over the "
+    "half bands of the trials of both directions.",
     "Verdict on the data": RULE,
 }

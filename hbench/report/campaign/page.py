@@ -25,8 +25,8 @@ _PREDICTS = (
 )
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _TESTED = (
-    "Difference of friction over a range of speeds ± half-width of its 95 % interval. The unit is "
-    "the trial, and p is corrected after Holm for the number of tests."
+    "Difference of friction over a range of speeds ± half-width of its 95 % interval "
+    "over the trials. p is corrected after Holm for the number of tests."
 )
 
 
@@ -95,17 +95,17 @@ def _fits(results: Results) -> tuple[Section, ...]:
     for law, table in fit_tables(results).items():
         subsections.append(Section(law_words(law), tables=(table,)))
         if len(table.messages) > _FEW:
-            words = f"Remarks on these fits ({len(table.messages)})"
-            subsections.append(Section(words, items=table.messages, folded=True))
+            text = f"Remarks on these fits ({len(table.messages)})"
+            subsections.append(Section(text, items=table.messages, folded=True))
         elif table.messages:
             subsections.append(Section(items=table.messages))
     if subsections:
-        words = (
+        text = (
             "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
             "side. A parameter without an interval was not determined by these points."
         )
         sections.append(
-            Section("Fitted parameters", (words,), parts=tuple(subsections), anchor="fits")
+            Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
         )
     selection = selection_table(results)
     if selection.rows:

@@ -42,8 +42,8 @@ def verdict(quality: Quality) -> str:
     worst = [check for check in quality.checks if check.grade == quality.grade]
     reasons = "; ".join(f"{_name(check).lower()}: {_value(check)}" for check in worst)
     if quality.grade == "poor":
-        return f"The data is poor; rely on no number below. {_capital(reasons)}."
-    return f"The data is to be used with care. {_capital(reasons)}."
+        return f"The data is poor; do not rely on the numbers below. {_capital(reasons)}."
+    return f"Use the data with care. {_capital(reasons)}."
 
 
 def _name(check: QualityCheck) -> str:

@@ -22,9 +22,9 @@ from hbench.report.render.figures import Drawing, Sketch, drawn
 _MOST_SHAPES = 4
 
 _GAPS = (
-    "Gaps of held-out runs, which took no part in the choice; 1 is the repeatability of the bench. "
-    "Floor: a correct model with the same uncertainty of its parameters. Gaps below 0.3 are drawn "
-    "at 0.3."
+    "Gaps of held-out runs, which were not used for the choice; 1 is the repeatability of the "
+    "bench. Floor: a correct model with the same uncertainty of its parameters. Gaps below 0.3 are "
+    "drawn at 0.3."
 )
 _REGIONS = (
     "Gap of each balance by region of operation, refitted model, all runs. Gaps below 1 have the "

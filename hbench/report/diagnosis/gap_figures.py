@@ -45,7 +45,9 @@ def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
         ("Signals, open loop", table.open_loop, signal),
     )
     return {
-        title: _gaps(diagnosis, title, values, words) for title, values, words in groups if values
+        title: _gaps(diagnosis, title, values, display_name)
+        for title, values, display_name in groups
+        if values
     }
 
 
@@ -53,7 +55,7 @@ def _gaps(
     diagnosis: Diagnosis,
     title: str,
     values: Mapping[str, BeforeAfter],
-    words: Callable[[str], DisplayName],
+    display_name: Callable[[str], DisplayName],
 ) -> Figure:
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(values))
     axes = figure.subplots()
@@ -67,7 +69,7 @@ def _gaps(
         axes.plot(every[step], rows, linestyle="none", label=label, **_LOOKS[step])
     axes.axvline(1, color="#374151", linewidth=0.9)
     _log_gaps(axes)
-    _rows(axes, [drawn(words(name).title) for name in values])
+    _rows(axes, [drawn(display_name(name).title) for name in values])
     style.head(axes, title, diagnosis)
     style.legend_above(figure, axes, columns=2)
     return figure
@@ -113,8 +115,8 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
                 color="white" if dark else "black",
             )
         axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
-        words = AXES[group[0].axis]
-        axes.set_xlabel(f"{words.title} ({words.unit})" if words.unit else words.title)
+        axis = AXES[group[0].axis]
+        axes.set_xlabel(f"{axis.title} ({axis.unit})" if axis.unit else axis.title)
         axes.grid(visible=False)
         axes.tick_params(length=0)
         axes.spines[:].set_visible(False)
@@ -130,9 +132,9 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
 def _bounds(region: Region) -> str:
     if region.label:
         return region.label
-    words = AXES[region.axis]
-    low, high = (shown(value, words) for value in (region.low, region.high))
-    decimals = 1 if words.unit in ("kN", "s") else 0
+    axis = AXES[region.axis]
+    low, high = (shown(value, axis) for value in (region.low, region.high))
+    decimals = 1 if axis.unit in ("kN", "s") else 0
     return f"{number(low, decimals)}\nto\n{number(high, decimals)}"
 
 

@@ -84,8 +84,8 @@ def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
 
 def scatter_words(gap: Gap) -> str:
     """Write the trials' scatter in a balance."""
-    words = balance(gap.name)
-    return f"{significant(shown(gap.scatter, words), 2)} {words.unit}".strip()
+    display = balance(gap.name)
+    return f"{significant(shown(gap.scatter, display), 2)} {display.unit}".strip()
 
 
 def share(value: float) -> str:
@@ -101,9 +101,9 @@ def drawn(symbol: str) -> str:
     return f"${head}_{{{index}}}$" if index else symbol
 
 
-def shown(si: Any, words: DisplayName) -> Any:
+def shown(si: Any, display: DisplayName) -> Any:
     """Convert a number or an array in SI to the unit it is shown in."""
-    return from_si(si, words.unit) if words.unit else si
+    return from_si(si, display.unit) if display.unit else si
 
 
 def quantity(parameter: FitParameter) -> str:

@@ -27,8 +27,8 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
     panels = figure.subplots(len(overlays), 2, sharex=True, squeeze=False)
     after = bool(diagnosis.effects)
     for (left, right), overlay in zip(panels, overlays, strict=True):
-        words = signal(overlay.signal)
-        factor, unit = _scale(overlay, words)
+        display = signal(overlay.signal)
+        factor, unit = _scale(overlay, display)
         left.plot(
             overlay.t_s, factor * overlay.measured, color=MEASURED, linewidth=3.2, label="measured"
         )
@@ -39,7 +39,7 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
             left.plot(overlay.t_s, factor * values, color=colour, linewidth=width, label=label)
             off = factor * (values - overlay.measured)
             right.plot(overlay.t_s, off, color=colour, linewidth=width, label=f"_{label}")
-        left.set_ylabel(f"{drawn(words.title)}\n({unit})")
+        left.set_ylabel(f"{drawn(display.title)}\n({unit})")
         right.set_ylabel(f"error ({unit})")
     for axes in panels[-1]:
         axes.set_xlabel("Time (s)")
@@ -51,11 +51,11 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
     return figure
 
 
-def _scale(overlay: Overlay, words: DisplayName) -> tuple[float, str]:
+def _scale(overlay: Overlay, display: DisplayName) -> tuple[float, str]:
     """Return the factor from the overlay's unit to the one it is shown in, and that unit."""
-    if not words.unit:
+    if not display.unit:
         return 1.0, overlay.unit
-    given, wanted = parse_unit(overlay.unit), parse_unit(words.unit)
+    given, wanted = parse_unit(overlay.unit), parse_unit(display.unit)
     if given.dimension != wanted.dimension:
         return 1.0, overlay.unit
-    return given.factor / wanted.factor, words.unit
+    return given.factor / wanted.factor, display.unit

@@ -16,7 +16,7 @@ from hbench.report.render.series import behind
 _WORST = 4  # balances side by side in a map
 _CELLS = 24  # of a map, either way
 _PARTS = 8  # of an axis, each with its median
-_SEEN = 99.0  # percentile of what the axis shows
+_SEEN = 99.0  # percentile that the axis shows
 _LEAST = 3.0  # scatters that an axis shows at least, either way
 # Each panel's axis, and the quantity of its colours.
 _PANELS = (("v_m_s", "load_n"), ("x_m", "load_n"), ("t_s", "load_n"), ("load_n", "v_m_s"))
@@ -71,8 +71,8 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
         row[0].set_ylabel(f"Residual {title if diagnosis.effects else ''}\n(trial scatters)")
         row[0].set_ylim(*limits)
     for axes, (across, _) in zip(panels[-1], _PANELS, strict=True):
-        words = AXES[across]
-        axes.set_xlabel(f"{words.title.capitalize()} ({words.unit})")
+        axis = AXES[across]
+        axes.set_xlabel(f"{axis.title.capitalize()} ({axis.unit})")
     _colour_bars(figure, panels, sides[0])
     style.head(panels[0, 0], balance(name).title, diagnosis, panels[0, -1])
     (scatter,) = (scatter_words(gap) for gap in diagnosis.where if gap.name == name)
@@ -158,8 +158,8 @@ def _windows(axes: Axes, side: ResidualMap, value: np.ndarray, title: str) -> No
     line.set_label(f"_windows {title}")
     columns = {}
     for name, _ in others:
-        words, values = AXES[name], shown(getattr(side, name), AXES[name])
-        columns[f"{words.title.capitalize()} ({words.unit})"] = values[known]
+        axis, values = AXES[name], shown(getattr(side, name), AXES[name])
+        columns[f"{axis.title.capitalize()} ({axis.unit})"] = values[known]
     behind(line, columns)
 
 
@@ -186,6 +186,6 @@ def _scale(side: ResidualMap, colour: str) -> ScalarMappable:
 def _colour_bars(figure: Figure, panels: np.ndarray, side: ResidualMap) -> None:
     """Put a bar for each colour beside the panels that it is for."""
     for columns, colour in ((panels[:, :3], "load_n"), (panels[:, 3:], "v_m_s")):
-        words = AXES[colour]
-        label = f"{words.title.capitalize()} ({words.unit})"
+        axis = AXES[colour]
+        label = f"{axis.title.capitalize()} ({axis.unit})"
         figure.colorbar(_scale(side, colour), ax=columns, label=label, pad=0.02)

@@ -22,13 +22,13 @@ def run_gaps_csv(diagnosis: Diagnosis) -> str:
     for run_gap in diagnosis.gap_runs:
         about = {"run": run_gap.plan.run, **{name: getattr(run_gap.plan, name) for name in _PLAN}}
         about["held_out"] = run_gap.held_out
-        parts: dict[str, Mapping[str, BeforeAfter]] = {
-            part: getattr(run_gap.gap, part) for part in _PARTS
+        groups: dict[str, Mapping[str, BeforeAfter]] = {
+            group: getattr(run_gap.gap, group) for group in _PARTS
         }
-        parts["balances"] = {"all": run_gap.gap.total, **parts["balances"]}
-        for part, gaps in parts.items():
+        groups["balances"] = {"all": run_gap.gap.total, **groups["balances"]}
+        for group, gaps in groups.items():
             for name, gap in gaps.items():
-                rows.append({**about, "of": part, "name": name, **vars(gap)})
+                rows.append({**about, "of": group, "name": name, **vars(gap)})
     return csv_text(_COLUMNS, rows)
 
 
@@ -62,8 +62,8 @@ def _what(plan: RunPlan) -> str:
 
 def _worst(gap: GapTable) -> tuple[str, ...]:
     cells = []
-    for part, words in zip(_PARTS, (balance, signal, signal), strict=True):
-        gaps: Mapping[str, BeforeAfter] = getattr(gap, part)
+    for group, display_name in zip(_PARTS, (balance, signal, signal), strict=True):
+        gaps: Mapping[str, BeforeAfter] = getattr(gap, group)
         name = max(gaps, key=lambda name: gaps[name].after, default=None)
-        cells.append(f"{words(name).title} {number(gaps[name].after, 2)}" if name else NONE)
+        cells.append(f"{display_name(name).title} {number(gaps[name].after, 2)}" if name else NONE)
     return tuple(cells)

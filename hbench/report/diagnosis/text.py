@@ -178,9 +178,9 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
     """Return the gaps of some runs: balances with their total, signals in closed and open loop."""
     steps = steps_of(diagnosis)
 
-    def rows(of: Mapping[str, BeforeAfter], words: Callable[[str], DisplayName]) -> Rows:
+    def rows(of: Mapping[str, BeforeAfter], display_name: Callable[[str], DisplayName]) -> Rows:
         return tuple(
-            (words(name).title, *(number(getattr(gap, step), 2) for step in steps))
+            (display_name(name).title, *(number(getattr(gap, step), 2) for step in steps))
             for name, gap in of.items()
         )
 
@@ -190,8 +190,8 @@ def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTabl
         ("signal", "signals, open loop", table.open_loop, signal),
     )
     return tuple(
-        WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows(values, words))
-        for kind, title, values, words in groups
+        WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows(values, display_name))
+        for kind, title, values, display_name in groups
         if values
     )
 

@@ -20,8 +20,8 @@ _FOLLOWED = (
 )
 _ERRORS = (
     "Root mean square errors of friction and velocity over all verification runs, by part of the "
-    "profile. Dashed: the scatter between the trials. It holds what differs in how they begin, of "
-    "which a model that makes the same trials repeats a part."
+    "profile. Dashed: the scatter between the trials. It includes the differences of the "
+    "trials' starts, part of which a model repeats when it simulates the same trials."
 )
 
 

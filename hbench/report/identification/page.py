@@ -20,12 +20,12 @@ _PARTS = (
     "s; there friction is the force that holds the piston."
 )
 _SCATTER = (
-    "The trials' scatter is the residual of their mean, taken as a model. A part of it comes from "
-    "their initial states, which a simulation of the same trials reproduces."
+    "The trials' scatter is their rms difference from their mean. A part of it comes from their "
+    "initial states, which a simulation of the same trials reproduces."
 )
 _RAMPS = (
-    "The source found a ramp's friction unlike the steady one (section 6.2): the last table has "
-    "each fit on its own data and on the other's."
+    "In the source, friction of ramps and of steady runs differs (section 6.2). The last table has "
+    "the error of each fit on its own data and on the other's."
 )
 
 

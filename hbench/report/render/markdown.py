@@ -11,7 +11,7 @@ _MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
 
 
 def markdown(made: Document) -> str:
-    """Return ``made`` as Markdown with tables (GitHub's dialect); what is folded is unfolded."""
+    """Return ``made`` as Markdown with tables (GitHub's dialect); folded sections are unfolded."""
     head = [f"# {plain(made.title)}", plain(made.subtitle)]
     head += [f"**{plain(text)}**" for text in (made.banner, made.verdict) if text]
     blocks = [block for section in made.sections for block in _blocks(section, 2)]

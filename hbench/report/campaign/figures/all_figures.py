@@ -95,9 +95,9 @@ FIGURES = (
         section="friction",
         caption="Friction over speed, both as magnitudes. Points: mean of the accepted trials with "
         "the 95 % Student interval. Lines: the first fitted law inside the measured speeds "
-        "(dashed: the fit did not converge); dotted: extrapolated, nothing was measured there. "
-        "Hollow points: the load helps the motion. Below: residuals, side by side. Both "
-        "directions share their axes.",
+        "(dashed: the fit did not converge); dotted: extrapolated beyond the measurement. "
+        "Hollow points: the load helps the motion. Below: residuals of the loads, side by side. "
+        "Both directions have the same axes.",
         applies=has_curves,
         draw=stribeck,
         each_series=True,
@@ -106,7 +106,7 @@ FIGURES = (
         name="friction-signed",
         section="friction",
         caption="Friction over velocity with their signs, after figure 6.14 of the method's "
-        "source. A colour is one magnitude of the load, in either direction.",
+        "source. Each magnitude of the load has its colour, in both directions.",
         applies=has_both_directions,
         draw=signed,
         each_series=True,
@@ -114,11 +114,10 @@ FIGURES = (
     FigureKind(
         name="friction-pressure",
         section="friction",
-        caption="Friction against chamber pressure, one point a pressure and direction, with the "
-        "95 % Student interval where there are two trials or more. Below: half of the band, "
+        caption="Friction against chamber pressure, one point for each pressure and direction, "
+        "with the 95 % Student interval of two trials or more. Below: half of the band, "
         "(F extending − F retracting) / 2 in each trial, which is free of a constant error in "
-        "force. "
-        "Dotted lines guide the eye.",
+        "force. Dotted lines guide the eye.",
         applies=has_pressures,
         draw=friction_pressure,
     ),
@@ -135,18 +134,17 @@ FIGURES = (
         section="ramps",
         caption="Ramps of each acceleration, and steady runs and levels of steps where there are "
         "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
-        "interval of the trials. Positive friction opposes the motion; before breakaway the seals "
-        "may still pull from the stroke before. Lines: Tustin's law fitted to the ramp from "
-        "breakaway on. Below: the same from breakaway on."
-        "",
+        "interval of the trials. Positive friction opposes the motion; before breakaway it may be "
+        "negative, since the seals are still deflected by the preceding stroke. Lines: Tustin's "
+        "law fitted to the ramp from breakaway on. Below: the same points from breakaway on.",
         applies=has_ramps,
         draw=ramps,
     ),
     FigureKind(
         name="differences",
         section="ramps",
-        caption="Differences of friction over a range of speeds, with 95 % intervals; the unit is "
-        "the trial. Filled: significant (p < 0.05 after Holm). Hollow: not significant.",
+        caption="Differences of friction over a range of speeds, with 95 % intervals over "
+        "the trials. Filled: significant (p < 0.05 after Holm). Hollow: not significant.",
         applies=has_comparisons,
         draw=comparisons,
     ),
@@ -154,7 +152,7 @@ FIGURES = (
         name="hysteresis",
         section="hysteresis",
         caption="Friction over velocity and over position, the mean of all cycles but the first. "
-        "The velocity is the position's own derivative, without a filter's lag.",
+        "The velocity is the derivative of the position, without a filter's lag.",
         applies=has_loops,
         draw=loops,
     ),
@@ -170,7 +168,8 @@ FIGURES = (
         name="leakage",
         section="leakage",
         caption="Oil that left either chamber of the test cylinder, from the decay of its pressure "
-        "and the bench file's bulk modulus and volumes. A point is a hold; negative: oil came in.",
+        "and the bench file's bulk modulus and volumes. One point for each hold; negative: "
+        "oil flowed in.",
         applies=has_leakage,
         draw=leakage,
     ),
@@ -178,7 +177,7 @@ FIGURES = (
         name="efficiency",
         section="efficiency",
         caption="Efficiency over speed. Band: the 95 % interval by the instruments' tolerances. "
-        "Bars: the 95 % Student interval of the trials. Both directions share their axes.",
+        "Bars: the 95 % Student interval of the trials. Both directions have the same axes.",
         applies=has_efficiency,
         draw=efficiency,
         each_series=True,
@@ -201,7 +200,7 @@ FIGURES = (
     FigureKind(
         name="rejected",
         section="rejected",
-        caption="Rejected runs of one reason, in the channel that shows it: velocity with its "
+        caption="Rejected runs of one reason, in the relevant channel: velocity with its "
         "reference, valve voltages, pressures, or else the position. Grey: the steady window, "
         "where there is one.",
         applies=has_traces,

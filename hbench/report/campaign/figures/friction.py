@@ -194,7 +194,7 @@ def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) ->
 def _speed_label(label: str, curves: Iterable[Curve]) -> str:
     """Return the words under the speeds, with a warning where lines are extrapolated."""
     beyond = any(fit.beyond for curve in curves for fit in curve.fits[:1])
-    return label + ("\ndotted: extrapolated, nothing was measured there" if beyond else "")
+    return label + ("\ndotted: extrapolated beyond the measurement" if beyond else "")
 
 
 def _at(fit: Fit, v_m_s: np.ndarray) -> np.ndarray:

@@ -106,7 +106,7 @@ def leakage(results: Results) -> dict[str, Figure]:
     axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
     axes.set(xlabel="Pressure of the side (bar)", ylabel="Oil that leaves (mm³/s)")
     style.head(axes, "Leakage with all valves closed", results)
-    style.read_as(figure, "A point is a hold; negative: oil came in.")
+    style.read_as(figure, "One point for each hold; negative: oil flowed in.")
     style.legend_above(figure, axes)
     return {"": figure}
 

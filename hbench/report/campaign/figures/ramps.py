@@ -149,6 +149,6 @@ def _differences(results: Results, comparisons: list[Comparison], title: str, le
         colour = style.COLOURS[1] if face == "C" else style.COLOURS[0]
         axes.plot([], [], "o", color=colour, mfc=colour if face == "C" else "white", label=meaning)
     style.head(axes, title, results)
-    style.read_as(figure, "Bars: 95 % intervals; the unit is the trial.")
+    style.read_as(figure, "Bars: 95 % intervals over the trials.")
     style.legend_above(figure, axes)
     return figure

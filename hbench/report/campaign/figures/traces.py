@@ -21,7 +21,7 @@ _LINES = (style.COLOURS[0], style.COLOURS[2], style.COLOURS[3], style.COLOURS[4]
 
 @dataclass(frozen=True)
 class _Line:
-    words: str
+    label: str
     values: np.ndarray
     dashed: bool = False
 
@@ -67,7 +67,7 @@ def _trace(axes: Axes, screened: ScreenedRun, lines: list[_Line], code: str, fir
     for number, line in enumerate(lines):
         look: dict[str, Any] = {"color": style.QUIET, "linestyle": "--"} if line.dashed else {}
         look = {"color": _LINES[number % len(_LINES)], "linewidth": 1.0, **look}
-        label = f"{mark}{line.words}, run {style.safe(plan.run)}" if mark else line.words
+        label = f"{mark}{line.label}, run {style.safe(plan.run)}" if mark else line.label
         axes.plot(*_broken(run.t_s[::step], line.values[::step]), label=label, **look)
     flags = {"sensor_saturated": run.sensor_saturated, "valve_saturated": run.valve_saturated}
     flagged = flags.get(code)
