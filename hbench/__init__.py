@@ -1,7 +1,7 @@
 """hbench: friction and efficiency of hydraulic cylinders, from a bench to a data sheet.
 
 From Python: ``load`` a campaign as data frames, ``fit`` a friction law to points, ``simulate`` the
-bench. They are loaded when they are first used.
+bench. They are imported on first use.
 """
 
 from typing import TYPE_CHECKING, Any

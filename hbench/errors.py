@@ -1,4 +1,4 @@
-"""Errors that users see: one root, an exit code and a hint each, caught once around the app."""
+"""Errors for users: one root class, each with an exit code and a hint; caught once in the CLI."""
 
 import copyreg
 from enum import IntEnum
@@ -18,10 +18,10 @@ class ExitCode(IntEnum):
 
 
 class HbenchError(Exception):
-    """Root of all errors with a cause the user can act on.
+    """Root of all errors that the user can correct.
 
-    ``message`` names the file, the key or run, the value and the limit;
-    ``hint`` says what to do next.
+    ``message`` states the fault, the file, the key or run, the value and the limit;
+    ``hint`` is one instruction.
     """
 
     exit_code = ExitCode.BUG
@@ -31,28 +31,28 @@ class HbenchError(Exception):
         self.message = message
         self.hint = hint
         if hint:
-            self.add_note(f"hint: {hint}")  # for those who see the traceback
+            self.add_note(f"hint: {hint}")  # for tracebacks
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Between processes: as it is, whatever a subclass is made from.
+        # Keeps message and hint between processes, whatever a subclass's constructor takes.
         new = copyreg.__newobj__  # type: ignore[attr-defined]
         return new, (type(self), *self.args), self.__dict__
 
 
 class ConfigError(HbenchError):
-    """A bench, schedule or map file, or a command line, that can't be used as it is."""
+    """An invalid bench, schedule or map file, or command line."""
 
     exit_code = ExitCode.USAGE
 
 
 class DeviceError(HbenchError):
-    """The board or the line to it failed or refused."""
+    """A failure or refusal of the board, or of the line to it."""
 
     exit_code = ExitCode.DEVICE
 
 
 class DataError(HbenchError):
-    """A log, campaign or firmware image that can't be read or used."""
+    """An unreadable or invalid log, campaign or firmware image."""
 
     exit_code = ExitCode.DATA
 

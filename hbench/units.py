@@ -65,14 +65,14 @@ UNITS: dict[str, Unit] = {
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _LONGEST = 200  # characters of a quantity
-_PRINTED = str.maketrans({"²": "^2", "³": "^3", "·": " "})  # as pages and data sheets write them
+_PRINTED = str.maketrans({"²": "^2", "³": "^3", "·": " "})  # typographic notation
 _TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)|(\^)\s*(-?\d+)|([*/()])|$)")
 
 
 def parse_unit(text: str) -> Unit:
-    """Read a unit expression; raises ``ValueError`` with what was not understood."""
+    """Return the unit of an expression. Raises ``ValueError`` with the invalid part."""
     if len(text) > _LONGEST:
-        raise ValueError(f"unit {text[:20]!r}...: is {len(text)} characters long")
+        raise ValueError(f"unit {text[:20]!r}...: is {len(text)} characters long; limit {_LONGEST}")
     text = text.translate(_PRINTED)
     position, factor = 0, 1.0
     dimension: Dimension = (0,) * 5
@@ -86,9 +86,9 @@ def parse_unit(text: str) -> Unit:
         if name is not None:
             if name not in UNITS:
                 known = ", ".join(sorted(UNITS))
-                meant = [unit for unit in UNITS if unit.lower() == name.lower()]
-                asked = f"; did you mean {' or '.join(map(repr, meant))}?" if meant else ""
-                raise ValueError(f"unknown unit {name!r}{asked or f'; known are {known}'}")
+                similar = [unit for unit in UNITS if unit.lower() == name.lower()]
+                question = f"; did you mean {' or '.join(map(repr, similar))}?" if similar else ""
+                raise ValueError(f"unknown unit {name!r}{question or f'; known are {known}'}")
             power = sign * signs[-1]
             last = Unit(UNITS[name].factor ** power, _scale(UNITS[name].dimension, power))
             factor, dimension = factor * last.factor, _add(dimension, last.dimension)
@@ -97,7 +97,7 @@ def parse_unit(text: str) -> Unit:
             if last is None:
                 raise ValueError(f"unit {text!r}: '^' follows no unit")
             if len(exponent.lstrip("-")) > 1:
-                raise ValueError(f"unit {text!r}: no quantity has the power {exponent[:20]}")
+                raise ValueError(f"unit {text!r}: power {exponent[:20]}; limit 9")
             extra = int(exponent) - 1
             factor, dimension = (
                 factor * last.factor**extra,
@@ -129,10 +129,10 @@ def _add(a: Dimension, b: Dimension) -> Dimension:
 
 
 def to_si(value: object, unit: str) -> float:
-    """Read a quantity such as ``"150 bar"`` as a float in SI.
+    """Convert a quantity such as ``"150 bar"`` to a float in SI.
 
-    ``unit`` is a unit of the wanted dimension, used for the check and in messages. A bare
-    number is taken only where the wanted dimension is none. Raises ``ValueError``.
+    ``unit`` is a unit of the expected dimension, for the check and in messages. A bare number is
+    accepted only if the expected dimension is 1. Raises ``ValueError``.
     """
     wanted = parse_unit(unit)
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
@@ -141,16 +141,16 @@ def to_si(value: object, unit: str) -> float:
     match = _NUMBER.match(text) if len(text) <= _LONGEST else None
     if match is None:
         raise ValueError(f"is not a number with a unit; write for example '1 {unit}'")
-    number, found = float(match[1]), match[2]
-    if re.match(r",\d", found):
+    number, given = float(match[1]), match[2]
+    if re.match(r",\d", given):
         raise ValueError("has a decimal comma; write a point")
-    if re.search(r"[,;]", found):
-        raise ValueError("is more than a number with its unit")
-    if not found and any(wanted.dimension):
+    if re.search(r"[,;]", given):
+        raise ValueError(f"contains more than a number with a unit; write for example '1 {unit}'")
+    if not given and any(wanted.dimension):
         raise ValueError(f"has no unit; write for example '{match[1]} {unit}'")
-    parsed = parse_unit(found)
+    parsed = parse_unit(given)
     if parsed.dimension != wanted.dimension:
-        raise ValueError(f"has the wrong unit; expected one like {unit}")
+        raise ValueError(f"has the wrong unit; expected a unit such as {unit}")
     si = number * parsed.factor
     if not math.isfinite(si):
         raise ValueError("is not a finite number")

@@ -1,21 +1,21 @@
-"""Words that anybody may have written, made harmless for a terminal and for a spreadsheet."""
+"""Text from foreign files, made harmless for terminals and spreadsheets."""
 
 import re
 
-CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")  # tab and newline are none
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")  # without tab and newline
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def printable(text: str) -> str:
-    """Put a question mark for each character that a terminal would obey."""
+    """Replace each control character by a question mark."""
     return CONTROL.sub("?", text)
 
 
 def as_cell(text: str) -> str:
-    """Put an apostrophe before what a spreadsheet would run as a formula; it is then text."""
+    """Put an apostrophe before text that a spreadsheet would read as a formula."""
     return f"'{text}" if text.startswith(_FORMULA) else text
 
 
 def from_cell(cell: str) -> str:
-    """Take away the apostrophe that ``as_cell`` put there."""
+    """Remove the apostrophe of ``as_cell``."""
     return cell[1:] if cell.startswith("'") and cell[1:].startswith(_FORMULA) else cell

@@ -125,5 +125,5 @@ def test_the_rooms_agree_on_what_they_write_down_twice():
     assert sensors.CHANNELS == dictionary.SENSORS
     words = {word.name: word for word in dictionary.RECORD}
     assert {words[name].scale for name in dictionary.SENSORS} == {1 / sensors.FRACTION}
-    assert board_settings._PARTS == sensors.FRACTION
+    assert board_settings.STEPS_PER_COUNT == sensors.FRACTION
     assert 32767 * words["v"].scale > 0.6  # the largest limits.speed_max

@@ -1,1 +1,1 @@
-"""The command line: one file a group of commands; parse, call the workflow, print."""
+"""The command line: parse, call the workflow, print."""

@@ -1,6 +1,6 @@
-"""What an operator sees while a campaign is made: a block that is redrawn on a terminal.
+"""Display of a running measurement: a block of lines that is redrawn on a terminal.
 
-Off a terminal it is a plain log, one line a run. Rejected runs stay above the block.
+Without a terminal it is a plain log with a line per run. Rejected runs stay above the block.
 """
 
 import os
@@ -12,9 +12,9 @@ from hbench.experiment.progress import Ended, Progress
 from hbench.records import KINDS, RunPlan
 
 _BAR = 24
-_EVERY_S = 0.1  # that the block is redrawn at most
-_HIGH = 0.9  # of its limit, a pressure is marked
-_SIDES = {  # of the status: cylinder and chamber as the bench's drawing names them
+_EVERY_S = 0.1  # shortest interval between redraws
+_HIGH = 0.9  # of the limit: a higher pressure is marked
+_CHAMBERS = {  # keys of the status, and symbols of the hydraulic circuit
     "p_tp": "P_Tp",
     "p_tr": "P_Tr",
     "p_lp": "P_Lp",
@@ -22,39 +22,39 @@ _SIDES = {  # of the status: cylinder and chamber as the bench's drawing names t
     "p_s": "supply",
 }
 _PHASES = {
-    "return": "goes to its start",
-    "hold": "rests under load",
-    "accelerate": "accelerates",
-    "steady": "holds its speed",
-    "closed": "rests, valves closed",
-    "brake": "brakes",
+    "return": "moving to its start",
+    "hold": "at rest under load",
+    "accelerate": "accelerating",
+    "steady": "at constant speed",
+    "closed": "at rest, valves closed",
+    "brake": "braking",
 }
 
 
 class BenchDisplay:
-    """Shows a campaign while it is made. A terminal that has gone does not end a run."""
+    """Display of a running measurement. A closed terminal does not end a run."""
 
     def __init__(self, stream: TextIO):
         self._stream = stream
         self._redraws = stream.isatty() and os.environ.get("TERM") != "dumb"
-        self._lines = 0  # of the block that stands there
+        self._lines = 0  # of the displayed block
         self._drawn_s = -_EVERY_S
 
     def __call__(self, progress: Progress) -> None:
-        """Show where the campaign stands."""
+        """Show the campaign's progress."""
         if not self._redraws:
-            before = progress.runs_done - sum(not one.again for one in progress.ended)
+            before = progress.runs_done - sum(not ended.again for ended in progress.ended)
             for ended in progress.ended:
                 before += not ended.again
                 self._write(f"{_count(before, progress)} {_line(ended, progress)}\n")
             return
-        lasting = [_line(one, progress) for one in progress.ended if one.reasons]
+        lasting = [_line(ended, progress) for ended in progress.ended if ended.reasons]
         if lasting or time.monotonic() - self._drawn_s >= _EVERY_S:
             self._drawn_s = time.monotonic()
             self._draw(lasting, _block(progress))
 
     def close(self, last: str = "") -> None:
-        """Take the block away, for ``last`` or what is printed next."""
+        """Remove the block, then print ``last``."""
         if self._redraws:
             self._draw([], [])
         if last:
@@ -87,7 +87,7 @@ def _block(now: Progress) -> list[str]:
     force = f"F_L {now.f_load_n:+.0f} of {plan.f_load_n or 0.0:+.0f} N"
     pressures = "  ".join(
         f"{name} {now.pressures_pa[key] / 1e5:.1f}{_mark(now.pressures_pa[key], now)}"
-        for key, name in _SIDES.items()
+        for key, name in _CHAMBERS.items()
         if key in now.pressures_pa
     )
     return [
@@ -115,14 +115,14 @@ def _count(number: int, now: Progress) -> str:
 
 
 def _line(ended: Ended, now: Progress) -> str:
-    """Write what became of a run."""
+    """Return a finished run's verdict in a line."""
     plan = ended.plan
-    words = f"{plan.run} {_motion(plan)}, trial {plan.trial}: "
+    start = f"{plan.run} {_motion(plan)}, trial {plan.trial}: "
     if not ended.reasons:
         friction = "" if ended.friction_n is None else f", friction {ended.friction_n:+.1f} N"
-        return f"{words}accepted{friction}; {_left(now)}"
-    again = "; made again" if ended.again else ""
-    return f"{words}rejected: {'; '.join(ended.reasons)}{again}"
+        return f"{start}accepted{friction}; {_left(now)}"
+    again = "; will be repeated" if ended.again else ""
+    return f"{start}rejected: {'; '.join(ended.reasons)}{again}"
 
 
 def _motion(plan: RunPlan) -> str:
@@ -136,5 +136,5 @@ def _left(now: Progress) -> str:
         return "time left not known yet"
     minutes, seconds = divmod(round(now.seconds_left), 60)
     hours, minutes = divmod(minutes, 60)
-    words = f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
-    return f"{'at most ' if now.at_most else ''}{words} left"
+    clock = f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
+    return f"{'at most ' if now.at_most else ''}{clock} left"

@@ -1,4 +1,4 @@
-"""The command line: parses, calls the workflow, prints; catches every error once."""
+"""The application: commands, signals, and the one place that reports errors."""
 
 import signal
 import sys
@@ -67,7 +67,7 @@ def _options(
 
 
 def _end_as_by_ctrl_c() -> None:
-    """Let a closed terminal or a polite kill end a command in order: the bench is stopped."""
+    """Treat SIGTERM and SIGHUP like Ctrl-C, so that a command stops the bench before it ends."""
     for name in ("SIGTERM", "SIGHUP"):  # no SIGHUP on Windows
         number = getattr(signal, name, None)
         if number and signal.getsignal(number) is signal.SIG_DFL:  # nohup ignores SIGHUP

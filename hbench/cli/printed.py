@@ -1,4 +1,4 @@
-"""What ``--json`` prints where no file has the same: one object, its kind under ``schema``."""
+"""JSON output of the commands that write no JSON file: one object with a ``schema``."""
 
 import json
 from pathlib import Path
@@ -6,10 +6,10 @@ from typing import Any
 
 import typer
 
-AS_JSON: bool = typer.Option(False, "--json", help="Print one object instead of words.")
+AS_JSON: bool = typer.Option(False, "--json", help="Print a JSON object instead of text.")
 
 
 def as_object(kind: str, **values: Any) -> str:
-    """Return ``{"schema": "hbench.KIND/1", ...}``; paths become text."""
-    plain = {name: str(one) if isinstance(one, Path) else one for name, one in values.items()}
+    """Return ``{"schema": "hbench.KIND/1", ...}``, with paths as text."""
+    plain = {name: str(v) if isinstance(v, Path) else v for name, v in values.items()}
     return json.dumps({"schema": f"hbench.{kind}/1", **plain}, indent=2)

@@ -1,4 +1,4 @@
-"""Progress of simulated runs: a bar that is redrawn on a terminal; off it a line a tenth."""
+"""Progress of simulated runs: a bar on a terminal, else a line for each tenth."""
 
 import time
 from contextlib import suppress
@@ -10,20 +10,20 @@ _BAR = 24
 
 
 class ProgressLine:
-    """Shows runs done, the current reference and the wall time left.
+    """Display of finished runs, current reference and remaining wall time.
 
-    A terminal that has gone does not end a run.
+    A closed terminal does not end a run.
     """
 
     def __init__(self, stream: TextIO):
         self._stream = stream
         self._redraws = stream.isatty()
         self._start = time.monotonic()
-        self._shown = -1  # tenths, off a terminal
+        self._shown = -1  # tenths, without a terminal
         self._width = 0
 
     def __call__(self, progress: Progress) -> None:
-        """Show where the campaign stands."""
+        """Show the campaign's progress."""
         done, total, plan = progress.runs_done, progress.runs_total, progress.plan
         reference = f"{1e3 * plan.v_ref_m_s:+.1f} mm/s, {plan.f_load_n:+.0f} N, trial {plan.trial}"
         if progress.at_most:
@@ -33,21 +33,21 @@ class ProgressLine:
         self._show(done, total, text)
 
     def campaigns(self, done: int, total: int, failed: int) -> None:
-        """Show how many campaigns of a fleet are analyzed."""
-        words = f", {failed} failed" if failed else ""
-        self._show(done, total, f"{done}/{total} campaigns{words}, {self._left(done, total)}")
+        """Show the number of analyzed campaigns of a fleet."""
+        failures = f", {failed} failed" if failed else ""
+        self._show(done, total, f"{done}/{total} campaigns{failures}, {self._left(done, total)}")
 
-    def note(self, words: str) -> None:
-        """Tell something that stays above the line."""
-        self.close(f"note: {words}")
+    def note(self, text: str) -> None:
+        """Print a note, which stays above the line."""
+        self.close(f"note: {text}")
 
     def counted(self, done: int, total: int) -> None:
-        """Show on a terminal how many simulations of a round are done."""
+        """Show the number of finished simulations of a round, on a terminal only."""
         if self._redraws:
             self._redraw(f"[{'#' * (_BAR * done // total):.<{_BAR}}] {done}/{total} simulations")
 
     def close(self, last: str = "") -> None:
-        """Clear the line, for ``last`` or what is printed next."""
+        """Clear the line, then print ``last``."""
         if self._redraws:
             self._redraw("")
             self._write("\r")

@@ -1,7 +1,7 @@
-"""Serves the page of ``hbench watch``: to this machine alone, and nothing can be written.
+"""Read-only server of the page of ``hbench watch``, for this machine only.
 
-Three fixed addresses, no file of the disk. A request must name this machine as its host: a page
-from elsewhere, whose name was made to point here (DNS rebinding), names another.
+It serves three fixed addresses and no files. The request's host must be this machine: a foreign
+page whose name resolves to this machine (DNS rebinding) has another host.
 """
 
 import base64
@@ -17,7 +17,7 @@ from typing import Any, Protocol
 from hbench.errors import ConfigError
 
 _HOST = re.compile(r"(127\.0\.0\.1|localhost)(:\d{1,5})?", re.IGNORECASE | re.ASCII)
-_SILENT_S = 10.0  # that a client may be before it is hung up on
+_TIMEOUT_S = 10.0  # of a silent client
 _HEADERS = {
     "Cache-Control": "no-store",
     "X-Content-Type-Options": "nosniff",
@@ -27,13 +27,13 @@ _HEADERS = {
 
 
 class Watched(Protocol):
-    """What there is to show."""
+    """Source of the page's data."""
 
     def state(self) -> dict[str, Any]:
-        """Return what is told of this moment."""
+        """Return the present state."""
 
     def runs(self) -> dict[str, Any]:
-        """Return the runs that have ended."""
+        """Return the finished runs."""
 
 
 class _Server(ThreadingHTTPServer):
@@ -42,7 +42,7 @@ class _Server(ThreadingHTTPServer):
 
 
 def new_server(watched: Watched, port: int) -> ThreadingHTTPServer:
-    """Return a server on 127.0.0.1; 0 takes any free port. Raises ``ConfigError``."""
+    """Return a server on 127.0.0.1; port 0 means any free port. Raises ``ConfigError``."""
     page = (files("hbench.cli") / "watch_page.html").read_bytes()
     answers: dict[str, tuple[str, Callable[[], bytes]]] = {
         "/": ("text/html; charset=utf-8", lambda: page),
@@ -58,25 +58,25 @@ def new_server(watched: Watched, port: int) -> ThreadingHTTPServer:
         return _Server(("127.0.0.1", port), Handler)
     except OSError as error:
         raise ConfigError(
-            f"--port: {port} can't be used: {error.strerror}",
-            "Another page may be served there; give another number, or 0 for any that is free.",
+            f"--port: can't listen at {port}: {error.strerror}",
+            "Give another number, or 0 for any free port.",
         ) from None
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """Answers GET and HEAD for the known addresses."""
+    """Handler of GET and HEAD requests for the known addresses."""
 
     known: dict[str, tuple[str, Callable[[], bytes]]]
     policy: str
-    timeout = _SILENT_S
+    timeout = _TIMEOUT_S
     server_version, sys_version = "hbench", ""
 
     def do_GET(self) -> None:
-        """Answer with the address's content."""
+        """Send the address's content."""
         if not _HOST.fullmatch(self.headers.get("Host", "")):
             self._answer(HTTPStatus.MISDIRECTED_REQUEST, "text/plain", b"not this machine\n")
         elif self.path not in self.known:
-            self._answer(HTTPStatus.NOT_FOUND, "text/plain", b"nothing here\n")
+            self._answer(HTTPStatus.NOT_FOUND, "text/plain", b"not found\n")
         else:
             kind, content = self.known[self.path]
             self._answer(HTTPStatus.OK, kind, content())
@@ -85,7 +85,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _refuse(self) -> None:
         self.close_connection = True
-        self._answer(HTTPStatus.METHOD_NOT_ALLOWED, "text/plain", b"this page only shows\n")
+        self._answer(HTTPStatus.METHOD_NOT_ALLOWED, "text/plain", b"this page is read-only\n")
 
     do_POST = do_PUT = do_DELETE = do_PATCH = do_OPTIONS = _refuse
 
@@ -103,10 +103,10 @@ class _Handler(BaseHTTPRequestHandler):
             self.wfile.write(content)
 
     def log_message(self, *_: Any) -> None:
-        """Say nothing of each request."""
+        """Log nothing."""
 
     def handle(self) -> None:
-        """Answer a client; one that hangs up early is no error."""
+        """Serve a client; an early disconnection is not an error."""
         try:
             super().handle()
         except ConnectionError:
@@ -114,12 +114,12 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 def _policy(page: str) -> str:
-    """Allow the page's own style and script, known by their hashes, and asking this server."""
+    """Return a policy that permits the page's style and script, by hash, and this server's data."""
     rules = ["default-src 'none'", "connect-src 'self'", "frame-ancestors 'none'"]
     rules += ["base-uri 'none'", "form-action 'none'", "img-src data:"]
     for tag in ("style", "script"):
-        (own,) = re.findall(rf"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
-        digest = base64.b64encode(hashlib.sha256(own.encode()).digest()).decode()
+        (content,) = re.findall(rf"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
+        digest = base64.b64encode(hashlib.sha256(content.encode()).digest()).decode()
         rules.append(f"{tag}-src 'sha256-{digest}'")
     return "; ".join(rules)
 

@@ -1,4 +1,4 @@
-"""The same work with many arguments, on the workers of a Dask cluster."""
+"""Dask cluster: one function with many arguments, on the workers of a scheduler."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -14,10 +14,10 @@ from hbench.parallel.process_pool import ProcessDied
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-_AHEAD = 3  # arguments a thread of the cluster: the next ones are there when one ends
+_QUEUED = 3  # arguments per thread of the cluster, so that no thread waits for the next one
 _CONNECT_S = 10.0
 _PATIENCE_S = 60.0  # without any worker, or without the scheduler
-_LOOK_S = 1.0  # how often that is looked at
+_CHECK_S = 1.0  # interval between checks of the workers
 _PLUGIN = "hbench: no profiles"
 _PROFILES = ("profile", "profile-cycle")  # of a worker's periodic callbacks
 
@@ -26,9 +26,9 @@ _PROFILES = ("profile", "profile-cycle")  # of a worker's periodic callbacks
 def connected(address: str) -> "Iterator[Client]":
     """Connect to the scheduler at ``address``, such as ``tcp://host:8786``.
 
-    Meanwhile its workers make no profiles, which would fill their memory.
-    Raises ``ConfigError`` where Dask is missing or no address is given, ``DeviceError`` where
-    nobody answers.
+    While connected, its workers record no profiles, which would fill their memory.
+    Raises ``ConfigError`` for missing Dask or an invalid address, ``DeviceError`` if no scheduler
+    answers.
     """
     try:
         import dask
@@ -37,13 +37,14 @@ def connected(address: str) -> "Iterator[Client]":
     except ImportError as error:
         raise ConfigError(
             f"--scheduler needs dask.distributed, which is not installed: {error}",
-            "pip install 'hbench[cluster]', or leave --scheduler out to use this machine's cores.",
+            "Run pip install 'hbench[cluster]', or omit --scheduler to use this machine's cores.",
         ) from None
     try:
         get_address_host_port(address)
     except ValueError as error:
         raise ConfigError(
-            f"--scheduler {address}: is no address: {error}", "Such as tcp://127.0.0.1:8786."
+            f"--scheduler {address}: is not an address: {error}",
+            "Give an address such as tcp://127.0.0.1:8786.",
         ) from None
     limits = {
         "distributed.comm.timeouts.connect": _CONNECT_S,
@@ -53,13 +54,13 @@ def connected(address: str) -> "Iterator[Client]":
         try:
             client = Client(address, timeout=_CONNECT_S, set_as_default=False)
         except (OSError, TimeoutError) as error:
-            words = str(error).splitlines()[0] if str(error) else type(error).__name__
+            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise DeviceError(
-                f"--scheduler {address}: nobody answers there: {words}",
+                f"--scheduler {address}: no scheduler answers: {reason}",
                 "Start one with 'dask scheduler', which prints its address.",
             ) from None
         try:
-            with suppress(Exception):  # what is wrong with the workers is told of the first work
+            with suppress(Exception):  # the first task reports any fault of the workers
                 client.register_plugin(_without_profiles(), _PLUGIN)
             yield client
         finally:
@@ -70,48 +71,48 @@ def connected(address: str) -> "Iterator[Client]":
 
 
 def _without_profiles() -> Any:
-    """Return what ends the workers' profiles, of which each second's is kept for an hour."""
+    """Return a plugin that stops the workers' profiling, whose data is kept for an hour."""
     from distributed import WorkerPlugin
 
     class WithoutProfiles(WorkerPlugin):
         def setup(self, worker):
             periodic = worker.periodic_callbacks
-            self.ended = {name: periodic.pop(name) for name in _PROFILES if name in periodic}
-            for each in self.ended.values():
-                each.stop()
+            self.stopped = {name: periodic.pop(name) for name in _PROFILES if name in periodic}
+            for callback in self.stopped.values():
+                callback.stop()
 
         def teardown(self, worker):
-            worker.periodic_callbacks |= self.ended
-            for each in self.ended.values():
-                each.start()
+            worker.periodic_callbacks |= self.stopped
+            for callback in self.stopped.values():
+                callback.start()
 
     return WithoutProfiles()
 
 
-def on_cluster(
+def map_on_cluster(
     client: "Client",
     work: Callable[[Any], Any],
     arguments: Iterable[Any],
-    tell: Callable[[str], None],
+    note: Callable[[str], None],
 ) -> Iterator[Any]:
-    """Call ``work`` with each argument on a cluster, and give results as they come.
+    """Call ``work`` with each argument on a cluster, and yield results as they come.
 
-    ``work``, arguments and results must be picklable. Arguments are taken as they are needed, and
-    what has ended is forgotten by the cluster; what ends this generator cancels the rest. ``tell``
-    is given what a user should know. Raises ``ProcessDied`` where workers died over an argument,
-    after what was begun has ended, and ``DeviceError`` where the scheduler is lost, no worker is
-    left, or ``work`` can't be called there.
+    ``work``, arguments and results must be picklable. Arguments are taken on demand, and the
+    cluster releases finished results; the end of this generator cancels the others. ``note`` gets
+    messages for the user. Raises ``ProcessDied`` if an argument has killed workers, after all
+    started work has ended, and ``DeviceError`` if the scheduler is lost, no worker is left, or
+    ``work`` can't be called there.
     """
     from distributed import KilledWorker
 
     taken = iter(arguments)
     running: dict[Future, Any] = {}
     ended: SimpleQueue[Future] = SimpleQueue()
-    killed: list[Any] = []
-    watch = _Watch(client, tell)
+    killers: list[Any] = []  # arguments
+    workers = _Workers(client, note)
     try:
         while True:
-            room = 0 if killed else _AHEAD * max(watch.threads(), 1) - len(running)
+            room = 0 if killers else _QUEUED * max(workers.threads(), 1) - len(running)
             for argument in islice(taken, max(room, 0)):
                 future = client.submit(work, argument, pure=False)
                 running[future] = argument
@@ -119,81 +120,81 @@ def on_cluster(
             if not running:
                 break
             try:
-                future = ended.get(timeout=_LOOK_S)
+                future = ended.get(timeout=_CHECK_S)
             except Empty:
-                watch.look()
+                workers.check()
                 continue
             argument = running.pop(future)
             try:
                 result = future.result()
             except KilledWorker:
-                killed.append(argument)
+                killers.append(argument)
                 continue
             except CancelledError:
-                raise watch.lost() from None
+                raise workers.scheduler_lost() from None
             except Exception as error:
                 raise DeviceError(
-                    f"the workers can't do this work: {error}",
-                    "Each needs the same hbench, Python and packages as this machine.",
+                    f"a task failed on a worker: {error}",
+                    "Install the same hbench, Python and packages on each worker as here.",
                 ) from None
             future.release()
             yield result
     finally:
         with suppress(Exception):  # a scheduler that is gone
             client.cancel(list(running), force=True)
-    if killed:
-        raise ProcessDied(killed, "workers have died over the same work", "")
+    if killers:
+        raise ProcessDied(killers, "several workers have died from the same task", "")
 
 
-class _Watch:
-    """Knows how many threads the cluster has, and when to give up."""
+class _Workers:
+    """The cluster's workers: their number of threads, and the wait for them."""
 
-    def __init__(self, client: "Client", tell: Callable[[str], None]):
+    def __init__(self, client: "Client", note: Callable[[str], None]):
         self._client = client
-        self._tell = tell
+        self._note = note
         self._address = client.scheduler.address
-        self._looked = -1e9
+        self._checked = -1e9
         self._threads = 0
-        self._alone_since: float | None = None
+        self._none_since: float | None = None
 
     def threads(self) -> int:
-        """Return how many there were when they were counted last."""
-        if time.monotonic() - self._looked > _LOOK_S:
-            self.look()
+        """Return the number of threads at the last check."""
+        if time.monotonic() - self._checked > _CHECK_S:
+            self.check()
         return self._threads
 
-    def look(self) -> None:
-        """Count the workers' threads. Raises ``DeviceError`` when there were none for too long."""
+    def check(self) -> None:
+        """Count the workers' threads. Raises ``DeviceError`` after too long without workers."""
         if self._client.status in ("closed", "closing"):
-            raise self.lost()
-        self._looked = time.monotonic()
+            raise self.scheduler_lost()
+        self._checked = time.monotonic()
         try:
             self._threads = self._client.scheduler_info(n_workers=0)["total_threads"]
         except (OSError, TimeoutError, ValueError):
             self._threads = 0
         if self._threads:
-            self._alone_since = None
-        elif self._alone_since is None:
-            self._alone_since = self._looked
-            self._tell(f"{self._address} has no workers; waiting for {_PATIENCE_S:.0f} s")
-        elif self._looked - self._alone_since > _PATIENCE_S:
+            self._none_since = None
+        elif self._none_since is None:
+            self._none_since = self._checked
+            self._note(f"{self._address} has no workers; waiting for {_PATIENCE_S:.0f} s")
+        elif self._checked - self._none_since > _PATIENCE_S:
             raise DeviceError(
-                f"{self._address}: no worker for {_PATIENCE_S:.0f} s",
-                "Start some with 'dask worker ADDRESS', and give the same command again: what is "
-                "done is kept.",
+                f"{self._address}: no workers for {_PATIENCE_S:.0f} s",
+                "Start workers with 'dask worker ADDRESS', then give the same command again to "
+                "continue.",
             )
 
-    def lost(self) -> DeviceError:
-        """Return the error of a scheduler that has gone."""
+    def scheduler_lost(self) -> DeviceError:
+        """Return the error of a lost scheduler."""
         return DeviceError(
-            f"{self._address}: the scheduler is lost",
-            "Start it again, and give the same command again: what is done is kept.",
+            f"{self._address}: connection to the scheduler lost",
+            "Start the scheduler again, then give the same command again to continue.",
         )
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep the log of Dask's own attempts to connect off the terminal."""
+    """Suppress Dask's log of its attempts to connect."""
     import logging
 
     loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]

@@ -1,4 +1,4 @@
-"""The same work on each of many things, two at a time."""
+"""Parallel map on two forked processes, for arguments that can't be pickled."""
 
 import signal
 import sys
@@ -10,34 +10,34 @@ from typing import Any, TypeVar
 
 _PROCESSES = 2
 
-Thing = TypeVar("Thing")
-Made = TypeVar("Made")
+Argument = TypeVar("Argument")
+Result = TypeVar("Result")
 
 
-def side_by_side(work: Callable[[Thing], Made], things: Sequence[Thing]) -> list[Made]:
-    """Return what ``work`` makes of each of ``things``, in their order.
+def map_forked(work: Callable[[Argument], Result], arguments: Sequence[Argument]) -> list[Result]:
+    """Return ``work(argument)`` for each argument, in their order.
 
-    Two processes share them. These are forked, so they have what they work on without a copy or an
-    import; what they make must be picklable. A fork would take locks of threads with it: where
-    there is a thread, or a system other than Linux, this process does it all.
+    Two forked processes share the arguments without copying or importing; results must be
+    picklable. A fork copies the locks of other threads, so with several threads, or on systems
+    other than Linux, this process does all the work.
     """
-    alone = threading.active_count() > 1 or sys.platform != "linux"
-    if alone or len(things) < _PROCESSES:
-        return [work(thing) for thing in things]
-    hold = work, things
-    with ProcessPoolExecutor(_PROCESSES, get_context("fork"), _start, hold) as pool:
-        return list(pool.map(_make, range(len(things))))
+    no_fork = threading.active_count() > 1 or sys.platform != "linux"
+    if no_fork or len(arguments) < _PROCESSES:
+        return [work(argument) for argument in arguments]
+    job = work, arguments
+    with ProcessPoolExecutor(_PROCESSES, get_context("fork"), _start_worker, job) as pool:
+        return list(pool.map(_result, range(len(arguments))))
 
 
-_held: tuple[Callable[[Any], Any], Sequence[Any]]  # of a forked process
+_job: tuple[Callable[[Any], Any], Sequence[Any]]  # of a forked process
 
 
-def _start(work: Callable[[Any], Any], things: Sequence[Any]) -> None:
-    global _held
-    _held = work, things
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that waits
+def _start_worker(work: Callable[[Any], Any], arguments: Sequence[Any]) -> None:
+    global _job
+    _job = work, arguments
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent process only
 
 
-def _make(place: int) -> Any:
-    work, things = _held
-    return work(things[place])
+def _result(index: int) -> Any:
+    work, arguments = _job
+    return work(arguments[index])

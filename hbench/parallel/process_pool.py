@@ -1,4 +1,4 @@
-"""The same work with many arguments, on all cores of the machine."""
+"""Process pool: one function with many arguments, on all cores of the machine."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ from typing import Any
 
 from hbench.errors import DeviceError
 
-_AHEAD = 2  # arguments a process: it never waits for the next one
+_QUEUED = 2  # arguments per process, so that no process waits for the next one
 _INTERRUPTS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 ]
@@ -22,38 +22,38 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class ProcessDied(DeviceError):
-    """A process that shared the work has died; ``unfinished`` are arguments that it may have had.
+    """Death of a worker process; ``unfinished`` are the arguments that it may have been given.
 
-    Those that were not taken from the arguments yet are still there.
+    Arguments not yet taken from the iterable remain there.
     """
 
-    def __init__(self, unfinished: Sequence[Any], words: str, hint: str):
-        super().__init__(words, hint)
+    def __init__(self, unfinished: Sequence[Any], message: str, hint: str):
+        super().__init__(message, hint)
         self.unfinished = tuple(unfinished)
 
 
-def on_all_cores(work: Callable[[Any], Any], arguments: Iterable[Any]) -> Iterator[Any]:
-    """Call ``work`` with each argument, a process a core, and give results as they come.
+def map_on_cores(work: Callable[[Any], Any], arguments: Iterable[Any]) -> Iterator[Any]:
+    """Call ``work`` with each argument, one process per core, and yield results as they come.
 
-    ``work``, arguments and results must be picklable. Arguments are taken as they are needed, and
-    a process has one thread for linear algebra. Whatever ends this generator, or its process, ends
-    the processes at once, as by ``kill -9``: so ``work`` must leave what can be gone on with.
-    Raises what ``work`` raises, and ``ProcessDied`` where a process has died.
+    ``work``, arguments and results must be picklable. Arguments are taken on demand, and a process
+    has one thread for linear algebra. The end of this generator or of its process kills the workers
+    at once, as by ``kill -9``, so ``work`` must leave data from which it can continue.
+    Raises the errors of ``work``, and ``ProcessDied`` if a process has died.
     """
-    spawn = get_context("spawn")  # a fork would take locks of threads with it
-    watched, held = spawn.Pipe(duplex=False)  # nobody writes: it ends when ``held`` is closed
+    spawn = get_context("spawn")  # a fork would copy the locks of other threads
+    watched, held = spawn.Pipe(duplex=False)  # no data: the pipe ends when ``held`` is closed
     processes = usable_cores()
     pool = ProcessPoolExecutor(processes, spawn, _start_worker, (watched, work))
     taken = iter(arguments)
     running: dict[Future, Any] = {}
-    last: list[Any] = []  # taken, and not running yet
-    with pool, held:  # left in reverse: workers end before the pool waits for them
+    last: list[Any] = []  # taken, not submitted yet
+    with pool, held:  # exit in reverse order: workers end before the pool waits for them
         try:
             while True:
-                for argument in islice(taken, _AHEAD * processes - len(running)):
+                for argument in islice(taken, _QUEUED * processes - len(running)):
                     last = [argument]
-                    with _deaf_to_ctrl_c(), _one_thread_each():  # a process may be started here
-                        running[pool.submit(_do, argument)] = argument
+                    with _ctrl_c_blocked(), _single_threaded():  # may start a process
+                        running[pool.submit(_run, argument)] = argument
                     last = []
                 if not running:
                     return
@@ -64,19 +64,20 @@ def on_all_cores(work: Callable[[Any], Any], arguments: Iterable[Any]) -> Iterat
         except BrokenProcessPool:
             raise ProcessDied(
                 [*running.values(), *last],
-                "one of the processes that share the work has died: killed, or out of memory",
-                "Give the same command again; `hbench run` goes on with --resume.",
+                "a worker process has died: killed, or out of memory",
+                "Give the same command again; add --resume for `hbench run`.",
             ) from None
 
 
-def whatever_dies(
+def retry_alone(
     run: Callable[[Iterable[Any]], Iterator[Any]],
     arguments: Iterable[Any],
     lost: Callable[[Any], Any],
 ) -> Iterator[Any]:
-    """Give the results of ``run`` for all arguments, ``lost(argument)`` for what kills a process.
+    """Yield the results of ``run``, and ``lost(argument)`` for an argument that kills a process.
 
-    What may have killed one is run again by itself; if a process dies then too, it is lost.
+    After the death of a process, each argument that it may have had is run alone; if a process dies
+    again, the argument is lost.
     """
     taken = iter(arguments)
     while True:
@@ -92,22 +93,22 @@ def whatever_dies(
 
 
 def usable_cores() -> int:
-    """How many this process may use."""
+    """Return the number of cores available to this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 @contextmanager
-def _deaf_to_ctrl_c() -> Iterator[None]:
-    """Let processes that are started in here never hear Ctrl-C.
+def _ctrl_c_blocked() -> Iterator[None]:
+    """Block Ctrl-C for the processes started within.
 
-    What would interrupt this process in between does it when they have all that they wait for.
+    An interrupt of this process in between is delivered once they have started.
     """
-    masks = hasattr(signal, "pthread_sigmask")  # not on Windows: they end by it, and say so
+    masks = hasattr(signal, "pthread_sigmask")  # not on Windows, where Ctrl-C ends the workers
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
     try:
-        with _interrupted_afterwards():  # the mask is this thread's; others still hear it
+        with _interrupts_deferred():  # the mask applies to this thread only
             yield
     finally:
         if masks:
@@ -115,28 +116,28 @@ def _deaf_to_ctrl_c() -> Iterator[None]:
 
 
 @contextmanager
-def _interrupted_afterwards() -> Iterator[None]:
-    if threading.current_thread() is not threading.main_thread():  # only that one is interrupted
+def _interrupts_deferred() -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():  # which alone gets signals
         yield
         return
-    heard: list[int] = []
+    received: list[int] = []
     handlers = {
         number: handler for number in _INTERRUPTS if callable(handler := signal.getsignal(number))
     }
     try:
         for number in handlers:
-            signal.signal(number, lambda number, _: heard.append(number))
+            signal.signal(number, lambda number, _: received.append(number))
         yield
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
-        for number in heard[:1]:
+        for number in received[:1]:
             signal.raise_signal(number)
 
 
 @contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Let processes that are started in here have one thread for linear algebra."""
+def _single_threaded() -> Iterator[None]:
+    """Give the processes started within one thread for linear algebra."""
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
@@ -163,5 +164,5 @@ def _end_with_parent(watched: Connection) -> None:
     os._exit(1)
 
 
-def _do(argument: Any) -> Any:
+def _run(argument: Any) -> Any:
     return _work(argument)

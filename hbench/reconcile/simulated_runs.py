@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from hbench.config.bench import Bench, Plant
 from hbench.config.scaling import scaled
 from hbench.experiment.closed_loop import record_plans
-from hbench.parallel.process_pool import on_all_cores
+from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.hypothesis import Hypothesis, Simulate
 from hbench.records import Run, RunPlan
@@ -21,7 +21,7 @@ def simulator(
     plant: Plant,
     plans: Sequence[RunPlan],
     report: Callable[[int, int], None] = lambda done, of: None,
-    spread: Callable[[Callable, Sequence], Iterable] = on_all_cores,
+    spread: Callable[[Callable, Sequence], Iterable] = map_on_cores,
 ) -> Simulate:
     """Return a function that simulates the runs of ``plans`` with hypotheses of ``plant``.
 

@@ -1,1 +1,1 @@
-"""The board and the line to it: client, byte ports, the virtual rig, the host firmware."""
+"""Connection to the board: client, byte ports, the virtual rig, the host firmware."""

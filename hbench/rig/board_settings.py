@@ -1,17 +1,17 @@
-"""What the board must know of the bench: its settings, from the bench file."""
+"""The board's settings, from the bench file."""
 
 from hbench.config.bench import Bench
 from hbench.model.sensors import sensor_gains
 from hbench.protocol.dictionary import SENSORS
 
-_PARTS = 16  # the board works in sixteenths of an ADC count
+STEPS_PER_COUNT = 16  # the board's sensor words are in sixteenths of an ADC count
 
 
 def board_settings(bench: Bench) -> dict[str, float]:
     """Return every setting of the dictionary, in SI."""
     control, limits, gains = bench.controllers, bench.limits, sensor_gains(bench.sensors)
     return {
-        **{f"gain_{name}": gains[name][0] / _PARTS for name in SENSORS},
+        **{f"gain_{name}": gains[name][0] / STEPS_PER_COUNT for name in SENSORS},
         **{f"offset_{name}": gains[name][1] for name in SENSORS},
         "velocity_gain_v_m": control.velocity.gain,
         "velocity_time_constant_s": control.velocity.time_constant,

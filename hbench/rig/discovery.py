@@ -1,7 +1,7 @@
-"""Looks at serial ports for boards: what is there, and what answers.
+"""Discovery of boards on the serial ports.
 
-Two answers are waited for on each port, 0.5 s in all. Opening a port may toggle its control lines
-(DTR, RTS), which resets some boards.
+Each port gets two identification requests, 0.5 s in all. Opening a port may toggle its control
+lines (DTR, RTS), which resets some boards.
 """
 
 from collections.abc import Callable, Iterable
@@ -19,44 +19,48 @@ _ATTEMPTS = 2
 
 
 @dataclass(frozen=True)
-class Listed:
-    """A port, as the system lists it."""
+class ListedPort:
+    """Serial port in the system's list."""
 
     name: str
     description: str
 
 
 @dataclass(frozen=True)
-class Found:
-    """What a look at a port showed."""
+class ProbedPort:
+    """Result of probing a port."""
 
-    port: Listed
+    port: ListedPort
     state: State
     board: Identity | None = None
-    why: str = ""  # of an error
+    why: str = ""  # reason of an error
 
 
-def system_ports() -> tuple[Listed, ...]:
-    """Return the serial ports that the system knows, by name; no pseudo-terminals or sockets."""
+def system_ports() -> tuple[ListedPort, ...]:
+    """Return the system's serial ports in order of name, without pseudo-terminals and sockets."""
     listed = sorted(list_ports.comports())
-    return tuple(Listed(p.device, "" if p.description == "n/a" else p.description) for p in listed)
+    return tuple(
+        ListedPort(p.device, "" if p.description == "n/a" else p.description) for p in listed
+    )
 
 
-def look(ports: Iterable[Listed], opener: Callable[[str], Port] = SerialPort) -> tuple[Found, ...]:
-    """Ask on each port who is there; each is open for its own look alone."""
-    return tuple(_look(port, opener) for port in ports)
+def probe_ports(
+    ports: Iterable[ListedPort], opener: Callable[[str], Port] = SerialPort
+) -> tuple[ProbedPort, ...]:
+    """Request the identity on each port; only one port is open at a time."""
+    return tuple(_probe(port, opener) for port in ports)
 
 
-def _look(port: Listed, opener: Callable[[str], Port]) -> Found:
+def _probe(port: ListedPort, opener: Callable[[str], Port]) -> ProbedPort:
     try:
         line = opener(port.name)
         try:
-            return Found(port, "board", BoardClient(line, _ATTEMPTS).identify())
+            return ProbedPort(port, "board", BoardClient(line, _ATTEMPTS).identify())
         finally:
             line.close()
     except PortBusy:
-        return Found(port, "busy")
+        return ProbedPort(port, "busy")
     except NoAnswer:
-        return Found(port, "silent")
+        return ProbedPort(port, "silent")
     except DeviceError as error:
-        return Found(port, "error", why=error.message)
+        return ProbedPort(port, "error", why=error.message)

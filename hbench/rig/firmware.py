@@ -1,4 +1,4 @@
-"""Loads the firmware's host library, which is built when hbench is installed."""
+"""The firmware's host library, which is built when hbench is installed."""
 
 import ctypes
 import importlib
@@ -8,25 +8,25 @@ from pathlib import Path
 
 from hbench.errors import DeviceError
 
-POLL_TICKS = 10  # a simulated board's idle loop comes round about once a millisecond
+POLL_TICKS = 10  # control ticks per round of a simulated board's idle loop: 1 ms
 
 _SUFFIXES = (".so", ".dll")
-_REPLY_OCTETS = 4096  # as much as the board's queue holds
+_REPLY_OCTETS = 4096  # capacity of the board's queue
 
 
 @cache
 def load_library() -> ctypes.CDLL:
-    """Return the installed library. Raises ``DeviceError`` if it is not there."""
+    """Return the installed library. Raises ``DeviceError`` if it is missing."""
     return open_library(_library_path())
 
 
 def open_library(path: Path) -> ctypes.CDLL:
-    """Return the library in a file, its functions declared. Raises ``DeviceError``."""
+    """Return the library in a file, with typed functions. Raises ``DeviceError``."""
     try:
         library = ctypes.CDLL(str(path))
     except OSError as error:
         raise DeviceError(
-            f"{path}: can't be loaded: {error}", "Build it for this machine: `pip install .`"
+            f"{path}: can't be loaded: {error}", "Build it for this machine with pip install ."
         ) from None
     octets = ctypes.c_char_p
     for name, result, arguments in (
@@ -52,16 +52,16 @@ def _library_path() -> Path:
             if path.is_file():
                 return path
     raise DeviceError(
-        f"the firmware's host library is not in {' or '.join(map(str, folders))}",
-        "It is built at install: `pip install .` (a C compiler is needed).",
+        f"{' or '.join(map(str, folders))}: the firmware's host library is missing",
+        "Install hbench with pip install . and a C compiler, which builds it.",
     )
 
 
 class HostFirmware:
-    """One board: the firmware's core with its own memory, stepped by its caller.
+    """A board: the firmware's core with its own memory, stepped by its caller.
 
-    ``boots`` is what it reports as its number of starts. With ``baud`` octets take their time on
-    the line, and ``poll`` must be called once each tick; with 0 they take none.
+    ``boots`` is the reported number of starts. ``baud`` is the simulated rate of the line, with
+    which ``poll`` must be called once each tick; with 0 octets take no time.
     """
 
     def __init__(self, boots: int, baud: int = 0):
@@ -72,28 +72,28 @@ class HostFirmware:
 
     @property
     def addresses(self) -> tuple[int, int, int]:
-        """Addresses for compiled callers: of ``tick``, of ``poll``, and of the board.
+        """Addresses of ``tick``, of ``poll`` and of the board, for compiled callers.
 
         ``void tick(board, const uint16_t adc[7], int16_t dac[3])``,
-        ``uint32_t poll(board)``, which returns the number of octets that wait for the host, 0
-        until a frame has ended among them. They hold until ``close``.
+        ``uint32_t poll(board)``, which returns the number of octets for the host, or 0 while they
+        contain no complete frame. The addresses are valid until ``close``.
         """
         functions = (self._library.hb_host_tick, self._library.hb_host_poll)
         tick, poll = (ctypes.cast(function, ctypes.c_void_p).value or 0 for function in functions)
         return tick, poll, self._board
 
     def receive(self, data: bytes) -> int:
-        """Send octets to the board; returns how many found room in its queue (4096)."""
+        """Send octets to the board; return the number that its queue (4096) accepted."""
         return self._library.hb_host_receive(self._board, data, len(data))
 
     def transmit(self) -> bytes:
-        """Take the octets that wait for the host."""
+        """Return the octets for the host, and remove them from the queue."""
         octets = ctypes.create_string_buffer(_REPLY_OCTETS)
         count = self._library.hb_host_transmit(self._board, octets, _REPLY_OCTETS)
         return octets.raw[:count]
 
     def poll(self) -> int:
-        """Run the idle loop once; returns the number of octets whose frame has ended, or 0."""
+        """Run the idle loop once; return the number of octets for the host, 0 without a frame."""
         return self._library.hb_host_poll(self._board)
 
     def tick(self, adc: Sequence[int]) -> tuple[int, int, int]:
@@ -104,10 +104,10 @@ class HostFirmware:
         return tuple(codes)
 
     def overrun(self) -> None:
-        """Tell the board that its control interrupt came late."""
+        """Report a late control interrupt to the board."""
         self._library.hb_host_overrun(self._board)
 
     def close(self) -> None:
-        """Free the board's memory; it can't be used any more."""
+        """Free the board's memory; no other call is valid afterwards."""
         self._library.hb_host_destroy(self._board)
         self._board = None

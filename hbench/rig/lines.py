@@ -1,4 +1,4 @@
-"""The rig's end of a line to its client: a pseudo-terminal or a TCP socket."""
+"""The virtual rig's end of a line: a pseudo-terminal or a TCP socket."""
 
 import os
 import select
@@ -9,38 +9,38 @@ from urllib.parse import urlsplit
 
 from hbench.errors import ConfigError, DeviceError
 
-_CHUNK = 4096  # octets; as much as the board's queue holds
+_CHUNK = 4096  # octets; capacity of the board's queue
 
 
-class Line(Protocol):
+class ServerLine(Protocol):
     """The rig's end of a line to one client at a time."""
 
-    name: str  # what the client gives as its port
+    name: str  # the client's --port
 
     @property
     def connected(self) -> bool:
-        """Whether a client is there, as the last ``read`` saw it."""
+        """Whether a client was connected at the last ``read``."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what the client sent, at once if there is something; empty after the timeout."""
+        """Return the octets received, as soon as there are any; empty after the timeout."""
 
     def write(self, data: bytes) -> None:
-        """Send octets; as on a UART, those that nobody takes are lost."""
+        """Send octets; as on a UART, they are lost if the client does not read."""
 
     def close(self) -> None:
-        """Take the line down."""
+        """Close the line."""
 
 
-def open_line(address: str | None) -> Line:
-    """Return a socket's line for an address ``HOST:PORT``, else a pseudo-terminal's.
+def open_line(address: str | None) -> ServerLine:
+    """Open a socket at ``HOST:PORT``; without an address, a pseudo-terminal.
 
-    Raises ``ConfigError`` for an address that is none, ``DeviceError`` where it can't be opened.
+    Raises ``ConfigError`` for an invalid address, ``DeviceError`` if it can't be opened.
     """
     return PtyLine() if address is None else SocketLine(address)
 
 
 class PtyLine:
-    """A pseudo-terminal; whoever opens its other end is the client."""
+    """Pseudo-terminal, whose other end is opened by the client."""
 
     def __init__(self):
         try:
@@ -52,14 +52,14 @@ class PtyLine:
         self._master, terminal = os.openpty()
         tty.setraw(terminal)
         self.name = os.ttyname(terminal)
-        os.close(terminal)  # so that the client's leaving shows as a hang-up
+        os.close(terminal)  # so that a leaving client causes a hang-up
         os.set_blocking(self._master, False)
         self._poll = select.poll()
         self._poll.register(self._master, select.POLLIN)
         self.connected = False
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what the client sent."""
+        """Return the octets received."""
         events = dict(self._poll.poll(1e3 * timeout_s)).get(self._master, 0)
         self.connected = not events & select.POLLHUP
         if events & select.POLLIN:
@@ -69,7 +69,7 @@ class PtyLine:
         return b""
 
     def write(self, data: bytes) -> None:
-        """Send to the client, if there is one and it reads."""
+        """Send octets to a connected client."""
         if data and self.connected:
             try:
                 os.write(self._master, data)
@@ -77,26 +77,31 @@ class PtyLine:
                 return
 
     def close(self) -> None:
-        """Take the terminal away."""
+        """Close the terminal."""
         os.close(self._master)
 
 
 class SocketLine:
-    """A TCP socket that listens; a second client is turned away while the first is there."""
+    """Listening TCP socket; a second client is refused while the first is connected."""
 
     def __init__(self, address: str):
         try:
-            parts = urlsplit(f"//{address}")
-            host, port = parts.hostname, parts.port
+            url = urlsplit(f"//{address}")
+            host, port = url.hostname, url.port
         except ValueError:
             host = port = None
         if host is None or port is None:
-            raise ConfigError(f"'{address}' is not HOST:PORT, e.g. localhost:7000")
+            raise ConfigError(
+                f"--socket: '{address}' is not HOST:PORT", "Give an address as localhost:7000."
+            )
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
             self._listener = socket.create_server((host, port), family=family)
         except OSError as error:
-            raise DeviceError(f"{address}: can't listen: {error.strerror or error}") from None
+            raise DeviceError(
+                f"--socket: can't listen at {address}: {error.strerror or error}",
+                "Give another address or port.",
+            ) from None
         self._listener.setblocking(False)
         shown = f"[{host}]" if ":" in host else host
         self.name = f"socket://{shown}:{self._listener.getsockname()[1]}"
@@ -104,13 +109,13 @@ class SocketLine:
 
     @property
     def connected(self) -> bool:
-        """Whether a client is there."""
+        """Whether a client is connected."""
         return self._client is not None
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what the client sent; let one in or turn it away."""
-        ends = [self._listener] if self._client is None else [self._listener, self._client]
-        ready, _, _ = select.select(ends, [], [], timeout_s)
+        """Return the octets received; accept or refuse a new client."""
+        sockets = [self._listener] if self._client is None else [self._listener, self._client]
+        ready, _, _ = select.select(sockets, [], [], timeout_s)
         data = b""
         if self._client is not None and self._client in ready:
             data = self._receive(self._client)
@@ -119,7 +124,7 @@ class SocketLine:
         return data
 
     def write(self, data: bytes) -> None:
-        """Send to the client, if there is one and it reads."""
+        """Send octets to a connected client."""
         if data and self._client is not None:
             try:
                 self._client.send(data)
@@ -129,14 +134,14 @@ class SocketLine:
                 self._hang_up()
 
     def close(self) -> None:
-        """Stop listening and hang up."""
+        """Stop listening and disconnect the client."""
         self._hang_up()
         self._listener.close()
 
     def _accept(self) -> None:
         try:
             client, _ = self._listener.accept()
-        except OSError:  # it has left again
+        except OSError:  # the client has left again
             return
         if self._client is not None:
             client.close()

@@ -1,7 +1,7 @@
 """Byte ports to a board: a serial line or socket (pyserial), or the virtual rig.
 
-A port has its own clock. On hardware it is the wall's; the virtual rig's is its simulated time,
-so that the client's timeouts mean the same on both.
+A port has its own clock: wall time on hardware, simulated time on the virtual rig, so that the
+client's timeouts have the same meaning on both.
 """
 
 import errno
@@ -25,7 +25,7 @@ _CHUNK = 4096
 
 
 class PortBusy(DeviceError):
-    """Another program has the port open."""
+    """A port opened by another program."""
 
 
 class Port(Protocol):
@@ -37,13 +37,13 @@ class Port(Protocol):
         """Send all octets. Raises ``DeviceError``."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what has come, at once if there is something; empty after the timeout."""
+        """Return the octets received, as soon as there are any; empty after the timeout."""
 
     def now(self) -> float:
-        """Seconds on the port's clock."""
+        """Return the port's clock, s."""
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
 
 
 class SerialPort:
@@ -64,55 +64,50 @@ class SerialPort:
             self._serial.write(data)
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what has come, at once if there is something; empty after the timeout."""
+        """Return the octets received, as soon as there are any; empty after the timeout."""
         with self._errors("read"):
             self._serial.timeout = max(timeout_s, 0.0)
             first = self._serial.read(1)
             if not first:
                 return b""
-            self._serial.timeout = 0  # the rest of what is there; a socket's in_waiting is 0 or 1
+            self._serial.timeout = 0  # reads what else has arrived; in_waiting fails with sockets
             return first + self._serial.read(_CHUNK)
 
     def now(self) -> float:
-        """Seconds of the monotonic clock."""
+        """Return the monotonic clock, s."""
         return time.monotonic()
 
     def close(self) -> None:
-        """Close the device; one that has vanished is closed already."""
+        """Close the device; a vanished device is closed already."""
         try:
             self._serial.close()
         except _ERRORS:
             return
 
     def _drain(self) -> None:
-        """Drop what an earlier session left on the way (USB adapters keep some of it).
-
-        A device that never falls silent is left talking after half a second.
-        """
+        """Drop octets of an earlier session (USB adapters buffer some), for at most 0.5 s."""
         deadline = self.now() + 0.5
         while self.read(0.02) and self.now() < deadline:
             pass
 
     @contextmanager
     def _errors(self, action: str) -> Iterator[None]:
-        """Turn all that pyserial raises for a lost or busy port into one clear error."""
+        """Convert pyserial's errors for a lost or busy port to ``DeviceError``."""
         try:
             yield
         except serial.SerialTimeoutException as error:
-            raise DeviceError(
-                f"{self.name}: the line takes no more octets ({error})", _hint(None)
-            ) from None
+            raise DeviceError(f"{self.name}: serial write failed: {error}", _hint(None)) from None
         except _ERRORS as error:
             code = getattr(error, "errno", None)
             kind = PortBusy if code in (errno.EAGAIN, errno.EBUSY) else DeviceError
-            raise kind(f"{self.name}: can't {action}: {error}", _hint(code)) from None
+            raise kind(f"{self.name}: serial {action} failed: {error}", _hint(code)) from None
 
 
 def _hint(code: int | None) -> str:
     if code == errno.ENOENT:
-        return "No such device; `--port sim` runs on the virtual rig."
+        return "List the serial ports with `hbench ports`; --port sim is the virtual rig."
     if code in (errno.EACCES, errno.EPERM):
-        return "Permission is missing; on Linux add yourself to the group 'dialout'."
+        return "Get permission for the port; on Linux add yourself to the group 'dialout'."
     if code in (errno.EAGAIN, errno.EBUSY):
-        return "Another program has the port open."
-    return "Check that the board has power and the cable is in."
+        return "Close the other program that has the port open."
+    return "Check the board's power and the cable."

@@ -1,6 +1,6 @@
-"""A board that is stepped from Python, and the simulated bench, behind a byte port.
+"""Virtual rig whose board is stepped from Python, such as an emulated one.
 
-Where the board's tick can be called from compiled code, ``virtual.py`` is some fifty times faster.
+``virtual.py`` is some fifty times faster; it needs a board that compiled code can call.
 """
 
 from collections.abc import Sequence
@@ -16,16 +16,16 @@ from hbench.rig.firmware import POLL_TICKS
 
 
 class SteppedBoard(Protocol):
-    """The firmware somewhere, e.g. ``HostFirmware`` or ``EmulatedFirmware``."""
+    """Firmware that is called step by step: ``HostFirmware`` or ``EmulatedFirmware``."""
 
     def receive(self, data: bytes) -> object:
-        """Send octets to the board; what finds no room is lost."""
+        """Send octets to the board; those beyond its queue are lost."""
 
     def transmit(self) -> bytes:
-        """Take the octets that wait for the host."""
+        """Return the octets for the host, and remove them from the queue."""
 
     def poll(self) -> int:
-        """Run the idle loop once; returns the number of octets that wait for the host."""
+        """Run the idle loop once; return the number of octets for the host."""
 
     def tick(self, adc: Sequence[int]) -> tuple[int, int, int]:
         """Run one control tick: converter words (7, in 1/16 count) to DAC codes (3)."""
@@ -36,7 +36,7 @@ class SteppedBoard(Protocol):
 
 @compiled
 def _next_words(first, bench):
-    """Let a tick pass, but before the ``first``, and convert what the sensors see then."""
+    """Simulate one tick (none before the ``first`` call), then convert the sensors' values."""
     words, codes, state, levels, noise, par, sensors, values, u, work = bench
     if not first:
         for valve in range(3):
@@ -48,9 +48,9 @@ def _next_words(first, bench):
 
 
 class SteppedRig:
-    """A board and its simulated bench, as a ``Port``; simulated time passes in ``read`` alone.
+    """A board and its simulated bench, as a ``Port``; simulated time advances in ``read`` only.
 
-    ``plant`` stands in for the bench's own physics where it is given.
+    ``plant`` replaces the bench's own physics.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class SteppedRig:
         self._board.receive(data)
 
     def read(self, timeout_s: float) -> bytes:
-        """Let simulated time pass until the board says something or the timeout is over."""
+        """Simulate until the board sends octets or the timeout is over; return the octets."""
         last = self._tick + max(1, round(timeout_s / TICK_S))
         while self._tick < last:
             _next_words(self._tick == 0, self._bench)

@@ -1,8 +1,8 @@
 """The virtual rig: the board's firmware against the simulated bench, behind a byte port.
 
-The firmware's host library is stepped inside the compiled plant loop by function address, so
-host, wire and control law are those of the real bench. Time is simulated: it passes only while
-the client waits for an answer. The same seed gives the same bytes.
+The compiled plant loop calls the firmware's host library by function address, so host, wire and
+control law are those of the real bench. Time is simulated: it advances only while the client waits
+for an answer. The same seed gives the same bytes.
 """
 
 from llvmlite import ir
@@ -47,7 +47,7 @@ def _call_poll(typing, address, core):
 
 @compiled
 def _advance(ticks, poll_ticks, tick, firmware, bench):
-    """Run up to ``ticks`` control ticks; stop early when a frame of the board has come.
+    """Run up to ``ticks`` control ticks; stop early when the board has sent a frame.
 
     ``tick`` counts from power-on; ``firmware`` holds the addresses of the tick and poll functions
     and of the core. Returns the new ``tick``.
@@ -72,8 +72,8 @@ def _advance(ticks, poll_ticks, tick, firmware, bench):
 class VirtualRig:
     """A board and its bench, both simulated, as a ``Port``.
 
-    ``plant`` stands in for the bench's own physics where it is given. With ``baud`` the line
-    carries baud/10 octets a second each way, in simulated time; with 0 octets take no time.
+    ``plant`` replaces the bench's own physics. With ``baud`` the line carries baud/10 octets per
+    second in each direction, in simulated time; with 0 octets take no time.
     """
 
     name = "sim"
@@ -89,7 +89,7 @@ class VirtualRig:
         self._board.receive(data)
 
     def read(self, timeout_s: float) -> bytes:
-        """Let simulated time pass until the board says something or the timeout is over."""
+        """Simulate until the board sends octets or the timeout is over; return the octets."""
         self._tick = _advance(
             max(1, round(timeout_s / TICK_S)),
             self._poll_ticks,

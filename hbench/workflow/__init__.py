@@ -1,17 +1,17 @@
-"""The flow, one function an arrow: schedule -> campaign -> results -> report.
+"""Workflow, one function per arrow: schedule -> campaign -> results -> report.
 
-A function's file is loaded when it is first used, so that each command loads only what it needs.
+Modules are imported on first use, so that a command imports only the modules it needs.
 """
 
 from importlib import import_module
 from typing import Any
 
-_FILES = {
+_MODULES = {
     "board": ("find_boards", "flash", "flash_through_programmer", "load_image", "serve_rig"),
     "campaign": (
         "Estimate",
         "Experiment",
-        "Measured",
+        "MeasurementSummary",
         "estimate",
         "import_runs",
         "load_experiment",
@@ -28,13 +28,13 @@ _FILES = {
     "controllers": ("design", "write_design"),
     "simulation": ("phenomena", "replay", "simulate", "write_phenomenon", "write_replay"),
 }
-_HOMES = {name: file for file, names in _FILES.items() for name in names}
-__all__ = sorted(_HOMES)
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
+__all__ = sorted(_MODULE_OF)
 
 
 def __getattr__(name: str) -> Any:
-    if name in _FILES:
+    if name in _MODULES:
         return import_module(f"{__name__}.{name}")
-    if name not in _HOMES:
+    if name not in _MODULE_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    return getattr(import_module(f"{__name__}.{_MODULE_OF[name]}"), name)

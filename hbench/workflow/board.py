@@ -1,4 +1,4 @@
-"""The board itself: flashed, found, or stood in for by the virtual rig."""
+"""The board: flashing, discovery, and the virtual rig in its place."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -9,16 +9,16 @@ from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
 from hbench.model.sensors import sensor_gains
 from hbench.rig.client import Identity
-from hbench.rig.discovery import Found, Listed, look, system_ports
+from hbench.rig.discovery import ListedPort, ProbedPort, probe_ports, system_ports
 from hbench.rig.flash import boot_rom
 from hbench.rig.flash.boot_image import BootImage, read_boot_image
 from hbench.rig.flash.programmer import flash_through
 from hbench.rig.lines import open_line
 from hbench.rig.ports import BAUD, Port, SerialPort
-from hbench.rig.serve import FlatOut, WallClock, serve
+from hbench.rig.serve import FullSpeed, WallClock, serve
 from hbench.units import from_si
 
-_SHARE_OF_HEARTBEAT = 0.5  # of a rig flat out: the rest is for the client's next word
+_INTERVAL_OF_HEARTBEAT = 0.5  # at full speed; the rest is for the client's next message
 
 
 def load_image(image_file: Path) -> BootImage:
@@ -27,7 +27,7 @@ def load_image(image_file: Path) -> BootImage:
 
 
 def flash(image: BootImage, port: str, boot_baud: int, baud: int) -> Identity:
-    """Load ``image`` into the board at ``port``; return the firmware that then answers.
+    """Load ``image`` into the board at ``port``; return the board's identity.
 
     Raises ``ConfigError``, ``DeviceError``.
     """
@@ -35,14 +35,14 @@ def flash(image: BootImage, port: str, boot_baud: int, baud: int) -> Identity:
 
 
 def flash_through_programmer(image_file: Path, bench_file: Path, port: str, baud: int) -> Identity:
-    """Flash with the outside programmer of a bench file; return the firmware that then answers.
+    """Flash with the external programmer of a bench file; return the board's identity.
 
     Raises ``ConfigError``, ``DeviceError``.
     """
     programmer = parse_bench(read_yaml(bench_file), str(bench_file)).programmer
     if programmer is None:
         raise ConfigError(
-            f"{bench_file}: names no programmer", "Add 'programmer' with 'command' and 'timeout'."
+            f"{bench_file}: key 'programmer' is missing", "Add it with 'command' and 'timeout'."
         )
     line = _line_to_board(port)
     return flash_through(programmer.command, programmer.timeout, image_file, line, baud)
@@ -50,16 +50,18 @@ def flash_through_programmer(image_file: Path, bench_file: Path, port: str, baud
 
 def _line_to_board(port: str) -> Callable[[int], Port]:
     if port == "sim":
-        raise ConfigError("The virtual rig can't be flashed", "Give --port a serial device.")
+        raise ConfigError(
+            "--port sim: the virtual rig can't be flashed", "Give a serial device as --port."
+        )
     return lambda rate: SerialPort(port, rate)
 
 
-def find_boards(names: Sequence[str]) -> tuple[Found, ...]:
-    """Look for boards on the ports named, or on all that the system lists.
+def find_boards(names: Sequence[str]) -> tuple[ProbedPort, ...]:
+    """Look for boards on the named ports, or on all ports of the system.
 
-    It opens each port, which may toggle its control lines.
+    Each port is opened, which may toggle its control lines.
     """
-    return look([Listed(name, "") for name in names] or system_ports())
+    return probe_ports([ListedPort(name, "") for name in names] or system_ports())
 
 
 def serve_rig(
@@ -69,17 +71,17 @@ def serve_rig(
     seed: int,
     image: Path | None,
     address: str | None,
-    flat_out: bool,
+    full_speed: bool,
     announce: Callable[[str], None],
     baud: int | None = None,
 ) -> None:
     """Serve the virtual rig on a socket's address ``HOST:PORT``, or else a pseudo-terminal.
 
-    With ``baud`` its octets take their time on the line, as a real board's do. Where there is an
-    ``image``, its firmware runs in an emulator, instead of the host's library.
+    ``baud`` is the simulated rate of the line. With an ``image``, its firmware runs in an emulator
+    instead of the host library.
 
-    ``announce`` is given the name of the port once the rig is ready for clients; they come and
-    go, one at a time, until the process is interrupted. Raises ``ConfigError``, ``DeviceError``.
+    ``announce`` gets the name of the port once the rig is ready; it then serves one client at a
+    time, until the process is interrupted. Raises ``ConfigError``, ``DeviceError``.
     """
     bench_data = read_yaml(bench_file)
     bench = parse_bench(bench_data, str(bench_file))
@@ -89,14 +91,17 @@ def serve_rig(
     elif baud is None:
         rig = _emulated_rig(image, bench, physics, seed)
     else:
-        raise ConfigError("--baud is not for --emulate: the emulated UART has no baud rate")
+        raise ConfigError(
+            "--baud: the emulated UART has no baud rate", "Remove --baud or --emulate."
+        )
     try:
         line = open_line(address)
         try:
-            rig.read(0.0)  # compiles, before a client waits for it
-            share_s = _SHARE_OF_HEARTBEAT * bench.limits.heartbeat
+            rig.read(0.0)  # compiles before the first client
+            interval_s = _INTERVAL_OF_HEARTBEAT * bench.limits.heartbeat
             announce(line.name)
-            serve(rig, line, FlatOut(share_s) if flat_out else WallClock(), lambda: False)
+            pace = FullSpeed(interval_s) if full_speed else WallClock()
+            serve(rig, line, pace, lambda: False)
         finally:
             line.close()
     finally:
@@ -104,14 +109,14 @@ def serve_rig(
 
 
 def open_port(name: str, bench: Bench, physics: Plant | None, seed: int, baud: int | None) -> Port:
-    """Open the port of a name; ``sim`` is a virtual rig of ``bench`` with its own ``physics``."""
+    """Open a port by its name; ``sim`` is a virtual rig of ``bench``, with ``physics`` if given."""
     if name != "sim":
         return SerialPort(name, baud or BAUD)
     return _virtual_rig(bench, physics, seed, baud)
 
 
 def physics_of(bench_data: dict[str, Any], plant: Path | None) -> Plant | None:
-    """Read the file of another plant for the virtual rig, if one is named."""
+    """Read another plant's file for the virtual rig; None without a file."""
     if plant is None:
         return None
     physics = parse_plant(bench_data, read_yaml(plant), str(plant))
@@ -133,24 +138,24 @@ def check_effects(plant: Plant, file: Path) -> None:
 
 
 def check_sensors(bench: Bench, file: Path) -> None:
-    """Check that no sensor is at its converter's end in use. Raises ``ConfigError``."""
+    """Check that the converters cover the sensors' working ranges. Raises ``ConfigError``."""
     top = 2**bench.sensors.adc.bits - 1
     for key, si, channel, sensor, unit in (
         ("limits.travel_max", bench.limits.travel_max, "x", "position", "mm"),
         ("supply.pressure", bench.supply.pressure, "p_s", "pressure", "bar"),
     ):
         gain, offset = sensor_gains(bench.sensors)[channel]
-        most = gain * top + offset
-        if si >= most:
+        largest = gain * top + offset
+        if si >= largest:
             raise ConfigError(
-                f"{file}: {key} = {from_si(si, unit):.6g} {unit} is beyond what its sensor shows, "
-                f"{from_si(most, unit):.4g} {unit}",
-                f"Give sensors.{sensor} the span and the amplifier of yours.",
+                f"{file}: {key} = {from_si(si, unit):.6g} {unit}; limit of its sensor "
+                f"{from_si(largest, unit):.4g} {unit}",
+                f"Set sensors.{sensor} to the span and the amplifier of your sensor.",
             )
 
 
 def _virtual_rig(bench: Bench, physics: Plant | None, seed: int, baud: int | None) -> Port:
-    from hbench.rig.virtual import VirtualRig  # compiles; only who simulates waits for it
+    from hbench.rig.virtual import VirtualRig  # slow import: it compiles
 
     return VirtualRig(bench, physics, seed, baud or 0)
 

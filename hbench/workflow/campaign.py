@@ -1,4 +1,4 @@
-"""From a schedule to a campaign: checked, estimated, measured; or imported."""
+"""From a schedule to a campaign: check, estimate, measurement; and import of other logs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ from hbench.protocol.dictionary import RECORD
 from hbench.records import RunPlan
 from hbench.rig.client import BoardClient
 from hbench.store.campaign.folder import CampaignWriter, load_campaign
-from hbench.store.campaign.lock_file import only_host
+from hbench.store.campaign.lock_file import campaign_lock
 from hbench.store.importing.importer import ImportSummary, import_folder
 from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.live import published
@@ -35,32 +35,32 @@ from hbench.workflow.live import published
 
 @dataclass(frozen=True)
 class Experiment:
-    """A checked schedule with its bench, as read and as written."""
+    """A checked schedule with its bench, and the contents of their files."""
 
     schedule: Schedule
     bench: Bench
-    plan: Plan  # before anything is measured
+    plan: Plan  # before the first measurement
     files: dict[str, dict[str, Any]]  # bench, schedule: {file, content}
 
     @property
     def plans(self) -> tuple[RunPlan, ...]:
-        """All runs; with adaptive velocities the most that there can be."""
+        """All runs; with adaptive velocities, the largest possible number."""
         return self.plan.runs + self.plan.undecided
 
 
 @dataclass(frozen=True)
-class Estimate:
-    """What a schedule will take."""
+class ScheduleEstimate:
+    """Runs, time and log size of a schedule."""
 
     runs: int
     seconds: float  # on the bench
     bytes: int  # of raw logs
-    at_most: bool  # adaptive velocities: how many runs it takes shows while they are made
+    at_most: bool  # upper limits, since the measurement determines adaptive velocities
 
 
 @dataclass(frozen=True)
-class Measured:
-    """What ``measure`` did."""
+class MeasurementSummary:
+    """Number of runs made by ``measure``, and the time they took."""
 
     runs: int
     seconds: float  # on the bench's clock
@@ -73,12 +73,14 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
     check_kinds(schedule, str(schedule_file))
     if bench_file is None:
         if schedule.bench is None:
-            raise ConfigError(f"{schedule_file}: names no bench", "Add 'bench: FILE' or --bench.")
+            raise ConfigError(
+                f"{schedule_file}: key 'bench' is missing", "Add 'bench: FILE', or give --bench."
+            )
         bench_file = schedule_file.parent / schedule.bench
         if not bench_file.exists():
             raise ConfigError(
-                f"{schedule_file}: bench = {schedule.bench!r}: there is no {bench_file}",
-                "It is looked for from the schedule's folder; or give --bench FILE.",
+                f"{schedule_file}: bench = {schedule.bench!r}: {bench_file} does not exist",
+                "Give the path from the schedule's folder, or give --bench FILE.",
             )
     bench_data = read_yaml(bench_file)
     bench = parse_bench(bench_data, str(bench_file))
@@ -95,12 +97,12 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
     )
 
 
-def estimate(experiment: Experiment) -> Estimate:
+def estimate(experiment: Experiment) -> ScheduleEstimate:
     """Return the runs, the time on the bench and the size of the raw logs."""
     plans, rate = experiment.plans, experiment.bench.controllers.log_rate
     words = sum(plan.motion.duration_s for plan in plans if plan.motion) * rate * len(RECORD)
     seconds = sum(run_seconds(plans, experiment.bench).values())
-    return Estimate(len(plans), seconds, round(5 * words), bool(experiment.plan.undecided))
+    return ScheduleEstimate(len(plans), seconds, round(5 * words), bool(experiment.plan.undecided))
 
 
 def measure(
@@ -116,20 +118,22 @@ def measure(
     baud: int | None = None,
     take_over: bool = False,
     retry: int = 0,
-) -> Measured:
+) -> MeasurementSummary:
     """Make the runs on ``port`` and journal them in the campaign ``folder``.
 
-    A board that still runs, or that has stopped itself, is taken over only with ``take_over`` or
-    ``resume``. ``baud`` is the line's rate: by default 115200, and on the virtual rig octets take
-    no time. ``plant`` is the file of another plant for the virtual rig; the campaign keeps only its
-    hash. A run that is rejected as it ends is made again at once, up to ``retry`` times. While it
-    lasts, the folder's ``live.json`` tells ``watch`` what ``report`` is told.
+    A board that still runs, or has a latched fault, is taken over only with ``take_over`` or
+    ``resume``. ``baud`` is the line's rate: by default 115200; on the virtual rig octets then take
+    no time. ``plant`` is the file of another plant for the virtual rig; the campaign stores only
+    its checksum. A run that is rejected as it ends is repeated at once, up to ``retry`` times.
+    During the measurement, the folder's ``live.json`` contains the state given to ``report``.
     Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """
     if plant is not None and port != "sim":
-        raise ConfigError("--plant is for the virtual rig, and --port is not 'sim'")
+        raise ConfigError(
+            f"--plant: applies to the virtual rig only; --port is {port!r}", "Remove --plant."
+        )
     bench = experiment.bench
-    with only_host(folder):
+    with campaign_lock(folder):
         campaign = load_campaign(folder) if resume else None
         physics = physics_of(experiment.files["bench"]["content"], plant)
         on_board = bench
@@ -141,11 +145,11 @@ def measure(
         try:
             client = BoardClient(line)
             identity = client.identify()
-            bring_to_rest(client, resume or take_over)  # before there is a folder
+            bring_to_rest(client, resume or take_over)  # before the folder is created
             header = campaign_header(
                 experiment.schedule.name, experiment.files, identity, bench, port, clock()
             )
-            if port == "sim":  # a rig that is served elsewhere keeps its seed and plant to itself
+            if port == "sim":  # the seed of a rig served by another process is not known
                 header["seed"] = seed
             if plant is not None:
                 header["plant"] = {"sha256": file_sha256(plant)}
@@ -156,11 +160,11 @@ def measure(
             else:
                 journal = CampaignWriter.create(folder, header)
                 done = set()
-            start, made = line.now(), 0
+            start, runs_made = line.now(), 0
             rules = experiment.schedule.screening
             about = {key: str(header[key]) for key in ("name", "source")}
-            with published(folder, report, about) as told:
-                whole = WholeCampaign(told, bench, (*experiment.plans, *done))
+            with published(folder, report, about) as publish:
+                whole = WholeCampaign(publish, bench, (*experiment.plans, *done))
                 for part in plan_parts(experiment.plan, experiment.schedule, bench, folder, done):
                     run_campaign(
                         part.runs,
@@ -168,13 +172,13 @@ def measure(
                         client,
                         journal,
                         clock,
-                        whole.part(part, len(done) + made),
-                        resume=resume and not made,
+                        whole.part(part, len(done) + runs_made),
+                        resume=resume and not runs_made,
                         judge=lambda raw: screen(calibrate(raw, bench), rules),
                         retry=retry,
                     )
-                    made += len(part.runs)
-            return Measured(made, line.now() - start)
+                    runs_made += len(part.runs)
+            return MeasurementSummary(runs_made, line.now() - start)
         finally:
             line.close()
 
@@ -182,5 +186,5 @@ def measure(
 def import_runs(
     source: Path, folder: Path, map_file: Path | None, clock: Callable[[], datetime]
 ) -> ImportSummary:
-    """Bring another bench's logs in as a campaign. Raises ``ConfigError``, ``DataError``."""
+    """Import another bench's logs as a campaign. Raises ``ConfigError``, ``DataError``."""
     return import_folder(source, folder, map_file, software(), clock())

@@ -1,4 +1,4 @@
-"""The diagnosis of a campaign, with a model of its bench that makes the same runs."""
+"""Diagnosis of a campaign against a closed-loop simulation of the same runs."""
 
 from collections.abc import Callable
 from functools import partial
@@ -18,7 +18,7 @@ from hbench.workflow.board import physics_of
 def diagnosed(
     campaign: Campaign, bench: Bench, model_file: Path, report: Callable[[int, int], None]
 ) -> Diagnosis:
-    """Diagnose a campaign of hbench's own rig or bench. Raises ``ConfigError``, ``DataError``."""
+    """Diagnose a campaign measured with hbench. Raises ``ConfigError``, ``DataError``."""
     content = campaign.header["bench"]["content"]
     plant = physics_of(content, model_file) or bench
     runs = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())

@@ -1,4 +1,4 @@
-"""Two campaigns side by side."""
+"""Comparison of two campaigns."""
 
 from pathlib import Path
 
@@ -14,14 +14,14 @@ from hbench.workflow.results import derive
 
 
 def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> CampaignDifferences:
-    """Compare two campaigns, B less A.
+    """Compare two campaigns; differences are B minus A.
 
-    ``same_instruments``: their errors are the same in both; by default where both were measured on
-    benches of the same name and kind with the same instruments. Raises ``DataError``.
+    ``same_instruments`` means equal instrument errors in both campaigns; by default it is True for
+    benches of the same name and kind with equal instruments. Raises ``DataError``.
     """
-    ours, theirs = load_campaign(a), load_campaign(b)
-    of_a, of_b = derive(ours), derive(theirs)
-    bench_a, bench_b = ours.bench(), theirs.bench()
+    campaign_a, campaign_b = load_campaign(a), load_campaign(b)
+    results_a, results_b = derive(campaign_a), derive(campaign_b)
+    bench_a, bench_b = campaign_a.bench(), campaign_b.bench()
     instruments = (
         None if bench_a is None else bench_a.instruments,
         None if bench_b is None else bench_b.instruments,
@@ -32,28 +32,28 @@ def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> Campai
             and bench_b is not None
             and bench_a.name == bench_b.name
             and bench_a.instruments == bench_b.instruments
-            and of_a.provenance.source == of_b.provenance.source
+            and results_a.provenance.source == results_b.provenance.source
         )
-    curves, notes = differences(of_a, of_b, instruments, same_instruments)
+    curves, notes = differences(results_a, results_b, instruments, same_instruments)
     if not curves:
         raise DataError(
-            f"{a} and {b} have no curves in common: {'; '.join(notes) or 'neither has any'}",
-            "Curves belong together by kind, direction, load and rod-side pressure.",
+            f"{a} and {b} have no curves in common: {'; '.join(notes) or 'neither has curves'}",
+            "Measure both at the same kind, direction, load and rod-side pressure.",
         )
     return CampaignDifferences(
         (a.resolve().name, b.resolve().name),
-        of_a.provenance,
-        of_b.provenance,
+        results_a.provenance,
+        results_b.provenance,
         same_instruments,
         curves,
         notes,
     )
 
 
-def write_comparison(folder: Path, found: CampaignDifferences) -> None:
+def write_comparison(folder: Path, comparison: CampaignDifferences) -> None:
     """Write a comparison's page, its figures and comparison.json."""
-    drawings = draw_differences(found)
+    drawings = draw_differences(comparison)
     files = figure_files(drawings)
-    files["comparison.json"] = differences_json(found).encode()
-    files["comparison.html"] = differences_page(found, drawings).encode()
+    files["comparison.json"] = differences_json(comparison).encode()
+    files["comparison.html"] = differences_page(comparison, drawings).encode()
     write_files(folder, files)

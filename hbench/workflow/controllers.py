@@ -1,4 +1,4 @@
-"""The controllers of a bench, judged and proposed."""
+"""Analysis of a bench's controllers, and proposal of gains."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -24,14 +24,14 @@ def design(
     ratio: float | None,
     report: Callable[[Progress], None],
 ) -> Design:
-    """Judge the controllers of a bench at an operating point, and propose others.
+    """Analyze the controllers of a bench at an operating point, and propose gains.
 
-    ``point`` may give v_m_s, f_load_n, x_m and p_lr_pa; the rest is the middle of the bench's
-    range. With ``source`` the source's numbers are compared, and without a ``point`` its own
-    operating point is taken. With ``ratio``, of neighbouring bandwidths, gains are proposed, and
-    checked with the firmware. Raises ``ConfigError``, ``ConvergenceError``.
+    ``point`` may contain v_m_s, f_load_n, x_m and p_lr_pa; missing values are the middle of the
+    bench's range. With ``source`` the source's numbers are compared; without a ``point``, its
+    operating point is taken. ``ratio`` is that of neighbouring bandwidths; with it, gains are
+    proposed and checked with the firmware. Raises ``ConfigError``, ``ConvergenceError``.
     """
-    from hbench.control.grid import operating_point  # scipy.signal; only who designs waits for it
+    from hbench.control.grid import operating_point  # slow import: scipy.signal
     from hbench.control.loops import design_at
     from hbench.experiment.design_verification import proposal
     from hbench.studies.source_design import POINT, reproduce
@@ -40,7 +40,7 @@ def design(
     control, par = bench.controllers, plant_parameters(bench)
     loops = control.velocity, control.rod_pressure, control.piston_pressure
     nominal = operating_point(bench, par, point)
-    found = design_at(
+    present = design_at(
         bench.name,
         par,
         POINT if source and not point else nominal,
@@ -49,14 +49,14 @@ def design(
         reproduce(par) if source else (),
     )
     if ratio is None:
-        return found
-    return replace(found, proposal=proposal(bench, ratio, nominal, report))
+        return present
+    return replace(present, proposal=proposal(bench, ratio, nominal, report))
 
 
-def write_design(folder: Path, found: Design) -> None:
+def write_design(folder: Path, design: Design) -> None:
     """Write a design's figures, its numbers as JSON and its page."""
-    drawings = draw_design(found)
+    drawings = draw_design(design)
     files = figure_files(drawings)
-    files["design.json"] = design_json(found).encode()
-    files["design.html"] = design_page(found, drawings).encode()
+    files["design.json"] = design_json(design).encode()
+    files["design.html"] = design_page(design, drawings).encode()
     write_files(folder, files)

@@ -1,4 +1,4 @@
-"""A campaign's runs and curves for other programs."""
+"""Export of a campaign's runs and curves for other programs."""
 
 from pathlib import Path
 
@@ -11,9 +11,9 @@ from hbench.workflow.results import derive, screened_runs
 
 
 def export(folder: Path, destination: Path, kind: str) -> int:
-    """Write a campaign's runs in SI, or its curves for Modelica; return how many files.
+    """Write a campaign's runs in SI, or its curves for Modelica; return the number of files.
 
-    Every run is there, with the reason if it was rejected. Raises ``ConfigError``, ``DataError``.
+    All runs are exported, rejected ones with the reason. Raises ``ConfigError``, ``DataError``.
     """
     campaign = load_campaign(folder)
     if kind == "modelica":
@@ -21,9 +21,8 @@ def export(folder: Path, destination: Path, kind: str) -> int:
         return 1
     if kind == "mat":
         results = derive(campaign)
-        found = mat_curves(results.curves, results.joint_fits)
-        write_atomic(destination / "curves.mat", found)
-    runs = ((one.run, "; ".join(one.reasons)) for one in screened_runs(campaign))
+        write_atomic(destination / "curves.mat", mat_curves(results.curves, results.joint_fits))
+    runs = ((screened.run, "; ".join(screened.reasons)) for screened in screened_runs(campaign))
     bench = (campaign.header.get("bench") or {}).get("content")
     count = int(kind == "mat")
     for name, data in FORMATS[kind](runs, bench):

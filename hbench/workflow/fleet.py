@@ -1,41 +1,39 @@
-"""Many campaigns to one table and one page, on the cores of this machine or on a cluster."""
+"""Analysis of many campaigns to one table and one page, on this machine's cores or a cluster."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
+from urllib.parse import quote
 
 from hbench import __version__
 from hbench.analysis.summary.fleet_numbers import fleet_numbers
 from hbench.analysis.summary.headline import at_working_speed, planned_speed_m_s
 from hbench.errors import DataError, DeviceError, HbenchError
-from hbench.parallel.process_pool import on_all_cores, whatever_dies
+from hbench.parallel.process_pool import map_on_cores, retry_alone
 from hbench.records import Fleet, FleetRow
 from hbench.report.fleet.row import fleet_row
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.files.array_tables import require_pyarrow
 from hbench.store.fleet.rows import FleetRows
-from hbench.store.fleet.table import TABLE, cells_of, write_table
+from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from hbench.untrusted_text import printable
 from hbench.workflow.results import derive
 
-_DIED = (
-    "the process that analyzed it died, alone with it too: killed, or out of memory; tried again "
-    "by the next call"
-)
+_DIED = "its analysis killed the process twice (out of memory?); the next call analyzes it again"
 
 
-class Task(NamedTuple):
-    """A campaign to be analyzed, by its absolute path."""
+class FleetTask(NamedTuple):
+    """A campaign to analyze, by its absolute path."""
 
     path: str
     speed_m_s: float | None
 
 
-class Analyzed(NamedTuple):
-    """What a worker tells of a campaign. It is done again when its fingerprint is another."""
+class AnalyzedCampaign(NamedTuple):
+    """A worker's result for a campaign, valid as long as the fingerprint is the same."""
 
     path: str
     fingerprint: str
@@ -44,43 +42,53 @@ class Analyzed(NamedTuple):
 
 
 def analyze_fleet(
-    places: Iterable[str],
+    patterns: Iterable[str],
     folder: Path,
     *,
     scheduler: str | None,
     speed_m_s: float | None,
     report: Callable[[int, int, int], None],
-    tell: Callable[[str], None],
+    note: Callable[[str], None],
 ) -> Fleet:
-    """Analyze all campaigns in ``places`` to a table in ``folder``, and return what it shows.
+    """Analyze all campaigns of ``patterns`` to a table in ``folder``, and return its summary.
 
-    ``places`` are folders that hold campaigns to any depth, campaigns, and patterns. What an
-    earlier call has done stays, unless the campaign has changed since. A campaign that can't be
-    analyzed is a row with the reason. ``scheduler`` is the address of a Dask scheduler, by default
-    the cores of this machine do the work. ``report`` is given how many campaigns are done by this
-    call, of how many, and how many of them have failed. Raises ``ConfigError``,
-    ``DataError``, ``DeviceError``.
+    ``patterns`` are campaigns, folders that contain campaigns to any depth, and glob patterns. Rows
+    of an earlier call are kept unless the campaign has changed since. A campaign that can't be
+    analyzed is a row with the reason. ``scheduler`` is the address of a Dask scheduler; by default
+    this machine's cores do the work. ``report`` gets the numbers of campaigns analyzed by this
+    call, to analyze, and failed. Raises ``ConfigError``, ``DataError``, ``DeviceError``.
     """
-    from hbench.workflow.fleet_summary import summarize  # only once all is done
+    from hbench.analysis.comparison.fleet_summary import summarize  # needed at the end only
 
     require_pyarrow()
     with FleetRows(folder) as rows:
-        rows.found(_found(rows, places, speed_m_s, tell))
-        found, done, _ = rows.counts()
-        if not found:
+        rows.register(_campaigns(rows, patterns, speed_m_s, note))
+        total, done, _ = rows.counts()
+        if not total:
             raise DataError(
-                "no campaign in any of the places", "A campaign's folder holds campaign.yaml."
+                "no campaign found", "Give folders that contain campaigns (campaign.yaml)."
             )
         if done:
-            tell(f"{done} of {found} campaigns are done already and unchanged")
-        if done < found:
-            _do(rows, found - done, scheduler, speed_m_s, report, tell)
+            note(f"{done} of {total} campaigns are unchanged since their analysis")
+        if done < total:
+            _analyze_missing(rows, total - done, scheduler, speed_m_s, report, note)
         write_table(folder / TABLE, rows.cells())
-        rows.forget_others()
-    return summarize(folder)
+        rows.remove_others()
+    return summarize(FleetTable(folder / TABLE), partial(report_link, folder.resolve()))
 
 
-def write_fleet(folder: Path, found: Fleet) -> None:
+def report_link(folder: Path, campaign: str) -> str:
+    """Return the link from a page in ``folder`` to a campaign's report; empty if there is none."""
+    report = Path(campaign) / "results" / "report.html"
+    if not os.path.isfile(report):
+        return ""
+    try:
+        return quote(Path(os.path.relpath(report, folder)).as_posix())
+    except ValueError:  # another drive
+        return ""
+
+
+def write_fleet(folder: Path, fleet: Fleet) -> None:
     """Write a fleet's page, its figures and fleet.json."""
     from hbench.report.fleet.figures import draw_fleet
     from hbench.report.fleet.page import fleet_page
@@ -88,26 +96,26 @@ def write_fleet(folder: Path, found: Fleet) -> None:
     from hbench.report.render.figures import figure_files
     from hbench.store.files.atomic import write_files
 
-    drawings = draw_fleet(found)
+    drawings = draw_fleet(fleet)
     files = figure_files(drawings)
-    files["fleet.json"] = fleet_json(found).encode()
-    files["fleet.html"] = fleet_page(found, drawings).encode()
+    files["fleet.json"] = fleet_json(fleet).encode()
+    files["fleet.html"] = fleet_page(fleet, drawings).encode()
     write_files(folder, files)
 
 
-def analyzed(task: Task) -> Analyzed:
-    """Analyze a campaign; whatever goes wrong with it is its row's reason."""
-    before = fingerprint(task.path, _made_by(task.speed_m_s))
+def analyzed(task: FleetTask) -> AnalyzedCampaign:
+    """Analyze a campaign; an error becomes the reason in its row."""
+    before = fingerprint(task.path, _settings(task.speed_m_s))
     try:
         row = _row(task)
     except HbenchError as error:
-        row = FleetRow(task.path, failed=_inside(task.path, error.message))
-    except Exception as error:  # of a campaign that nobody thought of; the others go on
+        row = FleetRow(task.path, failed=_without_path(task.path, error.message))
+    except Exception as error:  # one campaign's bug must not end the others' analysis
         row = FleetRow(task.path, failed=f"a bug in hbench: {type(error).__name__}: {error}")
-    return Analyzed(task.path, before, __version__, row)
+    return AnalyzedCampaign(task.path, before, __version__, row)
 
 
-def _row(task: Task) -> FleetRow:
+def _row(task: FleetTask) -> FleetRow:
     """Return a campaign's row, at the planned working speed if none is asked for.
 
     The planned speed does not depend on which runs were rejected.
@@ -118,57 +126,58 @@ def _row(task: Task) -> FleetRow:
     return fleet_row(task.path, results, fleet_numbers(results))
 
 
-def _inside(folder: str, words: str) -> str:
-    """Leave out of a message where the campaign lies, which its row tells."""
-    return printable(words.replace(folder + os.sep, "").removeprefix(f"{folder}: "))
+def _without_path(folder: str, message: str) -> str:
+    """Remove the campaign's path, which has its own column, from a message."""
+    return printable(message.replace(folder + os.sep, "").removeprefix(f"{folder}: "))
 
 
-def _lost(task: Task) -> Analyzed:
-    return Analyzed(task.path, "", __version__, FleetRow(task.path, failed=_DIED))
+def _lost(task: FleetTask) -> AnalyzedCampaign:
+    return AnalyzedCampaign(task.path, "", __version__, FleetRow(task.path, failed=_DIED))
 
 
-def _found(
-    rows: FleetRows, places: Iterable[str], speed_m_s: float | None, tell: Callable[[str], None]
+def _campaigns(
+    rows: FleetRows, patterns: Iterable[str], speed_m_s: float | None, note: Callable[[str], None]
 ) -> Iterator[tuple[str, bool]]:
-    made_by = _made_by(speed_m_s)
-    for path in find_campaigns(places, tell):
-        known = rows.known(path)
-        yield path, bool(known) and known == fingerprint(path, made_by)
+    settings = _settings(speed_m_s)
+    for path in find_campaigns(patterns, note):
+        stored = rows.fingerprint(path)
+        yield path, bool(stored) and stored == fingerprint(path, settings)
 
 
-def _made_by(speed_m_s: float | None) -> str:
+def _settings(speed_m_s: float | None) -> str:
     return f"{__version__} {speed_m_s}"
 
 
-def _do(
+def _analyze_missing(
     rows: FleetRows,
     to_do: int,
     scheduler: str | None,
     speed_m_s: float | None,
     report: Callable[[int, int, int], None],
-    tell: Callable[[str], None],
+    note: Callable[[str], None],
 ) -> None:
-    tasks = (Task(path, speed_m_s) for path in rows.missing())
+    tasks = (FleetTask(path, speed_m_s) for path in rows.missing())
     failed = 0
-    for done, one in enumerate(_all(tasks, scheduler, tell), start=1):
-        if one.hbench != __version__:
+    for done, result in enumerate(_analyzed_campaigns(tasks, scheduler, note), start=1):
+        if result.hbench != __version__:
             raise DeviceError(
-                f"{scheduler}: a worker runs hbench {one.hbench}; here it is {__version__}",
-                "Install the same on each worker.",
+                f"{scheduler}: a worker runs hbench {result.hbench}; this machine {__version__}",
+                "Install the same version on each worker.",
             )
-        rows.keep(one.path, one.fingerprint, bool(one.row.failed), cells_of(one.row))
-        failed += bool(one.row.failed)
+        row_failed = bool(result.row.failed)
+        rows.keep(result.path, result.fingerprint, row_failed, cells_of(result.row))
+        failed += row_failed
         report(done, to_do, failed)
 
 
-def _all(
-    tasks: Iterator[Task], scheduler: str | None, tell: Callable[[str], None]
-) -> Iterator[Analyzed]:
+def _analyzed_campaigns(
+    tasks: Iterator[FleetTask], scheduler: str | None, note: Callable[[str], None]
+) -> Iterator[AnalyzedCampaign]:
     if scheduler is None:
-        yield from whatever_dies(partial(on_all_cores, analyzed), tasks, _lost)
+        yield from retry_alone(partial(map_on_cores, analyzed), tasks, _lost)
         return
-    from hbench.parallel.dask_cluster import connected, on_cluster
+    from hbench.parallel.dask_cluster import connected, map_on_cluster
 
     with connected(scheduler) as client:
-        run = partial(on_cluster, client, analyzed, tell=tell)
-        yield from whatever_dies(run, tasks, _lost)
+        run = partial(map_on_cluster, client, analyzed, note=note)
+        yield from retry_alone(run, tasks, _lost)

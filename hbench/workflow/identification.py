@@ -1,4 +1,4 @@
-"""Friction laws from a campaign, verified in a model of its bench."""
+"""Identification of friction laws from a campaign, verified in a model of its bench."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -16,22 +16,20 @@ from hbench.store.campaign.folder import ADD_A_BENCH, Campaign, load_campaign
 from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
-_ADD = "configs/dynamics.yaml has all that is needed; `hbench init DIR` writes it."
+_ADD = "Measure the schedule configs/dynamics.yaml, which `hbench init DIR` writes."
 _NOTES = (
-    "The load cylinder's friction is not identified: the model keeps the bench file's.",
-    "The models have no scatter from stroke to stroke and no noise of the sensors.",
+    "The load cylinder's friction is not identified: the model uses the bench file's.",
+    "The models have no scatter from stroke to stroke and no sensor noise.",
 )
 
 
 def identify(folder: Path, report: Callable[[Progress], None]) -> Identification:
     """Identify the test cylinder's friction laws, and verify each on the verification runs.
 
-    Verification runs take no part in the identification. Raises ``DataError``.
+    Verification runs are not used for identification. Raises ``DataError``.
     """
     from hbench.analysis.curves.ramp_fits import compare_fits
-    from hbench.analysis.identification.identify import (
-        identify_laws,  # these compile; only who identifies waits
-    )
+    from hbench.analysis.identification.identify import identify_laws  # slow import: it compiles
     from hbench.analysis.identification.verification import trial_scatter
     from hbench.experiment.law_verification import VerifiedLaws, verify_laws
 
@@ -39,14 +37,13 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     bench = campaign.bench()
     if bench is None:
         raise DataError(
-            f"{folder}: tells no bench, whose moving mass and physics identification needs",
-            ADD_A_BENCH,
+            f"{folder}: contains no bench; identification needs its moving mass", ADD_A_BENCH
         )
     results = derive(campaign)
     usable, left_out = usable_runs(results.runs, bench.moving_mass.test)
     steady = [curve for curve in results.curves if identification_use(curve) == "steady_curve"]
-    along = [motion for run, motion in usable if identification_use(run.plan) == "motion"]
-    laws = identify_laws(steady, along)
+    motions = [motion for run, motion in usable if identification_use(run.plan) == "motion"]
+    laws = identify_laws(steady, motions)
     if not any(law.fit for law in laws):
         reasons = "; ".join(f"{law.law}: {law.reason}" for law in laws)
         raise DataError(f"{folder}: no friction law can be identified. {reasons}", _ADD)
@@ -72,28 +69,28 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     )
 
 
-def write_identification(folder: Path, found: Identification) -> None:
+def write_identification(folder: Path, identification: Identification) -> None:
     """Write the page, its figures, the numbers as JSON and a plant file for each law."""
-    drawings = draw_identification(found)
+    drawings = draw_identification(identification)
     files = figure_files(drawings)
-    for law in found.laws:
+    for law in identification.laws:
         if law.fit is not None:
-            files[f"{law.law}.yaml"] = overlay_yaml(found, law, law.fit).encode()
-    files["identification.json"] = identification_json(found).encode()
-    files["identification.html"] = identification_page(found, drawings).encode()
+            files[f"{law.law}.yaml"] = overlay_yaml(identification, law, law.fit).encode()
+    files["identification.json"] = identification_json(identification).encode()
+    files["identification.html"] = identification_page(identification, drawings).encode()
     write_files(folder, files)
 
 
 def _not_verified(measured: Sequence[Run]) -> str:
     if not measured:
         return (
-            "nothing verified these laws: the campaign has no usable run of kind 'verification'. "
+            "these laws are not verified: the campaign has no usable run of kind 'verification'. "
             "Add the experiment of that kind from configs/dynamics.yaml to the schedule"
         )
     if any(run.plan.motion is None or run.v_ref_m_s is None for run in measured):
         return (
-            "nothing verified these laws: the campaign does not tell the profile that its "
-            "verification runs followed (imported logs don't)"
+            "these laws are not verified: the campaign does not contain the reference profile of "
+            "its verification runs (imported logs have none)"
         )
     return ""
 

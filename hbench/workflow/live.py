@@ -1,4 +1,4 @@
-"""A campaign that is being made, told to others while it lasts."""
+"""Publication of the state of a running measurement."""
 
 import math
 import time
@@ -15,9 +15,9 @@ EVERY_S = 0.5  # on the wall's clock
 
 @contextmanager
 def published(folder: Path, report: Report, about: Mapping[str, str]) -> Iterator[Report]:
-    """Give what ``report`` is told also to ``live.json`` in the campaign's folder, until the end.
+    """Write the state given to ``report`` also to ``live.json`` in the campaign's folder.
 
-    ``about`` goes along: name and source of the campaign.
+    ``about``, the campaign's name and source, is added. The file is removed at the end.
     """
     written_s = -math.inf
 
@@ -64,7 +64,7 @@ def _state(progress: Progress) -> dict[str, Any]:
 
 
 def _finite(value: Any) -> Any:
-    """Write what a board can't have measured as null."""
+    """Replace values that are not finite, which JSON can't express, by None."""
     if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
+        return {key: _finite(item) for key, item in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value

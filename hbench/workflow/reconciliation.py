@@ -1,4 +1,4 @@
-"""From a campaign and a model to where they disagree, and a model that disagrees less."""
+"""Reconciliation of a campaign with a model: diagnosis, and a revised model."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +15,7 @@ from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.stored_diagnosis import NAME
 from hbench.store.files.atomic import remove_files, write_files
 
-_ONCE = ("next.yaml", "gaps_by_run.csv")  # that not every diagnosis has
+_OPTIONAL = ("next.yaml", "gaps_by_run.csv")  # files of some diagnoses only
 
 
 def reconcile(
@@ -24,14 +24,14 @@ def reconcile(
     report: Callable[[int, int], None],
     series: str | None = None,
 ) -> Diagnosis:
-    """Find where a campaign and a model disagree, and which effect the model lacks.
+    """Find where a campaign and a model disagree, and which effect is missing in the model.
 
-    The model is a bench file, or a plant file that is laid over the campaign's bench. ``report`` is
-    told how many of how many simulations are done. No simulation can make an imported campaign's
-    motion: its steady strokes are compared, those of one ``series``, which must be told where there
-    are several. Raises ``ConfigError``, ``DataError``.
+    The model is a bench file, or a plant file applied to the campaign's bench. ``report`` gets the
+    numbers of finished and of all simulations. An imported campaign's motion can't be simulated;
+    the steady strokes of one ``series`` are compared instead, which must be specified if there are
+    several. Raises ``ConfigError``, ``DataError``.
     """
-    # Compiles; only who reconciles waits for it.
+    # Slow imports: they compile.
     from hbench.workflow import closed_loop_diagnosis
     from hbench.workflow.stroke_diagnosis import diagnosed_strokes
 
@@ -39,34 +39,34 @@ def reconcile(
     if campaign.imported:
         return diagnosed_strokes(campaign, model_file, series)
     if series is not None:
-        raise ConfigError(f"{folder}: has no series; only imported campaigns have")
+        raise ConfigError(f"--series: {folder} is not an imported campaign", "Remove --series.")
     bench = campaign.bench()
-    assert bench is not None  # only imported campaigns may lack one
+    assert bench is not None  # missing in imported campaigns only
     return closed_loop_diagnosis.diagnosed(campaign, bench, model_file, report)
 
 
-def write_diagnosis(folder: Path, found: Diagnosis) -> None:
+def write_diagnosis(folder: Path, diagnosis: Diagnosis) -> None:
     """Write the page, its figures, the numbers as JSON, the revised model and the next schedule.
 
-    What an earlier diagnosis left in ``folder`` goes: no schedule or figure stands beside a verdict
-    that is not its own.
+    Files of an earlier diagnosis in ``folder`` that this one does not have are removed.
     """
-    drawings = draw_diagnosis(found)
+    drawings = draw_diagnosis(diagnosis)
     files = figure_files(drawings)
-    files["model.yaml"] = revised_yaml(found).encode()
-    if found.next_schedule:
-        files["next.yaml"] = schedule_yaml(found).encode()
-    if found.gap_runs:
-        files["gaps_by_run.csv"] = run_gaps_csv(found).encode()
-    files["diagnosis.json"] = diagnosis_json(found).encode()
-    files["report.html"] = diagnosis_page(found, drawings).encode()
+    files["model.yaml"] = revised_yaml(diagnosis).encode()
+    if diagnosis.next_schedule:
+        files["next.yaml"] = schedule_yaml(diagnosis).encode()
+    if diagnosis.gap_runs:
+        files["gaps_by_run.csv"] = run_gaps_csv(diagnosis).encode()
+    files["diagnosis.json"] = diagnosis_json(diagnosis).encode()
+    files["report.html"] = diagnosis_page(diagnosis, drawings).encode()
     if (folder / NAME).is_file():
-        remove_files(folder, {*_ONCE, *_figures(folder)} - files.keys())
+        remove_files(folder, {*_OPTIONAL, *_figures(folder)} - files.keys())
     write_files(folder, files)
 
 
 def _figures(folder: Path) -> set[str]:
-    found = (
-        path for path in (folder / "figures").glob("*") if path.suffix in (".svg", ".png", ".csv")
-    )
-    return {f"figures/{path.name}" for path in found}
+    return {
+        f"figures/{path.name}"
+        for path in (folder / "figures").glob("*")
+        if path.suffix in (".svg", ".png", ".csv")
+    }

@@ -1,4 +1,4 @@
-"""Campaigns of many seeds on virtual rigs, on all cores of the machine."""
+"""Campaigns with many seeds on virtual rigs, on all cores of the machine."""
 
 from collections.abc import Callable, Sequence
 from datetime import datetime
@@ -6,10 +6,10 @@ from functools import partial
 from pathlib import Path
 
 from hbench.experiment.progress import Progress
-from hbench.parallel.process_pool import on_all_cores
+from hbench.parallel.process_pool import map_on_cores
 from hbench.store.campaign.folder import JOURNAL
 from hbench.workflow.board import open_port, physics_of
-from hbench.workflow.campaign import Experiment, Measured, measure
+from hbench.workflow.campaign import Experiment, MeasurementSummary, measure
 
 
 def measure_seeds(
@@ -23,27 +23,27 @@ def measure_seeds(
     report: Callable[[int], None],
     baud: int | None = None,
     retry: int = 0,
-) -> Measured:
-    """Make a campaign with each seed on a virtual rig of its own, in ``folder/SEED``.
+) -> MeasurementSummary:
+    """Measure a campaign with each seed on a virtual rig of its own, in ``folder/SEED``.
 
-    Each is what ``measure`` makes of its seed. With ``resume`` what is there stays, and what is
-    missing is made. ``report`` is given how many campaigns are done; ``clock`` must be picklable.
+    Each campaign equals that of ``measure`` with its seed. ``resume`` keeps existing runs and makes
+    missing ones. ``report`` gets the number of finished campaigns; ``clock`` must be picklable.
     Raises as ``measure`` does, from the first campaign that fails, which interrupts the others;
-    ``DeviceError`` where a process has died.
+    ``DeviceError`` if a process has died.
     """
     physics = physics_of(experiment.files["bench"]["content"], plant)
     rig = open_port("sim", experiment.bench, physics, seeds[0], baud)
-    rig.read(0.0)  # compiles, before each process would
+    rig.read(0.0)  # compiles once, instead of in each process
     rig.close()
-    make = partial(_make, experiment, folder, plant, resume, clock, baud, retry)
+    job = partial(_measure_seed, experiment, folder, plant, resume, clock, baud, retry)
     runs, seconds = 0, 0.0
-    for done, made in enumerate(on_all_cores(make, seeds), start=1):
-        runs, seconds = runs + made.runs, seconds + made.seconds
+    for done, summary in enumerate(map_on_cores(job, seeds), start=1):
+        runs, seconds = runs + summary.runs, seconds + summary.seconds
         report(done)
-    return Measured(runs, seconds)
+    return MeasurementSummary(runs, seconds)
 
 
-def _make(
+def _measure_seed(
     experiment: Experiment,
     folder: Path,
     plant: Path | None,
@@ -52,21 +52,21 @@ def _make(
     baud: int | None,
     retry: int,
     seed: int,
-) -> Measured:
-    own = folder / str(seed)
+) -> MeasurementSummary:
+    destination = folder / str(seed)
     return measure(
         experiment,
-        own,
+        destination,
         port="sim",
         plant=plant,
         seed=seed,
-        resume=resume and (own / JOURNAL).exists(),
+        resume=resume and (destination / JOURNAL).exists(),
         clock=clock,
-        report=_tell_nobody,
+        report=_ignore,
         baud=baud,
         retry=retry,
     )
 
 
-def _tell_nobody(progress: Progress) -> None:
+def _ignore(progress: Progress) -> None:
     pass

@@ -1,4 +1,4 @@
-"""The model alone: phenomena of friction and of the bench, and measured commands replayed."""
+"""Simulation of the model alone: phenomena of friction and bench, replay of measured commands."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -18,26 +18,28 @@ from hbench.workflow.board import physics_of
 
 
 def phenomena() -> tuple[str, ...]:
-    """Return the names of what ``simulate`` knows."""
+    """Return the names of the phenomena that ``simulate`` offers."""
     from hbench.studies.catalogue import PHENOMENA  # compiles
 
     return tuple(PHENOMENA)
 
 
 def simulate(name: str, bench_file: Path) -> Phenomenon:
-    """Simulate a phenomenon by its name, on a bench where it needs one.
+    """Simulate a phenomenon by its name, on a bench if it needs one.
 
     Raises ``ConfigError``.
     """
     from hbench.studies.catalogue import PHENOMENA
 
     if name not in PHENOMENA:
-        raise ConfigError(f"unknown phenomenon {name!r}", f"There are: {', '.join(PHENOMENA)}.")
+        raise ConfigError(
+            f"--phenomenon: unknown {name!r}", f"Choose one of: {', '.join(PHENOMENA)}."
+        )
     return PHENOMENA[name](read_yaml(bench_file))
 
 
 def write_phenomenon(folder: Path, phenomenon: Phenomenon) -> None:
-    """Write a phenomenon's page, its figures, and the data of each as CSV."""
+    """Write a phenomenon's page and figures, with each figure's data as CSV."""
     drawings = draw_phenomenon(phenomenon)
     page = phenomenon_page(phenomenon, drawings)
     files = figure_files(drawings) | {f"{phenomenon.name}.html": page.encode()}
@@ -47,7 +49,7 @@ def write_phenomenon(folder: Path, phenomenon: Phenomenon) -> None:
 def replay(folder: Path, model_file: Path) -> Replay:
     """Simulate a campaign's runs in open loop: a model under the measured valve commands.
 
-    The model is a bench file, or a plant file that is laid over the campaign's bench. Raises
+    The model is a bench file, or a plant file applied to the campaign's bench. Raises
     ``ConfigError``, ``DataError``.
     """
     from hbench.reconcile.measured.replay import replay_runs, signal_errors  # compiles
@@ -55,33 +57,33 @@ def replay(folder: Path, model_file: Path) -> Replay:
     campaign = load_campaign(folder)
     bench = campaign.bench()
     if bench is None:
-        raise DataError(f"{folder}: has no bench, which the model is laid over", ADD_A_BENCH)
+        raise DataError(f"{folder}: contains no bench, which the model needs", ADD_A_BENCH)
     content = campaign.header["bench"]["content"]
     plant = physics_of(content, model_file) or bench
     if campaign.imported:
         measured = tuple(campaign.runs())
     else:
         measured = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())
-    made, left_out = replay_runs(measured, bench, plant)
-    if not made:
+    simulated, left_out = replay_runs(measured, bench, plant)
+    if not simulated:
         raise DataError(f"{folder}: no run can be simulated: {'; '.join(left_out[:3])}")
-    off = signal_errors(measured, made)
+    off = signal_errors(measured, simulated)
     return Replay(
         provenance=campaign.provenance(),
         model=model_file.name,
         bench=content | {"name": f"{content['name']}, SIMULATED by {model_file.name}"},
-        runs=tuple(_labelled(run, f"SIMULATED by {model_file.name}") for run in made),
+        runs=tuple(_labelled(run, f"SIMULATED by {model_file.name}") for run in simulated),
         off=off,
         left_out=left_out,
     )
 
 
-def _labelled(run: Run, words: str) -> Run:
-    label = ", ".join(filter(None, (run.plan.label, words)))
+def _labelled(run: Run, addition: str) -> Run:
+    label = ", ".join(filter(None, (run.plan.label, addition)))
     return replace(run, plan=replace(run.plan, label=label))
 
 
-def write_replay(destination: Path, found: Replay) -> None:
+def write_replay(destination: Path, replay: Replay) -> None:
     """Write the runs as ``hbench export`` does, each labelled as simulated, and the numbers."""
-    files = dict(csv_files(((run, "") for run in found.runs), found.bench))
-    write_files(destination, files | {"replay.json": replay_json(found).encode()})
+    files = dict(csv_files(((run, "") for run in replay.runs), replay.bench))
+    write_files(destination, files | {"replay.json": replay_json(replay).encode()})

@@ -1,4 +1,4 @@
-"""Imported campaigns whose motion no simulation can make, reconciled by their steady strokes."""
+"""Diagnosis of imported campaigns, whose motion can't be simulated, by their steady strokes."""
 
 from collections import defaultdict
 from pathlib import Path
@@ -14,33 +14,35 @@ from hbench.workflow.results import screened_runs
 
 
 def diagnosed_strokes(campaign: Campaign, model_file: Path, series: str | None) -> Diagnosis:
-    """Diagnose the steady strokes of one ``series``, which must be told where there are several.
+    """Diagnose the steady strokes of a ``series``, which is optional if there is only one.
 
-    The model's file needs test_cylinder and friction.test alone. Raises ``ConfigError``,
+    The model's file needs only test_cylinder and friction.test. Raises ``ConfigError``,
     ``DataError``.
     """
     by_label: dict[str, list[ScreenedRun]] = defaultdict(list)
-    for one in screened_runs(campaign):
-        by_label[one.run.plan.label].append(one)
-    known = ", ".join(map(repr, by_label))
+    for screened in screened_runs(campaign):
+        by_label[screened.run.plan.label].append(screened)
+    labels = ", ".join(map(repr, by_label))
     if series is None and len(by_label) > 1:
         raise ConfigError(
-            f"{campaign.folder}: holds several series: {known}", "Choose one with --series."
+            f"{campaign.folder}: contains several series: {labels}", "Choose one with --series."
         )
-    asked = next(iter(by_label)) if series is None else series
-    if asked not in by_label:
-        raise ConfigError(f"{campaign.folder}: has no series {asked!r}; it has {known}")
+    chosen = next(iter(by_label)) if series is None else series
+    if chosen not in by_label:
+        raise ConfigError(
+            f"--series: {campaign.folder} contains no {chosen!r}", f"Choose one of: {labels}."
+        )
     bench = (campaign.header.get("bench") or {}).get("content")
     data = read_yaml(model_file)
     if bench:
         data = plant_sections(bench, data, str(model_file))
-    others = {label: runs for label, runs in by_label.items() if label != asked}
+    others = {label: runs for label, runs in by_label.items() if label != chosen}
     return diagnose_strokes(
         StrokeTask(
             provenance=campaign.provenance(),
             model=model_file.name,
             plant=parse_strokes(stroke_sections(data), str(model_file)),
             plant_data=data,
-            series={asked: by_label[asked], **others},
+            series={chosen: by_label[chosen], **others},
         )
     )

@@ -18,9 +18,10 @@ import pytest
 import yaml
 
 from hbench import workflow
+from hbench.analysis.comparison.fleet_summary import summarize
 from hbench.parallel import process_pool
 from hbench.records import QUANTITIES
-from hbench.workflow.fleet_summary import summarize
+from hbench.store.fleet.table import TABLE, FleetTable
 from tests.support.faults.loopback import Loopback
 from tests.support.report.made_fleet import MIDDLE, made_table
 
@@ -214,7 +215,7 @@ def _a_million(folder: Path, seen: Watched) -> None:
     made_table(folder / "rows", 30_000)
     table = (folder / "rows" / "fleet.parquet").stat().st_size / 30_000
     before, memory = time.perf_counter(), _rss_mb(os.getpid())
-    summarize(folder / "rows")
+    summarize(FleetTable(folder / "rows" / TABLE), str)
     took, more = time.perf_counter() - before, _rss_mb(os.getpid()) - memory
     print(f"a million, from this: {each * MILLION / 3600:.0f} h of one core; fleet.parquet "
           f"{table * MILLION / 1e6:.0f} MB with {2 * len(MIDDLE)} of its {2 * len(QUANTITIES)} "

@@ -188,9 +188,9 @@ def test_without_dask_it_says_what_to_install(line, tmp_path, monkeypatch):
 def test_a_worker_of_another_hbench_is_refused(line, tmp_path, monkeypatch):
     def other(*_, **__):
         row = workflow.fleet.FleetRow(str(tmp_path))
-        yield workflow.fleet.Analyzed(str(tmp_path), "", "0.0.9", row)
+        yield workflow.fleet.AnalyzedCampaign(str(tmp_path), "", "0.0.9", row)
 
-    monkeypatch.setattr(workflow.fleet, "on_all_cores", other)
+    monkeypatch.setattr(workflow.fleet, "map_on_cores", other)
     with pytest.raises(DeviceError, match=r"0\.0\.9"):
         analyze(line("a", "b", "c"), tmp_path / "out")
 

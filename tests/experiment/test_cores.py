@@ -35,7 +35,7 @@ main()
 INTERRUPTED_WHILE_STARTING = """
 import signal, threading, time
 from multiprocessing import util
-from hbench.parallel.process_pool import on_all_cores
+from hbench.parallel.process_pool import map_on_cores
 
 def start(path, arguments, descriptors):
     pid = plain_start(path, arguments, descriptors)
@@ -49,7 +49,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 another = threading.Thread(target=time.sleep, args=(60,), daemon=True)
 another.start()
 try:
-    list(on_all_cores(abs, range(3)))
+    list(map_on_cores(abs, range(3)))
 except KeyboardInterrupt:
     print("interrupted")
 """

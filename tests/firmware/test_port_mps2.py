@@ -316,7 +316,7 @@ def test_another_programs_image_is_a_device_error_and_its_emulator_ends(
     )
     options = ["-mcpu=cortex-m4", "-mthumb", "-nostdlib", "-Wl,--section-start=.vectors=0"]
     subprocess.run([require_tool("arm-none-eabi-gcc"), *options, source, "-o", image], check=True)
-    monkeypatch.setattr(emulator, "_PATIENCE_MS", 300)
+    monkeypatch.setattr(emulator, "_TIMEOUT_MS", 300)
     with pytest.raises(DeviceError, match=r"board\.elf:"):
         EmulatedFirmware(image)
     assert not emulators_of(image)

@@ -8,8 +8,7 @@ import pytest
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.text import fleet_json, fleet_text, verdict
-from hbench.workflow.fleet_summary import summarize
-from tests.support.report.made_fleet import made_table
+from tests.support.report.made_fleet import made_table, summary_of
 
 OFF = {17: 120.0, 60: -140.0, 150: 100.0}
 
@@ -22,7 +21,7 @@ def found(tmp_path_factory):
     report = folder / "line" / f"{name}0000017" / "results" / "report.html"
     report.parent.mkdir(parents=True)
     report.write_text("")
-    return summarize(folder)
+    return summary_of(folder)
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +84,7 @@ def test_figures_have_words_and_data_and_name_the_unit(found):
 
 
 def test_the_page_of_many_campaigns_is_no_larger_and_holds_no_row_each(tmp_path, page):
-    many = summarize(made_table(tmp_path, 20_000, drift_n=60.0, off=OFF))
+    many = summary_of(made_table(tmp_path, 20_000, drift_n=60.0, off=OFF))
     text = fleet_page(many, draw_fleet(many))
     assert len(text) < 1.3 * len(page)
     assert many.outliers == 3 and len(fleet_json(many)) < 300_000
@@ -93,7 +92,7 @@ def test_the_page_of_many_campaigns_is_no_larger_and_holds_no_row_each(tmp_path,
 
 
 def test_a_few_campaigns_are_shown_and_not_judged(tmp_path):
-    few = summarize(made_table(tmp_path, 4, off={2: 500.0}))
+    few = summary_of(made_table(tmp_path, 4, off={2: 500.0}))
     assert few.outliers == 0 and few.worst == () and few.judged == 4
     assert " of 4 " not in verdict(few)
     assert all(one.trend is None and len(one.blocks) == 4 for one in few.spreads)
@@ -101,7 +100,7 @@ def test_a_few_campaigns_are_shown_and_not_judged(tmp_path):
 
 
 def test_where_all_have_failed_the_page_says_why(tmp_path):
-    none = summarize(made_table(tmp_path, 3, failed=(0, 1, 2)))
+    none = summary_of(made_table(tmp_path, 3, failed=(0, 1, 2)))
     assert none.spreads == () and draw_fleet(none) == ()
     assert verdict(none) in fleet_page(none, ())
     assert "3 failed" in fleet_text(none)

@@ -14,10 +14,9 @@ from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
-from hbench.workflow.fleet_summary import summarize
 from tests.support.reconcile.made_diagnosis import named
 from tests.support.report.browser import Browser
-from tests.support.report.made_fleet import made_table
+from tests.support.report.made_fleet import made_table, summary_of
 from tests.support.report.made_page import page_html
 
 PAGES = ("campaign", "seals", "diagnosis", "phenomenon", "fleet")
@@ -52,7 +51,7 @@ def pages(small, seals, drawings, tmp_path_factory):
         "phenomenon": phenomenon_page(phenomenon, draw_phenomenon(phenomenon)),
     }
     folder = tmp_path_factory.mktemp("pages")
-    fleet = summarize(made_table(folder, 30, drift_n=90, off={7: 300.0}, failed=(3,), name=LONG))
+    fleet = summary_of(made_table(folder, 30, drift_n=90, off={7: 300.0}, failed=(3,), name=LONG))
     texts["fleet"] = fleet_page(fleet, draw_fleet(fleet))
     for name, text in texts.items():
         (folder / f"{name}.html").write_text(text)

@@ -7,20 +7,20 @@ import threading
 
 import pytest
 
-from hbench.parallel.forked import side_by_side
+from hbench.parallel.forked import map_forked
 
 IN_A_PROCESS_OF_ITS_OWN = """
 import os
-from hbench.parallel.forked import side_by_side
+from hbench.parallel.forked import map_forked
 
 def work(thing):
     return thing(), os.getpid()
 
-made = side_by_side(work, [lambda n=n: n * n for n in range(20)])  # no lambda can be pickled
+made = map_forked(work, [lambda n=n: n * n for n in range(20)])  # no lambda can be pickled
 assert [square for square, _ in made] == [n * n for n in range(20)]
 assert os.getpid() not in {pid for _, pid in made}
 try:
-    side_by_side(lambda thing: 1 / thing, [1, 0])
+    map_forked(lambda thing: 1 / thing, [1, 0])
 except ZeroDivisionError:
     print("told")
 """
@@ -39,7 +39,7 @@ def test_where_there_is_a_thread_nothing_is_forked():
     thread = threading.Thread(target=stop.wait)
     thread.start()
     try:
-        assert side_by_side(lambda _: os.getpid(), [1, 2, 3]) == [os.getpid()] * 3
+        assert map_forked(lambda _: os.getpid(), [1, 2, 3]) == [os.getpid()] * 3
     finally:
         stop.set()
         thread.join()

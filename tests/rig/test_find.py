@@ -13,7 +13,7 @@ from hbench.errors import DeviceError
 from hbench.protocol.codec import BY_NAME, pack
 from hbench.protocol.dictionary import REPLY, dictionary_hash
 from hbench.protocol.frames import Frame, Receiver, encode
-from hbench.rig.discovery import Listed, look, system_ports
+from hbench.rig.discovery import ListedPort, probe_ports, system_ports
 from hbench.rig.ports import PortBusy, SerialPort
 
 IDENTITY = {
@@ -72,7 +72,9 @@ def opener(name):
 
 @pytest.fixture
 def found():
-    return {f.port.name: f for f in look([Listed(n, f"port {n}") for n in "ABCDEF"], opener)}
+    return {
+        f.port.name: f for f in probe_ports([ListedPort(n, f"port {n}") for n in "ABCDEF"], opener)
+    }
 
 
 def test_each_port_gets_its_verdict(found):
@@ -88,7 +90,7 @@ def test_each_port_gets_its_verdict(found):
 def test_a_silent_port_costs_about_half_a_second_and_every_port_is_closed(found):
     assert all(device.closed for device in DEVICES.values())
     quiet = Device("B")
-    look([Listed("B", "")], lambda name: quiet)
+    probe_ports([ListedPort("B", "")], lambda name: quiet)
     assert quiet.now() == pytest.approx(0.5, abs=0.05)
 
 
@@ -96,7 +98,7 @@ def test_a_port_that_another_program_has_open_is_busy_and_stays_its():
     master, slave = pty.openpty()
     name = os.ttyname(slave)
     other = SerialPort(name)
-    (found,) = look([Listed(name, "")])
+    (found,) = probe_ports([ListedPort(name, "")])
     assert found.state == "busy"
     os.write(master, b"for the other")
     assert other.read(1.0) == b"for the other"
@@ -108,7 +110,7 @@ def test_a_port_that_another_program_has_open_is_busy_and_stays_its():
 def test_the_systems_ports_come_in_order_without_placeholder_descriptions(monkeypatch):
     ports = [list_ports_info("/dev/ttyUSB10", "FT232R"), list_ports_info("/dev/ttyUSB9", "n/a")]
     monkeypatch.setattr(list_ports, "comports", lambda: ports)
-    assert system_ports() == (Listed("/dev/ttyUSB9", ""), Listed("/dev/ttyUSB10", "FT232R"))
+    assert system_ports() == (ListedPort("/dev/ttyUSB9", ""), ListedPort("/dev/ttyUSB10", "FT232R"))
 
 
 def list_ports_info(device, description):
@@ -124,8 +126,10 @@ def command(monkeypatch):
     """Return a function that runs ``hbench ports`` where a board and a busy port are there."""
     from hbench.workflow import board
 
-    monkeypatch.setattr(board, "system_ports", lambda: [Listed("A", "probe"), Listed("E", "")])
-    monkeypatch.setattr(board, "look", lambda ports: look(ports, opener))
+    monkeypatch.setattr(
+        board, "system_ports", lambda: [ListedPort("A", "probe"), ListedPort("E", "")]
+    )
+    monkeypatch.setattr(board, "probe_ports", lambda ports: probe_ports(ports, opener))
 
     def run(*arguments):
         result = CliRunner().invoke(app, ["ports", *arguments])

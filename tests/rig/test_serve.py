@@ -18,7 +18,7 @@ from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient
 from hbench.rig.lines import SocketLine, open_line
 from hbench.rig.ports import SerialPort
-from hbench.rig.serve import FlatOut, WallClock, serve
+from hbench.rig.serve import FullSpeed, WallClock, serve
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign.folder import load_campaign
 
@@ -52,7 +52,7 @@ def served(experiment):
     def start(address=None, share_s=None):
         rig, line = VirtualRig(experiment.bench), open_line(address)
         rig.read(0.0)
-        pace = FlatOut(share_s) if share_s else WallClock()
+        pace = FullSpeed(share_s) if share_s else WallClock()
         threads.append(threading.Thread(target=serve, args=(rig, line, pace, stop.is_set)))
         threads[-1].start()
         ends.extend((line, rig))
@@ -203,15 +203,15 @@ def run(line, pace, looks):
 
 
 def test_flat_out_one_word_of_the_client_buys_one_share_and_silence_nothing():
-    assert run(ScriptedLine({3}), FlatOut(0.4), 200) == pytest.approx(0.4)
-    assert run(ScriptedLine(set()), FlatOut(0.4), 200) == 0.0
+    assert run(ScriptedLine({3}), FullSpeed(0.4), 200) == pytest.approx(0.4)
+    assert run(ScriptedLine(set()), FullSpeed(0.4), 200) == 0.0
     # the second word comes when 6 slices of 10 ms have run, and the share begins anew
-    assert run(ScriptedLine({1, 7}), FlatOut(0.4), 200) == pytest.approx(0.06 + 0.4)
+    assert run(ScriptedLine({1, 7}), FullSpeed(0.4), 200) == pytest.approx(0.06 + 0.4)
 
 
 def test_flat_out_waits_for_the_client_without_spinning():
     line = ScriptedLine({1})
-    run(line, FlatOut(0.4), 100)
+    run(line, FullSpeed(0.4), 100)
     waits = 1 + 100 - 1 - 40  # looks before and after the 40 slices of the share
     assert line.wall_s - 100.0 == pytest.approx(0.1 * waits)
 

@@ -1,4 +1,5 @@
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +69,7 @@ def test_run_without_stop_part_has_no_outcome(folder, writer, words, make_plan, 
     crashed = list(campaign.raw_runs())[1]
     assert crashed.outcome is None
     assert crashed.words.shape == (0, 3)
-    assert crashed.warnings == ("missing: runs/0002.dat is not there",)
+    assert [w.split()[:2] for w in crashed.warnings] == [["missing:", "runs/0002.dat"]]
     assert campaign.done == {"0001"}
 
 
@@ -120,7 +121,7 @@ def test_missing_log_of_a_done_run_is_told(folder, writer, words, make):
     (folder / "runs" / "0001.dat").unlink()
     raw = only(folder)
     assert (raw.outcome, raw.words.shape) == ("done", (0, 3))
-    assert raw.warnings == ("missing: runs/0001.dat is not there",)
+    assert [w.split()[:2] for w in raw.warnings] == [["missing:", "runs/0001.dat"]]
 
 
 def test_changed_log_is_told(folder, writer, words, make):
@@ -159,12 +160,12 @@ def test_raw_log_is_a_ccs_file_of_16_bit_words(folder, writer, words, make):
 
 
 def test_campaign_is_not_written_over(folder, writer, header):
-    with pytest.raises(ConfigError, match="holds a campaign already"):
+    with pytest.raises(ConfigError, match=re.escape(str(folder))):
         CampaignWriter.create(folder, header)
 
 
 def test_no_campaign_is_named(tmp_path):
-    with pytest.raises(DataError, match="campaign.yaml: No such file"):
+    with pytest.raises(DataError, match="campaign.yaml: "):
         load_campaign(tmp_path)
 
 
@@ -187,14 +188,14 @@ def test_bench_and_screening_come_from_the_files_as_written(folder, header):
 def test_header_without_log_layout_is_refused(folder, header):
     del header["log"]
     CampaignWriter.create(folder, header)
-    with pytest.raises(DataError, match="campaign.yaml: log: can't be used"):
+    with pytest.raises(DataError, match="campaign.yaml: log: "):
         list(load_campaign(folder).raw_runs())
 
 
 def test_results_lie_below_results(folder, writer):
     write_results(folder, {"results.json": b"{}", "figures/a.png": b"png"})
     assert (folder / "results" / "figures" / "a.png").read_bytes() == b"png"
-    with pytest.raises(DataError, match="leads out"):
+    with pytest.raises(DataError, match=r"\.\."):
         write_results(folder, {"../campaign.yaml": b""})
 
 
@@ -210,8 +211,8 @@ def test_finishing_another_run_than_the_one_started_is_refused(
 def test_a_log_without_an_entry_is_told(folder, writer, words, make_plan, make):
     make(writer, words)
     (folder / "runs" / "0002.dat").write_bytes(b"")
-    (told,) = load_campaign(folder).warnings
-    assert told.endswith("has no entry for 0002.dat in runs: left out (1 logs)")
+    (warning,) = load_campaign(folder).warnings
+    assert "0002.dat" in warning and "(1 logs)" in warning
 
 
 def test_a_log_of_absurd_size_is_flagged_before_it_is_read(folder, writer, words, make):
@@ -219,10 +220,10 @@ def test_a_log_of_absurd_size_is_flagged_before_it_is_read(folder, writer, words
     os.truncate(folder / "runs" / "0001.dat", 40_000_000_000)  # sparse
     (raw,) = load_campaign(folder).raw_runs()
     assert len(raw.words) == 0
-    assert "0001.dat: is 40000 MB large; limit 40 MB" in raw.warnings[0]
+    assert re.search(r"0001\.dat: .*\b40000 MB.* 40 MB", raw.warnings[0])
 
 
 def test_a_journal_of_absurd_size_is_refused_before_it_is_read(folder, writer):
     os.truncate(folder / "campaign.yaml", 40_000_000_000)
-    with pytest.raises(DataError, match="campaign.yaml: is 40000 MB large; limit 8 MB"):
+    with pytest.raises(DataError, match=r"campaign\.yaml: .*\b40000 MB.* 8 MB"):
         load_campaign(folder)

@@ -41,17 +41,17 @@ def test_variation_reads_without_warning(text, dtype, values):
 @pytest.mark.parametrize(
     ("text", "values", "warning"),
     [
-        ("1651 1 0 0 3\n-5\n17\n99\n", [-5, 17, 99], "format: 1 means hex, but '-5' is decimal"),
-        ("1651 1 0 0 2\n0.5\n17\n", [0.5, 17.0], "format: 1 means hex, but '0.5' is decimal"),
-        ("1651 9 88675cac 0 2 c\n00\n0f\n", [0, 15], "format: 9 .* read as hex"),  # as CCS 5.4
-        ("1651 9 88675cac 0 2 c\n00\n10\n", [0, 16], "format: 9 .* read as hex"),
-        ("1651 9 0 0 2 c\n1.5\n2.5\n", [1.5, 2.5], "format: 9 .* read as float"),
-        ("1651 9 0 0 2 c\n-15\n20\n", [-15, 20], "format: 9 .* read as integer"),
-        ("1651 1 0 0 5\n0001\n0002\n", [1, 2], "truncated: the header announces 5 .* holds 2"),
-        ("1651 1 0 0 1\n0001\n0002\n", [1, 2], "length: the header announces 1 .* holds 2"),
-        ("0x0001\n0x0010\n", [1, 16], "header: no '1651' line; read as hex"),
-        ("-1\n10\n", [-1, 10], "header: no '1651' line; read as integer"),
-        ("1651 1 0 0 0\n0001\n0002\n00", [1, 2], "truncated: the last line .'00'. is cut off"),
+        ("1651 1 0 0 3\n-5\n17\n99\n", [-5, 17, 99], "format: 1 .*'-5'.* decimal"),
+        ("1651 1 0 0 2\n0.5\n17\n", [0.5, 17.0], "format: 1 .*'0.5'.* decimal"),
+        ("1651 9 88675cac 0 2 c\n00\n0f\n", [0, 15], "format: 9 .* hex"),  # as CCS 5.4
+        ("1651 9 88675cac 0 2 c\n00\n10\n", [0, 16], "format: 9 .* hex"),
+        ("1651 9 0 0 2 c\n1.5\n2.5\n", [1.5, 2.5], "format: 9 .* float"),
+        ("1651 9 0 0 2 c\n-15\n20\n", [-15, 20], "format: 9 .* integer"),
+        ("1651 1 0 0 5\n0001\n0002\n", [1, 2], r"truncated: .*\b5\b.*\b2\b"),
+        ("1651 1 0 0 1\n0001\n0002\n", [1, 2], r"length: .*\b1\b.*\b2\b"),
+        ("0x0001\n0x0010\n", [1, 16], "header: .*'1651'.* hex"),
+        ("-1\n10\n", [-1, 10], "header: .*'1651'.* integer"),
+        ("1651 1 0 0 0\n0001\n0002\n00", [1, 2], "truncated: .*'00'"),
     ],
 )
 def test_variation_reads_with_a_warning(text, values, warning):
@@ -70,24 +70,24 @@ def test_headerless_digits_are_read_only_when_told():
 
 
 def test_open_notation_that_nothing_tells_is_refused_with_a_hint():
-    with pytest.raises(DataError, match="log.dat: nothing tells whether samples such as '12'"):
+    with pytest.raises(DataError, match="log.dat: .*'12'.* hex or decimal"):
         read("1651 9 0 0 2 c\n12\n345\n")
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("1651 1 0 0 3\n0001\nxyz\n0002\n", r"log.dat: line 3: found 'xyz'; expected a hex number"),
-        ("1651 1 0 0 3\n0001\n\n0002\n", r"line 3: found ''; expected a hex number"),
-        ("1651 1 0 0 3\n0001\n123456789\n", r"line 3: found '123456789'; .* up to 8 digits"),
-        ("1651 1 0 0 3\n0001\n0001 0002\n", r"line 3: found '0001 0002'; expected a hex"),
-        ("1651 2 0 0 3\n1\n1.5\n", r"line 3: found '1.5'; expected a whole decimal number"),
-        ("1651 4 0 0 3\n1.5\n0xff\n", r"line 3: found '0xff'; expected a decimal number"),
-        ("1651 1 0 0 3\n-5\nff\n", r"line 3: found 'ff'; expected a whole decimal number"),
-        ("1651 1 0\n0001\n", r"line 1: found '1651 1 0'; expected '1651 format"),
-        ("1652 1 0 0 1\n0001\n", r"line 1: found '1652 1 0 0 1'; expected '1651 format"),
-        ("1651 7 0 0 1\n0001\n", r"line 1: found format 7; expected 1, 2, 3, 4 or 9"),
-        (b"1651 1 0 0 1\n0001\n\x00\xff\n", r"line 3: found byte 0xff; expected text in ASCII"),
+        ("1651 1 0 0 3\n0001\nxyz\n0002\n", r"log.dat: line 3: .*'xyz'.* hex"),
+        ("1651 1 0 0 3\n0001\n\n0002\n", r"line 3: .*''.* hex"),
+        ("1651 1 0 0 3\n0001\n123456789\n", r"line 3: .*'123456789'.* 8 digits"),
+        ("1651 1 0 0 3\n0001\n0001 0002\n", r"line 3: .*'0001 0002'.* hex"),
+        ("1651 2 0 0 3\n1\n1.5\n", r"line 3: .*'1.5'.* decimal"),
+        ("1651 4 0 0 3\n1.5\n0xff\n", r"line 3: .*'0xff'.* decimal"),
+        ("1651 1 0 0 3\n-5\nff\n", r"line 3: .*'ff'.* decimal"),
+        ("1651 1 0\n0001\n", r"line 1: .*'1651 1 0'.*'1651 format"),
+        ("1652 1 0 0 1\n0001\n", r"line 1: .*'1652 1 0 0 1'.*'1651 format"),
+        ("1651 7 0 0 1\n0001\n", r"line 1: .*format 7.* 1, 2, 3, 4 or 9"),
+        (b"1651 1 0 0 1\n0001\n\x00\xff\n", r"line 3: .*0xff.*ASCII"),
     ],
 )
 def test_bad_file_is_refused_with_line_and_expectation(text, message):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.store.importing.clipping import clipped
+from hbench.store.importing.clipping import clipped_samples
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 N = 3000
@@ -31,7 +31,7 @@ def test_a_cut_channel_is_found_with_each_of_its_samples(low, high, counts):
     if counts:
         low, high = counts * np.rint(low / counts), counts * np.rint(high / counts)
     cut = np.clip(p, low, high)
-    found = clipped(channels(cut))
+    found = clipped_samples(channels(cut))
     np.testing.assert_array_equal(found["p_tp_pa"], (p <= low) | (p >= high))
 
 
@@ -49,11 +49,11 @@ def test_a_cut_channel_is_found_with_each_of_its_samples(low, high, counts):
     ids="lively fine quiet settled constant two-valued coarse".split(),
 )
 def test_a_whole_channel_is_not_accused(p):
-    assert clipped(channels(p)) == {}
+    assert clipped_samples(channels(p)) == {}
 
 
 def test_a_hundred_lively_channels_are_not_accused():
-    accused = [clipped(channels(pressure(seed=s, counts=250e5 / 4096))) for s in range(100)]
+    accused = [clipped_samples(channels(pressure(seed=s, counts=250e5 / 4096))) for s in range(100)]
     assert not any(accused)
 
 
@@ -62,7 +62,7 @@ def test_a_log_that_has_stopped_is_no_clipped_channel():
     top = int(np.argmax(p))
     x = 0.05 * t
     p[top : top + 50], x[top : top + 50] = p[top], x[top]
-    assert clipped({"t_s": t, "x_m": x, "p_tp_pa": p}) == {}
+    assert clipped_samples({"t_s": t, "x_m": x, "p_tp_pa": p}) == {}
 
 
 def test_a_clipped_stroke_is_rejected_with_channel_and_value(tmp_path, clock):

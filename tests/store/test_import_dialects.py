@@ -63,20 +63,20 @@ def test_dialects_give_the_same_numbers(text, layout):
     ],
 )
 def test_a_number_that_could_mean_another_is_refused(cell, layout):
-    with pytest.raises(DataError, match=r"a.csv: line 2: column x: found"):
+    with pytest.raises(DataError, match=r"a.csv: line 2: column x: "):
         column(f"t;x\n0;{cell}\n", **layout)
 
 
 def test_lines_are_counted_as_an_editor_does():
     text = '# one\n\nt,x\n0,1\n# five\n"1",2\n2,?\n'
-    with pytest.raises(DataError, match=r"line 7: column x: found '\?'"):
+    with pytest.raises(DataError, match=r"line 7: column x: .*'\?'"):
         column(text, comment="#")
-    with pytest.raises(DataError, match=r"line 5: found 1 columns in '# five'; expected 2"):
+    with pytest.raises(DataError, match=r"line 5: .*\b1 columns.*'# five'.*\b2\b"):
         column(text.removeprefix("# one\n\n").replace("t,x", "\n\nt,x"))
 
 
 def test_a_name_that_stands_twice_is_refused_and_its_number_taken():
-    with pytest.raises(DataError, match="column 'p' stands there 2 times; there are: t, p, p"):
+    with pytest.raises(DataError, match=r"column 'p' .*\b2\b.*: t, p, p"):
         column("t,p,p\n0,1,2\n", "p")
     assert column("t,p,p\n0,1,2\n", 3) == [2.0]
 
@@ -96,7 +96,7 @@ def test_date_times_become_seconds(first, second, step):
 
 def test_a_cell_that_is_no_date_time_is_named_with_its_line():
     table = parse_table(b"t,x\n2024-05-01T12:00:00,1\n12:00,2\n", "a.csv", Format())
-    with pytest.raises(DataError, match="line 3: column t: found '12:00'; expected a date-time"):
+    with pytest.raises(DataError, match="line 3: column t: .*'12:00'"):
         table.seconds("t")
 
 
@@ -138,9 +138,9 @@ def test_units_come_from_the_row_under_the_header(bring_in):
 @pytest.mark.parametrize(
     ("row", "given", "message"),
     [
-        ("ms,mm,psi,kp", {}, "column f: its row of units says 'kp', which is no known unit"),
-        ("ms,mm,N,kN", {}, "column p: its row of units says 'N'; p_tp_pa needs one like Pa"),
-        ("ms,mm,bar,N", {"p_tp_pa": "psi"}, "row of units says 'bar'; the map says 'psi'"),
+        ("ms,mm,psi,kp", {}, "1.csv: column f: .*'kp'"),
+        ("ms,mm,N,kN", {}, "1.csv: column p: .*'N'.*p_tp_pa .*Pa"),
+        ("ms,mm,bar,N", {"p_tp_pa": "psi"}, "1.csv: column p: .*'bar'.*'psi'"),
     ],
 )
 def test_units_that_cannot_be_or_contradict_are_refused(bring_in, rules, row, given, message):
@@ -198,7 +198,7 @@ def test_a_dead_load_of_the_name_stands_in_for_a_load_cell(bring_in, rules):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"constants": {"p_tr_pa": "{load} bar"}}, "constants.p_tr_pa: {load} is not in every"),
+        ({"constants": {"p_tr_pa": "{load} bar"}}, "constants.p_tr_pa: {load} "),
         ({"constants": {"p_tr_pa": "{load"}}, "constants.p_tr_pa"),
         ({"format": {"decimal": ",", "thousands": ",", "separator": "tab"}}, "are both ','"),
         ({"format": {"header": False, "units_row": True}}, "format: units_row .*header"),
@@ -212,19 +212,19 @@ def test_map_that_cannot_work_is_refused(rules, change, message):
 
 def test_a_missing_column_is_told_with_those_that_are_there(bring_in, rules):
     rules["columns"]["f_applied_n"]["column"] = "force"
-    with pytest.raises(DataError, match="1.csv: no column 'force'; there are: t, x, p, f") as told:
+    with pytest.raises(DataError, match="1.csv: .*'force'.*: t, x, p, f") as told:
         bring_in()
     assert "preamble" in told.value.hint
 
 
 def test_a_decimal_comma_that_the_map_does_not_tell_is_explained():
-    with pytest.raises(DataError, match="line 2: column x: found '0,5'") as caught:
+    with pytest.raises(DataError, match="line 2: column x: .*'0,5'") as caught:
         column(b"t;x\n1;0,5\n", **SEMICOLON)
     assert "format.decimal" in caught.value.hint
 
 
 def test_other_peoples_files_without_a_map_are_refused_with_what_to_do(tmp_path, at):
     (tmp_path / "log.csv").write_text("t,x\n0,1\n")
-    with pytest.raises(DataError, match="holds none of runs.csv") as caught:
+    with pytest.raises(DataError, match=r"runs\.csv, runs\.parquet, campaign\.mat") as caught:
         import_folder(tmp_path, tmp_path / "out", None, {}, at(0))
     assert "--map" in caught.value.hint

@@ -88,7 +88,7 @@ def test_strokes_become_runs_with_direction_trial_label_and_load(bring_in):
         assert plan.label == "NBR"
         assert plan.specimen.area_piston_m2 == pytest.approx(area)
         assert plan.f_load_n == pytest.approx(3e5 * area)
-    assert "left out: 4 pieces before the first or after the last" in summary.notes[0]
+    assert re.findall(r"\d+", summary.notes[0]) == ["6", "4", "0", "20"]
 
 
 def test_nominal_speed_is_the_median_over_the_trials_to_two_digits(bring_in):
@@ -140,7 +140,7 @@ def test_semicolons_decimal_commas_and_named_columns(bring_in, rules, source):
         (source / trial / "3bar.txt").write_text("Zeit;Weg;p;F\n" + text)
     summary, campaign = bring_in()
     assert summary.runs == 6
-    assert "2/3bar.txt is byte for byte the same as 1/3bar.txt" in summary.notes
+    assert any("2/3bar.txt" in note and "1/3bar.txt" in note for note in summary.notes)
     assert campaign.plans[0].v_ref_m_s == pytest.approx(-0.008)
 
 
@@ -161,7 +161,7 @@ def test_screening_of_the_map_is_kept(bring_in, rules):
 def test_back_and_forth_without_cut_is_refused_with_a_hint(bring_in, rules, source):
     rules["cut"] = "none"
     (source / "1" / "3bar.txt").write_text(lines_of((12.0, 8.0), turns=2))
-    with pytest.raises(DataError, match="3bar.txt: ends .* from where it began") as caught:
+    with pytest.raises(DataError, match=r"3bar.txt: .*\b20 mm") as caught:
         bring_in()
     assert "cut: reversals" in caught.value.hint
 
@@ -171,7 +171,7 @@ def test_bad_cell_is_named_with_file_line_and_content(bring_in, source):
     lines = path.read_text().splitlines()
     lines[41] = "410.0 -5.0 3.0 ---"
     path.write_text("\n".join(lines))
-    with pytest.raises(DataError, match=r"2/3bar.txt: line 42: column 4: found '---'"):
+    with pytest.raises(DataError, match=r"2/3bar.txt: line 42: column 4: .*'---'"):
         bring_in()
 
 
@@ -180,26 +180,26 @@ def test_time_that_goes_back_is_named_with_its_line(bring_in, source):
     lines = path.read_text().splitlines()
     lines[41] = lines[39]
     path.write_text("\n".join(lines))
-    with pytest.raises(DataError, match=r"1/3bar.txt: line 42: time goes from 0.4 s to 0.39 s"):
+    with pytest.raises(DataError, match=r"1/3bar.txt: line 42: .*\b0.4 s.*\b0.39 s"):
         bring_in()
 
 
 def test_series_without_files_is_named(bring_in, rules):
     rules["series"][0]["files"] = "none_{pressure}.csv"
-    with pytest.raises(DataError, match="no file fits series 'NBR'") as caught:
+    with pytest.raises(DataError, match=r"series 'NBR'.*none_\{pressure\}\.csv") as caught:
         bring_in()
-    assert re.search(r"there are \d+/\d+bar.txt, ", caught.value.hint)
+    assert re.search(r"\d+/\d+bar.txt, ", caught.value.hint)
 
 
 def test_file_of_two_series_is_refused(bring_in, rules):
     rules["series"].append({**rules["series"][0], "files": "1/{pressure}bar.txt"})
-    with pytest.raises(ConfigError, match="1/3bar.txt: belongs to series"):
+    with pytest.raises(ConfigError, match=r"1/3bar.txt: .*\{trial\}/\{p.* 1/\{p"):
         bring_in()
 
 
 def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
     rules["min_stroke"] = "60 mm"
-    with pytest.raises(DataError, match="no stroke between two reversals is as long as"):
+    with pytest.raises(DataError, match="min_stroke.* 60 mm"):
         bring_in()
 
 
@@ -207,7 +207,7 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
     ("change", "message"),
     [
         ({"constants": {"p_tr_pa": "0"}}, "constants.p_tr_pa = '0': has no unit"),
-        ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa stands both in columns and in constants"),
+        ({"constants": {"p_tp_pa": "0 bar"}}, "p_tp_pa .*columns.*constants"),
         ({"constants": {"p_xx_pa": "0 bar"}}, "unknown channel 'p_xx_pa'"),
         ({"format": {"decimal": ","}}, "decimal ',' .*separator comma"),
         (
@@ -216,11 +216,11 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
         ),
         (
             {"columns": {"t_s": {"column": 1, "unit": "ms"}, "x_m": {"column": "x", "unit": "mm"}}},
-            "columns.x_m: 'x' is a name, but format.header is false",
+            "columns.x_m: 'x'.*format.header",
         ),
         (
             {"columns": {"t_s": {"column": 1, "unit": "bar"}, "x_m": {"column": 2, "unit": "mm"}}},
-            "columns.t_s: unit 'bar' is not one of s",
+            "columns.t_s: .*'bar'.* s",
         ),
     ],
 )
@@ -237,7 +237,7 @@ def test_map_that_cannot_work_is_refused(rules, change, message):
         ({"pressure_unit": "N"}, "is not a unit of pressure"),
         (
             {"cylinder": {"piston_diameter": "25 mm", "rod_diameter": "25 mm"}},
-            "rod_diameter must be smaller",
+            "rod_diameter",
         ),
     ],
 )

@@ -48,7 +48,7 @@ def test_the_files_made_here_by_hand_are_read():
 def test_a_mat_file_that_unpacks_to_too_much_is_refused_before_it_is(limited):
     bomb = HEADER + packed(zeros(26_000_000))
     assert len(bomb) < 1_000_000
-    with limited(), pytest.raises(DataError, match="unpacks to more than 200 MB"):
+    with limited(), pytest.raises(DataError, match="200 MB"):
         read_mat(bomb, "x.mat")
 
 
@@ -56,7 +56,7 @@ def test_many_small_bombs_in_one_mat_file_count_together(monkeypatch):
     monkeypatch.setattr(mat_sizes, "LARGEST_UNPACKED", 20_000_000)
     one = packed(zeros(1_000_000))  # 8 MB each
     assert len(read_mat(HEADER + 2 * one, "x.mat")) == 1
-    with pytest.raises(DataError, match="unpacks to more than 20 MB"):
+    with pytest.raises(DataError, match="20 MB"):
         read_mat(HEADER + 3 * one, "x.mat")
 
 
@@ -68,14 +68,14 @@ def test_an_array_that_says_it_is_larger_than_its_bytes_is_refused(
 ):
     fields = [element(5, struct.pack("<i", 8)), element(1, b"")] if array_class == STRUCT else []
     bomb = HEADER + pack(array(array_class, dimensions, *fields, element(4, b"")))
-    with limited(), pytest.raises(DataError, match="an array of .* elements has"):
+    with limited(), pytest.raises(DataError, match=r"array of \d+ elements.* \d+ bytes"):
         read_mat(bomb, "x.mat")
 
 
 def test_a_large_array_within_a_struct_is_found_too(limited):
     inner = array(CHAR, (2_000_000_000, 1), element(4, b""), name=b"")
     fields = element(5, struct.pack("<i", 8)), element(1, b"a".ljust(8, b"\0"))
-    with limited(), pytest.raises(DataError, match="an array of 2000000000 elements"):
+    with limited(), pytest.raises(DataError, match="2000000000 elements"):
         read_mat(HEADER + packed(array(STRUCT, (1, 1), *fields, inner)), "x.mat")
 
 
@@ -83,7 +83,7 @@ def test_cells_in_cells_are_refused_before_the_stack_ends():
     content = b""
     for _ in range(1000):
         content = array(CELL, (1, 1), content, name=b"")
-    with pytest.raises(DataError, match="more than 50 deep"):
+    with pytest.raises(DataError, match=r"\b50\b"):
         read_mat(HEADER + packed(content), "x.mat")
 
 
@@ -95,7 +95,7 @@ def test_a_parquet_file_that_unpacks_to_too_much_is_refused_before_it_is():
     table = pyarrow.table({"t_s": pyarrow.array(np.zeros(30_000_000))})
     parquet.write_table(table, file, compression="zstd")
     assert len(file.getvalue()) < 1_000_000
-    with pytest.raises(DataError, match="unpacks to 240 MB; limit 200 MB"):
+    with pytest.raises(DataError, match="240 MB.* 200 MB"):
         read_parquet(file.getvalue(), "x.parquet")
 
 
@@ -106,7 +106,7 @@ def test_what_fits_is_read(monkeypatch):
     pytest.importorskip("pyarrow")
     file = io.BytesIO()
     pandas.DataFrame({"t_s": np.arange(12.0)}).to_parquet(file)
-    with pytest.raises(DataError, match="limit 0.0001 MB"):
+    with pytest.raises(DataError, match="0.0001 MB"):
         read_parquet(file.getvalue(), "x.parquet")
     monkeypatch.undo()
     assert len(read_parquet(file.getvalue(), "x.parquet")) == 12

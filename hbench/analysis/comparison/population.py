@@ -1,20 +1,20 @@
-"""One number among many campaigns: its spread, its trend, and which campaigns stand out.
+"""Statistics of one quantity over many campaigns: spread, trend, deviations of single campaigns.
 
-A campaign's number x_i is taken as
+The model of a campaign's value x_i is
 
     x_i = m + b_i + e_i ,   b_i ~ N(0, tau^2) from cylinder to cylinder,   e_i ~ N(0, s_i^2)
 
-with s_i the standard error of the campaign's own trials where it is more than three times the
-median of all, and else the root mean square of all others: with three trials each, most of what
-tells their standard errors apart is chance. Errors of the instruments, the same in all campaigns of
-a bench, take no part. m is the median, or Theil and Sen's line where there is a trend, and tau
-solves
+with s_i the standard error of the campaign's trials if it is more than three times the median of
+all, and else the root mean square of all others: with three trials each, the standard errors differ
+mostly by chance. Instrument errors are equal in all campaigns of a bench and are left out. m is the
+median, or the Theil-Sen line if there is a trend, and tau solves
 
     median |x_i - m| / sqrt(tau^2 + s_i^2) = 0.6745
 
-so that up to half of the campaigns may be anything. z_i = (x_i - m) / sqrt(tau^2 + s_i^2) is judged
-by Student's distribution with 0.37 (n - 1) degrees of freedom, since a median of deviations is as
-sharp as a standard deviation of 37 % of the values (Huber, Robust Statistics, 1981, section 5.1).
+so that up to half of the campaigns may be outliers. The p-value of
+z_i = (x_i - m) / sqrt(tau^2 + s_i^2) is that of Student's distribution with 0.37 (n - 1) degrees of
+freedom, since a median absolute deviation is as precise as the standard deviation of 37 % of the
+values (Huber, Robust Statistics, 1981, section 5.1).
 """
 
 from typing import NamedTuple
@@ -25,52 +25,54 @@ from scipy.stats import kendalltau, theilslopes
 
 from hbench.analysis.rounding import ROUNDING, is_constant, merged
 
-FEWEST = 10  # campaigns that are judged at all
+FEWEST = 10  # campaigns for an analysis
 _MEDIAN = 0.6745  # of |z| for a normal z
-_SHARP = 0.37
-_NOISY = 3.0
-_MOST_PAIRS = 1000  # values of which all pairs are taken; more are grouped to as many medians
+_EFFICIENCY = 0.37  # of the median absolute deviation against the standard deviation
+_NOISY = 3.0  # times the median standard error
+_MOST_PAIRS = 1000  # values whose pairs are all taken; more are grouped to as many medians
 _BISECTIONS = 200
 _MOST_BINS, _FEWEST_BINS = 40, 8
 _REACH = 6.0  # standard deviations that a histogram shows on each side
 
 
-class Standing(NamedTuple):
-    """How each campaign stands among the others."""
+class RobustDeviations(NamedTuple):
+    """Deviations of the campaigns' values from their centre, in standard deviations."""
 
     between: float  # tau
-    own: np.ndarray  # (n,) s_i as it counts
+    within: np.ndarray  # (n,) s_i as used
     z: np.ndarray  # (n,)
-    p: np.ndarray  # (n,) of a value this far off, two-sided, for one campaign
+    p: np.ndarray  # (n,) two-sided, for one campaign
 
 
-class Line(NamedTuple):
-    """A straight line, and how sure its slope is."""
+class TrendLine(NamedTuple):
+    """Theil-Sen line, with the 95 % interval of its slope."""
 
     slope: float
-    low: float  # 95 %
+    low: float
     high: float
     intercept: float
-    p: float  # of no slope
+    p: float  # of zero slope
 
 
-def standing(x: np.ndarray, se: np.ndarray, centre: np.ndarray | float) -> Standing:
-    """Return how the numbers x (n,) stand about ``centre``.
+def robust_deviations(
+    x: np.ndarray, se: np.ndarray, centre: np.ndarray | float
+) -> RobustDeviations:
+    """Return the deviations of the values x (n,) from ``centre``.
 
-    ``se`` (n,) are the standard errors of their own trials, NaN where they are not known.
+    ``se`` (n,) are the standard errors of each campaign's trials, NaN if not known.
     """
-    own = _own_scatter(se)
-    away = np.abs(x - centre)
-    away[away <= ROUNDING * np.abs(x)] = 0.0
-    between = _between(away, own)
-    total = np.hypot(between, own)
+    within = _within_scatter(se)
+    distance = np.abs(x - centre)
+    distance[distance <= ROUNDING * np.abs(x)] = 0.0
+    between = _between_scatter(distance, within)
+    total = np.hypot(between, within)
     with np.errstate(divide="ignore", invalid="ignore"):
-        z = np.where(away > 0, (x - centre) / total, 0.0)
-    p = 2 * stdtr(_SHARP * max(len(x) - 1, 1), -np.abs(z))
-    return Standing(between, own, z, p)
+        z = np.where(distance > 0, (x - centre) / total, 0.0)
+    p = 2 * stdtr(_EFFICIENCY * max(len(x) - 1, 1), -np.abs(z))
+    return RobustDeviations(between, within, z, p)
 
 
-def _own_scatter(se: np.ndarray) -> np.ndarray:
+def _within_scatter(se: np.ndarray) -> np.ndarray:
     known = se[np.isfinite(se)]
     if not len(known):
         return np.zeros(len(se))
@@ -79,53 +81,53 @@ def _own_scatter(se: np.ndarray) -> np.ndarray:
     return np.where(noisy, se, pooled)
 
 
-def _between(away: np.ndarray, own: np.ndarray) -> float:
-    def middle(tau: float) -> float:
+def _between_scatter(distance: np.ndarray, within: np.ndarray) -> float:
+    def median_z(tau: float) -> float:
         with np.errstate(divide="ignore", invalid="ignore"):
-            return float(np.median(np.where(away > 0, away / np.hypot(tau, own), 0.0)))
+            return float(np.median(np.where(distance > 0, distance / np.hypot(tau, within), 0.0)))
 
-    low, high = 0.0, float(np.median(away)) / _MEDIAN
-    if middle(low) <= _MEDIAN:
+    low, high = 0.0, float(np.median(distance)) / _MEDIAN
+    if median_z(low) <= _MEDIAN:
         return low
     for _ in range(_BISECTIONS):
         between = (low + high) / 2
         if between in (low, high):
             break
-        low, high = (between, high) if middle(between) > _MEDIAN else (low, between)
+        low, high = (between, high) if median_z(between) > _MEDIAN else (low, between)
     return high
 
 
-def line(t: np.ndarray, x: np.ndarray) -> Line | None:
-    """Return Theil and Sen's line through x (n,) over t (n,); None where there is no telling.
+def trend_line(t: np.ndarray, x: np.ndarray) -> TrendLine | None:
+    """Return the Theil-Sen line through x (n,) over t (n,).
 
-    Its interval and p are those of Kendall's tau. Of many values, medians of those that follow
-    each other are taken.
+    Interval and p-value are those of Kendall's tau. Many values are first reduced to medians of
+    consecutive groups. Returns None for too few values, or for constant t or x.
     """
     if len(x) < FEWEST:
         return None
     order = np.argsort(t, kind="stable")
     t, x = t[order], x[order]
     if len(x) > _MOST_PAIRS:
-        parts = np.array_split(np.arange(len(x)), _MOST_PAIRS)
-        t = np.array([t[part].mean() for part in parts])
-        x = np.array([np.median(x[part]) for part in parts])
+        groups = np.array_split(np.arange(len(x)), _MOST_PAIRS)
+        t = np.array([t[group].mean() for group in groups])
+        x = np.array([np.median(x[group]) for group in groups])
     if t[0] == t[-1] or is_constant(x):
         return None
-    found = theilslopes(x, t)
-    return Line(
-        float(found.slope),
-        float(found.low_slope),
-        float(found.high_slope),
-        float(found.intercept),
+    line = theilslopes(x, t)
+    return TrendLine(
+        float(line.slope),
+        float(line.low_slope),
+        float(line.high_slope),
+        float(line.intercept),
         float(kendalltau(t, merged(x)).pvalue),
     )
 
 
 def histogram(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int, int]:
-    """Return edges and counts over the bulk of x (n,), and how many lie below and above it.
+    """Return edges and counts over the bulk of x (n,), and the numbers of values below and above.
 
-    The bins are Freedman and Diaconis's, of bounded number; what is further from the median than
-    six (robust) standard deviations is counted, not shown.
+    The bin width is Freedman and Diaconis's, the number of bins is bounded. Values more than six
+    (robust) standard deviations from the median are counted as below or above.
     """
     middle = float(np.median(x))
     sigma = float(np.median(np.abs(x - middle))) / _MEDIAN

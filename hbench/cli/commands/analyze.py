@@ -1,4 +1,4 @@
-"""``hbench analyze`` and ``hbench report``: from a campaign's logs to results and page."""
+"""``hbench analyze`` and ``hbench report``: results and report of a campaign."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -9,7 +9,7 @@ import typer
 if TYPE_CHECKING:
     from hbench.records import Results
 
-_FIT = typer.Option(None, help="Fit file: laws, bounds, weights, loss, bootstrap.")
+_FIT = typer.Option(None, help="Fit file with laws, bounds, weights, loss and bootstrap.")
 
 
 def analyze(
@@ -17,7 +17,7 @@ def analyze(
     fit: Path | None = _FIT,
     as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
 ) -> None:
-    """Screen, average and fit CAMPAIGN; write its results folder.
+    """Screen, average and fit CAMPAIGN's runs; write results.json and tables to its results folder.
 
     Example: hbench analyze demo
     """
@@ -26,8 +26,8 @@ def analyze(
     typer.echo(_result(workflow.analyze(campaign, fit), as_json))
 
 
-class Form(StrEnum):
-    """What ``hbench report`` writes."""
+class ReportFormat(StrEnum):
+    """File format of ``hbench report``."""
 
     html = "html"
     md = "md"
@@ -37,13 +37,15 @@ class Form(StrEnum):
 def report(
     campaign: Path = typer.Argument(help="Campaign folder."),
     fit: Path | None = _FIT,
-    form: Form = typer.Option(
-        Form.html,
+    form: ReportFormat = typer.Option(
+        ReportFormat.html,
         "--format",
-        help="html: one page that needs nothing else; md: Markdown beside its figures; pdf: A4.",
+        help="html: one self-contained page; md: Markdown with its figures as files; pdf: A4.",
     ),
     speed: str | None = typer.Option(
-        None, help="Working speed of the summary, such as '100 mm/s'; by default the middle one."
+        None,
+        help="Working speed of the summary, such as '100 mm/s'; by default the middle one of those "
+        "measured.",
     ),
     as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
 ) -> None:
@@ -76,5 +78,5 @@ def speed_m_s(text: str) -> float:
     except ValueError as error:
         raise ConfigError(f"--speed: {text!r} {error}") from None
     if not speed > 0:
-        raise ConfigError(f"--speed: is {text!r}; limit: above 0 mm/s")
+        raise ConfigError(f"--speed: is {text!r}; limit 0 mm/s", "Give a positive speed.")
     return speed

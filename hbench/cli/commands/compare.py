@@ -1,4 +1,4 @@
-"""``hbench compare``: two campaigns side by side."""
+"""``hbench compare``: comparison of two campaigns."""
 
 from pathlib import Path
 
@@ -7,25 +7,25 @@ import typer
 
 def compare(
     a: Path = typer.Argument(help="Campaign folder."),
-    b: Path = typer.Argument(help="Another, which is compared with the first."),
+    b: Path = typer.Argument(help="Campaign folder to compare with the first."),
     same_instruments: bool = typer.Option(
         None,
         "--same-instruments/--other-instruments",
-        help="Whether both were measured with the same sensors, whose errors are then in both. By "
-        "default if the benches have the same name and instruments.",
+        help="Whether both were measured with the same sensors, whose errors then cancel. By "
+        "default they are taken as the same if the benches have equal names and instruments.",
     ),
     output: Path = typer.Option(None, "-o", "--output", help="Folder for page, figures and JSON."),
     as_json: bool = typer.Option(False, "--json", help="Print comparison.json instead of tables."),
 ) -> None:
-    """Tell which differences of friction and efficiency between A and B are real, with intervals.
+    """Compare friction and efficiency of A and B: differences, intervals and their significance.
 
     Example: hbench compare before after -o comparison
     """
     from hbench import workflow
     from hbench.report.comparison.text import differences_json, differences_text
 
-    found = workflow.compare(a, b, same_instruments=same_instruments)
+    comparison = workflow.compare(a, b, same_instruments=same_instruments)
     if output is not None:
-        workflow.write_comparison(output, found)
+        workflow.write_comparison(output, comparison)
         typer.echo(f"{output / 'comparison.html'}", err=True)
-    typer.echo(differences_json(found) if as_json else differences_text(found))
+    typer.echo(differences_json(comparison) if as_json else differences_text(comparison))

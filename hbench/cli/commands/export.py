@@ -1,4 +1,4 @@
-"""``hbench export``: a campaign's runs and curves for other programs."""
+"""``hbench export``: export of a campaign's runs and curves for other programs."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -8,8 +8,8 @@ import typer
 from hbench.cli.printed import AS_JSON, as_object
 
 
-class Format(StrEnum):
-    """What is written."""
+class ExportFormat(StrEnum):
+    """File format of the export."""
 
     CSV = "csv"
     PARQUET = "parquet"
@@ -20,16 +20,16 @@ class Format(StrEnum):
 def export(
     campaign: Path = typer.Argument(help="Campaign folder."),
     output: Path = typer.Option(..., "-o", "--output", help="Folder to write into."),
-    format_: Format = typer.Option(
-        Format.CSV,
+    format_: ExportFormat = typer.Option(
+        ExportFormat.CSV,
         "--format",
-        help="csv: runs in SI, as 'hbench import' reads them. parquet: the same as tables. mat: "
-        "campaign.mat and curves.mat for MATLAB. modelica: friction over velocity, as Modelica's "
-        "tables read it.",
+        help="csv: runs in SI, which 'hbench import' reads. parquet: the same tables in Parquet. "
+        "mat: campaign.mat and curves.mat for MATLAB. modelica: friction over velocity, for "
+        "Modelica's tables.",
     ),
     as_json: bool = AS_JSON,
 ) -> None:
-    """Write CAMPAIGN's runs in SI, each with the reason if it was rejected, or its curves.
+    """Write CAMPAIGN's runs in SI (rejected ones with the reason), or its friction curves.
 
     Example: hbench export demo --format mat -o demo-mat
     """

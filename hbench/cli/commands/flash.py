@@ -1,4 +1,4 @@
-"""``hbench flash``: loads firmware into a board."""
+"""``hbench flash``: loading of firmware into a board."""
 
 from pathlib import Path
 
@@ -12,21 +12,21 @@ _MAX_BOOT_BAUD = 100_000  # above it the boot ROM's measurement is unreliable (T
 
 
 def flash(
-    image: Path = typer.Argument(help="Firmware, for RAM from `hex2000 -boot -sci8 -a`."),
-    port: str = typer.Option(..., help="A serial device, or socket://host:port."),
+    image: Path = typer.Argument(help="Firmware; for RAM, the output of `hex2000 -boot -sci8 -a`."),
+    port: str = typer.Option(..., help="Serial device, or socket://host:port."),
     boot_baud: int = typer.Option(
-        _BOOT_BAUD, min=1200, max=_MAX_BOOT_BAUD, help="Rate while the boot ROM loads."
+        _BOOT_BAUD, min=1200, max=_MAX_BOOT_BAUD, help="Baud rate of the boot ROM."
     ),
-    baud: int = typer.Option(BAUD, min=1200, help="Rate at which the loaded firmware talks."),
+    baud: int = typer.Option(BAUD, min=1200, help="Baud rate of the loaded firmware."),
     bench: Path = typer.Option(
-        None, help="Bench file whose 'programmer' flashes IMAGE instead of the boot ROM."
+        None, help="Bench file whose 'programmer' flashes IMAGE, instead of the boot ROM."
     ),
     as_json: bool = AS_JSON,
 ) -> None:
-    """Load IMAGE into a F28335's RAM through its serial boot ROM, start it and identify it.
+    """Load IMAGE into an F28335's RAM through its serial boot ROM, start it and identify it.
 
-    Set the boot pins to SCI-A and reset the board first. With --bench, the outside programmer
-    named there flashes IMAGE, the linker's output. Never run on hardware yet.
+    Set the boot pins to SCI-A and reset the board first. With --bench, the external programmer of
+    the bench file flashes IMAGE, the linker's output. Not yet tried on hardware.
 
     Example: hbench flash firmware.txt --port /dev/ttyUSB0
     """
@@ -43,7 +43,7 @@ def flash(
         )
         identity = workflow.flash(loaded, port, boot_baud, baud)
     if as_json:
-        found = {"firmware": identity.firmware, "board": identity.board}
-        typer.echo(as_object("flash", port=port, **found))
+        answer = {"firmware": identity.firmware, "board": identity.board}
+        typer.echo(as_object("flash", port=port, **answer))
     else:
         typer.echo(f"{port}: firmware '{identity.firmware}' runs on board '{identity.board}'")

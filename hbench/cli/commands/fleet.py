@@ -1,4 +1,4 @@
-"""``hbench fleet``: many campaigns to one table and one page."""
+"""``hbench fleet``: analysis of many campaigns to one table and one page."""
 
 import sys
 from pathlib import Path
@@ -10,15 +10,15 @@ from hbench.errors import ExitCode
 
 
 def fleet(
-    places: list[str] = typer.Argument(
+    patterns: list[str] = typer.Argument(
         metavar="DIR_OR_GLOB...",
-        help="Folders that hold campaigns, to any depth; or a pattern of their names.",
+        help="Campaigns, folders that contain campaigns to any depth, or glob patterns.",
     ),
     output: Path = typer.Option(..., "-o", "--output", help="Folder for table and page."),
     scheduler: str | None = typer.Option(
         None,
-        help="Address of a Dask scheduler, whose workers do it and see the same folders; by "
-        "default this machine's cores do.",
+        help="Address of a Dask scheduler, whose workers must see the same folders; by default "
+        "this machine's cores do the work.",
     ),
     speed: str | None = typer.Option(
         None, help="Working speed, such as '100 mm/s'; by default each campaign's middle one."
@@ -26,9 +26,9 @@ def fleet(
     fail: bool = typer.Option(False, "--fail", help="Exit with 6 if a campaign has failed."),
     as_json: bool = AS_JSON,
 ) -> None:
-    """Analyze many campaigns to one table and one page: distributions, drifts, outliers.
+    """Analyze many campaigns to one table and one page with distributions, drifts and outliers.
 
-    Called again it does what is missing or has changed.
+    A repeated call analyzes only new and changed campaigns.
 
     Example: hbench fleet 'line-1/*' -o fleet
     """
@@ -39,19 +39,24 @@ def fleet(
     v = None if speed is None else speed_m_s(speed)
     line = ProgressLine(sys.stderr)
     try:
-        found = workflow.analyze_fleet(
-            places, output, scheduler=scheduler, speed_m_s=v, report=line.campaigns, tell=line.note
+        summary = workflow.analyze_fleet(
+            patterns,
+            output,
+            scheduler=scheduler,
+            speed_m_s=v,
+            report=line.campaigns,
+            note=line.note,
         )
     except KeyboardInterrupt:
-        line.close("interrupted; the same command goes on")
+        line.close("interrupted; give the same command again to continue")
         raise
     finally:
         line.close()
-    workflow.write_fleet(output, found)
+    workflow.write_fleet(output, summary)
 
     from hbench.report.fleet.text import fleet_json, fleet_text
 
     typer.echo(f"{output / 'fleet.html'}", err=True)
-    typer.echo(fleet_json(found) if as_json else fleet_text(found))
-    if fail and found.failed:
+    typer.echo(fleet_json(summary) if as_json else fleet_text(summary))
+    if fail and summary.failed:
         raise typer.Exit(ExitCode.NEGATIVE)

@@ -1,4 +1,4 @@
-"""``hbench identify``: friction laws from a campaign, as models that were put to the test."""
+"""``hbench identify``: identification of friction laws from a campaign, with verification."""
 
 import sys
 from pathlib import Path
@@ -9,15 +9,16 @@ import typer
 def identify(
     campaign: Path = typer.Argument(help="Campaign folder."),
     output: Path = typer.Option(
-        ..., "-o", "--output", help="Folder for the page, figures, JSON and a plant file a law."
+        ..., "-o", "--output", help="Folder for page, figures, JSON and a plant file per law."
     ),
     as_json: bool = typer.Option(
         False, "--json", help="Print identification.json instead of tables."
     ),
 ) -> None:
-    """Identify five friction laws from CAMPAIGN; verify each on its verification runs.
+    """Identify five friction laws from CAMPAIGN, and verify each on its verification runs.
 
-    Tustin, Marton and Lantos, pressure-based, LuGre and Leuven, as far as the runs tell them.
+    The laws are Tustin, Marton and Lantos, pressure-based, LuGre and Leuven. A law that the runs do
+    not determine is left out, with a reason.
 
     Example: hbench identify dynamics -o laws
     """
@@ -27,9 +28,9 @@ def identify(
 
     progress = ProgressLine(sys.stderr)
     try:
-        found = workflow.identify(campaign, progress)
+        result = workflow.identify(campaign, progress)
     finally:
         progress.close()
-    workflow.write_identification(output, found)
+    workflow.write_identification(output, result)
     typer.echo(f"{output / 'identification.html'}", err=True)
-    typer.echo(identification_json(found) if as_json else identification_text(found))
+    typer.echo(identification_json(result) if as_json else identification_text(result))

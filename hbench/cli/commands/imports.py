@@ -1,4 +1,4 @@
-"""``hbench import``: brings in the logs of another bench."""
+"""``hbench import``: import of another bench's logs."""
 
 import shlex
 from pathlib import Path
@@ -11,10 +11,12 @@ from hbench.cli.printed import AS_JSON, as_object
 def import_(
     source: Path = typer.Argument(help="Folder with the logs."),
     output: Path = typer.Option(..., "-o", "--output", help="Campaign folder to write."),
-    map_file: Path = typer.Option(None, "--map", help="Map of columns and units."),
+    map_file: Path = typer.Option(
+        None, "--map", help="Import map: columns, units and series. Not needed for exported runs."
+    ),
     as_json: bool = AS_JSON,
 ) -> None:
-    """Bring the logs in SOURCE in as a campaign.
+    """Import the logs in SOURCE as a campaign.
 
     Example: hbench import logs -o campaign --map configs/import-csv.yaml
     """
@@ -27,8 +29,7 @@ def import_(
     for note in summary.notes:
         typer.echo(f"note: {printable(note)}", err=True)
     if as_json:
-        found = {"runs": summary.runs, "files": summary.files, "notes": summary.notes}
-        typer.echo(as_object("import", campaign=output, **found))
+        typer.echo(as_object("import", campaign=output, **vars(summary)))
     else:
         typer.echo(f"{output}: {summary.runs} runs from {summary.files} files")
         typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)

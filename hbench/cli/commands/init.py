@@ -1,4 +1,4 @@
-"""``hbench init``: writes a bench file and schedules to edit."""
+"""``hbench init``: example files of a bench, schedules and a fit."""
 
 import shlex
 from pathlib import Path
@@ -32,13 +32,15 @@ def init(
     contents = {name: example(name) for name in _FILES}
     taken = [name for name in _FILES if (directory / name).exists()]
     if taken:
-        raise ConfigError(f"{directory / taken[0]} exists already", "Choose another folder.")
+        raise ConfigError(f"{directory / taken[0]}: exists already", "Choose another folder.")
     try:
         directory.mkdir(parents=True, exist_ok=True)
         for name, content in contents.items():
             (directory / name).write_bytes(content)
     except OSError as error:
-        raise ConfigError(f"{directory}: {error.strerror}") from None
+        raise ConfigError(
+            f"{directory}: can't be written: {error.strerror}", "Choose another folder."
+        ) from None
     paths = [str(directory / name) for name in _FILES]
     if as_json:
         typer.echo(as_object("init", files=paths))
@@ -46,7 +48,7 @@ def init(
     typer.echo("\n".join(paths))
     schedule = shlex.quote(str(directory / "demo.yaml"))
     typer.echo(
-        f"next: put your bench's numbers into {directory / _FILES[0]}, then "
+        f"next: enter your bench's data in {directory / _FILES[0]}, then run "
         f"hbench run {schedule} --check",
         err=True,
     )

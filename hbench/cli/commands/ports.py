@@ -1,4 +1,4 @@
-"""``hbench ports``: lists serial ports, and which answer as an hbench board."""
+"""``hbench ports``: list of serial ports and hbench boards."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -8,31 +8,31 @@ import typer
 from hbench.cli.printed import AS_JSON, as_object
 
 if TYPE_CHECKING:
-    from hbench.rig.discovery import Found
+    from hbench.rig.discovery import ProbedPort
 
 
 def ports(
     names: list[str] = typer.Argument(
         None,
         metavar="[PORT]...",
-        help="Look at these alone; pseudo-terminals and socket://host:port aren't listed.",
+        help="Probe only these ports; needed for pseudo-terminals and socket://host:port.",
     ),
     as_json: bool = AS_JSON,
 ) -> None:
-    """List serial ports, and which answer as an hbench board.
+    """List the serial ports, and identify the hbench boards on them.
 
-    Each port is opened for about half a second and asked who is there. Opening may toggle its
-    control lines (DTR, RTS), which resets some boards: don't, while something must not stop.
+    Each port is opened for about half a second. Opening may toggle its control lines (DTR, RTS),
+    which resets some boards: do not use this command while a bench is moving.
 
     Example: hbench ports
     """
     from hbench import workflow
 
-    found = workflow.find_boards(names or ())
-    typer.echo(_json(found) if as_json else _table(found))
+    probed = workflow.find_boards(names or ())
+    typer.echo(_json(probed) if as_json else _table(probed))
 
 
-def _json(found: Sequence["Found"]) -> str:
+def _json(probed: Sequence["ProbedPort"]) -> str:
     rows = [
         {
             "port": f.port.name,
@@ -42,15 +42,15 @@ def _json(found: Sequence["Found"]) -> str:
             "board": f.board.board if f.board else None,
             "why": f.why,
         }
-        for f in found
+        for f in probed
     ]
     return as_object("ports", ports=rows)
 
 
-def _table(found: Sequence["Found"]) -> str:
-    if not found:
+def _table(probed: Sequence["ProbedPort"]) -> str:
+    if not probed:
         return "no serial ports"
-    rows = [(f.port.name, _answer(f), f.port.description) for f in found]
+    rows = [(port.port.name, _answer(port), port.port.description) for port in probed]
     wide = [max(len(row[column]) for row in rows) for column in range(2)]
     return "\n".join(
         f"{name:{wide[0]}}  {answer:{wide[1]}}  {description}".rstrip()
@@ -58,7 +58,7 @@ def _table(found: Sequence["Found"]) -> str:
     )
 
 
-def _answer(found: "Found") -> str:
-    if found.board:
-        return f"board '{found.board.board}', firmware '{found.board.firmware}'"
-    return f"error: {found.why}" if found.why else found.state
+def _answer(probed: "ProbedPort") -> str:
+    if probed.board:
+        return f"board '{probed.board.board}', firmware '{probed.board.firmware}'"
+    return f"error: {probed.why}" if probed.why else probed.state

@@ -1,4 +1,4 @@
-"""``hbench reconcile``: where model and measurement disagree, and which effect the model lacks."""
+"""``hbench reconcile``: differences between model and measurement, and the missing effect."""
 
 import sys
 from pathlib import Path
@@ -11,23 +11,23 @@ from hbench.errors import ExitCode
 def reconcile(
     campaign: Path = typer.Argument(help="Campaign folder."),
     model: Path = typer.Option(
-        ..., help="Today's model: a bench file, or a plant file over the campaign's bench."
+        ..., help="Present model: a bench file, or a plant file applied to the campaign's bench."
     ),
     output: Path = typer.Option(
         ..., "-o", "--output", help="Folder for report.html, diagnosis.json and model.yaml."
     ),
     fail: bool = typer.Option(
-        False, "--fail", help="Exit with 6 unless the model is as good as the bench repeats itself."
+        False, "--fail", help="Exit with 6 unless the model agrees within the repeatability."
     ),
     series: str | None = typer.Option(
-        None, help="Which of an imported campaign's series, such as a seal."
+        None, help="Label of the series to use, for an imported campaign with several."
     ),
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json instead of tables."),
 ) -> None:
-    """Find where CAMPAIGN and a model disagree, name the effect that is missing, and add it.
+    """Find where CAMPAIGN and a model disagree, identify the missing effect, and add it.
 
-    Verdicts: named; ambiguous (with the experiment that would tell, as next.yaml); unknown (the
-    disagreement's shape is shown); none.
+    Verdicts: named (the missing effect is identified); ambiguous (several effects fit; next.yaml is
+    an experiment that distinguishes them); unknown (no known effect fits); none (no difference).
 
     Example: hbench reconcile telling --model my-bench/bench-aau.yaml -o diagnosis
     """
@@ -38,11 +38,11 @@ def reconcile(
 
     progress = ProgressLine(sys.stderr)
     try:
-        found = workflow.reconcile(campaign, model, progress.counted, series)
+        diagnosis = workflow.reconcile(campaign, model, progress.counted, series)
     finally:
         progress.close()
-    workflow.write_diagnosis(output, found)
+    workflow.write_diagnosis(output, diagnosis)
     typer.echo(f"{output / 'report.html'}", err=True)
-    typer.echo(diagnosis_json(found) if as_json else diagnosis_text(found))
-    if fail and found.verdict != "none":
+    typer.echo(diagnosis_json(diagnosis) if as_json else diagnosis_text(diagnosis))
+    if fail and diagnosis.verdict != "none":
         raise typer.Exit(ExitCode.NEGATIVE)

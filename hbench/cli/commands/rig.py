@@ -1,4 +1,4 @@
-"""``hbench rig``: serves the virtual rig to other programs."""
+"""``hbench rig``: server of the virtual rig for other programs."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -7,36 +7,37 @@ import typer
 
 
 class Speed(StrEnum):
-    """How simulated time passes."""
+    """Speed of simulated time."""
 
     WALL = "1"
     MAX = "max"
 
 
 def rig(
-    bench: Path = typer.Option(None, help="Bench file; by default the one that 'init' writes."),
-    plant: Path = typer.Option(None, help="Physics other than the bench's."),
+    bench: Path = typer.Option(None, help="Bench file; by default that of 'hbench init'."),
+    plant: Path = typer.Option(None, help="Plant file with physics that differs from the bench's."),
     seed: int = typer.Option(1, help="Seed of noise and scatter."),
     emulate: Path = typer.Option(
         None,
         metavar="IMAGE",
-        help="Run the firmware's image for the Cortex-M4 in an emulator (QEMU) instead.",
+        help="Firmware image for the Cortex-M4, to run in an emulator (QEMU).",
     ),
     socket: str = typer.Option(
-        None, metavar="HOST:PORT", help="Serve on a TCP socket, not on a pseudo-terminal."
+        None, metavar="HOST:PORT", help="TCP socket to serve on, instead of a pseudo-terminal."
     ),
     baud: int = typer.Option(
-        None, min=19200, help="Pace octets as a serial line of this rate does."
+        None, min=19200, help="Simulated baud rate of the line; by default octets take no time."
     ),
     speed: Speed = typer.Option(
         Speed.WALL,
-        help="'1' follows the clock on the wall. 'max': time runs at full speed for half the "
-        "bench's heartbeat limit after each word of the client, then waits for the next.",
+        help="'1': simulated time follows wall time. 'max': it runs at full speed for half the "
+        "bench's heartbeat limit after each message of the client, then waits for the next.",
     ),
 ) -> None:
-    """Serve the virtual rig; print the name to give to 'hbench run --port'. Ctrl-C ends it.
+    """Serve the virtual rig; print the name for 'hbench run --port'. Ctrl-C ends it.
 
-    One client at a time. When it leaves, the rig goes on, and stops itself by its heartbeat limit.
+    It serves one client at a time. Without a client, the rig runs on and stops its motion by its
+    heartbeat limit.
 
     Example: hbench rig --socket localhost:7000
     """
@@ -52,7 +53,7 @@ def rig(
             image=emulate,
             address=socket,
             baud=baud,
-            flat_out=speed is Speed.MAX,
+            full_speed=speed is Speed.MAX,
             announce=_announce,
         )
     except KeyboardInterrupt:
@@ -60,4 +61,4 @@ def rig(
 
 
 def _announce(name: str) -> None:
-    print(name, flush=True)  # a pipe's reader waits for it
+    print(name, flush=True)  # for a reader of a pipe

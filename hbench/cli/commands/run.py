@@ -1,4 +1,4 @@
-"""``hbench run``: makes the runs of a schedule on a bench or on the virtual rig."""
+"""``hbench run``: measurement of a schedule on a bench or on the virtual rig."""
 
 import shlex
 import sys
@@ -11,39 +11,45 @@ from hbench.cli.printed import AS_JSON, as_object
 
 
 def run(
-    schedule: Path = typer.Argument(help="Schedule file, e.g. configs/demo.yaml."),
+    schedule: Path = typer.Argument(help="Schedule file, such as configs/demo.yaml."),
     output: Path = typer.Option(None, "-o", "--output", help="Campaign folder to write."),
     bench: Path = typer.Option(None, help="Bench file; by default the schedule's own."),
-    port: str = typer.Option("sim", help="'sim', a serial device, or socket://host:port."),
+    port: str = typer.Option(
+        "sim", help="'sim' for the virtual rig, a serial device, or socket://host:port."
+    ),
     baud: int = typer.Option(
         None,
         min=19200,
-        help="Rate of the line: of a serial device 115200 by default; the virtual rig's octets "
-        "take no time without it.",
+        help="Baud rate of the line; by default 115200 for a serial device. On the virtual rig, "
+        "octets take no time by default.",
     ),
-    plant: Path = typer.Option(None, help="Physics of the virtual rig other than the bench's."),
+    plant: Path = typer.Option(
+        None, help="Plant file for the virtual rig, with physics that differs from the bench's."
+    ),
     seed: int = typer.Option(1, help="Seed of the virtual rig's noise and scatter."),
     campaigns: int = typer.Option(
         None,
         min=1,
-        help="Make this many campaigns on virtual rigs, on all cores: seeds from --seed on, each "
-        "in a folder of its seed's name in the output folder.",
+        help="Number of campaigns to make on virtual rigs, on all cores: with seeds from --seed "
+        "on, each in a folder named after its seed.",
     ),
-    check: bool = typer.Option(False, "--check", help="Check and estimate only; nothing moves."),
-    resume: bool = typer.Option(False, "--resume", help="Go on with an interrupted campaign."),
+    check: bool = typer.Option(
+        False, "--check", help="Only check the schedule and estimate its time; nothing moves."
+    ),
+    resume: bool = typer.Option(False, "--resume", help="Continue an interrupted campaign."),
     take_over: bool = typer.Option(
-        False, "--take-over", help="Clear the board's latched fault, or stop what it still runs."
+        False, "--take-over", help="Stop a board that still runs, and clear a latched fault."
     ),
     retry: int = typer.Option(
         0,
         min=0,
         max=9,
-        help="Make a run that is rejected as it ends again at once, up to this many times; every "
-        "attempt's log is kept.",
+        help="Repeat a rejected run at once, up to this many times; the log of every attempt is "
+        "kept.",
     ),
     as_json: bool = AS_JSON,
 ) -> None:
-    """Run SCHEDULE and pull every run's log into a campaign folder.
+    """Run SCHEDULE, and write every run's log to a campaign folder.
 
     Example: hbench run configs/demo.yaml -o demo
     """
@@ -56,7 +62,7 @@ def run(
     typer.echo(
         f"{experiment.schedule.name}: {most}{estimate.runs} runs, about "
         f"{_minutes(estimate.seconds)} on the bench, {estimate.bytes / 1e6:.1f} MB of logs"
-        f"{'; adaptive velocities: friction decides how many' if most else ''}",
+        f"{'; adaptive velocities: the measured friction determines how many' if most else ''}",
         err=True,
     )
     if check:
@@ -64,13 +70,13 @@ def run(
             typer.echo(as_object("estimate", name=experiment.schedule.name, **vars(estimate)))
         else:
             typer.echo(
-                "checked: travel, speeds, loads and pressures lie inside the bench's limits; "
+                "checked: travel, speeds, loads and pressures are within the bench's limits; "
                 "nothing has moved",
                 err=True,
             )
         return
     if output is None:
-        raise typer.BadParameter("a campaign folder is needed", param_hint="'-o'")
+        raise typer.BadParameter("missing: give a campaign folder", param_hint="'-o'")
     display = BenchDisplay(sys.stderr)
     common = {"plant": plant, "resume": resume, "baud": baud, "clock": _now, "retry": retry}
     try:
@@ -86,7 +92,7 @@ def run(
             )
         else:
             if port != "sim":
-                raise typer.BadParameter("is for the virtual rig", param_hint="'--campaigns'")
+                raise typer.BadParameter("needs --port sim", param_hint="'--campaigns'")
             summary = workflow.measure_seeds(
                 experiment,
                 output,
@@ -95,7 +101,7 @@ def run(
                 **common,
             )
     except KeyboardInterrupt:
-        display.close("interrupted; the same command with --resume goes on")
+        display.close("interrupted; give the same command with --resume to continue")
         raise
     finally:
         display.close()
@@ -112,5 +118,5 @@ def _now() -> datetime:
 
 
 def _minutes(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
+    minutes, remaining = divmod(round(seconds), 60)
+    return f"{minutes} min {remaining:02d} s" if minutes else f"{remaining} s"

@@ -1,4 +1,4 @@
-"""``hbench simulate``: the model alone: what it shows of friction, measured commands replayed."""
+"""``hbench simulate``: phenomena of the model, and replay of measured valve commands."""
 
 from pathlib import Path
 
@@ -8,23 +8,28 @@ from hbench.cli.printed import AS_JSON, as_object
 
 
 def simulate(
-    campaign: Path = typer.Argument(None, help="Campaign whose valve commands --model gets."),
-    model: Path = typer.Option(
-        None, help="A bench file, or a plant file such as reconcile's model.yaml, for CAMPAIGN."
+    campaign: Path = typer.Argument(
+        None, help="Campaign folder whose measured valve commands drive the model."
     ),
-    phenomenon: str = typer.Option(None, metavar="NAME", help="Which; without it, the list."),
+    model: Path = typer.Option(
+        None,
+        help="Model for CAMPAIGN: a bench file, or a plant file such as reconcile's model.yaml.",
+    ),
+    phenomenon: str = typer.Option(
+        None, metavar="NAME", help="Name of the phenomenon; without it, the names are listed."
+    ),
     bench: Path = typer.Option(
-        None, help="Bench of 'supply' and 'instability'; by default the one that 'init' writes."
+        None,
+        help="Bench file for 'supply' and 'instability'; by default that of 'hbench init'.",
     ),
     output: Path = typer.Option(None, "-o", "--output", help="Folder for page, figures and data."),
     as_json: bool = AS_JSON,
 ) -> None:
-    """Simulate a phenomenon of friction or of the bench; print its defining numbers.
+    """Simulate a phenomenon of friction or of the bench; print its characteristic numbers.
 
-    Without --phenomenon, list them. With CAMPAIGN and --model, simulate its runs in open loop
-    instead: print how far the model is off, write the runs as CSV that 'import' reads, as in
-    'hbench simulate telling --model diagnosis/model.yaml -o replay'. The closed loop is
-    'hbench run --plant MODEL'.
+    With CAMPAIGN and --model, simulate the campaign's runs in open loop instead: print the model's
+    errors, and write the runs as CSV for 'hbench import', as in 'hbench simulate telling --model
+    diagnosis/model.yaml -o replay'. For the closed loop use 'hbench run --plant MODEL'.
 
     Example: hbench simulate --phenomenon stick-slip -o stick-slip
     """
@@ -41,11 +46,11 @@ def simulate(
         typer.echo(as_object("phenomena", names=names) if as_json else "\n".join(names))
         return
     default = files("hbench.config") / "examples" / "bench-aau.yaml"
-    found = workflow.simulate(phenomenon, bench or default)
+    result = workflow.simulate(phenomenon, bench or default)
     if output is not None:
-        workflow.write_phenomenon(output, found)
-        typer.echo(f"{output / found.name}.html", err=True)
-    typer.echo(phenomenon_json(found) if as_json else phenomenon_text(found))
+        workflow.write_phenomenon(output, result)
+        typer.echo(f"{output / result.name}.html", err=True)
+    typer.echo(phenomenon_json(result) if as_json else phenomenon_text(result))
 
 
 def _replay(
@@ -60,14 +65,14 @@ def _replay(
     from hbench.report.simulation.replay_text import replay_json, replay_text
 
     if campaign is None:
-        raise typer.BadParameter("a campaign is needed", param_hint="CAMPAIGN")
+        raise typer.BadParameter("missing: --model needs it", param_hint="CAMPAIGN")
     if model is None:
-        raise typer.BadParameter("a model is needed", param_hint="'--model'")
+        raise typer.BadParameter("missing: CAMPAIGN needs it", param_hint="'--model'")
     for name, given in (("--phenomenon", phenomenon), ("--bench", bench)):
         if given is not None:
-            raise typer.BadParameter("is not for a campaign's runs", param_hint=f"'{name}'")
-    found = workflow.replay(campaign, model)
+            raise typer.BadParameter("can't be used with CAMPAIGN", param_hint=f"'{name}'")
+    replay = workflow.replay(campaign, model)
     if output is not None:
-        workflow.write_replay(output, found)
+        workflow.write_replay(output, replay)
         typer.echo(f"{output / 'runs.csv'}", err=True)
-    typer.echo(replay_json(found) if as_json else replay_text(found))
+    typer.echo(replay_json(replay) if as_json else replay_text(replay))

@@ -1,4 +1,4 @@
-"""``hbench watch``: a campaign on a local page, for the screen beside the bench."""
+"""``hbench watch``: local page of a campaign, for a screen beside the bench."""
 
 from pathlib import Path
 
@@ -6,14 +6,15 @@ import typer
 
 
 def watch(
-    campaign: Path = typer.Argument(help="Campaign folder; it may not be there yet."),
+    campaign: Path = typer.Argument(help="Campaign folder; need not exist yet."),
     port: int = typer.Option(
-        8350, min=0, max=65535, help="TCP port on this machine; 0 takes any that is free."
+        8350, min=0, max=65535, help="TCP port on this machine; 0 for any free port."
     ),
 ) -> None:
-    """Show CAMPAIGN on a page of this machine alone, while it is made and after. Ctrl-C ends it.
+    """Show CAMPAIGN on a local web page, during and after measurement. Ctrl-C ends it.
 
-    It only reads; what 'hbench run' does in another terminal goes on without it.
+    Only this machine can open the page. The command only reads: 'hbench run' in another terminal
+    does not depend on it.
 
     Example: hbench watch demo
     """
@@ -22,7 +23,7 @@ def watch(
 
     server = new_server(workflow.Watch(campaign), port)
     try:
-        print(f"http://127.0.0.1:{server.server_port}/", flush=True)  # a pipe's reader waits for it
+        print(f"http://127.0.0.1:{server.server_port}/", flush=True)  # for a reader of a pipe
         server.serve_forever()
     except KeyboardInterrupt:
         return

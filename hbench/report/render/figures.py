@@ -12,7 +12,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from hbench.parallel.forked import side_by_side
+from hbench.parallel.forked import map_forked
 from hbench.report.render.figure_text import alternative_text, data_csv, point_notes
 from hbench.report.render.series import DrawnSeries, series_of
 from hbench.report.render.style import RC, WIDTH_IN
@@ -53,7 +53,7 @@ class Sketch(NamedTuple):
 
 def drawn(sketches: Sequence[Sketch]) -> tuple[Drawing, ...]:
     """Return the figures as drawings, each with its data and its text alternative."""
-    return tuple(side_by_side(_drawn, sketches))
+    return tuple(map_forked(_drawn, sketches))
 
 
 def _drawn(sketch: Sketch) -> Drawing:

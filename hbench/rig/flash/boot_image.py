@@ -1,8 +1,8 @@
-"""Boot images of the F28335: the text that ``hex2000 -boot -sci8 -a`` writes, and its checks.
+"""Boot images of the F28335: reader and checks of the text that ``hex2000 -boot -sci8 -a`` writes.
 
-The text is hex octets between whitespace, with or without a 0x02 before and a 0x03 after them.
-The octets are what the serial boot ROM takes, 16-bit words with the low octet first and 32-bit
-values with the high word first (TI SPRUI07 and SPRU513):
+The text consists of hex octets separated by whitespace, optionally between 0x02 and 0x03. The
+octets are the stream for the serial boot ROM: 16-bit words with the low octet first, 32-bit values
+with the high word first (TI SPRUI07 and SPRU513):
 
     AA 08               key 0x08AA
     8 words             reserved
@@ -10,7 +10,7 @@ values with the high word first (TI SPRUI07 and SPRU513):
     blocks              {number of words, address (2 words), the words}
     00 00               end: a block of no words
 
-Written from those documents; no image of TI's tool has been loaded into a board with it yet.
+Written from those documents; not yet tried with a board.
 """
 
 import re
@@ -27,12 +27,12 @@ LOADABLE = ((0x000000, 0x000001), (0x000050, 0x0007FF), (0x008000, 0x00FFFF))
 """First and last address of M0 and M1, less the ROM's own stack, and of L0 to L7."""
 
 _OCTET = re.compile(r"[0-9A-Fa-f]{2}")
-_MAKE = "Make it with `hex2000 -boot -sci8 -a -o image.txt program.out`."
+_MAKE = "Build it with `hex2000 -boot -sci8 -a -o image.txt program.out`."
 
 
 @dataclass(frozen=True)
-class Block:
-    """Words that go to consecutive addresses."""
+class MemoryBlock:
+    """Words for consecutive addresses."""
 
     address: int
     words: tuple[int, ...]
@@ -40,20 +40,20 @@ class Block:
 
 @dataclass(frozen=True)
 class BootImage:
-    """A checked image: ``stream`` is what goes over the line, end mark included."""
+    """A checked image; ``stream`` are the octets for the line, including the end mark."""
 
     name: str
     entry: int
-    blocks: tuple[Block, ...]
+    blocks: tuple[MemoryBlock, ...]
     stream: bytes
 
     @property
     def words(self) -> int:
-        """How many words it loads."""
+        """Number of words loaded."""
         return sum(len(block.words) for block in self.blocks)
 
-    def holds_text(self, text: str) -> bool:
-        """Tell whether a string stands in the loaded memory, a character a word as on the C28x."""
+    def contains_text(self, text: str) -> bool:
+        """Return whether the loaded memory contains a string, one character per word (C28x)."""
         memory: dict[int, int] = {}
         for block in self.blocks:
             memory.update(enumerate(block.words, block.address))
@@ -71,7 +71,7 @@ def read_boot_image(path: Path) -> BootImage:
             "latin-1"
         )  # never fails; what is not hex is shown
     except FileTooLarge as error:
-        raise DataError(f"{path}: {error}", "It can't be an image for an F28335.") from None
+        raise DataError(f"{path}: {error}", "Give an image for the F28335.") from None
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror or error}", "Check the path.") from None
     return parse_boot_image(text, str(path))
@@ -87,13 +87,13 @@ def parse_boot_image(text: str, source: str) -> BootImage:
     _check_key(cursor.take(2, "the key"), source)
     cursor.take(_RESERVED_OCTETS, "the reserved words")
     entry = cursor.long("the entry point")
-    blocks: list[Block] = []
+    blocks: list[MemoryBlock] = []
     while count := cursor.word(f"the size of block {len(blocks) + 1}"):
         number = len(blocks) + 1
         address = cursor.long(f"the address of block {number}")
         _check_place(number, address, count, source)
         octets = cursor.take(2 * count, f"block {number} ({count} words at 0x{address:06X})")
-        blocks.append(Block(address, _words(octets)))
+        blocks.append(MemoryBlock(address, _words(octets)))
     stream, rest = cursor.split()
     if any(rest):
         raise DataError(f"{source}: {len(rest)} octets follow the end mark", _MAKE)
@@ -106,7 +106,7 @@ def parse_boot_image(text: str, source: str) -> BootImage:
 
 
 class _Cursor:
-    """Goes through the octets and knows what was to come where they end."""
+    """Reader of the octets, which names the truncated section in errors."""
 
     def __init__(self, octets: bytes, source: str):
         self._octets = octets
@@ -119,7 +119,7 @@ class _Cursor:
             raise DataError(
                 f"{self._source}: truncated in {what}: {len(part)} of {count} octets, "
                 f"{len(self._octets)} in all",
-                "Copy or make the image anew; a whole one ends with a block of size 0.",
+                "Copy or build the image again; a complete one ends with a block of size 0.",
             )
         self._at += count
         return part
@@ -145,7 +145,7 @@ def _octets(text: str, source: str) -> bytes:
         for token in line.split():
             if token.startswith("$A"):
                 raise DataError(
-                    f"{source}: line {number}: address record {token!r}: made without -boot", _MAKE
+                    f"{source}: line {number}: address record {token!r}: built without -boot", _MAKE
                 )
             if not _OCTET.fullmatch(token):
                 raise DataError(
@@ -158,14 +158,13 @@ def _octets(text: str, source: str) -> bytes:
 def _check_key(key: bytes, source: str) -> None:
     if key == KEY:
         return
-    stands = f"begins with {key.hex(' ').upper()} where AA 08 belongs"
+    fault = f"begins with {key.hex(' ').upper()}; expected AA 08"
     if KEY[0] in key:
         raise DataError(
-            f"{source}: {stands}: header of another boot mode, made without -sci8", _MAKE
+            f"{source}: {fault}: header of another boot mode, built without -sci8", _MAKE
         )
     raise DataError(
-        f"{source}: {stands}: wrong key, at which the boot ROM would run the program in flash",
-        _MAKE,
+        f"{source}: {fault}: with a wrong key, the boot ROM runs the program in flash", _MAKE
     )
 
 
@@ -177,8 +176,8 @@ def _check_place(number: int, address: int, count: int, source: str) -> None:
     raise DataError(
         f"{source}: block {number} ({count} words at 0x{address:06X}): 0x{outside:06X} is outside "
         f"loadable RAM, {regions}",
-        "The serial boot ROM loads RAM only, and 0x000002-0x00004F is its own stack; "
-        "link the program for RAM.",
+        "Link the program for RAM: the serial boot ROM loads no other memory, and "
+        "0x000002-0x00004F is its own stack.",
     )
 
 

@@ -1,4 +1,4 @@
-"""After loading: who answers, and is it the firmware that was loaded?"""
+"""Verification after flashing: the answering firmware must be the one in the image."""
 
 from collections.abc import Callable
 
@@ -7,26 +7,27 @@ from hbench.rig.client import BoardClient, Identity, NoAnswer
 from hbench.rig.ports import Port
 
 
-def identify_loaded(
-    port: Port, image: str, holds_text: Callable[[str], bool], silence_hint: str
+def verified_identity(
+    port: Port, image: str, contains_text: Callable[[str], bool], silence_hint: str
 ) -> Identity:
-    """Return who answers on ``port``, if its firmware id stands in the image; closes the port.
+    """Return the identity of the board on ``port``, and close the port.
 
-    ``holds_text`` tells whether a string stands in the image. Raises ``DeviceError``.
+    ``contains_text`` returns whether the image contains a string. Raises ``DeviceError`` without
+    an answer, or if the image does not contain the firmware's id.
     """
     try:
         identity = BoardClient(port).identify()
     except NoAnswer as error:
         raise DeviceError(
-            f"{port.name}: {image} is loaded, but no firmware identifies itself ({error.message})",
+            f"{port.name}: {image} is loaded, but no firmware answers ({error.message})",
             silence_hint,
         ) from None
     finally:
         port.close()
-    if not holds_text(identity.firmware):
+    if not contains_text(identity.firmware):
         raise DeviceError(
-            f"{port.name}: firmware '{identity.firmware}' answers, an id that does not stand in "
-            f"{image}: the board runs another program than the one loaded",
-            "Was the board reset into an older program? Check the boot pins and the image.",
+            f"{port.name}: firmware id '{identity.firmware}' not found in {image}: the board runs "
+            "another program",
+            "Check the boot pins and the image; a reset can start an older program.",
         )
     return identity

@@ -1,10 +1,10 @@
-"""Reads Code Composer Studio data files as they are found, not as they should be.
+"""Reader of Code Composer Studio data files, tolerant of the variations that occur in practice.
 
     1651 <format> <address> <page> <length> [<new format>]      all in hex, without 0x
     one sample a line
 
-Formats: 1 hex, 2 integer, 3 long, 4 float, 9 (see ``new format``, whose codes are target-specific
-and nowhere listed). Known variations: length 0 for "to the end of the file", CRLF, ``0x``
+Formats: 1 hex, 2 integer, 3 long, 4 float, 9 (see ``new format``, whose codes depend on the target
+and are not documented). Known variations: length 0 for "to the end of the file", CRLF, ``0x``
 prefixes, 32-bit hex numbers, decimal numbers under format 1, a wrong length, no header at all.
 """
 
@@ -34,7 +34,7 @@ _SAVE_AGAIN = "Save the file again as 'Hex 16 bit' (format 1)."
 
 @dataclass(frozen=True)
 class CcsData:
-    """Samples of a data file, and what was odd about it ("code: words")."""
+    """Samples of a data file, and warnings about the file ("code: text")."""
 
     values: np.ndarray  # (n,) uint16 or uint32 from hex, int64 or float64 from decimal
     warnings: tuple[str, ...]
@@ -43,8 +43,8 @@ class CcsData:
 def parse_ccs(data: bytes, source: str, headerless: Notation | None = None) -> CcsData:
     """Read a data file.
 
-    ``headerless`` is how to read a file without header; None infers it. Raises ``DataError``
-    naming ``source``, the line, what stands there and what was expected.
+    ``headerless`` is the notation of a file without header; None infers it. Raises ``DataError``
+    naming ``source``, the line, its text and the expected form.
     """
     lines, ended = _lines(data, source)
     first_line = lines[0].split() if lines else []
@@ -65,12 +65,12 @@ def parse_ccs(data: bytes, source: str, headerless: Notation | None = None) -> C
     return CcsData(values, (*warnings, *count_warnings(announced, len(values), words_a_sample)))
 
 
-def count_warnings(announced: int, found: int, words_a_sample: int) -> tuple[str, ...]:
-    """Compare the header's length, in samples or words, with the samples found. 0 is any."""
-    if announced in (0, found, found * words_a_sample):
+def count_warnings(announced: int, samples: int, words_a_sample: int) -> tuple[str, ...]:
+    """Compare the header's length, in samples or words, with the samples read. 0 is any length."""
+    if announced in (0, samples, samples * words_a_sample):
         return ()
-    code = "truncated" if found < announced else "length"
-    return (f"{code}: the header announces {announced} samples, the file holds {found}",)
+    code = "truncated" if samples < announced else "length"
+    return (f"{code}: the header announces {announced} samples, the file contains {samples}",)
 
 
 def _lines(data: bytes, source: str) -> tuple[list[str], bool]:
@@ -109,17 +109,19 @@ def _notation(code: int, samples: list[str], source: str, warnings: list[str]) -
         return _NOTATIONS[code]
     if code == 9:
         notation = _infer(samples, source)
-        warnings.append(f"format: 9 leaves the notation open; read as {notation} samples")
+        warnings.append(f"format: 9 does not specify the notation; read as {notation} samples")
         return notation
     decimal = [s for s in samples if s[:2].lower() != "0x" and re.search(r"[-+.]", s)]
     if not decimal:
         return "hex"
-    warnings.append(f"format: 1 means hex, but {decimal[0]!r} is decimal; all is read as decimal")
+    warnings.append(
+        f"format: 1 means hex, but {decimal[0]!r} is decimal; all samples read as decimal"
+    )
     return "float" if any("." in s for s in samples) else "integer"
 
 
 def _infer(samples: list[str], source: str) -> Notation:
-    """Tell the notation from the samples; refuse where bare digits could be either."""
+    """Infer the notation from the samples; refuse bare digits, which could be hex or decimal."""
     if any("." in s for s in samples):
         return "float"
     if any(s[:2].lower() == "0x" for s in samples):
@@ -131,13 +133,13 @@ def _infer(samples: list[str], source: str) -> Notation:
     if len({len(s) for s in samples}) == 1 and any(s[0] == "0" and len(s) > 1 for s in samples):
         return "hex"  # padded with zeros to one width
     raise DataError(
-        f"{source}: nothing tells whether samples such as {samples[0]!r} are hex or decimal",
+        f"{source}: samples such as {samples[0]!r} can be hex or decimal",
         _SAVE_AGAIN,
     )
 
 
 def _is_cut(samples: list[str]) -> bool:
-    """Whether the last of samples padded to four or eight digits is shorter than the others."""
+    """Return whether the last of samples padded to four or eight digits is shorter than others."""
     widths = {len(s.lower().removeprefix("0x")) for s in samples[:-1]}
     padded = widths == {4} or widths == {8}
     return padded and len(samples[-1]) < len(samples[0])

@@ -1,6 +1,6 @@
-"""Hashes by which the journal tells that a part of it was edited after it was written.
+"""Checksums of the journal's parts, which show whether a part was edited after it was written.
 
-An edit may be meant, such as a load cell's corrected level, so it is told and not refused.
+An edit can be intended, such as a corrected load cell level, so it is reported and not refused.
 """
 
 import hashlib
@@ -8,26 +8,26 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-SECTIONS = ("source", "bench", "schedule", "map", "log")  # what the numbers depend on
+SECTIONS = ("source", "bench", "schedule", "map", "log")  # the results depend on these
 
 
-def seal(content: Any) -> str:
-    """Return the hash of what YAML text says: not of its layout or comments."""
+def content_checksum(content: Any) -> str:
+    """Return the SHA-256 of parsed YAML; layout and comments of the text do not count."""
     text = json.dumps(content, default=str, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def sealed_sections(header: Mapping[str, Any]) -> dict[str, str]:
-    """Return the hash of each section that is there."""
-    return {name: seal(header[name]) for name in SECTIONS if name in header}
+def section_checksums(header: Mapping[str, Any]) -> dict[str, str]:
+    """Return the checksum of each section that the header contains."""
+    return {name: content_checksum(header[name]) for name in SECTIONS if name in header}
 
 
-def edited_sections(header: Mapping[str, Any], seals: Any) -> list[str]:
-    """Return the sections that are not as they were sealed; none where nothing was."""
-    if not isinstance(seals, Mapping):
+def edited_sections(header: Mapping[str, Any], checksums: Any) -> list[str]:
+    """Return the sections whose checksum has changed; none for a journal without checksums."""
+    if not isinstance(checksums, Mapping):
         return []
-    return [name for name in SECTIONS if _seal_or_none(header.get(name)) != seals.get(name)]
+    return [name for name in SECTIONS if _checksum(header.get(name)) != checksums.get(name)]
 
 
-def _seal_or_none(content: Any) -> str | None:
-    return None if content is None else seal(content)
+def _checksum(content: Any) -> str | None:
+    return None if content is None else content_checksum(content)

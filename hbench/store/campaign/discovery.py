@@ -1,4 +1,4 @@
-"""Finds campaign folders, and tells by a glance whether one has changed."""
+"""Search for campaign folders, and a quick test of whether one has changed."""
 
 import glob
 import hashlib
@@ -9,44 +9,46 @@ from contextlib import suppress
 from hbench.store.campaign.folder import JOURNAL
 
 
-def find_campaigns(places: Iterable[str], tell: Callable[[str], None]) -> Iterator[str]:
-    """Yield the paths of campaign folders in each place: a folder, a pattern, or a campaign itself.
+def find_campaigns(patterns: Iterable[str], note: Callable[[str], None]) -> Iterator[str]:
+    """Yield the paths of all campaign folders.
 
-    Folders are searched to any depth; links in them are not followed. A folder that can't be read
-    is yielded, so that its reason is found. ``tell`` is given each place that holds none.
+    Each of ``patterns`` is a campaign, a folder that contains campaigns, or a glob pattern.
+    Folders are searched to any depth; links in them are not followed. An unreadable folder is
+    yielded too, so that reading it reports the reason. ``note`` gets a message for each pattern
+    without a campaign.
     """
-    for place in places:
+    for pattern in patterns:
         count = 0
-        literal = os.path.lexists(place) or not glob.has_magic(place)
-        for match in [place] if literal else glob.iglob(place, recursive=True):
-            for path in _below(os.path.abspath(match)):
+        literal = os.path.lexists(pattern) or not glob.has_magic(pattern)
+        for match in [pattern] if literal else glob.iglob(pattern, recursive=True):
+            for path in _campaigns_below(os.path.abspath(match)):
                 count += 1
                 yield path
         if not count:
-            tell(f"{place}: holds no campaign")
+            note(f"{pattern}: contains no campaign")
 
 
-def fingerprint(folder: str, made_by: str) -> str:
-    """Return a hash of the names, sizes and times of a campaign's files, and of ``made_by``.
+def fingerprint(folder: str, settings: str) -> str:
+    """Return a hash of the names, sizes and times of a campaign's files, and of ``settings``.
 
-    No file is read: one that was changed, and kept its size and time, is not noticed.
+    No file is read: a change that keeps a file's size and time goes unnoticed.
     """
     files: list[tuple] = [_stat(os.path.join(folder, JOURNAL))]
     with suppress(OSError), os.scandir(os.path.join(folder, "runs")) as entries:
         files += sorted((entry.name, *_stat(entry.path)) for entry in entries)
-    text = repr((made_by, files)).encode("utf-8", "surrogateescape")
+    text = repr((settings, files)).encode("utf-8", "surrogateescape")
     return hashlib.sha256(text).hexdigest()[:32]
 
 
 def _stat(path: str) -> tuple[int, ...]:
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except OSError as error:
         return (error.errno or -1,)
-    return found.st_size, found.st_mtime_ns
+    return status.st_size, status.st_mtime_ns
 
 
-def _below(top: str) -> Iterator[str]:
+def _campaigns_below(top: str) -> Iterator[str]:
     folders = iter([top])
     waiting: list[Iterator[str]] = []
     while True:
@@ -76,7 +78,7 @@ def _folders_in(folder: str) -> Iterator[str]:
 
 
 def _is_campaign(folder: str) -> bool:
-    """Tell whether it has a journal, or logs whose journal is missing."""
+    """Return whether the folder has a journal, or logs whose journal is missing."""
     return os.path.lexists(os.path.join(folder, JOURNAL)) or os.path.isdir(
         os.path.join(folder, "runs")
     )

@@ -1,8 +1,8 @@
 """Raw logs as Code Composer Studio data files: 16-bit words, one hex number a line.
 
-Ours begin ``1651 1 0 0 <length>`` (magic, format hex, address, page, length; all in hex) and go
-on with four lower-case digits a line. What a record is made of stands in ``campaign.yaml``.
-Files of any other make are read by ``ccs_text``; both ways give the same result.
+Files written by hbench begin ``1651 1 0 0 <length>`` (magic, format hex, address, page, length;
+all in hex) and continue with four lower-case digits a line. ``campaign.yaml`` specifies the
+channels of a record. ``ccs_text`` reads files of any other program; both give the same result.
 """
 
 import re
@@ -12,7 +12,7 @@ import numpy as np
 from hbench.errors import DataError
 from hbench.store.campaign.ccs_text import CcsData, count_warnings, parse_ccs
 
-LARGEST_OTHER = 16_000_000  # bytes; line by line takes 25 times the memory
+LARGEST_OTHER = 16_000_000  # bytes; reading line by line takes 25 times the memory
 
 _OURS = re.compile(rb"1651 1 0 0 ([0-9a-f]{1,8})\n")
 _NEWLINE = ord("\n")
@@ -23,7 +23,7 @@ _NIBBLES[_DIGITS] = np.arange(16)
 
 
 def format_words(words: np.ndarray) -> bytes:
-    """Return the data file that holds ``words`` (any shape, uint16), in C order."""
+    """Return ``words`` (any shape, uint16) as a data file, in C order."""
     flat = np.ascontiguousarray(words, np.uint16).ravel()
     lines = np.full((len(flat), 5), _NEWLINE, np.uint8)
     for position, shift in enumerate((12, 8, 4, 0)):
@@ -32,7 +32,7 @@ def format_words(words: np.ndarray) -> bytes:
 
 
 def parse_words(data: bytes, source: str) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return the 16-bit words (n,) in a data file of any known make, and warnings.
+    """Return the 16-bit words (n,) of a data file of any known program, and warnings.
 
     A 32-bit hex number is two words, the low one first, as they lie in the DSP's memory.
     A file without a header is read as hex. Raises ``DataError`` naming ``source`` and the line.
@@ -40,8 +40,8 @@ def parse_words(data: bytes, source: str) -> tuple[np.ndarray, tuple[str, ...]]:
     ours = _parse_ours(data)
     if ours is None and len(data) > LARGEST_OTHER:
         raise DataError(
-            f"{source}: is no log as this program writes it, and {len(data) / 1e6:.6g} MB large; "
-            f"limit of any other {LARGEST_OTHER / 1e6:g} MB"
+            f"{source}: is not a log written by hbench, and has {len(data) / 1e6:.6g} MB; "
+            f"limit for other programs' files {LARGEST_OTHER / 1e6:g} MB"
         )
     parsed = ours or parse_ccs(data, source, headerless="hex")
     return _as_words(parsed.values, source), parsed.warnings
@@ -50,12 +50,12 @@ def parse_words(data: bytes, source: str) -> tuple[np.ndarray, tuple[str, ...]]:
 def parse_records(data: bytes, channels: int, source: str) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return the whole records (n, channels) of a log, uint16, and warnings.
 
-    Words after the last whole record are told in a warning "truncated: ...".
+    A warning "truncated: ..." reports words after the last whole record.
     """
     words, warnings = parse_words(data, source)
-    records, rest = divmod(len(words), channels)
-    if rest:
-        warnings += (f"truncated: the last record has {rest} of {channels} words",)
+    records, excess = divmod(len(words), channels)
+    if excess:
+        warnings += (f"truncated: the last record has {excess} of {channels} words",)
     return words[: records * channels].reshape(records, channels), warnings
 
 
@@ -82,10 +82,10 @@ def _as_words(values: np.ndarray, source: str) -> np.ndarray:
         outside = np.flatnonzero((values < -0x8000) | (values > 0xFFFF))
         if len(outside) == 0:
             return (values & 0xFFFF).astype(np.uint16)
-        found = f"sample {outside[0] + 1} is {values[outside[0]]}"
+        fault = f"sample {outside[0] + 1} is {values[outside[0]]}"
     else:
-        found = "the samples are decimal fractions"
+        fault = "the samples are decimal fractions"
     raise DataError(
-        f"{source}: {found}; expected 16-bit words",
-        "A raw log holds words. Save it again as 'Hex 16 bit'.",
+        f"{source}: {fault}; expected 16-bit words",
+        "A raw log consists of 16-bit words. Save the file again as 'Hex 16 bit'.",
     )

@@ -1,7 +1,7 @@
 """The campaign folder: ``campaign.yaml``, ``runs/`` with the raw logs, ``results/``.
 
-A raw log is on disk before its run's stop part, and both before anything is derived. A raw log
-is never rewritten: when a run is made again, the log of the attempt before is kept as
+A raw log is on disk before its run's stop part, and both before any result is derived. A raw log
+is never rewritten: when a run is repeated, the log of the previous attempt is kept as
 ``runs/<id>~1.dat`` (then ``~2`` and so on).
 """
 
@@ -30,12 +30,15 @@ from hbench.store.files.run_csv import parse_run
 from hbench.untrusted_text import printable
 
 JOURNAL = "campaign.yaml"
-ADD_A_BENCH = "Lay a bench file 'bench.yaml' into what `hbench export` writes of it; import that."
-_SETTINGS = ("instruments", "sensors", "controllers", "limits", "screening")  # told in the report
+ADD_A_BENCH = (
+    "Export the campaign with `hbench export`, add a bench file 'bench.yaml' to the exported "
+    "folder, and import that folder."
+)
+_SETTINGS = ("instruments", "sensors", "controllers", "limits", "screening")  # for the report
 
 
 class CampaignWriter:
-    """Writes a campaign while it is being made: the header, then each run's start and stop."""
+    """Writer of a campaign during its measurement: the header, then each run's start and stop."""
 
     def __init__(self, folder: Path):
         self._folder = folder
@@ -44,14 +47,14 @@ class CampaignWriter:
 
     @classmethod
     def create(cls, folder: Path, header: Mapping[str, Any]) -> "CampaignWriter":
-        """Begin a campaign. Raises ``ConfigError`` where ``folder`` holds one already."""
+        """Begin a campaign. Raises ``ConfigError`` if ``folder`` contains one already."""
         refuse_existing(folder)
         write_atomic(folder / JOURNAL, journal.header_text(header).encode())
         return cls(folder)
 
     @classmethod
     def resume(cls, folder: Path) -> "CampaignWriter":
-        """Go on with a campaign; a half-written last line is cut off. Raises ``DataError``."""
+        """Continue a campaign; a half-written last line is cut off. Raises ``DataError``."""
         path = folder / JOURNAL
         data = _read_journal(path)
         journal.parse_journal(data, str(path))
@@ -61,7 +64,7 @@ class CampaignWriter:
         return cls(folder)
 
     def start_run(self, plan: RunPlan, at: datetime, after_rejection: str = "") -> None:
-        """Append the start part of a run; ``after_rejection`` says why it is made again."""
+        """Append the start part of a run; ``after_rejection`` is the reason for a repetition."""
         text = journal.start_text(plan, at, after_rejection=after_rejection)
         append(self._journal, text.encode())
         self._started = plan
@@ -74,7 +77,7 @@ class CampaignWriter:
         ``words`` is (records, words of a record), uint16.
         """
         if plan != self._started:
-            raise ValueError(f"run {plan.run} is not the one that was started last")
+            raise ValueError(f"run {plan.run} is not the run that was started last")
         log = format_words(words)
         path = self._folder / "runs" / f"{plan.run}.dat"
         _keep_earlier(path)
@@ -86,7 +89,7 @@ class CampaignWriter:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A campaign as it lies on disk. Logs are read when they are asked for."""
+    """A campaign on disk. Its logs are read on demand."""
 
     folder: Path
     header: dict[str, Any] = field(repr=False)
@@ -95,12 +98,12 @@ class Campaign:
 
     @property
     def imported(self) -> bool:
-        """Whether its logs come from elsewhere and are in SI: ``runs``, not ``raw_runs``."""
+        """Whether the logs are another bench's, in SI: ``runs`` reads them, not ``raw_runs``."""
         return self.header["source"] == "imported"
 
     @property
     def latest(self) -> tuple[Entry, ...]:
-        """One entry a run: the last with a stop part, or else the last."""
+        """One entry per run: the last with a stop part, or else the last."""
         chosen: dict[str, Entry] = {}
         for entry in self.entries:
             before = chosen.get(entry.plan.run)
@@ -110,33 +113,37 @@ class Campaign:
 
     @property
     def plans(self) -> tuple[RunPlan, ...]:
-        """The runs that were started, each once."""
+        """All runs that were started, each once."""
         return tuple(entry.plan for entry in self.latest)
 
     @property
     def done(self) -> frozenset[str]:
-        """Ids of the runs that need not be made again."""
+        """Ids of the completed runs, which need no repetition."""
         return frozenset(
             entry.plan.run for entry in self.latest if entry.stop and entry.stop.outcome == "done"
         )
 
     def bench(self) -> Bench | None:
-        """Return the bench that it was made on; None where the source did not tell."""
+        """Return the bench of the measurement; None for imported logs without a bench file."""
         if not self.imported and not self.header.get("bench"):
-            raise DataError(f"{self._source('bench')}: is missing; counts mean nothing without it")
+            raise DataError(
+                f"{self._source('bench')}: is missing; raw counts can't be converted without it"
+            )
         return self._parsed("bench", parse_bench)
 
     def screening(self) -> Screening:
-        """Return the limits for its runs: of its schedule or import map, or the default ones."""
+        """Return the screening limits: of the schedule or import map, or the default ones."""
         rules = self._parsed("schedule", parse_schedule) or self._parsed("map", parse_import_map)
         return rules.screening if rules else Screening()
 
     def provenance(self) -> Provenance:
-        """Return what was measured by what."""
+        """Return the origin of the data: bench, firmware, software, times and settings."""
         header = self.header
         bench = header.get("bench") or header.get("map") or {}
         contents = [(header.get(key) or {}).get("content") for key in ("schedule", "bench")]
-        written = {k: v for one in contents if isinstance(one, dict) for k, v in one.items()}
+        written = {
+            k: v for content in contents if isinstance(content, dict) for k, v in content.items()
+        }
         firmware = header.get("firmware") or {}
         known = ("name", "source", "created", "software", "bench", "firmware", "log", "schedule")
         return Provenance(
@@ -157,8 +164,8 @@ class Campaign:
         """Read the raw logs, in the order in which the runs were first started.
 
         A log that is missing, cut or unreadable still gives a ``RawRun``, with a warning, so
-        that it is rejected with a reason. Raises ``DataError`` where the header lacks the log's
-        layout.
+        that it is rejected with a reason. Raises ``DataError`` if the header does not specify the
+        log's layout.
         """
         channels, rate_hz, flags = read_layout(self.header.get("log"), self._source("log"))
         for entry in self.latest:
@@ -177,7 +184,7 @@ class Campaign:
     def runs(self) -> Iterator[Run]:
         """Read the runs of an imported campaign.
 
-        One that is missing or unreadable has no samples; ``truncated`` says what is wrong.
+        A missing or unreadable run has no samples; ``truncated`` states the reason.
         """
         for entry in self.latest:
             data, warnings = self._log(entry, ".csv")
@@ -194,39 +201,39 @@ class Campaign:
         if not data:
             return nothing, warnings
         try:
-            words, noticed = parse_records(data, channels, f"runs/{entry.plan.run}.dat")
+            words, log_warnings = parse_records(data, channels, f"runs/{entry.plan.run}.dat")
         except DataError as error:
             return nothing, (*warnings, f"unreadable: {error.message}")
         if entry.stop and len(words) < entry.stop.records:
-            noticed += (f"truncated: {len(words)} of {entry.stop.records} records are there",)
-        return words, (*warnings, *noticed)
+            log_warnings += (f"truncated: contains {len(words)} of {entry.stop.records} records",)
+        return words, (*warnings, *log_warnings)
 
     def _log(self, entry: Entry, suffix: str) -> tuple[bytes, tuple[str, ...]]:
-        """Return the file of one attempt at a run, known by its hash, and what is odd about it."""
+        """Return the file of one attempt at a run, identified by its checksum, and warnings."""
         path = self.folder / "runs" / f"{entry.plan.run}{suffix}"
-        odd: tuple[str, ...] = ()
+        warnings: tuple[str, ...] = ()
         data = b""
         if not path.is_file():
-            odd = (f"missing: runs/{path.name} is not there",)
+            warnings = (f"missing: runs/{path.name} does not exist",)
         else:
             try:
                 check_inside(self.folder, path)
                 data = read_file(path)
             except DataError as error:
-                odd = (f"unreadable: {error.message}",)
-        if entry.stop is None or (not odd and sha256(data) == entry.stop.sha256):
-            return data, odd
+                warnings = (f"unreadable: {error.message}",)
+        if entry.stop is None or (not warnings and sha256(data) == entry.stop.sha256):
+            return data, warnings
         for earlier in path.parent.glob(f"{path.stem}~*{suffix}"):
-            with suppress(DataError):  # which can't be the one, then
+            with suppress(DataError):  # an unreadable file is not the attempt
                 check_inside(self.folder, earlier)
                 attempt = read_file(earlier)
                 if sha256(attempt) == entry.stop.sha256:
                     return attempt, ()
-        changed = f"changed: runs/{path.name} is not what was written (SHA-256 differs)"
-        return data, odd or (changed,)
+        changed = f"changed: runs/{path.name} was changed after it was written (SHA-256 differs)"
+        return data, warnings or (changed,)
 
     def _parsed(self, key: str, parse: Callable[[dict, str], Any]) -> Any:
-        """Return a section's content, checked; what is wrong with it is an error of the data."""
+        """Return a section's content, parsed. A fault in it is a ``DataError``."""
         section = self.header.get(key)
         try:
             return parse(section["content"], self._source(key)) if section else None
@@ -241,45 +248,45 @@ def load_campaign(folder: Path) -> Campaign:
     """Read a campaign's journal. Raises ``DataError``."""
     path = folder / JOURNAL
     content = journal.parse_journal(_read_journal(path), str(path))
-    told = [str(note) for note in content.header.get("notes") or ()]
-    told += [*content.warnings, *_unknown_logs(folder, content), *_made_again(content)]
-    return Campaign(folder, content.header, content.entries, tuple(map(printable, told)))
+    warnings = [str(note) for note in content.header.get("notes") or ()]
+    warnings += [*content.warnings, *_unlisted_logs(folder, content), *_repeated_runs(content)]
+    return Campaign(folder, content.header, content.entries, tuple(map(printable, warnings)))
 
 
-def _unknown_logs(folder: Path, content: journal.Journal) -> Iterator[str]:
-    """Tell of logs without an entry: their part of the journal was lost, or they came later."""
-    known = {entry.plan.run for entry in content.entries}
+def _unlisted_logs(folder: Path, content: journal.Journal) -> Iterator[str]:
+    """Report logs without a journal entry: the entry was lost, or the log was added later."""
+    listed = {entry.plan.run for entry in content.entries}
     suffix = ".csv" if content.header["source"] == "imported" else ".dat"
-    found = sorted(path.name for path in (folder / "runs").glob(f"*{suffix}"))
-    unknown = [name for name in found if name.removesuffix(suffix).split("~")[0] not in known]
-    if unknown:
-        few = ", ".join(unknown[:10]) + (", ..." if len(unknown) > 10 else "")
-        yield f"{folder / JOURNAL}: has no entry for {few} in runs: left out ({len(unknown)} logs)"
+    logs = sorted(path.name for path in (folder / "runs").glob(f"*{suffix}"))
+    unlisted = [name for name in logs if name.removesuffix(suffix).split("~")[0] not in listed]
+    if unlisted:
+        few = ", ".join(unlisted[:10]) + (", ..." if len(unlisted) > 10 else "")
+        yield f"{folder / JOURNAL}: no entry for {few} in runs: left out ({len(unlisted)} logs)"
 
 
-def _made_again(content: journal.Journal) -> Iterator[str]:
-    """Tell of runs that were repeated because they had been rejected: a choice among trials."""
+def _repeated_runs(content: journal.Journal) -> Iterator[str]:
+    """Report runs that were repeated after a rejection, which selects among trials."""
     repeated = [entry for entry in content.entries if entry.after_rejection]
     if repeated:
         few = "; ".join(f"{e.plan.run} ({e.after_rejection})" for e in repeated[:5])
         more = "; ..." if len(repeated) > 5 else ""
         yield (
-            f"{len(repeated)} times a run was made again at once, since it had been rejected: "
-            f"{few}{more}. The last attempt stands here; the logs of those before are kept in runs"
+            f"{len(repeated)} repetitions of runs directly after their rejection: {few}{more}. "
+            "The last attempt counts; the logs of earlier attempts are kept in runs"
         )
 
 
 def _read_journal(path: Path) -> bytes:
-    hint = "A campaign is a folder that `hbench run` or `hbench import` made, with campaign.yaml."
+    hint = "Give a folder written by `hbench run` or `hbench import`; it contains campaign.yaml."
     return read_file(path, LARGEST_JOURNAL, hint)
 
 
 def refuse_existing(folder: Path) -> None:
-    """Raise ``ConfigError`` where ``folder`` holds a campaign already."""
+    """Raise ``ConfigError`` if ``folder`` contains a campaign already."""
     if (folder / JOURNAL).exists():
         raise ConfigError(
-            f"{folder}: holds a campaign already",
-            "Choose another folder; `hbench run --resume` goes on with an interrupted one.",
+            f"{folder}: contains a campaign already",
+            "Choose another folder, or continue an interrupted campaign with --resume.",
         )
 
 
@@ -290,7 +297,7 @@ def write_results(folder: Path, files: Mapping[str, bytes]) -> None:
 
 
 def _keep_earlier(path: Path) -> None:
-    """Give a log that is there already the name of an earlier attempt."""
+    """Rename an existing log to the name of an earlier attempt."""
     if path.exists():
         number = 1
         while (kept := path.with_name(f"{path.stem}~{number}{path.suffix}")).exists():
@@ -299,5 +306,5 @@ def _keep_earlier(path: Path) -> None:
 
 
 def sha256(data: bytes) -> str:
-    """Return the hash by which the journal knows a file."""
+    """Return the checksum by which the journal identifies a file."""
     return hashlib.sha256(data).hexdigest()

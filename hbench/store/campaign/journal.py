@@ -2,17 +2,16 @@
 
     schema: hbench.campaign/1
     name: ...                          the header, written once
-    sha256: {bench: ..., ...}          of its sections: an edit is told, and not refused
+    sha256: {bench: ..., ...}          of its sections: an edit is reported, not refused
     runs:
     - run: '0001'                      start part, appended when a run starts
       plan: {kind: steady, ...}
       start: {at: '2024-05-01T12:00:00+00:00', plan_sha256: ...}
       stop: {at: ..., outcome: done, records: 812, sha256: ...}      appended when it ends
 
-A run without stop part is one during which the host crashed. A crash may also leave the last
-line half-written; it is then left out, and said so. A run made again is a second item. One that
-was made again at once, since it had been rejected, holds the reasons in its ``start`` as
-``after_rejection``.
+A run without stop part was interrupted by a crash of the host. A crash can also leave the last
+line half-written; it is then left out, with a warning. A repeated run is a second item. A run that
+was repeated directly after its rejection has the reasons in its ``start`` as ``after_rejection``.
 """
 
 import re
@@ -26,7 +25,7 @@ import yaml
 from hbench.config.files.yaml_text import parse_yaml
 from hbench.errors import DataError
 from hbench.records import Outcome, RunPlan
-from hbench.store.campaign.checksums import edited_sections, seal, sealed_sections
+from hbench.store.campaign.checksums import content_checksum, edited_sections, section_checksums
 from hbench.store.campaign.plan_fields import read_plan
 from hbench.untrusted_text import printable
 
@@ -42,7 +41,7 @@ _Base: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 
 class _Dumper(_Base):
-    """A dumper that writes a value out each time, for readers of the file: no ``*id001``."""
+    """YAML dumper without aliases (``*id001``), so that people can read the file."""
 
     def ignore_aliases(self, data: Any) -> bool:
         return True
@@ -61,18 +60,18 @@ class Stop:
 
 @dataclass(frozen=True)
 class Entry:
-    """One time that a run was made."""
+    """One attempt at a run."""
 
     plan: RunPlan
     started: str
     stop: Stop | None  # None: crashed
     origin: Mapping[str, Any] | None = None  # of an imported run: file, lines, sha256
-    after_rejection: str = ""  # why the attempt before it was rejected, of a run made again at once
+    after_rejection: str = ""  # of a run repeated directly: why the attempt before was rejected
 
 
 @dataclass(frozen=True)
 class Journal:
-    """What ``campaign.yaml`` says."""
+    """Content of ``campaign.yaml``."""
 
     header: dict[str, Any]
     entries: tuple[Entry, ...]
@@ -80,11 +79,11 @@ class Journal:
 
 
 def check_run_id(run: str, source: str) -> str:
-    """Return ``run`` if it can name a file inside the campaign. Raises ``DataError``."""
+    """Return ``run`` if it is a valid file name. Raises ``DataError``."""
     if not _RUN_ID.fullmatch(run) or run.endswith("."):
         raise DataError(
-            f"{source}: run {run!r} can't name a file",
-            "Use letters, digits and . _ + - in a run's name.",
+            f"{source}: run {run!r} is not a valid file name",
+            "Use only letters, digits and . _ + - in a run's name.",
         )
     return run
 
@@ -92,14 +91,14 @@ def check_run_id(run: str, source: str) -> str:
 def header_text(header: Mapping[str, Any]) -> str:
     """Return the journal's beginning; ``REQUIRED`` keys must be there.
 
-    The schema is added, and the hashes by which an edited section is known.
+    The schema is added, and the checksums that identify an edited section.
     """
     missing = [key for key in REQUIRED if key not in header]
     if missing or "runs" in header:
-        raise ValueError(f"campaign header lacks {missing} or holds 'runs'")
+        raise ValueError(f"campaign header without {missing}, or with 'runs'")
     text = _dump({"schema": SCHEMA, **header}, flow=False)
-    seals = sealed_sections(parse_yaml(text))
-    return text + _dump({"sha256": seals}, flow=False) + "runs:\n"
+    checksums = section_checksums(parse_yaml(text))
+    return text + _dump({"sha256": checksums}, flow=False) + "runs:\n"
 
 
 def start_text(
@@ -119,7 +118,7 @@ def start_text(
     lines = [f"- run: '{check_run_id(plan.run, 'campaign')}'", f"  plan: {text}"]
     if origin is not None:
         lines.append(f"  from: {_dump(dict(origin))}")
-    start = {"at": at.isoformat(), "plan_sha256": seal(parse_yaml(text))}
+    start = {"at": at.isoformat(), "plan_sha256": content_checksum(parse_yaml(text))}
     if after_rejection:
         start["after_rejection"] = after_rejection
     lines.append(f"  start: {_dump(start)}")
@@ -127,7 +126,7 @@ def start_text(
 
 
 def stop_text(stop: Stop) -> str:
-    """Return the stop part, which goes on the item that ``start_text`` began."""
+    """Return the stop part, which completes the item that ``start_text`` began."""
     return f"  stop: {_dump({key: v for key, v in asdict(stop).items() if v != ''})}\n"
 
 
@@ -147,45 +146,48 @@ def parse_journal(data: bytes, source: str) -> Journal:
     warnings: tuple[str, ...] = ()
     if len(intact) < len(data):
         line = intact.count(b"\n") + 1
-        warnings = (f"{source}: line {line}: half-written and left out; the host crashed there",)
+        warnings = (f"{source}: line {line}: half-written, left out; the host crashed there",)
     try:
         content = parse_yaml(intact.decode("utf-8"))
     except UnicodeDecodeError as error:
         line = intact.count(b"\n", 0, error.start) + 1
-        raise DataError(f"{source}: line {line}: not text in UTF-8") from None
+        raise DataError(f"{source}: line {line}: is not UTF-8 text") from None
     except ValueError as error:
         raise DataError(f"{source}: {error}", "The journal is not valid YAML.") from None
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        found = content.get("schema") if isinstance(content, dict) else None
-        raise DataError(f"{source}: schema is {found!r}; expected {SCHEMA!r}")
+        schema = content.get("schema") if isinstance(content, dict) else None
+        raise DataError(f"{source}: schema is {schema!r}; expected {SCHEMA!r}")
     missing = [key for key in REQUIRED if key not in content]
     if missing:
         raise DataError(f"{source}: key {missing[0]!r} is missing")
     _check_header(content, source)
     items = content.pop("runs", None) or []
     if not isinstance(items, list):
-        raise DataError(f"{source}: runs: not a list")
+        raise DataError(f"{source}: runs: is not a list")
     entries = tuple(_entry(item, f"{source}: runs.{n}") for n, item in enumerate(items))
-    seals = content.pop("sha256", None)
-    warnings += tuple(f"{source}: {words}" for words in _edited(content, seals, items))
+    checksums = content.pop("sha256", None)
+    warnings += tuple(f"{source}: {edit}" for edit in _edits(content, checksums, items))
     return Journal(content, entries, warnings)
 
 
 def _check_header(header: dict[str, Any], source: str) -> None:
-    """Raise ``DataError`` where a section of the header is not of its kind."""
-    if header["source"] not in ("simulated", "real", "imported"):
-        raise DataError(f"{source}: source is {header['source']!r}, which no campaign has")
+    """Raise ``DataError`` if a section of the header has the wrong type."""
+    sources = ("simulated", "real", "imported")
+    if header["source"] not in sources:
+        raise DataError(
+            f"{source}: source is {header['source']!r}; expected one of {', '.join(sources)}"
+        )
     for key in ("bench", "schedule", "map", "software", "firmware", "log"):
         section = header.get(key, {})
         whole = isinstance(section, dict)
         if whole and section and key in ("bench", "schedule", "map"):
             whole = isinstance(section.get("content"), dict)
         if not whole:
-            raise DataError(f"{source}: {key}: not a section as this program writes it")
+            raise DataError(f"{source}: {key}: is not a section written by hbench")
     if not isinstance(header["name"], str) or not header["name"].strip():
         raise DataError(f"{source}: name: is not text")
     if not isinstance(header.get("notes") or [], list):
-        raise DataError(f"{source}: notes: not a list")
+        raise DataError(f"{source}: notes: is not a list")
 
 
 def _entry(item: Any, source: str) -> Entry:
@@ -207,7 +209,7 @@ def _entry(item: Any, source: str) -> Entry:
             after_rejection=after_rejection,
         )
     except (KeyError, TypeError, AttributeError, ValueError) as error:
-        raise DataError(f"{source}: not a run as this program writes it: {error}") from None
+        raise DataError(f"{source}: is not a run written by hbench: {error}") from None
 
 
 def _stop(fields: Mapping[str, Any]) -> Stop:
@@ -221,17 +223,18 @@ def _stop(fields: Mapping[str, Any]) -> Stop:
     return stop
 
 
-def _edited(header: Mapping[str, Any], seals: Any, items: list[Any]) -> Iterator[str]:
-    """Tell which sections and plans are not as they were written."""
-    if sections := edited_sections(header, seals):
+def _edits(header: Mapping[str, Any], checksums: Any, items: list[Any]) -> Iterator[str]:
+    """Report the sections and plans that were changed after they were written."""
+    if sections := edited_sections(header, checksums):
         yield f"{', '.join(sections)}: edited since the campaign was made (SHA-256 differs)"
     runs = (
         item["run"]
         for item in items
-        if (kept := item["start"].get("plan_sha256")) is not None and kept != seal(item["plan"])
+        if (stored := item["start"].get("plan_sha256")) is not None
+        and stored != content_checksum(item["plan"])
     )
-    if words := ", ".join(runs):
-        yield f"the plan of {words}: edited since the run was made (SHA-256 differs)"
+    if listed := ", ".join(runs):
+        yield f"the plan of {listed}: edited since the run was made (SHA-256 differs)"
 
 
 def _dump(value: Any, *, flow: bool = True) -> str:
@@ -248,9 +251,9 @@ def _dump(value: Any, *, flow: bool = True) -> str:
 
 
 def _printable(value: Any) -> Any:
-    """Leave out what no reader of the journal takes, such as a folder's name can hold."""
+    """Replace control characters, which YAML refuses; a folder's name can contain them."""
     if isinstance(value, str):
         return printable(value)
     if isinstance(value, Mapping):
-        return {_printable(key): _printable(one) for key, one in value.items()}
-    return [_printable(one) for one in value] if isinstance(value, list | tuple) else value
+        return {_printable(key): _printable(item) for key, item in value.items()}
+    return [_printable(item) for item in value] if isinstance(value, list | tuple) else value

@@ -1,6 +1,6 @@
-"""``live.json`` in a campaign's folder: what the host that makes the campaign tells at this moment.
+"""``live.json`` in a campaign's folder: the present state, written by the host during measurement.
 
-It is there while that host is at work. One that was killed leaves it behind; its time is old then.
+The host removes the file when it ends. A killed host leaves it behind; its time is then old.
 """
 
 import json
@@ -19,20 +19,20 @@ _LARGEST = 100_000  # bytes
 
 
 def write_live(folder: Path, state: Mapping[str, Any]) -> None:
-    """Replace what is told. A disk that refuses does not end a measurement for that."""
+    """Replace the state. A failed write does not end the measurement."""
     text = json.dumps({"schema": SCHEMA, **state}, allow_nan=False)
     with suppress(DataError):
         write_atomic(folder / LIVE, text.encode(), lasting=False)
 
 
 def remove_live(folder: Path) -> None:
-    """Tell nothing any more."""
+    """Remove the state."""
     with suppress(OSError):
         (folder / LIVE).unlink(missing_ok=True)
 
 
 def read_live(folder: Path) -> dict[str, Any] | None:
-    """Return what the host tells; None where there is nothing, or nothing that it wrote."""
+    """Return the host's state; None if there is no file, or not one written by a host."""
     try:
         state = json.loads(read_file(folder / LIVE, _LARGEST), parse_constant=_refuse)
     except (DataError, ValueError, RecursionError):
@@ -43,5 +43,5 @@ def read_live(folder: Path) -> dict[str, Any] | None:
     return state if isinstance(at, (int, float)) and not isinstance(at, bool) else None
 
 
-def _refuse(word: str) -> None:
-    raise ValueError(f"{word} is no number")
+def _refuse(constant: str) -> None:
+    raise ValueError(f"{constant} is not a number")

@@ -1,4 +1,4 @@
-"""Keeps other hosts out of a campaign while one makes it."""
+"""Lock of a campaign's folder, which excludes other hosts during a measurement."""
 
 import errno
 import os
@@ -15,19 +15,19 @@ except ImportError:  # Windows has no such lock
 
 
 @contextmanager
-def only_host(folder: Path) -> Iterator[None]:
-    """Hold a campaign's folder, which is made if need be; the system lets go of it with the host.
+def campaign_lock(folder: Path) -> Iterator[None]:
+    """Lock a campaign's folder, created if missing; the system releases it when the host ends.
 
-    Raises ``ConfigError`` where another host holds it.
+    Raises ``ConfigError`` if another host has locked it.
     """
     if folder.exists() and not folder.is_dir():
-        raise ConfigError(f"{folder}: is a file", "A campaign is a folder; name another.")
-    made = not folder.exists()
+        raise ConfigError(f"{folder}: is a file", "Give a folder as the campaign's name.")
+    created = not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handle = os.open(folder, os.O_RDONLY) if fcntl else None
     except OSError as error:
-        raise DataError(f"{folder}: can't be used: {error.strerror}") from None
+        raise DataError(f"{folder}: can't be created or opened: {error.strerror}") from None
     try:
         if handle is not None:
             _lock(handle, folder)
@@ -35,8 +35,8 @@ def only_host(folder: Path) -> Iterator[None]:
     finally:
         if handle is not None:
             os.close(handle)
-        if made:
-            with suppress(OSError):  # only what is empty goes
+        if created:
+            with suppress(OSError):  # removes an empty folder only
                 folder.rmdir()
 
 
@@ -46,5 +46,5 @@ def _lock(handle: int, folder: Path) -> None:
     except OSError as error:
         if error.errno in (errno.EAGAIN, errno.EACCES):  # others: a file system without locks
             raise ConfigError(
-                f"{folder}: another hbench is making this campaign", "Wait until it has ended."
+                f"{folder}: another hbench is measuring this campaign", "Wait until it has ended."
             ) from None

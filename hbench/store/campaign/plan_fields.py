@@ -1,4 +1,4 @@
-"""A run's plan as the journal's fields: read back, and refused where a value can't be."""
+"""Reader of a run's plan from the journal's fields, with a check of every value."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,7 +7,7 @@ from hbench.records import KINDS, Motion, RunPlan, Segment, Specimen, kind_names
 
 _LENGTH, _SPEED, _SLOPE = (-1e3, 1e3), (-1e3, 1e3), (-1e6, 1e6)
 _FORCE, _PRESSURE, _TIME = (-1e10, 1e10), (-1e11, 1e11), (0, 1e6)
-# What no bench goes beyond: a value outside was not meant.
+# No bench exceeds these ranges: a value outside is a mistake.
 _RANGES = {
     "trial": (1, 1e6),
     "v_ref_m_s": _SPEED,
@@ -28,12 +28,12 @@ _RANGES = {
     "a_m_s2": _SLOPE,
     "duration_s": _TIME,
 }
-_WORDS = ("kind", "label", "until")
+_TEXTS = ("kind", "label", "until")
 _FLAGS = ("closed",)
 
 
 def check_number(name: str, value: Any) -> None:
-    """Raise ``ValueError`` where ``value`` is no finite number in the range of its name."""
+    """Raise ``ValueError`` unless ``value`` is a finite number in the range of its name."""
     low, high = _RANGES[name]
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError(f"{name} is {str(value)[:40]!r}, not a number")
@@ -42,7 +42,7 @@ def check_number(name: str, value: Any) -> None:
 
 
 def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:
-    """Return the plan that ``fields`` say. Raises ``ValueError``, ``TypeError``, ``KeyError``."""
+    """Return the plan in ``fields``. Raises ``ValueError``, ``TypeError``, ``KeyError``."""
     fields = dict(fields)
     specimen, motion = dict(fields.pop("specimen")), fields.pop("motion", None)
     if fields["v_ref_m_s"] is None or fields["kind"] not in KINDS:
@@ -58,18 +58,18 @@ def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:
 def _motion(fields: Mapping[str, Any] | None) -> Motion | None:
     if fields is None:
         return None
-    own = {key: value for key, value in fields.items() if key != "segments"}
-    _check(own)
+    others = {key: value for key, value in fields.items() if key != "segments"}
+    _check(others)
     for segment in fields["segments"]:
         _check(segment)
-    return Motion(**own, segments=tuple(Segment(**segment) for segment in fields["segments"]))
+    return Motion(**others, segments=tuple(Segment(**segment) for segment in fields["segments"]))
 
 
 def _check(section: Mapping[str, Any]) -> None:
     for key, value in section.items():
-        if key in _WORDS:
+        if key in _TEXTS:
             if not isinstance(value, str):
-                raise ValueError(f"{key} is {str(value)[:40]!r}, not a word")
+                raise ValueError(f"{key} is {str(value)[:40]!r}, not text")
         elif key in _FLAGS:
             if not isinstance(value, bool):
                 raise ValueError(f"{key} is {str(value)[:40]!r}, neither true nor false")

@@ -1,4 +1,4 @@
-"""What ``hbench reconcile`` left in a campaign folder."""
+"""Diagnoses that ``hbench reconcile`` wrote into a campaign folder."""
 
 import json
 from pathlib import Path
@@ -12,16 +12,16 @@ SCHEMA = "hbench.diagnosis/1"
 
 
 def diagnoses(folder: Path) -> list[tuple[str, dict[str, Any] | str]]:
-    """Return the diagnoses in the folders of a campaign, by the folder's name.
+    """Return the diagnoses in a campaign's folders, each with its folder's name.
 
-    In place of one that can't be read stands the reason. A link out of the campaign is not
+    For an unreadable file, the reason is returned as text. A link out of the campaign is not
     followed.
     """
-    found = []
-    for path in sorted(folder.glob(f"*/{NAME}")):
-        if path.resolve().is_relative_to(folder.resolve()):
-            found.append((path.parent.name, _read(path)))
-    return found
+    return [
+        (path.parent.name, _read(path))
+        for path in sorted(folder.glob(f"*/{NAME}"))
+        if path.resolve().is_relative_to(folder.resolve())
+    ]
 
 
 def _read(path: Path) -> dict[str, Any] | str:
@@ -30,7 +30,7 @@ def _read(path: Path) -> dict[str, Any] | str:
     except DataError as error:
         return error.message
     except (ValueError, RecursionError) as error:
-        return f"{path}: is no JSON: {error}"
+        return f"{path}: is not JSON: {error}"
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        return f"{path}: is not of the schema {SCHEMA}"
+        return f"{path}: schema is not {SCHEMA}"
     return content

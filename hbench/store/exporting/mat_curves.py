@@ -16,33 +16,33 @@ _FIT = "law parameters rmse_n converged message".split()
 def mat_curves(curves: Iterable[Curve], joint_fits: Iterable[JointFit]) -> bytes:
     """Return a file with the struct arrays ``curves`` (with ``fits``) and ``joint_fits``.
 
-    A fit's ``parameters`` is a struct of structs: value, se, ci95, at_bound, unit. Numbers that
-    do not exist are NaN.
+    A fit's ``parameters`` is a struct of structs: value, se, ci95, at_bound, unit. Missing numbers
+    are NaN.
     """
     from scipy.io import savemat
 
-    found = {
+    structs = {
         "curves": _structs([_curve(curve) for curve in curves], [*_SERIES, *_POINTS, "fits"]),
         "joint_fits": _structs([_fit(fit) for joint in joint_fits for fit in joint.fits], _FIT),
     }
     data = io.BytesIO()
-    savemat(data, found, long_field_names=True, oned_as="column")
+    savemat(data, structs, long_field_names=True, oned_as="column")
     return data.getvalue()
 
 
 def _curve(curve: Curve) -> dict[str, Any]:
-    own = {name: _known(getattr(curve, name)) for name in _SERIES}
+    row = {name: _or_nan(getattr(curve, name)) for name in _SERIES}
     for name in _POINTS:
-        own[name] = np.array([_known(getattr(point, name)) for point in curve.points], dtype=float)
-    return own | {"fits": _structs([_fit(fit) for fit in curve.fits], _FIT)}
+        row[name] = np.array([_or_nan(getattr(point, name)) for point in curve.points], dtype=float)
+    return row | {"fits": _structs([_fit(fit) for fit in curve.fits], _FIT)}
 
 
 def _fit(fit: Fit) -> dict[str, Any]:
     parameters = {
         name: {
             "value": p.value,
-            "se": _known(p.se),
-            "ci95": np.array([_known(end) for end in p.ci95 or (None, None)]),
+            "se": _or_nan(p.se),
+            "ci95": np.array([_or_nan(end) for end in p.ci95 or (None, None)]),
             "at_bound": p.at_bound or "",
             "unit": p.unit,
         }
@@ -57,5 +57,5 @@ def _structs(rows: list[Mapping[str, Any]], names: list[str]) -> np.ndarray:
     return np.array([tuple(row[name] for name in names) for row in rows], dtype=kind)
 
 
-def _known(value: Any) -> Any:
+def _or_nan(value: Any) -> Any:
     return np.nan if value is None else value

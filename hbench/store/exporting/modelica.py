@@ -1,7 +1,7 @@
 """Friction curves as a text file that Modelica's tables read (CombiTable1Ds).
 
 The file begins with ``#1``; each table is ``double name(rows, columns)`` and its rows. Columns are
-velocity [m/s] and friction [N], and where all points have one the half-width of its 95 % interval.
+velocity [m/s], friction [N] and, if all points have one, the half-width of the 95 % interval.
 """
 
 import re
@@ -13,8 +13,8 @@ from hbench.records import KINDS, Curve
 def modelica_tables(curves: Iterable[Curve]) -> bytes:
     """Return a table of the points of each curve, and one of each law fitted to it.
 
-    Names are ``measured`` or the law, direction, load and what else tells curves apart. Rows rise
-    in velocity, as the tables want them.
+    A name consists of ``measured`` or the law, the direction, the load and the label. Rows are in
+    order of velocity, as CombiTable1Ds requires.
     """
     lines = [
         "#1",
@@ -44,8 +44,8 @@ def _name(first: str, curve: Curve, taken: set[str]) -> str:
     kind = "" if KINDS[curve.kind].has_constant_speed else curve.kind
     if curve.a_ref_m_s2 is not None:
         kind += f"_{curve.a_ref_m_s2:.3g}"
-    words = "_".join(filter(None, (first, kind, curve.direction, load, curve.label)))
-    name = re.sub(r"\W+", "_", words, flags=re.ASCII)
+    series = "_".join(filter(None, (first, kind, curve.direction, load, curve.label)))
+    name = re.sub(r"\W+", "_", series, flags=re.ASCII)
     number, free = 2, name
     while free in taken:
         number, free = number + 1, f"{name}_{number}"

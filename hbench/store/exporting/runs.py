@@ -1,9 +1,9 @@
 """Runs in SI for other programs: CSV, Parquet and MATLAB files.
 
-CSV is an index ``runs.csv``, one CSV a run and ``bench.yaml``. Parquet is the same as tables. A
-MATLAB file holds a struct array ``runs`` with the channels of each in its field ``log``, and
-``bench.yaml`` lies beside it. ``hbench import`` reads each of them back without a map.
-Sample times are kept as they are, and a channel that a bench does not have is left out.
+CSV consists of an index ``runs.csv``, a CSV file per run and ``bench.yaml``. Parquet contains the
+same tables. A MATLAB file contains a struct array ``runs`` with each run's channels in its field
+``log``; ``bench.yaml`` is beside it. ``hbench import`` reads each of them back without a map.
+Sample times are unchanged, and a channel that the bench does not have is left out.
 """
 
 import io
@@ -23,9 +23,9 @@ from hbench.untrusted_text import as_cell
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_WORDS = ("label", "reason")  # that others may have written
+_FREE_TEXTS = ("label", "reason")  # from files of other people
 
-Files = Iterator[tuple[str, bytes]]  # paths below the folder, and what is in them
+Files = Iterator[tuple[str, bytes]]  # paths below the folder, and contents
 
 _CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 _INDEX = (
@@ -35,22 +35,22 @@ _INDEX = (
 
 
 def csv_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
-    """Yield the files of the layout that ``hbench import`` reads."""
+    """Yield the files in the default layout of ``hbench import``."""
     rows = []
     for run, reason in runs:
         name = f"runs/{run.plan.run}.csv"
         rows.append(_row(run.plan, name, reason))
         yield name, format_run(channels(run))
     for row in rows:
-        row |= {name: as_cell(row[name]) for name in _WORDS}
+        row |= {name: as_cell(row[name]) for name in _FREE_TEXTS}
     yield "runs.csv", _frame(rows).to_csv(index=False, lineterminator="\n").encode()
     yield from _bench_file(bench)
 
 
 def parquet_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
-    """Yield a table a run, with its id in a column, and the index of runs.
+    """Yield a table per run, with the run's id in a column, and the index of runs.
 
-    Raises ``ConfigError`` where pyarrow is not installed.
+    Raises ``ConfigError`` if pyarrow is not installed.
     """
     require_pyarrow()
     import pandas as pd
@@ -74,8 +74,8 @@ def mat_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> 
     rows = []
     for run, reason in runs:
         row = _row(run.plan, "", reason)
-        own = [np.nan if row[name] is None else row[name] for name in names]
-        rows.append((*own, channels(run)))
+        values = [np.nan if row[name] is None else row[name] for name in names]
+        rows.append((*values, channels(run)))
     data = io.BytesIO()
     savemat(data, {"runs": np.array(rows, dtype=kind)}, do_compression=True, oned_as="column")
     yield "campaign.mat", data.getvalue()
@@ -83,9 +83,9 @@ def mat_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> 
 
 
 def channels(run: Run) -> dict[str, np.ndarray]:
-    """Return the channels (n,) that a run has, by their names in SI; flags are 0 or 1."""
-    found = {name: getattr(run, name) for name in (*_CHANNELS, *FLAGS)}
-    return {name: 1 * values for name, values in found.items() if values is not None}
+    """Return a run's channels (n,) by their names in SI; flags are 0 or 1."""
+    logged = {name: getattr(run, name) for name in (*_CHANNELS, *FLAGS)}
+    return {name: 1 * values for name, values in logged.items() if values is not None}
 
 
 def _bench_file(bench: dict[str, Any] | None) -> Files:
@@ -94,8 +94,8 @@ def _bench_file(bench: dict[str, Any] | None) -> Files:
 
 
 def _row(plan: RunPlan, file: str, reason: str) -> dict[str, Any]:
-    own = {name: getattr(plan, name, None) for name in _INDEX}
-    return own | {"file": file, "accepted": not reason, "reason": reason}
+    cells = {name: getattr(plan, name, None) for name in _INDEX}
+    return cells | {"file": file, "accepted": not reason, "reason": reason}
 
 
 def _frame(rows: list[dict[str, Any]]) -> "DataFrame":

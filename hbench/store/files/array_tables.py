@@ -1,4 +1,4 @@
-"""Tables that are no text: MATLAB's .mat files (up to version 7) and Parquet."""
+"""Binary tables: MATLAB's .mat files (up to version 7) and Parquet."""
 
 import io
 import re
@@ -30,50 +30,50 @@ class Arrays:
         self.names = tuple(root)
 
     def where(self, row: int) -> str:
-        """Return the words for the place of a row in the file."""
+        """Return a row's position in the file, for messages."""
         return f"sample {row + 1}"
 
     def unit(self, column: int | str) -> None:
-        """Return None: such a file has no row of units."""
+        """Return None: a binary table has no row of units."""
 
     def position(self, column: int | str) -> int:
-        """Return where a column stands, from 0. Raises ``DataError``."""
+        """Return a column's index, from 0. Raises ``DataError``."""
         if column not in self.names:
             raise self._missing(column)
         return self.names.index(column)
 
     def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
-        """Return a column (n,) as floats, with ``gaps`` also NaN. Raises ``DataError``."""
-        values = np.atleast_1d(np.asarray(self._found(column)))
+        """Return a column (n,) as floats; ``gaps`` allows NaN. Raises ``DataError``."""
+        values = np.atleast_1d(np.asarray(self._lookup(column)))
         if values.ndim != 1 or values.dtype.kind not in "fiu":
             shape = "x".join(map(str, values.shape))
             raise DataError(
                 f"{self.source}: column {column}: is {shape} of type {values.dtype}; expected a "
                 "column of numbers",
-                "A column of a matrix is M(:,3); an element of a struct array is runs(2).",
+                "Write M(:,3) for a column of a matrix, runs(2) for an element of a struct array.",
             )
         values = values.astype(float)
         bad = np.flatnonzero(np.isinf(values) if gaps else ~np.isfinite(values))
         if len(bad):
             raise DataError(
-                f"{self.source}: {self.where(bad[0])}: column {column}: found {values[bad[0]]}; "
+                f"{self.source}: {self.where(bad[0])}: column {column}: is {values[bad[0]]}; "
                 "expected a number"
             )
         return values
 
     def seconds(self, column: int | str) -> np.ndarray:
         """Return a column (n,) of date-times as seconds since the first. Raises ``DataError``."""
-        values = np.atleast_1d(np.asarray(self._found(column)))
+        values = np.atleast_1d(np.asarray(self._lookup(column)))
         if values.dtype.kind not in "Mm" or np.isnat(values).any():
             raise DataError(
-                f"{self.source}: column {column}: holds no date-times",
+                f"{self.source}: column {column}: contains no date-times",
                 "In MATLAB, write posixtime(t) to a column in s; a datenum has the unit d.",
             )
         return (values - values[0]) / np.timedelta64(1, "ns") * 1e-9
 
-    def _found(self, column: int | str) -> Any:
+    def _lookup(self, column: int | str) -> Any:
         if isinstance(column, int):
-            return self._of_matrix(column)
+            return self._matrix_column(column)
         if column in self._root:
             return self._root[column]
         at: Any = self._root
@@ -89,33 +89,35 @@ class Arrays:
                 raise self._missing(column) from None
         return at
 
-    def _of_matrix(self, column: int) -> np.ndarray:
+    def _matrix_column(self, column: int) -> np.ndarray:
         matrices = {k: v for k, v in self._root.items() if np.ndim(v) == 2}
         if len(matrices) != 1:
             raise DataError(
-                f"{self.source}: column {column}: expected one matrix, found {len(matrices)}; "
-                f"there are: {self._listed()}",
-                "Write its name too, as in M(:,3).",
+                f"{self.source}: column {column}: the file contains {len(matrices)} matrices, "
+                f"expected 1; it contains: {self._listed()}",
+                "Write the matrix's name too, as in M(:,3).",
             )
         matrix = np.asarray(next(iter(matrices.values())))
         if column > matrix.shape[1]:
-            raise DataError(f"{self.source}: no column {column}; there are {matrix.shape[1]}")
+            raise DataError(f"{self.source}: no column {column}; the last is {matrix.shape[1]}")
         return matrix[:, column - 1]
 
     def _missing(self, column: int | str) -> DataError:
-        return DataError(f"{self.source}: no column {column!r}; there are: {self._listed()}")
+        return DataError(
+            f"{self.source}: no column {column!r}; the file contains: {self._listed()}"
+        )
 
     def _listed(self) -> str:
-        found = list(_paths(self._root))
-        more = f" and {len(found) - _FEW} more" if len(found) > _FEW else ""
-        return (", ".join(found[:_FEW]) or "nothing that can be read") + more
+        paths = list(_paths(self._root))
+        more = f" and {len(paths) - _FEW} more" if len(paths) > _FEW else ""
+        return (", ".join(paths[:_FEW]) or "no readable variable") + more
 
 
 AnyTable = Table | Arrays
 
 
 def open_table(data: bytes, source: str, layout: Format) -> AnyTable:
-    """Read a file as its name's ending tells. Raises ``DataError``, ``ConfigError``."""
+    """Read a file by its name's extension. Raises ``DataError``, ``ConfigError``."""
     ending = source.rsplit(".", 1)[-1].lower()
     if ending == "mat":
         return Arrays(read_mat(data, source), source)
@@ -131,8 +133,8 @@ def read_mat(data: bytes, source: str) -> dict[str, Any]:
 
     if data.startswith(_V73):
         raise DataError(
-            f"{source}: is a MATLAB file of version 7.3 (HDF5); up to version 7 can be read",
-            "In MATLAB: save('file.mat', '-v7').",
+            f"{source}: is a MATLAB file of version 7.3 (HDF5); limit version 7",
+            "Save it in MATLAB with save('file.mat', '-v7').",
         )
     check_mat_sizes(data, source)
     try:
@@ -155,7 +157,7 @@ def read_parquet(data: bytes, source: str) -> "DataFrame":
         if size > LARGEST_UNPACKED:
             raise DataError(
                 f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
-                "Is it the right file? Save fewer columns, or split it.",
+                "Check that it is the right file; save fewer columns, or split it.",
             )
         return pd.read_parquet(io.BytesIO(data), engine="pyarrow")
     except DataError:
@@ -165,12 +167,13 @@ def read_parquet(data: bytes, source: str) -> "DataFrame":
 
 
 def require_pyarrow() -> None:
-    """Raise ``ConfigError`` where pyarrow is not installed."""
+    """Raise ``ConfigError`` if pyarrow is not installed."""
     try:
         import pyarrow  # noqa: F401
     except ImportError:
         raise ConfigError(
-            "Parquet needs the package pyarrow", "pip install 'hbench[parquet]'"
+            "Parquet needs the package pyarrow, which is not installed",
+            "Run pip install 'hbench[parquet]'.",
         ) from None
 
 

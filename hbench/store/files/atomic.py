@@ -1,4 +1,4 @@
-"""Writes a file so that it is there whole or not at all."""
+"""Atomic writing: a file is written completely or not at all."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -13,24 +13,24 @@ from hbench.store.files.bounded_read import check_inside
 def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bool = True) -> None:
     """Write ``data`` to ``path``: a temporary file beside it, flushed to disk, then renamed.
 
-    What is not ``lasting`` may be lost where the machine's power fails, and is not flushed.
-    Raises ``DataError`` naming the path where the disk refuses, or where ``path`` exists and
-    ``overwrite`` is False. Then ``path`` is what it was before.
+    A file that is not ``lasting`` is not flushed; a power failure can lose it.
+    Raises ``DataError`` naming the path if the disk refuses, or if ``path`` exists and
+    ``overwrite`` is False. Then ``path`` is unchanged.
     """
     if not overwrite and path.exists():
-        raise DataError(f"{path}: exists already and is never overwritten")
+        raise DataError(f"{path}: exists already; raw logs are never overwritten")
     with whole_file(path, lasting=lasting) as file:
         file.write(data)
 
 
 @contextmanager
 def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
-    """Give a file to write into, which becomes ``path`` when all went well, as ``write_atomic``."""
+    """Open a temporary file that replaces ``path`` after the last write, as ``write_atomic``."""
     part = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         part.unlink(missing_ok=True)
-        with part.open("xb") as file:  # never through a link that somebody laid there
+        with part.open("xb") as file:  # "x" refuses a link in its place
             yield file
             if lasting:
                 _flush(file)
@@ -45,7 +45,7 @@ def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
 
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write files, named by their paths below ``folder``, each whole or not at all.
+    """Write files, named by their paths below ``folder``, each atomically.
 
     Raises ``DataError``, also for a path that leads out of ``folder``.
     """
@@ -55,7 +55,7 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
 
 
 def remove_files(folder: Path, names: Iterable[str]) -> None:
-    """Remove files by their paths below ``folder``, as far as they are there.
+    """Remove the files that exist, named by their paths below ``folder``.
 
     Raises ``DataError``, also for a path that leads out of ``folder``.
     """
@@ -70,7 +70,7 @@ def remove_files(folder: Path, names: Iterable[str]) -> None:
 def append(path: Path, data: bytes) -> None:
     """Append ``data`` to ``path`` and flush it to disk.
 
-    Raises ``DataError``, and then takes back what was half-written, if the disk lets it.
+    Raises ``DataError``, after removing a half-written part if the disk permits it.
     """
     length = path.stat().st_size if path.exists() else 0
     try:
@@ -109,12 +109,12 @@ def _flush(file: IO[bytes]) -> None:
 def _refused(path: Path, error: OSError) -> DataError:
     return DataError(
         f"{path}: can't be written: {error.strerror or error}",
-        "Check the free space and the permissions of the folder.",
+        "Check the free space and the folder's permissions.",
     )
 
 
 def _flush_folder(folder: Path) -> None:
-    if os.name != "posix":  # elsewhere a folder can't be opened
+    if os.name != "posix":  # other systems can't open a folder
         return
     handle = os.open(folder, os.O_RDONLY)
     try:

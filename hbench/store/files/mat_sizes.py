@@ -1,7 +1,7 @@
-"""What a MATLAB file (version 5 to 7) would take in memory, before anything is made of it.
+"""Memory that a MATLAB file (version 5 to 7) would take, checked before it is unpacked.
 
-Its elements are compressed, so a small file can stand for a large one, and each array says its own
-dimensions, which may be more than there are numbers. Format: MathWorks, MAT-File Format, level 5.
+Elements are compressed, so a small file can unpack to a large one, and each array states its own
+dimensions, which can exceed its data. Format: MathWorks, MAT-File Format, level 5.
 """
 
 import struct
@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from hbench.errors import DataError
 
 LARGEST_UNPACKED = 200_000_000  # bytes
-DEEPEST = 50  # structs and cells in each other
+DEEPEST = 50  # nested structs and cells
 _MATRIX, _COMPRESSED = 14, 15  # types of elements
-_SPARSE = 5  # class of an array that may be larger than what it holds
+_SPARSE = 5  # class of an array whose dimensions may exceed its data
 _HEADER = 128
 _CHUNK = 1 << 20
 
@@ -21,8 +21,8 @@ _CHUNK = 1 << 20
 def check_mat_sizes(data: bytes, source: str) -> None:
     """Raise ``DataError`` for a file that unpacks to more than ``LARGEST_UNPACKED``.
 
-    Also for an array with more elements than it has bytes, and for deep nesting. A file that is
-    cut or garbled is left to its reader.
+    Also for an array with more elements than bytes, and for deep nesting. A truncated or damaged
+    file passes; its reader reports it.
     """
     if len(data) < _HEADER or 0 in data[:4]:  # version 4 begins with a number and packs nothing
         return
@@ -36,7 +36,7 @@ def check_mat_sizes(data: bytes, source: str) -> None:
                 if not left:
                     raise DataError(
                         f"{source}: unpacks to more than {LARGEST_UNPACKED / 1e6:g} MB",
-                        "Is it the right file? Save fewer variables, or split it.",
+                        "Check that it is the right file; save fewer variables, or split it.",
                     )
                 ((kind, content), *_) = _elements(content, order)
             if kind == _MATRIX:
@@ -46,34 +46,37 @@ def check_mat_sizes(data: bytes, source: str) -> None:
 
 
 def _inflated(packed: memoryview, most: int) -> bytes:
-    """Return what is packed, or its first ``most`` bytes."""
-    unpacker, parts, size = zlib.decompressobj(), [], 0
-    todo = bytes(packed)
-    while todo and size < most:
-        parts.append(unpacker.decompress(todo, min(_CHUNK, most - size)))
-        size += len(parts[-1])
-        todo = unpacker.unconsumed_tail
-    return b"".join(parts)
+    """Return the unpacked content, at most its first ``most`` bytes."""
+    unpacker, chunks, size = zlib.decompressobj(), [], 0
+    remaining = bytes(packed)
+    while remaining and size < most:
+        chunks.append(unpacker.decompress(remaining, min(_CHUNK, most - size)))
+        size += len(chunks[-1])
+        remaining = unpacker.unconsumed_tail
+    return b"".join(chunks)
 
 
 def _check(content: memoryview, order: str, depth: int, source: str) -> None:
-    """Check an array: its flags, dimensions, name, then what it holds."""
+    """Check an array: its flags, dimensions, name, then its content."""
     if depth > DEEPEST:
-        raise DataError(f"{source}: holds structs more than {DEEPEST} deep")
-    parts = _elements(content, order)
-    (_, flags), (_, dimensions) = next(parts, (0, b"")), next(parts, (0, b""))
+        raise DataError(f"{source}: structs are nested too deep; limit {DEEPEST}")
+    elements_of_array = _elements(content, order)
+    (_, flags), (_, dimensions) = (
+        next(elements_of_array, (0, b"")),
+        next(elements_of_array, (0, b"")),
+    )
     if len(flags) < 4 or len(dimensions) % 4:
         return
-    elements = 1
+    count = 1
     for size in struct.unpack(f"{order}{len(dimensions) // 4}i", dimensions):
-        elements *= max(size, 0)
+        count *= max(size, 0)
     array_class = struct.unpack(f"{order}I", flags[:4])[0] & 0xFF
-    if elements > len(content) and array_class != _SPARSE:
+    if count > len(content) and array_class != _SPARSE:
         raise DataError(
-            f"{source}: an array of {elements} elements has {len(content)} bytes",
-            "The file is damaged, or was made to take all memory.",
+            f"{source}: an array of {count} elements has {len(content)} bytes",
+            "Save the file again; it is damaged, or forged to exhaust the memory.",
         )
-    for kind, inner in parts:
+    for kind, inner in elements_of_array:
         if kind == _MATRIX:
             _check(inner, order, depth + 1, source)
 
@@ -81,11 +84,11 @@ def _check(content: memoryview, order: str, depth: int, source: str) -> None:
 def _elements(
     data: memoryview, order: str, padded: bool = True
 ) -> Iterator[tuple[int, memoryview]]:
-    """Yield type and content of each element; ``padded``: they begin at multiples of 8 bytes."""
+    """Yield type and content of each element; ``padded`` elements begin at multiples of 8."""
     at = 0
     while at + 8 <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, at)
-        if kind >> 16:  # a small one: size and type share a word, the content stands in the next
+        if kind >> 16:  # small element: size and type share a word, the next is the content
             yield kind & 0xFFFF, data[at + 4 : at + 4 + (kind >> 16)]
             at += 8
             continue

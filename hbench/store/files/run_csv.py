@@ -1,4 +1,4 @@
-"""A run in SI as a CSV file, one named column a channel: the layout of imported runs."""
+"""A run in SI as a CSV file with a named column per channel: the layout of imported runs."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -13,12 +13,12 @@ from hbench.store.files.array_tables import AnyTable
 from hbench.store.files.text_table import parse_table
 
 _IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
-# A logged reference counts as the plan's within this: a count of 1e-5 m/s, or 0.1 %.
+# Tolerance between a logged reference and the plan's: a count of 1e-5 m/s, or 0.1 %.
 _SAME_SPEED_M_S, _SAME_SPEED = 1e-5, 1e-3
 
 
 def format_run(channels: Mapping[str, np.ndarray]) -> bytes:
-    """Return the CSV of ``channels``, each (n,), with all digits that a float has."""
+    """Return ``channels``, each (n,), as CSV with all digits of a float."""
     columns = [map(repr, values.tolist()) for values in channels.values()]
     rows = map(",".join, zip(*columns, strict=True))
     return "\n".join((",".join(channels), *rows, "")).encode()
@@ -28,7 +28,7 @@ def read_channels(table: AnyTable) -> tuple[dict[str, np.ndarray], tuple[str, ..
     """Return the known channels of a table in SI, and the names of its other columns.
 
     Empty cells are NaN. Raises ``DataError`` naming the line: for cells that are not numbers,
-    for time that does not rise, for gaps in ``t_s`` or ``x_m``, and for a file without these.
+    for time that does not increase, for gaps in ``t_s`` or ``x_m``, and if one of these is missing.
     """
     for name in ALWAYS:
         table.position(name)
@@ -44,20 +44,20 @@ def read_channels(table: AnyTable) -> tuple[dict[str, np.ndarray], tuple[str, ..
 
 
 def check_lengths(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
-    """Raise ``DataError`` where a channel has not as many samples as the time."""
+    """Raise ``DataError`` unless all channels have as many samples as the time."""
     n = len(channels["t_s"])
     if n == 0:
-        raise DataError(f"{table.source}: holds no samples")
+        raise DataError(f"{table.source}: contains no samples")
     for name, values in channels.items():
         if len(values) != n:
             raise DataError(
                 f"{table.source}: {name} has {len(values)} samples and t_s has {n}",
-                "Channels of different rates must come to common times before.",
+                "Resample the channels to one time base first.",
             )
 
 
 def check_limits(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
-    """Raise ``DataError`` naming the line of a value that nothing measured can be."""
+    """Raise ``DataError`` naming the line of a value beyond any physical range."""
     for name, unit in CHANNELS.items():
         values = channels.get(name, np.zeros(0))
         beyond = np.flatnonzero(np.abs(values) > LIMITS[unit])
@@ -66,17 +66,17 @@ def check_limits(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
             raise DataError(
                 f"{table.source}: {table.where(row)}: {name} is {values[row]:.6g} {unit}; "
                 f"limit {LIMITS[unit]:g} {unit}",
-                "Is the unit right?",
+                "Check the unit.",
             )
 
 
 def check_time(
     t_s: np.ndarray, table: AnyTable, rows: np.ndarray | None = None, hint: str = ""
 ) -> None:
-    """Raise ``DataError`` naming the line where time does not rise.
+    """Raise ``DataError`` naming the line at which time does not increase.
 
-    ``rows`` (n,) are the samples' rows in the table, where not all have been kept; ``hint`` helps
-    against times that stand still.
+    ``rows`` (n,) are the samples' rows in the table, if some were dropped; ``hint`` is given for
+    equal times.
     """
     stuck = np.flatnonzero(np.diff(t_s) <= 0)
     if len(stuck):
@@ -84,13 +84,13 @@ def check_time(
         place = table.where(row if rows is None else rows[row])
         raise DataError(
             f"{table.source}: {place}: time goes from {t_s[row - 1]:.6g} s to {t_s[row]:.6g} s; "
-            "expected it to rise",
+            "expected increasing time",
             hint if t_s[row] == t_s[row - 1] else "",
         )
     if t_s[-1] - t_s[0] > LONGEST_S:
         raise DataError(
             f"{table.source}: lasts {t_s[-1] - t_s[0]:.6g} s; limit {LONGEST_S:g} s",
-            "Is the unit of time right?",
+            "Check the unit of time.",
         )
 
 

@@ -1,4 +1,4 @@
-"""Reads a table of text: delimited columns, with or without a header."""
+"""Reader of text tables: delimited columns, with or without a header."""
 
 import codecs
 import csv
@@ -21,13 +21,13 @@ _BOMS = {
 
 
 _FORMAT = (
-    "See 'format' in the map: separator, preamble (lines before the header), comment, skip_rows."
+    "Set 'format' in the map: separator, preamble (lines before the header), comment, skip_rows."
 )
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of a file as text; a column becomes numbers when it is asked for."""
+    """Rows of a file as text; columns are converted to numbers on demand."""
 
     names: tuple[str, ...]  # of the columns; empty without a header
     units: tuple[str, ...]  # of the columns; empty without a row of units
@@ -40,33 +40,33 @@ class Table:
         return len(self.rows)
 
     def where(self, row: int) -> str:
-        """Return the words for the place of a row in the file."""
+        """Return a row's position in the file, for messages."""
         return f"line {self.lines[row]}"
 
     def position(self, column: int | str) -> int:
-        """Return where a column stands, from 0. Raises ``DataError``."""
+        """Return a column's index, from 0. Raises ``DataError``."""
         if isinstance(column, str):
-            have = ", ".join(self.names) or "no header"
+            header = ", ".join(self.names) or "no header"
             if column not in self.names:
                 mapped = self.layout != Format() or len(self.names) == 1
                 raise DataError(
-                    f"{self.source}: no column {column!r}; there are: {have}",
+                    f"{self.source}: no column {column!r}; the file has: {header}",
                     _FORMAT if mapped else "",
                 )
             if self.names.count(column) > 1:
                 raise DataError(
-                    f"{self.source}: column {column!r} stands there "
-                    f"{self.names.count(column)} times; there are: {have}",
-                    "Write the column's number, from 1.",
+                    f"{self.source}: column {column!r} occurs {self.names.count(column)} times; "
+                    f"the file has: {header}",
+                    "Give the column's number, from 1.",
                 )
             return self.names.index(column)
         width = len(self.rows[0]) if self.rows else column
         if not 1 <= column <= width:
-            raise DataError(f"{self.source}: no column {column}; there are {width}")
+            raise DataError(f"{self.source}: no column {column}; the last is {width}")
         return column - 1
 
     def unit(self, column: int | str) -> str | None:
-        """Return what the row of units says of a column, without brackets; None without a row."""
+        """Return a column's unit in the row of units, without brackets; None without that row."""
         return self.units[self.position(column)].strip(" []()") if self.units else None
 
     def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
@@ -82,11 +82,11 @@ class Table:
             values = np.array([_float(cell) for cell in cells])
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             if not (gaps and cells[row].strip().lower() in _GAPS):
-                found = self.rows[row][position][:60]
+                cell = self.rows[row][position][:60]
                 raise DataError(
-                    f"{self.source}: {self.where(row)}: column {column}: found {found!r}; "
+                    f"{self.source}: {self.where(row)}: column {column}: found {cell!r}; "
                     "expected a number",
-                    "A decimal comma is told in a map: format.decimal." if "," in found else "",
+                    "Specify a decimal comma in the map: format.decimal." if "," in cell else "",
                 )
         return values
 
@@ -108,16 +108,16 @@ class Table:
         return np.array([(time - times[0]).total_seconds() for time in times])
 
     def _plain(self, cell: str) -> str:
-        """Return a number as Python writes it; what is none stays none."""
+        """Return a number in Python's notation; other text stays invalid."""
         decimal, thousands = self.layout.decimal, self.layout.thousands
         if thousands is not None:
-            whole, mark, rest = cell.strip().partition(decimal)
+            whole, mark, fraction = cell.strip().partition(decimal)
             groups = whole.lstrip("+-").split(thousands)
             if 1 <= len(groups[0]) <= 3 and all(len(group) == 3 for group in groups[1:]):
-                cell = whole.replace(thousands, "") + mark + rest
+                cell = whole.replace(thousands, "") + mark + fraction
         if decimal != "." and cell:
             cell = cell.translate({ord("."): "?", ord(decimal): "."})
-        return cell.replace("_", "?")  # Python takes 1_0 for 10
+        return cell.replace("_", "?")  # Python reads 1_0 as 10
 
 
 def parse_table(data: bytes, source: str, layout: Format) -> Table:
@@ -133,7 +133,7 @@ def parse_table(data: bytes, source: str, layout: Format) -> Table:
     rows, lines = rows[layout.skip_rows :], lines[layout.skip_rows :]
     if not rows:
         skipped = layout.preamble + layout.header + layout.units_row + layout.skip_rows
-        raise DataError(f"{source}: no rows of data after the first {skipped}")
+        raise DataError(f"{source}: no rows of data after the first {skipped} lines")
     width = len(names) or len(rows[0])
     for number, cells in enumerate(rows):
         if len(cells) == width + 1 and not cells[-1].strip():
@@ -146,12 +146,12 @@ def parse_table(data: bytes, source: str, layout: Format) -> Table:
                 _FORMAT,
             )
     if units and len(units) < width:
-        raise DataError(f"{source}: its row of units has {len(units)} columns; expected {width}")
+        raise DataError(f"{source}: the row of units has {len(units)} columns; expected {width}")
     return Table(names, units, rows, np.array(lines), layout, source)
 
 
 def decoded(data: bytes) -> str:
-    """Return text of a character set that its first bytes, its zeros or its faults tell."""
+    """Return the text; byte-order mark, zero bytes or UTF-8 faults determine its encoding."""
     for mark, name in _BOMS.items():
         if data.startswith(mark):
             return data.decode(name, errors="replace")
@@ -183,9 +183,11 @@ def _cells(
         for cells in reader:
             rows.append(cells)
             lines.append(kept[reader.line_num - 1][0])
-    except csv.Error as error:  # such as a cell of 100 kB, since a quote is not closed
+    except csv.Error as error:  # such as a cell of 100 kB after an unclosed quote
         after = f"after line {lines[-1]}" if lines else "in the first row"
-        raise DataError(f"{source}: {after}: {error}", "Is a quote not closed?") from None
+        raise DataError(
+            f"{source}: {after}: {error}", "Check that all quotes are closed."
+        ) from None
     return rows, lines
 
 

@@ -1,1 +1,1 @@
-"""The table of a fleet, and its rows while it is computed."""
+"""The table of a fleet, and its rows during the analysis."""

@@ -1,7 +1,7 @@
-"""The rows of a fleet while it is made: in a SQLite file, so that what is done is never lost.
+"""The rows of a fleet during its analysis, in a SQLite file, so that finished rows are never lost.
 
-Each call of ``hbench fleet`` finds campaigns, does those without a row, and those whose fingerprint
-has changed. Memory does not grow with their number: they are on disk, in the order of their paths.
+Each call of ``hbench fleet`` analyzes the campaigns without a row and those whose fingerprint has
+changed. Memory does not grow with their number: rows are on disk, in the order of their paths.
 """
 
 import json
@@ -26,24 +26,25 @@ _MAKE = """
 
 
 class FleetRows:
-    """The rows in a folder, for one process at a time.
+    """Rows of the fleet in a folder, for one process at a time.
 
-    Raises ``ConfigError`` where another has them, ``DataError`` where they can't be used.
+    Raises ``ConfigError`` if another process uses them, ``DataError`` if they can't be read or
+    written.
     """
 
     def __init__(self, folder: Path):
         self._path = folder / ROWS
-        with self._told():
+        with self._errors():
             try:
                 folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
-                raise DataError(f"{folder}: can't be used: {error.strerror}") from None
+                raise DataError(f"{folder}: can't be created: {error.strerror}") from None
             self._rows = sqlite3.connect(self._path, isolation_level=None, timeout=0.5)
             self._open()
 
     def _open(self) -> None:
         self._rows.execute("PRAGMA locking_mode = EXCLUSIVE")
-        self._rows.execute("PRAGMA journal_mode = WAL")  # a row is kept at once, and costs little
+        self._rows.execute("PRAGMA journal_mode = WAL")  # commits each row at little cost
         self._rows.execute("PRAGMA synchronous = NORMAL")
         self._rows.execute("BEGIN IMMEDIATE")
         (layout,) = self._rows.execute("PRAGMA user_version").fetchone()
@@ -63,21 +64,21 @@ class FleetRows:
     ) -> None:
         self._rows.close()
 
-    def known(self, path: str) -> str | None:
-        """Return the fingerprint that a campaign had when its row was made, if it has one."""
-        with self._told():
-            found = self._rows.execute(
+    def fingerprint(self, path: str) -> str | None:
+        """Return a campaign's fingerprint at the time of its analysis, if it has a row."""
+        with self._errors():
+            row = self._rows.execute(
                 "SELECT fingerprint FROM rows WHERE path = ?", (_key(path),)
             ).fetchone()
-        return found[0] if found else None
+        return row[0] if row else None
 
-    def found(self, campaigns: Iterable[tuple[str, bool]]) -> None:
-        """Take note of the campaigns of this call: the path of each, and whether its row holds."""
-        with self._told():
+    def register(self, campaigns: Iterable[tuple[str, bool]]) -> None:
+        """Register the campaigns of this call: each one's path, and whether its row is valid."""
+        with self._errors():
             self._rows.execute("BEGIN")
             try:
-                for path, holds in campaigns:
-                    kept = "" if holds else ", fingerprint = NULL, failed = NULL, cells = NULL"
+                for path, valid in campaigns:
+                    kept = "" if valid else ", fingerprint = NULL, failed = NULL, cells = NULL"
                     self._rows.execute(
                         "INSERT INTO rows (path, round) VALUES (?, ?) "
                         f"ON CONFLICT (path) DO UPDATE SET round = excluded.round{kept}",
@@ -92,37 +93,37 @@ class FleetRows:
             yield os.fsdecode(path)
 
     def keep(self, path: str, fingerprint: str, failed: bool, cells: list[Any]) -> None:
-        """Keep the row of a campaign. One with no fingerprint is done again by the next call."""
+        """Store a campaign's row. The next call repeats a row without fingerprint."""
         text = json.dumps(cells, allow_nan=False, separators=(",", ":"))
-        with self._told():
+        with self._errors():
             self._rows.execute(
                 "UPDATE rows SET fingerprint = ?, failed = ?, cells = ? WHERE path = ?",
                 (fingerprint, failed, text, _key(path)),
             )
 
     def counts(self) -> tuple[int, int, int]:
-        """Return how many campaigns this call has found, how many have a row, and have failed."""
-        with self._told():
-            found = self._rows.execute(
+        """Return the numbers of campaigns of this call: all, those with a row, those failed."""
+        with self._errors():
+            campaigns, analyzed, failed = self._rows.execute(
                 "SELECT count(*), count(fingerprint), sum(failed) FROM rows WHERE round = ?",
                 (self._round,),
             ).fetchone()
-        return found[0], found[1], found[2] or 0
+        return campaigns, analyzed, failed or 0
 
     def cells(self) -> Iterator[list[Any]]:
         """Yield the rows of this call in the order of their paths."""
         for _, text in self._in_order("path, cells", "fingerprint IS NOT NULL"):
             yield json.loads(text)
 
-    def forget_others(self) -> None:
-        """Forget the campaigns that this call has not found."""
-        with self._told():
+    def remove_others(self) -> None:
+        """Remove the rows of campaigns that this call has not registered."""
+        with self._errors():
             self._rows.execute("DELETE FROM rows WHERE round < ?", (self._round,))
 
     def _in_order(self, columns: str, which: str) -> Iterator[tuple]:
         last = b""
         while True:
-            with self._told():
+            with self._errors():
                 batch = self._rows.execute(
                     f"SELECT {columns} FROM rows WHERE path > ? AND round = ? AND {which} "
                     f"ORDER BY path LIMIT {_BATCH}",
@@ -134,17 +135,17 @@ class FleetRows:
             last = batch[-1][0]
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _errors(self) -> Iterator[None]:
         try:
             yield
         except sqlite3.Error as error:
             if "locked" in str(error):
                 raise ConfigError(
-                    f"{self._path}: another hbench is at work with it", "Wait until it has ended."
+                    f"{self._path}: is in use by another hbench", "Wait until it has ended."
                 ) from None
             raise DataError(
-                f"{self._path}: can't be used: {error}",
-                "Check the free space; or delete the file, and all campaigns are done again.",
+                f"{self._path}: can't be read or written: {error}",
+                "Check the free space, or delete the file to analyze all campaigns again.",
             ) from None
 
 

@@ -1,8 +1,8 @@
-"""A fleet's table: Parquet, a row a campaign in the order of their paths.
+"""A fleet's table in Parquet, with a row per campaign in the order of their paths.
 
-Of each number there are four columns: ``NAME`` is the mean over the loads of a direction,
-``NAME_low`` and ``NAME_high`` its 95 % interval, ``NAME_se`` the standard error of the trials
-alone. The same rows give the same bytes.
+Each number has four columns: ``NAME`` is the mean over the loads of a direction, ``NAME_low`` and
+``NAME_high`` its 95 % interval, ``NAME_se`` the standard error of the trials alone. The same rows
+give the same bytes.
 """
 
 import os
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 TABLE = "fleet.parquet"
-PARTS = ("low", "high", "se")
+SUFFIXES = ("low", "high", "se")
 _BATCH = 10_000  # rows
 _DIRECTIONS: tuple[Direction, ...] = ("extend", "retract")
 _PLAIN = {
@@ -53,7 +53,7 @@ def column_of(name: str, direction: Direction) -> str:
 
 
 def cells_of(row: FleetRow) -> list[Any]:
-    """Return a row as JSON knows it, in the order of the table's columns."""
+    """Return a row as JSON values, in the order of the table's columns."""
     cells: list[Any] = []
     for name, kind in _PLAIN.items():
         value = getattr(row, name)
@@ -65,12 +65,12 @@ def cells_of(row: FleetRow) -> list[Any]:
     for key in _numbers():
         number = row.numbers.get(key)
         cells.append(_finite(number and number.value))
-        cells += [_finite(number and getattr(number, part)) for part in PARTS]
+        cells += [_finite(number and getattr(number, suffix)) for suffix in SUFFIXES]
     return cells
 
 
 def shown_path(path: str) -> str:
-    """Return a path as text, whatever its bytes are, without what a terminal would obey."""
+    """Return a path of any bytes as text without control characters."""
     return printable(os.fsencode(path).decode("utf-8", "backslashreplace"))
 
 
@@ -79,14 +79,14 @@ def write_table(path: Path, rows: Iterable[list[Any]]) -> None:
     import pyarrow.parquet as pq
 
     schema = _schema()
-    left = iter(rows)
+    remaining = iter(rows)
     with whole_file(path) as file, pq.ParquetWriter(file, schema, compression="zstd") as writer:
-        while batch := list(islice(left, _BATCH)):
+        while batch := list(islice(remaining, _BATCH)):
             writer.write_batch(_batch(batch, schema), row_group_size=_BATCH)
 
 
 class FleetTable:
-    """A table on disk, read a column at a time. Raises ``DataError``, ``ConfigError``."""
+    """Reader of a table on disk, one column at a time. Raises ``DataError``, ``ConfigError``."""
 
     def __init__(self, path: Path):
         require_pyarrow()
@@ -100,42 +100,41 @@ class FleetTable:
             raise DataError(f"{path}: {error}") from None
 
     def column(self, name: str) -> "pa.ChunkedArray":
-        """Return a column as it is."""
+        """Return a column."""
         import pyarrow.parquet as pq
 
         return pq.read_table(self._path, columns=[name]).column(0)
 
     def numbers(self, name: str) -> np.ndarray:
-        """Return a column (rows,) of numbers; NaN where there is none."""
-        found = self.column(name).to_numpy()
-        return np.asarray(found, dtype=float)
+        """Return a column (rows,) of numbers; a missing one is NaN."""
+        return np.asarray(self.column(name).to_numpy(), dtype=float)
 
     def moments(self) -> np.ndarray:
-        """Return when the campaigns were started (rows,), in seconds since 1970; NaN: not known."""
+        """Return the campaigns' starts (rows,), in seconds since 1970; NaN if not known."""
         import pyarrow as pa
 
-        found = self.column("started").cast(pa.int64()).to_numpy()
-        return np.asarray(found, dtype=float) / 1e6
+        started_us = self.column("started").cast(pa.int64()).to_numpy()
+        return np.asarray(started_us, dtype=float) / 1e6
 
     def counts(self, name: str) -> list[tuple[str, int]]:
-        """Return the words of a column and how often they are there, the most frequent first."""
-        found = self.column(name).value_counts().to_pylist()
-        pairs = [(str(one["values"] or ""), one["counts"]) for one in found]
+        """Return a column's distinct texts with their frequencies, the most frequent first."""
+        counted = self.column(name).value_counts().to_pylist()
+        pairs = [(str(item["values"] or ""), item["counts"]) for item in counted]
         return sorted(pairs, key=lambda pair: (-pair[1], pair[0]))
 
-    def where(self, name: str, words: str) -> np.ndarray:
-        """Return where (rows,) a column says ``words``."""
+    def equals(self, name: str, text: str) -> np.ndarray:
+        """Return whether a column equals ``text`` (rows,)."""
         import pyarrow.compute as pc
 
-        return np.asarray(pc.equal(self.column(name), words).fill_null(False).to_numpy(), bool)
+        return np.asarray(pc.equal(self.column(name), text).fill_null(False).to_numpy(), bool)
 
-    def words(self, name: str, rows: np.ndarray) -> list[Any]:
+    def values(self, name: str, rows: np.ndarray) -> list[Any]:
         """Return a column's values in some rows."""
         return self.column(name).take(rows).to_pylist()
 
 
 def _numbers() -> Iterator[tuple[str, Direction]]:
-    yield from ((one.name, d) for one in QUANTITIES for d in _DIRECTIONS)
+    yield from ((quantity.name, d) for quantity in QUANTITIES for d in _DIRECTIONS)
 
 
 def _schema() -> "pa.Schema":
@@ -147,8 +146,9 @@ def _schema() -> "pa.Schema":
     }  # fmt: skip
     fields = [(name, kinds[kind]) for name, kind in _PLAIN.items()]
     for key in _numbers():
-        own = column_of(*key)
-        fields += [(name, pa.float64()) for name in (own, *(f"{own}_{part}" for part in PARTS))]
+        column = column_of(*key)
+        columns = (column, *(f"{column}_{suffix}" for suffix in SUFFIXES))
+        fields += [(name, pa.float64()) for name in columns]
     return pa.schema(fields)
 
 
@@ -165,5 +165,5 @@ def _finite(value: Any) -> Any:
 
 
 def moment_of(seconds: float) -> datetime:
-    """Return a moment from seconds since 1970."""
+    """Return the moment of a time in seconds since 1970."""
     return datetime.fromtimestamp(seconds, UTC)

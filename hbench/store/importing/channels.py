@@ -1,4 +1,4 @@
-"""The channels of one foreign file by an import map: units, zeros, times."""
+"""The channels of an imported file by its import map: units, zeros, times."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,49 +11,46 @@ from hbench.errors import DataError
 from hbench.store.files.array_tables import AnyTable, open_table
 from hbench.store.files.run_csv import check_lengths, check_limits, check_time
 from hbench.store.files.text_table import Table
-from hbench.store.importing.clipping import clipped
+from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.resampling import interval_means, whole_intervals
-from hbench.store.importing.zero_offset import LEAST_S, rest_before_motion, zero_at_rest
+from hbench.store.importing.zero_offset import LEAST_REST_S, rest_before_motion, zero_offset
 from hbench.units import parse_unit, to_si
 
 
 @dataclass(frozen=True)
 class FileChannels:
-    """A whole file in SI."""
+    """The channels of a whole file in SI."""
 
     channels: dict[str, np.ndarray]  # (n,) each
-    lines: np.ndarray  # (n,) where each sample stands in the file, from 1
-    notes: tuple[str, ...]  # what was done to it
+    lines: np.ndarray  # (n,) line of each sample in the file, from 1
+    notes: tuple[str, ...]  # the conversions applied
 
 
-def read_file(
+def read_channels_by_map(
     data: bytes, source: str, name: str, fields: Mapping[str, str], rules: ImportMap
 ) -> FileChannels:
-    """Return the channels of a file. ``fields`` are those of its ``name``.
+    """Return the channels of a file. ``fields`` are the values in its ``name``.
 
-    Raises ``DataError`` naming the line that can't be used.
+    Raises ``DataError`` naming the invalid line.
     """
     table = open_table(data, source, rules.format)
     channels = {key: _in_si(table, key, column, rules) for key, column in rules.columns.items()}
     check_lengths(channels, table)
-    held = clipped(channels)
+    clipped = clipped_samples(channels)
     n = len(channels["t_s"])
     for key, constant in rules.constants.items():
         channels[key] = np.full(n, to_si(_filled(constant, fields), CHANNELS[key]))
     check_limits(channels, table)
-    if held:
-        channels["sensor_saturated"] = np.logical_or.reduce(list(held.values())).astype(float)
-    told_held = [_held(name, key, channels[key], samples) for key, samples in held.items()]
-    channels, rows, notes = _without_repeats(channels, name, rules)
-    hint = "For a clock that is too coarse: 'repeated_times: drop' in the map."
+    if clipped:
+        channels["sensor_saturated"] = np.logical_or.reduce(list(clipped.values())).astype(float)
+    clipping = [_clipping(name, key, channels[key], samples) for key, samples in clipped.items()]
+    channels, rows, repeats = _without_repeats(channels, name, rules)
+    hint = "If the clock is too coarse, write 'repeated_times: drop' in the map."
     check_time(channels["t_s"], table, rows, hint)
     lines = table.lines[rows] if isinstance(table, Table) else rows + 1
-    notes += told_held
-    channels, told = _zeroed(channels, source, name, rules)
-    notes += told
-    channels, lines, told = _resampled(channels, lines, source, name, rules)
-    notes += told
-    return FileChannels(channels, lines, tuple(notes))
+    channels, zeros = _zeroed(channels, source, name, rules)
+    channels, lines, resampling = _resampled(channels, lines, source, name, rules)
+    return FileChannels(channels, lines, (*repeats, *clipping, *zeros, *resampling))
 
 
 def _filled(constant: str, fields: Mapping[str, str]) -> str:
@@ -75,30 +72,30 @@ def _in_si(table: AnyTable, name: str, column: Column, rules: ImportMap) -> np.n
 
 def _unit(table: AnyTable, name: str, column: Column, rules: ImportMap) -> str:
     """Return a column's unit: the map's, the file's own, or SI. Raises ``DataError``."""
-    wanted, told = rules.wanted(name), table.unit(column.column)
-    if told is None:
+    wanted, in_file = rules.wanted(name), table.unit(column.column)
+    if in_file is None:
         return column.unit or wanted
-    where = f"{table.source}: column {column.column}: its row of units says {told!r}"
+    where = f"{table.source}: column {column.column}: unit in the file is {in_file!r}"
     try:
-        found = parse_unit(told) if told else None
+        unit = parse_unit(in_file) if in_file else None
     except ValueError:
-        found = None
+        unit = None
     if column.unit is not None:
-        if found and column.unit != DATE_TIME and found != parse_unit(column.unit):
-            raise DataError(f"{where}; the map says {column.unit!r}")
+        if unit and column.unit != DATE_TIME and unit != parse_unit(column.unit):
+            raise DataError(f"{where}; unit in the map is {column.unit!r}")
         return column.unit
-    if found is None:
-        raise DataError(f"{where}, which is no known unit", "Write its unit in the map.")
-    if found.dimension != parse_unit(wanted).dimension:
-        raise DataError(f"{where}; {name} needs one like {wanted}")
-    return told
+    if unit is None:
+        raise DataError(f"{where}, which is not a known unit", "Write the unit in the map.")
+    if unit.dimension != parse_unit(wanted).dimension:
+        raise DataError(f"{where}; {name} needs a unit such as {wanted}")
+    return in_file
 
 
-def _held(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> str:
-    ends = " and ".join(f"{end:.6g}" for end in np.unique(values[samples]))
+def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> str:
+    limits = " and ".join(f"{limit:.6g}" for limit in np.unique(values[samples]))
     return (
-        f"{name}: {key}: clipped at {ends} {CHANNELS[key]} in {samples.sum()} of {len(samples)} "
-        "samples: it stays there while others move"
+        f"{name}: {key}: clipped at {limits} {CHANNELS[key]} in {samples.sum()} of {len(samples)} "
+        "samples: constant while other channels change"
     )
 
 
@@ -108,7 +105,7 @@ def _without_repeats(
     again = np.concatenate(([False], np.diff(channels["t_s"]) == 0))
     if rules.repeated_times == "refuse" or not again.any():
         return channels, np.arange(len(again)), []
-    note = f"{name}: {again.sum()} of {len(again)} samples have the time of the one before: dropped"
+    note = f"{name}: {again.sum()} of {len(again)} samples dropped: same time as the one before"
     kept = {key: values[~again] for key, values in channels.items()}
     return kept, np.flatnonzero(~again), [note]
 
@@ -122,16 +119,18 @@ def _zeroed(
     t_s, out, notes = channels["t_s"], dict(channels), []
     rest = rest_before_motion(t_s, channels["x_m"], channels.get("v_ref_m_s"))
     for key in asked:
-        zero = zero_at_rest(t_s[rest], channels[key][rest])
+        zero = zero_offset(t_s[rest], channels[key][rest])
         if zero is None:
             raise DataError(
-                f"{source}: {key} has no zero: less than {LEAST_S:g} s at rest before the motion",
-                "Leave out its zero: rest in the map, or tell its zero as an offset.",
+                f"{source}: {key}: no zero offset: less than {LEAST_REST_S:g} s at rest before the "
+                "motion",
+                "Remove 'zero: rest' from the map, or give the zero offset as 'offset'.",
             )
         out[key] = channels[key] - zero.mean
-        words = f"{zero.mean:.4g} {CHANNELS[key]} (standard error {zero.se:.2g} {CHANNELS[key]})"
+        offset = f"{zero.mean:.4g} {CHANNELS[key]} (standard error {zero.se:.2g} {CHANNELS[key]})"
         notes.append(
-            f"{name}: {key}: {words} subtracted, its mean over {zero.seconds:.2f} s at rest"
+            f"{name}: {key}: zero offset {offset} subtracted, the mean over {zero.seconds:.2f} s "
+            "at rest"
         )
     return out, notes
 
@@ -145,18 +144,18 @@ def _resampled(
     step = float(np.median(np.diff(t_s))) if len(t_s) > 1 else np.inf
     if rate * step > 1 + 1e-6:
         raise DataError(
-            f"{source}: resample = {rate:g} Hz, but its samples are {1e3 * step:.3g} ms apart",
-            "A mean needs a sample in each interval; none is made up.",
+            f"{source}: resample = {rate:g} Hz; limit {1 / step:.3g} Hz, its sampling rate",
+            "Lower 'resample': each interval needs a sample, since none is interpolated.",
         )
     starts = whole_intervals(t_s, rate, rules.screening.max_gap)
     middles = starts + 0.5 / rate
     out = {key: interval_means(t_s, y, starts, rate) for key, y in channels.items()}
     out["t_s"] = middles
-    if "sensor_saturated" in out:  # a mean in which some sample is clipped
+    if "sensor_saturated" in out:  # a mean with a clipped sample counts as clipped
         out["sensor_saturated"] = (out["sensor_saturated"] > 0).astype(float)
     lost = int(np.floor((t_s[-1] - t_s[0]) * rate + 1e-9)) - len(starts)
     note = f"{name}: resampled from {len(t_s)} samples to {len(starts)} means over 1/{rate:g} s"
     if lost:
-        note += f"; {lost} intervals reach into gaps and are left out"
+        note += f"; {lost} intervals with gaps left out"
     nearest = np.clip(np.searchsorted(t_s, middles), 0, len(lines) - 1)
     return out, lines[nearest], [note]

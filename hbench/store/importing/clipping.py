@@ -1,59 +1,59 @@
-"""Foreign channels that stand at their converter's end: the true value is beyond, not known.
+"""Detection of clipped channels in imported logs: the true value is beyond the converter's range.
 
-Such a channel stays at exactly its highest or lowest value for three samples or more while others
-move, and longer than at any value between. A quiet channel of coarse resolution does so too without
-being clipped, at the top of a wave or settled: there it can't be told, and nothing is said. Only
-where the noise from sample to sample is above the resolution is staying no chance.
+A clipped channel stays at exactly its highest or lowest value for three samples or more while
+other channels change, and longer than at any value between. An unclipped channel with little noise
+and coarse resolution does the same, at a peak or when settled. Clipping is therefore reported only
+where the noise from sample to sample is above the resolution.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
 
-LEAST = 3  # samples in a row
-_LIVELY = 1.5  # noise in units of the resolution
+LEAST_SAMPLES = 3  # consecutive
+_LEAST_NOISE = 1.5  # in units of the resolution
 
 
-def at_an_end(values: np.ndarray, others_move: np.ndarray) -> np.ndarray:
-    """Return the samples (n,) at an end of the converter; none where that can't be told.
+def clipped_at_limit(values: np.ndarray, others_change: np.ndarray) -> np.ndarray:
+    """Return the samples (n,) at a limit of the converter; none if that can't be determined.
 
-    ``others_move`` (n,) tells where another channel differs from the sample before: a log in which
-    all stand still has stopped, and no converter is at its end.
+    ``others_change`` (n,) is True where another channel differs from its previous sample: where
+    all channels are constant, the log has stopped and no converter is saturated.
     """
     none = np.zeros(len(values), dtype=bool)
     known = values[np.isfinite(values)]
     steps = np.abs(np.diff(known))
-    if len(known) < 3 * LEAST or not steps.any():
+    if len(known) < 3 * LEAST_SAMPLES or not steps.any():
         return none
     resolution = steps[steps > 1e-9 * np.ptp(known)].min()
     inside = known[(known > known.min()) & (known < known.max())]
-    if _noise(inside) <= _LIVELY * resolution:
+    if _noise(inside) <= _LEAST_NOISE * resolution:
         return none
-    least = max(LEAST, _longest(np.diff(inside) == 0) + 2)
-    found = none
-    for end in (known.max(), known.min()):
-        at = values == end
-        if _longest(at[1:] & at[:-1] & others_move[1:]) + 1 >= least:
-            found = found | at
-    return found
+    least = max(LEAST_SAMPLES, _longest(np.diff(inside) == 0) + 2)
+    clipped = none
+    for limit in (known.max(), known.min()):
+        at_limit = values == limit
+        if _longest(at_limit[1:] & at_limit[:-1] & others_change[1:]) + 1 >= least:
+            clipped = clipped | at_limit
+    return clipped
 
 
-def clipped(sensed: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return for each channel that is clipped somewhere the samples (n,) in which it is.
+def clipped_samples(sensed: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the clipped samples (n,) of each channel that has some.
 
-    ``sensed`` are the channels as logged, before any zero or mean. Not the position and the
-    commands to the valves: these do stand still at the ends of their ranges.
+    ``sensed`` are the channels as logged, before any zero or mean. Position and valve commands are
+    not tested: they rest at the limits of their ranges.
     """
     changed = {
         name: np.concatenate(([False], np.diff(values) != 0)) for name, values in sensed.items()
     }
-    judged = [name for name in sensed if name.startswith("p_") or name == "f_applied_n"]
-    found = {}
-    for name in judged:
-        others = [moves for other, moves in changed.items() if other not in (name, "t_s")]
+    tested = [name for name in sensed if name.startswith("p_") or name == "f_applied_n"]
+    clipped = {}
+    for name in tested:
+        others = [changes for other, changes in changed.items() if other not in (name, "t_s")]
         if others:
-            found[name] = at_an_end(sensed[name], np.logical_or.reduce(others))
-    return {name: samples for name, samples in found.items() if samples.any()}
+            clipped[name] = clipped_at_limit(sensed[name], np.logical_or.reduce(others))
+    return {name: samples for name, samples in clipped.items() if samples.any()}
 
 
 def _longest(held: np.ndarray) -> int:

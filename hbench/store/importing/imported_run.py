@@ -1,4 +1,4 @@
-"""What both ways of import hand on: runs in SI, not yet in a campaign."""
+"""Runs in SI from an imported folder, before they are written to a campaign."""
 
 import hashlib
 from dataclasses import dataclass, field
@@ -21,31 +21,31 @@ class SourceFile:
 
     @cached_property
     def sha256(self) -> str:
-        """Hash of its bytes."""
+        """Checksum of the file."""
         return hashlib.sha256(self.data).hexdigest()
 
 
 @dataclass(frozen=True)
-class ForeignRun:
-    """One run to be imported."""
+class ImportedRun:
+    """One imported run."""
 
     plan: RunPlan
-    channels: dict[str, np.ndarray]  # in SI, named as in ``importmap.CHANNELS``
+    channels: dict[str, np.ndarray]  # in SI, named as in ``import_layout.CHANNELS``
     file: SourceFile
-    lines: tuple[int, int]  # first and last line of it in the file, from 1
+    lines: tuple[int, int]  # its first and last line in the file, from 1
 
 
 @dataclass(frozen=True)
-class ForeignRuns:
-    """All runs of an imported folder, and what is to be told of them."""
+class ImportedRuns:
+    """All runs of an imported folder, with notes for the user."""
 
-    runs: tuple[ForeignRun, ...]
+    runs: tuple[ImportedRun, ...]
     notes: tuple[str, ...]
-    bench: dict[str, Any] | None = None  # the header's bench part, where the folder has one
+    bench: dict[str, Any] | None = None  # the header's section, if the folder has a bench file
 
 
 def read_source(folder: Path, name: str) -> SourceFile:
-    """Read a file below ``folder``. Raises ``DataError``, also for a path that leaves it."""
+    """Read a file below ``folder``. Raises ``DataError``, also for a path outside ``folder``."""
     path = folder / name
     check_inside(folder, path)
     return SourceFile(name, read_file(path))

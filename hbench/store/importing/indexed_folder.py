@@ -1,8 +1,8 @@
-"""Reads a folder in the default layout: an index of runs and a table of each, all in SI.
+"""Reader of a folder in the default layout: an index of runs and a table per run, all in SI.
 
-The index is ``runs.csv`` (one CSV or Parquet file a run), ``runs.parquet`` (the same), or
-``campaign.mat`` with the struct array ``runs`` that holds the logs too. ``bench.yaml`` beside it,
-if there, tells the cylinder and all else about the bench.
+The index is ``runs.csv`` (a CSV or Parquet file per run), ``runs.parquet`` (the same), or
+``campaign.mat`` with the struct array ``runs``, which contains the logs too. An optional
+``bench.yaml`` beside it describes the cylinder and the bench.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -21,7 +21,7 @@ from hbench.store.campaign.plan_fields import check_number
 from hbench.store.files.array_tables import AnyTable, Arrays, open_table, read_mat, read_parquet
 from hbench.store.files.run_csv import read_channels
 from hbench.store.files.text_table import Table, parse_table
-from hbench.store.importing.imported_run import ForeignRun, ForeignRuns, SourceFile, read_source
+from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, read_source
 from hbench.untrusted_text import from_cell
 
 INDICES = ("runs.csv", "runs.parquet", "campaign.mat")
@@ -30,55 +30,55 @@ BENCH = "bench.yaml"
 _REQUIRED = ("run", "file", "v_ref_m_s")
 _OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa")
 _COLUMNS = (*_REQUIRED, "kind", "trial", "label", *_OPTIONAL)
-_OF_EXPORT = ("accepted", "reason")  # a verdict that is made anew
-# The source's own cylinder, 40/25/400 mm, for logs that come without a bench file.
+_OF_EXPORT = ("accepted", "reason")  # ignored: the screening is repeated
+# The reference bench's cylinder, 40/25/400 mm, for logs without a bench file.
 _REFERENCE = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 
 
-# The index, and what gives a run's table and file for its number and the cell "file".
+# The index, and a function from a run's number and its cell "file" to its table and file.
 _Index = tuple[Table, Callable[[int, str], tuple[AnyTable, SourceFile]]]
 
 
-def read_indexed(folder: Path) -> ForeignRuns:
+def read_indexed(folder: Path) -> ImportedRuns:
     """Read the runs that the folder's index lists. Raises ``DataError`` naming file and line."""
-    found = [name for name in INDICES if (folder / name).is_file()]
-    if not found:
+    present = [name for name in INDICES if (folder / name).is_file()]
+    if not present:
         raise DataError(
-            f"{folder}: holds none of {', '.join(INDICES)}",
-            "Write a map for other files and give it with --map; see configs/import-csv.yaml.",
+            f"{folder}: contains none of {', '.join(INDICES)}",
+            "For another layout, write a map and give it with --map; see configs/import-csv.yaml.",
         )
-    name = found[0]
+    name = present[0]
     index, log = (_mat_index if name.endswith(".mat") else _table_index)(folder, name)
     for column in (*_REQUIRED, *(name for name in index.names if name in _COLUMNS)):
         index.position(column)
     bench, specimen, notes = _bench(folder, name)
     known = (*_COLUMNS, *_OF_EXPORT)
     notes += _left_out(name, [column for column in index.names if column not in known])
-    runs: list[ForeignRun] = []
+    runs: list[ImportedRun] = []
     lines: dict[str, int] = {}
     for row, cells in enumerate(index.rows):
         plan, file_name = _plan(index, row, dict(zip(index.names, cells, strict=True)), specimen)
         if plan.run in lines:
-            raise _fault(index, row, "run", plan.run, f"stands in line {lines[plan.run]} too")
+            raise _fault(index, row, "run", plan.run, f"occurs in line {lines[plan.run]} too")
         lines[plan.run] = index.lines[row]
         table, file = log(row, file_name)
-        channels, others = read_channels(table)
-        notes += _left_out(file.name, [column for column in others if column != "run"])
+        channels, unknown = read_channels(table)
+        notes += _left_out(file.name, [column for column in unknown if column != "run"])
         first = table.lines[0] if isinstance(table, Table) else 1
         last = table.lines[-1] if isinstance(table, Table) else len(channels["t_s"])
-        runs.append(ForeignRun(plan, channels, file, (int(first), int(last))))
-    return ForeignRuns(tuple(runs), (*notes, *_unlisted(folder, name, runs)), bench)
+        runs.append(ImportedRun(plan, channels, file, (int(first), int(last))))
+    return ImportedRuns(tuple(runs), (*notes, *_unlisted(folder, name, runs)), bench)
 
 
-def _unlisted(folder: Path, index: str, runs: Sequence[ForeignRun]) -> Iterator[str]:
-    """Tell of files beside those of the index that are in none of its rows."""
+def _unlisted(folder: Path, index: str, runs: Sequence[ImportedRun]) -> Iterator[str]:
+    """Report files beside those of the index that no row lists."""
     listed = {(folder / run.file.name).resolve() for run in runs} | {(folder / index).resolve()}
     beside = {(path.parent, path.suffix) for path in listed if path.name != index}
-    found = {path for at, suffix in beside for path in at.glob(f"*{suffix}")} - listed
-    if found:
-        names = sorted(path.relative_to(folder.resolve()).as_posix() for path in found)
+    unlisted = {path for at, suffix in beside for path in at.glob(f"*{suffix}")} - listed
+    if unlisted:
+        names = sorted(path.relative_to(folder.resolve()).as_posix() for path in unlisted)
         few = ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")
-        yield f"{index}: has no row for {few}: left out ({len(names)} files)"
+        yield f"{index}: no row for {few}: left out ({len(names)} files)"
 
 
 def _table_index(folder: Path, name: str) -> _Index:
@@ -102,7 +102,7 @@ def _mat_index(folder: Path, name: str) -> _Index:
         or not len(runs)
         or not all(isinstance(run, dict) and "log" in run for run in runs)
     ):
-        raise DataError(f"{source}: has no struct array 'runs' with the field 'log'")
+        raise DataError(f"{source}: contains no struct array 'runs' with the field 'log'")
     names = [field for field in runs[0] if field != "log"]
     rows = [[*(_cell(run.get(field)) for field in names), name] for run in runs]
     count = np.arange(1, len(rows) + 1)
@@ -111,7 +111,7 @@ def _mat_index(folder: Path, name: str) -> _Index:
 
 
 def _cell(value: Any) -> str:
-    """Return a scalar of a struct as the cell of a table; empty for nothing and NaN."""
+    """Return a scalar of a struct as the cell of a table; empty for NaN and other values."""
     if np.size(value) != 1:
         return ""
     text = str(np.asarray(value).item())
@@ -119,16 +119,16 @@ def _cell(value: Any) -> str:
 
 
 def _left_out(name: str, columns: Sequence[str]) -> tuple[str, ...]:
-    known = f"{name}: unknown columns are left out: {', '.join(columns)}"
-    return (known,) if columns else ()
+    note = f"{name}: unknown columns left out: {', '.join(columns)}"
+    return (note,) if columns else ()
 
 
 def _bench(folder: Path, index: str) -> tuple[dict[str, Any] | None, Specimen, tuple[str, ...]]:
     path = folder / BENCH
     if not path.exists():
         note = (
-            f"no {BENCH} beside {index}: the cylinder under test is taken to be the reference "
-            "bench's (40 mm piston, 25 mm rod, 400 mm stroke)"
+            f"no {BENCH} beside {index}: the reference bench's test cylinder is assumed "
+            "(40 mm piston, 25 mm rod, 400 mm stroke)"
         )
         return None, _REFERENCE, (note,)
     content = read_yaml(path)
@@ -145,7 +145,7 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
         raise _fault(index, row, "kind", kind, f"expected one of {kind_names()}")
     trial = cells.get("trial") or "1"
     if not trial.isdecimal() or len(trial) > 6 or int(trial) < 1:
-        raise _fault(index, row, "trial", trial, "expected a number from 1")
+        raise _fault(index, row, "trial", trial, "expected a whole number from 1 to 999999")
     references: dict[str, Any] = {
         name: _number(index, row, name, cells[name]) for name in _OPTIONAL if cells.get(name)
     }
@@ -164,7 +164,7 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
 def _label(index: Table, row: int, cell: str) -> str:
     label = from_cell(cell)
     if not label.isprintable():
-        raise _fault(index, row, "label", cell, "expected characters that can be printed")
+        raise _fault(index, row, "label", cell, "expected printable characters")
     return label
 
 
@@ -173,8 +173,8 @@ def _number(index: Table, row: int, column: str, cell: str) -> float:
         value = float(cell)
         check_number(column, value)
     except ValueError as error:
-        what = str(error) if cell else "missing"
-        raise _fault(index, row, column, cell, f"expected a number: {what}") from None
+        fault = str(error) if cell else "missing"
+        raise _fault(index, row, column, cell, f"expected a number: {fault}") from None
     return value
 
 

@@ -1,4 +1,4 @@
-"""Reads another bench's files by an import map: columns, units, cuts, nominal values."""
+"""Reader of another bench's files by an import map: columns, units, cuts, nominal values."""
 
 import re
 from collections import defaultdict
@@ -12,9 +12,9 @@ import numpy as np
 from hbench.config.import_map import FileSeries, ImportMap
 from hbench.errors import ConfigError, DataError
 from hbench.records import KINDS, RunPlan, Specimen
-from hbench.store.importing.channels import FileChannels, read_file
-from hbench.store.importing.imported_run import ForeignRun, ForeignRuns, SourceFile, read_source
-from hbench.store.importing.stroke_cuts import Strokes, cut_at_reversals, stroke_speed
+from hbench.store.importing.channels import FileChannels, read_channels_by_map
+from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, read_source
+from hbench.store.importing.stroke_cuts import StrokeCuts, cut_at_reversals, stroke_speed
 from hbench.units import parse_unit
 
 _NUMBER = r"\d+(?:\.\d+)?"
@@ -23,20 +23,20 @@ _FIELDS = {"pressure": _NUMBER, "load": f"-?{_NUMBER}", "speed": _NUMBER, "trial
 
 @dataclass(frozen=True)
 class _Match:
-    """A file that a series names."""
+    """A file whose name matches a series."""
 
     name: str
     series: FileSeries
-    fields: dict[str, str]  # what its name tells
+    fields: dict[str, str]  # the values in its name
 
     @property
     def trial(self) -> int:
-        """1 where the name does not tell."""
+        """Number of the trial; 1 if the name contains none."""
         return int(self.fields.get("trial", 1))
 
     @property
     def f_load_n(self) -> float | None:
-        """Nominal load: as named, or pressure times the piston's area."""
+        """Nominal load: from the name, or pressure times the piston's area."""
         load, pressure = self._si("load"), self._si("pressure")
         if load is None and pressure is not None:
             return pressure * self.series.cylinder.area_piston_m2
@@ -49,7 +49,7 @@ class _Match:
 
     @property
     def order(self) -> tuple[float, float, float, int]:
-        """Files of a series come by pressure, load, speed and trial."""
+        """Sorting key of a series' files: pressure, load, speed and trial."""
         pressure, load, speed = (self._si(name) or 0.0 for name in ("pressure", "load", "speed"))
         return pressure, load, speed, self.trial
 
@@ -61,7 +61,7 @@ class _Match:
 
 @dataclass(frozen=True)
 class _Stroke:
-    """A piece of a file that becomes a run."""
+    """A section of a file that becomes a run."""
 
     match: _Match
     file: SourceFile
@@ -71,14 +71,14 @@ class _Stroke:
 
     @property
     def reference(self) -> tuple:
-        """What strokes of one nominal speed have in common."""
+        """Key of strokes with the same nominal speed: label, load and direction."""
         return (self.match.series.label, self.match.f_load_n, self.v_m_s > 0)
 
 
-def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
-    """Read every file below ``folder`` that a series of the map names.
+def read_mapped(folder: Path, rules: ImportMap) -> ImportedRuns:
+    """Read every file below ``folder`` whose name matches a series of the map.
 
-    Raises ``DataError`` naming the file and line that can't be used.
+    Raises ``DataError`` naming the invalid file and line.
     """
     strokes: list[_Stroke] = []
     notes: list[str] = []
@@ -86,28 +86,28 @@ def read_mapped(folder: Path, rules: ImportMap) -> ForeignRuns:
     for match in _matches(folder, rules):
         file = read_source(folder, match.name)
         source = str(folder / match.name)
-        read = read_file(file.data, source, match.name, match.fields, rules)
+        read = read_channels_by_map(file.data, source, match.name, match.fields, rules)
         cut = _cut(read.channels["x_m"], source, rules)
         strokes += [_stroke(match, file, read, piece, rules.kind) for piece in cut.pieces]
         notes += read.notes
         partial, short = partial + cut.partial, short + cut.short
     if not strokes:
         raise DataError(
-            f"{folder}: no stroke between two reversals is as long as min_stroke "
-            f"({1e3 * rules.min_stroke:g} mm)"
+            f"{folder}: no stroke between two reversals is longer than min_stroke = "
+            f"{1e3 * rules.min_stroke:g} mm",
+            "Reduce 'min_stroke' in the map.",
         )
     speeds = _nominal_speeds(strokes)
     runs = tuple(
-        ForeignRun(_plan(number, s, rules.kind, speeds), s.channels, s.file, s.lines)
+        ImportedRun(_plan(number, s, rules.kind, speeds), s.channels, s.file, s.lines)
         for number, s in enumerate(strokes, start=1)
     )
-    return ForeignRuns(runs, (*_notes(len(runs), partial, short, rules), *notes))
+    return ImportedRuns(runs, (*_notes(len(runs), partial, short, rules), *notes))
 
 
 def _listed(names: list[str]) -> str:
-    if len(names) < 2:
-        return f"is {names[0]}" if names else "is no file"
-    return f"are {', '.join(name[:60] for name in names[:3])}{', ...' if len(names) > 3 else ''}"
+    few = ", ".join(name[:60] for name in names[:3]) or "no file"
+    return f"{few}{', ...' if len(names) > 3 else ''}"
 
 
 def _matches(folder: Path, rules: ImportMap) -> Iterator[_Match]:
@@ -116,19 +116,21 @@ def _matches(folder: Path, rules: ImportMap) -> Iterator[_Match]:
     taken: dict[str, str] = {}
     for series in rules.series:
         pattern = _pattern(series.files)
-        found = []
+        matches = []
         for name in sorted(names):
             if match := pattern.fullmatch(name):
                 if name in taken:
-                    raise ConfigError(f"{name}: belongs to series {taken[name]} and {series.files}")
+                    raise ConfigError(
+                        f"{name}: matches two series, {taken[name]} and {series.files}"
+                    )
                 taken[name] = series.files
-                found.append(_Match(name, series, match.groupdict()))
-        if not found:
+                matches.append(_Match(name, series, match.groupdict()))
+        if not matches:
             raise DataError(
-                f"{folder}: no file fits series {series.label!r}, files: {series.files}",
-                f"Paths start at the imported folder; there {_listed(sorted(names))}.",
+                f"{folder}: no file matches series {series.label!r}, files: {series.files}",
+                f"Give paths from the imported folder, which contains {_listed(sorted(names))}.",
             )
-        yield from sorted(found, key=lambda m: m.order)
+        yield from sorted(matches, key=lambda m: m.order)
 
 
 def _pattern(files: str) -> re.Pattern[str]:
@@ -138,46 +140,46 @@ def _pattern(files: str) -> re.Pattern[str]:
     return re.compile(text)
 
 
-def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> Strokes:
+def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> StrokeCuts:
     if rules.cut == "reversals":
         return cut_at_reversals(x_m, rules.min_stroke)
     if not KINDS[rules.kind].has_constant_speed:
-        return Strokes((slice(0, len(x_m)),), partial=0, short=0)
+        return StrokeCuts((slice(0, len(x_m)),), partial=0, short=0)
     if abs(x_m[-1] - x_m[0]) < rules.min_stroke:
         raise DataError(
             f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
             f"one stroke of at least min_stroke = {1e3 * rules.min_stroke:g} mm",
-            "For files with strokes in both directions, write 'cut: reversals'.",
+            "For files with strokes in both directions, write 'cut: reversals' in the map.",
         )
-    return Strokes((slice(0, len(x_m)),), partial=0, short=0)
+    return StrokeCuts((slice(0, len(x_m)),), partial=0, short=0)
 
 
 def _stroke(
     match: _Match, file: SourceFile, read: FileChannels, piece: slice, kind: str
 ) -> _Stroke:
-    part = {name: values[piece] for name, values in read.channels.items()}
+    channels = {name: values[piece] for name, values in read.channels.items()}
     constant = KINDS[kind].has_constant_speed
-    measured = stroke_speed(part["t_s"], part["x_m"]) if constant else None
+    measured = stroke_speed(channels["t_s"], channels["x_m"]) if constant else None
     return _Stroke(
         match=match,
         file=file,
         lines=(int(read.lines[piece][0]), int(read.lines[piece][-1])),
-        channels=part,
-        v_m_s=_top(part, match, kind) if measured is None else measured,
+        channels=channels,
+        v_m_s=_top_speed(channels, match, kind) if measured is None else measured,
     )
 
 
-def _top(part: dict[str, np.ndarray], match: _Match, kind: str) -> float:
-    """Return the top speed [m/s] of a run that is not steady, with the sign of its reference."""
-    v_ref = part.get("v_ref_m_s")
+def _top_speed(channels: dict[str, np.ndarray], match: _Match, kind: str) -> float:
+    """Return the top speed [m/s] of a non-steady run, with the sign of its reference."""
+    v_ref = channels.get("v_ref_m_s")
     if KINDS[kind].is_at_rest:
         return 0.0
     if v_ref is not None and np.isfinite(v_ref).any():
         return float(v_ref[np.nanargmax(np.abs(v_ref))])
     if match.speed_m_s is None:
         raise DataError(
-            f"{match.name}: the top speed of a {kind} is not known",
-            "Give columns.v_ref_m_s, or the series' speed or {speed}.",
+            f"{match.name}: the top speed of a {kind} run is not specified",
+            "Add 'columns.v_ref_m_s' to the map, or the series' 'speed' or {speed} in its 'files'.",
         )
     return match.speed_m_s
 
@@ -214,6 +216,6 @@ def _notes(whole: int, partial: int, short: int, rules: ImportMap) -> tuple[str,
     if rules.cut == "none":
         return ()
     return (
-        f"cut at reversals into {whole} strokes; left out: {partial} pieces before the first or "
+        f"cut at reversals into {whole} strokes; left out: {partial} sections before the first or "
         f"after the last reversal of a file, {short} shorter than {1e3 * rules.min_stroke:g} mm",
     )

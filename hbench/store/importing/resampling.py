@@ -1,13 +1,13 @@
-"""Means over equal intervals of channels that were sampled unevenly."""
+"""Means of unevenly sampled channels over equal intervals."""
 
 import numpy as np
 
 
 def whole_intervals(t_s: np.ndarray, rate_hz: float, max_gap_s: float) -> np.ndarray:
-    """Return where the intervals of 1/rate begin (m,), counted from the first sample.
+    """Return the starts (m,) [s] of the intervals of 1/rate, from the first sample on.
 
-    Each lies between the first and the last sample, and none reaches into a pause between two
-    samples longer than ``max_gap_s``.
+    Each interval is between the first and the last sample, and contains no gap between samples
+    longer than ``max_gap_s``.
     """
     count = int(np.floor((t_s[-1] - t_s[0]) * rate_hz + 1e-9))
     starts = t_s[0] + np.arange(count) / rate_hz
@@ -19,11 +19,11 @@ def whole_intervals(t_s: np.ndarray, rate_hz: float, max_gap_s: float) -> np.nda
 def interval_means(
     t_s: np.ndarray, values: np.ndarray, starts_s: np.ndarray, rate_hz: float
 ) -> np.ndarray:
-    """Return the mean (m,) of straight lines between samples over each interval from ``starts_s``.
+    """Return the mean (m,) of the linearly interpolated samples over each interval.
 
-    The integral of the lines is exact (trapezia), so uneven sampling gives no weight to where
-    samples are dense. A mean over T is a filter without phase whose gain is sin(pi f T) / (pi f T).
-    NaN where a sample that it is made of is NaN.
+    ``starts_s`` (m,) are the intervals' starts. The integral is exact (trapezia), so dense sampling
+    gives no extra weight. A mean over T is a zero-phase filter with the gain
+    sin(pi f T) / (pi f T). It is NaN if one of its samples is NaN.
     """
     known = np.isfinite(values)
     y = np.where(known, values, 0.0)
@@ -45,6 +45,6 @@ def interval_means(
 
 
 def _any_between(bad: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """Tell whether any of the steps (n-1,) between samples ``first`` and ``last`` is bad."""
+    """Return whether any of the steps (n-1,) between samples ``first`` and ``last`` is bad."""
     counted = np.concatenate(([0], np.cumsum(bad)))
     return counted[last] > counted[first]

@@ -42,7 +42,7 @@ def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
     A campaign that is there already, whole, stays.
     """
     os.environ["HBENCH_EFFECTS"] = str(TABLE)  # before hbench's model is imported
-    from hbench.parallel.process_pool import on_all_cores
+    from hbench.parallel.process_pool import map_on_cores
     from hbench.workflow import load_experiment
     from tests.support.hidden.measure import compile_for
 
@@ -52,7 +52,7 @@ def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
     missing = [case for case in listed if not (out / case.name).exists()]
     compile_for(missing, load_experiment(schedule, None).bench)
     stopped = 0
-    for done, (name, why) in enumerate(on_all_cores(partial(_write, schedule, out), missing), 1):
+    for done, (name, why) in enumerate(map_on_cores(partial(_write, schedule, out), missing), 1):
         stopped += bool(why)
         print(f"{done}/{len(missing)} {name} {why}", flush=True)
     return int(stopped > 0)

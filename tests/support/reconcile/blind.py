@@ -25,7 +25,7 @@ from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.parallel.process_pool import on_all_cores
+from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.diagnose import ReconcileTask, ranked_gaps, run_search, simulate_baseline
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.measured.balances import prepare
@@ -109,7 +109,7 @@ def outcomes(folder: Path) -> list[Outcome]:
         done = {row["name"]: _read(row) for row in rows}
     campaigns = sorted((one.parent for one in folder.glob("[!.]*/campaign.yaml")), key=_turn)
     left = [one for one in campaigns if one.name not in done]
-    for one in on_all_cores(partial(_one, campaigns[0]), left) if left else ():
+    for one in map_on_cores(partial(_one, campaigns[0]), left) if left else ():
         done[one.name] = one
         with known.open("a") as file:
             file.write(json.dumps(asdict(one)) + "\n")

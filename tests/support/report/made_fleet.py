@@ -1,12 +1,15 @@
 """A fleet's table without campaigns: its numbers are drawn here, with a known truth."""
 
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from hbench.records import FleetNumber, FleetRow
-from hbench.store.fleet.table import TABLE, cells_of, write_table
+from hbench.analysis.comparison.fleet_summary import summarize
+from hbench.records import Fleet, FleetNumber, FleetRow
+from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
+from hbench.workflow.fleet import report_link
 
 START = datetime(2026, 3, 2, 7, 0, tzinfo=UTC)
 SE = {"friction_n": 4.0, "efficiency": 0.0008, "b_viscous_n_s_m": 60.0, "v_stribeck_m_s": 0.004}
@@ -80,3 +83,8 @@ def made_table(
 
     write_table(folder / TABLE, rows())
     return folder
+
+
+def summary_of(folder: Path) -> Fleet:
+    """The summary of the table in a folder."""
+    return summarize(FleetTable(folder / TABLE), partial(report_link, folder))

@@ -1,0 +1,190 @@
+"""Summary of a fleet's table: spreads, trends, outliers and reasons of failure.
+
+The table is read one column at a time, so that a million rows fit into memory.
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hbench.analysis.comparison.population import (
+    FEWEST,
+    RobustDeviations,
+    TrendLine,
+    histogram,
+    robust_deviations,
+    trend_line,
+)
+from hbench.analysis.statistics.holm import holm
+from hbench.analysis.uncertainty.budget import NORMAL_95
+from hbench.records import (
+    QUANTITIES,
+    Block,
+    Deviation,
+    Direction,
+    Fleet,
+    Quantity,
+    Spread,
+    Suspect,
+    Trend,
+)
+from hbench.store.fleet.table import FleetTable, column_of, moment_of
+
+_LISTED = 20  # campaigns: of the most deviating, and of the failed ones
+_MOST_KINDS = 10  # of reasons and protocols
+_SINGLE = 150  # campaigns that are drawn one by one; more are drawn in blocks
+_BLOCKS = 60
+_DAY_S = 86_400.0
+_DIGITS = re.compile(r"\d+")
+
+
+@dataclass(frozen=True)
+class _Sample:
+    """Values of one quantity and direction over the compared campaigns."""
+
+    quantity: Quantity
+    direction: Direction
+    rows: np.ndarray  # (n,) of the table
+    at: np.ndarray  # (n,) days since the first campaign, or number in the order of paths
+    x: np.ndarray  # (n,)
+    se: np.ndarray  # (n,)
+
+
+def summarize(table: FleetTable, report_link: Callable[[str], str]) -> Fleet:
+    """Return the summary of a fleet's table.
+
+    ``report_link`` returns the link to the report of the campaign at a path; may be empty.
+    """
+    good = table.equals("failed", "")
+    protocols = [pair for pair in table.counts("protocol") if pair[0]]
+    compared = good & table.equals("protocol", protocols[0][0] if protocols else "")
+    moments = table.moments()
+    known = moments[compared]
+    by_date = len(known) > 0 and bool(np.isfinite(known).all()) and bool(np.ptp(known) > 0)
+    first, last = (float(known.min()), float(known.max())) if by_date else (0.0, 0.0)
+    at = (moments - first) / _DAY_S if by_date else np.cumsum(compared).astype(float)
+
+    lines = [trend_line(sample.at, sample.x) for sample in _samples(table, compared, at)]
+    sizes = [len(sample.x) for sample in _samples(table, compared, at)]
+    p_values = iter(holm([line.p for line in lines if line is not None]))
+    worst: dict[int, list[Deviation]] = defaultdict(list)
+    outlier = np.zeros(table.rows, dtype=bool)
+    spreads: list[Spread] = []
+    for sample, line in zip(_samples(table, compared, at), lines, strict=True):
+        trend = None if line is None else _trend(sample, line, float(next(p_values)))
+        centre = _centre(sample, line, trend)
+        deviations = robust_deviations(sample.x, sample.se, centre)
+        spreads.append(_spread(sample, deviations, trend))
+        if len(sample.x) < FEWEST:
+            continue
+        p = np.minimum(sum(sizes) * deviations.p, 1.0)
+        outlier[sample.rows] |= p < 0.05
+        for i in np.argsort(-np.abs(deviations.z), kind="stable")[:_LISTED]:
+            x, m, z = float(sample.x[i]), float(centre[i]), float(deviations.z[i])
+            deviation = Deviation(sample.quantity, sample.direction, x, m, z, float(p[i]))
+            worst[int(sample.rows[i])].append(deviation)
+    failures = np.flatnonzero(~good)[:_LISTED]
+    return Fleet(
+        campaigns=table.rows,
+        failed=int((~good).sum()),
+        reasons=tuple(_kinds_of_failure(table)),
+        failures=tuple(
+            zip(table.values("path", failures), table.values("failed", failures), strict=True)
+        ),
+        qualities=tuple(pair for pair in table.counts("quality") if pair[0]),
+        sources=tuple(pair for pair in table.counts("source") if pair[0]),
+        protocols=tuple(protocols[:_MOST_KINDS]),
+        judged=int(compared.sum()),
+        by_date=by_date,
+        first=moment_of(first) if by_date else None,
+        last=moment_of(last) if by_date else None,
+        spreads=tuple(spreads),
+        outliers=int(outlier.sum()),
+        worst=tuple(_suspects(table, worst, report_link)),
+    )
+
+
+def _samples(table: FleetTable, compared: np.ndarray, at: np.ndarray) -> Iterator[_Sample]:
+    directions: tuple[Direction, ...] = ("extend", "retract")
+    for quantity in QUANTITIES:
+        for direction in directions:
+            name = column_of(quantity.name, direction)
+            x = table.numbers(name)
+            rows = np.flatnonzero(compared & np.isfinite(x))
+            if len(rows):
+                se = table.numbers(f"{name}_se")[rows]
+                yield _Sample(quantity, direction, rows, at[rows], x[rows], se)
+
+
+def _trend(sample: _Sample, line: TrendLine, p_holm: float) -> Trend:
+    span = float(np.ptp(sample.at))
+    start = line.intercept + line.slope * float(sample.at.min())
+    return Trend(line.slope * span, line.low * span, line.high * span, start, p_holm)
+
+
+def _centre(sample: _Sample, line: TrendLine | None, trend: Trend | None) -> np.ndarray:
+    if line is not None and trend is not None and trend.real:
+        return line.intercept + line.slope * sample.at
+    return np.full(len(sample.x), np.median(sample.x))
+
+
+def _spread(sample: _Sample, deviations: RobustDeviations, trend: Trend | None) -> Spread:
+    within = float(np.median(deviations.within))
+    low, median, high = map(float, np.percentile(sample.x, [5, 50, 95]))
+    edges, counts, below, above = histogram(sample.x)
+    return Spread(
+        quantity=sample.quantity,
+        direction=sample.direction,
+        n=len(sample.x),
+        median=median,
+        between=deviations.between,
+        own=within or None,
+        low=low,
+        high=high,
+        edges=tuple(edges.tolist()),
+        counts=tuple(counts.tolist()),
+        below=below,
+        above=above,
+        blocks=tuple(_blocks(sample)),
+        trend=trend,
+    )
+
+
+def _blocks(sample: _Sample) -> Iterator[Block]:
+    order = np.argsort(sample.at, kind="stable")
+    if len(order) <= _SINGLE:
+        half = NORMAL_95 * np.nan_to_num(sample.se, nan=0.0, posinf=0.0)
+        for i in order:
+            x = float(sample.x[i])
+            yield Block(float(sample.at[i]), 1, x, x - float(half[i]), x + float(half[i]))
+        return
+    for group in np.array_split(order, _BLOCKS):
+        low, median, high = map(float, np.percentile(sample.x[group], [5, 50, 95]))
+        yield Block(float(sample.at[group].mean()), len(group), median, low, high)
+
+
+def _suspects(
+    table: FleetTable, worst: dict[int, list[Deviation]], report_link: Callable[[str], str]
+) -> Iterator[Suspect]:
+    for deviations in worst.values():
+        deviations.sort(key=lambda deviation: -abs(deviation.z))
+    rows = sorted(worst, key=lambda row: (-abs(worst[row][0].z), row))[:_LISTED]
+    columns: list[list[Any]] = [
+        table.values(name, np.array(rows, dtype=int))
+        for name in ("path", "name", "started", "quality")
+    ]
+    for row, (path, name, started, quality) in zip(rows, zip(*columns, strict=True), strict=True):
+        yield Suspect(path, name, started, quality, report_link(path), tuple(worst[row]))
+
+
+def _kinds_of_failure(table: FleetTable) -> Iterator[tuple[str, int]]:
+    """Yield the reasons of failure without their numbers, each with its frequency."""
+    counted: dict[str, int] = defaultdict(int)
+    for reason, count in table.counts("failed"):
+        if reason:
+            counted[_DIGITS.sub("…", reason)] += count
+    yield from sorted(counted.items(), key=lambda pair: (-pair[1], pair[0]))[:_MOST_KINDS]
