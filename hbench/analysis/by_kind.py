@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from hbench.analysis.curves.average import curves
 from hbench.analysis.curves.hysteresis import hysteresis
 from hbench.analysis.curves.leakage import leakage
-from hbench.analysis.curves.ramp_tests import comparisons
-from hbench.analysis.curves.ramps import ramp_curves, slid
-from hbench.analysis.curves.step_levels import level_runs, levels
-from hbench.analysis.curves.surface import surfaces
+from hbench.analysis.curves.ramp_tests import ramp_comparisons
+from hbench.analysis.curves.ramps import ramp_curves, sliding
+from hbench.analysis.curves.step_levels import level_runs, step_levels
+from hbench.analysis.curves.surface import friction_surfaces
 from hbench.analysis.fitting.fit import fits
 from hbench.analysis.fitting.joint import fitted
 from hbench.analysis.uncertainty.budget import with_instruments
@@ -22,10 +22,10 @@ from hbench.config.fitting import Fitting
 from hbench.records import KINDS, Curve, Leakage, Level, Loop, Motions, ScreenedRun
 
 _SHARED_STROKES = (
-    "the points of a ramp's curve share their strokes, while the intervals of its fitted "
-    "parameters take them as independent: they are too narrow"
+    "the points of a ramp's curve share their strokes, but the intervals of its fitted "
+    "parameters assume independent points: they are too narrow"
 )
-_UNKNOWN_MASS = "the test side's mass is not known: friction of moving runs holds its inertia"
+_UNKNOWN_MASS = "the test side's mass is not known: friction of moving runs includes its inertia"
 _NO_BENCH = "leakage needs a bench file: volumes and bulk modulus are not known"
 _WITH_INERTIA = {"ramp_curve", "hysteresis", "step_levels"}  # analyses that subtract m_T a
 
@@ -39,7 +39,7 @@ class Settings:
 
     @property
     def mass_kg(self) -> float:
-        """Mass of the test side; 0 where it is not known, and then its inertia stays in."""
+        """Mass of the test side; with 0, for an unknown mass, friction includes the inertia."""
         return 0.0 if self.bench is None else self.bench.moving_mass.test
 
 
@@ -69,27 +69,31 @@ def analyse_runs(
 ) -> AnalysedRuns:
     """Analyse the runs of each kind of experiment, and compare ramps with steady curves."""
     runs: dict[str, list[ScreenedRun]] = defaultdict(list)
-    for one in screened:
-        runs[KINDS[one.run.plan.kind].analysis].append(one)
+    for run in screened:
+        runs[KINDS[run.run.plan.kind].analysis].append(run)
     settings = Settings(bench, fitting)
-    found = {name: analyse(runs[name], settings) for name, analyse in ANALYSES.items()}
+    products = {name: analyse(runs[name], settings) for name, analyse in ANALYSES.items()}
     instruments = None if bench is None else bench.instruments
-    steady = tuple(with_instruments(curve, instruments) for curve in found["steady_curve"].curves)
-    ramps = found["ramp_curve"].curves
-    moving = (curve for name in found if name != "steady_curve" for curve in found[name].curves)
-    accepted = {name for name in runs if any(one.accepted for one in runs[name])}
+    steady = tuple(
+        with_instruments(curve, instruments) for curve in products["steady_curve"].curves
+    )
+    ramps = products["ramp_curve"].curves
+    moving = (
+        curve for name in products if name != "steady_curve" for curve in products[name].curves
+    )
+    accepted = {name for name in runs if any(run.accepted for run in runs[name])}
     return AnalysedRuns(
         steady=steady,
         moving=tuple(with_instruments(curve, instruments) for curve in moving),
         motions=Motions(
-            comparisons=comparisons((*steady, *map(slid, ramps))),
-            loops=tuple(loop for one in found.values() for loop in one.loops),
-            levels=tuple(level for one in found.values() for level in one.levels),
-            leakages=tuple(leak for one in found.values() for leak in one.leakages),
-            surfaces=surfaces(steady),
+            comparisons=ramp_comparisons((*steady, *map(sliding, ramps))),
+            loops=tuple(loop for product in products.values() for loop in product.loops),
+            levels=tuple(level for product in products.values() for level in product.levels),
+            leakages=tuple(leak for product in products.values() for leak in product.leakages),
+            surfaces=friction_surfaces(steady),
         ),
         notes=(
-            *(note for one in found.values() for note in one.notes),
+            *(note for product in products.values() for note in product.notes),
             *([_UNKNOWN_MASS] if bench is None and accepted & _WITH_INERTIA else []),
             *([_NO_BENCH] if bench is None and "leakage" in accepted else []),
         ),
@@ -101,11 +105,11 @@ def _steady_curves(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
 
 
 def _ramp_curves(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
-    found, notes = ramp_curves(runs, settings.mass_kg)
-    found = tuple(replace(curve, fits=fits(slid(curve), settings.fitting)) for curve in found)
-    if any(curve.fits for curve in found):
+    ramps, notes = ramp_curves(runs, settings.mass_kg)
+    ramps = tuple(replace(curve, fits=fits(sliding(curve), settings.fitting)) for curve in ramps)
+    if any(curve.fits for curve in ramps):
         notes += (_SHARED_STROKES,)
-    return Products(curves=found, notes=notes)
+    return Products(curves=ramps, notes=notes)
 
 
 def _hysteresis(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
@@ -114,7 +118,7 @@ def _hysteresis(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
 
 
 def _step_levels(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
-    return Products(curves=curves(level_runs(runs)), levels=levels(runs, settings.mass_kg))
+    return Products(curves=curves(level_runs(runs)), levels=step_levels(runs, settings.mass_kg))
 
 
 def _leakage(runs: Sequence[ScreenedRun], settings: Settings) -> Products:

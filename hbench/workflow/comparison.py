@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from hbench.analysis.comparison.differences import differences
+from hbench.analysis.comparison.differences import campaign_differences
 from hbench.errors import DataError
 from hbench.records import CampaignDifferences
 from hbench.report.comparison.figures import draw_differences
@@ -34,7 +34,7 @@ def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> Campai
             and bench_a.instruments == bench_b.instruments
             and results_a.provenance.source == results_b.provenance.source
         )
-    curves, notes = differences(results_a, results_b, instruments, same_instruments)
+    curves, notes = campaign_differences(results_a, results_b, instruments, same_instruments)
     if not curves:
         raise DataError(
             f"{a} and {b} have no curves in common: {'; '.join(notes) or 'neither has curves'}",

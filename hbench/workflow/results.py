@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hbench.analysis.by_kind import analyse_runs
-from hbench.analysis.curves.bands import bands
+from hbench.analysis.curves.bands import friction_bands
 from hbench.analysis.fitting.fit import left_out
 from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
@@ -16,7 +16,7 @@ from hbench.analysis.screening.limitations import not_computed
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
-from hbench.analysis.uncertainty.efficiency import efficiency
+from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import DataError
@@ -111,14 +111,14 @@ def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
     instruments = None if bench is None else bench.instruments
     analysed = analyse_runs(screened, bench, how)
     steady, curves = analysed.steady, (*analysed.steady, *analysed.moving)
-    efficiencies = tuple(efficiency(curve, instruments) for curve in steady)
+    efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
     lacking = not_computed(screened, efficiencies, instruments)
     return Results(
         provenance=campaign.provenance(),
         runs=screened,
         curves=curves,
         efficiency=efficiencies,
-        bands=bands(steady),
+        bands=friction_bands(steady),
         notes=(*campaign.warnings, *lacking, *left_out(steady), *analysed.notes),
         motions=analysed.motions,
         joint_fits=joint_fits(steady, how),

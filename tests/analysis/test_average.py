@@ -9,7 +9,7 @@ import scipy.stats
 from hbench.analysis.curves.average import curves, student_interval
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.statistics.student import student_factor
-from hbench.analysis.uncertainty.efficiency import efficiency
+from hbench.analysis.uncertainty.efficiency import efficiency_curve
 
 
 @pytest.fixture
@@ -99,4 +99,4 @@ def test_rod_side_pressures_of_the_load_are_curves_of_their_own(trial):
     found = curves([trial(f, 1, p_lr=p) for p, f in ((15e5, 400), (60e5, 600), (None, 500))])
     assert [(c.p_lr_ref_pa, len(c.points)) for c in found] == [(15e5, 1), (60e5, 1), (None, 1)]
     assert [c.points[0].friction_n for c in found] == pytest.approx([400, 600, 500])
-    assert [efficiency(curve, None).p_lr_ref_pa for curve in found] == [15e5, 60e5, None]
+    assert [efficiency_curve(curve, None).p_lr_ref_pa for curve in found] == [15e5, 60e5, None]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.curves.bands import bands
+from hbench.analysis.curves.bands import friction_bands
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def side(make_curve):
 def test_half_and_middle_are_formed_in_each_trial(side):
     extend = side("extend", {1: 8.0, 2: 10.0, 3: 12.0}, p_tp_pa=1.2e5)
     retract = side("retract", {3: -6.0, 1: -4.0, 2: -2.0}, p_tp_pa=1.0e5)
-    (band,) = bands([extend, retract])
+    (band,) = friction_bands([extend, retract])
     # Halves 6, 6, 9: mean 7, S = sqrt(3), so t S / sqrt(3) = 4.303. Middles 2, 4, 3.
     assert band.half_n == pytest.approx(7)
     assert band.half_ci95_n == pytest.approx(4.303, abs=1e-3)
@@ -43,7 +43,7 @@ def test_an_error_of_a_trial_common_to_both_directions_does_not_widen_the_interv
     offsets = {1: -30.0, 2: 0.0, 3: 30.0}
     extend = side("extend", {k: 10.0 + offset for k, offset in offsets.items()})
     retract = side("retract", {k: -10.0 + offset for k, offset in offsets.items()})
-    (band,) = bands([extend, retract])
+    (band,) = friction_bands([extend, retract])
     assert band.half_n == pytest.approx(10)
     assert band.half_ci95_n == pytest.approx(0, abs=1e-9)
 
@@ -62,24 +62,24 @@ def test_the_interval_covers_the_truth_in_95_of_100_however_the_directions_corre
                 ("extend", "retract"), (10, -8), noise.T, strict=True
             )
         ]
-        (band,) = bands(pair)
+        (band,) = friction_bands(pair)
         inside.append(abs(band.half_n - 9) <= band.half_ci95_n)
     assert abs(np.mean(inside) - 0.95) < 0.018
 
 
 def test_only_trials_that_both_directions_have_count(side):
     extend = side("extend", {1: 8.0, 2: 10.0, 3: 90.0})
-    (band,) = bands([extend, side("retract", {1: -4.0, 2: -2.0, 4: -70.0})])
+    (band,) = friction_bands([extend, side("retract", {1: -4.0, 2: -2.0, 4: -70.0})])
     assert (band.n, band.half_n) == (2, pytest.approx(6))
-    (band,) = bands([extend, side("retract", {2: -2.0})])
+    (band,) = friction_bands([extend, side("retract", {2: -2.0})])
     assert (band.n, band.half_n, band.half_ci95_n) == (1, pytest.approx(6), None)
-    assert bands([extend, side("retract", {4: -2.0})]) == ()
+    assert friction_bands([extend, side("retract", {4: -2.0})]) == ()
 
 
 def test_only_directions_of_the_same_load_rod_side_and_label_pair(side):
     extend = side("extend", {1: 8.0})
     for other in ({"f_load_n": 60.0}, {"p_lr_ref_pa": 15e5}, {"label": "NAPN"}, {"kind": "ramp"}):
-        assert bands([extend, side("retract", {1: -8.0}, **other)]) == ()
+        assert friction_bands([extend, side("retract", {1: -8.0}, **other)]) == ()
 
 
 def test_bands_are_sorted_by_pressure_within_their_label(side):
@@ -89,10 +89,10 @@ def test_bands_are_sorted_by_pressure_within_their_label(side):
         for bar in (7, 1, 3)
         for direction, sign in (("extend", 1), ("retract", -1))
     ]
-    found = [(band.label, band.p_tp_pa / 1e5) for band in bands(made)]
+    found = [(band.label, band.p_tp_pa / 1e5) for band in friction_bands(made)]
     assert found == [(label, bar) for label in ("O-ring", "NAPN") for bar in (1, 3, 7)]
 
 
 def test_curves_over_velocity_have_no_band(make_curve):
     curves = [make_curve([0.01, 0.02, 0.05], [8, 7, 9], d) for d in ("extend", "retract")]
-    assert bands(curves) == ()
+    assert friction_bands(curves) == ()

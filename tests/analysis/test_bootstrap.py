@@ -8,7 +8,7 @@ from hbench.analysis.statistics.bootstrap import (
     drawn_means,
     drawn_residuals,
     leveraged,
-    own_freedom,
+    parameter_dof,
     percentile_intervals,
 )
 from hbench.analysis.statistics.student import student_factor
@@ -52,5 +52,5 @@ def test_percentiles_of_normal_draws_are_where_student_puts_them():
 def test_a_parameter_has_the_freedom_of_the_points_that_it_rests_on():
     """A mean of k equal points with two trials has k degrees of freedom, of one point one."""
     first_alone = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
-    np.testing.assert_allclose(own_freedom(first_alone, np.full(4, 2)), [1.0, 3.0])
-    np.testing.assert_allclose(own_freedom(first_alone, np.full(4, 3)), [2.0, 6.0])
+    np.testing.assert_allclose(parameter_dof(first_alone, np.full(4, 2)), [1.0, 3.0])
+    np.testing.assert_allclose(parameter_dof(first_alone, np.full(4, 3)), [2.0, 6.0])

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 from hbench.analysis.curves.average import student_interval
-from hbench.analysis.uncertainty.budget import expanded, friction_parts, together, with_instruments
-from hbench.analysis.uncertainty.efficiency import efficiency
+from hbench.analysis.uncertainty.budget import (
+    expanded,
+    friction_contributions,
+    root_sum_square,
+    with_instruments,
+)
+from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.config.sensors import Instruments
 
 GAINS = {"load cell": 0.01, "piston-side pressure": 0.008, "rod-side pressure": 0.008}
@@ -55,14 +60,14 @@ def shared_errors(curve):
 
 def test_the_instruments_part_of_a_mean_is_that_of_the_uncertainties_package(curve, instruments):
     etas = [f_applied / f_test for f_test, f_applied in shared_errors(curve)]
-    mean = efficiency(curve, instruments).mean
+    mean = efficiency_curve(curve, instruments).mean
     expected = sum(etas) / len(etas)
     assert mean.efficiency == pytest.approx(expected.nominal_value, rel=1e-9)
     assert mean.sigma == pytest.approx(expected.std_dev, rel=1e-9)
 
 
 def test_errors_of_instruments_do_not_average_out_and_those_of_trials_do(curve, instruments):
-    found = efficiency(curve, instruments)
+    found = efficiency_curve(curve, instruments)
     sigmas = [point.sigma for point in found.points]
     of_trials = [point.sigma_trials for point in found.points]
     assert min(sigmas) <= found.mean.sigma <= max(sigmas)
@@ -76,9 +81,9 @@ def test_frictions_part_is_that_of_the_uncertainties_package(curve, instruments)
     found = with_instruments(curve, instruments)
     for point, (f_test, f_applied) in zip(found.points, shared_errors(curve), strict=True):
         assert point.sigma_instruments_n == pytest.approx((f_test - f_applied).std_dev, rel=1e-9)
-        parts = friction_parts(point, curve.specimen, instruments)
+        parts = friction_contributions(point, curve.specimen, instruments)
         assert parts["load cell"] == pytest.approx(-0.01 * 2000.0)
-        assert together(parts) == point.sigma_instruments_n
+        assert root_sum_square(parts) == point.sigma_instruments_n
 
 
 def test_without_tolerances_a_curve_stays_as_it_is(curve):

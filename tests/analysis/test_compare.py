@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 from hbench.analysis.curves.average import curves
-from hbench.analysis.curves.ramp_tests import comparisons
-from hbench.analysis.curves.ramps import ramp_curves, slid
+from hbench.analysis.curves.ramp_tests import ramp_comparisons
+from hbench.analysis.curves.ramps import ramp_curves, sliding
 from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
 from tests.support.analysis.other_plant import OTHER_MASS_KG, OTHER_PLANT
@@ -43,7 +43,7 @@ def test_of_two_accelerations_the_f_test_is_students_and_the_effect_its_differen
     make_group, direction
 ):
     slow, fast = [1.0, -3.0, 2.0], [12.0, 9.0, 10.5]
-    found = comparisons(
+    found = ramp_comparisons(
         [make_group(fast, 0.1, direction=direction), make_group(slow, 0.05, direction=direction)]
     )
     assert [one.what for one in found] == ["acceleration"] * 2
@@ -61,7 +61,7 @@ def test_of_two_accelerations_the_f_test_is_students_and_the_effect_its_differen
 
 def test_a_ramp_against_steady_runs_is_welchs_test_of_trials(make_group):
     ramp, steady = [8.0, 11.0, 9.0], [0.0, 5.0, -4.0, 1.0]
-    found = comparisons([make_group(steady, kind="steady"), make_group(ramp, 0.1)])
+    found = ramp_comparisons([make_group(steady, kind="steady"), make_group(ramp, 0.1)])
     assert [one.what for one in found] == ["steady"] * 2
     theirs = stats.ttest_ind(ramp, steady, equal_var=False)
     for one in found:
@@ -70,7 +70,7 @@ def test_a_ramp_against_steady_runs_is_welchs_test_of_trials(make_group):
 
 
 def test_single_trials_are_compared_without_a_verdict(make_group):
-    found = comparisons([make_group([0.0], 0.05), make_group([9.0], 0.1)])
+    found = ramp_comparisons([make_group([0.0], 0.05), make_group([9.0], 0.1)])
     assert [one.effect_n for one in found] == pytest.approx([9.0, 9.0])
     assert all(one.p_value is one.p_holm is one.ci95_n is None for one in found)
     assert "no scatter" in found[0].message
@@ -78,9 +78,9 @@ def test_single_trials_are_compared_without_a_verdict(make_group):
 
 def test_other_loads_and_directions_are_not_compared(make_group):
     other = replace(make_group([1.0, 2.0], 0.1), f_load_n=500.0)
-    assert comparisons([make_group([1.0, 2.0], 0.05), other]) == ()
+    assert ramp_comparisons([make_group([1.0, 2.0], 0.05), other]) == ()
     back = make_group([1.0, 2.0], 0.1, direction="retract")
-    assert comparisons([make_group([1.0, 2.0], 0.05), back]) == ()
+    assert ramp_comparisons([make_group([1.0, 2.0], 0.05), back]) == ()
 
 
 def test_without_an_influence_one_campaign_in_twenty_finds_one_and_intervals_hold_zero(make_group):
@@ -88,7 +88,7 @@ def test_without_an_influence_one_campaign_in_twenty_finds_one_and_intervals_hol
     made, claimed, held = 300, 0, 0
     for _ in range(made):
         groups = [make_group(rng.normal(0, 6, 3), a) for a in (0.03, 0.07, 0.1)]
-        one = comparisons(groups)[0]
+        one = ramp_comparisons(groups)[0]
         claimed += one.p_value < 0.05
         held += abs(one.effect_n) <= one.ci95_n
     assert stats.binomtest(claimed, made, 0.05).pvalue > 0.001
@@ -117,7 +117,7 @@ def test_on_the_rig_ramps_of_a_lagging_friction_differ_and_those_of_a_stiff_one_
         runs = rig_runs([RAMPS], 4, own | {"bristle_stiffness": stiffness})
         ramps, _ = ramp_curves([screen(run, Screening()) for run in runs], OTHER_MASS_KG)
         assert len(ramps) == 2 and curves([]) == ()
-        found[name] = comparisons(slid(curve) for curve in ramps)
+        found[name] = ramp_comparisons(sliding(curve) for curve in ramps)
     assert max(abs(one.effect_n) for one in found["soft"]) > 20
     assert min(one.p_holm for one in found["soft"]) < 0.01
     for one in found["stiff"]:
@@ -141,10 +141,10 @@ def test_on_the_rig_a_friction_without_memory_is_said_to_have_one_as_rarely_as_c
     for seed in range(40):
         screened = [screen(run, Screening()) for run in rig_runs([RAMPS], seed, STRAIGHT)]
         ramps, _ = ramp_curves(screened, OTHER_MASS_KG)
-        found = comparisons(slid(curve) for curve in ramps)
+        found = ramp_comparisons(sliding(curve) for curve in ramps)
         claimed += [one.p_value < 0.05 for one in found]
         held += [abs(one.effect_n) <= one.ci95_n for one in found]
-        for point in (point for curve in ramps for point in slid(curve).points):
+        for point in (point for curve in ramps for point in sliding(curve).points):
             truth = 330 + 2400 * point.v_m_s
             on_law.append(abs(point.friction_n - truth) <= point.ci95_n)
         corrected.append(min(one.p_holm for one in found) < 0.05)

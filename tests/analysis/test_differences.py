@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.comparison.differences import differences, welch
-from hbench.analysis.fitting.fit import fit_tustin
+from hbench.analysis.comparison.differences import campaign_differences, welch
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.summary.headline import headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.uncertainty.budget import with_instruments
-from hbench.analysis.uncertainty.efficiency import efficiency
+from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.config.sensors import Instruments
 from hbench.records import FitParameter, Provenance, Results
+from tests.support.analysis.fits import fit_tustin
 
 SPEEDS = np.array([0.005, 0.02, 0.05, 0.1, 0.19])
 INSTRUMENTS = Instruments.model_validate(
@@ -53,7 +53,7 @@ def campaign(make_curve):
                     )
                 )
             curves.append(with_instruments(replace(made, points=tuple(points)), INSTRUMENTS))
-        etas = tuple(efficiency(curve, INSTRUMENTS) for curve in curves)
+        etas = tuple(efficiency_curve(curve, INSTRUMENTS) for curve in curves)
         provenance = Provenance("drawn", "simulated", "", "", "", "")
         return Results(
             provenance,
@@ -70,7 +70,7 @@ def campaign(make_curve):
 
 
 def compared(a, b, same=True, known=(INSTRUMENTS, INSTRUMENTS)):
-    return differences(a, b, known, same)
+    return campaign_differences(a, b, known, same)
 
 
 def test_a_point_is_compared_as_scipys_welch_test_does(campaign):

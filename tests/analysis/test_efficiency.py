@@ -7,13 +7,13 @@ import pytest
 from scipy import stats
 
 from hbench.analysis.screening.screen import screen
-from hbench.analysis.uncertainty.budget import together
+from hbench.analysis.uncertainty.budget import root_sum_square
 from hbench.analysis.uncertainty.efficiency import (
-    Forces,
-    driver,
-    efficiency,
+    SteadyForces,
+    driving_side,
+    efficiency_curve,
     efficiency_of,
-    instrument_parts,
+    instrument_contributions,
 )
 from hbench.config.sensors import Instruments
 from hbench.records import Specimen
@@ -33,11 +33,11 @@ def instruments(of="reading"):
 def forces(v, f_applied, friction, p_tr=20e5):
     """Steady motion with a friction (positive number) against it."""
     f_test = f_applied + np.sign(v) * friction
-    return Forces(v, f_applied, (f_test + p_tr * 0.75e-3) / 1.25e-3, p_tr, SPECIMEN)
+    return SteadyForces(v, f_applied, (f_test + p_tr * 0.75e-3) / 1.25e-3, p_tr, SPECIMEN)
 
 
 def instrument_sigma(state, tolerances):
-    return together(instrument_parts(state, tolerances))
+    return root_sum_square(instrument_contributions(state, tolerances))
 
 
 HYDRAULICS = forces(0.1, 2000.0, 400.0)  # eta = 2000/2400
@@ -45,15 +45,15 @@ LOAD = forces(-0.1, 2000.0, 400.0)  # the load pushes the piston in; eta = 1600/
 
 
 def test_both_flows_of_power_by_hand():
-    assert driver(HYDRAULICS)[0] == "hydraulics"
+    assert driving_side(HYDRAULICS)[0] == "hydraulics"
     assert efficiency_of(HYDRAULICS) == pytest.approx(2000 / 2400)
-    assert driver(LOAD)[0] == "load"
+    assert driving_side(LOAD)[0] == "load"
     assert efficiency_of(LOAD) == pytest.approx(1600 / 2000)
 
 
 def test_retracting_against_a_pulling_load_the_hydraulics_drive():
     against = forces(-0.1, -2000.0, 400.0, p_tr=80e5)
-    assert driver(against)[0] == "hydraulics"
+    assert driving_side(against)[0] == "hydraulics"
     assert efficiency_of(against) == pytest.approx(2000 / 2400)
 
 
@@ -74,7 +74,7 @@ def test_passive_friction_never_gives_an_efficiency_above_one(v, f_applied):
 def test_a_driving_force_lost_in_the_pressures_is_left_out():
     # F_T = 110 N is the difference of two forces of about 3000 N.
     state = forces(0.1, 10.0, 20.0, p_tr=40e5)
-    side, reason = driver(state)
+    side, reason = driving_side(state)
     assert side is None and "zero to the pressure transducers" in reason
 
 
@@ -122,7 +122,7 @@ def test_sigma_is_the_scatter_of_drawn_readings(state):
 
 
 def test_a_side_without_area_takes_no_part():
-    plunger = Forces(0.1, 2000.0, 2400.0 / 1.25e-3, None, Specimen(1.25e-3, 0.0))
+    plunger = SteadyForces(0.1, 2000.0, 2400.0 / 1.25e-3, None, Specimen(1.25e-3, 0.0))
     assert efficiency_of(plunger) == pytest.approx(2000 / 2400)
     expected = 2000 / 2400 * np.hypot(0.01, 0.008)
     assert instrument_sigma(plunger, instruments()) == pytest.approx(expected)
@@ -130,7 +130,7 @@ def test_a_side_without_area_takes_no_part():
 
 def test_points_of_a_curve(make_curve):
     curve = make_curve([0.05, 0.1], [500.0, 400.0], f_applied_n=2000.0)
-    found = efficiency(curve, instruments())
+    found = efficiency_curve(curve, instruments())
     assert (found.direction, found.f_load_n) == ("extend", 2000.0)
     assert [point.efficiency for point in found.points] == pytest.approx([0.8, 2000 / 2400])
     assert found.points[1].sigma == pytest.approx(instrument_sigma(HYDRAULICS, instruments()))
@@ -138,32 +138,32 @@ def test_points_of_a_curve(make_curve):
 
 
 def test_retracting_under_a_pushing_load_the_load_drives(make_curve):
-    found = efficiency(make_curve([0.1], [400.0], "retract", 2000.0), instruments())
+    found = efficiency_curve(make_curve([0.1], [400.0], "retract", 2000.0), instruments())
     assert found.points[0].efficiency == pytest.approx(0.8)
     assert found.points[0].v_m_s == -0.1
 
 
 def test_points_without_flow_of_power_carry_a_reason(make_curve):
-    found = efficiency(make_curve([0.1], [400.0], "retract", 200.0), instruments())
+    found = efficiency_curve(make_curve([0.1], [400.0], "retract", 200.0), instruments())
     point = found.points[0]
     assert point.efficiency is None and point.sigma is None
     assert "both feed the friction" in point.reason
 
 
 def test_forces_that_both_take_power_out_have_no_efficiency(make_curve):
-    point = efficiency(make_curve([0.1], [-2500.0]), instruments()).points[0]
+    point = efficiency_curve(make_curve([0.1], [-2500.0]), instruments()).points[0]
     assert point.efficiency is None
     assert "which no friction allows" in point.reason
 
 
 def test_friction_along_with_the_motion_is_called_a_fault(make_curve):
-    point = efficiency(make_curve([0.1], [-100.0]), instruments()).points[0]
+    point = efficiency_curve(make_curve([0.1], [-100.0]), instruments()).points[0]
     assert point.efficiency == pytest.approx(2000 / 1900)
     assert "above 1" in point.reason
 
 
 def test_another_benchs_log_has_no_sigma_and_says_so(make_curve):
-    point = efficiency(make_curve([0.1], [400.0]), None).points[0]
+    point = efficiency_curve(make_curve([0.1], [400.0]), None).points[0]
     assert point.efficiency == pytest.approx(2000 / 2400)
     assert point.sigma is None and "tolerances" in point.reason
 
@@ -184,11 +184,11 @@ def test_the_trials_part_is_the_standard_error_of_their_efficiencies_and_student
         trials_f_test_n=tuple(f_test),
     )
     eta = f_applied / f_test if sign > 0 else f_test / f_applied
-    found = efficiency(replace(curve, points=(point,)), None).points[0]
+    found = efficiency_curve(replace(curve, points=(point,)), None).points[0]
     assert found.sigma_trials == pytest.approx(np.std(eta, ddof=1) / np.sqrt(3))
     low, high = stats.t.interval(0.95, 2, eta.mean(), stats.sem(eta))
     assert found.ci95 == pytest.approx((high - low) / 2) and found.u95 is None
-    known = efficiency(replace(curve, points=(point,)), instruments()).points[0]
+    known = efficiency_curve(replace(curve, points=(point,)), instruments()).points[0]
     assert known.ci95 == found.ci95
     assert known.u95 == pytest.approx(np.hypot(found.ci95, 1.959964 * known.sigma))
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from hbench.analysis.fitting.fit import fit_tustin, fits, left_out
+from hbench.analysis.fitting.fit import fits, left_out
 from hbench.analysis.fitting.tustin import NAMES, TABLE_6_1, tustin
+from tests.support.analysis.fits import fit_tustin
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
 LAWS_OF_A_CURVE = ["tustin", "marton_lantos"]

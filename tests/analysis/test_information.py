@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.fitting.fit import fit_law, fit_tustin
+from hbench.analysis.fitting.fit import fit_law
 from hbench.analysis.fitting.information import (
     Information,
     covariance_of_all,
@@ -11,6 +11,7 @@ from hbench.analysis.fitting.information import (
 )
 from hbench.analysis.fitting.tustin import TUSTIN, tustin, tustin_jacobian
 from hbench.config.fitting import Fitting
+from tests.support.analysis.fits import fit_tustin
 
 TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])
 

@@ -5,10 +5,10 @@ import pytest
 from scipy.optimize import curve_fit
 
 from hbench.analysis.statistics.intervals import (
-    bound_messages,
     covariance,
     covariance_over_runs,
     fit_parameters,
+    parameter_messages,
 )
 
 
@@ -57,7 +57,7 @@ def test_what_is_not_determined_has_no_interval_and_the_rest_has():
     units = {"a": "N", "b": "m", "c": "s"}
     parameters = fit_parameters(units, np.arange(3.0), covariance(matrix, y), 117, [None] * 3)
     assert parameters["b"].ci95 is None and parameters["a"].se > 0
-    assert bound_messages(parameters) == ["the data does not determine b and c"]
+    assert parameter_messages(parameters) == ["the data does not determine b and c"]
 
 
 def test_one_run_says_nothing_about_the_scatter_of_runs():
@@ -70,4 +70,4 @@ def test_an_interval_takes_students_factor_and_a_bound_has_none():
     found = fit_parameters(units, np.array([5.0, 1.0]), np.array([[4.0]]), 2, [None, "upper"])
     assert found["a"].ci95 == pytest.approx((5 - 2 * 4.3027, 5 + 2 * 4.3027), abs=1e-3)
     assert found["b"].se is None and found["b"].at_bound == "upper"
-    assert "b is at its upper bound 1 m" in bound_messages(found)[0]
+    assert "b is at its upper bound 1 m" in parameter_messages(found)[0]

@@ -1,4 +1,4 @@
-"""Leuven's elements, in one batch and online: against a hand-made law and the rig's truth."""
+"""Leuven's elements: against a hand-made law and the rig's truth."""
 
 import numpy as np
 import pytest
@@ -8,14 +8,16 @@ from hbench.analysis.identification.driven_law import friction_along
 from hbench.analysis.identification.leuven import (
     STEADY,
     fit_leuven,
-    hysteresis_at,
-    identify_online,
-    steady_curve,
 )
-from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motions
+from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
-from tests.support.analysis.other_plant import LEUVEN_FRICTION, OTHER_MASS_KG, REVERSALS
+from tests.support.analysis.other_plant import (
+    LEUVEN_FRICTION,
+    OTHER_MASS_KG,
+    REVERSALS,
+    logged_motions,
+)
 
 THETA = np.array([120.0, 80.0, 400.0])
 TRUTH = {
@@ -74,12 +76,6 @@ def test_the_law_along_a_motion_is_that_of_the_source_in_short_steps():
     assert np.abs(found - expected)[1:-1].max() < 3.0  # of 550 N
 
 
-def test_the_steady_curve_is_that_of_the_source():
-    v = np.array([-0.1, 0.02])
-    expected = 310 + 20 + 10 + 170 * np.exp(-np.abs(v) / 0.055)
-    np.testing.assert_allclose(steady_curve(motion_of(v), STEADY_KNOWN), expected)
-
-
 @pytest.fixture
 def leuven_motions(rig_runs):
     """Return a function that makes the reversals on the rig with a Leuven cylinder."""
@@ -103,48 +99,6 @@ def test_the_rigs_elements_and_delta_max_are_found_from_a_delta_max_half_as_long
     limit = student.ppf(1 - 0.005 / len(TRUTH), len(motions) - 1)
     for name, p in fit.parameters.items():
         assert abs(p.value - TRUTH[name]) < limit * p.se, name
-
-
-EXCITED_M = (0.3e-3, 1.0e-3, 1.3e-3)
-
-
-def online(motions, forgetting=1.0):
-    """The recursive estimate, and its hysteresis force beside the true elements'."""
-    estimate = identify_online(motions, STEADY_KNOWN, forgetting)
-    found = [hysteresis_at(z, estimate.theta, STEADY_KNOWN) for z in EXCITED_M]
-    return estimate, np.array(found) / [by_elements(z) for z in EXCITED_M]
-
-
-def by_elements(z):
-    return 120 * min(z / (2e-3 / 3), 1) + 80 * min(z / (4e-3 / 3), 1) + 400 * min(z / 2e-3, 1)
-
-
-def test_online_the_hysteresis_force_is_found_but_not_the_elements_one_by_one(leuven_motions):
-    for seed in range(3):
-        estimate, ratio = online(leuven_motions(seed))
-        assert ratio == pytest.approx([1, 1, 1], abs=0.03)
-        assert ratio[1:] == pytest.approx([1, 1], abs=0.015)
-        said = np.sqrt(estimate.error * np.diag(estimate.p))
-        assert np.abs(estimate.theta - THETA).max() > 10 * said.max()
-
-
-def test_online_where_it_begins_is_where_further_passes_stay(leuven_motions):
-    """Sliding deflects by the estimate itself: as long as that changes, so does what is learnt."""
-    motions = leuven_motions(0)
-    _, first = online(motions)
-    _, again = online((*motions, *motions, *motions))
-    assert first == pytest.approx(again, abs=2e-3)
-
-
-def test_forgetting_follows_elements_that_soften_between_two_campaigns(rig_runs):
-    motions = []
-    for seed, factor in ((0, 1.0), (20, 0.85)):
-        changed = LEUVEN_FRICTION | {"elements": [f"{factor * theta} N" for theta in THETA]}
-        motions += logged_motions(rig_runs(REVERSALS, seed, changed), OTHER_MASS_KG)
-    _, following = online(motions, forgetting=0.99)
-    _, mean = online(motions)
-    assert following == pytest.approx([0.85, 0.85, 0.85], abs=0.03)
-    assert (mean[1:] > 0.88).all() and (mean < 0.93).all()
 
 
 @pytest.mark.slow

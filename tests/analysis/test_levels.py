@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hbench.analysis.curves.average import curves
-from hbench.analysis.curves.step_levels import level_runs, levels
+from hbench.analysis.curves.step_levels import level_runs, step_levels
 from hbench.records import ScreenedRun
 from tests.support.analysis.moving import TICK_S, levels_velocity, motion_of, moving_run
 
@@ -37,7 +37,7 @@ def screened(*runs):
 
 
 def test_settled_friction_before_and_after_each_step_is_the_laws():
-    found = levels(screened(steps_run(noise_n=1.0)), MASS_KG)
+    found = step_levels(screened(steps_run(noise_n=1.0)), MASS_KG)
     assert [(one.number, one.v_to_m_s) for one in found] == list(enumerate(LEVELS, start=1))
     after = [300 * np.sign(v) + 2000 * v for v in LEVELS]
     assert [one.after_n for one in found] == pytest.approx(after, abs=0.8)
@@ -48,7 +48,7 @@ def test_settled_friction_before_and_after_each_step_is_the_laws():
 
 def test_an_overshoot_decays_as_it_was_made_and_none_is_seen_where_there_is_none():
     size, tau = 80.0, 0.08
-    found = levels(screened(steps_run(size, tau, noise_n=1.0)), MASS_KG)
+    found = step_levels(screened(steps_run(size, tau, noise_n=1.0)), MASS_KG)
     over = found[1]
     # Friction itself rises by 100 N while the velocity comes up, so the largest is a later one.
     t = np.arange(0, 0.4, 1e-3)
@@ -63,7 +63,7 @@ def test_an_overshoot_decays_as_it_was_made_and_none_is_seen_where_there_is_none
 def test_a_swing_below_the_noise_has_no_settling_time():
     v = levels_velocity([0.05, 0.0501], DWELL_S)
     run = moving_run("steps", v, 300 + 0 * v, noise_n=5.0)
-    assert levels(screened(run), 0.0)[1].settling_s is None
+    assert step_levels(screened(run), 0.0)[1].settling_s is None
 
 
 def test_intervals_are_over_trials():
@@ -71,7 +71,7 @@ def test_intervals_are_over_trials():
         steps_run(level=level, plan={"trial": trial, "run": f"{trial:04d}"})
         for trial, level in enumerate((0.98, 1.0, 1.04), start=1)
     ]
-    found = levels(screened(*runs), MASS_KG)
+    found = step_levels(screened(*runs), MASS_KG)
     assert len(found) == 4 and found[0].n == 3 and found[0].runs == ("0001", "0002", "0003")
     spread = np.std(np.array([0.98, 1.0, 1.04]) * 400, ddof=1)
     assert found[0].after_ci95_n == pytest.approx(4.302653 * spread / np.sqrt(3), rel=1e-3)
@@ -100,8 +100,8 @@ def three_trials(overshoots, **options):
 
 def test_overshoot_and_settling_have_intervals_over_trials_and_one_trial_has_none():
     sizes = (70.0, 80.0, 96.0)
-    over = levels(three_trials(sizes), MASS_KG)[1]
-    one_by_one = [levels(three_trials([size]), MASS_KG)[1] for size in sizes]
+    over = step_levels(three_trials(sizes), MASS_KG)[1]
+    one_by_one = [step_levels(three_trials([size]), MASS_KG)[1] for size in sizes]
     peaks = [one.overshoot_n for one in one_by_one]
     half = 4.302653 * np.std(peaks, ddof=1) / np.sqrt(3)
     assert over.overshoot_ci95_n == pytest.approx(half, rel=0.3)  # their noise differs
@@ -112,13 +112,13 @@ def test_overshoot_and_settling_have_intervals_over_trials_and_one_trial_has_non
 
 
 def test_without_an_overshoot_in_one_trial_the_remark_says_so():
-    over = levels(three_trials((80.0, 80.0, 0.0)), MASS_KG)[1]
+    over = step_levels(three_trials((80.0, 80.0, 0.0)), MASS_KG)[1]
     assert over.overshoot_n is None
     assert over.remark == "no overshoot above the noise in 1 of 3 trials: no mean"
 
 
 def test_an_overshoot_beside_a_jumps_inertia_of_its_size_is_not_resolved():
-    light = levels(three_trials([80.0]), MASS_KG)[1]
+    light = step_levels(three_trials([80.0]), MASS_KG)[1]
     assert light.resolved and light.remark == ""
-    heavy = levels(three_trials([80.0], mass_kg=20.0), 20.0)[1]
+    heavy = step_levels(three_trials([80.0], mass_kg=20.0), 20.0)[1]
     assert not heavy.resolved and "not resolved by a 100 Hz log" in heavy.remark

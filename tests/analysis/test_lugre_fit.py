@@ -7,11 +7,16 @@ from scipy.optimize import curve_fit
 
 from hbench.analysis.identification.driven_law import friction_along
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
-from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motions
+from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.model.build import friction_parameters
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
-from tests.support.analysis.other_plant import OTHER_MASS_KG, OTHER_PLANT, REVERSALS
+from tests.support.analysis.other_plant import (
+    OTHER_MASS_KG,
+    OTHER_PLANT,
+    REVERSALS,
+    logged_motions,
+)
 
 TRUTH = {
     "sigma0_n_m": 2.6e5,

@@ -8,13 +8,13 @@ import pytest
 from hbench.analysis.curves.average import curves
 from hbench.analysis.screening.limitations import not_computed
 from hbench.analysis.screening.screen import screen
-from hbench.analysis.uncertainty.efficiency import efficiency
+from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.records import Specimen
 
 
 def verdict(runs, rules):
     screened = [screen(run, rules) for run in runs]
-    found = [efficiency(curve, None) for curve in curves(screened)]
+    found = [efficiency_curve(curve, None) for curve in curves(screened)]
     return screened, found, not_computed(screened, found, None)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hbench.analysis.statistics.bounded import Problem, cost, descend
+from hbench.analysis.statistics.bounded import Problem, descend, sum_of_squares
 from hbench.analysis.statistics.profile import profile_interval
 from hbench.analysis.statistics.student import student_factor
 from tests.support.analysis import nist_strd
@@ -15,7 +15,7 @@ INFINITE = np.inf
 def intervals(problem, solution, freedom):
     """95 % by each parameter; the linearised direction from the Jacobian, as the fits have it."""
     factor = student_factor(freedom)
-    variance = cost(problem, solution.x) / freedom
+    variance = sum_of_squares(problem, solution.x) / freedom
     jacobian = problem.derivatives(solution.x)
     spread = np.linalg.inv(jacobian.T @ jacobian) * variance
     ways = factor * spread / np.sqrt(np.diag(spread))
@@ -82,7 +82,7 @@ def test_at_an_active_bound_it_has_one_side_and_begins_at_the_bound():
     problem, matrix, y = linear(lower=np.array([4.5, -INFINITE]))
     solution = descend(problem, np.array([5.0, 0.0]))
     assert solution.x[0] == 4.5 and not solution.free[0]
-    level = 2.2**2 * cost(problem, solution.x) / 11
+    level = 2.2**2 * sum_of_squares(problem, solution.x) / 11
     low, high = profile_interval(problem, solution, 0, level, np.zeros(2))
     assert low == 4.5
     # in closed form: the larger root of S(a) = S(4.5) + level, S by the slope that is best at a
@@ -98,7 +98,7 @@ def test_the_others_are_not_narrowed_by_a_bound_that_the_truth_does_not_touch():
     """With the first parameter on its bound, the second's linearised interval is conditional."""
     problem, matrix, y = linear(lower=np.array([4.5, -INFINITE]))
     solution = descend(problem, np.array([5.0, 0.0]))
-    variance = cost(problem, solution.x) / 11
+    variance = sum_of_squares(problem, solution.x) / 11
     half = 2.2 * np.sqrt(variance / (matrix[:, 1] @ matrix[:, 1]))
     way = np.array([0.0, half])
     low, high = profile_interval(problem, solution, 1, 2.2**2 * variance, way)
@@ -107,7 +107,7 @@ def test_the_others_are_not_narrowed_by_a_bound_that_the_truth_does_not_touch():
     def beyond(slope):
         intercept = max(4.5, float(np.mean(y - slope * matrix[:, 1])))
         rest = y - intercept - slope * matrix[:, 1]
-        return float(rest @ rest) - cost(problem, solution.x) - 2.2**2 * variance
+        return float(rest @ rest) - sum_of_squares(problem, solution.x) - 2.2**2 * variance
 
     expected = brentq(beyond, solution.x[1] - 9, solution.x[1]), brentq(beyond, solution.x[1], 9)
     assert (low, high) == pytest.approx(expected, rel=5e-3)
@@ -120,6 +120,6 @@ def test_an_end_that_the_data_does_not_set_is_infinite():
     free = np.full(2, INFINITE)
     problem = Problem(lambda p: p[0] * np.exp(-p[1] * x) - y, -free, free, np.ones(2))
     solution = descend(problem, np.array([0.5, 1.0]))
-    level = 2.1**2 * cost(problem, solution.x) / 18
+    level = 2.1**2 * sum_of_squares(problem, solution.x) / 18
     ends = profile_interval(problem, solution, 1, level, np.full(2, np.nan))
     assert INFINITE in ends or -INFINITE in ends

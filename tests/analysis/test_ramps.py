@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hbench.analysis.curves.ramps import ramp_curves, slid
+from hbench.analysis.curves.ramps import ramp_curves, sliding
 from hbench.records import ScreenedRun
 from tests.support.analysis.moving import SPECIMEN, moving_run, ramp_velocity
 
@@ -107,11 +107,11 @@ def test_presliding_is_cut_off_at_breakaway_and_nothing_after_20_mm_is():
     rising = law(v) * (1 - np.exp(-way / 1e-3))  # bristles of 1 mm
     run = moving_run("ramp", v, rising, plan={"a_ref_m_s2": 0.05})
     (curve,), _ = ramp_curves(screened([run]), 0.0)
-    cut = slid(curve)
+    cut = sliding(curve)
     early = [p for p in curve.points if p.v_m_s**2 / 0.1 < 0.02]
     assert cut.points[0].friction_n == max(p.friction_n for p in early)
     assert 0 < len(curve.points) - len(cut.points) <= len(early)
     monotonic = replace(
         curve, points=tuple(replace(p, friction_n=2e3 * p.v_m_s) for p in curve.points)
     )
-    assert slid(monotonic).points[0].v_m_s ** 2 / 0.1 < 0.02, "20 mm at the latest"
+    assert sliding(monotonic).points[0].v_m_s ** 2 / 0.1 < 0.02, "20 mm at the latest"

@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 from hbench.analysis.fitting.fit import fit_law
 from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin
 from hbench.analysis.statistics.bounded import Problem, descend
-from hbench.analysis.statistics.robust import robust
+from hbench.analysis.statistics.robust import minimise_robust
 from hbench.config.fitting import Fitting
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
@@ -33,7 +33,7 @@ def test_the_solution_is_scipys_at_the_same_scale(loss):
     matrix = np.column_stack([np.ones(40), x])
     free = np.full(2, np.inf)
     problem = Problem(lambda p: matrix @ p - y, -free, free, np.ones(2), lambda p: matrix)
-    found = robust(problem, descend(problem, np.zeros(2)), loss)
+    found = minimise_robust(problem, descend(problem, np.zeros(2)), loss)
     residual = matrix @ found.solution.x - y
     size = np.median(np.abs(residual)) / 0.6745 * np.sqrt(40 / 38)
     peer = least_squares(problem.residual, np.zeros(2), loss=loss, f_scale=1.345 * size, xtol=1e-12)
@@ -67,7 +67,7 @@ def test_on_normal_errors_the_standard_error_is_the_scatter_of_repeated_fits(los
     for _ in range(150):
         y = rng.standard_normal(30)
         problem = Problem(lambda p, y=y: matrix @ p - y, -free, free, np.ones(2), lambda p: matrix)
-        one = robust(problem, descend(problem, np.zeros(2)), loss)
+        one = minimise_robust(problem, descend(problem, np.zeros(2)), loss)
         pseudo = one.problem.residual(one.solution.x)
         spread = np.linalg.inv(matrix.T @ matrix) * (pseudo @ pseudo) / 28
         found.append(one.solution.x)

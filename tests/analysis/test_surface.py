@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.analysis.curves.surface import surfaces
+from hbench.analysis.curves.surface import friction_surfaces
 
 
 def law(v, load):
@@ -17,7 +17,7 @@ def test_the_surface_is_the_law_at_the_measured_speeds_and_loads(make_curve, dir
     speeds = np.array([0.01, 0.05, 0.1, 0.2])
     loads = [5000.0, 500.0, 2000.0]
     curves = [make_curve(speeds, law(speeds, load), direction, load) for load in loads]
-    (found,) = surfaces(curves)
+    (found,) = friction_surfaces(curves)
     assert found.direction == direction and found.f_load_n == (500.0, 2000.0, 5000.0)
     assert found.v_m_s == pytest.approx(speeds)
     expected = [law(speeds, load) for load in sorted(loads)]
@@ -30,7 +30,7 @@ def test_speeds_that_not_all_loads_have_are_not_extrapolated(make_curve):
         make_curve(v, law(v, load), f_applied_n=load)
         for v, load in ((short, 1.0), (long, 2.0), (long, 3.0))
     ]
-    (found,) = surfaces(curves)
+    (found,) = friction_surfaces(curves)
     assert found.v_m_s == pytest.approx(short)
     assert found.friction_n[1] == pytest.approx(law(short, 2.0))  # the law is straight in v
 
@@ -38,5 +38,5 @@ def test_speeds_that_not_all_loads_have_are_not_extrapolated(make_curve):
 def test_two_loads_or_ramps_make_no_surface(make_curve):
     v = np.array([0.02, 0.06, 0.12])
     curves = [make_curve(v, law(v, load), f_applied_n=load) for load in (1.0, 2.0, 3.0)]
-    assert surfaces(curves[:2]) == ()
-    assert surfaces([replace(curve, kind="ramp") for curve in curves]) == ()
+    assert friction_surfaces(curves[:2]) == ()
+    assert friction_surfaces([replace(curve, kind="ramp") for curve in curves]) == ()

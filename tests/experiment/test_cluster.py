@@ -130,7 +130,7 @@ def test_ctrl_c_keeps_what_is_done_and_frees_the_cluster(loopback, line, tmp_pat
     dask.wait_for_campaigns(host, 8)
     host.send_signal(signal.SIGINT)
     code, told = dask.ended(host)
-    assert code == 130 and "interrupted; the same command goes on" in told, told
+    assert code == 130 and "interrupted" in told, told
     assert "Traceback" not in told
     code, told = dask.ended(dask.hbench(*command))
     assert code == 0 and "of 40 campaigns are done already" in told, told
@@ -170,7 +170,7 @@ def test_no_worker_for_long_and_nobody_at_the_address_are_errors_with_a_hint(
     with pytest.raises(DeviceError, match="no worker") as error:
         analyze(folder, tmp_path / "out", loopback(0).address)
     assert "dask worker" in error.value.hint
-    with pytest.raises(DeviceError, match="127.0.0.1:9") as error:
+    with pytest.raises(DeviceError, match="--scheduler tcp://") as error:
         analyze(folder, tmp_path / "out", "tcp://127.0.0.1:9")
     assert "dask scheduler" in error.value.hint
     for address in ("machine", "ftp://machine:1"):

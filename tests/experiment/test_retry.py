@@ -83,8 +83,7 @@ def test_a_rejected_run_is_made_again_before_the_next_and_counts(measure, tmp_pa
     ]
     results = workflow.analyze(tmp_path / "campaign")
     assert len(results.runs) == 4 and all(one.accepted for one in results.runs)
-    (note,) = (note for note in results.notes if "made again" in note)
-    assert "0002 (sensor_saturated" in note, "a choice among trials is told"
+    assert any("0002 (sensor_saturated" in note for note in results.notes), "a choice of trials"
 
 
 def test_the_log_of_each_attempt_is_kept_as_it_was_pulled(measure, tmp_path):

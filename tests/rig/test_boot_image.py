@@ -1,5 +1,6 @@
 """A boot image is taken as TI's tool writes it, or refused with what is wrong and where."""
 
+import re
 from contextlib import suppress
 
 import pytest
@@ -75,26 +76,26 @@ def test_a_block_outside_loadable_ram_is_named_with_its_address(address, count, 
 @pytest.mark.parametrize("first", ["AA 00", "AA 10", "08 AA"])
 def test_a_header_of_another_boot_mode_is_told_from_a_wrong_key(first):
     error = refusal(first + text_of(GOOD, marks=False)[5:])
-    assert f"begins with {first}" in error.message
-    assert "without -sci8" in error.message and "wrong key" not in error.message
+    assert first in error.message and "AA 08" in error.message
+    assert "-sci8" in error.message
 
 
 def test_a_wrong_key_is_refused_before_the_rom_would_jump_to_flash():
     error = refusal(text_of(stream_of(0x8000, [(0x8000, [1])], key=0x1234)))
-    assert "begins with 34 12" in error.message
-    assert "wrong key" in error.message and "flash" in error.message
+    assert "34 12" in error.message and "-sci8" not in error.message
+    assert "flash" in error.message
 
 
 @pytest.mark.parametrize("stood", ["XY", "123", "0xAA", "A", "Ä9"])
 def test_what_is_not_hex_is_shown_with_its_line(stood):
     lines = text_of(GOOD, columns=16).split("\n")
     lines[2] = lines[2].replace("00", stood, 1)
-    assert f"line 3: '{stood}' is not a hex octet" in refusal("\n".join(lines)).message
+    assert f"line 3: '{stood}'" in refusal("\n".join(lines)).message
 
 
 def test_an_address_record_is_an_image_made_without_boot():
     error = refusal("\x02\n$A8000,\nAA 08 \x03")
-    assert "line 2: address record '$A8000,'" in error.message and "-boot" in error.hint
+    assert "line 2: " in error.message and "'$A8000,'" in error.message and "-boot" in error.hint
 
 
 @given(st.integers(0, len(GOOD) - 1))
@@ -104,19 +105,19 @@ def test_an_image_cut_anywhere_is_truncated(length):
 
 def test_the_place_of_the_cut_is_named():
     error = refusal(text_of(GOOD[:-7]))
-    assert "truncated in the address of block 2: 3 of 4 octets, 37 in all" in error.message
-    assert "block 1 (2 words at 0x008000): 1 of 4" in refusal(text_of(GOOD[:29])).message
+    assert re.search(r"truncated .*\bblock 2: 3 of 4 .*\b37\b", error.message)
+    assert re.search(r"block 1 .*0x008000.* 1 of 4", refusal(text_of(GOOD[:29])).message)
 
 
 def test_octets_after_the_end_are_refused_but_padding_is_not_sent():
     assert parse(GOOD + b"\0\0").stream == GOOD
-    assert "3 octets follow the end mark" in refusal(text_of(GOOD + b"\0\1\0")).message
+    assert ": 3 octets" in refusal(text_of(GOOD + b"\0\1\0")).message
 
 
 @pytest.mark.parametrize("entry", [0x008002, 0x33FFF6])
 def test_an_entry_where_nothing_is_loaded_is_refused(entry):
     error = refusal(text_of(stream_of(entry, [(0x8000, [1, 2])])))
-    assert f"entry point 0x{entry:06X} is in none of the 1 blocks" in error.message
+    assert f"entry point 0x{entry:06X}" in error.message
 
 
 def test_text_is_found_a_character_a_word_across_split_blocks():

@@ -50,7 +50,7 @@ def test_no_shell_reads_the_arguments(image):
 
 def test_a_failing_programmer_is_a_device_error_with_its_code_and_last_line(image):
     code = "import sys; print('erase'); print('no target\\n'); sys.exit(7)"
-    with pytest.raises(DeviceError, match="failed with code 7: no target") as error:
+    with pytest.raises(DeviceError, match=r"code 7\b.*: no target") as error:
         run_programmer(python(code, "{image}"), 20.0, image)
     assert error.value.exit_code == ExitCode.DEVICE
     log = image.with_name(image.name + ".programmer.log")
@@ -66,7 +66,7 @@ def test_a_hanging_programmer_is_ended_with_its_children(image):
         f"subprocess.run([sys.executable, '-c', {child!r}])"
     )
     start = time.monotonic()
-    with pytest.raises(DeviceError, match="not done after 0.7 s: waiting"):
+    with pytest.raises(DeviceError, match="0.7 s: waiting"):
         run_programmer(python(parent, "{image}"), 0.7, image)
     assert time.monotonic() - start < 1.4
     time.sleep(1.2)
@@ -90,12 +90,12 @@ def test_after_flashing_the_board_is_asked_who_it_is(image):
 
 
 def test_a_board_that_kept_its_old_program_is_found_out(image):
-    with pytest.raises(DeviceError, match="'hbench-core 0.0' answers"):
+    with pytest.raises(DeviceError, match="'hbench-core 0.0'"):
         flash_through(python("", "{image}"), 20.0, image, board("hbench-core 0.0"), PROGRAM_BAUD)
 
 
 def test_a_silent_board_after_flashing_is_told(image):
-    with pytest.raises(DeviceError, match="is loaded, but no firmware identifies itself"):
+    with pytest.raises(DeviceError, match="no answer to 'identify'"):
         flash_through(python("", "{image}"), 20.0, image, board(running=False), PROGRAM_BAUD)
 
 
@@ -122,7 +122,7 @@ def test_a_programmer_that_can_not_work_is_refused_in_the_bench_file(programmer,
 def test_a_bench_without_a_programmer_says_so(image, tmp_path):
     path = tmp_path / "bench.yaml"
     path.write_text(yaml.safe_dump(bench_with(None)))
-    with pytest.raises(ConfigError, match="names no programmer"):
+    with pytest.raises(ConfigError, match="'programmer'"):
         workflow.flash_through_programmer(image, path, "/dev/none", PROGRAM_BAUD)
 
 

@@ -278,13 +278,13 @@ def test_records_that_are_all_gone_are_not_asked_for_one_by_one():
 )
 def test_records_other_than_asked_for_are_a_device_error(first, count):
     values = {"first": first, "next": 99, "words": np.zeros(count * len(RECORD))}
-    with pytest.raises(DeviceError, match="asked for the records 7 to 14"):
+    with pytest.raises(DeviceError, match=r"\b7 to 14\b"):
         list(BoardClient(Line(lambda f: reply(f, "read_log", values))).pull(7, 15))
 
 
 def test_words_that_are_no_whole_records_are_a_device_error():
     values = {"first": 0, "next": 1, "words": np.zeros(len(RECORD) + 1)}
-    with pytest.raises(DeviceError, match="not whole records"):
+    with pytest.raises(DeviceError, match=r"line: .*\bwords\b"):
         list(BoardClient(Line(lambda f: reply(f, "read_log", values))).pull(0, 1))
 
 
@@ -311,7 +311,7 @@ def test_a_pull_that_is_left_leaves_no_answer_for_the_next_request():
 def test_a_device_that_is_no_board_is_told_so(chatter):
     with pytest.raises(NoAnswer, match="line: no answer to 'identify'") as error:
         BoardClient(Line(lambda frame: chatter)).identify()
-    assert "Is it an hbench board" in error.value.hint
+    assert "port" in error.value.hint
 
 
 def test_a_device_that_echoes_is_no_board():

@@ -76,7 +76,7 @@ def test_nonsense_without_end_is_no_board_and_costs_the_time_of_silence(kind):
     ) as error:
         BoardClient(line).identify()
     assert error.value.exit_code == ExitCode.DEVICE
-    assert "right port" in error.value.hint
+    assert "port" in error.value.hint
     assert line.time_s < ATTEMPTS * REPLY_TIMEOUT_S + 1.0
 
 
@@ -109,9 +109,7 @@ def test_a_plug_that_echoes_is_no_board():
 @pytest.mark.parametrize("length", [0, 1, 47, 49, 200])
 def test_an_identity_of_another_length_is_refused(length):
     line = Liar(lambda f: encode(Frame(f.sequence, f.code | REPLY, bytes(length))))
-    with pytest.raises(
-        DeviceError, match="liar: (reply to 'identify'|firmware .* speaks protocol 0)"
-    ):
+    with pytest.raises(DeviceError, match="liar: (reply to 'identify'|firmware .* protocol 0,)"):
         BoardClient(line).identify()
 
 

@@ -113,7 +113,7 @@ def test_a_name_that_is_no_url_is_a_device_error():
 def test_a_far_end_that_takes_nothing_is_a_device_error(line):
     port = SerialPort(line[1])
     port._serial.write_timeout = 0.05
-    with pytest.raises(DeviceError, match="takes no more octets"):
+    with pytest.raises(DeviceError, match="write failed"):
         for _ in range(1000):
             port.write(bytes(4096))
 
@@ -134,7 +134,7 @@ def test_octets_that_another_reader_took_are_a_device_error(line, monkeypatch):
     port = SerialPort(name)
     os.write(master, b"x")
     monkeypatch.setattr("serial.serialposix.os.read", lambda *arguments: b"")
-    with pytest.raises(DeviceError, match="can't read: .*returned no data"):
+    with pytest.raises(DeviceError, match="read failed: .*returned no data"):
         port.read(0.1)
 
 
@@ -151,15 +151,15 @@ def test_whatever_pyserial_raises_for_a_lost_port_is_one_error(line, monkeypatch
     if action == "close":
         port.close()
         return
-    with pytest.raises(DeviceError, match=f"{line[1]}: can't {action}"):
+    with pytest.raises(DeviceError, match=f"{line[1]}: .*{action}"):
         port.read(0.1) if action == "read" else port.write(b"x")
 
 
 def test_a_port_open_elsewhere_is_told_from_a_missing_one(line):
     first = SerialPort(line[1])
-    with pytest.raises(PortBusy, match="can't open") as error:
+    with pytest.raises(PortBusy, match=line[1]) as error:
         SerialPort(line[1])
-    assert "Another program" in error.value.hint
+    assert "other program" in error.value.hint
     first.close()
     SerialPort(line[1]).close()
 
@@ -195,5 +195,5 @@ def test_a_server_that_hangs_up_is_a_device_error():
 def test_nobody_listening_is_a_device_error():
     with socket.create_server(("127.0.0.1", 0)) as server:
         number = server.getsockname()[1]
-    with pytest.raises(DeviceError, match="can't open"):
+    with pytest.raises(DeviceError, match="open failed"):
         SerialPort(f"socket://127.0.0.1:{number}")

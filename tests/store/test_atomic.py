@@ -40,7 +40,7 @@ def test_failed_first_write_shows_no_file(tmp_path, full_disk, call):
 def test_protected_file_is_not_overwritten(tmp_path):
     path = tmp_path / "a.dat"
     atomic.write_atomic(path, b"first", overwrite=False)
-    with pytest.raises(DataError, match="001.dat|a.txt"):
+    with pytest.raises(DataError, match="a.dat"):
         atomic.write_atomic(path, b"second", overwrite=False)
     assert path.read_bytes() == b"first"
 

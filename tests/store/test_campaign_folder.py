@@ -139,7 +139,7 @@ def test_cut_log_keeps_its_whole_records(folder, writer, words, make):
     assert raw.words.tolist() == words[:3].tolist()
     codes = [warning.split(":")[0] for warning in raw.warnings]
     assert codes[0] == "changed" and set(codes[1:]) == {"truncated"}
-    assert raw.warnings[-1] == "truncated: 3 of 4 records are there"
+    assert raw.warnings[-1].startswith("truncated: ") and "3 of 4" in raw.warnings[-1]
 
 
 def test_unreadable_log_spoils_its_own_run_alone(folder, writer, words, make):

@@ -125,7 +125,7 @@ def test_missing_values_are_kept_as_such(bring_in, source):
         ("runs.csv", INDEX + "A,a.csv,steady,0,0.1,,,\n", r"line 2: trial '0': .* 1 "),
         ("runs.csv", INDEX + "A,a.csv,steady,1,,,,\n", r"line 2: v_ref_m_s '': "),
         ("runs.csv", INDEX + "A,a\0b,steady,1,0.1,,,\n", r"a\\x00b"),
-        ("runs.csv", INDEX + f"A,{'a' * 5000},steady,1,0.1,,,\n", r"aaaa.*"),
+        ("runs.csv", INDEX + f"A,{'a' * 5000},steady,1,0.1,,,\n", r"aaaa"),
         (
             "runs.csv",
             INDEX + "A,a.csv,steady,1,1e300,,,\n",

@@ -1,1 +1,1 @@
-"""Comparison of campaigns: two side by side, or one among many."""
+"""Comparison of two campaigns, and statistics of many."""

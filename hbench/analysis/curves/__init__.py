@@ -1,1 +1,1 @@
-"""Friction curves of each kind of experiment, and what follows from them."""
+"""Friction curves of each kind of experiment, and quantities derived from them."""

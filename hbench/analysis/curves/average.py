@@ -1,4 +1,4 @@
-"""Friction curves: the accepted runs of each reference averaged, with Student's interval."""
+"""Friction curves: averages of the accepted runs at each reference, with Student's interval."""
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable
@@ -12,12 +12,12 @@ from hbench.records import Curve, CurvePoint, RunPlan, ScreenedRun
 def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
     """Average the accepted runs with means into curves, in the order of their first runs.
 
-    A curve is one kind, direction, load, rod-side pressure of the load cylinder, label and test
-    cylinder; a point is one reference speed.
+    Runs of a curve have the same kind, direction, load, rod-side pressure of the load cylinder,
+    label and test cylinder; runs of a point have the same reference speed too.
     The unit of the statistics is the trial: runs with the same trial number (the strokes of one
-    file) are averaged first, since they share one set-up and are not independent.
+    file) are averaged first, since they have the same set-up and are not independent.
     """
-    usable = [one for one in screened if one.accepted and one.means is not None]
+    usable = [run for run in screened if run.accepted and run.means is not None]
     return tuple(
         Curve(
             kind=runs[0].run.plan.kind,
@@ -40,8 +40,8 @@ def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
 def student_interval(values: np.ndarray) -> float | None:
     """Return the half-width of the 95 % interval of a mean: t S / sqrt(n), equations 6.3 and 6.4.
 
-    S is the standard deviation with n - 1 degrees of freedom, and t belongs to these. None for
-    fewer than two values.
+    S is the standard deviation and t Student's factor, both with n - 1 degrees of freedom. None
+    for fewer than two values.
     """
     n = len(values)
     if n < 2:
@@ -58,8 +58,8 @@ def _grouped(
     runs: Iterable[ScreenedRun], key: Callable[[RunPlan], Hashable]
 ) -> list[list[ScreenedRun]]:
     groups: dict[Hashable, list[ScreenedRun]] = defaultdict(list)
-    for one in runs:
-        groups[key(one.run.plan)].append(one)
+    for run in runs:
+        groups[key(run.run.plan)].append(run)
     return list(groups.values())
 
 
@@ -67,10 +67,10 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
     trials = _grouped(runs, lambda plan: plan.trial)
 
     def of_trials(name: str) -> np.ndarray:
-        return np.array([np.mean([getattr(one.means, name) for one in trial]) for trial in trials])
+        return np.array([np.mean([getattr(run.means, name) for run in trial]) for trial in trials])
 
     friction, f_test = of_trials("friction_n"), of_trials("f_test_n")
-    has_rod_side = all(one.means.p_tr_pa is not None for one in runs)
+    has_rod_side = all(run.means and run.means.p_tr_pa is not None for run in runs)
     return CurvePoint(
         v_m_s=float(of_trials("v_m_s").mean()),
         friction_n=float(friction.mean()),
@@ -83,5 +83,5 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
         trials=tuple(trial[0].run.plan.trial for trial in trials),
         trials_n=tuple(friction.tolist()),
         trials_f_test_n=tuple(f_test.tolist()),
-        runs=tuple(one.run.plan.run for one in runs),
+        runs=tuple(run.run.plan.run for run in runs),
     )

@@ -1,4 +1,4 @@
-"""The friction band: what both directions of one pressure say together, trial by trial."""
+"""Friction bands: half difference and mean of both directions at one pressure, by trials."""
 
 from collections.abc import Iterable
 
@@ -8,12 +8,12 @@ from hbench.analysis.curves.average import student_interval
 from hbench.records import Band, Curve, CurvePoint
 
 
-def bands(curves: Iterable[Curve]) -> tuple[Band, ...]:
-    """Pair the directions of curves with few speeds: series as they come, pressures rising.
+def friction_bands(curves: Iterable[Curve]) -> tuple[Band, ...]:
+    """Pair the directions of curves with few speeds, in order of series and of rising pressure.
 
     A pair has the same kind, label, cylinder, load and rod-side pressure, and the same number of
-    speeds. Half of the band is formed in each trial that both directions have, since what a trial
-    does to one direction it does to the other; the interval is Student's over these trials.
+    speeds. The half band is formed within each trial that both directions have, since a trial
+    affects both directions alike; the interval is Student's over these trials.
     Pairs without a common trial give no band.
     """
     pairs: dict[tuple, dict[str, Curve]] = {}
@@ -22,24 +22,24 @@ def bands(curves: Iterable[Curve]) -> tuple[Band, ...]:
             series = curve.kind, curve.label, curve.specimen
             key = *series, curve.f_load_n, curve.p_lr_ref_pa
             pairs.setdefault(key, {})[curve.direction] = curve
-    found = [
+    bands = [
         _band(pair["extend"], *points)
         for pair in pairs.values()
         if len(pair) == 2 and len(pair["extend"].points) == len(pair["retract"].points)
         for points in zip(pair["extend"].points, pair["retract"].points, strict=True)
         if set(points[0].trials) & set(points[1].trials)
     ]
-    order = list(dict.fromkeys((band.kind, band.label) for band in found))
-    return tuple(sorted(found, key=lambda b: (order.index((b.kind, b.label)), b.p_tp_pa)))
+    order = list(dict.fromkeys((band.kind, band.label) for band in bands))
+    return tuple(sorted(bands, key=lambda b: (order.index((b.kind, b.label)), b.p_tp_pa)))
 
 
 def _band(curve: Curve, extend: CurvePoint, retract: CurvePoint) -> Band:
-    of_extend, of_retract = (
+    by_trial_extend, by_trial_retract = (
         dict(zip(point.trials, point.trials_n, strict=True)) for point in (extend, retract)
     )
-    both = [trial for trial in of_extend if trial in of_retract]
-    out = np.array([of_extend[trial] for trial in both])
-    back = np.array([of_retract[trial] for trial in both])
+    both = [trial for trial in by_trial_extend if trial in by_trial_retract]
+    out = np.array([by_trial_extend[trial] for trial in both])
+    back = np.array([by_trial_retract[trial] for trial in both])
     halves = (out - back) / 2
     return Band(
         kind=curve.kind,

@@ -3,12 +3,11 @@
     energy per cycle       W = integral of F dx around the loop = integral of F v dt
     width at velocity v    |F| while |v| rises  -  |F| while it falls
 
-Phase. A filter that delays the velocity by tau opens a loop where there is none, of width
-2 tau a dF/dv. So the velocity is the position's own derivative without lag (``logged_motion``), the
-inertia is that of the same derivative, and pressures, force and position are all the unfiltered
-means over one interval of the log: they share their delay, and nothing else is left to match. The
-controller's own velocity has the lag of its filter (D.11); ``board_n`` is the width that it would
-give, to see what the filter makes.
+Phase. A filter that delays the velocity by tau creates an apparent loop of width 2 tau a dF/dv.
+Therefore the velocity is the position's derivative without lag (``logged_motion``), the inertia
+uses the same derivative, and pressures, force and position are all unfiltered means over one
+interval of the log, with the same delay. The controller's velocity has the lag of its filter
+(D.11); ``board_n`` is the width with that velocity, which shows the filter's effect.
 """
 
 from collections import defaultdict
@@ -24,18 +23,18 @@ from hbench.analysis.screening.sample_friction import logged_motion
 from hbench.errors import DataError
 from hbench.records import Loop, LoopWidth, Run, ScreenedRun, Series
 
-_SHARES = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the top speed: where widths are read
-_SPAN = 0.1  # of the top speed: samples on either side that a width's parabolas are made of
+_SHARES = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the top speed, at which widths are read
+_SPAN = 0.1  # of the top speed, to either side: samples for a width's parabolas
 _LEAST = 5  # samples of a parabola
 _PHASES = 240  # of the mean loop
 
 
 @dataclass(frozen=True)
 class Cycle:
-    """One cycle's numbers."""
+    """Energy, widths and trace of one cycle."""
 
     area_j: float
-    widths_n: np.ndarray  # (6,) at ``_SHARES``; nan where there are too few samples
+    widths_n: np.ndarray  # (6,) at ``_SHARES``; nan with too few samples
     board_n: np.ndarray
     trace: np.ndarray  # (phases, 3): x_m, v_m_s, friction_n
 
@@ -45,15 +44,15 @@ def hysteresis(
 ) -> tuple[tuple[Loop, ...], tuple[str, ...]]:
     """Return a loop for each triangle (label, load, speed) of accepted runs, and notes.
 
-    A run's first cycle is left out where there are more: it begins with relaxed seals. Intervals
-    count trials, or with one trial its cycles. ``mass_kg`` is the test side's.
+    If a run has several cycles, the first is left out: it begins with relaxed seals. Intervals
+    are over trials, or over the cycles of a single trial. ``mass_kg`` is the test side's.
     """
     groups: dict[tuple, list[Run]] = defaultdict(list)
-    for one in screened:
-        plan = one.run.plan
-        if one.accepted:
+    for verdict in screened:
+        plan = verdict.run.plan
+        if verdict.accepted:
             load = plan.f_load_n, plan.p_lr_ref_pa, plan.specimen
-            groups[plan.kind, plan.label, *load, abs(plan.v_ref_m_s)].append(one.run)
+            groups[plan.kind, plan.label, *load, abs(plan.v_ref_m_s)].append(verdict.run)
     loops, notes = [], []
     for runs in groups.values():
         trials: dict[int, list[Cycle]] = defaultdict(list)
@@ -62,51 +61,54 @@ def hysteresis(
                 trials[run.plan.trial] += cycles_of(run, mass_kg)
             except DataError as error:
                 notes.append(f"left out of the hysteresis: {error.message}")
-        used = [found for found in trials.values() if found]
+        used = [cycles for cycles in trials.values() if cycles]
         if used:
             loops.append(_loop(runs, used))
     return tuple(loops), tuple(notes)
 
 
 def cycles_of(run: Run, mass_kg: float) -> list[Cycle]:
-    """Return a run's complete cycles, without the first where there are more.
+    """Return a run's complete cycles, without the first if there are several.
 
-    Raises ``DataError`` where a channel or a record is missing.
+    Raises ``DataError`` if a channel or a record is missing.
     """
     if run.v_ref_m_s is None:
-        raise DataError(f"run {run.plan.run}: its cycles can't be told without v_ref")
+        raise DataError(
+            f"run {run.plan.run}: v_ref_m_s was not logged, which determines the cycles"
+        )
     motion, top = logged_motion(run, mass_kg), abs(run.plan.v_ref_m_s)
-    parts = whole_cycles(run.v_ref_m_s)
-    found = []
-    for part in parts[1:] or parts:
-        v, friction = motion.v_m_s[part], motion.friction_n[part]
-        board = None if run.v_m_s is None else run.v_m_s[part]
-        rising = np.gradient(run.v_ref_m_s[part]) > 0
+    windows = whole_cycles(run.v_ref_m_s)
+    cycles = []
+    for window in windows[1:] or windows:
+        v, friction = motion.v_m_s[window], motion.friction_n[window]
+        board = None if run.v_m_s is None else run.v_m_s[window]
+        rising = np.gradient(run.v_ref_m_s[window]) > 0
         nothing = np.full(len(_SHARES), np.nan)
-        found.append(
+        cycles.append(
             Cycle(
                 area_j=float(np.sum(friction * v) * motion.dt_s),
                 widths_n=_widths(v, friction, rising, top),
                 board_n=nothing if board is None else _widths(board, friction, rising, top),
-                trace=_trace(np.column_stack([run.x_m[part], v, friction])),
+                trace=_trace(np.column_stack([run.x_m[window], v, friction])),
             )
         )
-    return found
+    return cycles
 
 
 def _widths(v: np.ndarray, friction: np.ndarray, rising: np.ndarray, top: float) -> np.ndarray:
-    found = []
+    widths = []
     for share in _SHARES:
         near = np.abs(v - share * top) <= _SPAN * top
         up, down = (
-            _at(share * top, v[near & one], friction[near & one]) for one in (rising, ~rising)
+            _friction_at(share * top, v[near & branch], friction[near & branch])
+            for branch in (rising, ~rising)
         )
-        found.append(up - down)  # where v < 0, |v| falls while v rises, and |F| = -F
-    return np.array(found)
+        widths.append(up - down)  # for v < 0, |v| falls while v rises, and |F| = -F
+    return np.array(widths)
 
 
-def _at(v0: float, v: np.ndarray, friction: np.ndarray) -> float:
-    """Return friction at ``v0`` on the parabola through the samples near it."""
+def _friction_at(v0: float, v: np.ndarray, friction: np.ndarray) -> float:
+    """Return the friction at ``v0`` on a parabola fitted to the samples near it."""
     if len(v) < _LEAST or is_constant(v):
         return np.nan
     return float(np.polynomial.Polynomial.fit(v, friction, 2)(v0))
@@ -123,7 +125,7 @@ def _loop(runs: Sequence[Run], trials: list[list[Cycle]]) -> Loop:
     plan = runs[0].plan
     by_trial = len(trials) > 1
     units = trials if by_trial else [[cycle] for cycle in trials[0]]
-    cycles = [cycle for found in trials for cycle in found]
+    cycles = [cycle for trial in trials for cycle in trial]
     phases = min(len(cycle.trace) for cycle in cycles)
     area = np.array([np.mean([cycle.area_j for cycle in unit]) for unit in units])
     widths = np.array([np.mean([cycle.widths_n for cycle in unit], axis=0) for unit in units])

@@ -1,29 +1,29 @@
-"""The steady fit on ramps and the ramps' fit on the steady curve (section 6.2).
+"""Errors of the steady fit on ramps, and of the ramps' fit on the steady curve (section 6.2).
 
-The source finds that they differ: friction while accelerating is not the steady one.
+The source finds that they differ: friction during acceleration is not the steady friction.
 """
 
 from collections.abc import Sequence
 
-from hbench.analysis.curves.ramps import slid
+from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.identification.verification import curve_error
 from hbench.records import KINDS, Curve, Fit, RampComparison
 
 
 def compare_fits(curves: Sequence[Curve]) -> tuple[RampComparison, ...]:
-    """Put the Tustin fits of each ramp curve and its load's steady one to each other's data.
+    """Compare the Tustin fits of each ramp curve and of the steady curve at its load.
 
     A ramp counts from breakaway on, as in its fit. Curves without a fit are left out.
     """
-    found = []
+    comparisons = []
     for ramp in curves:
         for steady in curves:
             analyses = KINDS[ramp.kind].analysis, KINDS[steady.kind].analysis
             if analyses == ("ramp_curve", "steady_curve") and _load(ramp) == _load(steady):
-                of_steady, of_ramp = _tustin(steady), _tustin(ramp)
-                if of_steady and of_ramp:
-                    found.append(_compared(steady, of_steady, slid(ramp), of_ramp))
-    return tuple(found)
+                steady_fit, ramp_fit = _tustin(steady), _tustin(ramp)
+                if steady_fit and ramp_fit:
+                    comparisons.append(_compared(steady, steady_fit, sliding(ramp), ramp_fit))
+    return tuple(comparisons)
 
 
 def _load(curve: Curve) -> tuple:
@@ -34,15 +34,16 @@ def _tustin(curve: Curve) -> Fit | None:
     return next((fit for fit in curve.fits if fit.law == "tustin" and fit.parameters), None)
 
 
-def _compared(steady: Curve, of_steady: Fit, ramp: Curve, of_ramp: Fit) -> RampComparison:
+def _compared(steady: Curve, steady_fit: Fit, ramp: Curve, ramp_fit: Fit) -> RampComparison:
+    assert ramp.a_ref_m_s2 is not None  # every ramp has an acceleration
     return RampComparison(
         direction=steady.direction,
         f_load_n=steady.f_load_n,
         p_lr_ref_pa=steady.p_lr_ref_pa,
         a_ref_m_s2=ramp.a_ref_m_s2,
-        steady_on_steady_n=curve_error(of_steady, steady),
-        steady_on_ramp_n=curve_error(of_steady, ramp),
-        ramp_on_steady_n=curve_error(of_ramp, steady),
-        ramp_on_ramp_n=curve_error(of_ramp, ramp),
+        steady_on_steady_n=curve_error(steady_fit, steady),
+        steady_on_ramp_n=curve_error(steady_fit, ramp),
+        ramp_on_steady_n=curve_error(ramp_fit, steady),
+        ramp_on_ramp_n=curve_error(ramp_fit, ramp),
         runs=tuple(dict.fromkeys(run for point in ramp.points for run in point.runs)),
     )

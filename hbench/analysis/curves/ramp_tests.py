@@ -1,15 +1,15 @@
-"""Whether the acceleration of a ramp matters, and whether ramps differ from steady runs: tested.
+"""Tests of the effect of a ramp's acceleration, and of ramps against steady runs.
 
-The unit is the trial, never the sample: each trial counts with its mean |F| over a range of speeds
-that all of its rivals have. Two ranges, the lower and the upper half, since lag acts where friction
-still changes with the way or the speed, and an error of the inertia everywhere.
+The unit is the trial, not the sample: each trial counts with its mean |F| over a range of speeds
+that all compared curves have. There are two ranges, the lower and the upper half, since lag acts
+where friction still changes with travel or speed, and an error of the inertia everywhere.
 
     accelerations    F test of one-way analysis of variance over the groups; the effect is the
                      largest acceleration less the smallest, with the pooled scatter
     steady, ramp     Welch's t test
 
-Student's and Fisher's distributions take the trials as independent and normal. p values of the same
-kind are corrected for their number after Holm (1979).
+Student's and Fisher's distributions assume independent, normal trials. p values of the same kind
+are corrected for their number after Holm (1979).
 """
 
 import warnings
@@ -25,11 +25,11 @@ from hbench.analysis.statistics.student import student_factor
 from hbench.records import KINDS, Comparison, Curve, Series
 
 _GRID = 10  # speeds of a half at which ramps are compared
-_LEAST = 2  # steady speeds that make a range
+_LEAST = 2  # steady speeds in a range
 
 
-def comparisons(curves: Iterable[Curve]) -> tuple[Comparison, ...]:
-    """Test all ramps of the same load, direction and label, and those with steady runs beside."""
+def ramp_comparisons(curves: Iterable[Curve]) -> tuple[Comparison, ...]:
+    """Test all ramps of the same load, direction and label, and against steady runs."""
     groups: dict[tuple, list[Curve]] = defaultdict(list)
     for curve in curves:
         if KINDS[curve.kind].is_ramp or KINDS[curve.kind].has_constant_speed:
@@ -61,15 +61,15 @@ def _anova(ramps: list[Curve], groups: list[np.ndarray], low: float, high: float
     effect = float(groups[-1].mean() - groups[0].mean())
     dof = sum(map(len, groups)) - len(groups)
     half = p_value = None
-    message = "one trial at each acceleration: there is no scatter to test against"
+    message = "no test: there is only one trial at each acceleration"
     if dof > 0:
         within = sum(float(np.sum((group - group.mean()) ** 2)) for group in groups) / dof
         error = np.sqrt(within * (1 / len(groups[0]) + 1 / len(groups[-1])))
         half = float(student_factor(dof) * error)
-        from scipy.stats import f_oneway  # half a second, for who has ramps alone
+        from scipy.stats import f_oneway  # slow import
 
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # groups without any scatter give nan
+            warnings.simplefilter("ignore")  # groups without scatter give nan
             p_value = float(f_oneway(*groups).pvalue)
         message = ""
     return Comparison(
@@ -102,17 +102,17 @@ def _steady(ramp: Curve, steady: Curve) -> Iterable[Comparison]:
         if len(chosen) < _LEAST:
             continue
         speeds = np.abs([point.v_m_s for point in chosen])
-        theirs = np.mean([_by_trial(point.trials, point.trials_n) for point in chosen], axis=0)
-        ours = _levels(ramp, speeds)
-        theirs = theirs if steady.direction == "extend" else -theirs
+        steady_n = np.mean([_by_trial(point.trials, point.trials_n) for point in chosen], axis=0)
+        ramp_n = _levels(ramp, speeds)
+        steady_n = steady_n if steady.direction == "extend" else -steady_n
         half = p_value = None
-        message = "a single trial: there is no scatter to test against"
-        if min(len(ours), len(theirs)) > 1:
+        message = "no test: there is only one trial"
+        if min(len(ramp_n), len(steady_n)) > 1:
             from scipy.stats import ttest_ind
 
-            found = ttest_ind(ours, theirs, equal_var=False)
-            interval = found.confidence_interval()
-            half, p_value = float(interval.high - interval.low) / 2, float(found.pvalue)
+            test = ttest_ind(ramp_n, steady_n, equal_var=False)
+            interval = test.confidence_interval()
+            half, p_value = float(interval.high - interval.low) / 2, float(test.pvalue)
             message = ""
         yield Comparison(
             what="steady",
@@ -121,11 +121,11 @@ def _steady(ramp: Curve, steady: Curve) -> Iterable[Comparison]:
             a_m_s2=(ramp.a_ref_m_s2 or 0.0,),
             v_low_m_s=float(speeds.min()),
             v_high_m_s=float(speeds.max()),
-            effect_n=float(ours.mean() - theirs.mean()),
+            effect_n=float(ramp_n.mean() - steady_n.mean()),
             ci95_n=half,
             p_value=p_value,
             p_holm=None,
-            n=len(ours) + len(theirs),
+            n=len(ramp_n) + len(steady_n),
             message=message,
             kind=ramp.kind,
         )
@@ -157,9 +157,10 @@ def _series(curve: Curve) -> Series:
     return Series(curve.label, curve.f_load_n, curve.p_lr_ref_pa)
 
 
-def _corrected(found: list[Comparison]) -> list[Comparison]:
-    tested = [i for i, one in enumerate(found) if one.p_value is not None]
-    corrected = holm([found[i].p_value for i in tested])
-    for i, p in zip(tested, corrected.tolist(), strict=True):
-        found[i] = replace(found[i], p_holm=p)
-    return found
+def _corrected(comparisons: list[Comparison]) -> list[Comparison]:
+    p_values = [comparison.p_value for comparison in comparisons]
+    corrected = iter(holm([p for p in p_values if p is not None]).tolist())
+    return [
+        comparison if p is None else replace(comparison, p_holm=next(corrected))
+        for comparison, p in zip(comparisons, p_values, strict=True)
+    ]

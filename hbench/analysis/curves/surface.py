@@ -1,4 +1,4 @@
-"""Friction as a surface over velocity and load, from steady curves at three loads or more."""
+"""Friction surfaces over velocity and load, from steady curves at three loads or more."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -11,31 +11,31 @@ from hbench.records import KINDS, Curve, Surface
 _LEAST = 3  # loads, and speeds
 
 
-def surfaces(curves: Iterable[Curve]) -> tuple[Surface, ...]:
+def friction_surfaces(curves: Iterable[Curve]) -> tuple[Surface, ...]:
     """Return a surface for each label, direction and rod-side pressure of the steady curves.
 
-    Its speeds are those of the curve with the fewest, as far as all loads have them; between its
-    own points a curve is straight. Nothing is extrapolated.
+    Its speeds are those of the curve with the fewest points, in the range of all curves. Curves are
+    linearly interpolated between their points, and not extrapolated.
     """
-    groups: dict[tuple, list[Curve]] = defaultdict(list)
+    groups: dict[tuple, list[tuple[float, Curve]]] = defaultdict(list)
     for curve in curves:
         is_steady = KINDS[curve.kind].has_constant_speed
         if is_steady and curve.f_load_n is not None and curve.over_velocity:
             key = curve.kind, curve.label, curve.direction, curve.p_lr_ref_pa, curve.specimen
-            groups[key].append(curve)
-    found = []
+            groups[key].append((curve.f_load_n, curve))
+    surfaces = []
     for (kind, label, direction, p_lr, _), group in groups.items():
-        group = sorted(group, key=lambda curve: curve.f_load_n)
-        v = _common(group)
+        group = sorted(group, key=lambda pair: pair[0])
+        v = _common_speeds([curve for _, curve in group])
         if len(group) >= _LEAST and len(v) >= _LEAST:
-            rows = [_row(curve, v) for curve in group]
-            found.append(
+            rows = [_row(curve, v) for _, curve in group]
+            surfaces.append(
                 Surface(
                     label=label,
                     direction=direction,
                     p_lr_ref_pa=p_lr,
                     v_m_s=tuple(v.tolist()),
-                    f_load_n=tuple(curve.f_load_n for curve in group),
+                    f_load_n=tuple(load for load, _ in group),
                     friction_n=tuple(tuple(friction.tolist()) for friction, _ in rows),
                     ci95_n=tuple(
                         tuple(float(c) if np.isfinite(c) else None for c in interval)
@@ -44,10 +44,10 @@ def surfaces(curves: Iterable[Curve]) -> tuple[Surface, ...]:
                     kind=kind,
                 )
             )
-    return tuple(found)
+    return tuple(surfaces)
 
 
-def _common(group: list[Curve]) -> np.ndarray:
+def _common_speeds(group: list[Curve]) -> np.ndarray:
     speeds = [np.abs([point.v_m_s for point in curve.points]) for curve in group]
     low, high = max(v.min() for v in speeds), min(v.max() for v in speeds)
     fewest = min(speeds, key=len)

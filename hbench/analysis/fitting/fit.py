@@ -22,13 +22,20 @@ from hbench.analysis.statistics.bootstrap import (
     drawn_means,
     drawn_residuals,
     leveraged,
-    own_freedom,
+    parameter_dof,
     percentile_intervals,
 )
-from hbench.analysis.statistics.bounded import Problem, Solution, cost, descend, rounding, solve
+from hbench.analysis.statistics.bounded import (
+    Problem,
+    Solution,
+    descend,
+    rounding,
+    solve,
+    sum_of_squares,
+)
 from hbench.analysis.statistics.intervals import covariance, has_effect
 from hbench.analysis.statistics.profile import profile_interval
-from hbench.analysis.statistics.robust import robust
+from hbench.analysis.statistics.robust import minimise_robust
 from hbench.analysis.statistics.student import student_factor
 from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, FitParameter
@@ -72,11 +79,6 @@ def left_out(curves: Sequence[Curve]) -> tuple[str, ...]:
 
 def _speeds(curve: Curve) -> int:
     return len(distinct(np.array([point.v_m_s for point in curve.points])))
-
-
-def fit_tustin(curve: Curve, bounds: Mapping[str, tuple[float, float]] | None = None) -> Fit:
-    """Fit the Tustin law (3.2) to a curve; within the bounds of table 6.1 if none are given."""
-    return fit_law(TUSTIN, [curve], Fitting(), bounds)
 
 
 def fit_pressure_based(curves: Sequence[Curve], k2_s_m: tuple[float, float] | None = None) -> Fit:
@@ -179,7 +181,7 @@ def estimate(
         solution = descend(problem, start, (), _ENOUGH)
     if how.loss == "linear":
         return Estimate(problem, solution, np.ones(len(friction)))
-    found = robust(problem, solution, how.loss)
+    found = minimise_robust(problem, solution, how.loss)
     return Estimate(found.problem, found.solution, found.weights)
 
 
@@ -192,7 +194,7 @@ class _Worth:
         self.jacobian = problem.derivatives(solution.x)
         self.factor = student_factor(freedom) if freedom > 0 else np.nan
         self.rounding = rounding(problem, solution.x)
-        rest = cost(problem, solution.x)
+        rest = sum_of_squares(problem, solution.x)
         self.exact = not rest > self.rounding**2  # what is left is rounding
         self.variance = rest / freedom if freedom > 0 else np.nan
         # Where nothing is left, rounding is the noise beside which a parameter has an effect.
@@ -246,7 +248,7 @@ def _bootstrap(
         drawn = drawn_residuals(fitted, scaled, sigma, count, rng)
     else:
         counts = np.array([len(own) for own in data.trials_n])
-        freedom[solution.free] = own_freedom(jacobian[:, solution.free], counts)
+        freedom[solution.free] = parameter_dof(jacobian[:, solution.free], counts)
 
     def refit(friction: np.ndarray) -> np.ndarray:
         again = problem._replace(
@@ -270,11 +272,13 @@ def _parameters(
     for i, (name, unit) in enumerate(law.units.items()):
         intervals = {method: ends[i] for method, ends in found.items()}
         ends, x, se = intervals["profile"], float(solution.x[i]), float(worth.se[i])
-        known = ends is not None and np.isfinite(worth.factor * se)
         nothing = ROUNDING * float(problem.scale[i])
+        known = False
+        if ends is not None and np.isfinite(worth.factor * se):
+            known = se <= max(x - ends[0], ends[1] - x) + nothing
         parameters[name] = FitParameter(
             value=x,
-            se=se if known and se <= max(x - ends[0], ends[1] - x) + nothing else None,
+            se=se if known else None,
             ci95=ends,
             at_bound=solution.at_bound(problem, i),
             unit=unit,

@@ -25,7 +25,7 @@ from hbench.analysis.identification.friction_section import friction_section
 from hbench.analysis.identification.leuven import STEADY, fit_leuven
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
 from hbench.analysis.screening.sample_friction import LoggedMotion
-from hbench.analysis.statistics.intervals import bound_messages, fit_parameters
+from hbench.analysis.statistics.intervals import fit_parameters, parameter_messages
 from hbench.config.fitting import Fitting
 from hbench.config.friction import parse_friction
 from hbench.errors import ConfigError, DataError
@@ -129,7 +129,7 @@ def _tustin(curves: Sequence[Curve]) -> Fit:
     found = fit_parameters(UNITS, values, spread[np.ix_(free, free)], dof, bounds)
     parameters, impossible = without_impossible(found, TABLE_6_1)
     messages = [] if fit.converged else ["the search for the best fit did not converge"]
-    messages += [*bound_messages(found), *impossible]
+    messages += [*parameter_messages(found), *impossible]
     messages.append(
         f"points of a curve go together, so intervals are over the {len(curves)} curves "
         f"({dof} degrees of freedom)"

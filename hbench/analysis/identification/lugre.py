@@ -14,10 +14,10 @@ from hbench.analysis.identification.driven_law import friction_along
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.analysis.statistics.bounded import Problem, solve
 from hbench.analysis.statistics.intervals import (
-    bound_messages,
     covariance_over_runs,
     fit_parameters,
     has_effect,
+    parameter_messages,
 )
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
@@ -136,5 +136,5 @@ def fit_along(
         parameters=parameters,
         rmse_n=float(np.sqrt(np.mean(left**2))),
         converged=solution.converged,
-        message="; ".join(messages + bound_messages(parameters)),
+        message="; ".join(messages + parameter_messages(parameters)),
     )

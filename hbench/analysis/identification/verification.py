@@ -14,6 +14,7 @@ import numpy as np
 
 from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.fitting.tustin import NAMES, tustin
+from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
 from hbench.records import Curve, CurvePoint, Fit, ModelErrors, Run
@@ -68,7 +69,8 @@ def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErr
         signals = np.array([_signals(motion, n) for motion in motions])
         factor = np.sqrt(len(runs) / (len(runs) - 1))
         for run, motion, own in zip(runs, motions, signals, strict=True):
-            parts.add(run.v_ref_m_s[:n], motion.dt_s, factor * (own - signals.mean(axis=0)))
+            v_ref = required(run, "v_ref_m_s")[:n]
+            parts.add(v_ref, motion.dt_s, factor * (own - signals.mean(axis=0)))
     return parts.rms() if parts else {}
 
 

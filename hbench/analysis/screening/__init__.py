@@ -1,1 +1,1 @@
-"""Calibrated runs, and the verdict on each."""
+"""Calibration of runs, and the verdict on each run."""

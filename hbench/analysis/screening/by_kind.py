@@ -1,13 +1,15 @@
-"""Which runs with changing velocity, or at rest, count: rules of their own for each kind.
+"""Screening rules of non-steady runs, for each kind.
 
-    ramp, verification  followed the reference; no valve at its limit, so that the load was held
-    triangle            followed the reference over a whole cycle at least. A load valve may be
-                        wide open: the source connects the load cylinder to the tank (section 5.2)
-    steps               each level was reached and held in the second half of its time; a jump
+    ramp, verification  the speed followed its reference; no valve at its limit, so that the load
+                        was controlled
+    triangle            the speed followed its reference over a whole cycle at least. A load valve
+                        may be fully open: the source connects the load cylinder to the tank
+                        (section 5.2)
+    steps               each level was reached and kept in the second half of its time; the step
                         itself drives the valve to its limit
-    hold                the piston rested
+    hold                the piston was at rest
 
-The reference is compared with the position's speed over 0.1 s, as in the steady rules.
+The reference is compared with the position's speed over 0.1 s, as for steady runs.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,17 +27,17 @@ _NEAR_END_M = 0.005
 
 
 def motion_reasons(run: Run, rules: Screening) -> list[str]:
-    """Return what speaks against a run that is not steady; nothing about its log's integrity."""
+    """Return the reasons to reject a non-steady run, except those of its log's integrity."""
     if len(run.t_s) < 2:
-        return ["too_short: no motion was logged; limit 2 records"]
+        return ["too_short: the log has fewer than 2 records; limit 2"]
     return [*_end_stop(run, rules), *RULES[KINDS[run.plan.kind].screening](run, rules)]
 
 
 def motion_notes(run: Run) -> list[str]:
-    """Return what a reader should know of a run that is not steady."""
+    """Return the notes on a non-steady run."""
     kind, notes = KINDS[run.plan.kind], []
     if run.v_ref_m_s is None and not kind.is_at_rest:
-        notes.append("the reference was not logged: whether it was followed is not judged")
+        notes.append("the reference was not logged: deviations from it are not checked")
     count = 0 if run.valve_saturated is None else int(run.valve_saturated.sum())
     if count and kind.valve_may_saturate:
         notes.append(f"a valve was at its limit in {count} of {len(run.t_s)} records")
@@ -59,34 +61,34 @@ def _end_stop(run: Run, rules: Screening) -> Iterator[str]:
         )
 
 
-def _followed(run: Run, rules: Screening) -> Iterator[str]:
+def _follows_reference(run: Run, rules: Screening) -> Iterator[str]:
     if run.v_ref_m_s is None:
         return
     t = run.t_s
-    way = np.concatenate(
+    reference_m = np.concatenate(
         ([0.0], np.cumsum(np.diff(t) * (run.v_ref_m_s[1:] + run.v_ref_m_s[:-1]) / 2))
     )
-    error = block_speeds(t, run.x_m).v_m_s - block_speeds(t, way).v_m_s
+    error = block_speeds(t, run.x_m).v_m_s - block_speeds(t, reference_m).v_m_s
     if not len(error):
         return
     rms = float(np.sqrt(np.mean(error**2)))
     limit = max(rules.tracking_error, rules.tracking_error_relative * np.abs(run.v_ref_m_s).max())
     if exceeds(rms, limit):
         yield (
-            f"off_reference: the speed over 0.1 s is {1e3 * rms:.2f} mm/s (root mean square) off "
-            f"its reference; limit {1e3 * limit:.2f} mm/s"
+            f"off_reference: the speed over 0.1 s deviates from its reference by "
+            f"{1e3 * rms:.2f} mm/s (root mean square); limit {1e3 * limit:.2f} mm/s"
         )
 
 
-def _no_valve_at_its_limit(run: Run, rules: Screening) -> Iterator[str]:
+def _valve_limits(run: Run, rules: Screening) -> Iterator[str]:
     count = 0 if run.valve_saturated is None else int(run.valve_saturated.sum())
     if count:
         yield f"valve_saturated: in {count} of the {len(run.t_s)} records of the run; limit 0"
 
 
 def _complete_ramp(run: Run, rules: Screening) -> Iterator[str]:
-    yield from _followed(run, rules)
-    yield from _no_valve_at_its_limit(run, rules)
+    yield from _follows_reference(run, rules)
+    yield from _valve_limits(run, rules)
     motion, top = run.plan.motion, abs(run.plan.v_ref_m_s)
     if run.v_ref_m_s is None or motion is None:
         return
@@ -95,18 +97,18 @@ def _complete_ramp(run: Run, rules: Screening) -> Iterator[str]:
     if reached < _REACHED * top and abs(run.x_m[-1] - end) > _NEAR_END_M:
         yield (
             f"incomplete: the ramp ended at {1e3 * reached:.1f} of {1e3 * top:.1f} mm/s and at "
-            f"{1e3 * run.x_m[-1]:.1f} mm, before its travel's end; limit {100 * _REACHED:g} % or "
-            f"{1e3 * _NEAR_END_M:g} mm"
+            f"{1e3 * run.x_m[-1]:.1f} mm, before the end of its travel; limit "
+            f"{100 * _REACHED:g} % or {1e3 * _NEAR_END_M:g} mm"
         )
 
 
 def _tracking(run: Run, rules: Screening) -> Iterator[str]:
-    yield from _followed(run, rules)
-    yield from _no_valve_at_its_limit(run, rules)
+    yield from _follows_reference(run, rules)
+    yield from _valve_limits(run, rules)
 
 
 def _whole_cycles(run: Run, rules: Screening) -> Iterator[str]:
-    yield from _followed(run, rules)
+    yield from _follows_reference(run, rules)
     if run.v_ref_m_s is not None and not whole_cycles(run.v_ref_m_s):
         yield "incomplete: the triangle ended within its first cycle; limit 1 cycle"
 
@@ -114,17 +116,17 @@ def _whole_cycles(run: Run, rules: Screening) -> Iterator[str]:
 def _settled_levels(run: Run, rules: Screening) -> Iterator[str]:
     if run.v_ref_m_s is None:
         return
-    for number, (level, held) in enumerate(level_windows(run), start=1):
-        if held.stop - held.start < 3:
-            yield f"incomplete: level {number} has less than 3 settled records"
+    for number, (level, settled) in enumerate(level_windows(run), start=1):
+        if settled.stop - settled.start < 3:
+            yield f"incomplete: level {number} has fewer than 3 settled records; limit 3"
             continue
-        v, limit = mean_speed(run.t_s[held], run.x_m[held]), rules.speed_limit(level)
+        v, limit = mean_speed(run.t_s[settled], run.x_m[settled]), rules.speed_limit(level)
         if abs(v - level) > limit + ROUNDING * abs(level):
             yield (
-                f"off_reference: level {number} is held at {1e3 * v:.2f} mm/s instead of "
+                f"off_reference: level {number} has {1e3 * v:.2f} mm/s instead of "
                 f"{1e3 * level:.2f} mm/s; limit {1e3 * limit:.2f} mm/s"
             )
-        if run.valve_saturated is not None and run.valve_saturated[held].any():
+        if run.valve_saturated is not None and run.valve_saturated[settled].any():
             yield f"valve_saturated: in the settled half of level {number}; limit 0 records"
 
 

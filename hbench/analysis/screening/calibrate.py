@@ -1,4 +1,4 @@
-"""From a raw log to a run in SI: words to counts to volts to units, flags, times, losses."""
+"""Calibration of a raw log to a run in SI: words, counts, volts, units; flags, times and losses."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from hbench.model.sensors import sensor_gains
 from hbench.records import LogChannel, RawRun, Run
 from hbench.units import parse_unit
 
-# A log channel's name -> the field of Run it fills.
+# A log channel's name -> its field of Run.
 FIELDS = {
     "x": "x_m",
     "v": "v_m_s",
@@ -23,39 +23,40 @@ FIELDS = {
     "u_l2": "u_l2_v",
     "v_ref": "v_ref_m_s",
 }
-# What of these is no sensor, and so not in counts.
+# Channels that are not sensors, with their units; sensors are logged in counts.
 UNITS = {"v": "m/s", "v_ref": "m/s", "u_t": "V", "u_l1": "V", "u_l2": "V"}
 BOOKKEEPING = ("run", "index", "flags")
 FLAG_FIELDS = ("at_reference", "sensor_saturated", "valve_saturated")
-# Codes of the reader's warnings that leave the log's completeness in doubt.
+# Codes of the reader's warnings that cast doubt on the log's completeness.
 INCOMPLETE = ("truncated", "missing", "unreadable", "changed")
 
 _INDEX_SPAN = 1 << 16  # the index is a 16-bit word and starts again
 
 
 def calibrate(raw: RawRun, bench: Bench) -> Run:
-    """Turn a raw log into SI.
+    """Convert a raw log to SI.
 
     A sensor's word is ADC counts times 1/scale; SI = gain * counts + offset with the gains of
     the bench's amplifier chain (appendix B, equation C.6). A record is the mean over the
-    interval since the last one, so it stands for the middle of that interval:
-    t = (index + 1/2) / rate. All channels share this delay.
+    interval since the last one, so its time is the middle of that interval:
+    t = (index + 1/2) / rate. All channels have this delay.
 
-    A converter at an end of its range stands for any value beyond: such records are marked as
-    ``sensor_saturated``, also where the board did not. Pressure and position inputs reach it at 3 V
-    of 3.16 V, which is 9.49 V of the transducer's 10 V (appendix B; its amplifier is too large).
+    At a limit of its converter, the true value is beyond the range: such records are marked as
+    ``sensor_saturated``, even if the board did not mark them. Pressure and position inputs saturate
+    at 3 V of 3.16 V, which is 9.49 V of the transducer's 10 V (appendix B; the amplifier's gain is
+    too large).
 
-    Records of another run and records out of order are left out, and ``Run.truncated`` says so.
-    Raises ``DataError`` where the log's channels are not those of a run.
+    Records of another run and records out of order are left out, and reported in
+    ``Run.truncated``. Raises ``DataError`` unless the log has the channels of a run.
     """
     column = _columns(raw)
-    words, faults = _own_records(raw, column)
+    words, faults = _records_of_run(raw, column)
     index = _unwrap(words[:, column["index"]])
     faults += _incomplete(raw, words, column, index)
     gains = sensor_gains(bench.sensors)
     channels = {
-        FIELDS[channel.name]: _to_si(words[:, place], channel, gains)
-        for place, channel in enumerate(raw.channels)
+        FIELDS[channel.name]: _to_si(words[:, number], channel, gains)
+        for number, channel in enumerate(raw.channels)
         if channel.name not in BOOKKEEPING
     }
     flags = words[:, column["flags"]]
@@ -64,7 +65,7 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
         for name in FLAG_FIELDS
         if name in raw.flags
     }
-    bits["sensor_saturated"] = bits.get("sensor_saturated", False) | _at_an_end(raw, words, bench)
+    bits["sensor_saturated"] = bits.get("sensor_saturated", False) | _saturated(raw, words, bench)
     return Run(
         plan=raw.plan,
         t_s=(index + 0.5) / raw.rate_hz,
@@ -81,8 +82,8 @@ def _columns(raw: RawRun) -> dict[str, int]:
     run, layout = raw.plan.run, "the log's layout in campaign.yaml"
     if raw.words.ndim != 2 or raw.words.shape[1] != len(names):
         raise DataError(
-            f"run {run}: its log holds words of shape {raw.words.shape}; "
-            f"expected {len(names)} columns, one a channel"
+            f"run {run}: its log has words of shape {raw.words.shape}; "
+            f"expected {len(names)} columns, one per channel"
         )
     for name in ("x", *BOOKKEEPING):
         if name not in names:
@@ -97,9 +98,9 @@ def _columns(raw: RawRun) -> dict[str, int]:
         wanted = UNITS.get(name, "1" if name in BOOKKEEPING else "count")
         if not _same_dimension(unit, wanted):
             raise DataError(
-                f"run {run}: {layout} gives channel '{name}' in {unit!r}; expected {wanted!r}"
+                f"run {run}: {layout} has channel '{name}' in {unit!r}; expected {wanted!r}"
             )
-    return {name: place for place, name in enumerate(names)}
+    return {name: number for number, name in enumerate(names)}
 
 
 def _same_dimension(unit: str, wanted: str) -> bool:
@@ -119,43 +120,44 @@ def _to_si(
     return gain * values + offset
 
 
-def _at_an_end(raw: RawRun, words: np.ndarray, bench: Bench) -> np.ndarray:
-    """Return the records (n,) in which a sensor's word is 0 or that of the highest code."""
+def _saturated(raw: RawRun, words: np.ndarray, bench: Bench) -> np.ndarray:
+    """Return whether a sensor's word is 0 or that of the highest code, for each record (n,)."""
     top = 2**bench.sensors.adc.bits - 1
-    found = np.zeros(len(words), dtype=bool)
-    for place, channel in enumerate(raw.channels):
+    saturated = np.zeros(len(words), dtype=bool)
+    for number, channel in enumerate(raw.channels):
         if channel.unit == "count" and channel.name not in BOOKKEEPING:
-            found |= (words[:, place] == 0) | (words[:, place] >= round(top / channel.scale))
-    return found
+            column = words[:, number]
+            saturated |= (column == 0) | (column >= round(top / channel.scale))
+    return saturated
 
 
-def _own_records(raw: RawRun, column: dict[str, int]) -> tuple[np.ndarray, list[str]]:
-    """Return the records of this run that are in order, and what is wrong with the others."""
+def _records_of_run(raw: RawRun, column: dict[str, int]) -> tuple[np.ndarray, list[str]]:
+    """Return the records of this run that are in order, and the faults of the others."""
     words = raw.words
     faults: list[str] = []
     if not len(words):
         return words, faults
     numbers, counts = np.unique(words[:, column["run"]], return_counts=True)
     if len(numbers) > 1:
-        own = numbers[np.argmax(counts)]
-        strangers = len(words) - counts.max()
-        faults.append(f"{strangers} of {len(words)} records belong to another run, left out")
-        words = words[words[:, column["run"]] == own]
+        number = numbers[np.argmax(counts)]
+        foreign = len(words) - counts.max()
+        faults.append(f"{foreign} of {len(words)} records belong to another run, left out")
+        words = words[words[:, column["run"]] == number]
     index = words[:, column["index"]]
     steps = np.diff(index)  # modulo 2^16, as the words are unsigned
     backwards = np.flatnonzero((steps == 0) | (steps >= _INDEX_SPAN // 2))
     if len(backwards):
         last = backwards[0]
         faults.append(
-            f"record {index[last + 1]} follows record {index[last]}: not in order, "
-            f"the last {len(words) - last - 1} records left out"
+            f"record {index[last + 1]} follows record {index[last]}, out of order: the last "
+            f"{len(words) - last - 1} records left out"
         )
         words = words[: last + 1]
     return words, faults
 
 
 def _unwrap(index: np.ndarray) -> np.ndarray:
-    """Return 16-bit record numbers as ever-growing ones."""
+    """Return 16-bit record numbers (n,) without their wrap-around."""
     if not len(index):
         return np.zeros(0, dtype=np.int64)
     steps = np.diff(index).astype(np.int64)
@@ -165,20 +167,20 @@ def _unwrap(index: np.ndarray) -> np.ndarray:
 def _stopped_early(raw: RawRun) -> str:
     if raw.outcome in ("done", None):
         return ""
-    return raw.why or f"the run is marked as {raw.outcome}, with no cause given"
+    return raw.why or f"the run is marked as {raw.outcome}, without a reason"
 
 
 def _incomplete(
     raw: RawRun, words: np.ndarray, column: dict[str, int], index: np.ndarray
 ) -> list[str]:
-    """Return what tells that the log does not reach to the run's end."""
+    """Return the signs that the log does not extend to the end of the run."""
     faults = [warning for warning in raw.warnings if warning.split(":")[0] in INCOMPLETE]
     if raw.outcome is None:
         faults.append("no stop part: the host ended before the run did")
     if not len(words):
-        return [*faults, "the log holds no record"]
+        return [*faults, "the log contains no records"]
     if "last" in raw.flags:
         flags = int(words[-1, column["flags"]])
         if not flags >> raw.flags.index("last") & 1:
-            faults.append(f"the log ends with record {index[-1]}, which is not the run's last")
+            faults.append(f"the log ends with record {index[-1]}, before the run's last record")
     return faults

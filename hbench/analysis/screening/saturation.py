@@ -1,4 +1,4 @@
-"""Which sensor is at the end of its converter's range, where a record is marked so."""
+"""Identification of the saturated sensors in records marked as ``sensor_saturated``."""
 
 import numpy as np
 
@@ -6,17 +6,18 @@ from hbench.analysis.rounding import is_constant
 from hbench.records import Run
 
 _SENSORS = ("x_m", "p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa", "f_applied_n")
-_SAME = 1e-9  # of a channel's range: equal but for rounding
+_SAME = 1e-9  # of a channel's range: equal within rounding
 _NEARLY_ALL, _MOST = 0.95, 0.5  # of the marked records
 
 
-def sensors_at_their_end(run: Run, window: slice) -> str:
-    """Return the channels that are at an end of their range in marked records, with the value.
+def saturated_sensors(run: Run, window: slice) -> str:
+    """Return the channels that are saturated in the marked records, with their values.
 
-    A converter at its end shows the same value each time, which no other record exceeds: so the
-    channels whose highest or lowest value is in nearly all marked records of the window. Where
-    there is none, it is those that show one value in the whole run; else, as some records may be
-    means of samples inside the range too, those at an end in most of the marked records.
+    A saturated converter has a constant value, which no other record exceeds. So these are the
+    channels whose highest or lowest value occurs in nearly all marked records of the window. If
+    there are none, they are the channels that are constant in the whole run, or else those at their
+    highest or lowest value in most marked records, since a record can average saturated and
+    unsaturated samples.
     """
     if run.sensor_saturated is None:
         return ""
@@ -29,17 +30,17 @@ def sensors_at_their_end(run: Run, window: slice) -> str:
         if values is None:
             continue
         if is_constant(values):
-            throughout.append(f"{name} shows {_words(name, values[0])} throughout")
+            throughout.append(f"{name} is constant at {_value(name, values[0])}")
             continue
-        for end, word in ((values.max(), "most"), (values.min(), "least")):
-            there = np.abs(values[marked] - end) <= _SAME * np.ptp(values)
-            shares[f"{name} shows {_words(name, end)} at {word}"] = there.mean()
-    surely = [words for words, share in shares.items() if share > _NEARLY_ALL]
-    mostly = [words for words, share in shares.items() if share > _MOST]
-    return ", ".join(surely or throughout or mostly)
+        for limit, side in ((values.max(), "maximum"), (values.min(), "minimum")):
+            at_limit = np.abs(values[marked] - limit) <= _SAME * np.ptp(values)
+            shares[f"{name} is at its {side}, {_value(name, limit)}"] = at_limit.mean()
+    nearly_all = [text for text, share in shares.items() if share > _NEARLY_ALL]
+    most = [text for text, share in shares.items() if share > _MOST]
+    return ", ".join(nearly_all or throughout or most)
 
 
-def _words(name: str, value: float) -> str:
+def _value(name: str, value: float) -> str:
     if name.endswith("_pa"):
         return f"{value / 1e5:.1f} bar"
     return f"{1e3 * value:.1f} mm" if name == "x_m" else f"{value:.0f} N"

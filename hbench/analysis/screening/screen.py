@@ -1,4 +1,4 @@
-"""Which runs count: the verdict on each run, with every reason that speaks against it."""
+"""Screening: the verdict on each run, with all reasons for a rejection."""
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
@@ -8,19 +8,25 @@ import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.screening.by_kind import RULES, motion_notes, motion_reasons, near_end
-from hbench.analysis.screening.saturation import sensors_at_their_end
+from hbench.analysis.screening.friction_channels import (
+    friction_channels,
+    missing_friction_channels,
+    required,
+    test_force,
+)
+from hbench.analysis.screening.saturation import saturated_sensors
 from hbench.analysis.screening.steadiness import drift, mean_speed, speed_ripple
 from hbench.analysis.screening.steady_window import (
     at_reference,
-    stands_still,
+    standstill_s,
     steady_window,
     window_length_s,
 )
-from hbench.analysis.uncertainty.efficiency import Forces, efficiency_of
+from hbench.analysis.uncertainty.efficiency import SteadyForces, efficiency_of
 from hbench.config.schedule import Screening
 from hbench.records import KINDS, Run, ScreenedRun, SteadyMeans
 
-# Codes of the reasons, the most fundamental first. A reason reads "code: words, value, limit".
+# Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".
 CODES = (
     "aborted",
     "truncated",
@@ -38,28 +44,28 @@ CODES = (
 SCREENING_RULES = ("steady_window", *RULES)  # of the column ``screening`` of KINDS
 
 _STANDSTILL_S = 0.2
-_SURE = 3.0  # standard errors that a drift must stand above its limit
+_DRIFT_ERRORS = 3.0  # standard errors by which a drift must exceed its limit
 
 
 def screen(run: Run, rules: Screening) -> ScreenedRun:
-    """Judge a run and average its steady window.
+    """Screen a run and average its steady window.
 
     The window starts ``settle_time`` and ``settle_travel`` after the reference was reached. The
-    limits are those of ``rules``; see ``CODES`` for the reasons. Runs of another kind than
-    ``steady`` have rules of their own (``screen_motion``) and no steady window.
+    limits are those of ``rules``; see ``CODES`` for the reasons. Non-steady runs have rules of
+    their own (``motion_reasons``) and no steady window.
     """
     run, notes = _with_values(run)
     if not KINDS[run.plan.kind].has_constant_speed:
         reasons = [*_integrity(run, slice(0, None), rules), *motion_reasons(run, rules)]
         return ScreenedRun(run, _in_order(reasons), None, (*notes, *motion_notes(run)))
-    part = at_reference(run)
-    window = steady_window(run, part, rules)
+    section = at_reference(run)
+    window = steady_window(run, section, rules)
     long_enough = window_length_s(run, window) >= rules.min_window - ROUNDING
     means = window_means(run, window) if long_enough else None
-    reasons = [*_integrity(run, window if long_enough else part, rules)]
+    reasons = [*_integrity(run, window if long_enough else section, rules)]
     if not long_enough:
-        reasons.append(_too_short(run, part, window, rules))
-    reasons += _motion(run, part, window if long_enough else part, rules)
+        reasons.append(_too_short(run, section, window, rules))
+    reasons += _motion(run, section, window if long_enough else section, rules)
     if long_enough:
         reasons += _steadiness(run, window, means, rules)
     lost = run.missing_records
@@ -73,9 +79,9 @@ def _in_order(reasons: list[str]) -> tuple[str, ...]:
 
 
 def _with_values(run: Run) -> tuple[Run, list[str]]:
-    """Leave out empty channels and samples that lack what friction is made of, and say so.
+    """Leave out empty channels and samples without friction, and return notes on them.
 
-    A channel that is NaN throughout is one that the bench does not have.
+    A channel that is NaN throughout is taken as not measured.
     """
     channels = {
         field.name: values
@@ -87,27 +93,26 @@ def _with_values(run: Run) -> tuple[Run, list[str]]:
     notes = [f"{name} has no value in any sample: taken as not measured" for name in empty]
     none: dict[str, Any] = dict.fromkeys(empty)
     run = replace(run, **none)
-    needed = [channels[n] for n in ("t_s", "x_m", *_needed(run)) if getattr(run, n) is not None]
+    names = ("t_s", "x_m", *friction_channels(run))
+    needed = [channels[name] for name in names if getattr(run, name) is not None]
     known = np.logical_and.reduce([np.isfinite(values) for values in needed])
     if known.all():
         return run, notes
     kept: dict[str, Any] = {
         name: values[known] for name, values in channels.items() if name not in empty
     }
-    words = "lack time, position or what friction is made of"
-    return replace(run, **kept), [
-        *notes,
-        f"{np.sum(~known)} of {len(known)} samples {words}, left out",
-    ]
+    missing = f"{np.sum(~known)} of {len(known)} samples"
+    note = f"{missing} without time, position, pressure or force left out"
+    return replace(run, **kept), [*notes, note]
 
 
 def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
-    """Reasons that lie in the log, not in the motion."""
+    """Yield the reasons found in the log, not in the motion."""
     if run.aborted:
         yield f"aborted: {run.aborted}"
     if run.truncated:
         yield f"truncated: {run.truncated}"
-    missing = missing_channels(run)
+    missing = missing_friction_channels(run)
     if KINDS[run.plan.kind].is_at_rest:
         missing = [name for name in missing if name != "f_applied_n"]
     if missing:
@@ -123,14 +128,14 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
                 f"limit {rules.max_gap:g} s"
             )
     for reason in _saturated("sensor_saturated", run.sensor_saturated, window):
-        which = sensors_at_their_end(run, window)
-        yield f"{reason}; {which}" if which else reason
+        sensors = saturated_sensors(run, window)
+        yield f"{reason}; {sensors}" if sensors else reason
 
 
-def _motion(run: Run, part: slice, window: slice, rules: Screening) -> Iterator[str]:
-    """Reasons that lie in where the piston is and what the valve does."""
+def _motion(run: Run, section: slice, window: slice, rules: Screening) -> Iterator[str]:
+    """Yield the reasons found in the piston's position and the valve."""
     x, stroke, margin = run.x_m[window], run.plan.specimen.stroke_m, rules.end_stop_margin
-    standing = 0.0 if run.at_reference is None else stands_still(run, part)
+    standing = 0.0 if run.at_reference is None else standstill_s(run, section)
     if len(x) and stroke is not None and (nearest := near_end(x, stroke, margin)) is not None:
         yield (
             f"end_stop: the piston is at {1e3 * nearest:.1f} mm of a stroke of "
@@ -138,8 +143,8 @@ def _motion(run: Run, part: slice, window: slice, rules: Screening) -> Iterator[
         )
     elif standing >= _STANDSTILL_S:
         yield (
-            f"end_stop: the piston stands for the last {standing:.1f} s while the reference "
-            f"moves on; limit {_STANDSTILL_S:g} s"
+            f"end_stop: the piston is at rest for the last {standing:.1f} s while the reference "
+            f"continues; limit {_STANDSTILL_S:g} s"
         )
     yield from _saturated("valve_saturated", run.valve_saturated, window)
 
@@ -147,14 +152,15 @@ def _motion(run: Run, part: slice, window: slice, rules: Screening) -> Iterator[
 def _steadiness(
     run: Run, window: slice, means: SteadyMeans | None, rules: Screening
 ) -> Iterator[str]:
-    """Reasons that lie in the speed and in the friction over the window."""
+    """Yield the reasons found in speed and friction over the window."""
     t, x, v_ref = run.t_s[window], run.x_m[window], run.plan.v_ref_m_s
     v = mean_speed(t, x)
     limit = rules.speed_limit(v_ref)
     if abs(v - v_ref) > limit + ROUNDING * abs(v_ref):
         yield (
-            f"off_reference: mean speed {1e3 * v:.2f} mm/s is {1e3 * abs(v - v_ref):.2f} mm/s "
-            f"off the reference {1e3 * v_ref:.2f} mm/s; limit {1e3 * limit:.2f} mm/s"
+            f"off_reference: mean speed {1e3 * v:.2f} mm/s deviates by "
+            f"{1e3 * abs(v - v_ref):.2f} mm/s from the reference {1e3 * v_ref:.2f} mm/s; "
+            f"limit {1e3 * limit:.2f} mm/s"
         )
     ripple = speed_ripple(t, x)
     limit = max(rules.speed_ripple, rules.speed_ripple_relative * abs(v_ref))
@@ -173,74 +179,56 @@ def _steadiness(
             )
     if means is None or means.friction_n is None:
         return
-    change = drift(t, test_force(run, window) - run.f_applied_n[window])
+    change = drift(t, test_force(run, window) - required(run, "f_applied_n")[window])
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
-    if exceeds(abs(change.value), limit + _SURE * change.se):
+    if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
         yield (
             f"not_steady: friction drifts by {change.value:+.1f} N (standard error "
             f"{change.se:.1f} N) over the window; limit {limit:.1f} N"
         )
 
 
-def _too_short(run: Run, part: slice, window: slice, rules: Screening) -> str:
+def _too_short(run: Run, section: slice, window: slice, rules: Screening) -> str:
     limit = f"limit {rules.min_window:g} s"
-    reached = run.t_s[part]
+    reached = run.t_s[section]
     if not len(reached):
         return f"too_short: the reference speed was never reached, so there is no window; {limit}"
     return (
-        f"too_short: a steady window of {window_length_s(run, window):.2f} s is left of "
+        f"too_short: the steady window has {window_length_s(run, window):.2f} s of "
         f"{reached[-1] - reached[0]:.2f} s at the reference, after settling for "
         f"{rules.settle_time:g} s and {1e3 * rules.settle_travel:g} mm; {limit}"
     )
 
 
 def _saturated(code: str, flags: np.ndarray | None, window: slice) -> Iterator[str]:
-    count = 0 if flags is None else int(np.sum(flags[window]))
-    if count:
+    if flags is not None and (count := int(np.sum(flags[window]))):
         yield f"{code}: in {count} of the {len(flags[window])} records of the window; limit 0"
-
-
-def _needed(run: Run) -> tuple[str, ...]:
-    """Return the channels that friction is made of; a plunger has no rod side."""
-    rod_side = ("p_tr_pa",) if run.plan.specimen.area_rod_m2 > 0 else ()
-    return "p_tp_pa", *rod_side, "f_applied_n"
-
-
-def missing_channels(run: Run) -> list[str]:
-    """Return the channels that friction needs and the run lacks."""
-    return [name for name in _needed(run) if getattr(run, name) is None]
-
-
-def test_force(run: Run, window: slice) -> np.ndarray:
-    """Return F_T = P_Tp A_p - P_Tr A_r."""
-    specimen = run.plan.specimen
-    force = run.p_tp_pa[window] * specimen.area_piston_m2
-    if "p_tr_pa" not in _needed(run):
-        return force
-    return force - run.p_tr_pa[window] * specimen.area_rod_m2
 
 
 def window_means(run: Run, window: slice) -> SteadyMeans:
     """Average a window of steady speed: friction by 5.1, which is 2.12 without acceleration."""
     t = run.t_s[window]
     v = mean_speed(t, run.x_m[window])
-    known = {name: _mean(getattr(run, name), window) for name in _needed(run)}
-    p_tp, p_tr = known["p_tp_pa"], known.get("p_tr_pa")
-    f_applied, missing = known["f_applied_n"], missing_channels(run)
+    means = {name: _mean(getattr(run, name), window) for name in friction_channels(run)}
+    p_tp, p_tr, f_applied = means["p_tp_pa"], means.get("p_tr_pa"), means["f_applied_n"]
+    missing = missing_friction_channels(run)
     pressures = not {"p_tp_pa", "p_tr_pa"} & set(missing)
     f_test = float(np.mean(test_force(run, window))) if pressures else None
-    forces = None if missing else Forces(v, f_applied, p_tp, p_tr, run.plan.specimen)
+    friction = efficiency = None
+    if p_tp is not None and f_test is not None and f_applied is not None:
+        friction = f_test - f_applied
+        efficiency = efficiency_of(SteadyForces(v, f_applied, p_tp, p_tr, run.plan.specimen))
     return SteadyMeans(
         t_start_s=float(t[0]),
         t_stop_s=float(t[-1]),
         n=len(t),
         v_m_s=v,
-        friction_n=None if missing else f_test - f_applied,
+        friction_n=friction,
         f_test_n=f_test,
         f_applied_n=f_applied,
         p_tp_pa=p_tp,
         p_tr_pa=p_tr,
-        efficiency=None if forces is None else efficiency_of(forces),
+        efficiency=efficiency,
     )
 
 

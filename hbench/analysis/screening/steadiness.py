@@ -1,7 +1,7 @@
-"""How steady a motion is: speed, its ripple, and a force's drift, each with what noise does.
+"""Steadiness of a motion: speed, its ripple, and a force's drift, each with its noise level.
 
-Written so that a noisy channel does not look unsteady: every figure comes with the size that
-measurement noise alone would give it.
+Each number has the size that measurement noise alone would give it, so that a noisy channel does
+not appear unsteady.
 """
 
 from typing import NamedTuple
@@ -12,22 +12,22 @@ from scipy.special import gammaincinv
 BLOCK_S = 0.1
 _MAD_TO_SIGMA = 1.4826  # of a normal distribution
 _MEDIAN_TO_MEAN = 1.2533  # standard error of a normal sample's median against its mean's
-_SURE = 0.9999  # of the chi-square law; for correlated speeds noise passes in 0.2 % at most
+_LEVEL = 0.9999  # of the chi-square law; with correlated speeds, noise exceeds it in 0.2 % at most
 
 
 class BlockSpeeds(NamedTuple):
-    """Speeds between the means of neighbouring 0.1 s blocks."""
+    """Speeds between the mean positions of neighbouring 0.1 s blocks."""
 
     t_s: np.ndarray  # (k,) middle between the two blocks
     v_m_s: np.ndarray  # (k,)
-    noise_m_s: float  # standard deviation that the position's noise gives each speed
+    noise_m_s: float  # standard deviation of each speed from the position's noise
 
 
 class Ripple(NamedTuple):
     """Standard deviation of the speed over 0.1 s means."""
 
     total_m_s: float
-    noise_m_s: float  # what noise alone stays below, nearly always
+    noise_m_s: float  # upper limit of the contribution of noise
 
 
 class Drift(NamedTuple):
@@ -40,8 +40,8 @@ class Drift(NamedTuple):
 def mean_speed(t_s: np.ndarray, x_m: np.ndarray) -> float:
     """Return the least-squares slope of position over time [m/s].
 
-    It uses the position sensor alone and weighs all samples, so it has neither the filter lag
-    of the controller's velocity nor the noise of a difference of two positions.
+    It uses the position sensor alone and all samples, so it has neither the filter lag of the
+    controller's velocity nor the noise of a difference of two positions.
     """
     t = t_s - t_s.mean()
     return float(t @ x_m / (t @ t))
@@ -74,12 +74,12 @@ def position_noise(t_s: np.ndarray, x_m: np.ndarray) -> float:
     if not inner.any():
         return 0.0
     w = (t_s[2:] - t_s[1:-1])[inner] / span[inner]
-    rest = x_m[1:-1][inner] - w * x_m[:-2][inner] - (1 - w) * x_m[2:][inner]
-    return float(np.sqrt(rest @ rest / np.sum(1 + w**2 + (1 - w) ** 2)))
+    residual = x_m[1:-1][inner] - w * x_m[:-2][inner] - (1 - w) * x_m[2:][inner]
+    return float(np.sqrt(residual @ residual / np.sum(1 + w**2 + (1 - w) ** 2)))
 
 
 def speed_ripple(t_s: np.ndarray, x_m: np.ndarray) -> Ripple:
-    """Return the standard deviation of the 0.1 s speeds and the bound of noise's part in it.
+    """Return the standard deviation of the 0.1 s speeds and the upper limit of its noise.
 
     Neighbouring speeds share a block, so their noise is correlated by -1/2 and the variance
     has about k/1.5 degrees of freedom (sum of the squared correlations).
@@ -89,15 +89,15 @@ def speed_ripple(t_s: np.ndarray, x_m: np.ndarray) -> Ripple:
     if k < 2:
         return Ripple(0.0, 0.0)
     dof = (k - 1) / 1.5
-    chi2 = 2 * gammaincinv(dof / 2, _SURE)
+    chi2 = 2 * gammaincinv(dof / 2, _LEVEL)
     return Ripple(float(np.std(speeds.v_m_s, ddof=1)), speeds.noise_m_s * np.sqrt(chi2 / dof))
 
 
 def drift(t_s: np.ndarray, y: np.ndarray) -> Drift:
     """Return the change of ``y`` over the window and its standard error, both robust.
 
-    The slope is Theil's: the median of (y_(i+h) - y_i) / (t_(i+h) - t_i) with h = n/2, in which
-    each sample stands once, so the slopes are independent and their scatter gives the error.
+    The slope is Theil's: the median of (y_(i+h) - y_i) / (t_(i+h) - t_i) with h = n/2. Each sample
+    occurs once, so the slopes are independent and their scatter gives the error.
     """
     h = len(y) // 2
     if h < 2:

@@ -1,1 +1,1 @@
-"""Least squares, intervals and tests that know nothing of hydraulics."""
+"""General statistics: least squares, intervals and tests."""

@@ -1,15 +1,15 @@
-"""Bootstrap: the fit of campaigns whose trials are drawn again from those that were made.
+"""Bootstrap: intervals from repeated fits to trials drawn from the measured ones.
 
-Each reference's n trials are drawn with replacement, whole. A mean of n drawn trials scatters by
-(n - 1) / n too little (two thirds for three trials), so its distance from the measured mean is
-stretched by sqrt(n / (n - 1)). With so few trials percentiles are too narrow as well; they are
-taken where Student's t puts them: at Phi(-t) and Phi(t) (Hesterberg, The American Statistician 69,
-2015, section 3.3), with the freedom that the parameter's own points have (Satterthwaite):
+Each reference's n trials are drawn with replacement. The variance of a mean of n drawn trials is
+too small by (n - 1) / n (two thirds for three trials), so its distance from the measured mean is
+multiplied by sqrt(n / (n - 1)). With so few trials percentiles are too narrow as well; they are
+taken at Phi(-t) and Phi(t), with Student's t (Hesterberg, The American Statistician 69, 2015,
+section 3.3) and the degrees of freedom of the parameter's points (Satterthwaite):
 
     nu = (sum u_i)^2 / sum(u_i^2 / (n_i - 1)),   u_i = (d theta / d F_i)^2 sigma_i^2
 
-Where references have one trial, the fit's residuals are drawn instead, each divided by
-sqrt(1 - h) for what the fit took away from it.
+If references have a single trial, the fit's residuals are drawn instead, each divided by
+sqrt(1 - h) to correct for its leverage h.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,10 +29,10 @@ def drawn_means(
     if min(map(len, trials)) < 2:
         return None
     columns = []
-    for own in trials:
-        n = len(own)
-        drawn = own[rng.integers(0, n, (count, n))].mean(axis=1)
-        columns.append(own.mean() + np.sqrt(n / (n - 1)) * (drawn - own.mean()))
+    for values in trials:
+        n = len(values)
+        drawn = values[rng.integers(0, n, (count, n))].mean(axis=1)
+        columns.append(values.mean() + np.sqrt(n / (n - 1)) * (drawn - values.mean()))
     return np.column_stack(columns)
 
 
@@ -48,12 +48,12 @@ def leveraged(residual: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
     """Return residuals (n,) divided by sqrt(1 - h), h being the leverages; their mean is zero."""
     u, s, _ = np.linalg.svd(_of_length_1(jacobian), full_matrices=False)
     leverage = np.sum(u[:, s > _SINGULAR * s.max(initial=0.0)] ** 2, axis=1)
-    raised = residual / np.sqrt(np.maximum(1 - leverage, 1e-3))
-    return raised - raised.mean()
+    scaled = residual / np.sqrt(np.maximum(1 - leverage, 1e-3))
+    return scaled - scaled.mean()
 
 
-def own_freedom(jacobian: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Return nu (p,) from the weighted derivatives (n, p) and the trials of each point (n,)."""
+def parameter_dof(jacobian: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Return nu (p,) from weighted derivatives (n, p) and numbers of trials at each point (n,)."""
     shares = np.linalg.pinv(_of_length_1(jacobian), rcond=_SINGULAR) ** 2
     return shares.sum(axis=1) ** 2 / (shares**2 / (counts - 1)).sum(axis=1)
 
@@ -70,7 +70,7 @@ def percentile_intervals(
 
     ``dof`` (p,) are the degrees of freedom of each parameter.
     """
-    found = np.array([refit(row) for row in drawn])
+    fitted = np.array([refit(row) for row in drawn])
     levels = [ndtr([-t, t]) for t in map(student_factor, dof)]
-    columns = zip(found.T, levels, strict=True)
+    columns = zip(fitted.T, levels, strict=True)
     return np.column_stack([np.quantile(column, level) for column, level in columns])

@@ -1,9 +1,9 @@
-"""Least squares within bounds, by scipy's trust region, with bounds that are active or not.
+"""Least squares within bounds: scipy's trust region plus an active-set step.
 
-The trust-region method stays strictly inside the bounds, so its answer is near an active bound,
-never on it. Here the parameters near a bound are put on it, the others are solved again, and those
-that the data does not hold there are released: moved out of the bounds, a parameter must change the
-curve by more than rounding to be held.
+The trust-region method stays strictly inside the bounds, so its solution is near an active bound,
+never on it. Here the parameters near a bound are fixed to it, the others are solved again, and
+parameters that the data does not hold there are released: moved beyond the bound, a held parameter
+must change the curve by more than rounding.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,9 +16,9 @@ from hbench.analysis.rounding import ROUNDING
 
 Function = Callable[[np.ndarray], np.ndarray]
 
-_COMPLEX_STEP = 1e-30  # exact for any small one
-_TOLERANCE = 1e-15  # relative, of cost and step: all digits that there are
-_NEAR = 1e-3  # of a parameter's scale: a bound may be active
+_COMPLEX_STEP = 1e-30  # any small step is exact
+_TOLERANCE = 1e-15  # relative, of cost and step: full precision
+_NEAR = 1e-3  # of a parameter's scale: a nearer bound may be active
 _EVALUATIONS = 2000
 _EXACT = 1e-3  # of rounding: nothing is left to search for
 _STEPS = 20  # tried before the trust region
@@ -42,10 +42,10 @@ class Problem(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """The best parameters and which of them are free."""
+    """Optimal parameters, and which of them are free."""
 
     x: np.ndarray
-    free: np.ndarray  # bool; the others are at a bound, beyond which the cost would fall
+    free: np.ndarray  # bool; the others are at an active bound
     converged: bool
 
     def at_bound(self, problem: Problem, i: int) -> Literal["lower", "upper"] | None:
@@ -62,8 +62,8 @@ def complex_step(function: Function, x: np.ndarray) -> np.ndarray:
     return np.column_stack([np.imag(function(row)) for row in shifted]) / steps
 
 
-def cost(problem: Problem, x: np.ndarray) -> float:
-    """Return the sum of squares; infinite where the residuals are not finite."""
+def sum_of_squares(problem: Problem, x: np.ndarray) -> float:
+    """Return the sum of squared residuals; infinite if they are not finite."""
     with np.errstate(all="ignore"):
         residual = problem.residual(x)
         total = float(residual @ residual)
@@ -80,9 +80,9 @@ def _rounding(jacobian: np.ndarray, scale: np.ndarray) -> float:
 
 
 def solve(problem: Problem, starts: Sequence[np.ndarray]) -> Solution:
-    """Minimise the sum of squares within the bounds; the best that the ``starts`` lead to."""
-    found = [descend(problem, start) for start in starts]
-    return min(found, key=lambda solution: cost(problem, solution.x))
+    """Minimise the sum of squares within the bounds; the best solution of all ``starts``."""
+    solutions = [descend(problem, start) for start in starts]
+    return min(solutions, key=lambda solution: sum_of_squares(problem, solution.x))
 
 
 def descend(
@@ -91,11 +91,11 @@ def descend(
     fixed: Sequence[int] = (),
     tolerance: float = _TOLERANCE,
 ) -> Solution:
-    """Search from ``start``; parameters whose numbers are ``fixed`` stay as they are.
+    """Search from ``start``; parameters with numbers in ``fixed`` keep their values.
 
-    The search ends where cost or step change by less than ``tolerance`` of their own. Where no
-    parameter can move there is nothing to find, and it has converged. With a ``tolerance`` of one's
-    own the start is taken to be near: Gauss-Newton steps are tried first, which are much quicker.
+    The search ends when the relative change of cost or step is below ``tolerance``. Without free
+    parameters it has converged. With a larger ``tolerance`` than the default, the start is assumed
+    to be near the solution: Gauss-Newton steps, which are much faster, are tried first.
     """
     movable = np.ones(len(start), dtype=bool)
     movable[list(fixed)] = False
@@ -124,25 +124,25 @@ def descend(
 def _search(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
-    """Search over the free parameters; the others stay as in ``x``. Return them and success."""
-    if not free.any() or not np.isfinite(cost(problem, x)):
+    """Search over the free parameters; the others stay as in ``x``. Return ``x`` and success."""
+    if not free.any() or not np.isfinite(sum_of_squares(problem, x)):
         return x, not free.any()
     if np.linalg.norm(problem.residual(x)) <= _EXACT * rounding(problem, x):
         return x, True
     if tolerance > _TOLERANCE:
-        x, arrived = _step(problem, x, free, tolerance)
-        if arrived:
+        x, converged = _gauss_newton(problem, x, free, tolerance)
+        if converged:
             return x, True
 
-    def whole(part: np.ndarray) -> np.ndarray:
-        y = x.astype(part.dtype)
-        y[free] = part
+    def with_free(values: np.ndarray) -> np.ndarray:
+        y = x.astype(values.dtype)
+        y[free] = values
         return y
 
-    found = least_squares(
-        lambda part: problem.residual(whole(part)),
+    result = least_squares(
+        lambda values: problem.residual(with_free(values)),
         x[free],
-        jac=lambda part: problem.derivatives(whole(part))[:, free],
+        jac=lambda values: problem.derivatives(with_free(values))[:, free],
         bounds=(problem.lower[free], problem.upper[free]),
         x_scale=problem.scale[free],
         xtol=tolerance,
@@ -150,14 +150,14 @@ def _search(
         gtol=None,
         max_nfev=_EVALUATIONS,
     )
-    exact = np.linalg.norm(found.fun) <= _rounding(found.jac, problem.scale[free])
-    return whole(found.x), bool(found.status > 0 or exact)
+    exact = np.linalg.norm(result.fun) <= _rounding(result.jac, problem.scale[free])
+    return with_free(result.x), bool(result.status > 0 or exact)
 
 
-def _step(
+def _gauss_newton(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
-    """Take Gauss-Newton steps as long as they lower the cost inside the bounds, or arrive."""
+    """Take Gauss-Newton steps while they reduce the cost inside the bounds; return convergence."""
     residual = problem.residual(x)
     least = residual @ residual
     for _ in range(_STEPS):
@@ -169,10 +169,10 @@ def _step(
         if not ((problem.lower < y) & (y < problem.upper))[free].all():
             break
         residual = problem.residual(y)
-        rest = residual @ residual
-        if not rest <= least:
+        squares = residual @ residual
+        if not squares <= least:
             break
-        x, fall, least = y, least - rest, rest
-        if fall <= tolerance * least:
+        x, decrease, least = y, least - squares, squares
+        if decrease <= tolerance * least:
             return x, True
     return x, False

@@ -1,4 +1,4 @@
-"""Several tests at once: p values corrected for their number."""
+"""Correction of p values for the number of tests."""
 
 from collections.abc import Sequence
 

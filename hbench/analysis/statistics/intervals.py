@@ -1,11 +1,11 @@
-"""What a least-squares solution is worth: covariance, and 95 % intervals of its parameters.
+"""Covariance of a least-squares solution, and 95 % intervals of its parameters.
 
     independent residuals   C = s^2 (J'J)^-1,  s^2 = RSS / (n - p)
     residuals of runs       C = (G-1)/G sum_g d_g d_g',  d_g = (J'J - J_g'J_g)^-1 J_g' r_g
 
-The second is the jackknife that leaves out one of G whole runs at a time, to first order. The
-samples of a log at 100 Hz follow one another and share the level of friction of their stroke, so
-they are not independent; runs are. Its intervals have G - 1 degrees of freedom.
+The second is the jackknife that leaves out one of G runs at a time, to first order. Consecutive
+samples of a log at 100 Hz have the same level of friction of their stroke, so samples are not
+independent; runs are. Its intervals have G - 1 degrees of freedom.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,8 +27,8 @@ def covariance(
 ) -> np.ndarray:
     """Return the covariance (p, p) from derivatives (n, p) and independent residuals (n,).
 
-    What the data does not determine is nan: a parameter of which others can take the place, and one
-    without ``effect`` (p,) bool. Without that argument all have one, but for columns of zeros.
+    Entries that the data does not determine are nan: those of parameters that others can replace,
+    and of parameters without ``effect`` (p,) bool. By default only columns of zeros have none.
     """
     n, p = jacobian.shape
     if n <= p:
@@ -43,9 +43,9 @@ def covariance_over_runs(
     run: np.ndarray,
     effect: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Return the covariance (p, p) where only samples of different ``run`` (n,) are independent.
+    """Return the covariance (p, p) if only samples of different ``run`` (n,) are independent.
 
-    nan for what one run less does not determine. ``effect`` as in ``covariance``.
+    Entries not determined without one of the runs are nan. ``effect`` as in ``covariance``.
     """
     p, numbers = jacobian.shape[1], np.unique(run)
     total, spread = jacobian.T @ jacobian, np.zeros((p, p))
@@ -53,10 +53,10 @@ def covariance_over_runs(
     if len(numbers) < 2:
         return np.full((p, p), np.nan)
     for number in numbers:
-        own = run == number
-        j = jacobian[own]
+        of_run = run == number
+        j = jacobian[of_run]
         inverse, lost = _inverse(total - j.T @ j, effect)
-        step = inverse @ (j.T @ residual[own])
+        step = inverse @ (j.T @ residual[of_run])
         spread += np.outer(step, step)
         unknown |= lost
     return _without(unknown, spread * (len(numbers) - 1) / len(numbers))
@@ -82,29 +82,30 @@ def fit_parameters(
 ) -> dict[str, FitParameter]:
     """Return the parameters named by ``units`` (name -> unit) with Student's 95 % intervals.
 
-    ``covariance`` is of those off their bounds, in their order; the others have no interval.
+    ``covariance`` is that of the parameters off their bounds, in their order; the others have no
+    interval.
     """
     t = student_factor(dof) if dof > 0 else np.nan
     errors = iter(np.sqrt(np.diag(covariance)))
-    found = {}
+    parameters = {}
     for (name, unit), value, bound in zip(units.items(), values.tolist(), at_bound, strict=True):
         error = float(next(errors)) if bound is None else np.nan
         known = bool(np.isfinite(t * error))
-        found[name] = FitParameter(
+        parameters[name] = FitParameter(
             value=value,
             se=error if known else None,
             ci95=(value - t * error, value + t * error) if known else None,
             at_bound=bound,
             unit=unit,
         )
-    return found
+    return parameters
 
 
-def bound_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
-    """Return a sentence on each parameter at a bound, and one on those that are not determined."""
+def parameter_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
+    """Return a sentence on each parameter at a bound, and one on undetermined parameters."""
     messages = [
-        f"{name} is at its {p.at_bound} bound {p.value:g} {p.unit}: its value is the bound's, and "
-        "the other parameters depend on it"
+        f"{name} is at its {p.at_bound} bound {p.value:g} {p.unit}: the other parameters depend on "
+        "this bound"
         for name, p in parameters.items()
         if p.at_bound
     ]
@@ -115,21 +116,21 @@ def bound_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
 
 
 def _inverse(normal: np.ndarray, effect: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Invert J'J as far as J sees; tell which parameters have a part in a direction it does not."""
+    """Return the pseudo-inverse of J'J, and which parameters J does not determine."""
     if effect is not None:
         normal = np.where(np.outer(effect, effect), normal, 0.0)
     diagonal = np.diag(normal)
     scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     s2, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
-    seen = s2 > _SINGULAR * s2[-1]
-    inverse = (vectors[:, seen] / s2[seen]) @ vectors[:, seen].T / np.outer(scale, scale)
-    return inverse, parts_in(vectors[:, ~seen]) > _PART
+    used = s2 > _SINGULAR * s2[-1]
+    inverse = (vectors[:, used] / s2[used]) @ vectors[:, used].T / np.outer(scale, scale)
+    return inverse, parts_in(vectors[:, ~used]) > _PART
 
 
 def parts_in(directions: np.ndarray) -> np.ndarray:
-    """Return how far each axis (p,) lies in the space of orthonormal ``directions`` (p, k).
+    """Return the length of each axis's projection (p,) onto orthonormal ``directions`` (p, k).
 
-    The length of its projection, whatever basis of the space an eigenvalue routine has chosen.
+    It does not depend on the basis that an eigenvalue routine has chosen.
     """
     return np.linalg.norm(directions, axis=1)
 

@@ -1,15 +1,15 @@
-"""A robust loss: large residuals count less than by their squares.
+"""Robust loss functions, which give large residuals less weight than least squares.
 
     minimise  sum rho(r_i / s),  psi = rho' :  huber     psi(z) = clip(z, -c, c)
                                                soft_l1   psi(z) = z / sqrt(1 + (z / c)^2)
 
-with c = 1.345 and s from the median of |r|, by least squares with weights psi(z) / z that are found
-anew until they stay. What the fit is worth follows from least squares of pseudo-values (Huber,
-Robust Statistics, 1981, equation 7.6.9):
+with c = 1.345 and s from the median of |r|, by iteratively reweighted least squares with weights
+psi(z) / z. The covariance is that of least squares with pseudo-values (Huber, Robust Statistics,
+1981, equation 7.6.9):
 
     r_i -> K s psi(r_i / s) / m,   m = mean psi',   K = 1 + p/n var(psi') / m^2
 
-They have the same solution, and the covariance of the robust estimate.
+Their solution is the same, and their covariance is that of the robust estimate.
 """
 
 from typing import NamedTuple
@@ -18,35 +18,35 @@ import numpy as np
 
 from hbench.analysis.statistics.bounded import Problem, Solution, descend, rounding
 
-_TUNING = 1.345  # 95 % as efficient as least squares where errors are normal
+_TUNING = 1.345  # 95 % as efficient as least squares for normal errors
 _MEDIAN = 0.6745  # of |z| for a normal z
 _ITERATIONS = 200
-_STAYS = 1e-9
+_WEIGHT_CHANGE = 1e-9  # tolerance
 
 
-class Robust(NamedTuple):
-    """The solution, its pseudo-values and the weights (n,) that the loss left to the points."""
+class RobustSolution(NamedTuple):
+    """Solution of a robust loss, its pseudo-values and the weights (n,) of the points."""
 
     solution: Solution
     problem: Problem  # of the pseudo-values
     weights: np.ndarray
 
 
-def robust(problem: Problem, solution: Solution, loss: str) -> Robust:
-    """Go on from the least-squares ``solution`` to that of ``loss``, "huber" or "soft_l1"."""
+def minimise_robust(problem: Problem, solution: Solution, loss: str) -> RobustSolution:
+    """Minimise ``loss``, "huber" or "soft_l1", from the least-squares ``solution``."""
     weights = np.ones(len(problem.residual(solution.x)))
-    size, stays = 0.0, False
+    size, stable = 0.0, False
     least = rounding(problem, solution.x) / np.sqrt(len(weights))
     for _ in range(_ITERATIONS):
         residual = problem.residual(solution.x)
         size = _size(residual, int(solution.free.sum()))
         if size <= least:
-            stays = True
+            stable = True
             break
-        found = _weights(residual / size, loss)
-        stays = bool(np.abs(found - weights).max() < _STAYS)
-        weights = found
-        if stays:
+        updated = _weights(residual / size, loss)
+        stable = bool(np.abs(updated - weights).max() < _WEIGHT_CHANGE)
+        weights = updated
+        if stable:
             break
         solution = descend(_times(problem, np.sqrt(weights)), solution.x)
     residual = problem.residual(solution.x)
@@ -57,8 +57,8 @@ def robust(problem: Problem, solution: Solution, loss: str) -> Robust:
         correction = 1 + len(solution.x) / len(residual) * float(slopes.var()) / mean**2
         pseudo = correction * weights * residual / mean
     change = pseudo - residual
-    return Robust(
-        solution._replace(converged=solution.converged and stays),
+    return RobustSolution(
+        solution._replace(converged=solution.converged and stable),
         problem._replace(residual=lambda x: problem.residual(x) + change),
         weights,
     )

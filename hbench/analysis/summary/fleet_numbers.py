@@ -67,8 +67,9 @@ def _number(number: HeadlineNumber | None) -> FleetNumber | None:
     if number is None:
         return None
     value, u95 = number.value, number.u95
-    ends = (None, None) if u95 is None else (value - u95, value + u95)
-    return FleetNumber(value, *ends, number.se)
+    if u95 is None:
+        return FleetNumber(value, se=number.se)
+    return FleetNumber(value, value - u95, value + u95, number.se)
 
 
 def _measured(number: HeadlineNumber | None) -> FleetNumber | None:

@@ -1,1 +1,1 @@
-"""Uncertainty budgets and the efficiency with its uncertainty."""
+"""Uncertainty budgets, and the efficiency with its uncertainty."""

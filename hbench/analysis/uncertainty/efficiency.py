@@ -1,9 +1,9 @@
-"""Efficiency of the cylinder (6.10) and its uncertainty (6.16 to 6.19), for both flows of power.
+"""Hydro-mechanical efficiency (6.10) and its uncertainty (6.16 to 6.19), for both power flows.
 
-At steady speed the fluid gives F_T v and the load takes F_applied v. Where both are positive the
-hydraulics drive and eta = F_applied / F_T, as in the source. Where both are negative the load
-drives and eta = F_T / F_applied. With opposite signs both sides feed the friction, and there is
-no efficiency to speak of.
+At steady speed the fluid supplies F_T v and the load receives F_applied v. If both are positive the
+hydraulics drive and eta = F_applied / F_T, as in the source. If both are negative the load drives
+and eta = F_T / F_applied. With opposite signs both sides supply the friction, and the efficiency is
+not defined.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,8 +18,8 @@ from hbench.analysis.uncertainty.budget import (
     PISTON_SIDE,
     ROD_SIDE,
     expanded,
-    parts_of_mean,
-    together,
+    mean_contributions,
+    root_sum_square,
     tolerances,
 )
 from hbench.config.sensors import Instruments
@@ -32,18 +32,18 @@ from hbench.records import (
     Specimen,
 )
 
-# A driving force below this share of the pressure forces that it is the difference of is zero
-# to any pressure transducer.
+# A driving force is a difference of pressure forces. Below this share of them, pressure transducers
+# can't distinguish it from zero.
 MIN_FORCE_SHARE = 0.01
 
 
-class Forces(NamedTuple):
-    """What an efficiency is made of, at one steady speed."""
+class SteadyForces(NamedTuple):
+    """SteadyForces on the test cylinder at a steady speed."""
 
     v_m_s: float
     f_applied_n: float
     p_tp_pa: float
-    p_tr_pa: float | None  # None only where the rod side has no area
+    p_tr_pa: float | None  # None for a plunger only
     specimen: Specimen
 
     @property
@@ -62,11 +62,11 @@ class Forces(NamedTuple):
         return self.piston_n - self.rod_n
 
 
-def driver(forces: Forces) -> tuple[Literal["hydraulics", "load"] | None, str]:
-    """Return which side drives; or None and the reason why the efficiency is not defined."""
+def driving_side(forces: SteadyForces) -> tuple[Literal["hydraulics", "load"] | None, str]:
+    """Return the driving side; or None and the reason why the efficiency is not defined."""
     f_test, f_applied = forces.f_test_n, forces.f_applied_n
     if forces.piston_n == 0 and forces.rod_n == 0:
-        return None, "no pressure in either chamber, so no hydraulic power"
+        return None, "no hydraulic power: both chambers have zero pressure"
     whole = abs(forces.piston_n) + abs(forces.rod_n)
     least = MIN_FORCE_SHARE * whole
     into_load, from_fluid = (
@@ -81,27 +81,27 @@ def driver(forces: Forces) -> tuple[Literal["hydraulics", "load"] | None, str]:
     else:
         sides = f"F_T = {f_test:.0f} N and F_applied = {f_applied:.0f} N"
         if into_load > 0:
-            return None, f"{sides} both take power out, which no friction allows: check the sensors"
-        return None, f"no flow of power through the cylinder: {sides} both feed the friction"
+            return None, f"{sides} both take power out, which is impossible: check the sensors"
+        return None, f"no power through the cylinder: {sides} both supply the friction"
     if abs(force) <= least:
         return None, (
-            f"driving force {force:.0f} N is zero to the pressure transducers "
-            f"(less than {least:.0f} N, 1 % of the pressure forces)"
+            f"driving force {force:.0f} N is not distinguishable from zero by the pressure "
+            f"transducers; limit {least:.0f} N, 1 % of the pressure forces"
         )
     return side, ""
 
 
-def efficiency_of(forces: Forces) -> float | None:
-    """Return the efficiency 6.10 for the way the power flows; None where it is not defined."""
-    side, _ = driver(forces)
+def efficiency_of(forces: SteadyForces) -> float | None:
+    """Return the efficiency 6.10 for the driving side; None if it is not defined."""
+    side, _ = driving_side(forces)
     return None if side is None else _RATIO[side](forces.f_applied_n, forces.f_test_n)
 
 
-def efficiency(curve: Curve, instruments: Instruments | None) -> EfficiencyCurve:
+def efficiency_curve(curve: Curve, instruments: Instruments | None) -> EfficiencyCurve:
     """Return the efficiency at each point of a curve.
 
-    ``sigma`` is the instruments' part (6.16); None without ``instruments`` (another bench's
-    log). ``sigma_trials`` is the standard error of the mean of the trials' efficiencies.
+    ``sigma`` is the instruments' contribution (6.16); None without ``instruments`` (imported logs).
+    ``sigma_trials`` is the standard error of the mean of the trials' efficiencies.
     """
     points = tuple(_point(point, curve.specimen, instruments) for point in curve.points)
     return EfficiencyCurve(
@@ -116,44 +116,46 @@ def efficiency(curve: Curve, instruments: Instruments | None) -> EfficiencyCurve
     )
 
 
-def instrument_parts(forces: Forces, instruments: Instruments) -> dict[str, float] | None:
-    """Return the parts of 6.16 with the derivatives 6.17 to 6.19, or those of the inverse.
+def instrument_contributions(forces: SteadyForces, instruments: Instruments) -> dict[str, float]:
+    """Return the contributions of 6.16 with the derivatives 6.17 to 6.19, or of the inverse.
+
+    Empty if the efficiency is not defined.
 
     eta = F_a / F_T:  d/dF_a = 1/F_T,  d/dP_Tp = -F_a A_p / F_T^2,  d/dP_Tr = F_a A_r / F_T^2
     eta = F_T / F_a:  d/dF_a = -F_T/F_a^2,  d/dP_Tp = A_p / F_a,  d/dP_Tr = -A_r / F_a
     """
-    side, _ = driver(forces)
+    side, _ = driving_side(forces)
     if side is None:
-        return None
+        return {}
     f_applied, f_test = forces.f_applied_n, forces.f_test_n
     if side == "hydraulics":
         by_applied, by_test = 1 / f_test, -f_applied / f_test**2
     else:
         by_applied, by_test = -f_test / f_applied**2, 1 / f_applied
-    by = {
+    derivatives = {
         LOAD_CELL: by_applied,
         PISTON_SIDE: by_test * forces.specimen.area_piston_m2,
         ROD_SIDE: -by_test * forces.specimen.area_rod_m2,
     }
     deltas = tolerances(instruments, f_applied, forces.p_tp_pa, forces.p_tr_pa)
-    return {name: by[name] * delta for name, delta in deltas.items()}
+    return {name: derivatives[name] * delta for name, delta in deltas.items()}
 
 
 def _point(
     point: CurvePoint, specimen: Specimen, instruments: Instruments | None
 ) -> EfficiencyPoint:
-    forces = Forces(point.v_m_s, point.f_applied_n, point.p_tp_pa, point.p_tr_pa, specimen)
-    side, reason = driver(forces)
+    forces = SteadyForces(point.v_m_s, point.f_applied_n, point.p_tp_pa, point.p_tr_pa, specimen)
+    side, reason = driving_side(forces)
     if side is None:
         return EfficiencyPoint(point.v_m_s, None, None, None, reason)
     value = _RATIO[side](forces.f_applied_n, forces.f_test_n)
     reasons = []
     if exceeds(value, 1.0):
-        reasons.append("above 1: friction measured along with the motion, a fault of the sensors")
+        reasons.append("above 1: measured friction has the motion's direction: check the sensors")
     if instruments is None:
         reasons.append("no sigma: the tolerances of the instruments are not known")
-    parts = {} if instruments is None else instrument_parts(forces, instruments)
-    sigma = together(parts) if parts else None
+    contributions = {} if instruments is None else instrument_contributions(forces, instruments)
+    sigma = root_sum_square(contributions) if contributions else None
     sigma_trials = _trials_error(point, _RATIO[side])
     ci95 = None if sigma_trials is None else student_factor(point.n - 1) * sigma_trials
     return EfficiencyPoint(
@@ -165,24 +167,24 @@ def _point(
         sigma_combined=_combined(sigma, sigma_trials),
         ci95=ci95,
         u95=None if ci95 is None or sigma is None else expanded(ci95, sigma),
-        parts=parts,
+        parts=contributions,
     )
 
 
 def _mean(points: Sequence[EfficiencyPoint]) -> MeanEfficiency | None:
     if not points:
         return None
-    parts = parts_of_mean([point.parts for point in points])
-    sigma = together(parts) if parts else None
-    errors = [point.sigma_trials for point in points]
-    known = None not in errors
+    contributions = mean_contributions([point.parts for point in points])
+    sigma = root_sum_square(contributions) if contributions else None
+    errors = [point.sigma_trials for point in points if point.sigma_trials is not None]
+    known = len(errors) == len(points)
     sigma_trials = float(np.sqrt(np.sum(np.square(errors))) / len(errors)) if known else None
     return MeanEfficiency(
         efficiency=float(np.mean([point.efficiency for point in points])),
         sigma=sigma,
         sigma_trials=sigma_trials,
         sigma_combined=_combined(sigma, sigma_trials),
-        parts=parts,
+        parts=contributions,
         points=len(points),
     )
 

@@ -1,5 +1,7 @@
 """A plant that is not the shipped bench's, and a schedule to identify its friction."""
 
+from hbench.analysis.screening.sample_friction import logged_motion
+
 # Other friction, oil, masses, valves and noise.
 OTHER_PLANT = {
     "oil": {"bulk_modulus": "640 bar"},
@@ -97,3 +99,8 @@ LEUVEN_FRICTION = {
     "rod_seal": "0.5 N/bar",
     "scatter": "1.5 %",
 }
+
+
+def logged_motions(runs, mass_kg):
+    """The motions of several runs."""
+    return tuple(logged_motion(run, mass_kg) for run in runs)

@@ -1,0 +1,34 @@
+"""The channels of a run that friction is computed from."""
+
+import numpy as np
+
+from hbench.errors import DataError
+from hbench.records import Run
+
+
+def friction_channels(run: Run) -> tuple[str, ...]:
+    """Return the channels that friction is computed from; a plunger has no rod side."""
+    rod_side = ("p_tr_pa",) if run.plan.specimen.area_rod_m2 > 0 else ()
+    return "p_tp_pa", *rod_side, "f_applied_n"
+
+
+def missing_friction_channels(run: Run) -> list[str]:
+    """Return the channels of friction that were not measured."""
+    return [name for name in friction_channels(run) if getattr(run, name) is None]
+
+
+def required(run: Run, name: str) -> np.ndarray:
+    """Return a channel (n,) of a run. Raises ``DataError`` if it was not measured."""
+    values: np.ndarray | None = getattr(run, name)
+    if values is None:
+        raise DataError(f"run {run.plan.run}: {name} was not measured")
+    return values
+
+
+def test_force(run: Run, window: slice) -> np.ndarray:
+    """Return F_T = P_Tp A_p - P_Tr A_r [N] in a window (n,)."""
+    specimen = run.plan.specimen
+    force = required(run, "p_tp_pa")[window] * specimen.area_piston_m2
+    if specimen.area_rod_m2 > 0:
+        force = force - required(run, "p_tr_pa")[window] * specimen.area_rod_m2
+    return force
