@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.analysis.fitting.fit import fit_tustin
 from hbench.analysis.fitting.marton_lantos import UNITS, lines, marton_lantos
 from hbench.analysis.fitting.tustin import NAMES
+from tests.support.analysis.fits import fit_tustin
 from tests.support.analysis.other_plant import STEADY
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
