@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from hbench.analysis.comparison.differences import welch
 from hbench.analysis.comparison.population import line, standing
 from hbench.analysis.curves.leakage import leakage
-from hbench.analysis.curves.ramp_tests import comparisons
-from hbench.analysis.curves.surface import surfaces
+from hbench.analysis.curves.ramp_tests import ramp_comparisons
+from hbench.analysis.curves.surface import friction_surfaces
 from hbench.analysis.fitting.fit import fit_law, fits, left_out
 from hbench.analysis.fitting.fit_data import sample
 from hbench.analysis.fitting.joint import fitted, joint_fits
@@ -26,7 +26,7 @@ from hbench.analysis.fitting.tustin import TUSTIN
 from hbench.analysis.rounding import distinct, exceeds, is_constant, merged, ranked
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.statistics.intervals import covariance, covariance_over_runs, has_effect
-from hbench.analysis.uncertainty.efficiency import Forces, driver, efficiency
+from hbench.analysis.uncertainty.efficiency import SteadyForces, driving_side, efficiency_curve
 from hbench.config.fitting import Fitting
 from hbench.config.schedule import Screening
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen
@@ -316,13 +316,15 @@ def test_which_way_the_power_flows(make_curve, power, seed):
     f_test = p_p * specimen.area_piston_m2 - p_r * specimen.area_rod_m2
     applied = {"none": 0.9 * f_test, "frictionless": f_test, "no pressure": 0.0}.get(power, 0.0)
     rounded = applied or 1e-13 * f_test * draw.uniform(-1, 1)  # a sum that ought to be zero
-    one = driver(Forces(0.1, applied, p_p, p_r, specimen))
-    two = driver(Forces(0.1, *(float(shaken(x, seed)) for x in (rounded, p_p, p_r)), specimen))
+    one = driving_side(SteadyForces(0.1, applied, p_p, p_r, specimen))
+    two = driving_side(
+        SteadyForces(0.1, *(float(shaken(x, seed)) for x in (rounded, p_p, p_r)), specimen)
+    )
     assert one[0] == two[0]
     (point,) = make_curve([0.1], [0.0], f_applied_n=2000.0).points
     point = replace(point, f_applied_n=float(shaken(2000.0, seed)))
     curve = replace(make_curve([0.1], [0.0]), points=(point,))
-    assert "above 1" not in efficiency(curve, None).points[0].reason
+    assert "above 1" not in efficiency_curve(curve, None).points[0].reason
 
 
 # ---- speeds that are the same
@@ -338,13 +340,13 @@ def test_which_speeds_are_the_same(make_curve, seed):
     assert sample([curve]).speeds == 3
     v = np.array([0.02, 0.06, 0.12, 0.2])
     loads = [make_curve(shaken(v, seed + i), 300 + v, f_applied_n=float(i)) for i in range(3)]
-    (found,) = surfaces(loads)
+    (found,) = friction_surfaces(loads)
     assert len(found.v_m_s) == 4
     both = [
         replace(with_trials(make_curve(shaken(v, seed + i), 300 + v), 3, 1.0, i), kind=kind)
         for i, kind in enumerate(("ramp", "steady"))
     ]
-    assert len(comparisons(both)) == 2  # the lower and the upper half have two speeds each
+    assert len(ramp_comparisons(both)) == 2  # the lower and the upper half have two speeds each
 
 
 # ---- the comparisons themselves

@@ -10,12 +10,12 @@ import pytest
 
 from hbench import workflow
 from hbench.analysis.curves.average import curves
-from hbench.analysis.fitting.fit import fit_tustin
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.screen import screen
 from hbench.config.files.loading import read_yaml
 from hbench.records import Curve, ScreenedRun
 from hbench.store.campaign.folder import load_campaign
+from tests.support.analysis.fits import fit_tustin
 
 ROOT = Path(__file__).parents[2]
 PLANTS = {"default rig": None, "data_samples/plant.yaml": ROOT / "data_samples" / "plant.yaml"}
