@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hbench.analysis.comparison.differences import welch
-from hbench.analysis.comparison.population import line, standing
+from hbench.analysis.comparison.population import robust_deviations, trend_line
 from hbench.analysis.curves.leakage import leakage
 from hbench.analysis.curves.ramp_tests import ramp_comparisons
 from hbench.analysis.curves.surface import friction_surfaces
@@ -262,9 +262,9 @@ def test_whether_trials_scatter(make_curve, level, count, equal, seed):
 @given(level=st.floats(0.1, 1e4), count=st.integers(10, 40), seed=seeds)
 def test_which_of_equal_campaigns_stand_out(level, count, seed):
     x = shaken(np.full(count, level), seed)
-    found = standing(x, np.zeros(count), float(np.median(x)))
+    found = robust_deviations(x, np.zeros(count), float(np.median(x)))
     assert np.array_equal(found.z, np.zeros(count)) and np.all(found.p == 1.0)
-    assert line(np.arange(count, dtype=float), x) is None
+    assert trend_line(np.arange(count, dtype=float), x) is None
 
 
 # ---- limits that samples lie on
