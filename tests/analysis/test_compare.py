@@ -73,7 +73,7 @@ def test_single_trials_are_compared_without_a_verdict(make_group):
     found = ramp_comparisons([make_group([0.0], 0.05), make_group([9.0], 0.1)])
     assert [one.effect_n for one in found] == pytest.approx([9.0, 9.0])
     assert all(one.p_value is one.p_holm is one.ci95_n is None for one in found)
-    assert "no scatter" in found[0].message
+    assert "one trial" in found[0].message
 
 
 def test_other_loads_and_directions_are_not_compared(make_group):

@@ -116,7 +116,7 @@ def test_intervals_count_trials_where_there_are_some_and_else_cycles():
 def test_a_run_without_reference_is_left_out_and_told():
     run = triangle(static)
     loops, notes = hysteresis([ScreenedRun(replace(run, v_ref_m_s=None), (), None)], 0.0)
-    assert loops == () and "without v_ref" in notes[0]
+    assert loops == () and "run 0001: v_ref_m_s" in notes[0]
 
 
 # ---- the rig -------------------------------------------------------------------------------------

@@ -114,7 +114,7 @@ def test_overshoot_and_settling_have_intervals_over_trials_and_one_trial_has_non
 def test_without_an_overshoot_in_one_trial_the_remark_says_so():
     over = step_levels(three_trials((80.0, 80.0, 0.0)), MASS_KG)[1]
     assert over.overshoot_n is None
-    assert over.remark == "no overshoot above the noise in 1 of 3 trials: no mean"
+    assert "1 of 3 trials" in over.remark
 
 
 def test_an_overshoot_beside_a_jumps_inertia_of_its_size_is_not_resolved():

@@ -51,7 +51,7 @@ def test_each_kind_gets_its_verdict_and_its_results_and_the_page_shows_them(rig_
     assert document["loops"][0]["trials"] == 2 and document["loops"][0]["area_j"] > 0
     assert len(document["levels"]) == 2 and document["levels"][0]["n"] == 2
     (leak,) = document["leakage"]
-    assert "do not tell" in leak["message"] and len(leak["decays"]) == 2
+    assert "across_piston" in leak["message"] and len(leak["decays"]) == 2
     text = summary_text(results)
     assert "4 ramp, 2 triangle, 2 steps, 2 hold, 2 verification" in text
     assert "few" not in text, "curves that are no steady ones are not missed for a fit"

@@ -1,5 +1,6 @@
 """Runs that are not steady: each kind's rules, and the reason that a broken one gives."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -99,7 +100,7 @@ def test_a_level_of_steps_must_be_held_in_the_second_half_of_its_time():
     off[8000:16_000] = 0.096
     assert codes(steps(v=late)) == []
     assert codes(steps(v=off)) == ["off_reference"]
-    assert "level 2 is held at 96.00 mm/s" in screen(steps(v=off), RULES).reasons[0]
+    assert re.search(r"level 2 .*\b96\.00 mm/s.*100\.00", screen(steps(v=off), RULES).reasons[0])
     flags = steps().valve_saturated.copy()
     flags[82] = True  # the jump itself
     assert codes(steps(valve_saturated=flags)) == []
@@ -120,4 +121,4 @@ def test_a_piston_at_its_head_is_told(run):
 
 def test_an_unknown_reference_is_told_and_not_judged():
     screened = screen(replace(ramp(), v_ref_m_s=None), RULES)
-    assert screened.accepted and "not judged" in screened.notes[0]
+    assert screened.accepted and "reference" in screened.notes[0]

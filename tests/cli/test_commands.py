@@ -120,10 +120,10 @@ def test_a_wrong_value_names_file_key_and_limit(hbench, short_schedule):
 @pytest.mark.parametrize(
     ("bench", "words"),
     [  # 3 V * 4095/4096 at the converter, after 0.316: 94.9 % of the span
-        ({"supply": {"pressure": "240 bar"}}, ["supply.pressure = 240 bar "]),
+        ({"supply": {"pressure": "240 bar"}}, ["supply.pressure = 240 bar"]),
         (
             {"sensors": {"position": {"span": "390 mm", "output": "10 V", "amplifier": 0.316}}},
-            ["limits.travel_max = 375 mm ", "370.2 mm"],
+            ["limits.travel_max = 375 mm", "370.2 mm"],
         ),
     ],
 )

@@ -73,9 +73,7 @@ def cycles_of(run: Run, mass_kg: float) -> list[Cycle]:
     Raises ``DataError`` if a channel or a record is missing.
     """
     if run.v_ref_m_s is None:
-        raise DataError(
-            f"run {run.plan.run}: v_ref_m_s was not logged, which determines the cycles"
-        )
+        raise DataError(f"run {run.plan.run}: v_ref_m_s was not logged")
     motion, top = logged_motion(run, mass_kg), abs(run.plan.v_ref_m_s)
     windows = whole_cycles(run.v_ref_m_s)
     cycles = []
