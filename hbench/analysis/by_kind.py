@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from hbench.analysis.curves.average import curves
 from hbench.analysis.curves.hysteresis import hysteresis
-from hbench.analysis.curves.leakage import leakage
+from hbench.analysis.curves.leakage import chamber_leakage
 from hbench.analysis.curves.ramp_tests import ramp_comparisons
 from hbench.analysis.curves.ramps import ramp_curves, sliding
 from hbench.analysis.curves.step_levels import level_runs, step_levels
@@ -44,7 +44,7 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Products:
+class AnalysisProducts:
     """Results of one analysis, before the instruments' uncertainty is added."""
 
     curves: tuple[Curve, ...] = ()
@@ -100,38 +100,40 @@ def analyse_runs(
     )
 
 
-def _steady_curves(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
-    return Products(curves=tuple(fitted(curve, settings.fitting) for curve in curves(runs)))
+def _steady_curves(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
+    return AnalysisProducts(curves=tuple(fitted(curve, settings.fitting) for curve in curves(runs)))
 
 
-def _ramp_curves(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
+def _ramp_curves(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
     ramps, notes = ramp_curves(runs, settings.mass_kg)
     ramps = tuple(replace(curve, fits=fits(sliding(curve), settings.fitting)) for curve in ramps)
     if any(curve.fits for curve in ramps):
         notes += (_SHARED_STROKES,)
-    return Products(curves=ramps, notes=notes)
+    return AnalysisProducts(curves=ramps, notes=notes)
 
 
-def _hysteresis(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
+def _hysteresis(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
     loops, notes = hysteresis(runs, settings.mass_kg)
-    return Products(loops=loops, notes=notes)
+    return AnalysisProducts(loops=loops, notes=notes)
 
 
-def _step_levels(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
-    return Products(curves=curves(level_runs(runs)), levels=step_levels(runs, settings.mass_kg))
+def _step_levels(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
+    return AnalysisProducts(
+        curves=curves(level_runs(runs)), levels=step_levels(runs, settings.mass_kg)
+    )
 
 
-def _leakage(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
+def _leakage(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
     if settings.bench is None:
-        return Products()
-    return Products(leakages=leakage(runs, settings.bench))
+        return AnalysisProducts()
+    return AnalysisProducts(leakages=chamber_leakage(runs, settings.bench))
 
 
-def _verification(runs: Sequence[ScreenedRun], settings: Settings) -> Products:
-    return Products()  # `hbench identify` compares these runs with its models
+def _verification(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
+    return AnalysisProducts()  # `hbench identify` compares these runs with its models
 
 
-ANALYSES: Mapping[str, Callable[[Sequence[ScreenedRun], Settings], Products]] = {
+ANALYSES: Mapping[str, Callable[[Sequence[ScreenedRun], Settings], AnalysisProducts]] = {
     "steady_curve": _steady_curves,
     "ramp_curve": _ramp_curves,
     "hysteresis": _hysteresis,

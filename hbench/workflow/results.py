@@ -1,4 +1,4 @@
-"""From a campaign to its results and its report."""
+"""Analysis of a campaign, and its report."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -9,7 +9,7 @@ import numpy as np
 
 from hbench.analysis.by_kind import analyse_runs
 from hbench.analysis.curves.bands import friction_bands
-from hbench.analysis.fitting.fit import left_out
+from hbench.analysis.fitting.fit import unfitted_curves
 from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed
@@ -29,7 +29,7 @@ from hbench.store.campaign.stored_diagnosis import diagnoses
 if TYPE_CHECKING:
     from hbench.report.render.document import Document
 
-_AS_USUAL = Fitting()
+_DEFAULT_FITTING = Fitting()
 
 
 def analyze(folder: Path, fit_file: Path | None = None) -> Results:
@@ -51,9 +51,7 @@ def report(
     ``form`` is html, md or pdf. ``speed_m_s`` is the working speed of the headline numbers, by
     default the median of the measured speeds.
     """
-    from hbench.report.campaign.figures.all_figures import (
-        draw_all,  # matplotlib; only who reports waits
-    )
+    from hbench.report.campaign.figures.all_figures import draw_all  # slow import: matplotlib
     from hbench.report.campaign.page import report_document
     from hbench.report.campaign.reconciled import reconciled_section
     from hbench.report.render.document import Document, page
@@ -64,7 +62,7 @@ def report(
     if speed_m_s is not None:
         results = at_working_speed(results, speed_m_s)
     drawings = draw_all(results)
-    reconciled = tuple(reconciled_section(*found) for found in diagnoses(folder))
+    reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
     name = folder.resolve().name
     document = report_document(results, drawings, reconciled, name)
     forms: dict[str, Callable[[Document], str | bytes]] = {
@@ -72,26 +70,26 @@ def report(
         "md": markdown,
         "pdf": _pdf,
     }
-    made = forms[form](document)
-    text = {f"report.{form}": made if isinstance(made, bytes) else made.encode()}
+    content = forms[form](document)
+    text = {f"report.{form}": content if isinstance(content, bytes) else content.encode()}
     write_results(folder, _tables(results) | figure_files(drawings) | text)
     return results
 
 
 def _pdf(document: "Document") -> bytes:
-    from hbench.report.render.pdf import pdf  # what embeds fonts; only who wants a PDF waits
+    from hbench.report.render.pdf import pdf  # slow import: it embeds fonts
 
     return pdf(document)
 
 
 def _fitting(path: Path | None) -> Fitting:
-    return _AS_USUAL if path is None else parse_fitting(read_yaml(path), str(path))
+    return _DEFAULT_FITTING if path is None else parse_fitting(read_yaml(path), str(path))
 
 
 def screened_runs(campaign: Campaign) -> Iterator[ScreenedRun]:
     """Yield the runs of a campaign with their verdicts, read one at a time."""
     bench, rules = campaign.bench(), campaign.screening()
-    if campaign.imported or bench is None:  # which no other campaign lacks
+    if campaign.imported or bench is None:  # only imported campaigns can have no bench
         runs = campaign.runs()
     else:
         runs = (calibrate(raw, bench) for raw in campaign.raw_runs())
@@ -99,27 +97,29 @@ def screened_runs(campaign: Campaign) -> Iterator[ScreenedRun]:
         yield screen(run, rules)
 
 
-def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
+def derive(campaign: Campaign, how: Fitting = _DEFAULT_FITTING) -> Results:
     """Screen, average and fit a campaign; nothing is written. Raises ``DataError``.
 
     Accepted steady runs, most of a large campaign, are kept without their samples.
     """
     bench = campaign.bench()
-    screened = tuple(_slim(one) for one in screened_runs(campaign))
+    screened = tuple(_without_samples(run) for run in screened_runs(campaign))
     if not screened:
-        raise DataError(f"{campaign.folder}: holds no runs", "Go on with `hbench run --resume`.")
+        raise DataError(
+            f"{campaign.folder}: contains no runs", "Continue it with `hbench run --resume`."
+        )
     instruments = None if bench is None else bench.instruments
     analysed = analyse_runs(screened, bench, how)
     steady, curves = analysed.steady, (*analysed.steady, *analysed.moving)
     efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
-    lacking = not_computed(screened, efficiencies, instruments)
+    limitations = not_computed(screened, efficiencies, instruments)
     return Results(
         provenance=campaign.provenance(),
         runs=screened,
         curves=curves,
         efficiency=efficiencies,
         bands=friction_bands(steady),
-        notes=(*campaign.warnings, *lacking, *left_out(steady), *analysed.notes),
+        notes=(*campaign.warnings, *limitations, *unfitted_curves(steady), *analysed.notes),
         motions=analysed.motions,
         joint_fits=joint_fits(steady, how),
         headline=headline(curves, efficiencies),
@@ -127,10 +127,11 @@ def derive(campaign: Campaign, how: Fitting = _AS_USUAL) -> Results:
     )
 
 
-def _slim(one: ScreenedRun) -> ScreenedRun:
-    if not one.accepted or not KINDS[one.run.plan.kind].has_constant_speed:
-        return one
-    return replace(one, run=Run(one.run.plan, t_s=np.zeros(0), x_m=np.zeros(0)))
+def _without_samples(screened: ScreenedRun) -> ScreenedRun:
+    plan = screened.run.plan
+    if not screened.accepted or not KINDS[plan.kind].has_constant_speed:
+        return screened
+    return replace(screened, run=Run(plan, t_s=np.zeros(0), x_m=np.zeros(0)))
 
 
 def _tables(results: Results) -> dict[str, bytes]:

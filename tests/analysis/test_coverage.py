@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hbench.analysis.fitting.fit import fit_law
-from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin
+from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin_friction
 from hbench.config.fitting import Fitting
 
 _STEPS = np.arange(1, 16)
@@ -30,7 +30,7 @@ def campaign(make_curve):
     """Return a function that makes a curve of drawn trials."""
 
     def make(truth, noise, trials, seed):
-        friction = tustin(SPEEDS, truth)
+        friction = tustin_friction(SPEEDS, truth)
         sigma = NOISE[noise](SPEEDS, friction) * np.sqrt(trials / 3)
         rest = np.random.default_rng(seed).standard_normal((15, trials))
         drawn = friction[:, None] + sigma[:, None] * rest

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from hbench.analysis.fitting.fit import fits, left_out
-from hbench.analysis.fitting.tustin import NAMES, TABLE_6_1, tustin
+from hbench.analysis.fitting.fit import fits, unfitted_curves
+from hbench.analysis.fitting.tustin import NAMES, TABLE_6_1, tustin_friction
 from tests.support.analysis.fits import fit_tustin
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
@@ -185,7 +185,9 @@ def test_the_line_is_the_law_at_the_points_and_between_them_only(make_curve, sig
     assert {point.v_m_s for point in curve.points} <= set(v.tolist())
     assert np.abs(v).min() == SPEEDS.min() and np.abs(v).max() == SPEEDS.max()
     np.testing.assert_allclose(friction, sign * law(np.abs(v), *values(fit)))
-    np.testing.assert_allclose(tustin(np.abs(v), values(fit)), law(np.abs(v), *values(fit)))
+    np.testing.assert_allclose(
+        tustin_friction(np.abs(v), values(fit)), law(np.abs(v), *values(fit))
+    )
 
 
 def test_without_a_stribeck_part_its_speed_is_not_determined(make_curve):
@@ -217,10 +219,10 @@ def test_fewer_points_than_parameters_do_not_converge_and_raise_nothing(make_cur
 def test_curves_with_few_speeds_are_left_out_with_a_note(make_curve):
     few, enough = make_curve(SPEEDS[:3], [1, 2, 3]), make_curve(SPEEDS, noisy(0))
     assert fits(few) == () and [fit.law for fit in fits(enough)] == LAWS_OF_A_CURVE
-    assert left_out([few, enough]) == (
+    assert unfitted_curves([few, enough]) == (
         "1 of 2 curves have 3 or fewer speeds and are not fitted; a fit needs 4",
     )
-    assert left_out([enough]) == ()
+    assert unfitted_curves([enough]) == ()
 
 
 def test_friction_of_zero_is_no_error(make_curve):

@@ -9,7 +9,7 @@ from hbench.analysis.fitting.information import (
     covariance_of_all,
     identification_messages,
 )
-from hbench.analysis.fitting.tustin import TUSTIN, tustin, tustin_jacobian
+from hbench.analysis.fitting.tustin import TUSTIN, tustin_friction, tustin_jacobian
 from hbench.config.fitting import Fitting
 from tests.support.analysis.fits import fit_tustin
 
@@ -65,7 +65,7 @@ def test_speeds_that_are_named_as_missing_determine_the_parameter_when_added(mak
     rng = np.random.default_rng(1)
 
     def fitted(speeds):
-        friction = tustin(speeds, TRUTH) + 3 * rng.standard_normal(len(speeds))
+        friction = tustin_friction(speeds, TRUTH) + 3 * rng.standard_normal(len(speeds))
         wide = {"v_stribeck_m_s": (0.01, 1.0), "b_viscous_n_s_m": (-1e5, 1e5)}
         return fit_tustin(make_curve(speeds, friction), wide)
 
@@ -78,7 +78,11 @@ def test_speeds_that_are_named_as_missing_determine_the_parameter_when_added(mak
 def test_friction_that_is_badly_known_beyond_the_highest_speed_is_warned_of(make_curve):
     speeds = np.linspace(0.005, 0.05, 15)
     rest = np.random.default_rng(3).standard_normal(15)
-    noisy = fit_law(TUSTIN, [make_curve(speeds, tustin(speeds, TRUTH) + 10 * rest)], Fitting())
+    noisy = fit_law(
+        TUSTIN, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 10 * rest)], Fitting()
+    )
     assert "do not extrapolate: friction at 0.06 m/s is known to" in noisy.message
-    exact = fit_law(TUSTIN, [make_curve(speeds, tustin(speeds, TRUTH) + 0.1 * rest)], Fitting())
+    exact = fit_law(
+        TUSTIN, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 0.1 * rest)], Fitting()
+    )
     assert "do not extrapolate" not in exact.message

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from scipy.integrate import solve_ivp
 
-from hbench.analysis.curves.leakage import NAMES, leakage
+from hbench.analysis.curves.leakage import NAMES, chamber_leakage
 from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen
@@ -59,7 +59,7 @@ def holds(bench, seed, starts=STARTS_BAR, trials=3, **options):
 
 
 def found_in(screened, bench):
-    (found,) = leakage(screened, bench)
+    (found,) = chamber_leakage(screened, bench)
     return {one.name: one for one in found.coefficients}, found
 
 
@@ -118,7 +118,7 @@ def test_holds_at_one_load_do_not_tell_three_leaks_apart_and_say_so(stiff):
 
 def test_one_hold_has_no_interval_and_a_rejected_one_is_not_used(stiff):
     runs = holds(stiff, 7, trials=1)
-    assert leakage([replace(run, reasons=("aborted: x",)) for run in runs], stiff) == ()
+    assert chamber_leakage([replace(run, reasons=("aborted: x",)) for run in runs], stiff) == ()
     leaks, found = found_in(runs[:1], stiff)
     assert all(one.ci95 is None for one in leaks.values()) and "no interval" in found.message
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from hbench.analysis.identification.driven_law import friction_along
+from hbench.analysis.identification.driven_law import driven_friction
 from hbench.analysis.identification.leuven import (
     STEADY,
     fit_leuven,
@@ -71,7 +71,7 @@ def test_the_law_along_a_motion_is_that_of_the_source_in_short_steps():
     fine = np.arange(0, 4, 1e-4)
     v = 0.04 * np.sin(2 * np.pi * 0.6 * fine) * (1 + 0.5 * np.sin(2 * np.pi * 0.2 * fine))
     truth = STEADY_KNOWN._replace(elements=tuple(THETA))
-    found = friction_along(motion_of(v[::100]), truth)
+    found = driven_friction(motion_of(v[::100]), truth)
     expected = np.convolve(by_hand(v, 1e-4), np.ones(100) / 100, "same")[::100]
     assert np.abs(found - expected)[1:-1].max() < 3.0  # of 550 N
 
@@ -117,7 +117,7 @@ def test_held_out_runs_tell_the_right_delta_max_from_a_wrong_one(leuven_motions)
             stribeck_velocity=stribeck,
             viscous=viscous,
         )
-        errors = [(friction_along(m, law) - m.friction_n)[m.compared] for m in held_out]
+        errors = [(driven_friction(m, law) - m.friction_n)[m.compared] for m in held_out]
         rmse[given] = np.sqrt(np.mean(np.concatenate(errors) ** 2))
     print("Leuven: rmse [N] of held-out runs by Delta_max [m]:", rmse)
     assert min(rmse, key=rmse.get) == 2e-3

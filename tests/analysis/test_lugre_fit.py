@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import curve_fit
 
-from hbench.analysis.identification.driven_law import friction_along
+from hbench.analysis.identification.driven_law import driven_friction
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.model.build import friction_parameters
@@ -90,7 +90,7 @@ def test_the_law_along_a_motion_is_that_of_an_ode_solver():
     par = parameters()
     seal = 1e-5 * 20e5 + 0.5e-5 * 20e5
     expected = solved(t, v_of, *[TRUTH[n] for n in list(UNKNOWNS)[:6]], seal)
-    found = friction_along(motion_of(means(t, v_of), 0 * t), par)[1:-1]
+    found = driven_friction(motion_of(means(t, v_of), 0 * t), par)[1:-1]
     assert np.abs(found - expected).max() < 2.0
     assert np.sqrt(np.mean((found - expected) ** 2)) < 0.5  # of 600 N
 
@@ -100,14 +100,14 @@ def test_bristles_that_can_not_slip_have_gone_as_far_as_the_piston():
     t, peak, w = np.arange(0.0, 2.0, DT), 0.1, 2 * np.pi
     quiet = {name: 0.0 for name in TRUTH} | {"sigma0_n_m": 1e5}
     par = parameters(**quiet | {"f_coulomb_n": 1e12, "f_stiction_n": 1e12})
-    found_m = friction_along(motion_of(means(t, lambda s: peak * np.sin(w * s) ** 2), 0 * t), par)
+    found_m = driven_friction(motion_of(means(t, lambda s: peak * np.sin(w * s) ** 2), 0 * t), par)
     expected_m = means(t, lambda s: peak * s / 2 - peak * np.sin(2 * w * s) / (4 * w))
     assert np.abs(found_m / 1e5 - expected_m)[1:-1].max() < 0.5e-6
 
 
 def test_stiff_bristles_are_the_steady_curve():
     t, v_of = swing()
-    found = friction_along(motion_of(v_of(t), 0 * t), parameters(sigma0_n_m=1e9, sigma1_n_s_m=0.0))
+    found = driven_friction(motion_of(v_of(t), 0 * t), parameters(sigma0_n_m=1e9, sigma1_n_s_m=0.0))
     v = v_of(t)
     steady = np.sign(v) * (310 + 30 + 170 * np.exp(-np.abs(v) / 0.055)) + 2350 * v
     away = np.abs(v) > 0.005  # a sample over a reversal is a mean of both signs

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.analysis.fitting.marton_lantos import UNITS, lines, marton_lantos
+from hbench.analysis.fitting.marton_lantos import UNITS, lines, lines_from_tustin
 from hbench.analysis.fitting.tustin import NAMES
 from tests.support.analysis.fits import fit_tustin
 from tests.support.analysis.other_plant import STEADY
@@ -22,7 +22,7 @@ def law(v, f_c, f_s, v_s, b):
 
 def found(make_curve, friction, direction="extend"):
     curve = make_curve(SPEEDS, friction, direction)
-    return marton_lantos([curve], fit_tustin(curve))
+    return lines_from_tustin([curve], fit_tustin(curve))
 
 
 def values(fit):
@@ -72,7 +72,7 @@ def test_what_the_tustin_fit_says_against_itself_stays_said(make_curve):
     curve = make_curve(SPEEDS, law(SPEEDS, 300, 535, 0.02, 2250))
     tustin = fit_tustin(curve)
     assert tustin.parameters["v_stribeck_m_s"].at_bound == "lower"
-    fit = marton_lantos([curve], tustin)
+    fit = lines_from_tustin([curve], tustin)
     assert fit.message.endswith(f"of the Tustin fit behind it: {tustin.message}")
     assert "lower bound" in tustin.message
     assert set(tustin.parameters) == set(NAMES)
@@ -87,7 +87,7 @@ def test_the_force_at_rest_has_the_same_error_as_in_the_tustin_fit_weighted_by_t
     curve = replace(curve, points=tuple(replace(p, trials_n=tuple(t)) for p, t in points))
     tustin = fit_tustin(curve)
     stiction = tustin.parameters["f_stiction_n"]
-    at_rest = marton_lantos([curve], tustin).parameters["low_force_n"]
+    at_rest = lines_from_tustin([curve], tustin).parameters["low_force_n"]
     assert at_rest.value == stiction.value and at_rest.se == pytest.approx(stiction.se)
     assert at_rest.ci95 == pytest.approx(stiction.intervals["linearised"])
 
@@ -140,7 +140,7 @@ def test_the_rigs_lines_lie_in_the_95_percent_intervals_over_many_seeds(rig_camp
         for curve in workflow.analyze(rig_campaign(schedule, seed, NO_SEALS)).curves:
             v_max = max(abs(point.v_m_s) for point in curve.points)
             true = lines(np.array([300.0, 480.0, 0.06, 2350.0]), v_max)
-            found = marton_lantos([curve], fit_tustin(curve, WIDE)).parameters.values()
+            found = lines_from_tustin([curve], fit_tustin(curve, WIDE)).parameters.values()
             inside += [p.ci95[0] <= t <= p.ci95[1] for p, t in zip(found, true, strict=True)]
     print(f"lines: coverage {sum(inside)} of {len(inside)}")
     assert 0.90 <= np.mean(inside) <= 0.99

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from hbench.analysis.fitting.fit import fit_law
-from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin
+from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin_friction
 from hbench.analysis.statistics.bounded import Problem, descend
 from hbench.analysis.statistics.robust import minimise_robust
 from hbench.config.fitting import Fitting
@@ -15,7 +15,7 @@ TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])
 
 
 def noisy(seed=0, sigma=3.0, outlier=0.0):
-    friction = tustin(SPEEDS, TRUTH)
+    friction = tustin_friction(SPEEDS, TRUTH)
     friction = friction + sigma * np.random.default_rng(seed).standard_normal(15)
     friction[9] += outlier
     return friction
@@ -51,7 +51,7 @@ def test_an_outlier_moves_a_robust_fit_less_than_its_error(make_curve, loss):
     se = np.array([clean.parameters[name].se for name in NAMES])
     assert spoilt.converged
     assert np.all(np.abs(values(spoilt) - values(clean)) < 2 * se)
-    line, expected = dict(linear.line), tustin(SPEEDS, TRUTH)
+    line, expected = dict(linear.line), tustin_friction(SPEEDS, TRUTH)
     away = max(abs(line[v] - f) for v, f in zip(SPEEDS, expected, strict=True))
     assert away > 10.0  # which least squares does not withstand
 
@@ -79,6 +79,8 @@ def test_on_normal_errors_the_standard_error_is_the_scatter_of_repeated_fits(los
 
 
 def test_exact_data_stays_exact(make_curve):
-    fit = fit_law(TUSTIN, [make_curve(SPEEDS, tustin(SPEEDS, TRUTH))], Fitting(loss="huber"))
+    fit = fit_law(
+        TUSTIN, [make_curve(SPEEDS, tustin_friction(SPEEDS, TRUTH))], Fitting(loss="huber")
+    )
     np.testing.assert_allclose(values(fit), TRUTH, rtol=1e-6)
     assert fit.converged

@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 
 from hbench.analysis.comparison.differences import welch
 from hbench.analysis.comparison.population import robust_deviations, trend_line
-from hbench.analysis.curves.leakage import leakage
+from hbench.analysis.curves.leakage import chamber_leakage
 from hbench.analysis.curves.ramp_tests import ramp_comparisons
 from hbench.analysis.curves.surface import friction_surfaces
-from hbench.analysis.fitting.fit import fit_law, fits, left_out
-from hbench.analysis.fitting.fit_data import sample
+from hbench.analysis.fitting.fit import fit_law, fits, unfitted_curves
+from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.fitting.joint import fitted, joint_fits
 from hbench.analysis.fitting.marton_lantos import TWO_LINES
 from hbench.analysis.fitting.tustin import TUSTIN
@@ -239,7 +239,7 @@ def test_which_leaks_are_told_apart(bench, loads, plunger, still, seed):
             x = shake(0.15 + 0 * t)
             p_r = None if plunger else p_r
             runs.append(ScreenedRun(Run(plan, shake(t), x, p_tp_pa=p_p, p_tr_pa=p_r), (), None))
-        (found,) = leakage(runs, bench)
+        (found,) = chamber_leakage(runs, bench)
         return [one.value is None for one in found.coefficients]
 
     assert found(lambda values: shaken(values, rng.integers(9**9))) == found(np.asarray)
@@ -255,7 +255,7 @@ def test_whether_trials_scatter(make_curve, level, count, equal, seed):
     rows = level * (1 + (0.0 if equal else 0.01) * rng.standard_normal((6, count)))
     assert (welch([(1.0, list(row)) for row in shaken(rows, seed)]) is None) == equal
     made = with_trials(make_curve(SPEEDS, level + 0 * SPEEDS), count, 0.0 if equal else 5.0, seed)
-    assert sample([made], "trials").weighted == (not equal)
+    assert fit_points([made], "trials").weighted == (not equal)
 
 
 @quick
@@ -336,8 +336,8 @@ def test_which_speeds_are_the_same(make_curve, seed):
     twice = shaken(np.repeat([0.02, 0.06, 0.12], 3), seed)
     assert len(distinct(twice)) == 3
     curve = make_curve(twice, 300 + 1000 * twice)
-    assert fits(curve) == () and "3 or fewer speeds" in left_out([curve])[0]
-    assert sample([curve]).speeds == 3
+    assert fits(curve) == () and "3 or fewer speeds" in unfitted_curves([curve])[0]
+    assert fit_points([curve]).speeds == 3
     v = np.array([0.02, 0.06, 0.12, 0.2])
     loads = [make_curve(shaken(v, seed + i), 300 + v, f_applied_n=float(i)) for i in range(3)]
     (found,) = friction_surfaces(loads)

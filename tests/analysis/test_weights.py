@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hbench.analysis.fitting.fit import fit_law
-from hbench.analysis.fitting.fit_data import sample
+from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.fitting.trial_weights import pooled_sigma
-from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin
+from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin_friction
 from hbench.config.fitting import Fitting
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
@@ -63,7 +63,7 @@ def test_a_point_of_two_trials_weighs_two_thirds_of_one_of_three(with_trials):
     curve = with_trials(500 + rng.standard_normal((15, 3)))
     fewer = replace(curve.points[4], trials_n=curve.points[4].trials_n[:2])
     points = (*curve.points[:4], fewer, *curve.points[5:])
-    sigma = sample([replace(curve, points=points)], "trials").sigma
+    sigma = fit_points([replace(curve, points=points)], "trials").sigma
     flat = np.exp(np.interp(np.log(SPEEDS[4]), np.log(SPEEDS[[3, 5]]), np.log(sigma[[3, 5]])))
     assert sigma[4] ** 2 / flat**2 == pytest.approx(1.5, rel=1e-6)
     assert np.mean(sigma**2) == pytest.approx(1.0)
@@ -74,15 +74,17 @@ def test_weighted_values_and_errors_are_those_of_curve_fit_with_the_same_sigma(w
 
     rng = np.random.default_rng(3)
     truth = np.array([250.0, 500.0, 0.07, 1500.0])
-    trials = tustin(SPEEDS, truth)[:, None] + 30 * SPEEDS[:, None] * rng.standard_normal((15, 3))
+    trials = tustin_friction(SPEEDS, truth)[:, None] + 30 * SPEEDS[:, None] * rng.standard_normal(
+        (15, 3)
+    )
     curve = with_trials(trials)
     fit = fit_law(TUSTIN, [curve], Fitting())
     expected, spread = curve_fit(
-        lambda v, *p: tustin(v, np.array(p)),
+        lambda v, *p: tustin_friction(v, np.array(p)),
         SPEEDS,
         trials.mean(axis=1),
         p0=truth,
-        sigma=sample([curve], "trials").sigma,
+        sigma=fit_points([curve], "trials").sigma,
         xtol=1e-12,
         ftol=1e-12,
     )

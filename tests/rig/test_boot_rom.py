@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError, ExitCode
 from hbench.rig.flash.boot_image import parse_boot_image
-from hbench.rig.flash.boot_rom import WINDOW, NotInBoot, flash, load_image
+from hbench.rig.flash.boot_rom import WINDOW, NotInBoot, flash, send_image
 from tests.support.board.boot_rom_standin import (
     FIRMWARE,
     PROGRAM_BAUD,
@@ -65,7 +65,7 @@ def test_the_chip_gets_exactly_the_words_of_any_image(blocks, marks):
     entry = blocks[0][0]
     image = parse_boot_image(text_of(stream_of(entry, blocks), marks=marks), "image.txt")
     rom = BootRom()
-    load_image(BootLine(rom, BAUD, latency_s=0.004), image)
+    send_image(BootLine(rom, BAUD, latency_s=0.004), image)
     expected = {address + i: w for address, words in blocks for i, w in enumerate(words)}
     assert rom.memory == expected
     assert (rom.state, rom.entry) == ("ram", entry)
@@ -73,7 +73,7 @@ def test_the_chip_gets_exactly_the_words_of_any_image(blocks, marks):
 
 def test_the_first_bytes_on_the_line_are_a_then_the_header():
     line = BootLine(BootRom(), BAUD)
-    load_image(line, IMAGE)
+    send_image(line, IMAGE)
     assert line.written[:23] == b"A" + bytes.fromhex("AA08" + 16 * "00" + "00000080")
     assert line.written == b"A" + STREAM
 
@@ -87,7 +87,7 @@ def test_the_loaded_firmware_is_asked_at_its_own_rate():
 def test_the_window_hides_the_latency_and_stays_in_its_bounds():
     latency_s = 0.016
     line = BootLine(BootRom(), BAUD, latency_s)
-    load_image(line, IMAGE)
+    send_image(line, IMAGE)
     total = len(STREAM)
     on_the_line = total * 10 / BAUD
     stop_and_wait = total * (latency_s + 20 / BAUD)
@@ -111,7 +111,7 @@ def test_a_board_that_is_reset_late_is_still_found():
         return data
 
     line.read = read_and_reset
-    load_image(line, IMAGE)
+    send_image(line, IMAGE)
     assert silences[:4] == [True, True, True, False]
     assert rom.entry == IMAGE.entry
 
@@ -147,7 +147,7 @@ def test_a_second_echo_means_a_stray_octet_and_stops_the_loading():
 
     line = Late(BootRom(), BAUD)
     with pytest.raises(NotInBoot, match=r"41 41.* 41"):
-        load_image(line, IMAGE)
+        send_image(line, IMAGE)
     assert line.written == b"AA"
 
 
@@ -182,7 +182,7 @@ def test_an_octet_that_is_no_echo_is_told():
             return data + (b"\x55" if self.number == 3 * WINDOW else b"")
 
     with pytest.raises(DeviceError, match=rf"0x55 .*byte {3 * WINDOW + 1}\b"):
-        load_image(Gossip(BootRom(), BAUD), IMAGE)
+        send_image(Gossip(BootRom(), BAUD), IMAGE)
 
 
 def test_a_garbled_echo_of_the_last_byte_is_left_to_the_identification():

@@ -15,7 +15,7 @@ def parts(header, make_plan, at):
         "2024-05-01T12:00:04+00:00", "failed", 0, "cd" * 32, 'no: reply,\n {"}] # - run: ü'
     )
     return [
-        journal.header_text(header),
+        journal.journal_header(header),
         journal.start_text(make_plan("0001"), at(1)),
         journal.stop_text(STOP),
         journal.start_text(make_plan("0002", label="NBR, 70 Shore", motion=None), at(3)),
@@ -68,7 +68,7 @@ def test_torn_tail_is_told_with_its_line(parts):
 
 def test_values_are_written_out_each_time_not_by_reference(header):
     shared = {"piston_diameter": "25 mm"}
-    text = journal.header_text({**header, "a": shared, "b": shared})
+    text = journal.journal_header({**header, "a": shared, "b": shared})
     assert "&" not in text and "*" not in text
 
 
@@ -102,7 +102,7 @@ def test_journal_of_another_make_is_refused(parts, old, new, message):
 
 def test_an_edited_section_is_told_by_its_name(parts, header):
     header["bench"] = {"file": "b.yaml", "content": {"area": "200 mm^2"}}
-    text = journal.header_text(header) + "".join(parts[1:3])
+    text = journal.journal_header(header) + "".join(parts[1:3])
     assert parse_journal(text.encode(), "c").warnings == ()
     edited = text.replace("200 mm^2", "210 mm^2").replace("rate_hz: 100.0", "rate_hz: 50.0")
     (warning,) = parse_journal(edited.encode(), "c").warnings

@@ -110,7 +110,7 @@ def cut_campaign(source: Path, target: Path, wanted) -> Path:
     """Write a campaign of some runs of another one, as the program writes it."""
     campaign = load_campaign(source)
     header = {key: value for key, value in campaign.header.items() if key != "schema"}
-    text = [journal.header_text(header)]
+    text = [journal.journal_header(header)]
     (target / "runs").mkdir(parents=True)
     for entry in campaign.latest:
         if entry.plan.run in wanted:

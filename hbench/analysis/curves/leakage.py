@@ -42,7 +42,7 @@ _DETERMINED = 1e-3
 _PART = 0.1  # of a leak in directions that are not determined
 
 
-def leakage(screened: Iterable[ScreenedRun], bench: Bench) -> tuple[Leakage, ...]:
+def chamber_leakage(screened: Iterable[ScreenedRun], bench: Bench) -> tuple[Leakage, ...]:
     """Return the leaks from the accepted holds of each label."""
     groups: dict[tuple[str, str], list[Run]] = defaultdict(list)
     for verdict in screened:

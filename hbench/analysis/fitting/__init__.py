@@ -1,1 +1,1 @@
-"""Friction laws fitted to curves."""
+"""Fits of friction laws to curves."""

@@ -1,8 +1,8 @@
-"""Friction laws fitted to curves, one by one or all at once, and what the data does not determine.
+"""Fits of friction laws to single curves or to all curves jointly, with undetermined parameters.
 
-Least squares of the trials' means within bounds, each weighed by the scatter of the trials, with a
-robust loss if asked for. The 95 % interval is that of the profile likelihood: in simulations it
-covers the truth where bounds are active, which the linearised one does not.
+Least squares of the trials' means within bounds, each weighted by the scatter of the trials, with
+an optional robust loss. The 95 % interval is that of the profile likelihood: in simulations it
+contains the truth when bounds are active, unlike the linearised one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.analysis.fitting.fit_data import Sample, sample, sign
-from hbench.analysis.fitting.fittable_law import Law
+from hbench.analysis.fitting.fit_data import FitPoints, fit_points, sign
+from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.fitting.information import Information, identification_messages
 from hbench.analysis.fitting.marton_lantos import TWO_LINES
 from hbench.analysis.fitting.messages import BEYOND, beyond_messages, bound_messages, disagreements
@@ -41,33 +41,33 @@ from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, FitParameter
 from hbench.records.friction_laws import FRICTION_LAWS
 
-# Laws of one curve, and of the points of all loads and directions at once.
+# Laws of one curve, and of the points of all loads and directions jointly.
 _FITTABLE = (TUSTIN, TWO_LINES, PRESSURE_BASED)
-LAWS: Mapping[str, Law] = {
+LAWS: Mapping[str, FittableLaw] = {
     law.name: law for law in _FITTABLE if FRICTION_LAWS[law.name].data == "curve"
 }
-JOINT_LAWS: Mapping[str, Law] = {law.name: law for law in _FITTABLE if law.name not in LAWS}
+JOINT_LAWS: Mapping[str, FittableLaw] = {law.name: law for law in _FITTABLE if law.name not in LAWS}
 
 _LINE_POINTS = 121
 _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
 _LEAST_FORCE_N = 1.0  # scale of a curve of zeros; the search keeps 1e-10 off its bounds
 _LEAST_SPEEDS = 4
-_ENOUGH = 1e-10  # of the cost, from near: off by a hundred thousandth of the error
+_TOLERANCE = 1e-10  # of the cost, from a near start: exact to 1e-5 of the standard error
 _SEED = 1  # of the bootstrap: the same campaign gives the same intervals
 
 Ends = tuple[float, float] | None
 
 
 def fits(curve: Curve, how: Fitting | None = None) -> tuple[Fit, ...]:
-    """Fit the laws of one curve that ``how`` names; none to one with fewer than four speeds."""
+    """Fit the laws in ``how`` to a curve; none to a curve with fewer than four speeds."""
     how = how or Fitting()
     if _speeds(curve) < _LEAST_SPEEDS:
         return ()
     return tuple(fit_law(LAWS[name], [curve], how) for name in how.laws if name in LAWS)
 
 
-def left_out(curves: Sequence[Curve]) -> tuple[str, ...]:
-    """Return a note on the curves that ``fits`` leaves out, if there are any."""
+def unfitted_curves(curves: Sequence[Curve]) -> tuple[str, ...]:
+    """Return a note on the curves with too few speeds for ``fits``, if there are any."""
     few = [_speeds(curve) for curve in curves if _speeds(curve) < _LEAST_SPEEDS]
     if not few:
         return ()
@@ -82,12 +82,12 @@ def _speeds(curve: Curve) -> int:
 
 
 def fit_pressure_based(curves: Sequence[Curve], k2_s_m: tuple[float, float] | None = None) -> Fit:
-    """Fit equation 3.7 to the points of all ``curves`` at once."""
+    """Fit equation 3.7 to the points of all ``curves`` jointly."""
     return fit_law(PRESSURE_BASED, curves, Fitting(), k2_s_m and {"k2_s_m": k2_s_m})
 
 
 def fit_law(
-    law: Law,
+    law: FittableLaw,
     curves: Sequence[Curve],
     how: Fitting,
     bounds: Mapping[str, tuple[float, float]] | None = None,
@@ -101,17 +101,17 @@ def fit_law(
     What the data does not determine has neither, and the message says so: a parameter of which the
     others can take the place, and one whose typical size changes friction by rounding alone.
     """
-    data = sample(curves, how.weights)
+    data = fit_points(curves, how.weights)
     if law.pressures:
-        data = data.part(np.isfinite(data.inputs).all(axis=0))
+        data = data.subset(np.isfinite(data.inputs).all(axis=0))
     n, p = len(data.friction_n), len(law.names)
     if _different(data.inputs) < p:
         with_what = "points with both pressures" if law.pressures else "points"
         message = f"{n} {with_what} do not determine {p} parameters"
         return Fit(law.name, {}, float("nan"), False, message)
-    problem, solution, weights = estimate(law, data, how, bounds or {})
+    problem, solution, weights = estimate_parameters(law, data, how, bounds or {})
     freedom = n - int(solution.free.sum())
-    worth = _Worth(problem, solution, freedom)
+    worth = _Intervals(problem, solution, freedom)
     found = {"linearised": worth.linearised(), "profile": worth.profile()}
     if how.bootstrap and freedom > 0:
         found["bootstrap"] = _bootstrap(law, data, problem, solution, weights, how.bootstrap)
@@ -122,10 +122,10 @@ def fit_law(
     if freedom <= 0:
         messages.append("as many parameters as points: no standard errors")
     else:
-        seen = Information(law, solution.x, worth.jacobian, worth.noise, problem.scale, data.inputs)
+        info = Information(law, solution.x, worth.jacobian, worth.noise, problem.scale, data.inputs)
         widths = [np.nan if ends is None else ends[1] - ends[0] for ends in found["profile"]]
-        messages += identification_messages(seen, worth.factor, np.array(widths) / 2)
-        messages += beyond_messages(seen, worth.factor) if len(curves) == 1 else []
+        messages += identification_messages(info, worth.factor, np.array(widths) / 2)
+        messages += beyond_messages(info, worth.factor) if len(curves) == 1 else []
     line, beyond = _lines(law, curves, data, solution.x)
     return Fit(
         law=law.name,
@@ -144,29 +144,29 @@ def _different(inputs: np.ndarray) -> int:
     return np.unique(rows, axis=1).shape[1]
 
 
-class Estimate(NamedTuple):
-    """A law's problem, its solution, and what weight (n,) a robust loss left to the points."""
+class ParameterEstimate(NamedTuple):
+    """Problem of a fit, its solution, and the weights (n,) that a robust loss gives the points."""
 
     problem: Problem
     solution: Solution
     weights: np.ndarray
 
 
-def estimate(
-    law: Law,
-    data: Sample,
+def estimate_parameters(
+    law: FittableLaw,
+    data: FitPoints,
     how: Fitting,
     bounds: Mapping[str, tuple[float, float]],
     start: np.ndarray | None = None,
-) -> Estimate:
+) -> ParameterEstimate:
     """Estimate a law's parameters from points; ``bounds`` replace those of ``how``.
 
-    The search begins where the law's own starts are, or for a rougher answer at ``start``. With a
-    robust loss the problem is that of the pseudo-values, which has the same solution.
+    The search begins at the law's starts, or, for lower accuracy, at ``start``. With a robust loss
+    the problem is that of the pseudo-values, which has the same solution.
     """
     inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
-    own = {name: value for name, value in how.bounds if name in law.names}
-    lower, upper = law.limits(inputs, {**own, **bounds})
+    chosen = {name: value for name, value in how.bounds if name in law.names}
+    lower, upper = law.limits(inputs, {**chosen, **bounds})
     force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
     problem = Problem(
         residual=lambda p: (law.model(inputs, p) - friction) / sigma,
@@ -178,14 +178,14 @@ def estimate(
     if start is None:
         solution = solve(problem, law.starts(inputs, friction, lower, upper))
     else:
-        solution = descend(problem, start, (), _ENOUGH)
+        solution = descend(problem, start, (), _TOLERANCE)
     if how.loss == "linear":
-        return Estimate(problem, solution, np.ones(len(friction)))
-    found = minimise_robust(problem, solution, how.loss)
-    return Estimate(found.problem, found.solution, found.weights)
+        return ParameterEstimate(problem, solution, np.ones(len(friction)))
+    robust = minimise_robust(problem, solution, how.loss)
+    return ParameterEstimate(robust.problem, robust.solution, robust.weights)
 
 
-class _Worth:
+class _Intervals:
     """Linearised and profile intervals of a solution."""
 
     def __init__(self, problem: Problem, solution: Solution, freedom: int):
@@ -229,14 +229,14 @@ class _Worth:
 
 
 def _bootstrap(
-    law: Law,
-    data: Sample,
+    law: FittableLaw,
+    data: FitPoints,
     problem: Problem,
     solution: Solution,
     weights: np.ndarray,
     count: int,
 ) -> list[Ends]:
-    """Refit drawn campaigns from the solution on; the weights stay those of the fit."""
+    """Refit drawn campaigns from the solution on, with the weights of the fit."""
     rng = np.random.default_rng(_SEED)
     sigma = data.sigma / np.sqrt(weights)
     fitted = law.model(data.inputs, solution.x)
@@ -247,7 +247,7 @@ def _bootstrap(
         scaled = leveraged((data.friction_n - fitted) / sigma, jacobian[:, solution.free])
         drawn = drawn_residuals(fitted, scaled, sigma, count, rng)
     else:
-        counts = np.array([len(own) for own in data.trials_n])
+        counts = np.array([len(trials) for trials in data.trials_n])
         freedom[solution.free] = parameter_dof(jacobian[:, solution.free], counts)
 
     def refit(friction: np.ndarray) -> np.ndarray:
@@ -255,17 +255,17 @@ def _bootstrap(
             residual=lambda p: (law.model(data.inputs, p) - friction) / sigma,
             jacobian=lambda p: law.jacobian(data.inputs, p) / sigma[:, None],
         )
-        return descend(again, solution.x, (), _ENOUGH).x
+        return descend(again, solution.x, (), _TOLERANCE).x
 
     ends = percentile_intervals(refit, drawn, freedom)
     return [(float(low), float(high)) for low, high in ends.T]
 
 
 def _parameters(
-    law: Law,
+    law: FittableLaw,
     problem: Problem,
     solution: Solution,
-    worth: _Worth,
+    worth: _Intervals,
     found: Mapping[str, Sequence[Ends]],
 ) -> dict[str, FitParameter]:
     parameters = {}
@@ -296,8 +296,10 @@ def _disagree(intervals: Sequence[tuple[float, float]], nothing: float) -> bool:
     return bool(max(np.ptp(low), np.ptp(high)) > _DISAGREE * width / 2 + nothing)
 
 
-def _lines(law: Law, curves: Sequence[Curve], data: Sample, x: np.ndarray) -> tuple[tuple, tuple]:
-    """Return the line inside the measured speeds, and those below and above them."""
+def _lines(
+    law: FittableLaw, curves: Sequence[Curve], data: FitPoints, x: np.ndarray
+) -> tuple[tuple, tuple]:
+    """Return the law's line within the measured speeds, and the lines below and above them."""
     if len(curves) > 1 or law.name in JOINT_LAWS:
         return (), ()
     v = data.inputs[0]
@@ -306,9 +308,9 @@ def _lines(law: Law, curves: Sequence[Curve], data: Sample, x: np.ndarray) -> tu
     def line(speeds: np.ndarray) -> tuple[tuple[float, float], ...]:
         inputs = np.repeat(data.inputs[:, :1], len(speeds), axis=1)
         inputs[0] = speeds
-        one, friction = sign(curves[0]), law.model(inputs, x)
-        return tuple(zip((one * speeds).tolist(), (one * friction).tolist(), strict=True))
+        signed, friction = sign(curves[0]), law.model(inputs, x)
+        return tuple(zip((signed * speeds).tolist(), (signed * friction).tolist(), strict=True))
 
     inside = line(np.union1d(v, np.linspace(low, high, _LINE_POINTS)))
     below, above = np.linspace(0.0, low, 9), np.linspace(high, BEYOND * high, 9)
-    return inside, tuple(line(part) for part in (below, above))
+    return inside, tuple(line(speeds) for speeds in (below, above))

@@ -1,4 +1,4 @@
-"""What a fit sees of curves: magnitudes of friction over speed and pressures, and the trials."""
+"""Points for fits: magnitudes of friction over speed and pressures, with their trials."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from hbench.records import Curve
 
 
 @dataclass(frozen=True)
-class Sample:
-    """The points of one curve or more. Friction along with the motion is negative."""
+class FitPoints:
+    """Points of one or more curves. Friction in the direction of motion is negative."""
 
     inputs: np.ndarray  # (3, n) speed [m/s], P_p and P_r [Pa]; nan where not measured
     friction_n: np.ndarray  # (n,) means of the trials
-    sigma: np.ndarray  # (n,) relative standard deviations of these means; mean square 1
+    sigma: np.ndarray  # (n,) relative standard deviations of the means; mean square 1
     trials_n: tuple[np.ndarray, ...]  # of each point
     weighted: bool  # whether ``sigma`` comes from the trials
 
@@ -25,10 +25,10 @@ class Sample:
         """The number of different speeds."""
         return len(distinct(self.inputs[0]))
 
-    def part(self, chosen: np.ndarray) -> "Sample":
-        """Return the points that are ``chosen`` (n,) bool."""
-        trials = tuple(t for t, own in zip(self.trials_n, chosen, strict=True) if own)
-        return Sample(
+    def subset(self, chosen: np.ndarray) -> "FitPoints":
+        """Return the points with True in ``chosen`` (n,)."""
+        trials = tuple(t for t, used in zip(self.trials_n, chosen, strict=True) if used)
+        return FitPoints(
             self.inputs[:, chosen],
             self.friction_n[chosen],
             self.sigma[chosen],
@@ -38,14 +38,15 @@ class Sample:
 
 
 def sign(curve: Curve) -> float:
-    """Return what turns a curve's friction into a magnitude."""
+    """Return the factor from a curve's friction to its magnitude."""
     return 1.0 if curve.direction == "extend" else -1.0
 
 
-def sample(curves: Sequence[Curve], weights: str = "equal") -> Sample:
+def fit_points(curves: Sequence[Curve], weights: str = "equal") -> FitPoints:
     """Return the points of ``curves``; ``weights`` are "equal", or from the "trials".
 
-    Weights need three points with two trials or more and some scatter; all are equal without.
+    Weights from trials need scatter and three points with two trials or more; otherwise all weights
+    are equal.
     """
     signed = [(sign(curve), point) for curve in curves for point in curve.points]
     rows = [
@@ -60,7 +61,7 @@ def sample(curves: Sequence[Curve], weights: str = "equal") -> Sample:
     columns = np.array(rows, dtype=float).reshape(-1, 4).T
     trials = tuple(one * np.array(point.trials_n) for one, point in signed)
     sigma = _sigma(columns[0], trials) if weights == "trials" else None
-    return Sample(
+    return FitPoints(
         inputs=columns[:3],
         friction_n=columns[3],
         sigma=np.ones(len(rows)) if sigma is None else sigma,

@@ -1,4 +1,4 @@
-"""Friction law as fits need it: a function of speed and pressures with one nonlinear parameter.
+"""Interface of a friction law for fits: a function of speed and pressures, one nonlinear parameter.
 
 Friction and speed are magnitudes; inputs are rows speed >= 0 [m/s], P_p [Pa], P_r [Pa].
 """
@@ -14,24 +14,24 @@ Bounds = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
-class Law:
+class FittableLaw:
     """A law F(inputs, p) with its parameters' names and units, in the order of p."""
 
     name: str
     units: Mapping[str, str]
     model: Callable[[np.ndarray, np.ndarray], np.ndarray]  # (3, n), (p,) -> (n,) [N]
     jacobian: Callable[[np.ndarray, np.ndarray], np.ndarray]  # -> (n, p)
-    # Derivatives (n, p - 1) by the linear parameters, in their order, given the nonlinear one.
+    # Derivatives (n, p - 1) by the linear parameters, in order, at a value of the nonlinear one.
     basis: Callable[[np.ndarray, float], np.ndarray]
     nonlinear: str  # its name
-    # Bounds and typical sizes of the parameters, given inputs and the largest friction.
+    # Bounds and typical sizes of the parameters, from inputs and the largest friction.
     bounds: Callable[[np.ndarray], Bounds]
     scale: Callable[[np.ndarray, float], np.ndarray]
-    pressures: bool = False  # whether it needs both chambers' pressures
+    pressures: bool = False  # whether the law needs both chambers' pressures
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The parameters' names."""
+        """Names of the parameters."""
         return tuple(self.units)
 
     def limits(self, inputs: np.ndarray, other: Bounds) -> tuple[np.ndarray, np.ndarray]:
@@ -44,7 +44,7 @@ class Law:
     def starts(
         self, inputs: np.ndarray, friction: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> list[np.ndarray]:
-        """Return a start for each minimum over the nonlinear parameter, the others being best."""
+        """Return a start for each minimum over the nonlinear parameter, with optimal others."""
         place = self.names.index(self.nonlinear)
         found, costs = [], []
         for value in _spread(lower[place], upper[place]):

@@ -1,4 +1,4 @@
-"""All laws of a campaign: curve by curve, all loads at once, and which predicts best."""
+"""Fits of a campaign: laws of single curves, joint laws of all loads, and their selection."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -17,10 +17,10 @@ def fitted(curve: Curve, how: Fitting) -> Curve:
 
 
 def joint_fits(curves: Sequence[Curve], how: Fitting) -> tuple[JointFit, ...]:
-    """Fit the laws of all loads to the curves of each kind and label.
+    """Fit the joint laws of all loads to the curves of each kind and label.
 
-    Only curves that have fits of their own count, and two of them at least: one curve does not
-    tell pressure from speed.
+    Only curves with fits of their own are used, and at least two: one curve does not distinguish
+    the effects of pressure and speed.
     """
     names = [name for name in how.laws if name in JOINT_LAWS]
     groups: dict[tuple, list[Curve]] = defaultdict(list)

@@ -1,4 +1,4 @@
-"""The two lines of Marton and Lantos (3.3): fitted to a curve, and from a Tustin fit.
+"""Two-line law of Marton and Lantos (3.3): fitted to a curve, or derived from a Tustin fit.
 
 Fitted (``TWO_LINES``), they meet at the switch velocity, which is a parameter like the slopes
 (``model/friction/formulas.py``). From a Tustin fit, as the source does it, they are tangents at
@@ -17,9 +17,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.analysis.fitting.fit_data import sample, sign
-from hbench.analysis.fitting.fittable_law import Law
-from hbench.analysis.fitting.over_curves import tustin_worth, without_impossible
+from hbench.analysis.fitting.fit_data import fit_points, sign
+from hbench.analysis.fitting.fittable_law import FittableLaw
+from hbench.analysis.fitting.over_curves import tustin_covariance, without_impossible_intervals
 from hbench.analysis.fitting.tustin import NAMES
 from hbench.analysis.rounding import distinct
 from hbench.analysis.statistics.bounded import complex_step
@@ -43,7 +43,7 @@ def _jacobian(inputs: np.ndarray, p: np.ndarray) -> np.ndarray:
 
 
 def _between(inputs: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Bound v_SW so that two speeds or more lie on each line."""
+    """Return bounds of v_SW with two or more speeds on each line."""
     speeds = distinct(inputs[0])
     return {"v_switch_m_s": (float(speeds[1]), float(speeds[-2]))}
 
@@ -53,7 +53,7 @@ def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
     return np.array([force, force / v_max, force / v_max, v_max])
 
 
-TWO_LINES = Law(
+TWO_LINES = FittableLaw(
     name="marton_lantos",
     units={name: unit for name, unit in UNITS.items() if name != "high_force_n"},
     model=lambda inputs, p: joined_lines(inputs[0], *p),
@@ -65,27 +65,28 @@ TWO_LINES = Law(
 )
 
 
-def marton_lantos(curves: Sequence[Curve], tustin: Fit) -> Fit:
-    """Return the lines of one direction's curves, from their Tustin fit, on magnitudes as that fit.
+def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
+    """Return the two lines of one direction's curves from their Tustin fit, for magnitudes.
 
-    Intervals follow from the Tustin parameters' covariance (``tustin_worth``) by the delta method.
-    Tangents at rest and at v_max meet between, so v_SW has no interval where that would reach
-    outside, nor where v_s has no standard error. ``rmse_n`` is that of the lines at the points.
+    Intervals follow from the Tustin parameters' covariance (``tustin_covariance``) by the delta
+    method. Tangents at rest and at v_max intersect between them, so v_SW has no interval if it
+    would extend beyond, or if v_s has no standard error. ``rmse_n`` is that of the lines at the
+    points.
     """
-    data = sample(curves)
+    data = fit_points(curves)
     v, one = data.inputs[0], sign(curves[0])
     p = np.array([tustin.parameters[name].value for name in NAMES])
     v_max = float(v.max())
     values = lines(p, v_max)
     slopes = complex_step(lambda p: lines(p, v_max), p)
-    spread, dof = tustin_worth(curves, tustin)
+    spread, dof = tustin_covariance(curves, tustin)
     parameters = fit_parameters(UNITS, values, slopes @ spread @ slopes.T, dof, [None] * 5)
-    parameters, messages = without_impossible(parameters, {_SWITCH: (0.0, v_max)})
+    parameters, messages = without_impossible_intervals(parameters, {_SWITCH: (0.0, v_max)})
     if tustin.parameters["v_stribeck_m_s"].se is None and parameters[_SWITCH].ci95:
         parameters[_SWITCH] = replace(parameters[_SWITCH], se=None, ci95=None)
-        messages.append(f"{_SWITCH} has no interval, as v_stribeck_m_s has no standard error")
+        messages.append(f"{_SWITCH} has no interval, since v_stribeck_m_s has no standard error")
     if tustin.message:
-        messages.append(f"of the Tustin fit behind it: {tustin.message}")
+        messages.append(f"Tustin fit: {tustin.message}")
     return Fit(
         law="marton_lantos",
         parameters=parameters,

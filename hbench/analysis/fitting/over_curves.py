@@ -1,15 +1,15 @@
-"""What a Tustin fit to the points of several curves is worth: curves are the unit, not points.
+"""Covariance of a Tustin fit to several curves, with curves as the independent unit.
 
-A curve's load and direction move all of its points together, so points of several curves are not
-independent; curves are. One curve alone has its points for that.
+A curve's load and direction affect all of its points alike, so points of several curves are not
+independent; curves are. For a single curve the points are the unit.
 """
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from hbench.analysis.fitting.fit_data import sample
-from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin, tustin_jacobian
+from hbench.analysis.fitting.fit_data import fit_points
+from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin_friction, tustin_jacobian
 from hbench.analysis.statistics.intervals import covariance, covariance_over_runs, has_effect
 from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, FitParameter
@@ -17,19 +17,19 @@ from hbench.records import Curve, Fit, FitParameter
 Range = tuple[float, float]
 
 
-def tustin_worth(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, int]:
+def tustin_covariance(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, int]:
     """Return the covariance (4, 4) of a Tustin fit to ``curves``, and its degrees of freedom.
 
-    Each point is weighed as in the fit. Of G > 1 curves it is ``covariance_over_runs`` with G - 1,
-    of one curve ``covariance`` with n - p. Rows of parameters at a bound are zero.
+    Points have the weights of the fit. For G > 1 curves it is ``covariance_over_runs`` with G - 1,
+    for one curve ``covariance`` with n - p. Rows of parameters at a bound are zero.
     """
-    data = sample(curves, Fitting().weights)
+    data = fit_points(curves, Fitting().weights)
     p = np.array([fit.parameters[name].value for name in NAMES])
     free = np.array([fit.parameters[name].at_bound is None for name in NAMES])
     jacobian = tustin_jacobian(data.inputs[0], p) / data.sigma[:, None]
     size = TUSTIN.scale(data.inputs, float(np.abs(data.friction_n).max()))
     jacobian, effect = jacobian[:, free], has_effect(jacobian, size)[free]
-    residual = (tustin(data.inputs[0], p) - data.friction_n) / data.sigma
+    residual = (tustin_friction(data.inputs[0], p) - data.friction_n) / data.sigma
     spread = np.zeros((len(p), len(p)))
     if len(curves) == 1:
         spread[np.ix_(free, free)] = covariance(jacobian, residual, effect)
@@ -39,10 +39,10 @@ def tustin_worth(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, int]:
     return spread, len(curves) - 1
 
 
-def without_impossible(
+def without_impossible_intervals(
     parameters: Mapping[str, FitParameter], possible: Mapping[str, Range]
 ) -> tuple[dict[str, FitParameter], list[str]]:
-    """Take away linearised intervals that leave what is ``possible``; tell which, in sentences."""
+    """Remove linearised intervals beyond the ``possible`` range, and return messages on them."""
     kept, messages = dict(parameters), []
     for name, (least, most) in possible.items():
         p = parameters[name]
@@ -50,6 +50,6 @@ def without_impossible(
             kept[name] = FitParameter(p.value, None, None, p.at_bound, p.unit)
             messages.append(
                 f"{name} has no interval: the linearised one, {p.ci95[0]:.3g} … {p.ci95[1]:.3g} "
-                f"{p.unit}, leaves its range {least:.3g} … {most:.3g}"
+                f"{p.unit}, exceeds the range {least:.3g} … {most:.3g}"
             )
     return kept, messages

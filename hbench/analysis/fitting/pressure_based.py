@@ -1,12 +1,12 @@
-"""The pressure-based law (3.7), for the points of all loads and directions at once.
+"""Pressure-based law (3.7), for the points of all loads and directions jointly.
 
-k4 needs both directions or rod-side pressures that differ: at one of them P_r is as good as
-constant over speed.
+k4 needs both directions or different rod-side pressures: within one of them P_r is nearly constant
+over speed.
 """
 
 import numpy as np
 
-from hbench.analysis.fitting.fittable_law import Law
+from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.config.fitting import FitBounds
 from hbench.model.friction.formulas import pressure_curve, seal_force
 from hbench.records.friction_laws import FRICTION_LAWS
@@ -14,10 +14,10 @@ from hbench.records.friction_laws import FRICTION_LAWS
 UNITS = FRICTION_LAWS["pressure_based"].units
 
 
-def pressure_based(
+def pressure_based_friction(
     speed_m_s: np.ndarray, p_p_pa: np.ndarray, p_r_pa: np.ndarray, k: np.ndarray
 ) -> np.ndarray:
-    """Return the magnitude of friction [N] at speeds >= 0; k in the order of ``UNITS``."""
+    """Return the magnitude of friction [N] at speeds >= 0, with k in the order of ``UNITS``."""
     k1, k2, k3, k4, k5 = k
     seal = seal_force(p_p_pa, p_r_pa, k3, k4)
     return pressure_curve(speed_m_s, seal, k1, k2) + k5 * speed_m_s
@@ -39,10 +39,10 @@ def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
     return np.array([force, 1 / speed, force / pressure, force / pressure, force / speed])
 
 
-PRESSURE_BASED = Law(
+PRESSURE_BASED = FittableLaw(
     name="pressure_based",
     units=UNITS,
-    model=lambda inputs, k: pressure_based(inputs[0], inputs[1], inputs[2], k),
+    model=lambda inputs, k: pressure_based_friction(inputs[0], inputs[1], inputs[2], k),
     jacobian=_jacobian,
     basis=_basis,
     nonlinear="k2_s_m",

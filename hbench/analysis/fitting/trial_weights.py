@@ -1,12 +1,12 @@
-"""Weights from the trials: the scatter of a reference's trials, pooled over all speeds.
+"""Weights from the scatter of the trials, pooled over all speeds.
 
-Three trials tell their own variance within a factor of forty, so each point's own variance is no
-weight. Here one law stands for all, ln sigma^2 = a + b ln|v|, fitted to the variances s_i^2 of the
-trials by their own likelihood (they are gamma distributed with n_i - 1 degrees of freedom):
+Three trials determine their variance only within a factor of forty, so it can't serve as a point's
+weight. Instead, one law ln sigma^2 = a + b ln|v| is fitted to the variances s_i^2 of all points by
+maximum likelihood (they are gamma distributed with n_i - 1 degrees of freedom):
 
     minimise  sum (n_i - 1) (s_i^2 / sigma_i^2 + ln sigma_i^2)
 
-by iterated least squares. A point of n trials then weighs n / sigma^2.
+by iterated least squares. The weight of a point with n trials is n / sigma^2.
 """
 
 import numpy as np

@@ -1,10 +1,10 @@
-"""The Tustin law (3.2) on magnitudes, so that both directions give positive parameters."""
+"""Tustin law (3.2) for magnitudes, so that both directions have positive parameters."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
-from hbench.analysis.fitting.fittable_law import Law
+from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.config.fitting import FitBounds
 from hbench.model.friction.formulas import stribeck_curve
 from hbench.records.friction_laws import FRICTION_LAWS
@@ -12,11 +12,11 @@ from hbench.records.friction_laws import FRICTION_LAWS
 UNITS = FRICTION_LAWS["tustin"].units
 NAMES = tuple(UNITS)
 
-# The source's bounds. It warns that they were set after seeing its data.
+# The source's bounds, which it set after seeing its data, as it warns.
 TABLE_6_1: Mapping[str, tuple[float, float]] = {name: getattr(FitBounds(), name) for name in NAMES}
 
 
-def tustin(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
+def tustin_friction(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Return F_C + (F_s - F_C) exp(-v / v_s) + B v [N] for speeds >= 0; p in ``NAMES`` order."""
     f_c, f_s, v_s, b = p
     return stribeck_curve(v_m_s, 0.0, f_c, f_s, v_s, 1.0) + b * v_m_s
@@ -34,10 +34,10 @@ def _basis(inputs: np.ndarray, v_s: float) -> np.ndarray:
     return np.column_stack([1 - e, e, inputs[0]])
 
 
-TUSTIN = Law(
+TUSTIN = FittableLaw(
     name="tustin",
     units=UNITS,
-    model=lambda inputs, p: tustin(inputs[0], p),
+    model=lambda inputs, p: tustin_friction(inputs[0], p),
     jacobian=lambda inputs, p: tustin_jacobian(inputs[0], p),
     basis=_basis,
     nonlinear="v_stribeck_m_s",

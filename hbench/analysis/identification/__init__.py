@@ -1,1 +1,1 @@
-"""Friction laws identified from a campaign and verified in a model of its bench."""
+"""Identification of friction laws from a campaign, with verification in a model of its bench."""

@@ -1,12 +1,11 @@
-"""A friction law driven along a logged motion: what it would have made of the same velocity.
+"""Friction of a law driven by a logged motion.
 
 A sample is the mean over its interval, as the board's records are. Within an interval, in ten
-steps, velocity and pressures are parabolas that have this mean and, at either end, the mean of both
-neighbours: so the bristles have gone as far as the piston. (Straight lines from one sample to the
-next are off by a dt^2/8 at acceleration a: some um after a reversal at 100 Hz, which took 30 N s/m
-from a sigma_1 of 100 N s/m beside a sigma_0 of 2.6e5 N/m.) LuGre's bristles follow the exact
-solution of their equation over a step; the other laws take the explicit midpoint rule. All begin
-relaxed.
+steps, velocity and pressures are parabolas with this mean and, at each end, the mean of both
+neighbours, so that the bristles travel as far as the piston. (Linear interpolation between samples
+errs by a dt^2/8 at acceleration a: some um after a reversal at 100 Hz, which reduced a sigma_1 of
+100 N s/m by 30 N s/m at a sigma_0 of 2.6e5 N/m.) LuGre's bristles follow the exact solution of
+their equation over a step; the other laws use the explicit midpoint rule. All start relaxed.
 """
 
 import numpy as np
@@ -20,7 +19,7 @@ _STEPS = 10  # of an interval
 _NOMINAL = 1.0  # level of friction
 
 
-def friction_along(motion: LoggedMotion, par: FrictionParameters) -> np.ndarray:
+def driven_friction(motion: LoggedMotion, par: FrictionParameters) -> np.ndarray:
     """Return the law's friction [N] at each sample (n,) of a motion, from relaxed bristles on."""
     out = np.zeros(len(motion.v_m_s))
     state, work = np.zeros(2 * len(par.elements)), np.zeros((2, 2 * len(par.elements)))

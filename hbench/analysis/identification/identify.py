@@ -1,14 +1,14 @@
-"""All five friction laws from a campaign's averaged curves and logged reversals.
+"""Identification of five friction laws from a campaign's averaged curves and logged motions.
 
-    tustin          steady curves of all loads and both directions as one, on magnitudes
-    marton_lantos   each direction's curves as one: the two lines of its own Tustin fit
-    pressure_based  steady curves, all loads and directions at once
-    lugre           along runs that reverse, and ramps; the search starts at the Tustin fit
+    tustin          all points of the steady curves, for magnitudes
+    marton_lantos   points of each direction's curves: the two lines of its Tustin fit
+    pressure_based  all points of the steady curves
+    lugre           motions with reversals, and ramps; the search starts at the Tustin fit
     leuven          as LuGre, with three elements and n = 1; the search starts at the LuGre fit
 
-Ramps do not reverse: they tell sliding over load and speed. Runs of ``steps`` take no part: a
-velocity that jumps does so between two samples, and velocity and inertia from the log are then
-wrong (on the virtual rig by up to 150 N at a jump, and the bristles' parameters follow).
+Ramps do not reverse; they determine sliding friction over load and speed. Runs of ``steps`` are not
+used: velocity steps occur between two samples, so that velocity and inertia from the log are wrong
+(on the virtual rig by up to 150 N, which distorts the bristles' parameters).
 """
 
 from collections.abc import Callable, Sequence
@@ -18,8 +18,8 @@ from typing import Any, Literal
 import numpy as np
 
 from hbench.analysis.fitting.fit import fit_law, fit_pressure_based
-from hbench.analysis.fitting.marton_lantos import marton_lantos
-from hbench.analysis.fitting.over_curves import tustin_worth, without_impossible
+from hbench.analysis.fitting.marton_lantos import lines_from_tustin
+from hbench.analysis.fitting.over_curves import tustin_covariance, without_impossible_intervals
 from hbench.analysis.fitting.tustin import NAMES, TABLE_6_1, TUSTIN, UNITS
 from hbench.analysis.identification.friction_section import friction_section
 from hbench.analysis.identification.leuven import STEADY, fit_leuven
@@ -33,13 +33,13 @@ from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
 from hbench.records import Curve, Direction, Fit, FitParameter, IdentifiedLaw
 
-REVERSING_M_S = 2e-3  # a run reverses that goes faster than this both ways
+REVERSING_M_S = 2e-3  # a reversing motion is faster than this in both directions
 _SEALS = ("k_piston_n_pa", "k_rod_n_pa")
 _SPANS = (0.7, 1.0, 1.4, 2.0)  # Delta_max tried for a start, in lengths of LuGre's presliding
 _SHARES = (0.25, 0.25, 0.5)  # of the stiction, in the elements at the start
 _SEVERAL_MINIMA = (
-    "n = 1 is given; delta_max_m and the elements may have other minima as low, and their "
-    "intervals are those at this one"
+    "n = 1 is assumed; delta_max_m and the elements may have other equally low minima, and their "
+    "intervals are those at this minimum"
 )
 _UNKNOWN = FrictionParameters(
     law=LAWS["lugre"].code,
@@ -48,42 +48,42 @@ _UNKNOWN = FrictionParameters(
     stribeck_velocity=0.06,
     viscous=2e3,
     bristle_stiffness=3e5,
-)  # where the search starts without a Tustin fit
+)  # start of the search without a Tustin fit
 
 
 def identify_laws(
     curves: Sequence[Curve], motions: Sequence[LoggedMotion]
 ) -> tuple[IdentifiedLaw, ...]:
-    """Identify every law that steady ``curves`` and ``motions`` (triangles, ramps) allow.
+    """Identify every law that steady ``curves`` and ``motions`` (triangles, ramps) determine.
 
-    What can't be identified, or makes no section of a bench file, has the reason. Raises
-    ``DataError`` where the curves are of different cylinders.
+    A law that can't be identified, or has no valid section of a bench file, has the reason. Raises
+    ``DataError`` for curves of different cylinders.
     """
     if len({curve.specimen for curve in curves}) > 1:
         raise DataError(
             "the campaign's steady runs are of different cylinders",
-            "Identification takes one cylinder; import its runs as a campaign of their own.",
+            "Import the runs of each cylinder as a separate campaign.",
         )
     laws: dict[str, IdentifiedLaw] = {}
 
-    def found(law: str) -> Fit | None:
+    def fit_of(law: str) -> Fit | None:
         return laws[law].fit
 
     runs = tuple(run for curve in curves for point in curve.points for run in point.runs)
-    along = tuple(motion.run for motion in motions)
-    for law, own, fit in (
+    moving = tuple(motion.run for motion in motions)
+    for law, used, fit in (
         ("tustin", runs, lambda: _tustin(_enough(curves))),
         ("marton_lantos", runs, lambda: _lines(curves)),
         ("pressure_based", runs, lambda: _determined(fit_pressure_based(curves))),
-        ("lugre", along, lambda: fit_lugre(_reversing(motions), _start(found("tustin")))),
-        ("leuven", along, lambda: _leuven(motions, found("lugre"))),
+        ("lugre", moving, lambda: fit_lugre(_reversing(motions), _start(fit_of("tustin")))),
+        ("leuven", moving, lambda: _leuven(motions, fit_of("lugre"))),
     ):
-        laws[law] = _identified(law, own, fit)
+        laws[law] = _identified(law, used, fit)
     return tuple(laws.values())
 
 
 def reverses(motion: LoggedMotion) -> bool:
-    """Whether the piston goes both ways where the law is compared with the measurement."""
+    """Return whether the piston moves in both directions within the compared samples."""
     v = motion.v_m_s[motion.compared]
     return bool(len(v)) and v.min() < -REVERSING_M_S and v.max() > REVERSING_M_S
 
@@ -96,42 +96,42 @@ def _identified(law: str, runs: tuple[str, ...], fit: Callable[[], Fit]) -> Iden
     except _NotDetermined as error:
         return IdentifiedLaw(law, None, str(error))
     except ConfigError as error:
-        return IdentifiedLaw(law, None, f"the fit is no friction that a bench has: {error.message}")
+        return IdentifiedLaw(law, None, f"the fitted values are impossible: {error.message}")
     return IdentifiedLaw(law, found, section=section, runs=runs)
 
 
 class _NotDetermined(Exception):
-    """The data lacks what a law needs."""
+    """Data that is insufficient for a law."""
 
 
 def _enough(curves: Sequence[Curve], direction: Direction | Literal[""] = "") -> Sequence[Curve]:
-    """Return all curves, or one direction's, if one of them has speeds enough."""
-    own = [curve for curve in curves if direction in ("", curve.direction)]
-    speeds = max((len(curve.points) for curve in own), default=0)
+    """Return all curves, or one direction's, if one of them has enough speeds."""
+    chosen = [curve for curve in curves if direction in ("", curve.direction)]
+    speeds = max((len(curve.points) for curve in chosen), default=0)
     if speeds < len(NAMES):
-        words = f"{direction}ing " if direction else ""
+        moving = f"{direction}ing " if direction else ""
         raise _NotDetermined(
-            f"its {len(NAMES)} parameters need a {words}curve of at least {len(NAMES)} steady "
+            f"its {len(NAMES)} parameters need a {moving}curve of at least {len(NAMES)} steady "
             f"speeds; the campaign has {speeds or 'none'}"
         )
-    return own
+    return chosen
 
 
 def _tustin(curves: Sequence[Curve]) -> Fit:
-    """Fit Tustin's law to the points of all curves; of several, with intervals over curves."""
+    """Fit Tustin's law to the points of all curves; intervals of several are over curves."""
     fit = fit_law(TUSTIN, curves, Fitting())
     if len(curves) == 1:
         return fit
     values = np.array([fit.parameters[name].value for name in NAMES])
     bounds = [fit.parameters[name].at_bound for name in NAMES]
-    spread, dof = tustin_worth(curves, fit)
+    spread, dof = tustin_covariance(curves, fit)
     free = [bound is None for bound in bounds]
     found = fit_parameters(UNITS, values, spread[np.ix_(free, free)], dof, bounds)
-    parameters, impossible = without_impossible(found, TABLE_6_1)
+    parameters, impossible = without_impossible_intervals(found, TABLE_6_1)
     messages = [] if fit.converged else ["the search for the best fit did not converge"]
     messages += [*parameter_messages(found), *impossible]
     messages.append(
-        f"points of a curve go together, so intervals are over the {len(curves)} curves "
+        f"points of a curve are not independent, so intervals are over the {len(curves)} curves "
         f"({dof} degrees of freedom)"
     )
     return replace(fit, parameters=parameters, message="; ".join(messages))
@@ -140,8 +140,8 @@ def _tustin(curves: Sequence[Curve]) -> Fit:
 def _lines(curves: Sequence[Curve]) -> Fit:
     fits: dict[Direction, Fit] = {}
     for direction in ("extend", "retract"):
-        own = _enough(curves, direction)
-        fits[direction] = marton_lantos(own, _tustin(own))
+        chosen = _enough(curves, direction)
+        fits[direction] = lines_from_tustin(chosen, _tustin(chosen))
     parameters: dict[str, FitParameter] = {
         f"{direction}_{name}": parameter
         for direction, fit in fits.items()
@@ -166,7 +166,8 @@ def _determined(fit: Fit) -> Fit:
 def _reversing(motions: Sequence[LoggedMotion]) -> Sequence[LoggedMotion]:
     if not any(reverses(motion) for motion in motions):
         raise _NotDetermined(
-            "its bristles show where the motion reverses, and no usable run of kind 'triangle' does"
+            "its bristles need reversals of motion, and the campaign has no usable run of kind "
+            "'triangle'"
         )
     return motions
 
@@ -185,20 +186,20 @@ def _put(par: FrictionParameters, fit: Fit) -> FrictionParameters:
 
 
 def _leuven(motions: Sequence[LoggedMotion], lugre: Fit | None) -> Fit:
-    """Fit Leuven's law: elements alone for some Delta_max along some runs, then all along all."""
+    """Fit Leuven's law: its elements for some Delta_max to some runs, then everything to all."""
     if lugre is None:
-        raise _NotDetermined("its search starts at LuGre's fit, and there is none")
+        raise _NotDetermined("its search starts at LuGre's fit, which is missing")
     known = _put(_UNKNOWN, lugre)
     length = known.stiction / known.bristle_stiffness
     elements = tuple(share * known.stiction for share in _SHARES)
     turning = sorted(filter(reverses, motions), key=lambda motion: len(motion.v_m_s))
-    few = turning[: (len(turning) + 1) // 2]  # the shorter ones: much reversal, little sliding
+    few = turning[: (len(turning) + 1) // 2]  # the shorter ones: many reversals, little sliding
     tried = []
     for span in _SPANS:
         guess = known._replace(elements=elements, presliding=span * length)
         fit = fit_leuven(few, guess, ())
         found = tuple(p.value for p in fit.parameters.values())
         tried.append((fit.rmse_n, guess._replace(elements=found)))
-    _, best = min(tried, key=lambda one: one[0])
+    _, best = min(tried, key=lambda candidate: candidate[0])
     fit = fit_leuven(motions, best, (*STEADY, *_SEALS, "delta_max_m"), spans=(1.0,))
     return replace(fit, message="; ".join(filter(None, (fit.message, _SEVERAL_MINIMA))))

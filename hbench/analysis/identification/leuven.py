@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.identification.lugre import UNKNOWNS, fit_along, unknown
+from hbench.analysis.identification.lugre import UNKNOWNS, fit_to_motions, unknown
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters
@@ -26,7 +26,7 @@ _SHAPES = {
 }
 STEADY = ("f_coulomb_n", "f_stiction_n", "v_stribeck_m_s", "b_viscous_n_s_m")
 _SIZE_N = 100.0  # of an element
-# Tried for a start: multiples of the elements, multiples of Delta_max, and n.
+# Candidates for a start: multiples of the elements, multiples of Delta_max, and n.
 _FACTORS, _SPANS, _EXPONENTS = (0.6, 1.0, 1.6), (0.5, 0.7, 1.0, 1.4, 2.0), (0.7, 1.0, 1.6)
 
 
@@ -36,14 +36,14 @@ def fit_leuven(
     names: Sequence[str] = STEADY,
     spans: Sequence[float] = _SPANS,
 ) -> Fit:
-    """Fit all elements (non-negative) and what ``names`` tells; the rest stays as in ``known``.
+    """Fit all elements (non-negative) and the parameters in ``names``; others are as in ``known``.
 
     ``names`` are of LuGre's ``UNKNOWNS`` (without sigma_0), or ``delta_max_m`` and ``n``.
-    ``known.elements`` gives their number, and where the search starts. Delta_max and n are the
-    user's, unless they are among ``names``; intervals hold on condition of those that are given.
-    They have several minima, so the search is made from several of them, Delta_max at ``spans``
-    times the known. To choose between given ones, compare the friction of runs that were held out.
-    Intervals are over whole runs, as for LuGre.
+    ``known.elements`` specifies the number of elements and the start of the search. Delta_max and n
+    are the user's unless ``names`` contains them; intervals are conditional on given values. There
+    are several minima, so the search starts at several values, Delta_max at ``spans`` times the
+    known. To choose between given values, compare the friction of held-out runs. Intervals are over
+    whole runs, as for LuGre.
     """
     law = known._replace(law=LAWS["leuven"].code)
     n = len(law.elements)
@@ -63,4 +63,4 @@ def fit_leuven(
         scaled = law._replace(presliding=span * law.presliding, shape=shape)
         fixed = [getattr(scaled, u.field) for u in others.values()]
         starts.append([np.array([*(f * e for e in law.elements), *fixed]) for f in _FACTORS])
-    return fit_along("leuven", motions, put, elements | others, starts)
+    return fit_to_motions("leuven", motions, put, elements | others, starts)

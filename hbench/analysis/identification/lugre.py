@@ -1,8 +1,8 @@
-"""The LuGre law fitted to logged runs with reversals: bristles and steady curve together.
+"""Fit of the LuGre law to logged runs with reversals: bristles and steady curve jointly.
 
 The law follows each run's measured velocity and pressures, and its friction is compared with the
-measured one, sample by sample (3.8 to 3.12). Presliding after each reversal tells sigma_0 and
-sigma_1, sliding the rest.
+measured one, sample by sample (3.8 to 3.12). Presliding after each reversal determines sigma_0 and
+sigma_1, sliding the other parameters.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hbench.analysis.identification.driven_law import friction_along
+from hbench.analysis.identification.driven_law import driven_friction
 from hbench.analysis.screening.sample_friction import LoggedMotion
 from hbench.analysis.statistics.bounded import Problem, solve
 from hbench.analysis.statistics.intervals import (
@@ -51,7 +51,7 @@ _LIMITS = {  # bounds and typical size
     "k_rod_n_pa": (0.0, 1e-2, 1e-5),
 }
 UNKNOWNS: Mapping[str, Unknown] = {name: unknown(name, *limits) for name, limits in _LIMITS.items()}
-_STIFFNESSES = np.geomspace(3e4, 3e6, 7)  # tried for a start
+_STIFFNESSES = np.geomspace(3e4, 3e6, 7)  # candidates for a start
 _STEP = 1e-5  # of a parameter's size, for its derivative
 
 
@@ -60,11 +60,11 @@ def fit_lugre(
     known: FrictionParameters,
     names: Sequence[str] = tuple(UNKNOWNS),
 ) -> Fit:
-    """Fit the ``UNKNOWNS`` in ``names``; the other parameters stay as in ``known``.
+    """Fit the ``UNKNOWNS`` in ``names``; the other parameters are as in ``known``.
 
-    ``known`` is also where the search starts, but for sigma_0. Intervals are over whole runs
-    (``covariance_over_runs``), for the samples of a run are not independent. Their systematic
-    errors, such as a sensor's gain, are not in them.
+    The search starts at ``known``, except for sigma_0. Intervals are over whole runs
+    (``covariance_over_runs``), since the samples of a run are not independent. They do not include
+    systematic errors, such as those of a sensor's gain.
     """
     law = known._replace(law=LAWS["lugre"].code)
     unknowns = {name: UNKNOWNS[name] for name in names}
@@ -79,19 +79,19 @@ def fit_lugre(
     if "sigma0_n_m" in unknowns:
         place = list(unknowns).index("sigma0_n_m")
         starts = [np.where(np.arange(len(start)) == place, s, start) for s in _STIFFNESSES]
-    return fit_along("lugre", motions, put, unknowns, [starts])
+    return fit_to_motions("lugre", motions, put, unknowns, [starts])
 
 
-def fit_along(
+def fit_to_motions(
     law: str,
     motions: Sequence[LoggedMotion],
     put: Callable[[np.ndarray], FrictionParameters],
     unknowns: Mapping[str, Unknown],
     starts: Sequence[Sequence[np.ndarray]],
 ) -> Fit:
-    """Fit a law of any kind along ``motions``; ``put`` makes its parameters from the unknowns.
+    """Fit any law to ``motions``; ``put`` returns its parameters from the unknowns.
 
-    One search begins at the best of each group of ``starts``; the best that they find counts.
+    A search begins at the best of each group of ``starts``; the best of their solutions counts.
     """
     lower = np.array([u.lower for u in unknowns.values()])
     upper = np.array([u.upper for u in unknowns.values()])
@@ -100,7 +100,7 @@ def fit_along(
     def residual(x: np.ndarray) -> np.ndarray:
         par = put(x)
         return np.concatenate(
-            [(friction_along(m, par) - m.friction_n)[m.compared] for m in motions]
+            [(driven_friction(m, par) - m.friction_n)[m.compared] for m in motions]
         )
 
     def jacobian(x: np.ndarray) -> np.ndarray:

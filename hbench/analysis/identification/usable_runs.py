@@ -1,4 +1,4 @@
-"""Runs that an identification uses, by kind of experiment, and runs that it leaves out."""
+"""Use of runs in the identification, by kind of experiment, and runs left out."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,19 +7,19 @@ from hbench.errors import DataError
 from hbench.records import KINDS, Curve, Run, RunPlan, ScreenedRun
 from hbench.records.kinds import IdentificationUse
 
-# Use of a kind's runs, and why accepted ones are left out; empty where that needs no remark.
+# Use of a kind's runs, and why accepted runs are left out; empty without such a reason.
 USES: Mapping[IdentificationUse, str] = {
     "steady_curve": "",  # through their curves
-    "motion": "",  # sample by sample, for laws with a memory
-    "verification": "",  # for the verification alone
-    "too_fast": "its velocity jumps, faster than a log can follow",
+    "motion": "",  # sample by sample, for laws with internal states
+    "verification": "",  # for the verification only
+    "too_fast": "its velocity steps are too fast for the log",
     "unused": "",
 }
 
 
-def identification_use(one: RunPlan | Curve) -> IdentificationUse:
+def identification_use(item: RunPlan | Curve) -> IdentificationUse:
     """Return the use of a run or curve in the identification."""
-    return KINDS[one.kind].identification
+    return KINDS[item.kind].identification
 
 
 def usable_runs(
@@ -30,12 +30,13 @@ def usable_runs(
     ``mass_kg`` is the test side's.
     """
     usable, left_out = [], []
-    for one in screened:
-        plan, use = one.run.plan, identification_use(one.run.plan)
-        reason = USES[use] if one.accepted else "; ".join(one.reasons)
-        if one.accepted and use in ("motion", "verification"):
+    for verdict in screened:
+        run = verdict.run
+        plan, use = run.plan, identification_use(run.plan)
+        reason = USES[use] if verdict.accepted else "; ".join(verdict.reasons)
+        if verdict.accepted and use in ("motion", "verification"):
             try:
-                usable.append((one.run, logged_motion(one.run, mass_kg)))
+                usable.append((run, logged_motion(run, mass_kg)))
             except DataError as error:
                 reason = error.message.partition(": ")[2]
         if reason:

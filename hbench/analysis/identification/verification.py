@@ -1,9 +1,9 @@
-"""Friction laws put to the test: a law's model against the measured run, and steady against ramp.
+"""Verification of friction laws: errors of a law's model on measured runs, and of fits on curves.
 
 A model of the bench with the identified law follows the same profile under the same controller
 (sections 5.4 and 5.5). Its log is compared with the measured one sample by sample. Samples are
-steady where the reference has been the same speed for 0.3 s, at rest where it has been zero for
-as long (friction is then whatever holds the piston, which no static law knows), else unsteady.
+steady if the reference has been constant for 0.3 s, at rest if it has been zero for as long
+(friction then equals the applied force, which no static law describes), else unsteady.
 """
 
 from collections import defaultdict
@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.analysis.fitting.fit_data import sign
-from hbench.analysis.fitting.tustin import NAMES, tustin
+from hbench.analysis.fitting.tustin import NAMES, tustin_friction
 from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
@@ -24,43 +24,43 @@ SETTLE_S = 0.3  # as in the steady window
 
 
 def unchanged(v_ref_m_s: np.ndarray, dt_s: float) -> np.ndarray:
-    """Return at which samples (n,) the reference has been the same for 0.3 s."""
+    """Return whether the reference has been constant for 0.3 s at each sample (n,)."""
     changed = np.concatenate(([True], np.diff(v_ref_m_s) != 0))
     last = np.maximum.accumulate(np.where(changed, np.arange(len(changed)), 0))
     return (np.arange(len(changed)) - last) * dt_s > SETTLE_S - 0.5 * dt_s
 
 
 def model_errors(
-    measured: Sequence[Run], modelled: Sequence[Run], mass_kg: float
+    measured: Sequence[Run], simulated: Sequence[Run], mass_kg: float
 ) -> dict[str, ModelErrors]:
-    """Return the errors of the ``steady``, ``unsteady`` and ``rest`` parts over all pairs of runs.
+    """Return the errors in the ``steady``, ``unsteady`` and ``rest`` sections of all runs.
 
-    The runs have the same profile; where a segment ended a little earlier in one of them, the
-    time that both have counts. ``mass_kg`` is the test side's. Raises ``DataError``.
+    Each pair of runs has the same profile; if one of them is shorter, the common time counts.
+    ``mass_kg`` is the test side's. Raises ``DataError``.
     """
-    parts = _Parts()
-    for real, model in zip(measured, modelled, strict=True):
+    errors = _SectionErrors()
+    for real, model in zip(measured, simulated, strict=True):
         if real.v_ref_m_s is None or real.plan.motion != model.plan.motion:
-            raise DataError(f"run {real.plan.run}: its model has not followed the same profile")
+            raise DataError(f"run {real.plan.run}: its model followed another profile")
         n = min(len(real.t_s), len(model.t_s))
-        ours, theirs = logged_motion(real, mass_kg), logged_motion(model, mass_kg)
-        parts.add(real.v_ref_m_s[:n], ours.dt_s, _signals(theirs, n) - _signals(ours, n))
-    return parts.rms()
+        log, simulation = logged_motion(real, mass_kg), logged_motion(model, mass_kg)
+        errors.add(real.v_ref_m_s[:n], log.dt_s, _signals(simulation, n) - _signals(log, n))
+    return errors.rms()
 
 
 def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErrors]:
-    """Return how far a trial lies from what is expected of all, by the same parts.
+    """Return the scatter between the trials of a profile, in the same sections.
 
-    Each of n trials of a profile counts ``sqrt(n / (n - 1))`` times as far from the trials' mean
-    as it is: so a model that is their expectation would err. One that repeats how each trial
-    begins may err less. Empty where no profile was run twice. ``mass_kg`` is the test side's.
-    Raises ``DataError``.
+    The deviation of each of n trials from their mean is multiplied by ``sqrt(n / (n - 1))``: these
+    are the errors of a model that equals the trials' expectation. A model that starts from each
+    trial's initial state can have smaller errors. Empty if no profile has two trials. ``mass_kg``
+    is the test side's. Raises ``DataError``.
     """
     profiles: dict[tuple, list[Run]] = defaultdict(list)
     for run in measured:
         plan = run.plan
         profiles[plan.motion, plan.label, plan.f_load_n, plan.p_lr_ref_pa].append(run)
-    parts = _Parts()
+    scatter = _SectionErrors()
     for runs in profiles.values():
         if len(runs) < 2 or any(run.v_ref_m_s is None for run in runs):
             continue
@@ -68,29 +68,29 @@ def trial_scatter(measured: Sequence[Run], mass_kg: float) -> dict[str, ModelErr
         motions = [logged_motion(run, mass_kg) for run in runs]
         signals = np.array([_signals(motion, n) for motion in motions])
         factor = np.sqrt(len(runs) / (len(runs) - 1))
-        for run, motion, own in zip(runs, motions, signals, strict=True):
+        for run, motion, trial in zip(runs, motions, signals, strict=True):
             v_ref = required(run, "v_ref_m_s")[:n]
-            parts.add(v_ref, motion.dt_s, factor * (own - signals.mean(axis=0)))
-    return parts.rms() if parts else {}
+            scatter.add(v_ref, motion.dt_s, factor * (trial - signals.mean(axis=0)))
+    return scatter.rms() if scatter else {}
 
 
 def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndarray) -> Curve:
     """Return friction over velocity of ramps: means of the samples between ``speeds_m_s`` (k,).
 
-    Only samples from the lowest of these speeds on, so breakaway itself is left out; bins without
-    samples are. Kind, load, direction and cylinder are those of ``like``.
+    Samples below the lowest of these speeds, thus breakaway itself, and empty bins are left out.
+    Kind, load, direction and cylinder are those of ``like``.
     """
     v = np.concatenate([m.v_m_s for m in motions])
     friction = np.concatenate([m.friction_n for m in motions])
     p_p = np.concatenate([m.p_p_pa for m in motions])
     p_r = np.concatenate([m.p_r_pa for m in motions])
     applied = np.concatenate([m.f_applied_n for m in motions])
-    place = np.digitize(np.abs(v), speeds_m_s)
+    bins = np.digitize(np.abs(v), speeds_m_s)
     points = []
     for i in range(1, len(speeds_m_s)):
-        own = (place == i) & (sign(like) * v > 0)
-        if own.any():
-            means = [float(values[own].mean()) for values in (v, friction, p_p, p_r, applied)]
+        chosen = (bins == i) & (sign(like) * v > 0)
+        if chosen.any():
+            means = [float(values[chosen].mean()) for values in (v, friction, p_p, p_r, applied)]
             points.append(_point(like, tuple(m.run for m in motions), *means))
     return replace(like, points=tuple(points), fits=())
 
@@ -100,7 +100,7 @@ def curve_error(fit: Fit, curve: Curve) -> float:
     p = np.array([fit.parameters[name].value for name in NAMES])
     v = np.abs([point.v_m_s for point in curve.points])
     measured = sign(curve) * np.array([point.friction_n for point in curve.points])
-    return float(np.sqrt(np.mean((tustin(v, p) - measured) ** 2)))
+    return float(np.sqrt(np.mean((tustin_friction(v, p) - measured) ** 2)))
 
 
 def _signals(motion: LoggedMotion, n: int) -> np.ndarray:
@@ -108,24 +108,25 @@ def _signals(motion: LoggedMotion, n: int) -> np.ndarray:
     return np.array([signal[:n] for signal in signals])
 
 
-class _Parts(dict[str, list[np.ndarray]]):
-    """Differences (n, 4) of the four signals, part by part of the profile."""
+class _SectionErrors(dict[str, list[np.ndarray]]):
+    """Differences (n, 4) of the four signals, by sections of the profile."""
 
     def add(self, v_ref_m_s: np.ndarray, dt_s: float, difference: np.ndarray) -> None:
         """Sort one run's differences (4, n)."""
-        held, rest = unchanged(v_ref_m_s, dt_s), v_ref_m_s == 0
-        for name, part in zip(PARTS, (held & ~rest, ~held, held & rest), strict=True):
-            self.setdefault(name, []).append(difference.T[part])
+        constant, zero = unchanged(v_ref_m_s, dt_s), v_ref_m_s == 0
+        sections = (constant & ~zero, ~constant, constant & zero)
+        for name, section in zip(PARTS, sections, strict=True):
+            self.setdefault(name, []).append(difference.T[section])
 
     def rms(self) -> dict[str, ModelErrors]:
-        """Return the root mean square of each part, nan where it has no samples."""
-        found = {}
+        """Return the root mean square in each section; nan without samples."""
+        errors = {}
         for name, pieces in self.items():
             d = np.concatenate(pieces)
             means = np.sqrt(np.mean(d**2, axis=0)).tolist() if len(d) else [float("nan")] * 4
             friction, v, p_p, p_r = means
-            found[name] = ModelErrors(friction, v, p_p, p_r, samples=len(d))
-        return found
+            errors[name] = ModelErrors(friction, v, p_p, p_r, samples=len(d))
+        return errors
 
 
 def _point(

@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hbench.analysis.identification.driven_law import friction_along
+from hbench.analysis.identification.driven_law import driven_friction
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.config.bench import Bench, Plant
 from hbench.model.build import plant_parameters
@@ -204,7 +204,7 @@ def _force_test(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
         return {}
     p_tp, p_tr, f_applied = channels
     f_test = p_tp * test.area_piston_m2 - p_tr * test.area_rod_m2
-    friction = friction_along(log.motion, test.friction)
+    friction = driven_friction(log.motion, test.friction)
     unbalanced = f_test - f_applied - friction
     return {"force_test": _force_residual(log, log.motion, unbalanced, par.mass_test_kg)}
 
@@ -216,7 +216,7 @@ def _force_load(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
         return {}
     f_applied, p_lp, p_lr = channels
     f_load = p_lp * load.area_piston_m2 - p_lr * load.area_rod_m2
-    friction = friction_along(replace(log.motion, p_p_pa=p_lp, p_r_pa=p_lr), load.friction)
+    friction = driven_friction(replace(log.motion, p_p_pa=p_lp, p_r_pa=p_lr), load.friction)
     unbalanced = f_applied - f_load - friction
     return {"force_load": _force_residual(log, log.motion, unbalanced, par.mass_load_kg)}
 

@@ -48,7 +48,7 @@ def flash(
     """
     port = open_port(boot_baud)
     try:
-        load_image(port, image)
+        send_image(port, image)
     except NotInBoot as error:
         port.close()
         raise _running_firmware_error(open_port, baud) or error from None
@@ -57,7 +57,7 @@ def flash(
     return verified_identity(open_port(baud), image.name, image.contains_text, _SILENT_PROGRAM)
 
 
-def load_image(port: Port, image: BootImage) -> None:
+def send_image(port: Port, image: BootImage) -> None:
     """Load ``image``; the boot ROM then jumps to its entry. Raises ``DeviceError``."""
     _autobaud(port)
     _send(port, image.stream)

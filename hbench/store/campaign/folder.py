@@ -49,7 +49,7 @@ class CampaignWriter:
     def create(cls, folder: Path, header: Mapping[str, Any]) -> "CampaignWriter":
         """Begin a campaign. Raises ``ConfigError`` if ``folder`` contains one already."""
         refuse_existing(folder)
-        write_atomic(folder / JOURNAL, journal.header_text(header).encode())
+        write_atomic(folder / JOURNAL, journal.journal_header(header).encode())
         return cls(folder)
 
     @classmethod
@@ -149,7 +149,7 @@ class Campaign:
         return Provenance(
             name=str(header["name"]),
             source=header["source"],
-            bench=str(bench.get("content", {}).get("name", "not told")),
+            bench=str(bench.get("content", {}).get("name", "not specified")),
             firmware=", ".join(f"{key} {value}" for key, value in firmware.items()),
             started=str(header["created"]),
             stopped=max((e.stop.at for e in self.entries if e.stop), default=""),
@@ -253,7 +253,7 @@ def load_campaign(folder: Path) -> Campaign:
     return Campaign(folder, content.header, content.entries, tuple(map(printable, warnings)))
 
 
-def _unlisted_logs(folder: Path, content: journal.Journal) -> Iterator[str]:
+def _unlisted_logs(folder: Path, content: journal.JournalContent) -> Iterator[str]:
     """Report logs without a journal entry: the entry was lost, or the log was added later."""
     listed = {entry.plan.run for entry in content.entries}
     suffix = ".csv" if content.header["source"] == "imported" else ".dat"
@@ -264,7 +264,7 @@ def _unlisted_logs(folder: Path, content: journal.Journal) -> Iterator[str]:
         yield f"{folder / JOURNAL}: no entry for {few} in runs: left out ({len(unlisted)} logs)"
 
 
-def _repeated_runs(content: journal.Journal) -> Iterator[str]:
+def _repeated_runs(content: journal.JournalContent) -> Iterator[str]:
     """Report runs that were repeated after a rejection, which selects among trials."""
     repeated = [entry for entry in content.entries if entry.after_rejection]
     if repeated:

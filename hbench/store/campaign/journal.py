@@ -70,7 +70,7 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Journal:
+class JournalContent:
     """Content of ``campaign.yaml``."""
 
     header: dict[str, Any]
@@ -88,7 +88,7 @@ def check_run_id(run: str, source: str) -> str:
     return run
 
 
-def header_text(header: Mapping[str, Any]) -> str:
+def journal_header(header: Mapping[str, Any]) -> str:
     """Return the journal's beginning; ``REQUIRED`` keys must be there.
 
     The schema is added, and the checksums that identify an edited section.
@@ -140,7 +140,7 @@ def intact_length(data: bytes) -> int:
     return length
 
 
-def parse_journal(data: bytes, source: str) -> Journal:
+def parse_journal(data: bytes, source: str) -> JournalContent:
     """Read a journal. Raises ``DataError`` naming ``source`` and the line or run."""
     intact = data[: intact_length(data)]
     warnings: tuple[str, ...] = ()
@@ -167,7 +167,7 @@ def parse_journal(data: bytes, source: str) -> Journal:
     entries = tuple(_entry(item, f"{source}: runs.{n}") for n, item in enumerate(items))
     checksums = content.pop("sha256", None)
     warnings += tuple(f"{source}: {edit}" for edit in _edits(content, checksums, items))
-    return Journal(content, entries, warnings)
+    return JournalContent(content, entries, warnings)
 
 
 def _check_header(header: dict[str, Any], source: str) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import ConfigError, DataError
 from hbench.store.files.mat_sizes import LARGEST_UNPACKED, check_mat_sizes
-from hbench.store.files.text_table import Table, parse_table
+from hbench.store.files.text_table import TextTable, parse_table
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -113,7 +113,7 @@ class Arrays:
         return (", ".join(paths[:_FEW]) or "no readable variable") + more
 
 
-AnyTable = Table | Arrays
+AnyTable = TextTable | Arrays
 
 
 def open_table(data: bytes, source: str, layout: Format) -> AnyTable:

@@ -26,7 +26,7 @@ _FORMAT = (
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """Rows of a file as text; columns are converted to numbers on demand."""
 
     names: tuple[str, ...]  # of the columns; empty without a header
@@ -120,7 +120,7 @@ class Table:
         return cell.replace("_", "?")  # Python reads 1_0 as 10
 
 
-def parse_table(data: bytes, source: str, layout: Format) -> Table:
+def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
     """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
     kept = list(_lines_of_data(decoded(data), layout))
     rows, lines = _cells(kept, layout, source)
@@ -147,7 +147,7 @@ def parse_table(data: bytes, source: str, layout: Format) -> Table:
             )
     if units and len(units) < width:
         raise DataError(f"{source}: the row of units has {len(units)} columns; expected {width}")
-    return Table(names, units, rows, np.array(lines), layout, source)
+    return TextTable(names, units, rows, np.array(lines), layout, source)
 
 
 def decoded(data: bytes) -> str:

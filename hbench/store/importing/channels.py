@@ -10,7 +10,7 @@ from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.store.files.array_tables import AnyTable, open_table
 from hbench.store.files.run_csv import check_lengths, check_limits, check_time
-from hbench.store.files.text_table import Table
+from hbench.store.files.text_table import TextTable
 from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.resampling import interval_means, whole_intervals
 from hbench.store.importing.zero_offset import LEAST_REST_S, rest_before_motion, zero_offset
@@ -47,7 +47,7 @@ def read_channels_by_map(
     channels, rows, repeats = _without_repeats(channels, name, rules)
     hint = "If the clock is too coarse, write 'repeated_times: drop' in the map."
     check_time(channels["t_s"], table, rows, hint)
-    lines = table.lines[rows] if isinstance(table, Table) else rows + 1
+    lines = table.lines[rows] if isinstance(table, TextTable) else rows + 1
     channels, zeros = _zeroed(channels, source, name, rules)
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
     return FileChannels(channels, lines, (*repeats, *clipping, *zeros, *resampling))

@@ -63,7 +63,7 @@ def import_folder(
         header |= {"name": rules.name, "map": {"file": map_path.name, "content": content}}
     files = {run.file.name: run.file for run in imported.runs}
     notes = (*imported.notes, *_duplicates(files.values()), *_truncations(files.values()))
-    text = [journal.header_text({**header, "notes": list(notes)})]
+    text = [journal.journal_header({**header, "notes": list(notes)})]
     for run in imported.runs:
         text.append(_write_run(destination, run, at))
     write_atomic(destination / JOURNAL, "".join(text).encode())

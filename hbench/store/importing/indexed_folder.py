@@ -20,7 +20,7 @@ from hbench.store.campaign.journal import check_run_id
 from hbench.store.campaign.plan_fields import check_number
 from hbench.store.files.array_tables import AnyTable, Arrays, open_table, read_mat, read_parquet
 from hbench.store.files.run_csv import read_channels
-from hbench.store.files.text_table import Table, parse_table
+from hbench.store.files.text_table import TextTable, parse_table
 from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, read_source
 from hbench.untrusted_text import from_cell
 
@@ -36,7 +36,7 @@ _REFERENCE = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_
 
 
 # The index, and a function from a run's number and its cell "file" to its table and file.
-_Index = tuple[Table, Callable[[int, str], tuple[AnyTable, SourceFile]]]
+_Index = tuple[TextTable, Callable[[int, str], tuple[AnyTable, SourceFile]]]
 
 
 def read_indexed(folder: Path) -> ImportedRuns:
@@ -64,8 +64,8 @@ def read_indexed(folder: Path) -> ImportedRuns:
         table, file = log(row, file_name)
         channels, unknown = read_channels(table)
         notes += _left_out(file.name, [column for column in unknown if column != "run"])
-        first = table.lines[0] if isinstance(table, Table) else 1
-        last = table.lines[-1] if isinstance(table, Table) else len(channels["t_s"])
+        first = table.lines[0] if isinstance(table, TextTable) else 1
+        last = table.lines[-1] if isinstance(table, TextTable) else len(channels["t_s"])
         runs.append(ImportedRun(plan, channels, file, (int(first), int(last))))
     return ImportedRuns(tuple(runs), (*notes, *_unlisted(folder, name, runs)), bench)
 
@@ -106,7 +106,7 @@ def _mat_index(folder: Path, name: str) -> _Index:
     names = [field for field in runs[0] if field != "log"]
     rows = [[*(_cell(run.get(field)) for field in names), name] for run in runs]
     count = np.arange(1, len(rows) + 1)
-    index = Table((*names, "file"), (), rows, count, Format(), source)
+    index = TextTable((*names, "file"), (), rows, count, Format(), source)
     return index, lambda row, _: (Arrays(runs[row]["log"], f"{source}: runs({row + 1}).log"), file)
 
 
@@ -137,7 +137,9 @@ def _bench(folder: Path, index: str) -> tuple[dict[str, Any] | None, Specimen, t
     return {"file": BENCH, "content": content}, specimen, ()
 
 
-def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> tuple[RunPlan, str]:
+def _plan(
+    index: TextTable, row: int, cells: dict[str, str], specimen: Specimen
+) -> tuple[RunPlan, str]:
     """Return the plan and the file of one row of the index."""
     cells = {name: cell.strip() for name, cell in cells.items()}
     kind = cells.get("kind") or "steady"
@@ -161,14 +163,14 @@ def _plan(index: Table, row: int, cells: dict[str, str], specimen: Specimen) -> 
     return plan, cells["file"]
 
 
-def _label(index: Table, row: int, cell: str) -> str:
+def _label(index: TextTable, row: int, cell: str) -> str:
     label = from_cell(cell)
     if not label.isprintable():
         raise _fault(index, row, "label", cell, "expected printable characters")
     return label
 
 
-def _number(index: Table, row: int, column: str, cell: str) -> float:
+def _number(index: TextTable, row: int, column: str, cell: str) -> float:
     try:
         value = float(cell)
         check_number(column, value)
@@ -178,5 +180,5 @@ def _number(index: Table, row: int, column: str, cell: str) -> float:
     return value
 
 
-def _fault(index: Table, row: int, column: str, found: str, expected: str) -> DataError:
+def _fault(index: TextTable, row: int, column: str, found: str, expected: str) -> DataError:
     return DataError(f"{index.source}: {index.where(row)}: {column} {found[:60]!r}: {expected}")
