@@ -28,9 +28,7 @@ def test_low_speeds_alone_lack_those_above():
         for one in identification_messages(seen(np.linspace(0.005, 0.05, 15), sigma=3.0), 2.2)
         if "b_viscous" in one
     ]
-    assert message.startswith(
-        "velocities above 0.05 m/s are missing: this data does not determine b_viscous_n_s_m"
-    )
+    assert message.startswith("velocities above 0.05 m/s are missing: ")
 
 
 def test_high_speeds_alone_lack_those_below():
@@ -81,8 +79,8 @@ def test_friction_that_is_badly_known_beyond_the_highest_speed_is_warned_of(make
     noisy = fit_law(
         TUSTIN, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 10 * rest)], Fitting()
     )
-    assert "do not extrapolate: friction at 0.06 m/s is known to" in noisy.message
+    assert "extrapolate" in noisy.message and "0.06 m/s" in noisy.message
     exact = fit_law(
         TUSTIN, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 0.1 * rest)], Fitting()
     )
-    assert "do not extrapolate" not in exact.message
+    assert "extrapolate" not in exact.message

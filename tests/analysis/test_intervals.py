@@ -57,7 +57,8 @@ def test_what_is_not_determined_has_no_interval_and_the_rest_has():
     units = {"a": "N", "b": "m", "c": "s"}
     parameters = fit_parameters(units, np.arange(3.0), covariance(matrix, y), 117, [None] * 3)
     assert parameters["b"].ci95 is None and parameters["a"].se > 0
-    assert parameter_messages(parameters) == ["the data does not determine b and c"]
+    (message,) = parameter_messages(parameters)
+    assert message.endswith(" b and c")
 
 
 def test_one_run_says_nothing_about_the_scatter_of_runs():
