@@ -6,6 +6,7 @@ import resource
 import shutil
 import signal
 import sys
+from base64 import b64decode
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -56,6 +57,36 @@ def require_tool():
         return path
 
     return find
+
+
+@pytest.fixture(scope="session", autouse=True)
+def shared_folder(tmp_path_factory):
+    """Give all workers of a session one folder for ``tests.support.shared``."""
+    from tests.support import shared
+
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
+    shared.folder = folder / "shared"
+    shared.folder.mkdir(exist_ok=True)
+
+
+NO_PICTURE = (
+    b'<svg xmlns="http://www.w3.org/2000/svg"/>',
+    b64decode(
+        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAAC0lEQVR4nGP4DwQA"
+        "CfsD/fteaysAAAAASUVORK5CYII="
+    ),
+)
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Leave figures empty, which saves seconds, where a test looks at everything but them.
+
+    Their names, captions and data are made as ever.
+    """
+    monkeypatch.setattr("hbench.report.render.figures.render", lambda figure: NO_PICTURE)
 
 
 QUICK = {  # runs of a third of a second

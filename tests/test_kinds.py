@@ -114,7 +114,7 @@ def test_check_refuses_a_kind_that_a_stage_does_not_support(column, monkeypatch,
 
 
 def test_a_kind_of_supported_values_alone_is_a_row_and_nothing_else(
-    monkeypatch, tmp_path, on_the_rig
+    monkeypatch, tmp_path, on_the_rig, undrawn
 ):
     monkeypatch.setitem(KINDS, "creep", replace(KINDS["steps"], name="creep"))
     monkeypatch.setitem(EXAMPLES, "creep", EXAMPLES["steps"])

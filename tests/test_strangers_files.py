@@ -26,7 +26,7 @@ AT = datetime(2026, 1, 1, tzinfo=UTC)
 
 
 @pytest.fixture
-def campaign(tmp_path):
+def campaign(tmp_path, undrawn):
     """A campaign as it came in the mail."""
     folder = tmp_path / "campaign"
     shutil.copytree(SAMPLE, folder, ignore=shutil.ignore_patterns("results"))

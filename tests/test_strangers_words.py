@@ -94,7 +94,7 @@ def test_a_report_escapes_every_word_of_the_campaign(campaign):
         check_figure(figure.read_bytes())
 
 
-def test_a_report_in_markdown_escapes_them_too(campaign):
+def test_a_report_in_markdown_escapes_them_too(campaign, undrawn):
     folder = campaign(EVIL)
     workflow.report(folder, form="md")
     text = (folder / "results" / "report.md").read_text()

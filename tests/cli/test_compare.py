@@ -5,12 +5,15 @@ import re
 import shutil
 from pathlib import Path
 
+import pytest
 from typer.testing import CliRunner
 
 from hbench.cli.main import app
 from hbench.errors import DataError
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "stribeck-small"
+
+pytestmark = pytest.mark.usefixtures("undrawn")
 
 
 def run(*arguments):

@@ -37,7 +37,7 @@ def example(name: str) -> list[str]:
 
 
 @pytest.fixture
-def world(tmp_path, quick_schedule, monkeypatch):
+def world(tmp_path, quick_schedule, monkeypatch, undrawn):
     """An empty folder where what the examples name is there; with a board and no serial port."""
     schedule = quick_schedule()
     (tmp_path / "configs").mkdir()

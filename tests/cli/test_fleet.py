@@ -23,6 +23,8 @@ DEADLY = ROOT / "tests" / "support" / "faults" / "deadly.py"
 LIMIT_S = 300.0  # of a wait; it takes some seconds
 ODD = "=1+1 <b>\"'; ä,"
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @pytest.fixture
 def line(tmp_path):

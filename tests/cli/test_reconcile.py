@@ -20,6 +20,8 @@ MODEL = ROOT / "configs" / "model-aau.yaml"
 LEAKING = ROOT / "data_samples" / "blind" / "internal_leakage-clear-1"
 SAMPLE = ROOT / "data_samples" / "stribeck-small"
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 def run(*arguments):
     return CliRunner().invoke(app, ["reconcile", *map(str, arguments)])

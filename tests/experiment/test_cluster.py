@@ -91,7 +91,7 @@ def test_a_campaign_that_kills_its_worker_each_time_is_a_failed_row_and_no_other
     loopback, line, tmp_path
 ):
     folder = line("a", "b", "c", "deadly", "e", "f", "g")
-    dask = loopback(2, nanny=True)
+    dask = loopback(1, nanny=True)
     for out, scheduler in (("far", ["--scheduler", dask.address]), ("near", [])):
         code, told = dask.ended(dask.hbench("fleet", folder, "-o", tmp_path / out, *scheduler))
         assert code == 0 and "7/7 campaigns, 3 failed" in told, told

@@ -72,7 +72,7 @@ def test_the_mean_offset_is_ambiguous_between_a_gain_an_area_and_an_asymmetry(se
     assert DISTINGUISHING_TESTS["load_cell_gain"] in found.next_experiment
 
 
-def test_the_diagnosis_is_written_as_for_any_campaign(seal, tmp_path):
+def test_the_diagnosis_is_written_as_for_any_campaign(seal, tmp_path, undrawn):
     _, found = seal
     write_diagnosis(tmp_path, found)
     assert "seal_pressure_friction" in (tmp_path / "report.html").read_text()

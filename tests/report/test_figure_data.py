@@ -35,8 +35,8 @@ def plot(draw):
     return drawing
 
 
-def test_every_figure_of_a_campaign_has_its_points_as_data(small):
-    drawings = {drawing.name: drawing for drawing in draw_all(small)}
+def test_every_figure_of_a_campaign_has_its_points_as_data(small, drawings):
+    drawings = {drawing.name: drawing for drawing in drawings}
     assert all(drawing.csv for drawing in drawings.values())
     shown = [row for row in rows(drawings["stribeck-retract"]) if row["series"] == "−5000 N"]
     shown = [row for row in shown if row["panel"] == "1"]
@@ -48,8 +48,8 @@ def test_every_figure_of_a_campaign_has_its_points_as_data(small):
         assert row["runs"] == " ".join(point.runs)
 
 
-def test_each_point_tells_its_own_trials(small):
-    (drawing,) = (d for d in draw_all(small) if d.name == "stribeck-extend")
+def test_each_point_tells_its_own_trials(small, drawings):
+    (drawing,) = (d for d in drawings if d.name == "stribeck-extend")
     told = titles(drawing)
     points = [p for c in small.curves if c.direction == "extend" for p in c.points]
     assert len(told) == 2 * len(points)  # and once more among the residuals
@@ -94,7 +94,7 @@ def test_the_words_for_those_who_do_not_see_a_figure_say_how_it_goes(y, words):
 
 
 @pytest.mark.parametrize("start", ["=", "+", "-", "@", "\t", "\r"])
-def test_no_cell_of_a_figures_data_is_a_formula(small, start):
+def test_no_cell_of_a_figures_data_is_a_formula(small, start, undrawn):
     label = f'{start}HYPERLINK("http://evil")'
     curves = tuple(replace(c, f_load_n=None, label=label) for c in small.curves[:1])
     steps = replace(small, curves=curves, efficiency=())
@@ -107,8 +107,8 @@ def test_no_cell_of_a_figures_data_is_a_formula(small, start):
     assert "HYPERLINK" in rows(own)[0]["series"]
 
 
-def test_the_files_of_a_figure_are_its_svg_its_png_and_its_data(small):
-    drawing = draw_all(small)[0]
+def test_the_files_of_a_figure_are_its_svg_its_png_and_its_data(drawings):
+    drawing = drawings[0]
     files = figure_files([drawing, replace(drawing, name="bare", csv=b"")])
     assert files[f"figures/{drawing.name}.csv"] == drawing.csv
     assert set(files) == {

@@ -25,8 +25,13 @@ def found(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def page(found):
-    return fleet_page(found, draw_fleet(found))
+def drawings(found):
+    return draw_fleet(found)
+
+
+@pytest.fixture(scope="module")
+def page(found, drawings):
+    return fleet_page(found, drawings)
 
 
 def spread(found, name, direction="extend"):
@@ -73,8 +78,7 @@ def test_a_campaigns_name_stays_words_and_its_link_leads_to_its_report(found, pa
     assert [bool(suspect.report) for suspect in found.worst[:3]] == [False, True, False]
 
 
-def test_figures_have_words_and_data_and_name_the_unit(found):
-    drawings = draw_fleet(found)
+def test_figures_have_words_and_data_and_name_the_unit(found, drawings):
     assert len({drawing.name for drawing in drawings}) == len(drawings) == 8
     for drawing in drawings:
         assert drawing.csv.count(b"\n") > 8 and len(drawing.seen) > 40
@@ -91,7 +95,7 @@ def test_the_page_of_many_campaigns_is_no_larger_and_holds_no_row_each(tmp_path,
     assert sum(spread(many, "friction_n").counts) > 19_900
 
 
-def test_a_few_campaigns_are_shown_and_not_judged(tmp_path):
+def test_a_few_campaigns_are_shown_and_not_judged(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 4, off={2: 500.0}))
     assert few.outliers == 0 and few.worst == () and few.judged == 4
     assert " of 4 " not in verdict(few)

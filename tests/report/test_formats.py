@@ -12,7 +12,6 @@ from hbench import workflow
 from hbench.cli.main import app
 from hbench.errors import ConfigError
 from hbench.records import WordTable
-from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.reconciled import reconciled_section
 from hbench.report.render.document import Document, Section, page
@@ -24,17 +23,12 @@ SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 
 
 @pytest.fixture(scope="module")
-def drawings(small):
-    return draw_all(small)
-
-
-@pytest.fixture(scope="module")
 def made(small, drawings):
     return report_document(small, drawings)
 
 
 @pytest.fixture
-def campaign(tmp_path):
+def campaign(tmp_path, undrawn):
     return Path(shutil.copytree(SAMPLE, tmp_path / "bad"))
 
 
