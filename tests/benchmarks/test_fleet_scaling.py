@@ -61,7 +61,7 @@ class Watched:
             scheduler=dask and dask.address,
             speed_m_s=None,
             report=self._note,
-            tell=lambda words: None,
+            note=lambda words: None,
         )
         self.wall_s = self.done_s[-1]
 

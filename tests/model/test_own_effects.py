@@ -16,7 +16,8 @@ from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
 from hbench.model.build import plant_parameters
-from hbench.model.effects.catalogue import Coefficient, Effect
+from hbench.model.effects import rows
+from hbench.model.effects.catalogue import EFFECTS, Coefficient, Effect
 from hbench.model.effects.couplings import OilProperties
 from hbench.model.effects.rows import check_neutral
 from tests.support import ROOT
@@ -127,7 +128,22 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("fault", BAD)
+ENDING = ("not Python", "an unknown name", "parameters that it can't change", "the plant itself")
+
+
+@pytest.mark.parametrize("fault", [fault for fault in BAD if fault not in ENDING])
+def test_a_file_that_cannot_be_used_is_a_configuration_error(tmp_path, monkeypatch, fault):
+    text, more, says = BAD[fault]
+    own = tmp_path / "my_effects.py"
+    own.write_text(f"{text}\n{more}\n")
+    monkeypatch.setattr(rows, "OWN_EFFECTS", str(own))
+    monkeypatch.setitem(sys.modules, "hbench_own_effects", None)  # put back at the end
+    with pytest.raises(ConfigError) as error:
+        rows.own_effects(EFFECTS)
+    assert str(own) in error.value.message and says in error.value.message and error.value.hint
+
+
+@pytest.mark.parametrize("fault", ENDING)
 def test_a_file_that_cannot_be_used_ends_with_exit_code_2_and_its_name(tmp_path, command, fault):
     text, more, says = BAD[fault]
     own = tmp_path / "my_effects.py"
