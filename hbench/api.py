@@ -1,6 +1,6 @@
-"""The Python API: a campaign as data frames, a law fitted to points, the bench simulated.
+"""Python API: a campaign as data frames, a friction law fitted to points, simulation of a bench.
 
-``import hbench`` loads none of this; a function's first use does.
+``import hbench`` does not import this module; the first use of a function does.
 """
 
 import json
@@ -33,14 +33,14 @@ _HEADLINE_COLUMNS = {"": "value", "_u95": "u95", "_ci95": "ci95", "_se": "se", "
 _FIT = ("law", "rmse_n", "converged", "message")
 _STATE = {"x_m": X, "v_m_s": V, "p_tp_pa": P_TP, "p_tr_pa": P_TR, "p_lp_pa": P_LP, "p_lr_pa": P_LR}
 _START_PA = 15e5  # in the load chambers at the start of a simulation
-_FASTEST_M_S = 10.0  # that a bench's own speeds may be, too
+_FASTEST_M_S = 10.0  # also the limit of a bench's speeds
 _UNKNOWN = Specimen(float("nan"), float("nan"))
 
 
 class Campaign:
     """A campaign, screened, averaged and fitted; nothing is written.
 
-    ``results`` holds what ``results.json`` does, under the same names; data frames are its parts.
+    ``results`` has the content of ``results.json``; the data frames are sections of it.
     """
 
     def __init__(self, folder: Path, how: Fitting):
@@ -49,79 +49,79 @@ class Campaign:
 
     @property
     def runs(self) -> pd.DataFrame:
-        """A row a run, rejected ones included."""
+        """One row per run, including rejected ones."""
         return pd.DataFrame(self.results["runs"])
 
     @property
     def curves(self) -> pd.DataFrame:
-        """A row a point of a friction curve."""
+        """One row per point of a friction curve."""
         return self._points("curves")
 
     @property
     def efficiency(self) -> pd.DataFrame:
-        """A row a point of an efficiency curve."""
+        """One row per point of an efficiency curve."""
         return self._points("efficiency")
 
     @property
     def fits(self) -> pd.DataFrame:
-        """A row a fitted parameter; those of all loads at once have no direction and no load."""
+        """One row per fitted parameter; joint fits of all loads have no direction and no load."""
         return pd.DataFrame(
-            {name: one.get(name) for name in _SERIES}
+            {name: curve.get(name) for name in _SERIES}
             | {name: fit[name] for name in _FIT}
             | {"parameter": parameter, **values}
-            for one in [*self.results["curves"], *self.results["joint_fits"]]
-            for fit in one["fits"]
+            for curve in [*self.results["curves"], *self.results["joint_fits"]]
+            for fit in curve["fits"]
             for parameter, values in fit["parameters"].items()
         )
 
     @property
     def headline(self) -> pd.DataFrame:
-        """A row a direction and load: friction and efficiency at ``v_m_s``, and breakaway.
+        """One row per direction and load: friction and efficiency at ``v_m_s``, and breakaway.
 
-        ``friction_n_u95`` and its like are the half-widths of the 95 % intervals of trials and
+        Columns such as ``friction_n_u95`` are the half-widths of the 95 % intervals of trials and
         instruments; ``friction_n_basis`` is trials, one_trial or extrapolated.
         """
         return pd.DataFrame(
-            {name: value for name, value in one.items() if name not in _HEADLINE}
+            {name: value for name, value in series.items() if name not in _HEADLINE}
             | {
-                name + ending: None if one[name] is None else one[name][key]
+                name + ending: None if series[name] is None else series[name][key]
                 for name in _HEADLINE
                 for ending, key in _HEADLINE_COLUMNS.items()
             }
-            for one in self.results["headline"]["series"]
+            for series in self.results["headline"]["series"]
         )
 
     @property
     def quality(self) -> pd.DataFrame:
-        """A row a check of the data: its grade, value and limits.
+        """One row per check of the data: its grade, value and limits.
 
         The verdict, the worst grade, is ``results["quality"]["grade"]``.
         """
         return pd.DataFrame(self.results["quality"]["checks"])
 
     def samples(self, run: str) -> pd.DataFrame:
-        """Return the log of a run in SI, a row a sample. Raises ``DataError`` if there is none."""
-        for one in screened_runs(self._campaign):
-            if one.run.plan.run == run:
-                return pd.DataFrame(channels(one.run))
+        """Return a run's log in SI, one row per sample. Raises ``DataError`` for an unknown run."""
+        for screened in screened_runs(self._campaign):
+            if screened.run.plan.run == run:
+                return pd.DataFrame(channels(screened.run))
         names = [plan.run for plan in self._campaign.plans]
         raise DataError(
-            f"{self._campaign.folder}: has no run {run!r}",
-            f"There are {names[0]!r} to {names[-1]!r}." if names else "There are none.",
+            f"{self._campaign.folder}: contains no run {run!r}",
+            f"Choose one of {names[0]!r} to {names[-1]!r}." if names else "",
         )
 
-    def _points(self, part: str) -> pd.DataFrame:
+    def _points(self, key: str) -> pd.DataFrame:
         return pd.DataFrame(
-            {name: one[name] for name in _SERIES} | point
-            for one in self.results[part]
-            for point in one["points"]
+            {name: curve[name] for name in _SERIES} | point
+            for curve in self.results[key]
+            for point in curve["points"]
         )
 
 
 def load(folder: str | Path, fit: str | Path | Mapping[str, Any] | None = None) -> Campaign:
     """Analyze a campaign as ``hbench analyze`` does, without writing anything.
 
-    ``fit`` is a fit file, or what would stand in one. Raises ``DataError``, ``ConfigError``.
+    ``fit`` is a fit file, or the content of one. Raises ``DataError``, ``ConfigError``.
     """
     if fit is None:
         how = Fitting()
@@ -145,11 +145,14 @@ def fit(
     """
     v, friction = np.asarray(v_m_s, dtype=float), np.asarray(friction_n, dtype=float)
     if v.ndim != 1 or v.shape != friction.shape or not np.isfinite([v, friction]).all():
-        raise ConfigError("fit: v_m_s and friction_n must be as many finite numbers each")
+        raise ConfigError("fit: v_m_s and friction_n must be finite numbers of equal length")
     if not (v > 0).all() and not (v < 0).all():
-        raise ConfigError("fit: velocities must have one sign", "Fit each direction by itself.")
+        raise ConfigError("fit: velocities have both signs", "Fit each direction separately.")
     if (np.abs(v) > _FASTEST_M_S).any():
-        raise ConfigError(f"fit: {np.abs(v).max():g} m/s is no piston's velocity", "Is it in mm/s?")
+        raise ConfigError(
+            f"fit: velocity {np.abs(v).max():g} m/s; limit {_FASTEST_M_S:g} m/s",
+            "Give velocities in m/s.",
+        )
     if law not in LAWS:
         raise ConfigError(f"fit: unknown law {law!r}; known are {', '.join(LAWS)}")
     direction: Direction = "extend" if (v > 0).all() else "retract"
@@ -184,11 +187,11 @@ def simulate(
 ) -> pd.DataFrame:
     """Simulate a bench's plant alone, from rest, under commands of its three valves.
 
-    ``u_v`` (n, 3) [V] are those of test cylinder, load rod side and load piston side, each held
-    for 100 us. ``bench`` is a bench file, by default the one that ``hbench init`` writes; ``x_m``
-    where the piston starts, by default in the middle. With a ``seed`` friction scatters from
-    stroke to stroke. Returns n + 1 rows: time, position, velocity, pressures, both cylinders'
-    friction, and what the load cell carries. Raises ``ConfigError``.
+    ``u_v`` (n, 3) [V] are the commands of the test valve, load valve 1 (rod side) and load valve 2
+    (piston side), each applied for 100 us. ``bench`` is a bench file, by default that of
+    ``hbench init``; ``x_m`` is the initial position, by default mid-stroke. With a ``seed``, the
+    friction scatters from stroke to stroke. Returns n + 1 rows of time, position, velocity,
+    pressures, friction of both cylinders and load-cell force. Raises ``ConfigError``.
     """
     commands = np.asarray(u_v, dtype=float)
     if commands.ndim != 2 or commands.shape[1] != 3 or not np.isfinite(commands).all():
@@ -197,14 +200,14 @@ def simulate(
     plant = parse_bench(read_yaml(file), str(file))
     par = plant_parameters(plant)
     start_m = 0.5 * plant.test_cylinder.stroke if x_m is None else x_m
-    found = trajectory(par, initial_state(par, start_m, _START_PA, _START_PA), commands, seed)
-    states = {name: found.state[:, column] for name, column in _STATE.items()}
+    simulated = trajectory(par, initial_state(par, start_m, _START_PA, _START_PA), commands, seed)
+    states = {name: simulated.state[:, column] for name, column in _STATE.items()}
     return pd.DataFrame(
-        {"t_s": found.t_s}
+        {"t_s": simulated.t_s}
         | states
         | {
-            "friction_test_n": found.friction_test_n,
-            "friction_load_n": found.friction_load_n,
-            "f_applied_n": found.f_applied_n,
+            "friction_test_n": simulated.friction_test_n,
+            "friction_load_n": simulated.friction_load_n,
+            "f_applied_n": simulated.f_applied_n,
         }
     )

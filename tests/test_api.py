@@ -110,8 +110,8 @@ def test_a_fit_to_points_finds_the_law_that_they_come_from(way):
 @pytest.mark.parametrize(
     ("v", "friction", "law", "words"),
     [
-        ([0.1, -0.1], [1, -1], "tustin", "one sign"),
-        ([0.1, 0.2], [1], "tustin", "as many"),
+        ([0.1, -0.1], [1, -1], "tustin", "sign"),
+        ([0.1, 0.2], [1], "tustin", "length"),
         ([0.1, np.nan], [1, 1], "tustin", "finite"),
         ([0.1, 0.2], [1, 2], "newton", "newton"),
         ([5, 50, 200], [3, 1, 2], "tustin", "200 m/s"),

@@ -57,7 +57,7 @@ def test_errors_are_those_that_were_put_in_part_by_part(make_run):
 def test_a_model_of_another_profile_is_refused(make_run):
     real = profile_run(make_run)
     other = replace(real, plan=replace(real.plan, motion=Motion(0.1, 0.0, 0.4, 0.0, ())))
-    with pytest.raises(DataError, match="run 0001: its model has not followed the same profile"):
+    with pytest.raises(DataError, match="run 0001: .*profile"):
         model_errors([real], [other], 0.0)
 
 

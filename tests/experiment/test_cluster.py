@@ -180,7 +180,7 @@ def test_no_worker_for_long_and_nobody_at_the_address_are_errors_with_a_hint(
     with pytest.raises(DeviceError, match="no worker") as error:
         analyze(folder, tmp_path / "out", loopback(0).address)
     assert "dask worker" in error.value.hint
-    with pytest.raises(DeviceError, match="--scheduler tcp://") as error:
+    with pytest.raises(DeviceError, match="127.0.0.1:9") as error:
         analyze(folder, tmp_path / "out", "tcp://127.0.0.1:9")
     assert "dask scheduler" in error.value.hint
     for address in ("machine", "ftp://machine:1"):

@@ -111,21 +111,23 @@ def fit_law(
         return Fit(law.name, {}, float("nan"), False, message)
     problem, solution, weights = estimate_parameters(law, data, how, bounds or {})
     freedom = n - int(solution.free.sum())
-    worth = _Intervals(problem, solution, freedom)
-    found = {"linearised": worth.linearised(), "profile": worth.profile()}
+    linearisation = _Intervals(problem, solution, freedom)
+    intervals = {"linearised": linearisation.linearised(), "profile": linearisation.profile()}
     if how.bootstrap and freedom > 0:
-        found["bootstrap"] = _bootstrap(law, data, problem, solution, weights, how.bootstrap)
-    parameters = _parameters(law, problem, solution, worth, found)
+        intervals["bootstrap"] = _bootstrap(law, data, problem, solution, weights, how.bootstrap)
+    parameters = _parameters(law, problem, solution, linearisation, intervals)
     residual = law.model(data.inputs, solution.x) - data.friction_n
     messages = [] if solution.converged else ["the search for the best fit did not converge"]
     messages += bound_messages(parameters) + disagreements(parameters)
     if freedom <= 0:
         messages.append("as many parameters as points: no standard errors")
     else:
-        info = Information(law, solution.x, worth.jacobian, worth.noise, problem.scale, data.inputs)
-        widths = [np.nan if ends is None else ends[1] - ends[0] for ends in found["profile"]]
-        messages += identification_messages(info, worth.factor, np.array(widths) / 2)
-        messages += beyond_messages(info, worth.factor) if len(curves) == 1 else []
+        info = Information(
+            law, solution.x, linearisation.jacobian, linearisation.noise, problem.scale, data.inputs
+        )
+        widths = [np.nan if ends is None else ends[1] - ends[0] for ends in intervals["profile"]]
+        messages += identification_messages(info, linearisation.factor, np.array(widths) / 2)
+        messages += beyond_messages(info, linearisation.factor) if len(curves) == 1 else []
     line, beyond = _lines(law, curves, data, solution.x)
     return Fit(
         law=law.name,
@@ -265,16 +267,16 @@ def _parameters(
     law: FittableLaw,
     problem: Problem,
     solution: Solution,
-    worth: _Intervals,
-    found: Mapping[str, Sequence[Ends]],
+    linearisation: _Intervals,
+    by_method: Mapping[str, Sequence[Ends]],
 ) -> dict[str, FitParameter]:
     parameters = {}
     for i, (name, unit) in enumerate(law.units.items()):
-        intervals = {method: ends[i] for method, ends in found.items()}
-        ends, x, se = intervals["profile"], float(solution.x[i]), float(worth.se[i])
+        intervals = {method: ends[i] for method, ends in by_method.items()}
+        ends, x, se = intervals["profile"], float(solution.x[i]), float(linearisation.se[i])
         nothing = ROUNDING * float(problem.scale[i])
         known = False
-        if ends is not None and np.isfinite(worth.factor * se):
+        if ends is not None and np.isfinite(linearisation.factor * se):
             known = se <= max(x - ends[0], ends[1] - x) + nothing
         parameters[name] = FitParameter(
             value=x,

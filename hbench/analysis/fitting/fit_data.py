@@ -54,12 +54,12 @@ def fit_points(curves: Sequence[Curve], weights: str = "equal") -> FitPoints:
             abs(point.v_m_s),
             point.p_tp_pa,
             np.nan if point.p_tr_pa is None else point.p_tr_pa,
-            one * point.friction_n,
+            direction * point.friction_n,
         )
-        for one, point in signed
+        for direction, point in signed
     ]
     columns = np.array(rows, dtype=float).reshape(-1, 4).T
-    trials = tuple(one * np.array(point.trials_n) for one, point in signed)
+    trials = tuple(direction * np.array(point.trials_n) for direction, point in signed)
     sigma = _sigma(columns[0], trials) if weights == "trials" else None
     return FitPoints(
         inputs=columns[:3],
@@ -71,8 +71,8 @@ def fit_points(curves: Sequence[Curve], weights: str = "equal") -> FitPoints:
 
 
 def _sigma(speed: np.ndarray, trials: Sequence[np.ndarray]) -> np.ndarray | None:
-    counts = np.array([len(own) for own in trials], dtype=float)
-    variance = np.array([0.0 if is_constant(own) else own.var(ddof=1) for own in trials])
+    counts = np.array([len(values) for values in trials], dtype=float)
+    variance = np.array([0.0 if is_constant(values) else values.var(ddof=1) for values in trials])
     pooled = pooled_sigma(speed, variance, counts - 1)
     if pooled is None:
         return None

@@ -45,18 +45,18 @@ class FittableLaw:
         self, inputs: np.ndarray, friction: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> list[np.ndarray]:
         """Return a start for each minimum over the nonlinear parameter, with optimal others."""
-        place = self.names.index(self.nonlinear)
-        found, costs = [], []
-        for value in _spread(lower[place], upper[place]):
+        index = self.names.index(self.nonlinear)
+        candidates, costs = [], []
+        for value in _spread(lower[index], upper[index]):
             matrix = self.basis(inputs, value)
             size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
             linear = np.linalg.lstsq(matrix / size, friction, rcond=None)[0] / size
-            p = np.clip(np.insert(linear, place, value), lower, upper)
-            found.append(p)
+            p = np.clip(np.insert(linear, index, value), lower, upper)
+            candidates.append(p)
             costs.append(np.sum((self.model(inputs, p) - friction) ** 2))
         padded = np.array([np.inf, *costs, np.inf])
         minima = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])
-        return [found[i] for i in np.flatnonzero(minima)]
+        return [candidates[i] for i in np.flatnonzero(minima)]
 
 
 def _spread(low: float, high: float) -> np.ndarray:

@@ -31,13 +31,13 @@ def joint_fits(curves: Sequence[Curve], how: Fitting) -> tuple[JointFit, ...]:
 
 
 def _joint(curves: Sequence[Curve], names: Sequence[str], how: Fitting) -> JointFit:
-    found = tuple(fit_law(JOINT_LAWS[name], curves, how) for name in names)
+    fits_of_laws = tuple(fit_law(JOINT_LAWS[name], curves, how) for name in names)
     points = [p for curve in curves for p in curve.points if p.p_tr_pa is not None]
     return JointFit(
         kind=curves[0].kind,
         label=curves[0].label,
         curves=len(curves),
         points=len(points),
-        fits=found,
-        selection=select_joint(curves, found, how),
+        fits=fits_of_laws,
+        selection=select_joint(curves, fits_of_laws, how),
     )

@@ -74,7 +74,7 @@ def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
     points.
     """
     data = fit_points(curves)
-    v, one = data.inputs[0], sign(curves[0])
+    v, direction = data.inputs[0], sign(curves[0])
     p = np.array([tustin.parameters[name].value for name in NAMES])
     v_max = float(v.max())
     values = lines(p, v_max)
@@ -94,7 +94,7 @@ def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
         converged=tustin.converged,
         message="; ".join(messages),
         line=tuple(
-            (one * speed, one * float(two_lines(np.array(speed), *values[:4])))
+            (direction * speed, direction * float(two_lines(np.array(speed), *values[:4])))
             for speed in sorted({float(v.min()), *v.tolist(), float(values[4])})
             if v.min() <= speed <= v_max
         ),

@@ -34,7 +34,7 @@ def tustin_covariance(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, in
     if len(curves) == 1:
         spread[np.ix_(free, free)] = covariance(jacobian, residual, effect)
         return spread, len(residual) - int(free.sum())
-    curve = np.repeat(np.arange(len(curves)), [len(one.points) for one in curves])
+    curve = np.repeat(np.arange(len(curves)), [len(c.points) for c in curves])
     spread[np.ix_(free, free)] = covariance_over_runs(jacobian, residual, curve, effect)
     return spread, len(curves) - 1
 

@@ -22,18 +22,18 @@ def pooled_sigma(speed_m_s: np.ndarray, variance: np.ndarray, dof: np.ndarray) -
     where there is one trial, or where the trials differ by rounding. None where nothing scatters or
     fewer than three points have trials.
     """
-    own = (dof > 0) & np.isfinite(variance)
-    level = float(np.sum((dof * variance)[own]) / max(np.sum(dof[own]), 1.0))
-    if own.sum() < 3 or level <= 0.0:
+    used = (dof > 0) & np.isfinite(variance)
+    level = float(np.sum((dof * variance)[used]) / max(np.sum(dof[used]), 1.0))
+    if used.sum() < 3 or level <= 0.0:
         return None
-    place = np.log(speed_m_s) - np.log(speed_m_s[own]).mean()
-    matrix = np.column_stack([np.ones(len(place)), place])
-    root = np.sqrt(dof[own])[:, None]
+    log_speed = np.log(speed_m_s) - np.log(speed_m_s[used]).mean()
+    matrix = np.column_stack([np.ones(len(log_speed)), log_speed])
+    root = np.sqrt(dof[used])[:, None]
     line = np.array([np.log(level), 0.0])
     for _ in range(_ITERATIONS):
-        expected = np.exp(matrix[own] @ line)
-        away = variance[own] / expected - 1.0
-        step = np.linalg.lstsq(root * matrix[own], root[:, 0] * away, rcond=None)[0]
+        expected = np.exp(matrix[used] @ line)
+        away = variance[used] / expected - 1.0
+        step = np.linalg.lstsq(root * matrix[used], root[:, 0] * away, rcond=None)[0]
         line = line + np.clip(step, -1.0, 1.0)
         if np.abs(step).max() < _TOLERANCE:
             break

@@ -90,14 +90,14 @@ def reverses(motion: LoggedMotion) -> bool:
 
 def _identified(law: str, runs: tuple[str, ...], fit: Callable[[], Fit]) -> IdentifiedLaw:
     try:
-        found = fit()
-        section = friction_section(found)
+        result = fit()
+        section = friction_section(result)
         parse_friction(section, law)
     except _NotDetermined as error:
         return IdentifiedLaw(law, None, str(error))
     except ConfigError as error:
         return IdentifiedLaw(law, None, f"the fitted values are impossible: {error.message}")
-    return IdentifiedLaw(law, found, section=section, runs=runs)
+    return IdentifiedLaw(law, result, section=section, runs=runs)
 
 
 class _NotDetermined(Exception):
@@ -126,10 +126,10 @@ def _tustin(curves: Sequence[Curve]) -> Fit:
     bounds = [fit.parameters[name].at_bound for name in NAMES]
     spread, dof = tustin_covariance(curves, fit)
     free = [bound is None for bound in bounds]
-    found = fit_parameters(UNITS, values, spread[np.ix_(free, free)], dof, bounds)
-    parameters, impossible = without_impossible_intervals(found, TABLE_6_1)
+    linearised = fit_parameters(UNITS, values, spread[np.ix_(free, free)], dof, bounds)
+    parameters, impossible = without_impossible_intervals(linearised, TABLE_6_1)
     messages = [] if fit.converged else ["the search for the best fit did not converge"]
-    messages += [*parameter_messages(found), *impossible]
+    messages += [*parameter_messages(linearised), *impossible]
     messages.append(
         f"points of a curve are not independent, so intervals are over the {len(curves)} curves "
         f"({dof} degrees of freedom)"
@@ -198,8 +198,8 @@ def _leuven(motions: Sequence[LoggedMotion], lugre: Fit | None) -> Fit:
     for span in _SPANS:
         guess = known._replace(elements=elements, presliding=span * length)
         fit = fit_leuven(few, guess, ())
-        found = tuple(p.value for p in fit.parameters.values())
-        tried.append((fit.rmse_n, guess._replace(elements=found)))
+        fitted = tuple(p.value for p in fit.parameters.values())
+        tried.append((fit.rmse_n, guess._replace(elements=fitted)))
     _, best = min(tried, key=lambda candidate: candidate[0])
     fit = fit_leuven(motions, best, (*STEADY, *_SEALS, "delta_max_m"), spans=(1.0,))
     return replace(fit, message="; ".join(filter(None, (fit.message, _SEVERAL_MINIMA))))

@@ -77,8 +77,8 @@ def fit_lugre(
     start = np.array([getattr(law, u.field) for u in unknowns.values()])
     starts = [start]
     if "sigma0_n_m" in unknowns:
-        place = list(unknowns).index("sigma0_n_m")
-        starts = [np.where(np.arange(len(start)) == place, s, start) for s in _STIFFNESSES]
+        index = list(unknowns).index("sigma0_n_m")
+        starts = [np.where(np.arange(len(start)) == index, s, start) for s in _STIFFNESSES]
     return fit_to_motions("lugre", motions, put, unknowns, [starts])
 
 

@@ -25,7 +25,7 @@ def not_computed(
 
 
 def _friction(screened: Sequence[ScreenedRun]) -> list[str]:
-    rejected = [one.run for one in screened if not one.accepted and _moves(one.run)]
+    rejected = [r.run for r in screened if not r.accepted and _moves(r.run)]
     counts = Counter(tuple(missing_friction_channels(run)) for run in rejected if len(run.t_s))
     notes = []
     for missing, runs in counts.items():

@@ -44,8 +44,8 @@ def report(
     ),
     speed: str | None = typer.Option(
         None,
-        help="Working speed of the summary, such as '100 mm/s'; by default the middle one of those "
-        "measured.",
+        help="Working speed of the headline numbers, such as '100 mm/s'; by default the median of "
+        "the measured speeds.",
     ),
     as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
 ) -> None:

@@ -21,7 +21,7 @@ def fleet(
         "this machine's cores do the work.",
     ),
     speed: str | None = typer.Option(
-        None, help="Working speed, such as '100 mm/s'; by default each campaign's middle one."
+        None, help="Working speed, such as '100 mm/s'; by default each campaign's median."
     ),
     fail: bool = typer.Option(False, "--fail", help="Exit with 6 if a campaign has failed."),
     as_json: bool = AS_JSON,

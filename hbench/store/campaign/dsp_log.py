@@ -14,7 +14,7 @@ from hbench.store.campaign.ccs_text import CcsData, count_warnings, parse_ccs
 
 LARGEST_OTHER = 16_000_000  # bytes; reading line by line takes 25 times the memory
 
-_OURS = re.compile(rb"1651 1 0 0 ([0-9a-f]{1,8})\n")
+_OWN_FORMAT = re.compile(rb"1651 1 0 0 ([0-9a-f]{1,8})\n")
 _NEWLINE = ord("\n")
 _DIGITS = np.frombuffer(b"0123456789abcdef", np.uint8)
 _NOT_A_DIGIT = 0xFF
@@ -37,13 +37,13 @@ def parse_words(data: bytes, source: str) -> tuple[np.ndarray, tuple[str, ...]]:
     A 32-bit hex number is two words, the low one first, as they lie in the DSP's memory.
     A file without a header is read as hex. Raises ``DataError`` naming ``source`` and the line.
     """
-    ours = _parse_ours(data)
-    if ours is None and len(data) > LARGEST_OTHER:
+    own = _parse_own_format(data)
+    if own is None and len(data) > LARGEST_OTHER:
         raise DataError(
             f"{source}: is not a log written by hbench, and has {len(data) / 1e6:.6g} MB; "
             f"limit for other programs' files {LARGEST_OTHER / 1e6:g} MB"
         )
-    parsed = ours or parse_ccs(data, source, headerless="hex")
+    parsed = own or parse_ccs(data, source, headerless="hex")
     return _as_words(parsed.values, source), parsed.warnings
 
 
@@ -59,9 +59,9 @@ def parse_records(data: bytes, channels: int, source: str) -> tuple[np.ndarray, 
     return words[: records * channels].reshape(records, channels), warnings
 
 
-def _parse_ours(data: bytes) -> CcsData | None:
+def _parse_own_format(data: bytes) -> CcsData | None:
     """Read a file exactly as ``format_words`` makes it; None for any other."""
-    header = _OURS.match(data)
+    header = _OWN_FORMAT.match(data)
     if header is None or (len(data) - header.end()) % 5:
         return None
     lines = np.frombuffer(data[header.end() :], np.uint8).reshape(-1, 5)

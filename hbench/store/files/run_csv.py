@@ -81,9 +81,9 @@ def check_time(
     stuck = np.flatnonzero(np.diff(t_s) <= 0)
     if len(stuck):
         row = stuck[0] + 1
-        place = table.where(row if rows is None else rows[row])
+        position = table.where(row if rows is None else rows[row])
         raise DataError(
-            f"{table.source}: {place}: time goes from {t_s[row - 1]:.6g} s to {t_s[row]:.6g} s; "
+            f"{table.source}: {position}: time goes from {t_s[row - 1]:.6g} s to {t_s[row]:.6g} s; "
             "expected increasing time",
             hint if t_s[row] == t_s[row - 1] else "",
         )

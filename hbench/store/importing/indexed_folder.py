@@ -180,5 +180,5 @@ def _number(index: TextTable, row: int, column: str, cell: str) -> float:
     return value
 
 
-def _fault(index: TextTable, row: int, column: str, found: str, expected: str) -> DataError:
-    return DataError(f"{index.source}: {index.where(row)}: {column} {found[:60]!r}: {expected}")
+def _fault(index: TextTable, row: int, column: str, cell: str, expected: str) -> DataError:
+    return DataError(f"{index.source}: {index.where(row)}: {column} {cell[:60]!r}: {expected}")
