@@ -1,5 +1,6 @@
 """The whole way from other people's files to friction, with the shipped examples of maps."""
 
+import re
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -76,7 +77,8 @@ def test_matlab_files_with_a_bridges_voltage_become_friction(tmp_path):
         savemat(tmp_path / "logs" / f"run_{trial}.mat", {"data": data}, oned_as="column")
     summary, results = imported(tmp_path, "import-mat.yaml")
     assert sum("resampled from 875 samples" in note for note in summary.notes) == 3
-    zeros = [float(note.split()[2]) for note in summary.notes if "f_applied_n" in note]
+    offset = re.compile(r"f_applied_n: zero offset (\S+)")
+    zeros = [float(match[1]) for match in map(offset.search, summary.notes) if match]
     np.testing.assert_allclose(zeros, [40.0] * 3, atol=1.0)
     assert set(summary.notes) <= set(results.notes)
     (point,) = results.curves[0].points

@@ -31,7 +31,7 @@ def _bench(path):
 def _plant(path):
     workflow.serve_rig(
         ROOT / "configs" / "bench-aau.yaml", plant=path, seed=1, image=None, address=None,
-        flat_out=True, announce=lambda name: pytest.fail("the rig was served"),
+        full_speed=True, announce=lambda name: pytest.fail("the rig was served"),
     )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ def test_coefficients_come_in_si_with_defaults_for_those_not_given():
     [
         ({"leakage": {"test": "1 l/min/bar"}}, "known are added_mass, direction_asymmetry"),
         ({"valve_lag": {"tau": "1 ms"}}, "effects.valve_lag.tau: "),
-        ({"valve_lag": {"time": "1 V"}}, "expected one like ms"),
+        ({"valve_lag": {"time": "1 V"}}, "effects.valve_lag.time = '1 V': "),
         ({"valve_lag": {"time": "0.2 s"}}, "effects.valve_lag.time = '0.2 s': must be between"),
         ({"internal_leakage": {"test": "-1 l/min/bar"}}, "must be between 0 and 1 l/min/bar"),
     ],

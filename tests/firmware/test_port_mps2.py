@@ -295,7 +295,7 @@ def test_a_baud_rate_is_refused_since_the_emulated_uart_has_none(experiment, tmp
             image=tmp_path / "board.elf",
             address="localhost:0",
             baud=115200,
-            flat_out=False,
+            full_speed=False,
             announce=print,
         )
 

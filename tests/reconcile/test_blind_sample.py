@@ -20,7 +20,7 @@ def said():
     """What reconcile says of each, by what is hidden in it."""
     folders = {next(iter(case.effects), "none"): SAMPLE / case.name for case in stored()}
     first = next(iter(folders.values()))
-    prior = blind.before_measuring(blind.task_of(first), tuple(blind.EFFECTS))
+    prior = blind.simulate_baseline(blind.task_of(first), tuple(blind.EFFECTS))
     return {hidden: blind.outcome(folder, prior) for hidden, folder in folders.items()}
 
 
