@@ -178,7 +178,7 @@ def estimate_parameters(
         jacobian=lambda p: law.jacobian(inputs, p) / sigma[:, None],
     )
     if start is None:
-        solution = solve(problem, law.starts(inputs, friction, lower, upper))
+        solution = solve(problem, law.starts(inputs, friction, sigma, lower, upper))
     else:
         solution = descend(problem, start, (), _TOLERANCE)
     if how.loss == "linear":

@@ -28,6 +28,9 @@ class FittableLaw:
     bounds: Callable[[np.ndarray], Bounds]
     scale: Callable[[np.ndarray, float], np.ndarray]
     pressures: bool = False  # whether the law needs both chambers' pressures
+    # Values of the nonlinear parameter between two bounds, rising, among which are all minima of
+    # the cost: from inputs, friction, its standard deviations and the bounds. None: a grid.
+    candidates: Callable[..., np.ndarray] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -42,21 +45,31 @@ class FittableLaw:
         return lower, upper
 
     def starts(
-        self, inputs: np.ndarray, friction: np.ndarray, lower: np.ndarray, upper: np.ndarray
+        self,
+        inputs: np.ndarray,
+        friction: np.ndarray,
+        sigma: np.ndarray,
+        lower: np.ndarray,
+        upper: np.ndarray,
     ) -> list[np.ndarray]:
         """Return a start for each minimum over the nonlinear parameter, with optimal others."""
         index = self.names.index(self.nonlinear)
-        candidates, costs = [], []
-        for value in _spread(lower[index], upper[index]):
-            matrix = self.basis(inputs, value)
+        low, high = lower[index], upper[index]
+        if self.candidates is None:
+            values = _spread(low, high)
+        else:
+            values = self.candidates(inputs, friction, sigma, low, high)
+        starts, costs = [], []
+        for value in values:
+            matrix = self.basis(inputs, value) / sigma[:, None]
             size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-            linear = np.linalg.lstsq(matrix / size, friction, rcond=None)[0] / size
+            linear = np.linalg.lstsq(matrix / size, friction / sigma, rcond=None)[0] / size
             p = np.clip(np.insert(linear, index, value), lower, upper)
-            candidates.append(p)
-            costs.append(np.sum((self.model(inputs, p) - friction) ** 2))
+            starts.append(p)
+            costs.append(np.sum(((self.model(inputs, p) - friction) / sigma) ** 2))
         padded = np.array([np.inf, *costs, np.inf])
         minima = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])
-        return [candidates[i] for i in np.flatnonzero(minima)]
+        return [starts[i] for i in np.flatnonzero(minima)]
 
 
 def _spread(low: float, high: float) -> np.ndarray:

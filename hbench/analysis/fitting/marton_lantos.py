@@ -21,7 +21,7 @@ from hbench.analysis.fitting.fit_data import fit_points, sign
 from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.fitting.over_curves import tustin_covariance, without_impossible_intervals
 from hbench.analysis.fitting.tustin import NAMES
-from hbench.analysis.rounding import distinct
+from hbench.analysis.rounding import ROUNDING, distinct
 from hbench.analysis.statistics.bounded import complex_step
 from hbench.analysis.statistics.intervals import fit_parameters
 from hbench.model.friction.formulas import joined_lines, two_lines
@@ -39,13 +39,34 @@ def _basis(inputs: np.ndarray, v_switch: float) -> np.ndarray:
 
 def _jacobian(inputs: np.ndarray, p: np.ndarray) -> np.ndarray:
     _, b_1, b_2, v_switch = p
-    return np.column_stack([_basis(inputs, v_switch), np.where(inputs[0] > v_switch, b_1 - b_2, 0)])
+    beyond = inputs[0] > v_switch * (1 + ROUNDING)  # a point on the switch belongs to the low line
+    return np.column_stack([_basis(inputs, v_switch), np.where(beyond, b_1 - b_2, 0)])
 
 
 def _between(inputs: np.ndarray) -> dict[str, tuple[float, float]]:
     """Return bounds of v_SW with two or more speeds on each line."""
     speeds = distinct(inputs[0])
     return {"v_switch_m_s": (float(speeds[1]), float(speeds[-2]))}
+
+
+def _switches(
+    inputs: np.ndarray, friction: np.ndarray, sigma: np.ndarray, low: float, high: float
+) -> np.ndarray:
+    """Return the values of v_SW that can be a minimum: the speeds, and intersections between them.
+
+    Between two speeds each line is fitted to its own points, so that the cost has a minimum there
+    only where the two lines intersect (Hudson, 1966).
+    """
+    v, speeds = inputs[0], distinct(inputs[0])
+    values = [low, high, *speeds]
+    for below, above in zip(speeds[1:-2], speeds[2:-1], strict=True):
+        right = v > below * (1 + ROUNDING)
+        (b_1, a_1), (b_2, a_2) = (
+            np.polyfit(v[side], friction[side], 1, w=1 / sigma[side]) for side in (~right, right)
+        )
+        if b_1 != b_2 and below < (crossing := (a_1 - a_2) / (b_2 - b_1)) < above:
+            values.append(crossing)
+    return np.unique(np.clip(values, low, high))
 
 
 def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
@@ -62,6 +83,7 @@ TWO_LINES = FittableLaw(
     nonlinear="v_switch_m_s",
     bounds=_between,
     scale=_scale,
+    candidates=_switches,
 )
 
 

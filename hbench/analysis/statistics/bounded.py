@@ -80,9 +80,15 @@ def _rounding(jacobian: np.ndarray, scale: np.ndarray) -> float:
 
 
 def solve(problem: Problem, starts: Sequence[np.ndarray]) -> Solution:
-    """Minimise the sum of squares within the bounds; the best solution of all ``starts``."""
+    """Minimise the sum of squares within the bounds from all ``starts``.
+
+    Of solutions that differ by rounding, the first is returned.
+    """
     solutions = [descend(problem, start) for start in starts]
-    return min(solutions, key=lambda solution: sum_of_squares(problem, solution.x))
+    costs = np.array([sum_of_squares(problem, solution.x) for solution in solutions])
+    best = costs.argmin()
+    tie = rounding(problem, solutions[best].x) ** 2
+    return solutions[np.flatnonzero(costs <= costs[best] + tie)[0]]
 
 
 def descend(
