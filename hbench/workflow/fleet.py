@@ -16,9 +16,9 @@ from hbench.records import Fleet, FleetRow
 from hbench.report.fleet.row import fleet_row
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
 from hbench.store.campaign.folder import load_campaign
-from hbench.store.files.array_tables import require_pyarrow
 from hbench.store.fleet.rows import FleetRows
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
+from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import printable
 from hbench.workflow.results import derive
 

@@ -8,7 +8,7 @@ from hbench.config.import_layout import Format
 from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
-from hbench.store.files.text_table import parse_table
+from hbench.store.formats.text import parse_table
 from hbench.store.importing.importer import import_folder
 
 SEMICOLON = {"separator": "semicolon"}

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from hbench.errors import DataError
-from hbench.store.files import array_tables, mat_sizes
-from hbench.store.files.array_tables import read_mat, read_parquet
+from hbench.store.formats import mat_sizes, parquet
+from hbench.store.formats.mat import read_mat
+from hbench.store.formats.parquet import read_parquet
 
 HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H2s", 0x0100, b"IM")
 DOUBLE, CHAR, CELL, STRUCT = 6, 4, 1, 2  # classes of arrays
@@ -89,11 +90,11 @@ def test_cells_in_cells_are_refused_before_the_stack_ends():
 
 def test_a_parquet_file_that_unpacks_to_too_much_is_refused_before_it_is():
     pyarrow = pytest.importorskip("pyarrow")
-    from pyarrow import parquet
+    import pyarrow.parquet as pq
 
     file = io.BytesIO()
     table = pyarrow.table({"t_s": pyarrow.array(np.zeros(30_000_000))})
-    parquet.write_table(table, file, compression="zstd")
+    pq.write_table(table, file, compression="zstd")
     assert len(file.getvalue()) < 1_000_000
     with pytest.raises(DataError, match="240 MB.* 200 MB"):
         read_parquet(file.getvalue(), "x.parquet")
@@ -101,7 +102,7 @@ def test_a_parquet_file_that_unpacks_to_too_much_is_refused_before_it_is():
 
 def test_what_fits_is_read(monkeypatch):
     """The same checks on sound files: those of an export (test_export.py) and a full one."""
-    monkeypatch.setattr(array_tables, "LARGEST_UNPACKED", 100)
+    monkeypatch.setattr(parquet, "LARGEST_UNPACKED", 100)
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
     file = io.BytesIO()

@@ -24,9 +24,9 @@ from hbench.store.campaign import journal
 from hbench.store.campaign.dsp_log import format_words, parse_records
 from hbench.store.campaign.journal import Entry, Stop
 from hbench.store.campaign.log_layout import read_layout
+from hbench.store.campaign.run_csv import parse_run
 from hbench.store.files.atomic import append, rename, truncate, write_atomic, write_files
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, check_inside, read_file
-from hbench.store.files.run_csv import parse_run
 from hbench.untrusted_text import printable
 
 JOURNAL = "campaign.yaml"

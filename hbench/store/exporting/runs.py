@@ -16,8 +16,8 @@ import yaml
 
 from hbench.config.import_layout import CHANNELS, FLAGS
 from hbench.records import Run, RunPlan
-from hbench.store.files.array_tables import require_pyarrow
-from hbench.store.files.run_csv import format_run
+from hbench.store.campaign.run_csv import format_run
+from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import as_cell
 
 if TYPE_CHECKING:

@@ -1,1 +1,1 @@
-"""Atomic writes, bounded reads, and tables as text, MATLAB and Parquet files."""
+"""Atomic writes and bounded reads."""

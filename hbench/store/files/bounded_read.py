@@ -1,8 +1,12 @@
-"""Reading of whole files up to a size limit."""
+"""Reading of files up to a size limit."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BufferedReader
 from pathlib import Path
+from typing import BinaryIO
 
-from hbench.config.files.regular_file import FileTooLarge, read_regular_file
+from hbench.config.files.regular_file import FileTooLarge, open_regular_file
 from hbench.errors import DataError
 
 # In bytes: reading a file of this size takes less than 500 MB of memory.
@@ -10,16 +14,33 @@ LARGEST_LOG = 40_000_000  # an hour and a half of a board's log at 100 Hz
 LARGEST_JOURNAL = 8_000_000  # some nine thousand runs
 
 
+_TOO_LARGE = "Check that it is the right file; split a longer log."
+
+
 def read_file(path: Path, largest: int = LARGEST_LOG, hint: str = "") -> bytes:
     """Return a file's bytes. Raises ``DataError``; a too large file is refused before reading."""
+    with open_file(path, largest, hint) as file:
+        return read_whole(file, str(path), largest)
+
+
+@contextmanager
+def open_file(path: Path, largest: int, hint: str = "") -> Iterator[BufferedReader]:
+    """Open a regular file of at most ``largest`` bytes. Raises ``DataError``."""
     try:
-        return read_regular_file(path, largest)
+        with open_regular_file(path, largest) as file:
+            yield file
     except FileTooLarge as error:
-        raise DataError(
-            f"{path}: {error}", "Check that it is the right file; split a longer log."
-        ) from None
+        raise DataError(f"{path}: {error}", _TOO_LARGE) from None
     except OSError as error:
         raise DataError(f"{path}: {error.strerror or error}", hint) from None
+
+
+def read_whole(file: BinaryIO, source: str, largest: int = LARGEST_LOG) -> bytes:
+    """Return the bytes of an open file. Raises ``DataError`` for more than ``largest``."""
+    data = file.read(largest + 1)  # some grow meanwhile, or report no size
+    if len(data) > largest:
+        raise DataError(f"{source}: is larger than {largest / 1e6:g} MB", _TOO_LARGE)
+    return data
 
 
 def check_inside(folder: Path, path: Path) -> None:

@@ -16,8 +16,8 @@ import numpy as np
 
 from hbench.errors import DataError
 from hbench.records import QUANTITIES, Direction, FleetRow
-from hbench.store.files.array_tables import require_pyarrow
 from hbench.store.files.atomic import whole_file
+from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import printable
 
 if TYPE_CHECKING:

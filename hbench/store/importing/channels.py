@@ -8,9 +8,9 @@ import numpy as np
 from hbench.config.import_layout import ALWAYS, CHANNELS, DATE_TIME, Column
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
-from hbench.store.files.array_tables import AnyTable, open_table
-from hbench.store.files.run_csv import check_lengths, check_limits, check_time
-from hbench.store.files.text_table import TextTable
+from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
+from hbench.store.formats.opening import AnyTable
+from hbench.store.formats.text import TextTable
 from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.resampling import interval_means, whole_intervals
 from hbench.store.importing.zero_offset import LEAST_REST_S, rest_before_motion, zero_offset
@@ -27,13 +27,13 @@ class FileChannels:
 
 
 def read_channels_by_map(
-    data: bytes, source: str, name: str, fields: Mapping[str, str], rules: ImportMap
+    table: AnyTable, name: str, fields: Mapping[str, str], rules: ImportMap
 ) -> FileChannels:
     """Return the channels of a file. ``fields`` are the values in its ``name``.
 
     Raises ``DataError`` naming the invalid line.
     """
-    table = open_table(data, source, rules.format)
+    source = table.source
     channels = {key: _in_si(table, key, column, rules) for key, column in rules.columns.items()}
     check_lengths(channels, table)
     clipped = clipped_samples(channels)

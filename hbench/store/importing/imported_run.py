@@ -1,15 +1,18 @@
 """Runs in SI from an imported folder, before they are written to a campaign."""
 
 import hashlib
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from hbench.config.import_layout import Format
 from hbench.records import RunPlan
-from hbench.store.files.bounded_read import check_inside, read_file
+from hbench.store.files.bounded_read import check_inside, open_file
+from hbench.store.formats.opening import AnyTable, format_of, open_table
 
 
 @dataclass(frozen=True)
@@ -17,12 +20,8 @@ class SourceFile:
     """A file of the imported folder."""
 
     name: str  # below the folder, with forward slashes
-    data: bytes = field(repr=False)
-
-    @cached_property
-    def sha256(self) -> str:
-        """Checksum of the file."""
-        return hashlib.sha256(self.data).hexdigest()
+    sha256: str
+    is_truncated: bool  # a text without a newline at its end
 
 
 @dataclass(frozen=True)
@@ -44,8 +43,21 @@ class ImportedRuns:
     bench: dict[str, Any] | None = None  # the header's section, if the folder has a bench file
 
 
-def read_source(folder: Path, name: str) -> SourceFile:
-    """Read a file below ``folder``. Raises ``DataError``, also for a path outside ``folder``."""
+@contextmanager
+def open_source(folder: Path, name: str, layout: Format) -> Iterator[tuple[AnyTable, SourceFile]]:
+    """Open a file below ``folder``. Raises ``DataError``, also for a path outside ``folder``."""
     path = folder / name
     check_inside(folder, path)
-    return SourceFile(name, read_file(path))
+    with open_table(path, layout) as table:
+        yield table, describe_source(folder, name)
+
+
+def describe_source(folder: Path, name: str) -> SourceFile:
+    """Return the record of a file below ``folder``. Raises ``DataError``."""
+    path = folder / name
+    check_inside(folder, path)
+    file_format = format_of(path)
+    with open_file(path, file_format.largest) as file:
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+        file.seek(max(0, file.tell() - 1))
+        return SourceFile(name, sha256, file_format.is_text and file.read(1) not in b"\r\n")

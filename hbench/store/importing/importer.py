@@ -16,8 +16,8 @@ from hbench.errors import ConfigError
 from hbench.store.campaign import journal
 from hbench.store.campaign.folder import JOURNAL, refuse_existing, sha256
 from hbench.store.campaign.journal import Stop
+from hbench.store.campaign.run_csv import format_run
 from hbench.store.files.atomic import write_atomic
-from hbench.store.files.run_csv import format_run
 from hbench.store.importing.imported_run import ImportedRun, SourceFile
 from hbench.store.importing.indexed_folder import read_indexed
 from hbench.store.importing.mapped_files import read_mapped
@@ -91,11 +91,7 @@ def _duplicates(files: Iterable[SourceFile]) -> list[str]:
 
 def _truncations(files: Iterable[SourceFile]) -> Iterator[str]:
     """Report text files without a final newline: the last number can be incomplete."""
-    names = [
-        file.name
-        for file in files
-        if not file.name.endswith((".mat", ".parquet")) and not file.data.endswith((b"\n", b"\r"))
-    ]
+    names = [file.name for file in files if file.is_truncated]
     if names:
         few = ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")
         yield f"no newline at the end of {few}: possibly truncated ({len(names)} files)"

@@ -6,6 +6,7 @@ The index is ``runs.csv`` (a CSV or Parquet file per run), ``runs.parquet`` (the
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,20 @@ from hbench.errors import DataError
 from hbench.records import KINDS, RunPlan, Specimen, kind_names
 from hbench.store.campaign.journal import check_run_id
 from hbench.store.campaign.plan_fields import check_number
-from hbench.store.files.array_tables import AnyTable, Arrays, open_table, read_mat, read_parquet
-from hbench.store.files.run_csv import read_channels
-from hbench.store.files.text_table import TextTable, parse_table
-from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, read_source
+from hbench.store.campaign.run_csv import read_channels
+from hbench.store.files.bounded_read import check_inside, read_file
+from hbench.store.formats.arrays import Arrays
+from hbench.store.formats.mat import read_mat
+from hbench.store.formats.opening import AnyTable
+from hbench.store.formats.parquet import read_parquet
+from hbench.store.formats.text import TextTable, parse_table
+from hbench.store.importing.imported_run import (
+    ImportedRun,
+    ImportedRuns,
+    SourceFile,
+    describe_source,
+    open_source,
+)
 from hbench.untrusted_text import from_cell
 
 INDICES = ("runs.csv", "runs.parquet", "campaign.mat")
@@ -36,7 +47,8 @@ _REFERENCE = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_
 
 
 # The index, and a function from a run's number and its cell "file" to its table and file.
-_Index = tuple[TextTable, Callable[[int, str], tuple[AnyTable, SourceFile]]]
+_Log = Callable[[int, str], AbstractContextManager[tuple[AnyTable, SourceFile]]]
+_Index = tuple[TextTable, _Log]
 
 
 def read_indexed(folder: Path) -> ImportedRuns:
@@ -61,8 +73,8 @@ def read_indexed(folder: Path) -> ImportedRuns:
         if plan.run in lines:
             raise _fault(index, row, "run", plan.run, f"occurs in line {lines[plan.run]} too")
         lines[plan.run] = index.lines[row]
-        table, file = log(row, file_name)
-        channels, unknown = read_channels(table)
+        with log(row, file_name) as (table, file):
+            channels, unknown = read_channels(table)
         notes += _left_out(file.name, [column for column in unknown if column != "run"])
         first = table.lines[0] if isinstance(table, TextTable) else 1
         last = table.lines[-1] if isinstance(table, TextTable) else len(channels["t_s"])
@@ -82,20 +94,19 @@ def _unlisted(folder: Path, index: str, runs: Sequence[ImportedRun]) -> Iterator
 
 
 def _table_index(folder: Path, name: str) -> _Index:
-    data = read_source(folder, name).data
+    path = folder / name
+    check_inside(folder, path)
+    data = read_file(path)
     if name.endswith(".parquet"):
-        data = read_parquet(data, str(folder / name)).to_csv(index=False).encode()
-
-    def log(_: int, file_name: str) -> tuple[AnyTable, SourceFile]:
-        file = read_source(folder, file_name)
-        return open_table(file.data, str(folder / file_name), Format()), file
-
-    return parse_table(data, str(folder / name), Format()), log
+        data = read_parquet(data, str(path)).to_csv(index=False).encode()
+    index = parse_table(data, str(path), Format())
+    return index, lambda _, file_name: open_source(folder, file_name, Format())
 
 
 def _mat_index(folder: Path, name: str) -> _Index:
-    file, source = read_source(folder, name), str(folder / name)
-    runs = read_mat(file.data, source).get("runs")
+    file, path = describe_source(folder, name), folder / name
+    source = str(path)
+    runs = read_mat(read_file(path), source).get("runs")
     runs = [runs] if isinstance(runs, dict) else runs
     if (
         not isinstance(runs, (list, np.ndarray))
@@ -107,7 +118,11 @@ def _mat_index(folder: Path, name: str) -> _Index:
     rows = [[*(_cell(run.get(field)) for field in names), name] for run in runs]
     count = np.arange(1, len(rows) + 1)
     index = TextTable((*names, "file"), (), rows, count, Format(), source)
-    return index, lambda row, _: (Arrays(runs[row]["log"], f"{source}: runs({row + 1}).log"), file)
+
+    def log(row: int, _: str) -> AbstractContextManager[tuple[AnyTable, SourceFile]]:
+        return nullcontext((Arrays(runs[row]["log"], f"{source}: runs({row + 1}).log"), file))
+
+    return index, log
 
 
 def _cell(value: Any) -> str:

@@ -13,7 +13,7 @@ from hbench.config.import_map import FileSeries, ImportMap
 from hbench.errors import ConfigError, DataError
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
-from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, read_source
+from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, open_source
 from hbench.store.importing.stroke_cuts import StrokeCuts, cut_at_reversals, stroke_speed
 from hbench.units import parse_unit
 
@@ -84,10 +84,9 @@ def read_mapped(folder: Path, rules: ImportMap) -> ImportedRuns:
     notes: list[str] = []
     partial = short = 0
     for match in _matches(folder, rules):
-        file = read_source(folder, match.name)
-        source = str(folder / match.name)
-        read = read_channels_by_map(file.data, source, match.name, match.fields, rules)
-        cut = _cut(read.channels["x_m"], source, rules)
+        with open_source(folder, match.name, rules.format) as (table, file):
+            read = read_channels_by_map(table, match.name, match.fields, rules)
+        cut = _cut(read.channels["x_m"], str(folder / match.name), rules)
         strokes += [_stroke(match, file, read, piece, rules.kind) for piece in cut.pieces]
         notes += read.notes
         partial, short = partial + cut.partial, short + cut.short

@@ -9,8 +9,8 @@ import numpy as np
 from hbench.config.import_layout import ALWAYS, CHANNELS, FLAGS, LIMITS, LONGEST_S, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
-from hbench.store.files.array_tables import AnyTable
-from hbench.store.files.text_table import parse_table
+from hbench.store.formats.opening import AnyTable
+from hbench.store.formats.text import parse_table
 
 _IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 # Tolerance between a logged reference and the plan's: a count of 1e-5 m/s, or 0.1 %.

@@ -1,21 +1,13 @@
-"""Binary tables: MATLAB's .mat files (up to version 7) and Parquet."""
+"""Table of arrays in memory, by name or by a path in MATLAB's notation."""
 
-import io
 import re
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from hbench.config.import_layout import Format
-from hbench.errors import ConfigError, DataError
-from hbench.store.files.mat_sizes import LARGEST_UNPACKED, check_mat_sizes
-from hbench.store.files.text_table import TextTable, parse_table
+from hbench.errors import DataError
 
-if TYPE_CHECKING:
-    from pandas import DataFrame
-
-_V73 = b"MATLAB 7.3 MAT-file"
 # One step of a path: a name, then (k) for an element or (:,k) for a column.
 _STEP = re.compile(r"(\w+)(?:\((?:\s*(\d+)\s*|\s*:\s*,\s*(\d+)\s*)\))?")
 _FEW = 40  # columns that a message lists
@@ -111,70 +103,6 @@ class Arrays:
         paths = list(_paths(self._root))
         more = f" and {len(paths) - _FEW} more" if len(paths) > _FEW else ""
         return (", ".join(paths[:_FEW]) or "no readable variable") + more
-
-
-AnyTable = TextTable | Arrays
-
-
-def open_table(data: bytes, source: str, layout: Format) -> AnyTable:
-    """Read a file by its name's extension. Raises ``DataError``, ``ConfigError``."""
-    ending = source.rsplit(".", 1)[-1].lower()
-    if ending == "mat":
-        return Arrays(read_mat(data, source), source)
-    if ending == "parquet":
-        frame = read_parquet(data, source)
-        return Arrays({str(name): frame[name].to_numpy() for name in frame.columns}, source)
-    return parse_table(data, source, layout)
-
-
-def read_mat(data: bytes, source: str) -> dict[str, Any]:
-    """Return a MATLAB file's variables; structs are dicts. Raises ``DataError``."""
-    from scipy.io import loadmat
-
-    if data.startswith(_V73):
-        raise DataError(
-            f"{source}: is a MATLAB file of version 7.3 (HDF5); limit version 7",
-            "Save it in MATLAB with save('file.mat', '-v7').",
-        )
-    check_mat_sizes(data, source)
-    try:
-        content = loadmat(io.BytesIO(data), simplify_cells=True)
-    except Exception as error:  # of many kinds
-        raise DataError(f"{source}: can't be read as a MATLAB file: {error}") from None
-    return {name: value for name, value in content.items() if name and not name.startswith("__")}
-
-
-def read_parquet(data: bytes, source: str) -> "DataFrame":
-    """Return a Parquet file's data frame. Raises ``DataError``, ``ConfigError``."""
-    require_pyarrow()
-    import pandas as pd
-    from pyarrow.parquet import ParquetFile
-
-    try:
-        about = ParquetFile(io.BytesIO(data)).metadata
-        groups = [about.row_group(i).total_byte_size for i in range(about.num_row_groups)]
-        size = max(8 * about.num_rows * about.num_columns, sum(groups))
-        if size > LARGEST_UNPACKED:
-            raise DataError(
-                f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
-                "Check that it is the right file; save fewer columns, or split it.",
-            )
-        return pd.read_parquet(io.BytesIO(data), engine="pyarrow")
-    except DataError:
-        raise
-    except Exception as error:  # of many kinds
-        raise DataError(f"{source}: can't be read as a Parquet file: {error}") from None
-
-
-def require_pyarrow() -> None:
-    """Raise ``ConfigError`` if pyarrow is not installed."""
-    try:
-        import pyarrow  # noqa: F401
-    except ImportError:
-        raise ConfigError(
-            "Parquet needs the package pyarrow, which is not installed",
-            "Run pip install 'hbench[parquet]'.",
-        ) from None
 
 
 def _paths(root: Mapping[str, Any], prefix: str = "") -> Iterator[str]:

@@ -5,11 +5,13 @@ import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
+from typing import BinaryIO
 
 import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
+from hbench.store.files.bounded_read import read_whole
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
 _GAPS = ("", "nan", "na", "n/a", "null")
@@ -118,6 +120,11 @@ class TextTable:
         if decimal != "." and cell:
             cell = cell.translate({ord("."): "?", ord(decimal): "."})
         return cell.replace("_", "?")  # Python reads 1_0 as 10
+
+
+def open_text(file: BinaryIO, source: str, layout: Format) -> TextTable:
+    """Read a file as a table. Raises ``DataError``."""
+    return parse_table(read_whole(file, source), source, layout)
 
 
 def parse_table(data: bytes, source: str, layout: Format) -> TextTable:

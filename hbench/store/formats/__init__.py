@@ -1,0 +1,1 @@
+"""Readers of foreign files: one file a format, and the table of all formats."""

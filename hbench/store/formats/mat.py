@@ -1,0 +1,34 @@
+"""MATLAB files up to version 7."""
+
+import io
+from typing import Any, BinaryIO
+
+from hbench.config.import_layout import Format
+from hbench.errors import DataError
+from hbench.store.files.bounded_read import read_whole
+from hbench.store.formats.arrays import Arrays
+from hbench.store.formats.mat_sizes import check_mat_sizes
+
+_V73 = b"MATLAB 7.3 MAT-file"
+
+
+def open_mat(file: BinaryIO, source: str, layout: Format) -> Arrays:
+    """Return the variables of a file. Raises ``DataError``."""
+    return Arrays(read_mat(read_whole(file, source), source), source)
+
+
+def read_mat(data: bytes, source: str) -> dict[str, Any]:
+    """Return a MATLAB file's variables; structs are dicts. Raises ``DataError``."""
+    from scipy.io import loadmat
+
+    if data.startswith(_V73):
+        raise DataError(
+            f"{source}: is a MATLAB file of version 7.3 (HDF5); limit version 7",
+            "Save it in MATLAB with save('file.mat', '-v7').",
+        )
+    check_mat_sizes(data, source)
+    try:
+        content = loadmat(io.BytesIO(data), simplify_cells=True)
+    except Exception as error:  # of many kinds
+        raise DataError(f"{source}: can't be read as a MATLAB file: {error}") from None
+    return {name: value for name, value in content.items() if name and not name.startswith("__")}
