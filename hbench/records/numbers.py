@@ -1,12 +1,15 @@
-"""Types of the records' numbers and texts, more precise than float, int or str.
+"""Types of the records' numbers and texts, and the factor of a normal 95 % interval.
 
-Python and mypy see the plain type; the JSON Schemas of the documents follow the marks.
+The types are more precise than float, int or str. Python and mypy see the plain type; the JSON
+Schemas of the documents follow the marks.
 """
 
 from dataclasses import dataclass
 from typing import Annotated
 
 from hbench.records.kinds import KINDS
+
+NORMAL_95 = 1.959964  # half of the interval, in standard deviations
 
 
 @dataclass(frozen=True)

@@ -124,7 +124,7 @@ def stribeck_results(loads=(500.0, 1000.0, 2000.0, 5000.0), speeds=15, source="s
                 sigma = 0.013 * eta + 0.004
                 both = np.hypot(sigma, 0.006)
                 ci95 = 4.303 * 0.006
-                u95 = np.hypot(1.96 * sigma, ci95)
+                u95 = np.hypot(1.959964 * sigma, ci95)
                 etas.append(EfficiencyPoint(v, eta, sigma, 0.006, "", both, ci95, u95))
             at_bound = rank == 0 and sign == 1
             grid = np.union1d(np.linspace(v_all[0], v_all[-1], 100), v_all) * sign

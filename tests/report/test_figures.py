@@ -178,8 +178,8 @@ def test_the_efficiency_band_is_the_95_percent_interval_of_the_instruments(small
     point = small.efficiency[0].points[0]
     corners = axes.collections[0].get_paths()[0].vertices
     at_first = corners[np.isclose(corners[:, 0], 1000 * point.v_m_s)][:, 1]
-    assert at_first.min() == pytest.approx(100 * (point.efficiency - 1.96 * point.sigma))
-    assert at_first.max() == pytest.approx(100 * (point.efficiency + 1.96 * point.sigma))
+    assert at_first.min() == pytest.approx(100 * (point.efficiency - 1.959964 * point.sigma))
+    assert at_first.max() == pytest.approx(100 * (point.efficiency + 1.959964 * point.sigma))
     assert axes.get_ylim() == (0, 100)
 
 

@@ -22,7 +22,6 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import (
-    NORMAL_95,
     expanded,
     friction_contributions,
     mean_contributions,
@@ -42,6 +41,7 @@ from hbench.records import (
     FrictionDifference,
     Results,
 )
+from hbench.records.numbers import NORMAL_95
 
 SAME_SPEED = 0.02  # largest relative difference of two speeds with the same reference
 Contributions = dict[str, float]  # of instruments

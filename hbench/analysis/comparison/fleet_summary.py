@@ -20,7 +20,6 @@ from hbench.analysis.comparison.population import (
     trend_line,
 )
 from hbench.analysis.statistics.holm import holm
-from hbench.analysis.uncertainty.budget import NORMAL_95
 from hbench.records import (
     QUANTITIES,
     Block,
@@ -32,6 +31,7 @@ from hbench.records import (
     Suspect,
     Trend,
 )
+from hbench.records.numbers import NORMAL_95
 from hbench.store.fleet.table import FleetTable, column_of, moment_of
 
 _LISTED = 20  # campaigns: of the most deviating, and of the failed ones

@@ -17,10 +17,10 @@ from hbench.records import (
     Results,
     RunPlan,
 )
+from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
 
 V_TOLERANCE = 0.2  # relative distance of a measured speed from the working speed
-_K95 = 1.96  # half of a normal 95 % interval, in standard deviations
 
 
 def headline(
@@ -107,7 +107,7 @@ def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
         low, high = stiction.ci95
         half = max(stiction.value - low, high - stiction.value)
         slowest = min(curve.points, key=lambda point: abs(point.v_m_s))
-        u95 = math.hypot(half, _K95 * (slowest.sigma_instruments_n or 0.0))
+        u95 = math.hypot(half, NORMAL_95 * (slowest.sigma_instruments_n or 0.0))
         return HeadlineNumber(stiction.value, u95, half, stiction.se, "extrapolated")
     return None
 

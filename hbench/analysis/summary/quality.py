@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from statistics import median
 
 from hbench.records import KINDS, Curve, CurvePoint, Fit, Grade, Quality, QualityCheck, ScreenedRun
+from hbench.records.numbers import NORMAL_95
 
 GRADES: tuple[Grade, ...] = ("good", "with care", "poor")
 
@@ -62,7 +63,7 @@ def _trials_per_point(points: list[CurvePoint]) -> QualityCheck:
 
 def _instruments(points: list[CurvePoint]) -> QualityCheck:
     halves = [
-        100 * 1.96 * p.sigma_instruments_n / abs(p.friction_n)
+        100 * NORMAL_95 * p.sigma_instruments_n / abs(p.friction_n)
         for p in points
         if p.sigma_instruments_n is not None and p.friction_n
     ]

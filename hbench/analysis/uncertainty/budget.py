@@ -17,8 +17,8 @@ import numpy as np
 
 from hbench.config.sensors import Instrument, Instruments
 from hbench.records import Curve, CurvePoint, Specimen
+from hbench.records.numbers import NORMAL_95
 
-NORMAL_95 = 1.959964
 LOAD_CELL = "load cell"
 PISTON_SIDE, ROD_SIDE = "piston-side pressure", "rod-side pressure"
 

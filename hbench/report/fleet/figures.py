@@ -8,13 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import Fleet, Quantity, Spread
+from hbench.records.numbers import NORMAL_95
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, drawn
 from hbench.report.render.series import behind
 
 DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
 _COUNTED = "Campaigns in a class of values."
-_SINGLE = "Bars: ±1.96 standard errors of a campaign's own trials."
+_SINGLE = f"Bars: ±{NORMAL_95:.2f} standard errors of a campaign's own trials."
 _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % of them."
 _DAYS = 2.0  # a shorter fleet is shown over hours
 

@@ -4,7 +4,6 @@ import math
 from collections.abc import Collection
 
 _SYMMETRIC = 0.05  # of the half-width
-K95 = 1.96  # half of a normal 95 % interval, in standard deviations
 NONE = "–"  # in place of a number that does not exist
 
 

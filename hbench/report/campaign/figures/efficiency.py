@@ -4,11 +4,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from hbench.records import EfficiencyCurve, Results
+from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import by_load, load_legend, load_ranks, load_style
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
-from hbench.report.render.numbers import K95
 from hbench.report.render.series import behind
 
 
@@ -62,5 +62,5 @@ def _columns(curve: EfficiencyCurve) -> tuple[np.ndarray, ...]:
         values = [getattr(point, name) for point in curve.points]
         return np.array([np.nan if value is None else value for value in values], dtype=float)
 
-    percent = 100 * np.array([column("efficiency"), K95 * column("sigma"), column("ci95")])
+    percent = 100 * np.array([column("efficiency"), NORMAL_95 * column("sigma"), column("ci95")])
     return 1e3 * np.abs(column("v_m_s")), *percent
