@@ -22,7 +22,7 @@ from hbench.experiment.upload import uploads
 from hbench.protocol.codec import BY_NAME, pack, unpack
 from hbench.records import KINDS
 from hbench.records.kinds import ExperimentKind
-from hbench.report.campaign.figures import NAMES
+from hbench.report.campaign.figures import FIGURE_NAMES
 from hbench.report.campaign.figures.all_figures import FIGURES
 from hbench.rig.client import Identity
 from hbench.store.campaign.folder import load_campaign
@@ -72,7 +72,7 @@ def test_each_stage_supports_exactly_the_values_that_its_column_may_take():
             assert set(supported) == set(get_args(hints[column])), stage
         assert {getattr(kind, column) for kind in KINDS.values()} <= set(supported), stage
     assert set(SECTIONS) == set(PROFILES)
-    assert set(NAMES) == {figure.name for figure in FIGURES}
+    assert set(FIGURE_NAMES) == {figure.name for figure in FIGURES}
     assert all(kind.name == name for name, kind in KINDS.items())
 
 

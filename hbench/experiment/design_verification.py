@@ -105,9 +105,9 @@ def verify(
 
     for before, (name, factors) in enumerate(variants.items()):
 
-        def report_total(progress: Progress, made: int = before * each) -> None:
+        def report_total(progress: Progress, runs_before: int = before * each) -> None:
             total = len(variants) * each
-            report(replace(progress, runs_done=made + progress.runs_done, runs_total=total))
+            report(replace(progress, runs_done=runs_before + progress.runs_done, runs_total=total))
 
         recorded = record(bench, motions, _physics(bench, factors), report_total)
         checks += judge(recorded, bench, rules, name)

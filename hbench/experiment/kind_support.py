@@ -10,7 +10,7 @@ from hbench.errors import ConfigError
 from hbench.experiment.motions import PROFILES
 from hbench.protocol.dictionary import VALVES
 from hbench.records import KINDS
-from hbench.report.campaign.figures import NAMES
+from hbench.report.campaign.figures import FIGURE_NAMES
 
 # Column of ``KINDS``: the stage that reads it, and the values that the stage supports.
 STAGES: dict[str, tuple[str, Collection[str]]] = {
@@ -19,7 +19,7 @@ STAGES: dict[str, tuple[str, Collection[str]]] = {
     "screening": ("screening", SCREENING_RULES),
     "analysis": ("analysis", ANALYSES),
     "identification": ("identification", USES),
-    "figure": ("report", ("", *NAMES)),
+    "figure": ("report", ("", *FIGURE_NAMES)),
 }
 
 

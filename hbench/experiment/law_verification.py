@@ -34,28 +34,28 @@ def verify_laws(
     bench_data: dict[str, Any],
     laws: Sequence[IdentifiedLaw],
     measured: Sequence[Run],
-    made: Sequence[RunPlan],
+    campaign_plans: Sequence[RunPlan],
     report: Callable[[Progress], None] = lambda progress: None,
 ) -> VerifiedLaws:
     """Simulate the ``measured`` verification runs with each identified law, and compare both.
 
-    ``bench_data`` is the content of the bench file, ``made`` are all runs of the campaign in order.
-    The measured runs must have a motion and v_ref. Where the model's board stops itself, the runs
-    before that are compared and ``not_verified`` has the reason. Raises ``DataError`` for a log
-    without a channel that friction needs.
+    ``bench_data`` is the content of the bench file, ``campaign_plans`` are all
+    runs of the campaign in order. The measured runs must have a motion and v_ref. Where the model's
+    board stops itself, the runs before that are compared and ``not_verified`` has the reason.
+    Raises ``DataError`` for a log without a channel that friction needs.
     """
     bench = parse_bench(bench_data, "bench")
     mass_kg = bench.moving_mass.test
     wanted = {run.plan.run for run in measured}
-    chosen = _with_preceding_runs(made, wanted)
+    chosen = _with_preceding_runs(campaign_plans, wanted)
     plans = [replace(plan, run=f"{i:04d}") for i, plan in enumerate(chosen, 1)]
     fitted = [law for law in laws if law.fit is not None]
     verified, runs_of_law = {}, {}
     for before, law in enumerate(fitted):
 
-        def report_total(progress: Progress, made: int = before * len(plans)) -> None:
+        def report_total(progress: Progress, runs_before: int = before * len(plans)) -> None:
             total = len(fitted) * len(plans)
-            report(replace(progress, runs_done=made + progress.runs_done, runs_total=total))
+            report(replace(progress, runs_done=runs_before + progress.runs_done, runs_total=total))
 
         recorded = record_plans(bench, plans, _plant(bench_data, law), report_total)
         whole = [run for run in recorded.runs if not run.aborted and not run.truncated]
@@ -91,12 +91,12 @@ def _plant(bench_data: dict[str, Any], law: IdentifiedLaw) -> Plant:
     return parse_plant(merge(bench_data, {"friction": {"test": law.section}}), _EXACT, law.law)
 
 
-def _with_preceding_runs(made: Sequence[RunPlan], wanted: set[str]) -> list[RunPlan]:
+def _with_preceding_runs(plans: Sequence[RunPlan], wanted: set[str]) -> list[RunPlan]:
     chosen: list[RunPlan] = []
-    for i, plan in enumerate(made):
+    for i, plan in enumerate(plans):
         if plan.run in wanted:
-            if i and made[i - 1].run not in wanted and made[i - 1].motion is not None:
-                chosen.append(made[i - 1])
+            if i and plans[i - 1].run not in wanted and plans[i - 1].motion is not None:
+                chosen.append(plans[i - 1])
             chosen.append(plan)
     return chosen
 

@@ -117,9 +117,9 @@ class _Planner:
                 reference = steady_reference(experiment, speed, screening, self._bench, key)
                 _check_motion(reference, self._bench, key)
                 plans = [self.add(experiment, reference, load) for _ in range(experiment.trials)]
-                made = [self._friction.get(plan) for plan in plans]
+                frictions = [self._friction.get(plan) for plan in plans]
                 self._open = self._open or any(plan not in self._friction for plan in plans)
-                trials = () if self._open else tuple(f for f in made if f is not None)
+                trials = () if self._open else tuple(f for f in frictions if f is not None)
                 measured.append(SpeedFriction(speed, trials))
                 speed = next_speed(rule, measured)
 

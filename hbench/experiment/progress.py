@@ -67,8 +67,8 @@ class WholeCampaign:
         self._trials: dict[tuple, int] = {}
         self._count_trials(plans)
 
-    def part(self, part: Plan, made: int) -> Report:
-        """Return a report function for ``part``, with ``made`` runs before it."""
+    def part(self, part: Plan, runs_before: int) -> Report:
+        """Return a report function for ``part``, with ``runs_before`` runs before it."""
         self._count_trials((*part.runs, *part.undecided))
         seconds = run_seconds((*part.runs, *part.undecided), self._bench)
 
@@ -84,8 +84,8 @@ class WholeCampaign:
             self._report(
                 replace(
                     now,
-                    runs_done=made + now.runs_done,
-                    runs_total=made + now.runs_total + len(part.undecided),
+                    runs_done=runs_before + now.runs_done,
+                    runs_total=runs_before + now.runs_total + len(part.undecided),
                     at_most=bool(part.undecided),
                     trials=self._trials[_reference(now.plan)],
                     rejected=self._rejected,

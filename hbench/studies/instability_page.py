@@ -43,7 +43,7 @@ def instability(bench_data: dict[str, Any]) -> Phenomenon:
     rates = {
         (name, v): fastest(par, fit, v, loops) for name, fit in FITS.items() for v in SPEEDS_M_S
     }
-    made = {
+    runs = {
         (law, name, v): tried(bench_data, fit, law, v)
         for law in ("tustin", "lugre")
         for name, fit in FITS.items()
@@ -91,8 +91,8 @@ def instability(bench_data: dict[str, Any]) -> Phenomenon:
                          np.array([rate.lugre for rate in swept])),
                 ),
             ),
-            _velocity("static", made, "tustin", ("6.2 steady", "6.5 steady")),
-            _velocity("lugre", made, "lugre", ("6.2 steady", "6.5 steady")),
+            _velocity("static", runs, "tustin", ("6.2 steady", "6.5 steady")),
+            _velocity("lugre", runs, "lugre", ("6.2 steady", "6.5 steady")),
         ),
         findings=tuple(
             Finding(
@@ -124,7 +124,7 @@ def instability(bench_data: dict[str, Any]) -> Phenomenon:
                 ("friction", "fit", *(f"{1e3 * v:g} mm/s" for v in SPEEDS_M_S)),
                 tuple(
                     ({"tustin": "static", "lugre": "LuGre, both cylinders"}[law], name,
-                     *(_verdict(made[law, name, v]) for v in SPEEDS_M_S))
+                     *(_verdict(runs[law, name, v]) for v in SPEEDS_M_S))
                     for law in ("tustin", "lugre")
                     for name in FITS
                 )
@@ -199,11 +199,11 @@ def _verdict(done: FirmwareRun) -> str:
 
 
 def _velocity(
-    panel: str, made: dict[tuple[str, str, float], FirmwareRun], law: str, fits: tuple[str, ...]
+    panel: str, runs: dict[tuple[str, str, float], FirmwareRun], law: str, fits: tuple[str, ...]
 ) -> Panel:
     lines = []
     for name in fits:
-        run = made[law, name, 0.05].run
+        run = runs[law, name, 0.05].run
         shown = run.t_s - run.t_s[0] < 0.6
         t = (run.t_s - run.t_s[0])[shown]
         lines.append(Line(name, t, 1e3 * run.channel("v_m_s")[shown]))

@@ -88,8 +88,8 @@ def supply_sag(bench_data: dict[str, Any]) -> Phenomenon:
     assert plant.supply.pump is not None, "SUPPLIES has one"
     pump = plant.supply.pump.model_dump()
     rows = []
-    for supply, made in runs.items():
-        for run in made:
+    for supply, supply_runs in runs.items():
+        for run in supply_runs:
             verdict = screen(run, Screening())
             rows.append(
                 (
@@ -171,8 +171,8 @@ def _panel(
     label: str,
 ) -> Panel:
     lines = tuple(
-        Line(supply, made[index].t_s - made[index].t_s[0], scale * made[index].channel(channel))
-        for supply, made in runs.items()
+        Line(supply, run.t_s - run.t_s[0], scale * run.channel(channel))
+        for supply, run in ((supply, supply_runs[index]) for supply, supply_runs in runs.items())
     )
     return Panel(name, f"{title} at {REFERENCES[index][0]}", "Time (s)", label, lines)
 

@@ -104,7 +104,7 @@ def test_every_figure_names_its_axes_with_units_and_is_the_same_twice(design):
 
 
 def test_bode_tells_margins_and_marks_them_where_they_are_read(design):
-    from hbench.report.design.figures import bode, locus, pole_zero, step
+    from hbench.report.design.figures import bode, locus, pole_zero, step_figure
 
     figure = bode(design.loops[0])
     gain, phase = figure.axes
@@ -112,6 +112,6 @@ def test_bode_tells_margins_and_marks_them_where_they_are_read(design):
     assert "valve: PM 90°, GM 12.0 dB" in labels and "ideal valve: PM 90°" in labels
     marks = [line.get_xydata()[0] for line in phase.lines if len(line.get_xydata()) == 1]
     assert marks and all(mark == pytest.approx((100.0, -90.0), abs=0.1) for mark in marks)
-    for draw in (bode, locus, pole_zero, step):
+    for draw in (bode, locus, pole_zero, step_figure):
         axes = draw(design.loops[0]).axes[-1]
         assert axes.get_xlabel() and axes.get_ylabel()

@@ -27,7 +27,7 @@ from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.residual_figures import maps_figure, shape_figure
 from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
 from hbench.report.diagnosis.run_gaps import run_gaps_csv
-from hbench.report.diagnosis.text import diagnosis_text, edges_table, tables
+from hbench.report.diagnosis.text import diagnosis_tables, diagnosis_text, edges_table
 from hbench.report.render.figures import render
 from hbench.units import parse_unit
 from tests.support.reconcile import made_diagnosis as made
@@ -149,10 +149,10 @@ def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
 
 
 def test_balances_and_signals_of_the_report_are_those_of_reconcile_with_units_of_their_kind():
-    assert list(words.BALANCES) == list(UNITS)
+    assert list(words.BALANCE_NAMES) == list(UNITS)
     for name, unit in UNITS.items():
-        assert parse_unit(words.BALANCES[name].unit).dimension == parse_unit(unit).dimension
-    assert set(words.SIGNALS) == set(SIGNALS)
+        assert parse_unit(words.BALANCE_NAMES[name].unit).dimension == parse_unit(unit).dimension
+    assert set(words.SIGNAL_NAMES) == set(SIGNALS)
 
 
 def test_a_chambers_edges_are_told_by_the_direction(named):
@@ -176,7 +176,7 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     assert page.count('class="wide"') == sum(one.wide for one in drawings)
     assert "no cylinder was measured" in page
     assert re.search(r"Verdict: named\. .*internal leakage \(test 0\.00580", page)
-    for table in tables(named):
+    for table in diagnosis_tables(named):
         assert table.title.partition(" (")[0] in page
     assert page.index('<h2 id="the-gap') < page.index('<h2 id="residuals')
 
@@ -302,7 +302,7 @@ def test_a_leak_stands_in_each_run_and_goes_with_the_effect(named):
 
 
 def test_the_worst_runs_stand_first_on_the_terminal_and_the_page_has_more(named, drawings):
-    (table,) = [one for one in tables(named) if one.title.startswith("Gap of each run")]
+    (table,) = [one for one in diagnosis_tables(named) if one.title.startswith("Gap of each run")]
     assert "8 of 42)" in table.title
     gaps = [float(row[table.head.index("with the effects")]) for row in table.rows]
     assert gaps == sorted(gaps, reverse=True) and len(gaps) == 8

@@ -10,7 +10,7 @@ import pytest
 
 from hbench.report.campaign.figures.all_figures import draw_all
 from hbench.report.render import style
-from hbench.report.render.figures import Sketch, drawn, figure_files
+from hbench.report.render.figures import Sketch, draw_sketches, figure_files
 from hbench.report.render.series import behind
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -31,7 +31,7 @@ def plot(draw):
     axes = figure.add_subplot()
     axes.set(xlabel="Time (s)", ylabel="Force $F_{L}$ (N)")
     draw(axes)
-    (drawing,) = drawn([Sketch("one", "section", "One figure", "caption", figure)])
+    (drawing,) = draw_sketches([Sketch("one", "section", "One figure", "caption", figure)])
     return drawing
 
 

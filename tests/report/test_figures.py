@@ -58,7 +58,7 @@ def test_every_axis_says_what_it_shows_and_its_unit(name, request):
 
 
 def test_stribeck_points_are_the_records_in_mm_s_and_newton_with_their_intervals(small):
-    figure = friction.stribeck(small)["retract"]
+    figure = friction.friction_magnitude(small)["retract"]
     axes, below = figure.axes
     drawn = series(axes)
     assert set(drawn) == {"−500 N", "−5000 N"}
@@ -74,7 +74,7 @@ def test_stribeck_points_are_the_records_in_mm_s_and_newton_with_their_intervals
 
 
 def test_the_fitted_line_stays_inside_the_measured_speeds(small):
-    axes = friction.stribeck(small)["extend"].axes[0]
+    axes = friction.friction_magnitude(small)["extend"].axes[0]
     speeds = [1000 * abs(point.v_m_s) for point in small.curves[0].points]
     lines = [line for line in axes.lines if len(line.get_xdata()) > len(speeds)]
     assert len(lines) == 2
@@ -85,7 +85,7 @@ def test_the_fitted_line_stays_inside_the_measured_speeds(small):
 
 @pytest.mark.parametrize("direction,sign", [("extend", 1), ("retract", -1)])
 def test_residuals_are_measured_less_fitted(small, direction, sign):
-    figure = friction.stribeck(small)[direction]
+    figure = friction.friction_magnitude(small)[direction]
     curve = next(c for c in small.curves if c.direction == direction and abs(c.f_load_n) == 500)
     line = dict(curve.fits[0].line)
     expected = [sign * (p.friction_n - line[p.v_m_s]) for p in curve.points]
@@ -94,14 +94,14 @@ def test_residuals_are_measured_less_fitted(small, direction, sign):
 
 
 def test_both_directions_share_their_limits(small):
-    figures = friction.stribeck(small)
+    figures = friction.friction_magnitude(small)
     for panel in (0, 1):
         assert figures["extend"].axes[panel].get_ylim() == figures["retract"].axes[panel].get_ylim()
         assert figures["extend"].axes[panel].get_xlim() == figures["retract"].axes[panel].get_xlim()
 
 
 def test_signed_figure_keeps_the_signs_and_one_colour_a_load(small):
-    (axes,) = friction.signed(small)[""].axes
+    (axes,) = friction.signed_friction(small)[""].axes
     assert len(axes.containers) == 4
     colours = {}
     for bars in axes.containers:
@@ -125,15 +125,15 @@ def test_a_load_that_helps_is_hollow_and_one_that_opposes_is_filled(small):
 
 
 def test_curves_of_one_load_are_told_apart_by_their_rod_side_pressure(small, two_rod_sides):
-    assert set(series(friction.stribeck(small)["extend"].axes[0])) == {"500 N", "5000 N"}
+    assert set(series(friction.friction_magnitude(small)["extend"].axes[0])) == {"500 N", "5000 N"}
     loads = {f"{load} N, {bar} bar" for load in (500, 5000) for bar in (15, 60)}
-    for draw in (friction.stribeck, efficiency.efficiency):
+    for draw in (friction.friction_magnitude, efficiency.efficiency):
         figure = draw(two_rod_sides)["extend"]
         bars = figure.axes[0].containers
         assert {one.get_label() for one in bars} == loads
         assert len({one.lines[0].get_color() for one in bars}) == 4
         assert "rod-side" in figure.legends[0].get_title().get_text()
-    signed = friction.signed(two_rod_sides)[""]
+    signed = friction.signed_friction(two_rod_sides)[""]
     assert len({one.lines[0].get_color() for one in signed.axes[0].containers}) == 4
 
 
@@ -152,7 +152,7 @@ def test_a_rod_side_pressure_for_each_direction_needs_no_words(small):
     curves = tuple(
         replace(c, p_lr_ref_pa=60e5 if c.direction == "extend" else 15e5) for c in small.curves
     )
-    axes = friction.stribeck(replace(small, curves=curves))["extend"].axes[0]
+    axes = friction.friction_magnitude(replace(small, curves=curves))["extend"].axes[0]
     assert set(series(axes)) == {"500 N", "5000 N"}
 
 
@@ -161,14 +161,14 @@ def test_a_curve_without_fit_or_interval_is_drawn_without_a_residual_panel(small
         replace(c, fits=(), points=tuple(replace(p, ci95_n=None) for p in c.points))
         for c in small.curves
     )
-    figures = friction.stribeck(replace(small, curves=curves))
+    figures = friction.friction_magnitude(replace(small, curves=curves))
     assert [len(figure.axes) for figure in figures.values()] == [1, 1]
 
 
 def test_a_fit_that_did_not_converge_is_dashed(small):
     fit = replace(small.curves[0].fits[0], converged=False)
     results = replace(small, curves=(replace(small.curves[0], fits=(fit,)),))
-    axes = friction.stribeck(results)["extend"].axes[0]
+    axes = friction.friction_magnitude(results)["extend"].axes[0]
     assert "--" in {line.get_linestyle() for line in axes.lines}
 
 
@@ -268,11 +268,13 @@ def test_what_is_extrapolated_is_dotted_and_said_below_the_axis(small):
     curve = small.curves[0]
     beyond = (((0.0, 480.0), (0.005, 470.0)), ((0.2, 560.0), (0.24, 620.0)))
     fit = replace(curve.fits[0], beyond=beyond)
-    figure = friction.stribeck(replace(small, curves=(replace(curve, fits=(fit,)),)))["extend"]
+    figure = friction.friction_magnitude(replace(small, curves=(replace(curve, fits=(fit,)),)))[
+        "extend"
+    ]
     dotted = [line for line in figure.axes[0].lines if line.get_linestyle() == ":"]
     assert [line.get_xdata().tolist() for line in dotted] == [[0.0, 5.0], [200.0, 240.0]]
     assert "dotted: extrapolated" in figure.axes[-1].get_xlabel()
-    plain = friction.stribeck(small)["extend"]
+    plain = friction.friction_magnitude(small)["extend"]
     assert "extrapolated" not in plain.axes[-1].get_xlabel()
 
 

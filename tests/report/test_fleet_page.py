@@ -7,7 +7,7 @@ import pytest
 
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
-from hbench.report.fleet.text import fleet_json, fleet_text, verdict
+from hbench.report.fleet.text import fleet_json, fleet_text, fleet_verdict
 from tests.support.report.made_fleet import made_table, summary_of
 
 OFF = {17: 120.0, 60: -140.0, 150: 100.0}
@@ -45,14 +45,14 @@ def test_the_campaigns_that_are_off_are_the_outliers_worst_first(found):
     worst = [suspect.path[-3:] for suspect in found.worst[:3]]
     assert worst == ["060", "017", "150"]
     assert all(one.deviations[0].quantity.name == "friction_n" for one in found.worst[:3])
-    assert "3 of 198" in verdict(found)
+    assert "3 of 198" in fleet_verdict(found)
 
 
 def test_a_drift_is_told_with_its_change_and_the_others_are_not(found):
     trend = spread(found, "friction_n").trend
     assert trend.real and trend.low < 60.0 * 197 / 200 < trend.high
     assert sum(one.trend.real for one in found.spreads) == 1
-    assert "friction at the working speed, extending: +" in verdict(found)
+    assert "friction at the working speed, extending: +" in fleet_verdict(found)
 
 
 def test_the_spread_between_cylinders_is_that_of_the_truth(found):
@@ -98,7 +98,7 @@ def test_the_page_of_many_campaigns_is_no_larger_and_holds_no_row_each(tmp_path,
 def test_a_few_campaigns_are_shown_and_not_judged(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 4, off={2: 500.0}))
     assert few.outliers == 0 and few.worst == () and few.judged == 4
-    assert " of 4 " not in verdict(few)
+    assert " of 4 " not in fleet_verdict(few)
     assert all(one.trend is None and len(one.blocks) == 4 for one in few.spreads)
     assert "Fleet of 4 campaigns" in fleet_page(few, draw_fleet(few))
 
@@ -106,7 +106,7 @@ def test_a_few_campaigns_are_shown_and_not_judged(tmp_path, undrawn):
 def test_where_all_have_failed_the_page_says_why(tmp_path):
     none = summary_of(made_table(tmp_path, 3, failed=(0, 1, 2)))
     assert none.spreads == () and draw_fleet(none) == ()
-    assert verdict(none) in fleet_page(none, ())
+    assert fleet_verdict(none) in fleet_page(none, ())
     assert "3 failed" in fleet_text(none)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from hbench.records import FitParameter
-from hbench.report.campaign.quality import quality_table, verdict
+from hbench.report.campaign.quality import quality_table, quality_verdict
 from hbench.report.campaign.summary import summary_section
 from hbench.report.render.numbers import alike, number
 from tests.support.report.made_page import summarized
@@ -130,13 +130,13 @@ def test_the_verdict_is_the_worst_grade_and_its_sentence_has_the_checks_of_that_
     assert few.grade == "poor"
     words = {row[0].text: row[2].text for row in quality_table(few).rows}
     for check, name in zip(few.checks, words, strict=True):
-        assert (name.lower() in verdict(few).lower()) == (check.grade == "poor")
-    assert words["Trials per point"] in verdict(few)
+        assert (name.lower() in quality_verdict(few).lower()) == (check.grade == "poor")
+    assert words["Trials per point"] in quality_verdict(few)
     good = with_points(replace(small, curves=small.curves[1:]), sigma_instruments_n=5.0)
     good = replace(good, runs=tuple(replace(run, reasons=()) for run in good.runs))
     good = summarized(with_points(good, n=3)).quality
     assert good.grade == "good" and {check.grade for check in good.checks} == {"good"}
-    assert f" {len(good.checks)} checks" in verdict(good)
+    assert f" {len(good.checks)} checks" in quality_verdict(good)
 
 
 def test_a_campaign_without_anything_is_poor_and_has_a_summary(small):

@@ -93,8 +93,8 @@ def surface_csv(results: Results) -> str:
 
 def motion_tables(results: Results) -> dict[str, str]:
     """Return the text of each of ``MOTION_TABLES`` that has rows, by its file's name."""
-    made = {name: table(results) for name, table in MOTION_TABLES.items()}
-    return {name: text for name, text in made.items() if len(text.splitlines()) > 1}
+    texts = {name: table(results) for name, table in MOTION_TABLES.items()}
+    return {name: text for name, text in texts.items() if len(text.splitlines()) > 1}
 
 
 MOTION_TABLES: dict[str, Callable[[Results], str]] = {

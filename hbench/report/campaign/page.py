@@ -8,7 +8,7 @@ from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.fit_tables import fit_tables, law_words, selection_table
 from hbench.report.campaign.method import method_section
-from hbench.report.campaign.quality import verdict
+from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.settings import settings_section
 from hbench.report.campaign.summary import summary_section
 from hbench.report.render.document import BANNERS, Document, Section
@@ -43,11 +43,11 @@ def report_document(
     figures: dict[str, tuple[Drawing, ...]] = {}
     for drawing in drawings:
         figures[drawing.section] = (*figures.get(drawing.section, ()), drawing)
-    made = results.provenance
-    bench = made.bench if made.bench != made.name else ""
-    folder = folder if folder != made.name else ""
-    imported = "imported " if made.source == "imported" else ""
-    day = imported + made.started[:10]
+    provenance = results.provenance
+    bench = provenance.bench if provenance.bench != provenance.name else ""
+    folder = folder if folder != provenance.name else ""
+    imported = "imported " if provenance.source == "imported" else ""
+    day = imported + provenance.started[:10]
     subtitle = (folder, "Friction and efficiency of a cylinder", bench, day)
     sections = (
         summary_section(results),
@@ -62,12 +62,12 @@ def report_document(
         method_section(results),
     )
     return Document(
-        made.name,
+        provenance.name,
         " · ".join(filter(None, subtitle)),
         sections,
-        verdict(results.quality),
-        BANNERS[made.source],
-        made.source,
+        quality_verdict(results.quality),
+        BANNERS[provenance.source],
+        provenance.source,
         folder,
     )
 

@@ -35,7 +35,7 @@ def quality_table(quality: Quality) -> Table:
     return Table(_HEAD, rows, frozenset(_HEAD))
 
 
-def verdict(quality: Quality) -> str:
+def quality_verdict(quality: Quality) -> str:
     """Return the verdict as a sentence or two."""
     if quality.grade == "good":
         return f"The data is good: all {len(quality.checks)} checks of its quality pass."

@@ -26,7 +26,7 @@ from hbench.report.json_documents.layout import (
     NullIfEmpty,
     Source,
     all_fields,
-    document,
+    json_document,
     keys,
 )
 from hbench.report.json_documents.schema import Schema, schema
@@ -83,7 +83,7 @@ LAYOUTS: Layouts = {
 
 def results_json(results: Results) -> str:
     """Return the text of ``results.json``."""
-    return json.dumps(document(results, LAYOUTS), indent=1, allow_nan=False) + "\n"
+    return json.dumps(json_document(results, LAYOUTS), indent=1, allow_nan=False) + "\n"
 
 
 def results_schema() -> Schema:
@@ -93,4 +93,4 @@ def results_schema() -> Schema:
 
 def row(record: Any) -> dict[str, Any]:
     """Return a record of ``results.json`` as its keys and values."""
-    return document(record, LAYOUTS)
+    return json_document(record, LAYOUTS)

@@ -22,12 +22,16 @@ def settings_section(results: Results, long_list: int) -> Section:
 
 
 def _facts(results: Results) -> Iterator[tuple[str, str]]:
-    made = results.provenance
-    about = {"Source": made.source, "Bench": made.bench, "Firmware": made.firmware}
-    if made.source == "imported":
-        about["Imported"] = _time(made.started)
+    provenance = results.provenance
+    about = {
+        "Source": provenance.source,
+        "Bench": provenance.bench,
+        "Firmware": provenance.firmware,
+    }
+    if provenance.source == "imported":
+        about["Imported"] = _time(provenance.started)
     else:
-        about |= {"Started": _time(made.started), "Stopped": _time(made.stopped)}
+        about |= {"Started": _time(provenance.started), "Stopped": _time(provenance.stopped)}
     yield from ((name, value or "not recorded") for name, value in about.items())
     specimens: dict[Specimen, dict[str, None]] = {}
     for run in results.runs:
@@ -40,11 +44,12 @@ def _facts(results: Results) -> Iterator[tuple[str, str]]:
             dimensions += f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
         which = ", ".join(filter(None, labels)) if len(specimens) > 1 else ""
         yield f"Cylinder {which}".strip(), dimensions
-    for name, section in made.settings.items():
+    for name, section in provenance.settings.items():
         yield _name(name), _words(section)
-    yield from ((_name(name), _words(value)) for name, value in made.details.items())
-    if made.software:
-        yield "Software", ", ".join(f"{name} {value}" for name, value in made.software.items())
+    yield from ((_name(name), _words(value)) for name, value in provenance.details.items())
+    if provenance.software:
+        versions = (f"{name} {value}" for name, value in provenance.software.items())
+        yield "Software", ", ".join(versions)
 
 
 def _time(written: str) -> str:

@@ -108,8 +108,8 @@ def _trials(estimate: HeadlineNumber | None) -> str:
 def _measured(results: Results) -> str:
     """Return runs, speeds, loads and directions in a sentence."""
     kinds = Counter(KINDS[run.run.plan.kind].display_name for run in results.runs)
-    made = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"
-    phrases = [f"{len(results.runs)} runs ({made})"]
+    counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"
+    phrases = [f"{len(results.runs)} runs ({counts})"]
     curves = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
     points = [point for curve in curves for point in curve.points]
     if points:

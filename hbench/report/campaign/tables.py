@@ -8,7 +8,7 @@ from hbench.records import Curve, EfficiencyCurve, Fit, Results
 from hbench.report.campaign.results_document import SERIES, results_json, row
 from hbench.report.render.csv_text import csv_text
 
-Row = dict[str, Any]
+CsvRow = dict[str, Any]
 
 
 def runs_csv(results: Results) -> str:
@@ -42,11 +42,11 @@ def fits_csv(results: Results) -> str:
     return csv_text(_FIT_COLUMNS, rows)
 
 
-def _series(curve: Curve | EfficiencyCurve) -> Row:
+def _series(curve: Curve | EfficiencyCurve) -> CsvRow:
     return {name: getattr(curve, name) for name in SERIES}
 
 
-def _fit_rows(series: Row, fit: Fit) -> list[Row]:
+def _fit_rows(series: CsvRow, fit: Fit) -> list[CsvRow]:
     rows = []
     for name, parameter in fit.parameters.items():
         low, high = parameter.ci95 or (None, None)

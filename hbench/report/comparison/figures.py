@@ -8,7 +8,7 @@ from hbench.records import CampaignDifferences, Curve, CurveDifference
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.render import style
-from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
 
 _CAPTION = (
@@ -27,7 +27,7 @@ def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
             figure = draw_pair(curve, differences)
         title = figure.axes[0].get_title("left")
         sketches.append(Sketch(f"pair-{number + 1}", "comparison", title, _CAPTION, figure))
-    return drawn(sketches)
+    return draw_sketches(sketches)
 
 
 def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> Figure:

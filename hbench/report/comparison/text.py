@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.series_words import kind_words
-from hbench.report.json_documents.values import plain
+from hbench.report.json_documents.values import json_value
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import NONE, force, number, short, significant, with_interval
@@ -76,7 +76,7 @@ def differences_json(differences: CampaignDifferences) -> str:
         ],
         "notes": differences.notes,
     }
-    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
 
 def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawing]) -> str:

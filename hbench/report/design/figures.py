@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import ControlLoop, Design
 from hbench.report.render import style
-from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 
 # A colour, a line and a marker for each chain of dynamics.
 LOOKS = {
@@ -30,7 +30,7 @@ def draw_design(design: Design) -> tuple[Drawing, ...]:
                 slug = f"{loop.name.replace(' ', '-')}-{name}"
                 full_title = f"{title}, {loop.name}"
                 sketches.append(Sketch(slug, loop.name, full_title, caption, figure))
-    return drawn(sketches)
+    return draw_sketches(sketches)
 
 
 def bode(loop: ControlLoop) -> Figure:
@@ -68,7 +68,7 @@ def bode(loop: ControlLoop) -> Figure:
     return figure
 
 
-def step(loop: ControlLoop) -> Figure:
+def step_figure(loop: ControlLoop) -> Figure:
     """Draw the closed loop's unit step response of every chain."""
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
@@ -183,7 +183,7 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         "phase at 0 dB.",
     ),
     "step": (
-        step,
+        step_figure,
         "Step response",
         "Response of the closed loop to a unit step of its reference. Grey: within 2 %.",
     ),

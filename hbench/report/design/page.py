@@ -31,5 +31,5 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         "Computed and simulated; nothing here was measured. Operating point: "
         f"{text.point_words(design)}.",
         tuple(sections),
-        "" if proposal is None else text.verdict(proposal),
+        "" if proposal is None else text.design_verdict(proposal),
     )

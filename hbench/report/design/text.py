@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from hbench.records import Check, ControlLoop, Design, LoopMerits, Proposal, Reproduced
-from hbench.report.json_documents.values import plain
+from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import short, significant
 from hbench.units import from_si
 
-Rows = list[tuple[str, ...]]
+TextRows = list[tuple[str, ...]]
 
 LOOP_HEAD = (
     *("loop", "K_c", "tau_c s", "chain", "bandwidth rad/s", "PM deg", "GM dB"),
@@ -40,7 +40,7 @@ def design_json(design: Design) -> str:
         "reproduced": [vars(number) for number in design.reproduced],
         "proposal": _proposal(design.proposal),
     }
-    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
 
 def _loop(loop: ControlLoop) -> dict[str, Any]:
@@ -133,9 +133,9 @@ def fact_lines(design: Design) -> tuple[str, ...]:
     )
 
 
-def loop_rows(design: Design) -> Rows:
+def loop_rows(design: Design) -> TextRows:
     """Return a row for each loop and chain, as ``LOOP_HEAD``."""
-    rows: Rows = []
+    rows: TextRows = []
     for loop in design.loops:
         for merits in loop.merits:
             first = merits is loop.merits[0]
@@ -156,7 +156,7 @@ def loop_rows(design: Design) -> Rows:
     return rows
 
 
-def reproduced_rows(numbers: Sequence[Reproduced]) -> Rows:
+def reproduced_rows(numbers: Sequence[Reproduced]) -> TextRows:
     """Return a row for each number of the source, as ``REPRODUCED_HEAD``."""
     return [
         (
@@ -172,7 +172,7 @@ def reproduced_rows(numbers: Sequence[Reproduced]) -> Rows:
     ]
 
 
-def check_rows(checks: Sequence[Check]) -> Rows:
+def check_rows(checks: Sequence[Check]) -> TextRows:
     """Return a row for each check, as ``CHECK_HEAD``."""
     return [
         (
@@ -201,7 +201,7 @@ def gains_yaml(proposal: Proposal) -> str:
     return "\n".join(lines)
 
 
-def verdict(proposal: Proposal) -> str:
+def design_verdict(proposal: Proposal) -> str:
     """Return one sentence on whether the proposal holds."""
     checks = (*proposal.margins, *proposal.closed_loop)
     failed = sum(not check.holds for check in checks)
@@ -241,11 +241,11 @@ def design_text(design: Design) -> str:
         proposal = design.proposal
         lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
         lines += _table(CHECK_HEAD, check_rows((*proposal.margins, *proposal.closed_loop)))
-        lines += [verdict(proposal)]
+        lines += [design_verdict(proposal)]
     return "\n".join(lines).replace("−", "-").replace("–", "-")
 
 
-def _table(head: tuple[str, ...], rows: Rows) -> list[str]:
+def _table(head: tuple[str, ...], rows: TextRows) -> list[str]:
     rows = [head, *rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]

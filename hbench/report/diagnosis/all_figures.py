@@ -17,7 +17,7 @@ from hbench.report.diagnosis.names import balance
 from hbench.report.diagnosis.overlay_figures import overlay_figures
 from hbench.report.diagnosis.residual_figures import maps_figure, shape_figure, worst
 from hbench.report.render import style
-from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 
 _MOST_SHAPES = 4
 
@@ -64,7 +64,7 @@ def draw_diagnosis(diagnosis: Diagnosis) -> tuple[Drawing, ...]:
             Sketch(_slug(name), section, title, caption, figure)
             for section, name, title, caption, figure in _figures(diagnosis)
         ]
-    return drawn(sketches)
+    return draw_sketches(sketches)
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]]:

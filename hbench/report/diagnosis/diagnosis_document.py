@@ -12,7 +12,7 @@ from hbench.report.json_documents.layout import (
     Layouts,
     NullIfEmpty,
     all_fields,
-    document,
+    json_document,
     keys,
 )
 from hbench.report.json_documents.schema import Schema, schema
@@ -59,7 +59,7 @@ LAYOUTS: Layouts = {
 
 def diagnosis_json(diagnosis: Diagnosis) -> str:
     """Return the text of ``diagnosis.json``: all but maps and overlays."""
-    return json.dumps(document(diagnosis, LAYOUTS), indent=1, allow_nan=False) + "\n"
+    return json.dumps(json_document(diagnosis, LAYOUTS), indent=1, allow_nan=False) + "\n"
 
 
 def diagnosis_schema() -> Schema:

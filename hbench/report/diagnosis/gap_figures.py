@@ -13,7 +13,7 @@ from hbench.report.diagnosis.names import (
     AXES,
     DisplayName,
     balance,
-    drawn,
+    mathtext,
     share,
     shown,
     signal,
@@ -69,7 +69,7 @@ def _gaps(
         axes.plot(every[step], rows, linestyle="none", label=label, **_LOOKS[step])
     axes.axvline(1, color="#374151", linewidth=0.9)
     _log_gaps(axes)
-    _rows(axes, [drawn(display_name(name).title) for name in values])
+    _rows(axes, [mathtext(display_name(name).title) for name in values])
     style.head(axes, title, diagnosis)
     style.legend_above(figure, axes, columns=2)
     return figure

@@ -14,7 +14,7 @@ class DisplayName(NamedTuple):
     unit: str
 
 
-BALANCES = {
+BALANCE_NAMES = {
     "flow_tp": DisplayName("oil into chamber Tp", "l/min"),
     "flow_tr": DisplayName("oil into chamber Tr", "l/min"),
     "flow_lp": DisplayName("oil into chamber Lp", "l/min"),
@@ -24,7 +24,7 @@ BALANCES = {
     "kinematics": DisplayName("position against velocity", "mm/s"),
     "supply": DisplayName("supply pressure", "bar"),
 }
-SIGNALS = {
+SIGNAL_NAMES = {
     "x": DisplayName("position", "mm"),
     "v": DisplayName("velocity", "mm/s"),
     "p_tp": DisplayName("P_Tp", "bar"),
@@ -69,12 +69,12 @@ _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 def balance(name: str) -> DisplayName:
     """Return the display name of a balance, by default its key."""
-    return BALANCES.get(name, DisplayName(name.replace("_", " "), ""))
+    return BALANCE_NAMES.get(name, DisplayName(name.replace("_", " "), ""))
 
 
 def signal(name: str) -> DisplayName:
     """Return the display name of a signal, by default its key."""
-    return SIGNALS.get(name, DisplayName(name.replace("_", " "), ""))
+    return SIGNAL_NAMES.get(name, DisplayName(name.replace("_", " "), ""))
 
 
 def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
@@ -95,7 +95,7 @@ def share(value: float) -> str:
     return f"{number(round(100 * value) + 0.0, 0)} %"
 
 
-def drawn(symbol: str) -> str:
+def mathtext(symbol: str) -> str:
     """Write ``P_Tp`` for a figure, its index below the line."""
     head, index = symbol.partition("_")[::2]
     return f"${head}_{{{index}}}$" if index else symbol
@@ -106,7 +106,7 @@ def shown(si: Any, display: DisplayName) -> Any:
     return from_si(si, display.unit) if display.unit else si
 
 
-def quantity(parameter: FitParameter) -> str:
+def parameter_text(parameter: FitParameter) -> str:
     """Write a value with its 95 % interval and its unit, or why there is no interval."""
     texts = [_with_interval(parameter)]
     if parameter.unit != "1":

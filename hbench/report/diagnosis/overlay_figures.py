@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, Overlay
 from hbench.report.diagnosis.gap_figures import AFTER, BEFORE, MEASURED
-from hbench.report.diagnosis.names import DisplayName, drawn, signal
+from hbench.report.diagnosis.names import DisplayName, mathtext, signal
 from hbench.report.render import style
 from hbench.units import parse_unit
 
@@ -39,7 +39,7 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
             left.plot(overlay.t_s, factor * values, color=colour, linewidth=width, label=label)
             off = factor * (values - overlay.measured)
             right.plot(overlay.t_s, off, color=colour, linewidth=width, label=f"_{label}")
-        left.set_ylabel(f"{drawn(display.title)}\n({unit})")
+        left.set_ylabel(f"{mathtext(display.title)}\n({unit})")
         right.set_ylabel(f"error ({unit})")
     for axes in panels[-1]:
         axes.set_xlabel("Time (s)")

@@ -50,7 +50,7 @@ _NEXT_FILE = (
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    made, held = diagnosis.provenance, ", ".join(diagnosis.heldout_runs)
+    provenance, held = diagnosis.provenance, ", ".join(diagnosis.heldout_runs)
 
     def drawn(section: str) -> tuple[Drawing, ...]:
         return tuple(drawing for drawing in drawings if drawing.section == section)
@@ -95,19 +95,20 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     evidence = (shape, where, gap) if diagnosis.verdict == "unknown" else (gap, where, shape)
     sections = (_answer(diagnosis), *evidence, overlay, which, refitted, missing, train)
     return document(
-        f"{diagnosis.model} against {made.name}",
-        f"Campaign {made.name}, {made.source}, {made.started}; bench {made.bench}.",
+        f"{diagnosis.model} against {provenance.name}",
+        f"Campaign {provenance.name}, {provenance.source}, {provenance.started}; "
+        f"bench {provenance.bench}.",
         tuple(
             section for section in sections if section is sections[0] or _holds_something(section)
         ),
         _verdict(diagnosis),
-        made.source,
+        provenance.source,
     )
 
 
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the terminal's headline as sentences."""
-    kind, _, finding = text.headline(diagnosis).partition(": ")
+    kind, _, finding = text.verdict_sentence(diagnosis).partition(": ")
     names = [effect.name for effect in diagnosis.effects] + [
         candidate.name for candidate in diagnosis.alternatives
     ]

@@ -7,7 +7,7 @@ from typing import Any
 import yaml
 
 from hbench.records import AddedEffect, Diagnosis
-from hbench.report.diagnosis.names import quantity
+from hbench.report.diagnosis.names import parameter_text
 from hbench.report.diagnosis.text import gap_line
 
 _SOURCES = {
@@ -21,10 +21,10 @@ _COLUMN = 44  # where a comment beside a value begins
 
 def revised_yaml(diagnosis: Diagnosis) -> str:
     """Return the text of ``model.yaml``: ``found.revised`` with comments."""
-    made = diagnosis.provenance
+    provenance = diagnosis.provenance
     lines = [
-        f"{diagnosis.model}, revised by `hbench reconcile` after campaign {made.name!r} of "
-        f"{made.started[:10]} (bench {made.bench!r}), {_SOURCES[made.source]}.",
+        f"{diagnosis.model}, revised by `hbench reconcile` after campaign {provenance.name!r} of "
+        f"{provenance.started[:10]} (bench {provenance.bench!r}), {_SOURCES[provenance.source]}.",
         "Give it to `hbench run --plant`, or to `hbench simulate` or `reconcile` as --model.",
         f"Verdict: {diagnosis.verdict}. {diagnosis.why}",
         gap_line(diagnosis),
@@ -48,13 +48,13 @@ def _head(lines: Sequence[str]) -> str:
 def _comments(diagnosis: Diagnosis) -> dict[tuple[str, ...], str]:
     """Return the comments of the values, by their paths."""
     comments = {
-        tuple(path.split(".")): f"refitted: the model's times {quantity(factor)}"
+        tuple(path.split(".")): f"refitted: the model's times {parameter_text(factor)}"
         for path, factor in diagnosis.refitted.items()
     }
     for effect in diagnosis.effects:
         comments["effects", effect.name] = _law(effect)
         for name, parameter in effect.parameters.items():
-            comments["effects", effect.name, name] = f"found: {quantity(parameter)}"
+            comments["effects", effect.name, name] = f"found: {parameter_text(parameter)}"
     return comments
 
 

@@ -12,11 +12,11 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.diagnosis.names import (
-    BALANCES,
+    BALANCE_NAMES,
     EDGES,
     DisplayName,
     balance,
-    quantity,
+    parameter_text,
     scatter_words,
     share,
     signal,
@@ -33,11 +33,11 @@ _UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    blocks = [f"{headline(diagnosis)}\n{diagnosis.why}", gap_line(diagnosis)]
+    blocks = [f"{verdict_sentence(diagnosis)}\n{diagnosis.why}", gap_line(diagnosis)]
     blocks += effect_lines(diagnosis)
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
-    blocks += ["\n".join(aligned(table)) for table in tables(diagnosis)]
+    blocks += ["\n".join(aligned(table)) for table in diagnosis_tables(diagnosis)]
     blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
     text = "\n\n".join(block for block in blocks if block)
     for sign, plainly in {"−": "-", "–": "-", "±": "+-", "…": "..."}.items():
@@ -45,7 +45,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     return text
 
 
-def headline(diagnosis: Diagnosis) -> str:
+def verdict_sentence(diagnosis: Diagnosis) -> str:
     """Return the verdict in one sentence, with the effects' coefficients or the set."""
     effects = "; ".join(effect_words(effect) for effect in diagnosis.effects)
     names = " or ".join(candidate.name for candidate in diagnosis.alternatives)
@@ -62,7 +62,7 @@ def headline(diagnosis: Diagnosis) -> str:
         where = _list(diagnosis.rest or diagnosis.where[:1])
         return f"unknown: no effect of the catalogue explains the residuals in {where}.{also}"
     agrees = "the model agrees with the measurement within the repeatability of the bench"
-    if {gap.name for gap in diagnosis.where} < BALANCES.keys():
+    if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
         return f"none: in the balances that these channels determine, {agrees}."
     return f"none: {agrees}."
 
@@ -88,11 +88,11 @@ def effect_words(effect: AddedEffect) -> str:
     """
     free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
     chosen = free or effect.parameters
-    each = ", ".join(f"{name} {quantity(p)}" for name, p in chosen.items())
+    each = ", ".join(f"{name} {parameter_text(p)}" for name, p in chosen.items())
     return f"{effect.name} ({each})"
 
 
-def tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
+def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return the tables that have rows, the answers first and the evidence after them."""
     every = (
         effects_table(diagnosis),
@@ -125,7 +125,7 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
         gains = (number(added.gap_before, 2), number(added.gap_after, 2), short(added.score), rival)
         for i, (name, p) in enumerate(added.parameters.items()):
             effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
-            rows.append((effect, name, quantity(p), *cells))
+            rows.append((effect, name, parameter_text(p), *cells))
     head = ("effect", "coefficient", "value with 95 % interval", "gap before", "after")
     return WordTable(
         "Effects that were added; gaps of held-out runs in the balances they touch",
@@ -216,7 +216,7 @@ def ranking_table(diagnosis: Diagnosis, most: int | None = None) -> WordTable:
 
 def refitted_table(diagnosis: Diagnosis) -> WordTable:
     """Return the factors on the model's poorly known values."""
-    rows = tuple((path, quantity(p)) for path, p in diagnosis.refitted.items())
+    rows = tuple((path, parameter_text(p)) for path, p in diagnosis.refitted.items())
     head = ("value of the model", "refitted by the factor (95 % interval)")
     return WordTable("Refitted before the search", head, rows)
 

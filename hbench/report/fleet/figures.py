@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from hbench.records import Fleet, Quantity, Spread
 from hbench.records.numbers import NORMAL_95
 from hbench.report.render import style
-from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
 
 DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
@@ -39,7 +39,7 @@ def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
             ),
             Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(spreads), drift),
         ]
-    return drawn(sketches)
+    return draw_sketches(sketches)
 
 
 def draw_distribution(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> Figure:

@@ -8,10 +8,10 @@ from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
 from hbench.report.fleet.text import (
     WORST_HEAD,
     cells,
+    fleet_verdict,
     others,
     spread_table,
     trend_table,
-    verdict,
 )
 from hbench.report.render.document import BANNERS, Document, Section, Tile, page
 from hbench.report.render.figures import Drawing
@@ -82,7 +82,7 @@ def fleet_document(fleet: Fleet, drawings: Iterable[Drawing]) -> Document:
         f"Fleet of {fleet.campaigns} campaigns",
         " · ".join(filter(None, ("Friction and efficiency of cylinders side by side", span))),
         tuple(_sections(fleet, drawings)),
-        verdict(fleet),
+        fleet_verdict(fleet),
         banner,
         "simulated" if banner else "",
     )

@@ -18,16 +18,16 @@ def fleet_row(
     """Return the row of the campaign at ``path``; ``numbers`` are its means over the loads."""
     plans = [run.run.plan for run in results.runs]
     speed = results.headline.v_m_s
-    made = results.provenance
-    seed = made.details.get("seed")
+    provenance = results.provenance
+    seed = provenance.details.get("seed")
     specimen = plans[0].specimen
     return FleetRow(
         path=path,
-        name=_line(made.name),
-        source=made.source,
-        bench=_line(made.bench),
+        name=_line(provenance.name),
+        source=provenance.source,
+        bench=_line(provenance.bench),
         seed=seed if isinstance(seed, int) and abs(seed) < 2**63 else None,
-        started=_moment(made.started),
+        started=_moment(provenance.started),
         protocol=_protocol(plans, speed),
         area_piston_m2=specimen.area_piston_m2,
         area_rod_m2=specimen.area_rod_m2,

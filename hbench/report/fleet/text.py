@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 
 from hbench.records import Deviation, Fleet, Spread, Suspect, Trend, WordTable
-from hbench.report.json_documents.values import plain
+from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, significant, with_ends
 from hbench.report.render.style import TITLES
 from hbench.report.render.terminal_table import aligned
@@ -26,7 +26,7 @@ def fleet_text(fleet: Fleet) -> str:
     for table in (spread_table(fleet), trend_table(fleet), worst_table(fleet, _FEW)):
         if table.rows:
             lines += ["", *aligned(table)]
-    lines += ["", verdict(fleet)]
+    lines += ["", fleet_verdict(fleet)]
     text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
 
@@ -39,10 +39,10 @@ def fleet_json(fleet: Fleet) -> str:
             shown["trend"]["real"] = spread.trend.real
     for shown, suspect in zip(document["worst"], fleet.worst, strict=True):
         shown["outlier"] = suspect.deviations[0].outlier
-    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
 
-def verdict(fleet: Fleet) -> str:
+def fleet_verdict(fleet: Fleet) -> str:
     """Return failures, outliers and drifts in a few sentences."""
     sentences = []
     if fleet.failed:

@@ -11,7 +11,7 @@ from hbench.records import Followed, Identification, Trace
 from hbench.records.identification import PARTS
 from hbench.report.campaign.fit_tables import law_words
 from hbench.report.render import style
-from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import force
 
 _FOLLOWED = (
@@ -44,7 +44,7 @@ def draw_identification(identification: Identification) -> tuple[Drawing, ...]:
                 )
             name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {followed.run}".lower())
             sketches.append(Sketch(name, law.law, title, _FOLLOWED, figure))
-    return drawn(sketches)
+    return draw_sketches(sketches)
 
 
 def _followed_figure(

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from hbench.records import Identification, ModelErrors, WordTable
 from hbench.report.campaign.fit_tables import law_words
-from hbench.report.identification.text import reasons, tables
+from hbench.report.identification.text import identification_tables, reasons
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import significant
@@ -31,7 +31,7 @@ _RAMPS = (
 
 def identification_page(identification: Identification, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    made = identification.provenance
+    provenance = identification.provenance
     files = ", ".join(f"{law.law}.yaml" for law in identification.laws if law.fit is not None)
     plants = f"As plant files beside this page: {files}. Give one to hbench run --plant, or put "
     read = (
@@ -43,19 +43,23 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     )
     read += [_RAMPS] if identification.ramps else []
     paragraphs = (*read, *identification.notes, f"{plants}its section into a bench file.")
-    laws = Section(paragraphs=paragraphs, tables=tuple(map(_named, tables(identification))))
+    laws = Section(
+        paragraphs=paragraphs,
+        tables=tuple(map(_named, identification_tables(identification))),
+    )
     missing = Section("Missing or uncertain results", items=reasons(identification))
     figures = Section("Verification profile", drawings=tuple(drawings))
     return document(
         "Friction laws of the test cylinder",
-        f"Campaign {made.name}, {made.source}, {made.started}; bench {made.bench}. {_SOURCE}",
+        f"Campaign {provenance.name}, {provenance.source}, {provenance.started}; "
+        f"bench {provenance.bench}. {_SOURCE}",
         tuple(
             section
             for section in (laws, missing, figures)
             if section is not figures or figures.drawings
         ),
         _verdict(identification),
-        made.source,
+        provenance.source,
     )
 
 

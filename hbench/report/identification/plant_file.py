@@ -7,10 +7,11 @@ from hbench.records import Fit, FitParameter, Identification, IdentifiedLaw
 
 def overlay_yaml(identification: Identification, law: IdentifiedLaw, fit: Fit) -> str:
     """Return the text of the file: where it comes from as a comment, then the section."""
-    made = identification.provenance
+    provenance = identification.provenance
     lines = [
         f"Friction of the test cylinder, law {law.law}, identified by `hbench identify` from",
-        f"{len(law.runs)} runs of the {made.source} campaign {made.name!r} of {made.started}.",
+        f"{len(law.runs)} runs of the {provenance.source} campaign {provenance.name!r} of "
+        f"{provenance.started}.",
         "Give it to `hbench run --plant`, or put the section into a bench file. The load",
         "cylinder's friction is not identified. Scatter from stroke to stroke is not in it.",
         "",

@@ -7,7 +7,7 @@ from typing import Any
 
 from hbench.records import Identification, IdentifiedLaw, ModelErrors, WordTable
 from hbench.records.identification import PARTS
-from hbench.report.json_documents.values import plain
+from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, force, number, significant
 from hbench.report.render.terminal_table import aligned
 
@@ -39,17 +39,17 @@ def identification_json(identification: Identification) -> str:
         "left_out": identification.left_out,
         "notes": identification.notes,
     }
-    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
 
 def identification_text(identification: Identification) -> str:
     """Return every table in aligned columns, then the reasons for missing results."""
-    blocks = ["\n".join(aligned(table)) for table in tables(identification)]
+    blocks = ["\n".join(aligned(table)) for table in identification_tables(identification)]
     sentences = [*reasons(identification), *identification.notes]
     return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2")
 
 
-def tables(identification: Identification) -> tuple[WordTable, ...]:
+def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
     """Return the tables that have rows: errors, parameters, ramps."""
     every = (
         WordTable(

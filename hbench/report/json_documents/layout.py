@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, TypeAlias
 
-from hbench.report.json_documents.values import plain
+from hbench.report.json_documents.values import json_value
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ class NullIfEmpty:
     path: str
 
 
-Source: TypeAlias = "str | Constant | NullIfEmpty | Row"
-Row: TypeAlias = Mapping[str, Source]
-Layouts: TypeAlias = Mapping[type, Row]
+Source: TypeAlias = "str | Constant | NullIfEmpty | KeyRow"
+KeyRow: TypeAlias = Mapping[str, Source]
+Layouts: TypeAlias = Mapping[type, KeyRow]
 
 
 def keys(*names: str) -> dict[str, Source]:
@@ -43,18 +43,18 @@ def all_fields(record: type, without: tuple[str, ...] = (), **changed: Source) -
     return row | changed
 
 
-def document(value: Any, layouts: Layouts) -> Any:
+def json_document(value: Any, layouts: Layouts) -> Any:
     """Return a record, or a container of records, as JSON values."""
     if is_dataclass(value) and not isinstance(value, type):
         return _object(value, layouts.get(type(value)) or all_fields(type(value)), layouts)
     if isinstance(value, Mapping):
-        return {str(key): document(item, layouts) for key, item in value.items()}
+        return {str(key): json_document(item, layouts) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [document(item, layouts) for item in value]
-    return plain(value)
+        return [json_document(item, layouts) for item in value]
+    return json_value(value)
 
 
-def _object(record: Any, row: Row, layouts: Layouts) -> dict[str, Any]:
+def _object(record: Any, row: KeyRow, layouts: Layouts) -> dict[str, Any]:
     written: dict[str, Any] = {}
     for key, source in row.items():
         if isinstance(source, Constant):
@@ -62,7 +62,7 @@ def _object(record: Any, row: Row, layouts: Layouts) -> dict[str, Any]:
         elif isinstance(source, NullIfEmpty):
             written[key] = _attribute(record, source.path) or None
         elif isinstance(source, str):
-            written[key] = document(_attribute(record, source), layouts)
+            written[key] = json_document(_attribute(record, source), layouts)
         else:
             written[key] = _object(record, source, layouts)
     return written

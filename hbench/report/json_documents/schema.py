@@ -16,9 +16,9 @@ from hbench.records.numbers import Minimum, Nonfinite, OneOf
 from hbench.report.json_documents.field_comments import field_comments
 from hbench.report.json_documents.layout import (
     Constant,
+    KeyRow,
     Layouts,
     NullIfEmpty,
-    Row,
     Source,
     all_fields,
 )
@@ -69,7 +69,7 @@ class _Writer:
         row = self.layouts.get(record) or all_fields(record)
         return {"description": _sentence(record.__doc__), **self._row(record, row)}
 
-    def _row(self, record: type, row: Row) -> Schema:
+    def _row(self, record: type, row: KeyRow) -> Schema:
         properties = {key: self._key(record, key, source) for key, source in row.items()}
         return {"type": "object", "required": list(row), "properties": properties}
 

@@ -5,7 +5,7 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from hbench.report.json_documents.values import plain
+from hbench.report.json_documents.values import json_value
 from hbench.untrusted_text import as_cell
 
 
@@ -24,7 +24,7 @@ def csv_text(columns: tuple[str, ...], rows: Iterable[Mapping[str, Any]]) -> str
 
 
 def _cell(value: Any) -> str:
-    value = plain(value)
+    value = json_value(value)
     if isinstance(value, str):
         return as_cell(value)
     if isinstance(value, bool):

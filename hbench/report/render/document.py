@@ -87,17 +87,17 @@ def document(
     return page(Document(title, subtitle, sections, verdict, banner, source if banner else ""))
 
 
-def page(made: Document) -> str:
-    """Return ``made`` as HTML. The browser runs the page's own script only, by its hash."""
+def page(document: Document) -> str:
+    """Return ``document`` as HTML. The browser runs the page's own script only, by its hash."""
     loader = _environment().loader
     assert loader is not None  # _environment gives one
     script = loader.get_source(_environment(), "page.js")[0]
-    titled = [section for section in made.sections if section.title]
+    titled = [section for section in document.sections if section.title]
     return (
         _environment()
         .get_template("document.html.j2")
         .render(
-            made=made,
+            document=document,
             menu=titled if len(titled) >= _MENU else [],
             script=Markup(script),
             script_hash=b64encode(sha256(script.encode()).digest()).decode("ascii"),

@@ -51,12 +51,12 @@ class Sketch(NamedTuple):
     figure: Figure
 
 
-def drawn(sketches: Sequence[Sketch]) -> tuple[Drawing, ...]:
+def draw_sketches(sketches: Sequence[Sketch]) -> tuple[Drawing, ...]:
     """Return the figures as drawings, each with its data and its text alternative."""
-    return tuple(map_forked(_drawn, sketches))
+    return tuple(map_forked(_draw_sketch, sketches))
 
 
-def _drawn(sketch: Sketch) -> Drawing:
+def _draw_sketch(sketch: Sketch) -> Drawing:
     name, section, title, caption, figure = sketch
     series = series_of(figure)
     svg, png = render(figure)

@@ -10,15 +10,15 @@ from hbench.report.render.word_tables import Cell, Table
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
 
 
-def markdown(made: Document) -> str:
-    """Return ``made`` as Markdown with tables (GitHub's dialect); folded sections are unfolded."""
-    head = [f"# {plain(made.title)}", plain(made.subtitle)]
-    head += [f"**{plain(text)}**" for text in (made.banner, made.verdict) if text]
-    blocks = [block for section in made.sections for block in _blocks(section, 2)]
+def markdown(document: Document) -> str:
+    """Return a document as Markdown (GitHub's dialect); folded sections are unfolded."""
+    head = [f"# {escaped(document.title)}", escaped(document.subtitle)]
+    head += [f"**{escaped(text)}**" for text in (document.banner, document.verdict) if text]
+    blocks = [block for section in document.sections for block in _blocks(section, 2)]
     return "\n\n".join([*filter(None, head), *blocks]) + "\n"
 
 
-def plain(text: str) -> str:
+def escaped(text: str) -> str:
     """Return text on one line, with the characters of Markdown's markup escaped."""
     line = _MARKS.sub(r"\\\1", " ".join(text.split()))
     return re.sub(r"^(\d*)([-+=.)])(?=\s|$)", r"\1\\\2", line)  # no list, no rule
@@ -26,25 +26,27 @@ def plain(text: str) -> str:
 
 def _blocks(section: Section, level: int) -> Iterator[str]:
     if section.title:
-        yield f"{'#' * min(level, 6)} {plain(section.title)}"
-    yield from map(plain, section.paragraphs)
-    tiles = [f"- **{plain(t.value)}** {plain(t.unit)} ({plain(t.more)})" for t in section.tiles]
+        yield f"{'#' * min(level, 6)} {escaped(section.title)}"
+    yield from map(escaped, section.paragraphs)
+    tiles = [
+        f"- **{escaped(t.value)}** {escaped(t.unit)} ({escaped(t.more)})" for t in section.tiles
+    ]
     if tiles:
         yield "\n".join(tiles)
     if section.items:
-        yield "\n".join(f"- {plain(item)}" for item in section.items)
+        yield "\n".join(f"- {escaped(item)}" for item in section.items)
     if section.code:
         yield "\n".join(f"    {line}" for line in section.code.splitlines())
     for drawing in section.drawings:
-        yield f"![{plain(drawing.seen or drawing.caption)}](figures/{drawing.name}.svg)"
+        yield f"![{escaped(drawing.seen or drawing.caption)}](figures/{drawing.name}.svg)"
         data = f" [Data](figures/{drawing.name}.csv)" if drawing.csv else ""
-        yield f"**{plain(drawing.title)}.** {plain(drawing.caption)}{data}"
+        yield f"**{escaped(drawing.title)}.** {escaped(drawing.caption)}{data}"
     for table in section.tables:
         if table.title:
-            yield f"**{plain(table.title)}**"
+            yield f"**{escaped(table.title)}**"
         yield "\n".join(_table(table))
     if section.facts:
-        yield "\n".join(f"- **{plain(name)}:** {plain(text)}" for name, text in section.facts)
+        yield "\n".join(f"- **{escaped(name)}:** {escaped(text)}" for name, text in section.facts)
     for part in section.parts:
         yield from _blocks(part, level + 1)
 
@@ -58,7 +60,7 @@ def _table(table: WordTable | Table) -> Iterator[str]:
 
 
 def _row(cells: list[str] | tuple[str, ...], as_it_is: bool = False) -> str:
-    return f"| {' | '.join(cells if as_it_is else map(plain, cells))} |"
+    return f"| {' | '.join(cells if as_it_is else map(escaped, cells))} |"
 
 
 def words(cell: Cell | str) -> str:

@@ -32,24 +32,24 @@ _LEAST_CELL = 10  # letters that a narrowed column keeps
 _FIGURE_IN = 3.3  # width of a figure, two side by side
 
 
-def pdf(made: Document) -> bytes:
-    """Return ``made`` as an A4 PDF; the same document gives the same bytes."""
+def pdf(document: Document) -> bytes:
+    """Return ``document`` as an A4 PDF; the same document gives the same bytes."""
     target = io.BytesIO()
     with rc_context({**RC, "pdf.fonttype": 42}):
-        with PdfPages(target, metadata={"CreationDate": None, "Title": made.tab}) as file:
-            for sheet in sheets(made):
+        with PdfPages(target, metadata={"CreationDate": None, "Title": document.tab}) as file:
+            for sheet in sheets(document):
                 file.savefig(sheet)
     return target.getvalue()
 
 
-def sheets(made: Document) -> list[Figure]:
-    """Return the sheets of paper that ``made`` fills."""
+def sheets(document: Document) -> list[Figure]:
+    """Return the sheets of paper that ``document`` fills."""
     filled = _Sheets()
-    filled.words(made.title, 17, bold=True)
-    filled.words(made.subtitle, _BODY)
-    for text in filter(None, (made.banner, made.verdict)):
+    filled.words(document.title, 17, bold=True)
+    filled.words(document.subtitle, _BODY)
+    for text in filter(None, (document.banner, document.verdict)):
         filled.words(text, _BODY + 1, bold=True, above=0.08)
-    for section in made.sections:
+    for section in document.sections:
         _set(filled, section, 14.0)
     for number, sheet in enumerate(filled.done, start=1):
         sheet.text(0.5, 0.035, f"{number}/{len(filled.done)}", ha="center", fontsize=8)

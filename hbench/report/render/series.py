@@ -22,7 +22,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter
 
 _FOR_THE_EYE = re.compile(r"_(child|container)\d+|_nolegend_|")
 
-Column = Sequence[float | str] | np.ndarray
+ColumnValues = Sequence[float | str] | np.ndarray
 
 
 @dataclass(frozen=True)
@@ -33,22 +33,22 @@ class DrawnSeries:
     label: str
     x_name: str
     y_name: str
-    columns: dict[str, Column]  # x, y, half-widths of bars, then the columns behind the points
+    columns: dict[str, ColumnValues]  # x, y, half-widths of bars, then those behind the points
     points: Line2D | None  # where it is drawn as points, their artist
     title: str = ""  # of its panel
 
     @property
-    def x(self) -> Column:
+    def x(self) -> ColumnValues:
         """Along the abscissa."""
         return self.columns[self.x_name]
 
     @property
-    def y(self) -> Column:
+    def y(self) -> ColumnValues:
         """Along the ordinate."""
         return self.columns[self.y_name]
 
 
-def behind(artist: Artist | ErrorbarContainer, columns: Mapping[str, Column]) -> None:
+def behind(artist: Artist | ErrorbarContainer, columns: Mapping[str, ColumnValues]) -> None:
     """Put more columns behind the points of ``artist``, such as the trials of each mean."""
     artist.columns_behind = dict(columns)
 
@@ -125,7 +125,7 @@ def _bars(bars: BarContainer) -> tuple[np.ndarray, np.ndarray]:
 _OTHERS = {BarContainer: _bars, PathCollection: _dots, AxesImage: _cells}
 
 
-def _half_widths(artist: Artist, x_name: str, y_name: str) -> dict[str, Column]:
+def _half_widths(artist: Artist, x_name: str, y_name: str) -> dict[str, ColumnValues]:
     """Return half of each error bar, by the name of its quantity; they are symmetric."""
     if not isinstance(artist, ErrorbarContainer):
         return {}
@@ -148,7 +148,7 @@ def _name(axis: Axis, otherwise: str) -> str:
     return without_math(first if "(" in first else label) or otherwise
 
 
-def _named(axis: Axis, values: np.ndarray) -> Column:
+def _named(axis: Axis, values: np.ndarray) -> ColumnValues:
     """Return ``values``, or the words at the nearest ticks on an axis whose ticks are named."""
     locator, formatter = axis.get_major_locator(), axis.get_major_formatter()
     if not isinstance(locator, FixedLocator) or not isinstance(formatter, FuncFormatter):

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import Panel, Phenomenon
 from hbench.report.render import style
-from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 
 
 def draw_phenomenon(phenomenon: Phenomenon) -> tuple[Drawing, ...]:
@@ -16,7 +16,7 @@ def draw_phenomenon(phenomenon: Phenomenon) -> tuple[Drawing, ...]:
         with rc_context(style.RC):
             figure = draw_panel(panel)
         sketches.append(Sketch(name, phenomenon.name, panel.title, "", figure))
-    return drawn(sketches)
+    return draw_sketches(sketches)
 
 
 def draw_panel(panel: Panel) -> Figure:

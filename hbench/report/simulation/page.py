@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from hbench.records import Phenomenon
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.simulation.text import tables
+from hbench.report.simulation.text import phenomenon_tables
 
 _SUBTITLE = (
     "Simulated; nothing here was measured. Equation, table and figure numbers: M. Hvoldal and "
@@ -17,5 +17,5 @@ _SUBTITLE = (
 def phenomenon_page(phenomenon: Phenomenon, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     phenomenon_section = Section(paragraphs=phenomenon.text, drawings=tuple(drawings))
-    numbers = Section("Numbers", tables=tables(phenomenon))
+    numbers = Section("Numbers", tables=phenomenon_tables(phenomenon))
     return document(phenomenon.title, _SUBTITLE, (phenomenon_section, numbers))

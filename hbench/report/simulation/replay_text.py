@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 from hbench.records import Replay, WordTable
 from hbench.report.diagnosis.names import signal
-from hbench.report.json_documents.values import plain
+from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import significant
 from hbench.report.render.terminal_table import aligned
 
@@ -43,4 +43,4 @@ def replay_json(replay: Replay) -> str:
         "off": [asdict(error) for error in replay.off],
         "left_out": replay.left_out,
     }
-    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+    return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"

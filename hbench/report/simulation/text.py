@@ -4,7 +4,7 @@ import json
 from dataclasses import asdict
 
 from hbench.records import Finding, Phenomenon, WordTable
-from hbench.report.json_documents.values import plain
+from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, significant
 from hbench.report.render.terminal_table import aligned
 
@@ -14,7 +14,7 @@ FINDINGS_HEAD = ("quantity", "unit", "simulated", "expected", "formula or source
 def phenomenon_text(phenomenon: Phenomenon) -> str:
     """Return the title and every table in aligned columns."""
     blocks = [phenomenon.title]
-    for table in tables(phenomenon):
+    for table in phenomenon_tables(phenomenon):
         blocks.append("\n".join(aligned(table)))
     return "\n\n".join(blocks)
 
@@ -29,10 +29,10 @@ def phenomenon_json(phenomenon: Phenomenon) -> str:
         "findings": [asdict(finding) for finding in phenomenon.findings],
         "tables": [asdict(table) for table in phenomenon.tables],
     }
-    return json.dumps(plain(document), indent=1, allow_nan=False)
+    return json.dumps(json_value(document), indent=1, allow_nan=False)
 
 
-def tables(phenomenon: Phenomenon) -> tuple[WordTable, ...]:
+def phenomenon_tables(phenomenon: Phenomenon) -> tuple[WordTable, ...]:
     """Return the table of the phenomenon's findings, then its own tables."""
     rows = tuple(_finding(finding) for finding in phenomenon.findings)
     findings = WordTable("Defining numbers", FINDINGS_HEAD, rows)

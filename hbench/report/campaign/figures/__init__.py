@@ -1,6 +1,6 @@
 """Figures of a campaign, one file a subject."""
 
-NAMES = (  # of all_figures.FIGURES, for callers that do not draw
+FIGURE_NAMES = (  # of all_figures.FIGURES, for callers that do not draw
     "stribeck",
     "friction-signed",
     "friction-pressure",

@@ -11,10 +11,10 @@ from hbench.records import KINDS, Results
 from hbench.report.campaign.figures.efficiency import efficiency, has_efficiency
 from hbench.report.campaign.figures.efficiency_map import efficiency_map, has_efficiency_map
 from hbench.report.campaign.figures.friction import (
+    friction_magnitude,
     has_both_directions,
     has_curves,
-    signed,
-    stribeck,
+    signed_friction,
 )
 from hbench.report.campaign.figures.motions import (
     has_leakage,
@@ -30,7 +30,7 @@ from hbench.report.campaign.figures.pressure import friction_pressure, has_press
 from hbench.report.campaign.figures.ramps import comparisons, has_comparisons, has_ramps, ramps
 from hbench.report.campaign.figures.rejected import has_rejected, rejected
 from hbench.report.campaign.figures.traces import has_traces, traces
-from hbench.report.render.figures import Drawing, Sketch, drawn
+from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.style import RC
 
 
@@ -61,7 +61,7 @@ def draw_all(results: Results) -> tuple[Drawing, ...]:
                         heading = " ".join(figure.axes[0].get_title("left").split())
                         title = ", ".join(filter(None, (label, heading)))
                         sketches.append(Sketch(name, kind.section, title, kind.caption, figure))
-    return drawn(sketches)
+    return draw_sketches(sketches)
 
 
 def _series(results: Results) -> Iterator[tuple[Results, str]]:
@@ -99,7 +99,7 @@ FIGURES = (
         "Hollow points: the load helps the motion. Below: residuals of the loads, side by side. "
         "Both directions have the same axes.",
         applies=has_curves,
-        draw=stribeck,
+        draw=friction_magnitude,
         each_series=True,
     ),
     FigureKind(
@@ -108,7 +108,7 @@ FIGURES = (
         caption="Friction over velocity with their signs, after figure 6.14 of the method's "
         "source. Each magnitude of the load has its colour, in both directions.",
         applies=has_both_directions,
-        draw=signed,
+        draw=signed_friction,
         each_series=True,
     ),
     FigureKind(

@@ -28,7 +28,7 @@ def over_velocity(results: Results) -> tuple[Curve, ...]:
     return without_common_rod_pressure(curve for curve in chosen if curve.over_velocity)
 
 
-def stribeck(results: Results) -> dict[str, Figure]:
+def friction_magnitude(results: Results) -> dict[str, Figure]:
     """Draw |F| [N] over |v| [mm/s], one figure a direction, with measured less fitted below."""
     curves = over_velocity(results)
     ranks = load_ranks(curves)
@@ -42,7 +42,7 @@ def stribeck(results: Results) -> dict[str, Figure]:
     return figures
 
 
-def signed(results: Results) -> dict[str, Figure]:
+def signed_friction(results: Results) -> dict[str, Figure]:
     """Draw F [N] over v [mm/s] with their signs, both directions in one figure."""
     figure = style.new_figure(height_in=4.8)
     axes = figure.add_subplot()

@@ -15,7 +15,8 @@ from hbench.report.render.series import behind
 from hbench.units import from_si
 
 SeriesKey = tuple[str, str, float | None]  # kind, label, and P_Lr [Pa] where series differ in it
-Row = tuple[float, float, float | None]  # pressure [Pa], force [N], half-width of its interval [N]
+# Pressure [Pa], force [N], half-width of its interval [N].
+PressurePoint = tuple[float, float, float | None]
 
 
 def has_pressures(results: Results) -> bool:
@@ -67,7 +68,7 @@ def _over_pressure(results: Results) -> Iterator[tuple[SeriesKey, Curve]]:
 
 def _points(
     axes: Axes,
-    rows: list[Row],
+    rows: list[PressurePoint],
     look: dict[str, object],
     label: str,
     means: Sequence[CurvePoint] = (),
