@@ -307,4 +307,4 @@ def test_a_stroke_without_reference_is_cut_at_both_ends(make_run, rules, directi
     assert screened.accepted
     assert screened.means.v_m_s == pytest.approx(v, rel=5e-3)
     assert 0.8 < screened.means.t_start_s < 1.2
-    assert 2.2 < screened.means.t_stop_s < 2.5
+    assert 2.4 < screened.means.t_stop_s < 2.6

@@ -3,50 +3,9 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.screening.steadiness import (
-    block_speeds,
-    drift,
-    mean_speed,
-    position_noise,
-    speed_ripple,
-)
+from hbench.analysis.screening.steadiness import drift, speed_ripple
 
 T = np.arange(150) / 100
-
-
-def uneven(rng, n=150):
-    return np.cumsum(rng.uniform(0.002, 0.02, n))
-
-
-def test_mean_speed_is_the_least_squares_slope():
-    rng = np.random.default_rng(1)
-    t, x = uneven(rng), rng.standard_normal(150)
-    assert mean_speed(t, x) == pytest.approx(np.polyfit(t, x, 1)[0], rel=1e-9)
-
-
-def test_block_speeds_of_a_straight_motion_are_its_speed_for_even_and_uneven_times():
-    rng = np.random.default_rng(2)
-    for t in (T, uneven(rng), T[np.r_[0:40, 75:150]]):
-        np.testing.assert_allclose(block_speeds(t, 0.3 - 0.02 * t).v_m_s, -0.02, rtol=1e-9)
-
-
-def test_block_speeds_count_a_tenth_of_a_second_each():
-    assert len(block_speeds(T, T).v_m_s) == 14
-
-
-@pytest.mark.parametrize("even", [True, False])
-def test_position_noise_is_found_under_motion(even):
-    rng = np.random.default_rng(3)
-    t = np.arange(20000) / 100 if even else uneven(rng, 20000)
-    x = 0.05 * t + 1e-3 * np.sin(2 * t) + 2e-5 * rng.standard_normal(20000)
-    assert position_noise(t, x) == pytest.approx(2e-5, rel=0.03)
-
-
-def test_noise_of_block_speeds_is_their_scatter():
-    rng = np.random.default_rng(4)
-    t = np.arange(50000) / 100
-    speeds = block_speeds(t, 0.05 * t + 3e-5 * rng.standard_normal(len(t)))
-    assert speeds.noise_m_s == pytest.approx(np.std(speeds.v_m_s), rel=0.05)
 
 
 @pytest.mark.parametrize("n", [30, 60, 150, 400])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from hbench.analysis.screening.sample_friction import logged_motion
-from hbench.analysis.screening.steadiness import mean_speed
 from hbench.errors import DataError
+from hbench.motion.speeds import mean_speed
 from hbench.records import Run, RunPlan, Specimen
 from hbench.store.importing.resampling import interval_means, whole_intervals
 

@@ -9,10 +9,10 @@ from scipy.integrate import quad
 
 from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
+from hbench.motion.rest import zero_offset
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.importing.importer import import_folder
 from hbench.store.importing.resampling import interval_means, whole_intervals
-from hbench.store.importing.zero_offset import zero_offset
 
 
 @pytest.fixture

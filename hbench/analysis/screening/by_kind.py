@@ -18,8 +18,9 @@ import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
-from hbench.analysis.screening.steadiness import block_speeds, mean_speed
+from hbench.analysis.screening.steadiness import speeds_over_tenths
 from hbench.config.schedule import Screening
+from hbench.motion.speeds import mean_speed
 from hbench.records import KINDS, Run
 
 _REACHED = 0.98  # of a ramp's top speed
@@ -68,7 +69,7 @@ def _follows_reference(run: Run, rules: Screening) -> Iterator[str]:
     reference_m = np.concatenate(
         ([0.0], np.cumsum(np.diff(t) * (run.v_ref_m_s[1:] + run.v_ref_m_s[:-1]) / 2))
     )
-    error = block_speeds(t, run.x_m).v_m_s - block_speeds(t, reference_m).v_m_s
+    error = speeds_over_tenths(t, run.x_m).v_m_s - speeds_over_tenths(t, reference_m).v_m_s
     if not len(error):
         return
     rms = float(np.sqrt(np.mean(error**2)))

@@ -15,7 +15,7 @@ from hbench.analysis.screening.friction_channels import (
     test_force,
 )
 from hbench.analysis.screening.saturation import saturated_sensors
-from hbench.analysis.screening.steadiness import drift, mean_speed, speed_ripple
+from hbench.analysis.screening.steadiness import drift, speed_ripple
 from hbench.analysis.screening.steady_window import (
     at_reference,
     standstill_s,
@@ -24,6 +24,7 @@ from hbench.analysis.screening.steady_window import (
 )
 from hbench.analysis.uncertainty.efficiency import SteadyForces, efficiency_of
 from hbench.config.schedule import Screening
+from hbench.motion.speeds import mean_speed
 from hbench.records import KINDS, Run, ScreenedRun, SteadyMeans
 
 # Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".

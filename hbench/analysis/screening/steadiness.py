@@ -9,18 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammaincinv
 
+from hbench.motion.speeds import BlockSpeeds, block_speeds
+
 BLOCK_S = 0.1
 _MAD_TO_SIGMA = 1.4826  # of a normal distribution
 _MEDIAN_TO_MEAN = 1.2533  # standard error of a normal sample's median against its mean's
 _LEVEL = 0.9999  # of the chi-square law; with correlated speeds, noise exceeds it in 0.2 % at most
-
-
-class BlockSpeeds(NamedTuple):
-    """Speeds between the mean positions of neighbouring 0.1 s blocks."""
-
-    t_s: np.ndarray  # (k,) middle between the two blocks
-    v_m_s: np.ndarray  # (k,)
-    noise_m_s: float  # standard deviation of each speed from the position's noise
 
 
 class Ripple(NamedTuple):
@@ -37,45 +31,9 @@ class Drift(NamedTuple):
     se: float
 
 
-def mean_speed(t_s: np.ndarray, x_m: np.ndarray) -> float:
-    """Return the least-squares slope of position over time [m/s].
-
-    It uses the position sensor alone and all samples, so it has neither the filter lag of the
-    controller's velocity nor the noise of a difference of two positions.
-    """
-    t = t_s - t_s.mean()
-    return float(t @ x_m / (t @ t))
-
-
-def block_speeds(t_s: np.ndarray, x_m: np.ndarray) -> BlockSpeeds:
-    """Return the speeds between means of 0.1 s blocks; empty for less than two blocks."""
-    if len(t_s) < 2:
-        return BlockSpeeds(np.zeros(0), np.zeros(0), 0.0)
-    block = ((t_s - t_s[0]) / BLOCK_S + 1e-6).astype(int)
-    counts = np.bincount(block)
-    full = counts >= 0.5 * np.median(counts[counts > 0])
-    n = counts[full]
-    t = np.bincount(block, t_s - t_s[0])[full] / n
-    x = np.bincount(block, x_m - x_m[0])[full] / n
-    dt = np.diff(t)
-    variance = position_noise(t_s, x_m) ** 2 * (1 / n[:-1] + 1 / n[1:]) / dt**2
-    noise = float(np.sqrt(variance.mean())) if len(dt) else 0.0
-    return BlockSpeeds(t_s[0] + (t[:-1] + t[1:]) / 2, np.diff(x) / dt, noise)
-
-
-def position_noise(t_s: np.ndarray, x_m: np.ndarray) -> float:
-    """Return the standard deviation [m] of white noise in a smooth position.
-
-    From each sample's distance to the straight line between its neighbours, w x_(i-1) +
-    (1 - w) x_(i+1), whose variance is (1 + w^2 + (1 - w)^2) sigma^2.
-    """
-    span = t_s[2:] - t_s[:-2]
-    inner = span > 0
-    if not inner.any():
-        return 0.0
-    w = (t_s[2:] - t_s[1:-1])[inner] / span[inner]
-    residual = x_m[1:-1][inner] - w * x_m[:-2][inner] - (1 - w) * x_m[2:][inner]
-    return float(np.sqrt(residual @ residual / np.sum(1 + w**2 + (1 - w) ** 2)))
+def speeds_over_tenths(t_s: np.ndarray, x_m: np.ndarray) -> BlockSpeeds:
+    """Return the speeds between means of 0.1 s blocks, which the limits of the screening use."""
+    return block_speeds(t_s, x_m, BLOCK_S)
 
 
 def speed_ripple(t_s: np.ndarray, x_m: np.ndarray) -> Ripple:
@@ -84,7 +42,7 @@ def speed_ripple(t_s: np.ndarray, x_m: np.ndarray) -> Ripple:
     Neighbouring speeds share a block, so their noise is correlated by -1/2 and the variance
     has about k/1.5 degrees of freedom (sum of the squared correlations).
     """
-    speeds = block_speeds(t_s, x_m)
+    speeds = speeds_over_tenths(t_s, x_m)
     k = len(speeds.v_m_s)
     if k < 2:
         return Ripple(0.0, 0.0)

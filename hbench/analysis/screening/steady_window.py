@@ -3,22 +3,21 @@
 import numpy as np
 
 from hbench.analysis.rounding import ROUNDING
-from hbench.analysis.screening.steadiness import BLOCK_S, BlockSpeeds, block_speeds
+from hbench.analysis.screening.steadiness import BLOCK_S, speeds_over_tenths
 from hbench.config.schedule import Screening
+from hbench.motion.plateaus import plateau_at, plateaus
 from hbench.records import Run
 
 NOTHING = slice(0, 0)
-_SETTLED = 0.10  # of its median speed: tolerance for a settled stroke without reference
 
 
 def at_reference(run: Run) -> slice:
     """Return the samples at the reference speed.
 
-    The board marks them. In an imported log they extend from the first to the last 0.1 s in which
-    the speed is within 10 % of the stroke's median (of its middle half), so that acceleration and
-    deceleration are cut off.
+    The board marks them, and a logged reference does, unless it is the same throughout. In other
+    logs they are the plateau at the run's nominal speed, wherever it is in the log.
     """
-    if run.at_reference is None:
+    if run.at_reference is None or run.at_reference.all():
         return _settled(run)
     marked = np.flatnonzero(run.at_reference)
     return slice(marked[0], marked[-1] + 1) if len(marked) else NOTHING
@@ -51,7 +50,7 @@ def standstill_s(run: Run, section: slice) -> float:
     It is zero if the piston moves at the end, or was at rest in between (stick-slip).
     """
     v_ref = abs(run.plan.v_ref_m_s)
-    speeds = block_speeds(run.t_s[: section.stop], run.x_m[: section.stop])
+    speeds = speeds_over_tenths(run.t_s[: section.stop], run.x_m[: section.stop])
     slow = max(0.1 * v_ref, 3 * speeds.noise_m_s)
     moving = np.flatnonzero(np.abs(speeds.v_m_s) > max(0.5 * v_ref, slow))
     if not len(moving):
@@ -63,21 +62,10 @@ def standstill_s(run: Run, section: slice) -> float:
 
 
 def _settled(run: Run) -> slice:
-    speeds = block_speeds(run.t_s, run.x_m)
-    steady = np.flatnonzero(_near_median(speeds))
-    if not len(steady):
-        return NOTHING
-    first, last = speeds.t_s[steady[[0, -1]]]
-    # Deceleration can begin within the two blocks of the last speed, so both are left out.
-    start, stop = np.searchsorted(run.t_s, [first, last - BLOCK_S])
-    return slice(int(start), int(stop))
-
-
-def _near_median(speeds: BlockSpeeds) -> np.ndarray:
-    v = speeds.v_m_s
-    if not len(v):
-        return np.zeros(0, dtype=bool)
-    quarter = len(v) // 4
-    median = np.median(v[quarter : len(v) - quarter])
-    near = max(_SETTLED * abs(median), 3 * speeds.noise_m_s)
-    return np.abs(v - median) <= near + ROUNDING * abs(median)
+    """Return the plateau at the run's speed, or else the longest one in its direction."""
+    t, x, v_ref = run.t_s, run.x_m, run.plan.v_ref_m_s
+    section = plateau_at(t, x, v_ref)
+    if window_length_s(run, section) > 0.0:
+        return section
+    others = [p.section for p in plateaus(t, x) if p.v_m_s * v_ref > 0]
+    return max(others, key=lambda other: window_length_s(run, other), default=NOTHING)

@@ -8,12 +8,12 @@ import numpy as np
 from hbench.config.import_layout import ALWAYS, CHANNELS, DATE_TIME, Column
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
+from hbench.motion.rest import LEAST_REST_S, rest_before_motion, zero_offset
 from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
 from hbench.store.formats.opening import AnyTable
 from hbench.store.formats.text import TextTable
 from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.resampling import interval_means, whole_intervals
-from hbench.store.importing.zero_offset import LEAST_REST_S, rest_before_motion, zero_offset
 from hbench.units import parse_unit, to_si
 
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from hbench.config.import_map import FileSeries, ImportMap
 from hbench.errors import ConfigError, DataError
+from hbench.motion.reversals import StrokeCuts, cut_at_reversals, stroke_speed
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, open_source
-from hbench.store.importing.stroke_cuts import StrokeCuts, cut_at_reversals, stroke_speed
 from hbench.units import parse_unit
 
 _NUMBER = r"\d+(?:\.\d+)?"

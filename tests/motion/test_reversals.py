@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hbench.store.importing.stroke_cuts import cut_at_reversals, stroke_speed
+from hbench.motion.reversals import cut_at_reversals, stroke_speed
 
 MIN_STROKE = 0.02
 

@@ -1,0 +1,225 @@
+"""Sections of constant speed in a logged motion, found from the position alone.
+
+Speeds are taken over blocks that are as short as the position's noise permits: a fast motion has
+short blocks and sharp ends, a slow one long blocks. Speeds that no short block resolves are looked
+for with longer ones, in the sections that are left.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.motion.speeds import BlockSpeeds, block_speeds, mean_speed, noise_over_motion
+
+SAME_SPEED = 0.10  # of the speed: what differs less is the same plateau
+_RESOLVED = 0.03  # of the speed: noise of a block that is long enough
+_BLOCK_S = 0.02  # shortest block: one period of the mains
+_LONGEST_S = 0.3  # longest block, or the time for this travel:
+_LONGEST_M = 0.002
+_LONGEST_MEAN_S = 1.0  # longest block where no shorter one has the mean speed, as in stick-slip
+_SIGMAS = 3.0  # of a block's noise
+_LEAST = 4  # blocks of a plateau
+_OUTLIERS = 2  # blocks in a row that do not end a plateau
+_TREND = 0.05  # of the speed: a larger change along the section is a ramp
+_SLOW = 0.03  # of the speed: slower blocks at an end belong to a change of speed
+_LINE_SIGMAS = 4.0  # of the position's noise: a sample beyond is off the plateau's line
+
+
+@dataclass(frozen=True)
+class Plateau:
+    """Samples of constant speed, and that speed."""
+
+    section: slice
+    v_m_s: float  # signed
+
+
+def plateau_at(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float) -> slice:
+    """Return the samples in which the speed is ``v_m_s`` within 10 %, noise aside; may be empty.
+
+    Interruptions by other speeds are part of it, as in stick-slip, but not a motion back: of
+    several sections between reversals, the longest is returned.
+    """
+    if len(t_s) < 3:
+        return slice(0, 0)
+    noise = noise_over_motion(t_s, x_m)
+    block = _block_for(t_s, noise, v_m_s)
+    while block <= max(_LONGEST_MEAN_S, _longest_block(v_m_s)):
+        section = _longest_at(t_s, x_m, v_m_s, block, noise)
+        if section.stop > section.start and t_s[section.stop - 1] - t_s[section.start] > 2 * block:
+            return section
+        block *= 2
+    return slice(0, 0)
+
+
+def _longest_at(
+    t_s: np.ndarray, x_m: np.ndarray, v_m_s: float, block: float, noise: float
+) -> slice:
+    speeds = block_speeds(t_s, x_m, block, noise)
+    near = _near(speeds, v_m_s)
+    sections = []
+    for piece in _between(np.flatnonzero(_against(speeds, v_m_s)), len(near)):
+        blocks = piece.start + np.flatnonzero(near[piece])
+        if len(blocks):
+            sections.append(_section(t_s, x_m, speeds, blocks, noise))
+    return max(sections, key=lambda s: t_s[s.stop - 1] - t_s[s.start], default=slice(0, 0))
+
+
+def plateaus(
+    t_s: np.ndarray, x_m: np.ndarray, least_s: float = 0.3, least_m: float = 0.001
+) -> list[Plateau]:
+    """Return the sections of constant speed that last ``least_s`` and travel ``least_m``."""
+    if len(t_s) < 3:
+        return []
+    noise = noise_over_motion(t_s, x_m)
+    longest = _longest_block(np.ptp(x_m) / max(t_s[-1] - t_s[0], 1e-9))
+    block, found, left = _shortest_block(t_s), [], [slice(0, len(t_s))]
+    while block <= longest:
+        for piece in left:
+            found += _plateaus_of(t_s, x_m, piece, block, noise, (least_s, least_m))
+        found = _joined(t_s, x_m, found, noise)
+        left = _outside([plateau.section for plateau in found], len(t_s))
+        block *= 2
+    return found
+
+
+def _plateaus_of(
+    t_s: np.ndarray,
+    x_m: np.ndarray,
+    piece: slice,
+    block: float,
+    noise: float,
+    least: tuple[float, float],
+) -> list[Plateau]:
+    """Return the plateaus within ``piece`` that blocks of this length resolve."""
+    t, x = t_s[piece], x_m[piece]
+    speeds = block_speeds(t, x, block, noise)
+    v, k, found = speeds.v_m_s, 0, []
+    resolved = np.abs(v) * SAME_SPEED >= _SIGMAS * speeds.noise_m_s
+    while k + _LEAST <= len(v):
+        level = float(np.median(v[k : k + _LEAST]))
+        if not resolved[k] or not _is_near(v[k : k + _LEAST], level, speeds.noise_m_s).all():
+            k += 1
+            continue
+        blocks = np.arange(k, _end(speeds, k, level))
+        k = int(blocks[-1]) + 1
+        change = np.polyfit(blocks, v[blocks], 1)[0] * len(blocks)
+        if abs(change) > _TREND * abs(level) + _SIGMAS * speeds.noise_m_s:
+            continue
+        section = _section(t, x, speeds, blocks, noise)
+        at, to = section.start, section.stop - 1
+        if t[to] - t[at] >= least[0] and abs(x[to] - x[at]) >= least[1]:
+            v_m_s = mean_speed(t[section], x[section])
+            found.append(Plateau(slice(at + piece.start, to + 1 + piece.start), v_m_s))
+    return found
+
+
+def _joined(t_s: np.ndarray, x_m: np.ndarray, found: list[Plateau], noise: float) -> list[Plateau]:
+    """Join neighbours of one speed, if the motion between them has that mean speed too."""
+    joined: list[Plateau] = []
+    for plateau in sorted(found, key=lambda plateau: plateau.section.start):
+        last = joined[-1] if joined else None
+        if last is not None and _is_near(np.array([plateau.v_m_s]), last.v_m_s, 0.0).all():
+            a, b = last.section.stop - 1, plateau.section.start
+            between = (x_m[b] - x_m[a]) - last.v_m_s * (t_s[b] - t_s[a])
+            margin = SAME_SPEED * abs(last.v_m_s) * max(t_s[b] - t_s[a], 0.0)
+            if b <= a or abs(between) <= margin + _SIGMAS * np.sqrt(2) * noise:
+                section = slice(last.section.start, plateau.section.stop)
+                joined[-1] = Plateau(section, mean_speed(t_s[section], x_m[section]))
+                continue
+        joined.append(plateau)
+    return joined
+
+
+def _end(speeds: BlockSpeeds, k: int, level: float) -> int:
+    """Return the block after the last of the plateau of speed ``level`` that begins at ``k``."""
+    near, outliers, last = _near(speeds, level), 0, k
+    for i in range(k, len(near)):
+        outliers = 0 if near[i] else outliers + 1
+        if outliers > _OUTLIERS:
+            break
+        last = i if near[i] else last
+    return last + 1
+
+
+def _near(speeds: BlockSpeeds, v_m_s: float) -> np.ndarray:
+    return _is_near(speeds.v_m_s, v_m_s, speeds.noise_m_s)
+
+
+def _is_near(v: np.ndarray, v_m_s: float, noise_m_s: float) -> np.ndarray:
+    margin = max(SAME_SPEED * abs(v_m_s), _SIGMAS * noise_m_s)
+    return np.abs(v - v_m_s) <= margin * (1 + 1e-9)
+
+
+def _against(speeds: BlockSpeeds, v_m_s: float) -> np.ndarray:
+    """Return the blocks of a motion against ``v_m_s``, noise aside."""
+    back = -speeds.v_m_s * np.sign(v_m_s)
+    return back > max(0.5 * abs(v_m_s), _SIGMAS * speeds.noise_m_s)
+
+
+def _between(ends: np.ndarray, n: int) -> list[slice]:
+    """Return the sections of ``range(n)`` between the numbers ``ends``."""
+    edges = [-1, *ends.tolist(), n]
+    return [slice(a + 1, b) for a, b in zip(edges[:-1], edges[1:], strict=True) if b > a + 1]
+
+
+def _outside(sections: list[slice], n: int) -> list[slice]:
+    """Return the sections of ``range(n)`` outside ``sections``, which rise."""
+    starts = [0, *(section.stop for section in sections)]
+    stops = [*(section.start for section in sections), n]
+    return [slice(a, b) for a, b in zip(starts, stops, strict=True) if b - a > 2]
+
+
+def _section(
+    t_s: np.ndarray, x_m: np.ndarray, speeds: BlockSpeeds, blocks: np.ndarray, noise_m: float
+) -> slice:
+    """Return the samples of a plateau, given its blocks.
+
+    Slow blocks at either end belong to a change of speed. The rest is extended to both sides while
+    the position stays on the line through its nearer half.
+    """
+    v = np.abs(speeds.v_m_s[blocks])
+    slow = v < (1 - _SLOW) * np.median(v) - _SIGMAS * speeds.noise_m_s
+    if not slow.all():
+        fast = np.flatnonzero(~slow)
+        blocks = blocks[fast[0] : fast[-1] + 1]
+    start = int(np.searchsorted(t_s, speeds.t_s[blocks[0]]))
+    stop = int(np.searchsorted(t_s, speeds.t_s[blocks[-1]], side="right"))
+    stop = max(stop, start + 1)
+    half = (stop - start) // 2
+    if half >= 2:
+        stop += _on_line(t_s, x_m, slice(stop - half, stop), slice(stop, len(t_s)), noise_m)
+        ahead = slice(start - 1, None, -1) if start else slice(0, 0)
+        start -= _on_line(t_s, x_m, slice(start, start + half), ahead, noise_m)
+    return slice(start, stop)
+
+
+def _on_line(t_s: np.ndarray, x_m: np.ndarray, known: slice, further: slice, noise_m: float) -> int:
+    """Return how many of the ``further`` samples, nearest first, lie on the line through others."""
+    t0, x0 = t_s[known].mean(), x_m[known].mean()
+    v = mean_speed(t_s[known], x_m[known])
+    away = t_s[further] - t0
+    off = np.abs(x_m[further] - x0 - v * away)
+    beyond = np.abs(away) - (t_s[known.stop - 1] - t_s[known.start]) / 2
+    outside = off > _LINE_SIGMAS * noise_m + _SLOW * abs(v) * np.abs(beyond)
+    return int(np.argmax(outside)) if outside.any() else len(off)
+
+
+def _block_for(t_s: np.ndarray, noise_m: float, v_m_s: float) -> float:
+    """Return the shortest block that resolves a speed, within the limits of its length."""
+    step, resolved = _step(t_s), _RESOLVED * abs(v_m_s)
+    block, longest = _shortest_block(t_s), _longest_block(v_m_s)
+    while block < longest and noise_m * np.sqrt(2 * step / block) / block > resolved:
+        block *= 2
+    return block
+
+
+def _shortest_block(t_s: np.ndarray) -> float:
+    return max(_BLOCK_S, _step(t_s))
+
+
+def _longest_block(v_m_s: float) -> float:
+    return max(_LONGEST_S, _LONGEST_M / max(abs(v_m_s), 1e-6))
+
+
+def _step(t_s: np.ndarray) -> float:
+    return float(np.median(np.diff(t_s)))
