@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from hbench.analysis.fitting.fit import LAWS, fit_law
+from hbench.analysis.fitting.fit import CURVE_LAWS, fit_law
 from hbench.config.bench import parse_bench
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
@@ -153,12 +153,12 @@ def fit(
             f"fit: velocity {np.abs(v).max():g} m/s; limit {_FASTEST_M_S:g} m/s",
             "Give velocities in m/s.",
         )
-    if law not in LAWS:
-        raise ConfigError(f"fit: unknown law {law!r}; known are {', '.join(LAWS)}")
+    if law not in CURVE_LAWS:
+        raise ConfigError(f"fit: unknown law {law!r}; known are {', '.join(CURVE_LAWS)}")
     direction: Direction = "extend" if (v > 0).all() else "retract"
     points = tuple(_point(*pair) for pair in zip(v.tolist(), friction.tolist(), strict=True))
     curve = Curve("steady", direction, None, None, "", _UNKNOWN, points)
-    return fit_law(LAWS[law], [curve], Fitting(), bounds)
+    return fit_law(CURVE_LAWS[law], [curve], Fitting(), bounds)
 
 
 def _point(v_m_s: float, friction_n: float) -> CurvePoint:

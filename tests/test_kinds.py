@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from hbench import workflow
 from hbench.cli.main import app
-from hbench.config.experiments import SECTIONS
+from hbench.config.experiments import PROFILE_SECTIONS
 from hbench.errors import ConfigError
 from hbench.experiment.kind_support import STAGES
 from hbench.experiment.motions import PROFILES
@@ -71,7 +71,7 @@ def test_each_stage_supports_exactly_the_values_that_its_column_may_take():
         if column != "figure":
             assert set(supported) == set(get_args(hints[column])), stage
         assert {getattr(kind, column) for kind in KINDS.values()} <= set(supported), stage
-    assert set(SECTIONS) == set(PROFILES)
+    assert set(PROFILE_SECTIONS) == set(PROFILES)
     assert set(FIGURE_NAMES) == {figure.name for figure in FIGURES}
     assert all(kind.name == name for name, kind in KINDS.items())
 

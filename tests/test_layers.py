@@ -122,8 +122,14 @@ def test_the_rooms_agree_on_what_they_write_down_twice():
     from hbench.protocol import dictionary
     from hbench.rig import board_settings
 
-    assert sensors.CHANNELS == dictionary.SENSORS
+    assert sensors.SENSORS == dictionary.SENSORS
     words = {word.name: word for word in dictionary.RECORD}
     assert {words[name].scale for name in dictionary.SENSORS} == {1 / sensors.FRACTION}
     assert board_settings.STEPS_PER_COUNT == sensors.FRACTION
     assert 32767 * words["v"].scale > 0.6  # the largest limits.speed_max
+
+
+def test_every_name_of_the_workflow_exists():
+    from hbench import workflow
+
+    assert all(hasattr(workflow, name) for name in workflow.__all__)

@@ -14,11 +14,11 @@ from hbench.config import quantity as q
 from hbench.config.effects import Effects
 from hbench.config.files.loading import validate
 from hbench.config.friction import FrictionPair
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 from hbench.config.sensors import Instruments, Sensors
 
 
-class Bore(Section):
+class Bore(ConfigSection):
     """Diameters of a cylinder; ``rod_diameter`` is 0 without a rod."""
 
     piston_diameter: q.Length
@@ -51,21 +51,21 @@ class Cylinder(Bore):
     offset: q.Offset = 0.0  # of its piston against the test cylinder's (x_0)
 
 
-class MovingMass(Section):
+class MovingMass(ConfigSection):
     """Moving masses on both sides of the load cell."""
 
     test: q.Mass
     load: q.Mass
 
 
-class Oil(Section):
+class Oil(ConfigSection):
     """Density and effective bulk modulus of the oil."""
 
     bulk_modulus: q.BulkModulus
     density: q.Density
 
 
-class Pump(Section):
+class Pump(ConfigSection):
     """Pump with pressure compensator, relief valve and line (see model/supply.py)."""
 
     flow: q.Flow  # maximum
@@ -80,7 +80,7 @@ class Pump(Section):
     capacity: Annotated[float, q.quantity("cm^3/bar", gt=0, le=1e-6)]  # of line and accumulator
 
 
-class Supply(Section):
+class Supply(ConfigSection):
     """Supply and tank pressure; the supply is constant unless ``pump`` is given."""
 
     pressure: q.Pressure
@@ -88,7 +88,7 @@ class Supply(Section):
     pump: Pump | None = None
 
 
-class Valve(Section):
+class Valve(ConfigSection):
     """The three identical servo valves: static gain 2.15, dynamics 2.16."""
 
     gain: Annotated[float, q.quantity("m^2/V", gt=0, le=1e-3)]
@@ -97,14 +97,14 @@ class Valve(Section):
     limit: Annotated[float, q.quantity("V", gt=0, le=10)]  # the board's converter has +-10 V
 
 
-class EndStop(Section):
+class EndStop(ConfigSection):
     """The cylinder heads as a stiff spring and damper."""
 
     stiffness: Annotated[float, q.quantity("N/m", gt=0, le=1e9)]
     damping: Annotated[float, q.quantity("N s/m", ge=0, le=1e7)]
 
 
-class Plant(Section):
+class Plant(ConfigSection):
     """The physics of a bench."""
 
     test_cylinder: Cylinder
@@ -119,21 +119,21 @@ class Plant(Section):
     effects: Effects = Field(default_factory=dict)
 
 
-class VelocityLoop(Section):
+class VelocityLoop(ConfigSection):
     """Gain and time constant of the velocity PI (equation 4.36)."""
 
     gain: Annotated[float, q.quantity("V/m", gt=0, le=1e6)]
     time_constant: q.TimeConstant
 
 
-class PressureLoop(Section):
+class PressureLoop(ConfigSection):
     """Gain and time constant of a pressure PI (equation 4.36)."""
 
     gain: Annotated[float, q.quantity("V/(Pa s)", gt=0, le=1)]
     time_constant: q.TimeConstant
 
 
-class Feedforward(Section):
+class Feedforward(ConfigSection):
     """Velocity feedforward of the pressure loops (equations 4.27 and 4.28)."""
 
     enabled: bool
@@ -141,7 +141,7 @@ class Feedforward(Section):
     piston: Annotated[float, q.quantity("V s/m", ge=0, le=1e4)]
 
 
-class Controllers(Section):
+class Controllers(ConfigSection):
     """Controllers of the board and their rates."""
 
     rate: q.Frequency
@@ -157,7 +157,7 @@ class Controllers(Section):
     acceleration: q.Acceleration  # default of a run, and for braking
 
 
-class Limits(Section):
+class Limits(ConfigSection):
     """Limits at which the board stops itself: valves to neutral, cause latched."""
 
     travel_min: q.Position
@@ -172,7 +172,7 @@ class Limits(Section):
     heartbeat: Annotated[float, q.quantity("s", ge=1, le=60)]
 
 
-class Programmer(Section):
+class Programmer(ConfigSection):
     """External program that flashes the board, e.g. over JTAG."""
 
     command: tuple[str, ...] = Field(min_length=1)  # program and arguments; {image} is the file

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from hbench.config import quantity as q
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 from hbench.config.velocities import AdaptiveSpeeds, Velocities
 from hbench.records import KINDS
 
@@ -16,7 +16,7 @@ NOT_ADAPTIVE = (
 )
 
 
-class Travel(Section):
+class Travel(ConfigSection):
     """Part of the stroke that a run may use; a retracting run goes from ``end`` to ``start``."""
 
     start: q.Position
@@ -29,7 +29,7 @@ class Travel(Section):
         return self
 
 
-class ExperimentBase(Section):
+class ExperimentBase(ConfigSection):
     """Keys that all kinds share: load, trials and the hold before each run."""
 
     kind: str  # its row of KINDS chooses the class
@@ -74,7 +74,7 @@ class Ramp(ExperimentBase):
     travel: Travel
 
 
-class Settling(Section):
+class Settling(ConfigSection):
     """Condition that ends a triangle early: two cycles in a row changed by at most ``within``.
 
     The quantity is a cycle's mean: ``friction`` falls while the oil warms up; ``speed_error``,
@@ -107,7 +107,7 @@ class Steps(ExperimentBase):
     travel: Travel
 
 
-class ProfilePiece(Section):
+class ProfilePiece(ConfigSection):
     """Segment of a velocity profile: to a velocity at a slope, then constant."""
 
     velocity: q.Velocity
@@ -143,9 +143,9 @@ _OfProfile = (
     | Annotated[Verification, Tag("stretches")]
     | Annotated[Hold, Tag("at_rest")]
 )
-SECTIONS = {tag.tag: section for section, tag in map(get_args, get_args(_OfProfile))}
-_NAMES = ", ".join(kind.name for kind in KINDS.values() if kind.profile in SECTIONS)
-Experiment = Annotated[
+PROFILE_SECTIONS = {tag.tag: section for section, tag in map(get_args, get_args(_OfProfile))}
+_NAMES = ", ".join(kind.name for kind in KINDS.values() if kind.profile in PROFILE_SECTIONS)
+ExperimentSection = Annotated[
     _OfProfile,
     Discriminator(
         _profile,

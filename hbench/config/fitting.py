@@ -6,7 +6,7 @@ from pydantic import AfterValidator, Field
 
 from hbench.config import quantity as q
 from hbench.config.files.loading import validate
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 from hbench.records.friction_laws import FRICTION_LAWS
 
 FITTED_LAWS = tuple(name for name, law in FRICTION_LAWS.items() if law.data != "motions")
@@ -30,7 +30,7 @@ _Rate = Annotated[float, q.quantity("s/m", ge=-1e4, le=0)]
 _rising = AfterValidator(_rises)
 
 
-class FitBounds(Section):
+class FitBounds(ConfigSection):
     """Bounds of parameters, by their names in the results: table 6.1 of the source by default."""
 
     f_coulomb_n: Annotated[tuple[_Force, _Force], _rising] = (0.0, 1e5)
@@ -41,7 +41,7 @@ class FitBounds(Section):
     k2_s_m: Annotated[tuple[_Rate, _Rate], _rising] = (-500.0, 0.0)
 
 
-class Fitting(Section):
+class Fitting(ConfigSection):
     """Settings of the fits of friction laws to curves."""
 
     laws: tuple[LawName, ...] = Field(default=FITTED_LAWS, min_length=1)

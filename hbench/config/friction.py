@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
 from hbench.config.files.loading import validate
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 
 Viscous = Annotated[float, q.quantity("N s/m", ge=0, le=1e7)]
 Slope = Annotated[float, q.quantity("N s/m", ge=-1e7, le=1e7)]
@@ -14,7 +14,7 @@ BristleStiffness = Annotated[float, q.quantity("N/m", gt=0, le=1e8)]
 SealFriction = Annotated[float, q.quantity("N/bar", ge=0, le=1e-2)]
 
 
-class _Friction(Section):
+class _Friction(ConfigSection):
     """Keys of every law."""
 
     scatter: q.Ratio = 0.0  # standard deviation of the level from stroke to stroke
@@ -71,7 +71,7 @@ class Leuven(_Stribeck):
         return self
 
 
-class Lines(Section):
+class Lines(ConfigSection):
     """Two straight lines of friction over speed, each by its value at zero and its slope."""
 
     low_force: q.Force
@@ -110,14 +110,14 @@ Friction = Annotated[
 ]
 
 
-class FrictionPair(Section):
+class FrictionPair(ConfigSection):
     """Friction of both cylinders."""
 
     test: Friction
     load: Friction
 
 
-class _One(Section):
+class _One(ConfigSection):
     friction: Friction
 
 

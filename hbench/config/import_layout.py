@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from hbench.config.quantity import Section, SignedVoltage
+from hbench.config.quantity import ConfigSection, SignedVoltage
 from hbench.config.sensors import LoadCell
 from hbench.units import parse_unit
 
@@ -34,7 +34,7 @@ ALWAYS = ("t_s", "x_m")  # required, without gaps
 DATE_TIME = "date-time"  # the unit of times such as 2024-05-01T12:00:00.25
 
 
-class Column(Section):
+class Column(ConfigSection):
     """Column of a channel: its value is ``number * scale`` in ``unit``, plus ``offset``.
 
     Without ``unit`` the column has the channel's name and is in SI, or the file has a row of units.
@@ -56,7 +56,7 @@ class Column(Section):
         return scale
 
 
-class Format(Section):
+class Format(ConfigSection):
     """Dialect of text files; MATLAB (.mat) and Parquet (.parquet) files need none.
 
     Blank lines and lines that begin with ``comment`` are skipped. The character set is determined

@@ -16,7 +16,7 @@ from hbench.config.import_layout import (
     Format,
     check_column,
 )
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 from hbench.config.schedule import Screening
 from hbench.records import KINDS, kind_names
 from hbench.units import parse_unit, to_si
@@ -24,7 +24,7 @@ from hbench.units import parse_unit, to_si
 FIELDS = ("pressure", "load", "speed", "trial")  # of file names
 
 
-class ImportedCylinder(Section):
+class ImportedCylinder(ConfigSection):
     """The cylinder under test of another bench."""
 
     piston_diameter: q.Length
@@ -48,7 +48,7 @@ class ImportedCylinder(Section):
         return self
 
 
-class FileSeries(Section):
+class FileSeries(ConfigSection):
     """Files that belong together: one cylinder, one label, several trials, loads or speeds.
 
     ``files`` is a path below the imported folder with fields in braces, each a number:
@@ -88,7 +88,7 @@ class FileSeries(Section):
         return self
 
 
-class ImportMap(Section):
+class ImportMap(ConfigSection):
     """Map for ``hbench import``."""
 
     name: str

@@ -32,7 +32,7 @@ def quantity(unit: str, **limits: float) -> BeforeValidator:
     return BeforeValidator(read)
 
 
-class Section(BaseModel):
+class ConfigSection(BaseModel):
     """Section of a configuration file: refuses unknown keys, and is frozen."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)

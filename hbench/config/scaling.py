@@ -5,17 +5,17 @@ from functools import cache, partial
 from operator import mul
 from typing import Any, get_args
 
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 
 
-def scaled(section: Section, factors: Mapping[str, float]) -> Any:
+def scaled(section: ConfigSection, factors: Mapping[str, float]) -> Any:
     """Return a copy of a configuration section with the values at dotted paths multiplied."""
     for path, factor in factors.items():
         section = replaced(section, path.split("."), partial(mul, factor))
     return section
 
 
-def replaced(section: Section, path: Sequence[str], change: Callable[[float], float]) -> Any:
+def replaced(section: ConfigSection, path: Sequence[str], change: Callable[[float], float]) -> Any:
     """Return a copy of a section with the value at ``path`` changed."""
     first, *rest = path
     value = getattr(section, first)
@@ -24,7 +24,7 @@ def replaced(section: Section, path: Sequence[str], change: Callable[[float], fl
 
 
 @cache
-def value_paths(section: type[Section]) -> frozenset[str]:
+def value_paths(section: type[ConfigSection]) -> frozenset[str]:
     """Return the dotted paths of all values that a section may have, with any of its variants."""
     paths = set()
     for name, field in section.model_fields.items():
@@ -40,4 +40,4 @@ def _kinds(annotation: Any) -> list[Any]:
 
 
 def _is_section(kind: Any) -> bool:
-    return isinstance(kind, type) and issubclass(kind, Section)
+    return isinstance(kind, type) and issubclass(kind, ConfigSection)

@@ -5,13 +5,13 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
-from hbench.config.experiments import NOT_ADAPTIVE, Experiment, Steady
+from hbench.config.experiments import NOT_ADAPTIVE, ExperimentSection, Steady
 from hbench.config.files.loading import validate
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 from hbench.config.velocities import AdaptiveSpeeds
 
 
-class Screening(Section):
+class Screening(ConfigSection):
     """Limits of the screening; no other limit rejects a run."""
 
     settle_time: q.Duration = 0.3  # from reaching the reference to the window
@@ -42,7 +42,7 @@ class Screening(Section):
         return max(self.low_speed_error, self.low_speed_error_relative * speed)
 
 
-class Schedule(Section):
+class Schedule(ConfigSection):
     """Schedule of a campaign: experiments in order, or as passes of one trial over all of them.
 
     Passes put the trials of a point far apart in time, so that drift appears as their scatter and
@@ -52,7 +52,7 @@ class Schedule(Section):
     name: str
     bench: str | None = None  # path of the bench file, from the schedule's own folder
     order: Literal["experiments", "passes"] = "experiments"
-    experiments: tuple[Experiment, ...] = Field(min_length=1, max_length=100)
+    experiments: tuple[ExperimentSection, ...] = Field(min_length=1, max_length=100)
     screening: Screening = Screening()
 
     @model_validator(mode="after")

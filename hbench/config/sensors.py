@@ -5,10 +5,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from hbench.config import quantity as q
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 
 
-class Adc(Section):
+class Adc(ConfigSection):
     """Analogue-to-digital converter of all sensors."""
 
     bits: Literal[12]  # a log word holds 1/16 counts
@@ -19,7 +19,7 @@ class Adc(Section):
     noisy: bool = True
 
 
-class Transducer(Section):
+class Transducer(ConfigSection):
     """Sensor with a 0..output signal over 0..span, through an amplifier (appendix B)."""
 
     span: float
@@ -40,7 +40,7 @@ class PressureSensor(Transducer):
     span: q.Pressure
 
 
-class LoadCell(Section):
+class LoadCell(ConfigSection):
     """The strain-gauge bar between the cylinders (appendix C, equation C.6)."""
 
     area: Annotated[float, q.quantity("mm^2", gt=0, le=1)]
@@ -58,7 +58,7 @@ class LoadCell(Section):
         return bridge * self.amplifier / (4 * self.area * self.youngs_modulus)
 
 
-class Sensors(Section):
+class Sensors(ConfigSection):
     """Sensors of the seven measured channels."""
 
     adc: Adc
@@ -74,7 +74,7 @@ class Sensors(Section):
         return -cell.level / per_newton, (self.adc.reference - cell.level) / per_newton
 
 
-class Instrument(Section):
+class Instrument(ConfigSection):
     """The stated tolerance of an instrument."""
 
     tolerance: q.Ratio
@@ -94,7 +94,7 @@ class PressureInstrument(Instrument):
     full_scale: q.Pressure
 
 
-class Instruments(Section):
+class Instruments(ConfigSection):
     """Tolerances for the efficiency's uncertainty (equations 6.16 to 6.19)."""
 
     force: ForceInstrument

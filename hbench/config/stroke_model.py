@@ -11,18 +11,18 @@ from hbench.config.bench import Bore
 from hbench.config.effects import Effects
 from hbench.config.files.loading import validate
 from hbench.config.friction import Friction
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 
 _KEYS = {"test_cylinder": ("piston_diameter", "rod_diameter"), "friction": ("test",)}
 
 
-class TestFriction(Section):
+class TestFriction(ConfigSection):
     """Friction of the cylinder under test alone."""
 
     test: Friction
 
 
-class StrokePlant(Section):
+class StrokePlant(ConfigSection):
     """Sections that determine friction in steady strokes."""
 
     test_cylinder: Bore

@@ -5,10 +5,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from hbench.config import quantity as q
-from hbench.config.quantity import Section
+from hbench.config.quantity import ConfigSection
 
 
-class PolynomialSpeeds(Section):
+class PolynomialSpeeds(ConfigSection):
     """Speeds v_i = a i + b i^2 (i = 1..count) from ``first`` to ``last``: dense where slow.
 
     The source's own spacing (section 5.3), and the default.
@@ -29,7 +29,7 @@ class PolynomialSpeeds(Section):
         return self
 
 
-class LinearSpeeds(Section):
+class LinearSpeeds(ConfigSection):
     """Equal steps from ``first`` to ``last``."""
 
     strategy: Literal["linear"]
@@ -44,7 +44,7 @@ class LinearSpeeds(Section):
         return self
 
 
-class SlopeAdjustedSpeeds(Section):
+class SlopeAdjustedSpeeds(ConfigSection):
     """Equal small steps to ``transition``, then equal large ones to ``last``.
 
     Friction is expected to turn from nonlinear to linear at ``transition``. Each side has half of
@@ -64,7 +64,7 @@ class SlopeAdjustedSpeeds(Section):
         return self
 
 
-class AdaptiveSpeeds(Section):
+class AdaptiveSpeeds(ConfigSection):
     """Speeds chosen from the friction measured so far (``hbench.experiment.adaptive``)."""
 
     strategy: Literal["adaptive"]

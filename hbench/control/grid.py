@@ -11,7 +11,12 @@ import numpy as np
 
 from hbench.config.bench import Bench
 from hbench.control import sampled
-from hbench.control.linearisation import OperatingPoint, linearise, state_space, steady_point
+from hbench.control.linearisation import (
+    OperatingPoint,
+    linear_coefficients,
+    state_space,
+    steady_point,
+)
 from hbench.control.loops import LOOPS
 from hbench.control.merits import margins
 from hbench.control.sampled import TICK_S, Pi, SampledPlant
@@ -112,7 +117,7 @@ def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> li
     for condition in reached:
         for share in POSITIONS:
             x = limits.travel_min + share * (limits.travel_max - limits.travel_min)
-            matrices = state_space(linearise(par, condition.point(par, x)), par)
+            matrices = state_space(linear_coefficients(par, condition.point(par, x)), par)
             plant = sampled.sample_plant(
                 *matrices, control.velocity_filter, control.pressure_filter
             )

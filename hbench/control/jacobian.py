@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hbench.control.linearisation import Coefficients, OperatingPoint, state_space
+from hbench.control.linearisation import LinearCoefficients, OperatingPoint, state_space
 from hbench.model import plant
 from hbench.model.friction.laws import LAWS
 from hbench.model.parameters import FrictionParameters, PlantParameters
@@ -58,7 +58,7 @@ def numerical_jacobian(
     return np.array(columns).T, np.array(inputs).T
 
 
-def disagreement(par: PlantParameters, point: OperatingPoint, c: Coefficients) -> float:
+def disagreement(par: PlantParameters, point: OperatingPoint, c: LinearCoefficients) -> float:
     """Return the largest relative difference between entries of the two linearisations.
 
     Where an entry is zero by hand, the other's counts relative to the largest of its row. Both

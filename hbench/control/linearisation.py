@@ -42,7 +42,7 @@ class OperatingPoint:
 
 
 @dataclass(frozen=True)
-class Coefficients:
+class LinearCoefficients:
     """Coefficients of 4.1 to 4.23. Flows enter a chamber but leave the test cylinder's rod side."""
 
     ku_tp: float  # flow gains dQ/du, m^3/s/V
@@ -134,7 +134,7 @@ def steady_point(
     return point
 
 
-def linearise(par: PlantParameters, point: OperatingPoint) -> Coefficients:
+def linear_coefficients(par: PlantParameters, point: OperatingPoint) -> LinearCoefficients:
     """Return the coefficients 4.14 to 4.23 and the volumes at ``point``."""
     v_tp, v_tr = extending_volumes(point.x_m, par.test)
     v_lp, v_lr = retracting_volumes(point.x_m, par.load)
@@ -142,7 +142,7 @@ def linearise(par: PlantParameters, point: OperatingPoint) -> Coefficients:
     ku_tr, kp_tr = _port(par, -point.u_t_v, point.p_tr_pa)
     ku_lp, kp_lp = _port(par, point.u_l2_v, point.p_lp_pa)
     ku_lr, kp_lr = _port(par, point.u_l1_v, point.p_lr_pa)
-    return Coefficients(
+    return LinearCoefficients(
         ku_tp=ku_tp,
         ku_tr=ku_tr,
         ku_lp=ku_lp,
@@ -175,7 +175,7 @@ def _port(par: PlantParameters, u: float, pressure: float) -> tuple[float, float
     return gain, copysign(1.0, -u) * gain * u / (2 * drop)
 
 
-def state_space(c: Coefficients, par: PlantParameters) -> tuple[np.ndarray, np.ndarray]:
+def state_space(c: LinearCoefficients, par: PlantParameters) -> tuple[np.ndarray, np.ndarray]:
     """Return A (11, 11) and B (11, 3) of the whole bench, valves (2.16) included."""
     a, b = np.zeros((N_STATES, N_STATES)), np.zeros((N_STATES, 3))
     a[V, : P_LR + 1] = np.array([-c.viscous, c.a_tp, -c.a_tr, -c.a_lp, c.a_lr]) / c.mass
@@ -196,6 +196,6 @@ def state_space(c: Coefficients, par: PlantParameters) -> tuple[np.ndarray, np.n
     return a, b
 
 
-def as_numbers(record: OperatingPoint | Coefficients) -> dict[str, float]:
+def as_numbers(record: OperatingPoint | LinearCoefficients) -> dict[str, float]:
     """Return the fields of an operating point or of coefficients by name."""
     return {field.name: float(getattr(record, field.name)) for field in fields(record)}

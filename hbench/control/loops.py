@@ -8,10 +8,10 @@ from scipy.optimize import linear_sum_assignment
 from hbench.control import sampled
 from hbench.control.jacobian import disagreement
 from hbench.control.linearisation import (
-    Coefficients,
+    LinearCoefficients,
     OperatingPoint,
     as_numbers,
-    linearise,
+    linear_coefficients,
     state_space,
 )
 from hbench.control.merits import bandwidth, margins, ramp_error, step_merits, step_response
@@ -51,7 +51,7 @@ def design_at(
     ``gains``: K_c and tau_c of the velocity, rod and piston pressure loop; ``filters_s``: lags of
     the velocity (D.11) and the pressures (D.29).
     """
-    c = linearise(par, point)
+    c = linear_coefficients(par, point)
     plant = sampled.sample_plant(*state_space(c, par), *filters_s)
     return Design(
         bench=name,
@@ -66,13 +66,15 @@ def design_at(
     )
 
 
-def loop_plants(c: Coefficients) -> tuple[TransferFunction, TransferFunction, TransferFunction]:
+def loop_plants(
+    c: LinearCoefficients,
+) -> tuple[TransferFunction, TransferFunction, TransferFunction]:
     """Return G_Tol, G_Lrol and G_Lpol (4.29, 4.25, 4.26)."""
     return velocity_plant(c), rod_pressure_plant(c), piston_pressure_plant(c)
 
 
 def _control_loops(
-    c: Coefficients, par: PlantParameters, plant: SampledPlant, gains: Sequence[Pi]
+    c: LinearCoefficients, par: PlantParameters, plant: SampledPlant, gains: Sequence[Pi]
 ) -> tuple[ControlLoop, ...]:
     spool = valve(par.valve.natural_frequency_rad_s, par.valve.damping)
     response = sampled.measurement_response(plant, _OMEGA)

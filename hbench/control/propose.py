@@ -30,7 +30,7 @@ from hbench.control.grid import (
     grid,
     margin_checks,
 )
-from hbench.control.linearisation import Coefficients, OperatingPoint, linearise
+from hbench.control.linearisation import LinearCoefficients, OperatingPoint, linear_coefficients
 from hbench.control.loops import loop_plants
 from hbench.control.merits import bandwidth
 from hbench.control.sampled import Pi, T
@@ -64,7 +64,7 @@ def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
     slowest designs of the family do not keep the margins.
     """
     par = plant_parameters(bench)
-    c = linearise(par, point)
+    c = linear_coefficients(par, point)
     reached, left_out = conditions(bench, par)
     points = grid(bench, par, reached)
     best: tuple[int, ...] = ()
@@ -92,7 +92,7 @@ def propose(bench: Bench, ratio: float, point: OperatingPoint) -> Proposed:
 
 def _fastest(
     points: Sequence[GridPoint],
-    c: Coefficients,
+    c: LinearCoefficients,
     ratio: float,
     order: Sequence[int],
     beyond: float,
@@ -112,7 +112,9 @@ def _fastest(
     return float(np.exp(low))
 
 
-def family(c: Coefficients, w: float, ratio: float, order: Sequence[int]) -> tuple[Pi, Pi, Pi]:
+def family(
+    c: LinearCoefficients, w: float, ratio: float, order: Sequence[int]
+) -> tuple[Pi, Pi, Pi]:
     """Return K_c and tau_c of the three loops; see above. ``w`` is the fastest's [rad/s]."""
     velocity = loop_plants(c)[T]
     n_1, n_0 = velocity.numerator

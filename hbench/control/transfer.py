@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.control.linearisation import Coefficients
+from hbench.control.linearisation import LinearCoefficients
 
 
 @dataclass(frozen=True)
@@ -42,19 +42,19 @@ class TransferFunction:
         return np.roots(self.numerator)
 
 
-def rod_pressure_plant(c: Coefficients) -> TransferFunction:
+def rod_pressure_plant(c: LinearCoefficients) -> TransferFunction:
     """G_Lrol = (K_uLr beta/V_Lr) / (s - beta K_PLr/V_Lr), Pa/V, equation 4.25."""
     stiffness = c.beta / c.v_lr
     return TransferFunction((c.ku_lr * stiffness,), (1.0, -c.kp_lr * stiffness))
 
 
-def piston_pressure_plant(c: Coefficients) -> TransferFunction:
+def piston_pressure_plant(c: LinearCoefficients) -> TransferFunction:
     """G_Lpol = (K_uLp beta/V_Lp) / (s - beta K_PLp/V_Lp), Pa/V, equation 4.26."""
     stiffness = c.beta / c.v_lp
     return TransferFunction((c.ku_lp * stiffness,), (1.0, -c.kp_lp * stiffness))
 
 
-def velocity_plant(c: Coefficients) -> TransferFunction:
+def velocity_plant(c: LinearCoefficients) -> TransferFunction:
     """G_Tol, m/s/V, equations 4.29 to 4.35: the load cylinder's force does not change."""
     m, b, beta = c.mass, c.viscous, c.beta
     mvv = m * c.v_tp * c.v_tr

@@ -9,7 +9,7 @@ from typing import Any
 
 from hbench.config.bench import Bench
 from hbench.errors import ConfigError
-from hbench.protocol.dictionary import FLAGS, PROTOCOL, RECORD, dictionary_hash
+from hbench.protocol.dictionary import PROTOCOL, RECORD, RECORD_FLAGS, dictionary_hash
 from hbench.rig.client import Identity
 from hbench.store.campaign.folder import Campaign
 
@@ -43,7 +43,7 @@ def campaign_header(
         **files,
         "log": {
             "rate_hz": bench.controllers.log_rate,
-            "flags": list(FLAGS),
+            "flags": list(RECORD_FLAGS),
             "channels": [
                 {"name": w.name, "signed": w.signed, "scale": w.scale, "unit": w.unit}
                 for w in RECORD

@@ -13,9 +13,9 @@ from hbench.config.schedule import parse_schedule
 from hbench.errors import DeviceError
 from hbench.experiment.plan import plan_runs
 from hbench.experiment.progress import Progress
-from hbench.experiment.recorder import CHANNELS
+from hbench.experiment.recorder import LOG_CHANNELS
 from hbench.experiment.runner import run_campaign
-from hbench.protocol.dictionary import FLAGS
+from hbench.protocol.dictionary import RECORD_FLAGS
 from hbench.records import Outcome, RawRun, Run, RunPlan
 from hbench.rig.client import BoardClient
 
@@ -42,7 +42,9 @@ class _MemoryJournal:
     def finish_run(
         self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
     ) -> None:
-        raw = RawRun(plan, words, CHANNELS, FLAGS, self.bench.controllers.log_rate, outcome, why)
+        raw = RawRun(
+            plan, words, LOG_CHANNELS, RECORD_FLAGS, self.bench.controllers.log_rate, outcome, why
+        )
         self.runs.append(calibrate(raw, self.bench))
 
 

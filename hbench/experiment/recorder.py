@@ -10,16 +10,16 @@ from hbench.config.bench import Bench
 from hbench.errors import DeviceError
 from hbench.experiment.progress import Ended, Progress
 from hbench.experiment.run_journal import Journal
-from hbench.protocol.dictionary import FLAGS, PHASES, RECORD
+from hbench.protocol.dictionary import PHASES, RECORD, RECORD_FLAGS
 from hbench.records import LogChannel, Outcome, RawRun, RunPlan, ScreenedRun
 
-CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
+LOG_CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
 END_MISSING = "the end of its log is missing"
 OVERRUN = "{} records were overwritten before they were pulled: the log ran over"
 
 _WORDS = [word.name for word in RECORD]
 _RUN, _INDEX, _FLAGS = (_WORDS.index(name) for name in ("run", "index", "flags"))
-_LAST, _SETTLED = (1 << FLAGS.index(name) for name in ("last", "settled"))
+_LAST, _SETTLED = (1 << RECORD_FLAGS.index(name) for name in ("last", "settled"))
 _PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 
 Judge = Callable[[RawRun], ScreenedRun]
@@ -136,7 +136,9 @@ class Recorder:
         self._unreported.append(number)
         if self._judge is not None:
             rate_hz = self._bench.controllers.log_rate
-            judged = self._judge(RawRun(plan, words, CHANNELS, FLAGS, rate_hz, outcome, why))
+            judged = self._judge(
+                RawRun(plan, words, LOG_CHANNELS, RECORD_FLAGS, rate_hz, outcome, why)
+            )
             friction_n = judged.means.friction_n if judged.means else None
             attempt = self._attempts[number]
             again = not judged.accepted and attempt <= self._retry

@@ -11,8 +11,8 @@ from typing import NamedTuple
 from hbench.config.sensors import Sensors, Transducer
 
 # In the converter's order.
-CHANNELS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
-N_CHANNELS = len(CHANNELS)
+SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
+N_CHANNELS = len(SENSORS)
 
 FRACTION = 16  # parts of a count that a tick's mean is kept in
 
@@ -39,7 +39,7 @@ def sensor_parameters(sensors: Sensors) -> SensorParameters:
     """
     adc = sensors.adc
     counts_per_volt = 2**adc.bits / adc.reference
-    scalings = [_scaling(sensors, name) for name in CHANNELS]
+    scalings = [_scaling(sensors, name) for name in SENSORS]
     variance = 0.0
     if adc.noisy:
         rounding = 1 / 12 if adc.quantised else 0.0
@@ -61,7 +61,7 @@ def sensor_gains(sensors: Sensors) -> dict[str, tuple[float, float]]:
     par = sensor_parameters(sensors)
     return {
         name: (1 / per_unit, -zero / per_unit)
-        for name, per_unit, zero in zip(CHANNELS, par.per_unit, par.zero, strict=True)
+        for name, per_unit, zero in zip(SENSORS, par.per_unit, par.zero, strict=True)
     }
 
 

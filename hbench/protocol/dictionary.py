@@ -216,7 +216,7 @@ RECORD: tuple[Word, ...] = (
 )
 
 # Bits of the record's flags.
-FLAGS = (
+RECORD_FLAGS = (
     "at_reference",  # the whole record lies in the steady phase
     "sensor_saturated",  # a converter word was at 0 or full scale during the record
     "valve_saturated",  # a valve command was at the voltage limit during the record
@@ -241,7 +241,7 @@ def canonical_text() -> str:
         "refusals": REFUSALS,
         "sensors": SENSORS,
         "settings": SETTINGS,
-        "flags": FLAGS,
+        "flags": RECORD_FLAGS,
     }
     lines += [f"{name} {' '.join(table)}" for name, table in tables.items()]
     lines += [f"word {word}" for word in RECORD]

@@ -31,7 +31,7 @@ def header_text() -> str:
         _numbered("word", (word.name for word in d.RECORD), count="HB_RECORD_WORDS"),
         "/* Words per SI unit, the inverse of the dictionary's scales. */\n"
         + _defines(*((f"HB_WORD_{name}_PER_SI", f"{per_si:.1f}f") for name, per_si in _scaled())),
-        _enum("flag", ((name, 1 << bit) for bit, name in enumerate(d.FLAGS))),
+        _enum("flag", ((name, 1 << bit) for bit, name in enumerate(d.RECORD_FLAGS))),
         "/* For the status line at a terminal; the names initialise char[][HB_NAME_SIZE]. */\n"
         + _defines(
             ("HB_VERSION_TEXT", f'"protocol {d.PROTOCOL}, dictionary {d.dictionary_hash():08X}"'),

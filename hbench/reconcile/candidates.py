@@ -14,12 +14,12 @@ from hbench.reconcile.evidence import (
     CrossValidation,
     cost,
     cross_validate,
-    fit,
     log_likelihood,
+    maximum_likelihood,
     score,
 )
-from hbench.reconcile.gaps.columns import Column
-from hbench.reconcile.hypothesis import Coefficient, Hypothesis, Simulate, typical_size
+from hbench.reconcile.gaps.columns import ModelColumn
+from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, Simulate, typical_size
 from hbench.reconcile.linearised import LinearisedModel, hypothesis_at, linearise
 from hbench.reconcile.measured_campaign import MeasurementInterface
 from hbench.records import Candidate
@@ -79,7 +79,7 @@ class CandidateEvaluator:
     measured: MeasurementInterface
     simulate: Simulate
     trials: int
-    signatures: Mapping[Coefficient, Column]
+    signatures: Mapping[CoefficientKey, ModelColumn]
     train: np.ndarray  # indices of the operating points in use
     candidates: tuple[str, ...]
 
@@ -96,7 +96,7 @@ class CandidateEvaluator:
         current, current_cost = start, self._cost(start, coefficients)
         for _ in range(_REFIT_ROUNDS):
             chosen = current.index(coefficients)
-            beta = fit(current.data, current.priors, chosen, self.train)[0]
+            beta = maximum_likelihood(current.data, current.priors, chosen, self.train)[0]
             if np.abs(beta).max() < _NEGLIGIBLE_STEP:
                 break
             refitted = self.simulate_at(
@@ -110,7 +110,7 @@ class CandidateEvaluator:
             current, current_cost = refitted, refitted_cost
         return current
 
-    def _cost(self, model: LinearisedModel, coefficients: Sequence[Coefficient]) -> float:
+    def _cost(self, model: LinearisedModel, coefficients: Sequence[CoefficientKey]) -> float:
         return cost(model.data, model.priors, model.index(coefficients), self.train)
 
     def _cross_validate(self, model: LinearisedModel, effects: Sequence[str]) -> CrossValidation:
@@ -124,7 +124,7 @@ class CandidateEvaluator:
         more = [i for i in model.index(coefficients) if i not in base]
         joined = [*base, *more]
         gain = float(score(model.data, model.priors, base, more, self.train)[0])
-        beta = fit(model.data, model.priors, joined, self.train)[0][len(base) :]
+        beta = maximum_likelihood(model.data, model.priors, joined, self.train)[0][len(base) :]
         before = cross_validate(model.data, model.priors, base, self.train)
         after = cross_validate(model.data, model.priors, joined, self.train)
         values = {
@@ -142,7 +142,9 @@ class CandidateEvaluator:
         hypotheses = []
         for name in names:
             coefficients = model.coefficients_of((*added, name))
-            beta = fit(model.data, model.priors, model.index(coefficients), self.train)[0]
+            beta = maximum_likelihood(
+                model.data, model.priors, model.index(coefficients), self.train
+            )[0]
             hypotheses.append(hypothesis_at(model, self.measured.plant, coefficients, beta))
         evaluated = {}
         simulated = self.simulate(hypotheses, self.trials)
@@ -153,7 +155,9 @@ class CandidateEvaluator:
             chosen = with_effect.index(with_effect.coefficients_of((*added, name)))
             after = cross_validate(with_effect.data, with_effect.priors, chosen, self.train)
             gain = float((log_likelihood(after) - log_likelihood(before))[0])
-            beta = fit(with_effect.data, with_effect.priors, chosen, self.train)[0].tolist()
+            beta = maximum_likelihood(with_effect.data, with_effect.priors, chosen, self.train)[
+                0
+            ].tolist()
             steps = dict(zip(chosen, beta, strict=True))
             values = {
                 which: hypothesis.coefficient(which)
@@ -189,7 +193,7 @@ def _candidate(
     name: str,
     gain: float,
     share: float,
-    values: Mapping[Coefficient, float],
+    values: Mapping[CoefficientKey, float],
     tried: Literal["simulated", "linear"],
 ) -> Candidate:
     size = max((abs(value) / typical_size(which) for which, value in values.items()), default=0.0)

@@ -17,13 +17,13 @@ from hbench.reconcile.diagnosis_fields import (
     insufficient_data_diagnosis,
     residual_map,
 )
-from hbench.reconcile.estimates import ParameterEstimates, estimate_parameters
-from hbench.reconcile.gaps.columns import Column, residuals_of_runs
+from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
+from hbench.reconcile.gaps.columns import ModelColumn, residuals_of_runs
 from hbench.reconcile.gaps.gap_map import gaps, point_of
 from hbench.reconcile.gaps.overlays import overlays
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.gaps.tables import GapComparison
-from hbench.reconcile.hypothesis import Coefficient, Hypothesis, Simulate
+from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, Simulate
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.balances import (
     channels_missing,
@@ -79,7 +79,7 @@ class BaselineSimulation:
     """
 
     runs: tuple[Run, ...]
-    signatures: Mapping[Coefficient, Column]
+    signatures: Mapping[CoefficientKey, ModelColumn]
 
 
 def simulate_baseline(task: ReconcileTask, names: Sequence[str]) -> BaselineSimulation:
@@ -156,7 +156,7 @@ def _assembled(
     points = final.gap_map.points
     held_out_points = frozenset(points[i] for i in held_out)
     train = np.setdiff1d(np.arange(len(points)), held_out)
-    estimates = estimate_parameters(task.plant, final, result.names, train)
+    estimates = fit_coefficients(task.plant, final, result.names, train)
     drawn = task.simulate(estimates.draws(_DRAWS), _trials(task.runs))
     comparison = GapComparison(
         measured.logs,

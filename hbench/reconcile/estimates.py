@@ -10,8 +10,8 @@ from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.intervals import Bound
 from hbench.analysis.statistics.student import student_factor
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.evidence import fit, intervals
-from hbench.reconcile.hypothesis import Coefficient, Hypothesis, typical_size
+from hbench.reconcile.evidence import intervals, maximum_likelihood
+from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.linearised import LinearisedModel, hypothesis_at
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import FitParameter
@@ -26,7 +26,7 @@ class ParameterEstimates:
 
     plant: Any  # the given model: a ``Plant`` or part of one
     model: LinearisedModel
-    coefficients: tuple[Coefficient, ...]
+    coefficients: tuple[CoefficientKey, ...]
     beta: np.ndarray  # (q,)
     covariance: np.ndarray  # (q, q)
     dof: np.ndarray  # (q,)
@@ -93,13 +93,13 @@ def whole_dof(dof: float) -> int:
     return int(dof * (1 + ROUNDING))
 
 
-def estimate_parameters(
+def fit_coefficients(
     plant: Any, model: LinearisedModel, names: Sequence[str], train: np.ndarray
 ) -> ParameterEstimates:
     """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``."""
     coefficients = model.coefficients_of(names)
     chosen = model.index(coefficients)
-    beta = fit(model.data, model.priors, chosen, train)[0]
+    beta = maximum_likelihood(model.data, model.priors, chosen, train)[0]
     covariance, dof = intervals(model.data, model.priors, chosen, beta, train)
     priors = model.priors.select(chosen)
     return ParameterEstimates(

@@ -59,7 +59,7 @@ class Priors:
         )
 
 
-def fit(
+def maximum_likelihood(
     data: Products,
     priors: Priors,
     chosen: Sequence[int],
@@ -201,7 +201,7 @@ def cross_validate(
     total = np.zeros(1)
     for number in range(min(FOLDS, len(points))):
         fold = np.arange(len(points)) % FOLDS == number
-        beta = fit(data, priors, chosen, points[~fold], signs)
+        beta = maximum_likelihood(data, priors, chosen, points[~fold], signs)
         sums = _summed(data, chosen, points[fold], signs)
         total = total + sums.squared_residuals(beta)
     whole = _summed(data, chosen, points, signs)

@@ -8,7 +8,7 @@ from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.units import parse_unit
 
-Coefficient = tuple[str, str]  # name of the effect, key of its coefficient
+CoefficientKey = tuple[str, str]  # name of the effect, key of its coefficient
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,14 @@ class Hypothesis:
             for name, coefficients in self.effects.items()
         }
 
-    def with_coefficients(self, values: Mapping[Coefficient, float]) -> "Hypothesis":
+    def with_coefficients(self, values: Mapping[CoefficientKey, float]) -> "Hypothesis":
         """Return the hypothesis with coefficients [SI] changed or added."""
         effects = {name: dict(coefficients) for name, coefficients in self.effects.items()}
         for (name, key), value in values.items():
             effects.setdefault(name, {})[key] = value
         return replace(self, effects=effects)
 
-    def coefficient(self, which: Coefficient) -> float:
+    def coefficient(self, which: CoefficientKey) -> float:
         """Return a coefficient [SI], or its default where it is not set."""
         name, key = which
         row = EFFECTS[name].coefficients[key]
@@ -54,19 +54,19 @@ Yields None for a hypothesis with which the board stops.
 """
 
 
-def effect_coefficients(name: str) -> tuple[Coefficient, ...]:
+def effect_coefficients(name: str) -> tuple[CoefficientKey, ...]:
     """Return the coefficients of an effect that switch it on."""
     rows = EFFECTS[name].coefficients.items()
     return tuple((name, key) for key, row in rows if row.typical)
 
 
-def shape_coefficients(name: str) -> tuple[Coefficient, ...]:
+def shape_coefficients(name: str) -> tuple[CoefficientKey, ...]:
     """Return the coefficients of an effect that only change the shape of its law."""
     rows = EFFECTS[name].coefficients.items()
     return tuple((name, key) for key, row in rows if not row.typical)
 
 
-def typical_size(which: Coefficient) -> float:
+def typical_size(which: CoefficientKey) -> float:
     """Return a coefficient's typical size [SI]; for a shape a quarter of its default, or 0.25."""
     row = EFFECTS[which[0]].coefficients[which[1]]
     return row.to_si(row.typical or 0.25 * (row.default or 1.0))

@@ -17,10 +17,10 @@ import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import Priors, Products
-from hbench.reconcile.gaps.columns import Column
+from hbench.reconcile.gaps.columns import ModelColumn
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.regions import REST_M_S
-from hbench.reconcile.hypothesis import Coefficient, Hypothesis, typical_size
+from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.measured_campaign import MeasurementInterface
 from hbench.reconcile.nuisance import BOUND, nuisances
 
@@ -40,17 +40,17 @@ class LinearisedModel:
     data: Products
     priors: Priors
 
-    def coefficients_of(self, names: Iterable[str]) -> tuple[Coefficient, ...]:
+    def coefficients_of(self, names: Iterable[str]) -> tuple[CoefficientKey, ...]:
         """Return the coefficients of some effects that have a column, in column order."""
         wanted = set(names)
         split = (name.partition(".") for name in self.data.names if not name.startswith("/"))
         return tuple((effect, key) for effect, _, key in split if effect in wanted)
 
-    def column(self, which: Coefficient) -> int:
+    def column(self, which: CoefficientKey) -> int:
         """Return the index of a coefficient's column."""
         return self.data.names.index(".".join(which))
 
-    def index(self, coefficients: Iterable[Coefficient]) -> list[int]:
+    def index(self, coefficients: Iterable[CoefficientKey]) -> list[int]:
         """Return the indices of the columns of all nuisances and of some coefficients."""
         wanted = {f"{name}.{key}" for name, key in coefficients}
         return [
@@ -62,7 +62,7 @@ def linearise(
     measured: MeasurementInterface,
     hypothesis: Hypothesis,
     simulated: Sequence[Any],
-    signatures: Mapping[Coefficient, Column],
+    signatures: Mapping[CoefficientKey, ModelColumn],
     reference: GapMap | None = None,
 ) -> LinearisedModel:
     """Linearise about a hypothesis and its simulation; ``reference`` provides the scatter."""
@@ -70,7 +70,7 @@ def linearise(
     scale = _scatter_at(reference or differences, differences)
     prior_widths = nuisances(measured.plant)
     signatures = measured.signatures_at(hypothesis, signatures)
-    columns: dict[str, Column] = {}
+    columns: dict[str, ModelColumn] = {}
     slopes = measured.slopes(hypothesis.factors)
     for path, one_sigma in prior_widths.items():
         columns[f"/{path}"] = {point: -one_sigma * rows for point, rows in slopes[path].items()}
@@ -96,7 +96,7 @@ def linearise(
 
 
 def hypothesis_at(
-    start: LinearisedModel, plant: Any, coefficients: Sequence[Coefficient], beta: np.ndarray
+    start: LinearisedModel, plant: Any, coefficients: Sequence[CoefficientKey], beta: np.ndarray
 ) -> Hypothesis:
     """Return the hypothesis at ``beta`` (q,): steps of the nuisances, then of ``coefficients``."""
     priors = nuisances(plant)
@@ -143,7 +143,7 @@ def window_motions(differences: GapMap) -> np.ndarray:
 
 
 def _products(
-    differences: GapMap, scale: tuple[np.ndarray, np.ndarray], columns: Mapping[str, Column]
+    differences: GapMap, scale: tuple[np.ndarray, np.ndarray], columns: Mapping[str, ModelColumn]
 ) -> Products:
     """Return the sums of products of differences and columns, both in units of the scatter."""
     scatter, noise = scale

@@ -7,9 +7,9 @@ from typing import Any, Protocol
 
 from hbench.config.bench import Bench, Plant
 from hbench.config.scaling import scaled
-from hbench.reconcile.gaps.columns import Column, residuals_of_runs
+from hbench.reconcile.gaps.columns import ModelColumn, residuals_of_runs
 from hbench.reconcile.gaps.gap_map import GapMap, gap_map, point_of
-from hbench.reconcile.hypothesis import Coefficient, Hypothesis
+from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
 from hbench.reconcile.measured.balances import (
     BALANCES,
     BalanceModel,
@@ -31,12 +31,12 @@ class MeasurementInterface(Protocol):
     def gap_map(self, hypothesis: Hypothesis, simulated: Any) -> GapMap:
         """Return the differences between the measured runs and those simulated."""
 
-    def slopes(self, factors: Mapping[str, float]) -> dict[str, Column]:
+    def slopes(self, factors: Mapping[str, float]) -> dict[str, ModelColumn]:
         """Return the derivatives of the measured balances by the logarithm of each nuisance."""
 
     def signatures_at(
-        self, hypothesis: Hypothesis, signatures: Mapping[Coefficient, Column]
-    ) -> Mapping[Coefficient, Column]:
+        self, hypothesis: Hypothesis, signatures: Mapping[CoefficientKey, ModelColumn]
+    ) -> Mapping[CoefficientKey, ModelColumn]:
         """Return the signatures of the coefficients at a hypothesis, from those of the model."""
 
 
@@ -63,7 +63,7 @@ class MeasuredCampaign:
         measured = [residuals(log, model) for log in self.logs]
         return gap_map(measured, residuals_of_runs(simulated, model))
 
-    def slopes(self, factors: Mapping[str, float]) -> dict[str, Column]:
+    def slopes(self, factors: Mapping[str, float]) -> dict[str, ModelColumn]:
         """Return the derivatives of the measured balances by the logarithm of each nuisance."""
         logs = self.first_trials
         points = [point_of(log.run.plan) for log in logs]
@@ -71,7 +71,7 @@ class MeasuredCampaign:
         return {path: dict(zip(points, runs, strict=True)) for path, runs in by_path.items()}
 
     def signatures_at(
-        self, hypothesis: Hypothesis, signatures: Mapping[Coefficient, Column]
-    ) -> Mapping[Coefficient, Column]:
+        self, hypothesis: Hypothesis, signatures: Mapping[CoefficientKey, ModelColumn]
+    ) -> Mapping[CoefficientKey, ModelColumn]:
         """Return the signatures unchanged: effects hardly change each other's signature."""
         return signatures

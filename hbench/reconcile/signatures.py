@@ -12,14 +12,14 @@ import numpy as np
 from hbench.analysis.rounding import ROUNDING
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.gaps.columns import (
-    Column,
+    ModelColumn,
     column_difference,
     mean_column,
     residuals_of_runs,
 )
 from hbench.reconcile.gaps.gap_map import by_point
 from hbench.reconcile.hypothesis import (
-    Coefficient,
+    CoefficientKey,
     Hypothesis,
     Simulate,
     effect_coefficients,
@@ -34,7 +34,7 @@ _REDUCED_SIZE = 0.25  # of the typical size, where the typical size stops the bo
 
 def signatures(
     names: Iterable[str], simulate: Simulate, model: BalanceModel, base: Sequence[Run]
-) -> dict[Coefficient, Column]:
+) -> dict[CoefficientKey, ModelColumn]:
     """Return the columns of all coefficients of some effects, for a typical size of each.
 
     ``base`` are the runs of the model without the effects. Each coefficient is simulated with one
@@ -44,7 +44,7 @@ def signatures(
     wanted = [which for name in names for which in effect_coefficients(name)]
     before = residuals_of_runs(base, model)
     most = max(len(trials) for trials in by_point(before).values())
-    columns: dict[Coefficient, Column] = {}
+    columns: dict[CoefficientKey, ModelColumn] = {}
     for trials in {1, most}:
         batch = [
             which for which in wanted if trials == (most if EFFECTS[which[0]].builds_up else 1)
@@ -56,9 +56,9 @@ def signatures(
     return {which: columns[which] for which in wanted if which in columns}
 
 
-def disjoint_groups(wanted: Iterable[Coefficient]) -> list[tuple[Coefficient, ...]]:
+def disjoint_groups(wanted: Iterable[CoefficientKey]) -> list[tuple[CoefficientKey, ...]]:
     """Return groups of coefficients whose effects have no balance in common."""
-    groups: list[tuple[list[Coefficient], set[str]]] = []
+    groups: list[tuple[list[CoefficientKey], set[str]]] = []
     for which in sorted(wanted, key=lambda each: -len(EFFECTS[each[0]].balances)):
         balances = set(EFFECTS[which[0]].balances)
         for group, touched in groups:
@@ -72,12 +72,12 @@ def disjoint_groups(wanted: Iterable[Coefficient]) -> list[tuple[Coefficient, ..
 
 
 def _simulated_columns(
-    tasks: Sequence[tuple[tuple[Coefficient, ...], float]],
+    tasks: Sequence[tuple[tuple[CoefficientKey, ...], float]],
     simulate: Simulate,
     trials: int,
     model: BalanceModel,
     base: Sequence[WindowedRun],
-) -> dict[Coefficient, Column]:
+) -> dict[CoefficientKey, ModelColumn]:
     """Simulate groups of coefficients, each at a share of its typical size."""
     hypotheses = [
         Hypothesis().with_coefficients({which: share * typical_size(which) for which in group})
@@ -92,11 +92,11 @@ def _simulated_columns(
     return columns
 
 
-def _scaled(column: Mapping, factor: float) -> Column:
+def _scaled(column: Mapping, factor: float) -> ModelColumn:
     return {point: factor * values for point, values in column.items()}
 
 
-def signature(name: str, runs: Sequence[WindowedRun], base: Sequence[WindowedRun]) -> Column:
+def signature(name: str, runs: Sequence[WindowedRun], base: Sequence[WindowedRun]) -> ModelColumn:
     """Return an effect's change of the balances it touches, from simulations with and without.
 
     ``runs`` have one trial or more, ``base`` several. A balance whose change is below the sensors'

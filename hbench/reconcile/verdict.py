@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from hbench.analysis.screening.calibrate import FIELDS
+from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
 from hbench.reconcile.search import SearchResult
@@ -103,7 +103,7 @@ def unmeasured_channels(runs: Sequence[Run]) -> dict[str, str]:
     }
     if not missing:
         return {}
-    channels = ", ".join(name for name, field in FIELDS.items() if field in missing)
+    channels = ", ".join(name for name, field in RUN_FIELDS.items() if field in missing)
     return {"channels": f"{channels} (not measured), for the balances {', '.join(balances)}"}
 
 

@@ -8,10 +8,10 @@ from typing import TypeVar
 from hbench.records.flow import Band, Curve, EfficiencyCurve, RunPlan
 from hbench.records.summary import HeadlineSeries
 
-Series = TypeVar("Series", Band, Curve, EfficiencyCurve, RunPlan, HeadlineSeries)
+SeriesRecord = TypeVar("SeriesRecord", Band, Curve, EfficiencyCurve, RunPlan, HeadlineSeries)
 
 
-def differs_in_rod_pressure(series: Iterable[Series]) -> bool:
+def differs_in_rod_pressure(series: Iterable[SeriesRecord]) -> bool:
     """Return whether one kind, label, direction and load was measured at several pressures."""
     pressures = defaultdict(set)
     for each in series:
@@ -22,12 +22,12 @@ def differs_in_rod_pressure(series: Iterable[Series]) -> bool:
     return any(len(values) > 1 for values in pressures.values())
 
 
-def without_common_rod_pressure(series: Iterable[Series]) -> tuple[Series, ...]:
+def without_common_rod_pressure(series: Iterable[SeriesRecord]) -> tuple[SeriesRecord, ...]:
     """Return ``series`` with ``p_lr_ref_pa`` None in all of them, unless they differ in it."""
     series = tuple(series)
     return series if differs_in_rod_pressure(series) else without_rod_pressure(series)
 
 
-def without_rod_pressure(series: Iterable[Series]) -> tuple[Series, ...]:
+def without_rod_pressure(series: Iterable[SeriesRecord]) -> tuple[SeriesRecord, ...]:
     """Return ``series`` with ``p_lr_ref_pa`` None."""
     return tuple(replace(each, p_lr_ref_pa=None) for each in series)

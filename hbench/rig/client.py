@@ -28,7 +28,7 @@ from hbench.rig.ports import Port
 
 REPLY_TIMEOUT_S = 0.25
 ATTEMPTS = 8
-WINDOW = 4
+PULL_WINDOW = 4
 """Pending requests of a pull. Their 48 octets fit into the board's receive buffer of 64."""
 
 _SETTINGS_PER_FRAME = 12  # a short frame is more likely to arrive undamaged
@@ -145,7 +145,7 @@ class BoardClient:
             )
         return status
 
-    def pull(self, first: int, until: int, window: int = WINDOW) -> Iterator[LogPart]:
+    def pull(self, first: int, until: int, window: int = PULL_WINDOW) -> Iterator[LogPart]:
         """Pull the records ``first`` to ``until - 1``, which the board has logged, in order.
 
         ``window`` requests are pending at a time, so that replies use the line without a pause.

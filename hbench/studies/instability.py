@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from hbench.analysis.screening.screen import screen
 from hbench.config.bench import Bench, parse_bench, parse_plant
 from hbench.config.schedule import Screening
-from hbench.control.linearisation import linearise, state_space, steady_point
+from hbench.control.linearisation import linear_coefficients, state_space, steady_point
 from hbench.control.sampled import Pi, modulus, sample_plant
 from hbench.control.stability import friction_slope, loop_eigenvalues, plant_eigenvalues
 from hbench.experiment.closed_loop import record
@@ -104,7 +104,7 @@ def least_slope(par: PlantParameters, loops: list[Pi], filters_s: tuple[float, f
         point = steady_point(damped, X_M, 0.05, LOAD_N, P_LR_PA)
         if filters_s == (0.0, 0.0):
             return loop_eigenvalues(damped, point, loops).real.max()
-        sampled = sample_plant(*state_space(linearise(damped, point), damped), *filters_s)
+        sampled = sample_plant(*state_space(linear_coefficients(damped, point), damped), *filters_s)
         return modulus(sampled, loops) - 1.0
 
     return float(brentq(excess, 500.0, 10_000.0, xtol=0.1))

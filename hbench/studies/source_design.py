@@ -12,7 +12,7 @@ from math import sqrt
 import numpy as np
 from scipy.optimize import brentq
 
-from hbench.control.linearisation import Coefficients, OperatingPoint, linearise
+from hbench.control.linearisation import LinearCoefficients, OperatingPoint, linear_coefficients
 from hbench.control.merits import bandwidth, ramp_error, step_merits, step_response
 from hbench.control.transfer import (
     TransferFunction,
@@ -25,7 +25,7 @@ from hbench.model.parameters import PlantParameters
 from hbench.records import Reproduced
 from hbench.studies.source_nonlinear import coulomb_viscous, ramp_errors
 
-POINT = OperatingPoint(
+OPERATING_POINT = OperatingPoint(
     x_m=0.17,
     v_m_s=0.05,
     p_tp_pa=78.84e5,
@@ -37,7 +37,8 @@ POINT = OperatingPoint(
     u_l2_v=-2.814,
     viscous_n_s_m=4662.0,  # twice table 6.5
 )
-LOOPS = ((800.0, 0.06), (1.25e-5, 0.33), (6.5e-5, 0.25))  # table 4.1, K_c,Lr with exponent -5
+# Table 4.1, K_c,Lr with exponent -5.
+SOURCE_LOOPS = ((800.0, 0.06), (1.25e-5, 0.33), (6.5e-5, 0.25))
 PRINTED_ROD_GAIN = 1.25e-4
 PRINTED_ROD_POLE = 110.76
 RAMP = 0.1  # m/s^2, section 4.5.3
@@ -52,13 +53,13 @@ _CLOSE = 0.01  # relative
 
 def reproduce(par: PlantParameters) -> tuple[Reproduced, ...]:
     """Compute every number of chapter 4 that the parameters ``par`` determine."""
-    c = linearise(par, POINT)
+    c = linear_coefficients(par, OPERATING_POINT)
     return (
         *_references(par),
         *_feedforward(par, c),
         *_loops(c),
         *_rod_gain(c),
-        *_ramps(par, velocity_plant(c) * pi(*LOOPS[0])),
+        *_ramps(par, velocity_plant(c) * pi(*SOURCE_LOOPS[0])),
     )
 
 
@@ -86,7 +87,7 @@ def _references(par: PlantParameters) -> Iterator[Reproduced]:
         yield _number(name, "bar", printed, a_r / a_p * p_lr + force / a_p / 1e5, note)
 
 
-def _feedforward(par: PlantParameters, c: Coefficients) -> Iterator[Reproduced]:
+def _feedforward(par: PlantParameters, c: LinearCoefficients) -> Iterator[Reproduced]:
     yield _number("C_ffLr", "V s/m", 5.7205, c.feedforward_rod, "sets P_Lr of the point")
     at_work = c.a_lp / (par.valve.flow_gain * sqrt(88.7e5 - par.supply.tank_pa))
     yield _number(
@@ -98,13 +99,13 @@ def _feedforward(par: PlantParameters, c: Coefficients) -> Iterator[Reproduced]:
     )
 
 
-def _loops(c: Coefficients) -> Iterator[Reproduced]:
+def _loops(c: LinearCoefficients) -> Iterator[Reproduced]:
     plants = velocity_plant(c), rod_pressure_plant(c), piston_pressure_plant(c)
-    opened = [plant * pi(*loop) for plant, loop in zip(plants, LOOPS, strict=True)]
+    opened = [plant * pi(*loop) for plant, loop in zip(plants, SOURCE_LOOPS, strict=True)]
     closed = [loop.closed for loop in opened]
     widths = [bandwidth(OMEGA, loop(1j * OMEGA)) for loop in closed]
     t, rod, piston = (step_merits(TIMES_S, step_response(loop, TIMES_S)) for loop in closed)
-    by_gain = f"with K_c,Lr = {LOOPS[1][0]:.2e}; printed is {PRINTED_ROD_GAIN:.2e}"
+    by_gain = f"with K_c,Lr = {SOURCE_LOOPS[1][0]:.2e}; printed is {PRINTED_ROD_GAIN:.2e}"
 
     yield _number("open pole, Lr", "rad/s", -1.76, plants[1].poles[0].real, "sets u_L1")
     yield _number("open pole, Lp", "rad/s", -7.32, plants[2].poles[0].real, "sets u_L2")
@@ -136,16 +137,16 @@ def _loops(c: Coefficients) -> Iterator[Reproduced]:
     yield _limit("settling to 2 %, T", "s", "< 0.4", t.settling_s, t.settling_s < 0.4)
 
 
-def _width_with_pole(c: Coefficients) -> float:
+def _width_with_pole(c: LinearCoefficients) -> float:
     """Return the bandwidth of the rod-side loop with a closed pole at the printed value."""
-    plant, tau = rod_pressure_plant(c), LOOPS[1][1]
+    plant, tau = rod_pressure_plant(c), SOURCE_LOOPS[1][1]
     # On the real axis 1 + K_c G C = 0 gives the gain at once.
     gain = -1 / (plant * pi(1.0, tau))(-PRINTED_ROD_POLE)
     return bandwidth(OMEGA, (plant * pi(float(gain), tau)).closed(1j * OMEGA))
 
 
-def _rod_gain(c: Coefficients) -> Iterator[Reproduced]:
-    plant, tau = rod_pressure_plant(c), LOOPS[1][1]
+def _rod_gain(c: LinearCoefficients) -> Iterator[Reproduced]:
+    plant, tau = rod_pressure_plant(c), SOURCE_LOOPS[1][1]
 
     def surplus(log_gain: float) -> float:
         loop = plant * pi(float(np.exp(log_gain)), tau)
@@ -153,7 +154,7 @@ def _rod_gain(c: Coefficients) -> Iterator[Reproduced]:
 
     gain = float(np.exp(brentq(surplus, np.log(1e-6), np.log(1e-4))))
     # K_c tau K_u beta/V is fixed by the bandwidth and K_P beta/V by the pole; their ratio is u.
-    volts = POINT.u_l1_v * PRINTED_ROD_GAIN / gain
+    volts = OPERATING_POINT.u_l1_v * PRINTED_ROD_GAIN / gain
     note = (
         f"contradiction: with {PRINTED_ROD_GAIN:.2e} the printed pole and bandwidth need u_L1 = "
         f"{volts:.1f} V, above 10 V"
@@ -167,7 +168,13 @@ def _ramps(par: PlantParameters, velocity: TransferFunction) -> Iterator[Reprodu
     nonlinear = coulomb_viscous(par, COULOMB_N, VISCOUS_N_S_M)
     for load, direction in RAMPS:
         errors = ramp_errors(
-            nonlinear, LOOPS, load, 15e5, x_m=POINT.x_m, v_m_s=0.05, slope_m_s2=RAMP
+            nonlinear,
+            SOURCE_LOOPS,
+            load,
+            15e5,
+            x_m=OPERATING_POINT.x_m,
+            v_m_s=0.05,
+            slope_m_s2=RAMP,
         )
         obtained = 1e3 * (errors.extend if direction > 0 else errors.retract)
         yield _limit(

@@ -9,7 +9,6 @@ from typing import Any
 _MODULES = {
     "board": ("find_boards", "flash", "flash_through_programmer", "load_image", "serve_rig"),
     "campaign": (
-        "Estimate",
         "Experiment",
         "MeasurementSummary",
         "estimate",
@@ -26,7 +25,13 @@ _MODULES = {
     "reconciliation": ("reconcile", "write_diagnosis"),
     "exports": ("export",),
     "controllers": ("design", "write_design"),
-    "simulation": ("phenomena", "replay", "simulate", "write_phenomenon", "write_replay"),
+    "simulation": (
+        "phenomena",
+        "replay",
+        "simulate_phenomenon",
+        "write_phenomenon",
+        "write_replay",
+    ),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 __all__ = sorted(_MODULE_OF)

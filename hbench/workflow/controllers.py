@@ -34,7 +34,7 @@ def design(
     from hbench.control.grid import operating_point  # slow import: scipy.signal
     from hbench.control.loops import design_at
     from hbench.experiment.design_verification import proposal
-    from hbench.studies.source_design import POINT, reproduce
+    from hbench.studies.source_design import OPERATING_POINT, reproduce
 
     bench = parse_bench(read_yaml(bench_file), str(bench_file))
     control, par = bench.controllers, plant_parameters(bench)
@@ -43,7 +43,7 @@ def design(
     present = design_at(
         bench.name,
         par,
-        POINT if source and not point else nominal,
+        OPERATING_POINT if source and not point else nominal,
         [(loop.gain, loop.time_constant) for loop in loops],
         (control.velocity_filter, control.pressure_filter),
         reproduce(par) if source else (),

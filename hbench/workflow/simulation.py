@@ -24,7 +24,7 @@ def phenomena() -> tuple[str, ...]:
     return tuple(PHENOMENA)
 
 
-def simulate(name: str, bench_file: Path) -> Phenomenon:
+def simulate_phenomenon(name: str, bench_file: Path) -> Phenomenon:
     """Simulate a phenomenon by its name, on a bench if it needs one.
 
     Raises ``ConfigError``.

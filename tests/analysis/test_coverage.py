@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hbench.analysis.fitting.fit import fit_law
-from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin_friction
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TUSTIN_LAW, tustin_friction
 from hbench.config.fitting import Fitting
 
 _STEPS = np.arange(1, 16)
@@ -48,8 +48,8 @@ def coverage(campaign, count, noise="constant", trials=3, truth=TRUTH, **how):
     """Return the part of intervals (methods -> (4,)) that hold the truth; no interval does not."""
     inside: dict[str, np.ndarray] = {}
     for seed in range(count):
-        fit = fit_law(TUSTIN, [campaign(truth, noise, trials, seed)], Fitting(**how))
-        for i, name in enumerate(NAMES):
+        fit = fit_law(TUSTIN_LAW, [campaign(truth, noise, trials, seed)], Fitting(**how))
+        for i, name in enumerate(PARAMETER_NAMES):
             for method, ends in fit.parameters[name].intervals.items():
                 hit = ends is not None and ends[0] <= truth[i] <= ends[1]
                 inside.setdefault(method, np.zeros(4))[i] += hit / count

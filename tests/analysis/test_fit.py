@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import curve_fit
 
 from hbench.analysis.fitting.fit import fits, unfitted_curves
-from hbench.analysis.fitting.tustin import NAMES, TABLE_6_1, tustin_friction
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TABLE_6_1, tustin_friction
 from tests.support.analysis.fits import fit_tustin
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
@@ -25,11 +25,11 @@ def noisy(seed, sigma=3.0, truth=TRUTH):
 
 
 def values(fit):
-    return np.array([fit.parameters[name].value for name in NAMES])
+    return np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
 
 
 def errors(fit):
-    return np.array([fit.parameters[name].se for name in NAMES])
+    return np.array([fit.parameters[name].se for name in PARAMETER_NAMES])
 
 
 @pytest.mark.parametrize("direction", ["extend", "retract"])
@@ -37,18 +37,18 @@ def test_exact_data_gives_its_parameters_in_both_directions(make_curve, directio
     fit = fit_tustin(make_curve(SPEEDS, law(SPEEDS, *TRUTH), direction))
     np.testing.assert_allclose(values(fit), TRUTH, rtol=1e-6)
     assert fit.rmse_n < 1e-6 and fit.converged and fit.message == ""
-    assert [fit.parameters[name].unit for name in NAMES] == ["N", "N", "m/s", "N s/m"]
+    assert [fit.parameters[name].unit for name in PARAMETER_NAMES] == ["N", "N", "m/s", "N s/m"]
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_values_and_standard_errors_are_those_of_curve_fit(make_curve, seed):
     friction = noisy(seed)
-    wide = dict.fromkeys(NAMES, (-1e6, 1e6)) | {"v_stribeck_m_s": (1e-3, 10.0)}
+    wide = dict.fromkeys(PARAMETER_NAMES, (-1e6, 1e6)) | {"v_stribeck_m_s": (1e-3, 10.0)}
     fit = fit_tustin(make_curve(SPEEDS, friction), wide)
     expected, covariance = curve_fit(law, SPEEDS, friction, p0=TRUTH, xtol=1e-12, ftol=1e-12)
     np.testing.assert_allclose(values(fit), expected, rtol=2e-4)
     np.testing.assert_allclose(errors(fit), np.sqrt(np.diag(covariance)), rtol=2e-3)
-    ends = [fit.parameters[name].intervals["linearised"] for name in NAMES]
+    ends = [fit.parameters[name].intervals["linearised"] for name in PARAMETER_NAMES]
     lower, upper = np.array(ends).T
     np.testing.assert_allclose((upper - lower) / 2, 2.20099 * errors(fit), rtol=1e-5)  # 11 dof
 
@@ -59,7 +59,7 @@ def test_within_the_bounds_of_table_6_1_it_agrees_with_lmfit(make_curve, seed):
     friction = noisy(seed, sigma=1.0)
     model = lmfit.Model(law)
     parameters = model.make_params(**dict(zip(("f_c", "f_s", "v_s", "b"), TRUTH, strict=True)))
-    for name, key in zip(("f_c", "f_s", "v_s", "b"), NAMES, strict=True):
+    for name, key in zip(("f_c", "f_s", "v_s", "b"), PARAMETER_NAMES, strict=True):
         parameters[name].set(min=TABLE_6_1[key][0], max=TABLE_6_1[key][1])
     found = model.fit(friction, parameters, v=SPEEDS, fit_kws={"xtol": 1e-12, "ftol": 1e-12})
     fit = fit_tustin(make_curve(SPEEDS, friction))
@@ -149,7 +149,7 @@ def test_intervals_of_the_parameters_cover_the_truth(make_curve):
     n = 150
     for seed in range(n):
         fit = fit_tustin(make_curve(SPEEDS, noisy(seed, sigma=1.0)))
-        for i, name in enumerate(NAMES):
+        for i, name in enumerate(PARAMETER_NAMES):
             low, high = fit.parameters[name].ci95
             inside[i] += low <= TRUTH[i] <= high
     assert np.all(np.abs(inside / n - 0.95) < 0.06)

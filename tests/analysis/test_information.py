@@ -9,7 +9,7 @@ from hbench.analysis.fitting.information import (
     covariance_of_all,
     identification_messages,
 )
-from hbench.analysis.fitting.tustin import TUSTIN, tustin_friction, tustin_jacobian
+from hbench.analysis.fitting.tustin import TUSTIN_LAW, tustin_friction, tustin_jacobian
 from hbench.config.fitting import Fitting
 from tests.support.analysis.fits import fit_tustin
 
@@ -19,7 +19,7 @@ TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])
 def seen(speeds, p=TRUTH, sigma=1.0):
     inputs = np.array([speeds, np.full(len(speeds), 5e6), np.full(len(speeds), 2e6)])
     scale = np.array([500.0, 500.0, 0.2, 500.0 / speeds.max()])
-    return Information(TUSTIN, p, tustin_jacobian(speeds, p), sigma**2, scale, inputs)
+    return Information(TUSTIN_LAW, p, tustin_jacobian(speeds, p), sigma**2, scale, inputs)
 
 
 def test_low_speeds_alone_lack_those_above():
@@ -77,10 +77,10 @@ def test_friction_that_is_badly_known_beyond_the_highest_speed_is_warned_of(make
     speeds = np.linspace(0.005, 0.05, 15)
     rest = np.random.default_rng(3).standard_normal(15)
     noisy = fit_law(
-        TUSTIN, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 10 * rest)], Fitting()
+        TUSTIN_LAW, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 10 * rest)], Fitting()
     )
     assert "extrapolate" in noisy.message and "0.06 m/s" in noisy.message
     exact = fit_law(
-        TUSTIN, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 0.1 * rest)], Fitting()
+        TUSTIN_LAW, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 0.1 * rest)], Fitting()
     )
     assert "extrapolate" not in exact.message

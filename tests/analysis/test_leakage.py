@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from scipy.integrate import solve_ivp
 
-from hbench.analysis.curves.leakage import NAMES, chamber_leakage
+from hbench.analysis.curves.leakage import LEAK_NAMES, chamber_leakage
 from hbench.analysis.screening.screen import screen
 from hbench.config.schedule import Screening
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen
@@ -66,7 +66,7 @@ def found_in(screened, bench):
 @pytest.mark.parametrize("creep_m_s", [0.0, 5e-6], ids=["at rest", "creeping"])
 def test_the_leaks_of_another_model_are_found_within_one_percent(stiff, creep_m_s):
     leaks, found = found_in(holds(stiff, 1, creep_m_s=creep_m_s), stiff)
-    assert set(leaks) == set(NAMES)
+    assert set(leaks) == set(LEAK_NAMES)
     for name, one in leaks.items():
         assert one.value == pytest.approx(TRUE[name], rel=0.01)
     assert len(found.decays) == 9 and found.decays[0].rate_p_pa_s < 0
@@ -105,7 +105,7 @@ def test_a_wrong_bulk_modulus_scales_all_leaks_and_the_message_says_so(stiff):
     )
     right, _ = found_in(runs, stiff)
     half, found = found_in(runs, wrong)
-    for name in NAMES:
+    for name in LEAK_NAMES:
         assert half[name].value == pytest.approx(right[name].value / 2, rel=1e-3)
     assert "bulk modulus" in found.message and "beta / V" in found.message
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from hbench import workflow
-from hbench.analysis.fitting.marton_lantos import UNITS, lines, lines_from_tustin
-from hbench.analysis.fitting.tustin import NAMES
+from hbench.analysis.fitting.marton_lantos import PARAMETER_UNITS, lines, lines_from_tustin
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES
 from tests.support.analysis.fits import fit_tustin
 from tests.support.analysis.other_plant import STEADY
 
@@ -26,7 +26,7 @@ def found(make_curve, friction, direction="extend"):
 
 
 def values(fit):
-    return np.array([fit.parameters[name].value for name in UNITS])
+    return np.array([fit.parameters[name].value for name in PARAMETER_UNITS])
 
 
 @pytest.mark.parametrize("direction", ["extend", "retract"])
@@ -61,10 +61,12 @@ def test_standard_errors_are_the_scatter_of_repeated_fits(make_curve):
         for _ in range(150)
     ]
     drawn = np.array([values(fit) for fit in fits])
-    stated = np.array([[fit.parameters[name].se for name in UNITS] for fit in fits])
+    stated = np.array([[fit.parameters[name].se for name in PARAMETER_UNITS] for fit in fits])
     np.testing.assert_allclose(np.sqrt(np.mean(stated**2, axis=0)), drawn.std(axis=0), rtol=0.15)
     true = values(found(make_curve, law(SPEEDS, *TRUTH)))
-    lower, upper = np.moveaxis([[f.parameters[name].ci95 for name in UNITS] for f in fits], 2, 0)
+    lower, upper = np.moveaxis(
+        [[f.parameters[name].ci95 for name in PARAMETER_UNITS] for f in fits], 2, 0
+    )
     assert 0.92 <= np.mean((lower <= true) & (true <= upper)) <= 0.98
 
 
@@ -75,7 +77,7 @@ def test_what_the_tustin_fit_says_against_itself_stays_said(make_curve):
     fit = lines_from_tustin([curve], tustin)
     assert fit.message.endswith(tustin.message)
     assert "lower bound" in tustin.message
-    assert set(tustin.parameters) == set(NAMES)
+    assert set(tustin.parameters) == set(PARAMETER_NAMES)
 
 
 def test_the_force_at_rest_has_the_same_error_as_in_the_tustin_fit_weighted_by_trials(make_curve):
@@ -128,7 +130,7 @@ NO_SEALS = {  # what a plant file leaves out is the bench file's, so they are se
     "scatter": "1 %",
 }
 VELOCITIES = [f"{v} mm/s" for v in (5, 10, 20, 35, 55, 80, 110, 145, 180, 195)]
-WIDE = dict.fromkeys(NAMES, (-1e5, 1e5)) | {"v_stribeck_m_s": (0.01, 1.0)}
+WIDE = dict.fromkeys(PARAMETER_NAMES, (-1e5, 1e5)) | {"v_stribeck_m_s": (0.01, 1.0)}
 
 
 @pytest.mark.slow

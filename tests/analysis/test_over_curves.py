@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from hbench.analysis.fitting.tustin import NAMES
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES
 from hbench.analysis.identification.identify import identify_laws
 from hbench.analysis.statistics.student import student_factor
 
@@ -46,7 +46,7 @@ def test_standard_errors_of_several_curves_are_those_of_refits_without_one(tusti
         ]
     )
     jackknife = np.sqrt(7 / 8 * np.sum((refits - refits.mean(axis=0)) ** 2, axis=0))
-    found = [fit.parameters[name] for name in NAMES]
+    found = [fit.parameters[name] for name in PARAMETER_NAMES]
     np.testing.assert_allclose([p.se for p in found], jackknife, rtol=0.03)
     widths = [p.ci95[1] - p.ci95[0] for p in found]
     np.testing.assert_allclose(widths, 2 * student_factor(7) * jackknife, rtol=0.03)
@@ -56,7 +56,7 @@ def test_standard_errors_of_several_curves_are_those_of_refits_without_one(tusti
 def test_the_same_points_again_narrow_no_interval(tustin, frictions):
     once = tustin(SPEEDS, frictions).parameters
     twice = tustin(np.repeat(SPEEDS, 2), np.repeat(frictions, 2, axis=1)).parameters
-    for name in NAMES:
+    for name in PARAMETER_NAMES:
         assert twice[name].ci95 == pytest.approx(once[name].ci95, rel=1e-4)
 
 

@@ -9,7 +9,7 @@ from scipy.optimize import curve_fit
 
 from hbench import workflow
 from hbench.analysis.fitting.fit import fit_pressure_based
-from hbench.analysis.fitting.pressure_based import UNITS
+from hbench.analysis.fitting.pressure_based import PARAMETER_UNITS
 from tests.support.analysis.other_plant import PRESSURE_FRICTION, STEADY
 
 SPEEDS = np.linspace(0.005, 0.2, 10)
@@ -55,7 +55,7 @@ def test_exact_data_of_both_directions_gives_its_constants(make_curves):
     values = [p.value for p in fit.parameters.values()]
     np.testing.assert_allclose(values, TRUTH, rtol=1e-5)
     assert fit.converged and fit.message == "" and fit.rmse_n < 1e-4
-    assert list(fit.parameters) == list(UNITS)
+    assert list(fit.parameters) == list(PARAMETER_UNITS)
 
 
 @pytest.mark.parametrize("seed", range(5))

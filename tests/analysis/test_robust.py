@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from hbench.analysis.fitting.fit import fit_law
-from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin_friction
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TUSTIN_LAW, tustin_friction
 from hbench.analysis.statistics.bounded import Problem, descend
 from hbench.analysis.statistics.robust import minimise_robust
 from hbench.config.fitting import Fitting
@@ -22,7 +22,7 @@ def noisy(seed=0, sigma=3.0, outlier=0.0):
 
 
 def values(fit):
-    return np.array([fit.parameters[name].value for name in NAMES])
+    return np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
 
 
 @pytest.mark.parametrize("loss", ["huber", "soft_l1"])
@@ -45,10 +45,10 @@ def test_the_solution_is_scipys_at_the_same_scale(loss):
 @pytest.mark.parametrize("loss", ["huber", "soft_l1"])
 def test_an_outlier_moves_a_robust_fit_less_than_its_error(make_curve, loss):
     how = Fitting(loss=loss)
-    clean = fit_law(TUSTIN, [make_curve(SPEEDS, noisy())], how)
-    spoilt = fit_law(TUSTIN, [make_curve(SPEEDS, noisy(outlier=150.0))], how)
-    linear = fit_law(TUSTIN, [make_curve(SPEEDS, noisy(outlier=150.0))], Fitting())
-    se = np.array([clean.parameters[name].se for name in NAMES])
+    clean = fit_law(TUSTIN_LAW, [make_curve(SPEEDS, noisy())], how)
+    spoilt = fit_law(TUSTIN_LAW, [make_curve(SPEEDS, noisy(outlier=150.0))], how)
+    linear = fit_law(TUSTIN_LAW, [make_curve(SPEEDS, noisy(outlier=150.0))], Fitting())
+    se = np.array([clean.parameters[name].se for name in PARAMETER_NAMES])
     assert spoilt.converged
     assert np.all(np.abs(values(spoilt) - values(clean)) < 2 * se)
     line, expected = dict(linear.line), tustin_friction(SPEEDS, TRUTH)
@@ -80,7 +80,7 @@ def test_on_normal_errors_the_standard_error_is_the_scatter_of_repeated_fits(los
 
 def test_exact_data_stays_exact(make_curve):
     fit = fit_law(
-        TUSTIN, [make_curve(SPEEDS, tustin_friction(SPEEDS, TRUTH))], Fitting(loss="huber")
+        TUSTIN_LAW, [make_curve(SPEEDS, tustin_friction(SPEEDS, TRUTH))], Fitting(loss="huber")
     )
     np.testing.assert_allclose(values(fit), TRUTH, rtol=1e-6)
     assert fit.converged

@@ -22,7 +22,7 @@ from hbench.analysis.fitting.fit import fit_law, fits, unfitted_curves
 from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.fitting.joint import fitted, joint_fits
 from hbench.analysis.fitting.marton_lantos import TWO_LINES
-from hbench.analysis.fitting.tustin import TUSTIN
+from hbench.analysis.fitting.tustin import TUSTIN_LAW
 from hbench.analysis.rounding import distinct, exceeds, is_constant, merged, ranked
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.statistics.intervals import covariance, covariance_over_runs, has_effect
@@ -101,7 +101,7 @@ def verdict(fit):
 # ---- what a fit determines, and which bounds hold it
 
 
-@pytest.mark.parametrize("law", [TUSTIN, TWO_LINES], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [TUSTIN_LAW, TWO_LINES], ids=lambda law: law.name)
 @of_fits
 @given(truth=truths, noise=noises, loss=st.sampled_from(["linear", "huber"]), seed=seeds)
 def test_what_a_fit_determines(make_curve, law, truth, noise, loss, seed):
@@ -115,10 +115,10 @@ def test_what_a_fit_determines(make_curve, law, truth, noise, loss, seed):
 def test_what_an_exact_fit_determines(make_curve, truth):
     """Every case once, whatever hypothesis draws; and it is what the truth says."""
     friction = curve_of(truth, 0.0, 0)
-    found = fit_law(TUSTIN, [make_curve(SPEEDS, friction)], Fitting())
+    found = fit_law(TUSTIN_LAW, [make_curve(SPEEDS, friction)], Fitting())
     for seed in range(5):
         other = make_curve(shaken(SPEEDS, seed), shaken(friction, seed + 9))
-        assert verdict(fit_law(TUSTIN, [other], Fitting())) == verdict(found)
+        assert verdict(fit_law(TUSTIN_LAW, [other], Fitting())) == verdict(found)
     unknown = [name for name, p in found.parameters.items() if p.se is None and not p.at_bound]
     held = [name for name, p in found.parameters.items() if p.at_bound]
     flat = truth in ("no Stribeck part", "constant", "nothing")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hbench.analysis.fitting.tustin import NAMES
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES
 from hbench.analysis.identification.verification import (
     SETTLE_S,
     curve_error,
@@ -74,7 +74,10 @@ def test_a_ramp_on_the_steady_curve_gives_the_steady_fit(make_curve):
     found = ramp_curve(replace(steady, kind="ramp"), [ramp], SPEEDS)
     assert len(found.points) == 19 and found.kind == "ramp"
     assert all(point.v_m_s < 0 and point.friction_n < 0 for point in found.points)
-    given = {n: FitParameter(x, None, None, None, "") for n, x in zip(NAMES, truth, strict=True)}
+    given = {
+        n: FitParameter(x, None, None, None, "")
+        for n, x in zip(PARAMETER_NAMES, truth, strict=True)
+    }
     fit = Fit("tustin", given, 0.0, True, "")
     assert curve_error(fit, found) < 1.0  # a bin's mean is not the law at its mean speed
     assert curve_error(fit, steady) < 1e-9
@@ -82,8 +85,9 @@ def test_a_ramp_on_the_steady_curve_gives_the_steady_fit(make_curve):
 
 def test_friction_along_with_the_motion_is_as_far_from_a_law_as_its_sign_says(make_curve):
     curve = make_curve([0.01, 0.1], [-3.0, 4.0], "retract")
-    given = dict.fromkeys(NAMES, FitParameter(0.0, None, None, None, ""))
-    given |= {n: FitParameter(1.0, None, None, None, "") for n in NAMES[:3]}  # 1 N at all speeds
+    given = dict.fromkeys(PARAMETER_NAMES, FitParameter(0.0, None, None, None, ""))
+    # The law is 1 N at all speeds.
+    given |= {n: FitParameter(1.0, None, None, None, "") for n in PARAMETER_NAMES[:3]}
     found = curve_error(Fit("tustin", given, 0.0, True, ""), curve)
     assert found == pytest.approx(np.sqrt((4**2 + 3**2) / 2))
 

@@ -8,7 +8,7 @@ import pytest
 from hbench.analysis.fitting.fit import fit_law
 from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.fitting.trial_weights import pooled_sigma
-from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin_friction
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TUSTIN_LAW, tustin_friction
 from hbench.config.fitting import Fitting
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
@@ -78,7 +78,7 @@ def test_weighted_values_and_errors_are_those_of_curve_fit_with_the_same_sigma(w
         (15, 3)
     )
     curve = with_trials(trials)
-    fit = fit_law(TUSTIN, [curve], Fitting())
+    fit = fit_law(TUSTIN_LAW, [curve], Fitting())
     expected, spread = curve_fit(
         lambda v, *p: tustin_friction(v, np.array(p)),
         SPEEDS,
@@ -88,8 +88,10 @@ def test_weighted_values_and_errors_are_those_of_curve_fit_with_the_same_sigma(w
         xtol=1e-12,
         ftol=1e-12,
     )
-    np.testing.assert_allclose([fit.parameters[n].value for n in NAMES], expected, rtol=1e-4)
-    errors = [fit.parameters[n].se for n in NAMES]
+    np.testing.assert_allclose(
+        [fit.parameters[n].value for n in PARAMETER_NAMES], expected, rtol=1e-4
+    )
+    errors = [fit.parameters[n].se for n in PARAMETER_NAMES]
     np.testing.assert_allclose(errors, np.sqrt(np.diag(spread)), rtol=2e-3)
-    equal = fit_law(TUSTIN, [curve], Fitting(weights="equal"))
+    equal = fit_law(TUSTIN_LAW, [curve], Fitting(weights="equal"))
     assert equal.parameters["f_stiction_n"].value != fit.parameters["f_stiction_n"].value

@@ -12,12 +12,12 @@ from hbench import workflow
 from hbench.experiment.upload import uploads
 from hbench.protocol.dictionary import RECORD
 from hbench.rig.board_settings import board_settings
-from hbench.rig.client import WINDOW, BoardClient
+from hbench.rig.client import PULL_WINDOW, BoardClient
 from hbench.rig.virtual import VirtualRig
 
 SCHEDULE = Path(__file__).parents[2] / "configs" / "stribeck.yaml"
 RECORDS = 800
-WINDOWS = {"stop-and-wait": 1, f"window of {WINDOW}": WINDOW}
+WINDOWS = {"stop-and-wait": 1, f"window of {PULL_WINDOW}": PULL_WINDOW}
 
 
 class Adapter:
@@ -70,5 +70,5 @@ def test_a_window_fills_the_line_that_stop_and_wait_does_not(baud, adapter):
         assert got == RECORDS
         shares[name] = got * 2 * len(RECORD) / ((rig.now() - begin_s) * baud / 10)
     print(f"{baud} baud: " + ", ".join(f"{n} {share:.3f}" for n, share in shares.items()))
-    assert shares[f"window of {WINDOW}"] > (0.85 if adapter else 0.9)
-    assert shares[f"window of {WINDOW}"] > shares["stop-and-wait"]
+    assert shares[f"window of {PULL_WINDOW}"] > (0.85 if adapter else 0.9)
+    assert shares[f"window of {PULL_WINDOW}"] > shares["stop-and-wait"]

@@ -6,9 +6,9 @@ import pytest
 
 from hbench.config.bench import merge, parse_bench
 from hbench.config.files.loading import read_yaml
-from hbench.control.linearisation import linearise
+from hbench.control.linearisation import linear_coefficients
 from hbench.model.build import plant_parameters
-from hbench.studies.source_design import POINT
+from hbench.studies.source_design import OPERATING_POINT
 
 _FILE = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
 
@@ -33,4 +33,4 @@ def par(bench):
 @pytest.fixture(scope="session")
 def source(par):
     """The coefficients at the source's own operating points."""
-    return linearise(par, POINT)
+    return linear_coefficients(par, OPERATING_POINT)

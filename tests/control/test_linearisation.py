@@ -7,7 +7,7 @@ import pytest
 
 from hbench.control.grid import operating_point
 from hbench.control.jacobian import disagreement, plant_state
-from hbench.control.linearisation import linearise, state_space, steady_point
+from hbench.control.linearisation import linear_coefficients, state_space, steady_point
 from hbench.errors import ConfigError
 from hbench.model import plant
 from hbench.model.build import plant_parameters
@@ -40,7 +40,7 @@ def test_a_steady_point_is_an_equilibrium_of_the_plant(par, at):
 @pytest.mark.parametrize("at", POINTS)
 def test_both_linearisations_agree(par, at):
     point = steady_point(par, *at)
-    assert disagreement(par, point, linearise(par, point)) < 1e-6
+    assert disagreement(par, point, linear_coefficients(par, point)) < 1e-6
 
 
 def test_both_linearisations_agree_on_another_bench_with_another_law(make_bench):
@@ -55,7 +55,7 @@ def test_both_linearisations_agree_on_another_bench_with_another_law(make_bench)
     )
     par = plant_parameters(bench)
     point = operating_point(bench, par, {"v_m_s": 0.08})
-    assert disagreement(par, point, linearise(par, point)) < 1e-6
+    assert disagreement(par, point, linear_coefficients(par, point)) < 1e-6
 
 
 def test_viscous_friction_is_that_of_the_law_at_high_speed(make_bench):
@@ -73,7 +73,7 @@ def test_viscous_friction_is_that_of_the_law_at_high_speed(make_bench):
 
 def test_a_wrong_coefficient_shows_in_the_disagreement(par):
     point = steady_point(par, *POINTS[0])
-    right = linearise(par, point)
+    right = linear_coefficients(par, point)
     for name in ("kp_tr", "ku_lp", "v_tp", "viscous"):
         wrong = replace(right, **{name: 1.01 * getattr(right, name)})
         assert disagreement(par, point, wrong) > 5e-3
@@ -88,7 +88,7 @@ def test_flow_follows_pressure_and_voltage_as_the_signs_say(source):
 def test_without_viscous_friction_and_leakage_the_bench_swings_freely(par):
     """At no flow the four chambers are springs: omega^2 = beta/m sum(A^2/V), undamped."""
     point = steady_point(par, 0.17, 1e-9, 3000.0, 15e5)
-    c = linearise(par, point)
+    c = linear_coefficients(par, point)
     a, _ = state_space(c, par)
     a = a[:5, :5].copy()
     a[0, 0] = 0.0

@@ -5,7 +5,7 @@ import pytest
 
 from hbench.config.scaling import scaled
 from hbench.control.grid import conditions, grid, margin_checks, operating_point
-from hbench.control.linearisation import linearise
+from hbench.control.linearisation import linear_coefficients
 from hbench.control.loops import loop_plants
 from hbench.control.propose import family, propose
 from hbench.control.transfer import pi
@@ -13,7 +13,7 @@ from hbench.errors import ConvergenceError
 from hbench.experiment.design_verification import plants as variants
 from hbench.experiment.design_verification import proposal, verify, with_gains
 from hbench.model.build import plant_parameters
-from hbench.studies.source_design import LOOPS
+from hbench.studies.source_design import SOURCE_LOOPS
 
 STIFF = {"oil": {"bulk_modulus": "2000 bar"}}
 
@@ -49,7 +49,7 @@ def closed_bandwidth(opened):
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
 def test_bandwidths_of_the_family_are_apart_by_the_ratio(bench, par, order):
-    c = linearise(par, operating_point(bench, par, {}))
+    c = linear_coefficients(par, operating_point(bench, par, {}))
     loops = family(c, 150.0, 1.7, order)
     widths = [closed_bandwidth(loop_plants(c)[i] * pi(*loops[i])) for i in order]
     assert widths == pytest.approx([150.0, 150.0 / 1.7, 150.0 / 1.7**2], rel=2e-3)
@@ -58,10 +58,10 @@ def test_bandwidths_of_the_family_are_apart_by_the_ratio(bench, par, order):
 def test_the_source_gains_have_no_place_on_a_stiffer_bench(stiff):
     par = plant_parameters(stiff)
     points = grid(stiff, par, conditions(stiff, par)[0])
-    checks = margin_checks(points, LOOPS)
+    checks = margin_checks(points, SOURCE_LOOPS)
     assert not all(check.holds for check in checks)
     assert checks[-1].value > 1.0  # unstable: the modulus of a digital pole
-    found = {check.what: check for check in verify(with_gains(stiff, LOOPS), quiet)}
+    found = {check.what: check for check in verify(with_gains(stiff, SOURCE_LOOPS), quiet)}
     assert not found["bench: speed ripple"].holds or not found["bench: rejected runs"].holds
 
 
@@ -102,7 +102,7 @@ def test_a_bench_without_damping_gets_no_proposal(make_bench):
 def test_a_board_that_stops_itself_speaks_against_the_gains(stiff):
     """A speed error of 10 mm/s for 10 ms is more than the first start of a run allows."""
     limits = stiff.limits.model_copy(update={"speed_error": 0.01, "speed_error_time": 0.01})
-    found = verify(with_gains(stiff.model_copy(update={"limits": limits}), LOOPS), quiet)
+    found = verify(with_gains(stiff.model_copy(update={"limits": limits}), SOURCE_LOOPS), quiet)
     cut = next(check for check in found if check.what == "bench: runs cut short")
     assert not cut.holds and cut.value >= 1 and "speed_error" in cut.where
 

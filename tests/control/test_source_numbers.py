@@ -2,7 +2,7 @@
 
 import pytest
 
-from hbench.studies.source_design import POINT, reproduce
+from hbench.studies.source_design import OPERATING_POINT, reproduce
 
 # Quantity: printed in the source, and the tolerance.
 PRINTED = {
@@ -86,4 +86,4 @@ def test_the_source_points_are_those_of_the_printed_gains(source):
     """K_uLr and K_uLp follow from the printed C_ff and the areas of 40 and 25 mm."""
     assert source.ku_lr == pytest.approx(7.65763e-4 / 5.7205, rel=1e-3)
     assert source.ku_lp == pytest.approx(1.25664e-3 / 34.0682, rel=1e-3)
-    assert POINT.u_l2_v < 0  # the load's piston side empties as the test cylinder extends
+    assert OPERATING_POINT.u_l2_v < 0  # the load's piston side empties as the test cylinder extends

@@ -8,7 +8,7 @@ from hbench.control.linearisation import P_LP, P_LR, P_TR, SPOOL_L1, SPOOL_L2, S
 from hbench.control.loops import backward_euler, loop_plants, root_locus
 from hbench.control.merits import ramp_error, step_response, velocity_constant
 from hbench.control.transfer import pi, valve
-from hbench.studies.source_design import LOOPS
+from hbench.studies.source_design import SOURCE_LOOPS
 
 S = 1j * np.geomspace(0.1, 1e4, 50)
 
@@ -41,14 +41,14 @@ def test_static_gain_of_the_velocity_plant(source):
 def test_plants_are_of_type_0_and_with_their_pi_of_type_1(source, loop):
     plant = loop_plants(source)[loop]
     assert velocity_constant(plant) == 0.0 and ramp_error(plant, 1.0) == np.inf
-    opened = plant * pi(*LOOPS[loop])
-    assert velocity_constant(opened) == pytest.approx(LOOPS[loop][0] * plant(0.0))
+    opened = plant * pi(*SOURCE_LOOPS[loop])
+    assert velocity_constant(opened) == pytest.approx(SOURCE_LOOPS[loop][0] * plant(0.0))
 
 
 @pytest.mark.parametrize("loop", range(3))
 @pytest.mark.parametrize("with_valve", [False, True])
 def test_a_closed_loop_has_the_static_gain_1(par, source, loop, with_valve):
-    opened = loop_plants(source)[loop] * pi(*LOOPS[loop])
+    opened = loop_plants(source)[loop] * pi(*SOURCE_LOOPS[loop])
     if with_valve:
         opened = opened * valve(par.valve.natural_frequency_rad_s, par.valve.damping)
     assert opened.closed(0.0) == pytest.approx(1.0, abs=1e-12)
@@ -56,7 +56,7 @@ def test_a_closed_loop_has_the_static_gain_1(par, source, loop, with_valve):
 
 
 def test_the_ramp_error_is_what_a_ramp_leaves(source):
-    opened = loop_plants(source)[0] * pi(*LOOPS[0])
+    opened = loop_plants(source)[0] * pi(*SOURCE_LOOPS[0])
     t = np.linspace(0, 3, 30001)
     _, y, _ = signal.lsim((opened.closed.numerator, opened.closed.denominator), 0.1 * t, t)
     assert (0.1 * t - y)[-1] == pytest.approx(ramp_error(opened, 0.1), rel=1e-3)
@@ -69,7 +69,7 @@ def test_the_valve_is_6_db_down_at_its_corner_when_critically_damped():
 
 
 def test_a_root_locus_starts_at_the_open_poles_and_holds_the_design(source):
-    opened = loop_plants(source)[1] * pi(*LOOPS[1])
+    opened = loop_plants(source)[1] * pi(*SOURCE_LOOPS[1])
     found = root_locus(opened)
     design = found.poles_rad_s[found.gain_factor == 1.0][0]
     assert np.sort_complex(design) == pytest.approx(np.sort_complex(opened.closed.poles))
@@ -78,7 +78,7 @@ def test_a_root_locus_starts_at_the_open_poles_and_holds_the_design(source):
 
 
 def test_backward_euler_keeps_a_stable_pole_inside_the_unit_circle(source):
-    closed = (loop_plants(source)[0] * pi(*LOOPS[0])).closed
+    closed = (loop_plants(source)[0] * pi(*SOURCE_LOOPS[0])).closed
     z = backward_euler(closed.poles)
     assert np.abs(z).max() < 1
     # s = (z - 1) / (T z) must lead back to the roots of the polynomial.

@@ -4,11 +4,11 @@ import pytest
 
 from hbench import workflow
 from hbench.model.plant import V
-from hbench.model.sensors import CHANNELS
+from hbench.model.sensors import SENSORS
 from hbench.rig import virtual
 from hbench.store.campaign.folder import load_campaign, sha256
 
-LOAD_CELL = CHANNELS.index("f_applied")
+LOAD_CELL = SENSORS.index("f_applied")
 
 
 class LooseWire(virtual.VirtualRig):

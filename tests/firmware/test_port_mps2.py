@@ -19,7 +19,7 @@ import pytest
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError
 from hbench.protocol.codec import BY_NAME
-from hbench.protocol.dictionary import FAULTS, FLAGS, RECORD, REPLY, STATES
+from hbench.protocol.dictionary import FAULTS, RECORD, RECORD_FLAGS, REPLY, STATES
 from hbench.protocol.frames import Frame, Receiver, encode
 from hbench.rig import emulator
 from hbench.rig.client import BoardClient
@@ -181,7 +181,9 @@ def test_a_campaign_has_the_host_librarys_codes_replies_and_log_bit_for_bit(
     assert all(len(np.unique(codes[:, valve])) > 50 for valve in range(3))
     names = [word.name for word in RECORD]
     for raw in campaign.raw_runs():
-        at_reference = raw.words[:, names.index("flags")] & 1 << FLAGS.index("at_reference") > 0
+        at_reference = (
+            raw.words[:, names.index("flags")] & 1 << RECORD_FLAGS.index("at_reference") > 0
+        )
         v = raw.words[at_reference, names.index("v")].view(np.int16) * 2e-5
         assert raw.outcome == "done" and at_reference.sum() > 30
         assert v.mean() == pytest.approx(0.12, abs=2e-3)

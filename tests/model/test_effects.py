@@ -30,7 +30,7 @@ from hbench.model.plant import (
     n_states,
 )  # fmt: skip
 from hbench.model.sensing import convert
-from hbench.model.sensors import CHANNELS, FRACTION, sensor_gains, sensor_parameters
+from hbench.model.sensors import FRACTION, SENSORS, sensor_gains, sensor_parameters
 from hbench.model.simulation import simulate
 
 BAR, LITRE_MIN = 1e5, 1e-3 / 60
@@ -380,7 +380,7 @@ def test_sensor_errors_show_in_their_channels_alone(bench: Bench):
         par = changed_by("sensors", sensor_parameters(sensors), {name: typical(name)})
         words = np.zeros(7, np.uint16)
         convert(values, par, new_noise(1), words)
-        for i, channel in enumerate(CHANNELS):
+        for i, channel in enumerate(SENSORS):
             gain, offset = gains[channel]
             shown[i], step[i] = gain * words[i] / FRACTION + offset, gain / FRACTION
         assert np.abs(shown - values - change).max() < np.inf

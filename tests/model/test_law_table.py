@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import hbench
-from hbench.analysis.fitting.fit import JOINT_LAWS
-from hbench.analysis.fitting.fit import LAWS as CURVE_LAWS
+from hbench.analysis.fitting.fit import CURVE_LAWS, JOINT_LAWS
 from hbench.analysis.identification.friction_section import friction_section
 from hbench.analysis.identification.leuven import _SHAPES
 from hbench.analysis.identification.lugre import UNKNOWNS

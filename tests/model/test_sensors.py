@@ -4,7 +4,7 @@ import pytest
 from hbench.model.noise import new_noise
 from hbench.model.plant import initial_state, new_work
 from hbench.model.sensing import convert, sensed
-from hbench.model.sensors import CHANNELS, sensor_gains, sensor_parameters
+from hbench.model.sensors import SENSORS, sensor_gains, sensor_parameters
 
 BAR = 1e5
 VALUES = np.array([0.17, 78.84 * BAR, 28.42 * BAR, 12.7 * BAR, 8.9 * BAR, 150 * BAR, 1234.0])
@@ -15,7 +15,7 @@ def with_adc(sensors, **changes):
 
 
 def words_of(values, sensors, seed=0):
-    words = np.zeros(len(CHANNELS), dtype=np.uint16)
+    words = np.zeros(len(SENSORS), dtype=np.uint16)
     convert(np.asarray(values, dtype=float), sensor_parameters(sensors), new_noise(seed), words)
     return words
 
@@ -32,7 +32,7 @@ def quantised(bench):
 
 def calibrated(words, sensors):
     gains = sensor_gains(sensors)
-    return np.array([gains[n][0] * w / 16 + gains[n][1] for n, w in zip(CHANNELS, words, strict=1)])
+    return np.array([gains[n][0] * w / 16 + gains[n][1] for n, w in zip(SENSORS, words, strict=1)])
 
 
 @pytest.mark.parametrize(("name", "counts"), [("exact", 1 / 32), ("quantised", 1 / 2)])
@@ -42,7 +42,7 @@ def test_calibration_inverts_the_sensors(request, name, counts):
     for _ in range(50):
         values = VALUES * rng.uniform(0.1, 1.4, len(VALUES))
         errors = calibrated(words_of(values, sensors), sensors) - values
-        lsb = np.array([sensor_gains(sensors)[name][0] for name in CHANNELS])
+        lsb = np.array([sensor_gains(sensors)[name][0] for name in SENSORS])
         assert np.all(np.abs(errors) <= counts * lsb * (1 + 1e-9))
 
 

@@ -10,7 +10,13 @@ import pytest
 
 from hbench.config.bench import parse_plant
 from hbench.errors import DataError
-from hbench.reconcile.measured.balances import BALANCES, UNITS, balance_model, prepare, residuals
+from hbench.reconcile.measured.balances import (
+    BALANCE_UNITS,
+    BALANCES,
+    balance_model,
+    prepare,
+    residuals,
+)
 from hbench.records import Run, RunPlan, Specimen
 
 FINE_S, RECORD = 1e-5, 1000
@@ -144,7 +150,7 @@ def test_a_missing_channel_leaves_out_what_needs_it(known):
     run, _ = made_up()
     found = residuals(prepare(replace(run, p_lp_pa=None)), known)
     seen = dict(zip(BALANCES, np.isfinite(found.values).any(axis=0).tolist(), strict=True))
-    assert seen == dict.fromkeys(UNITS, False) | dict.fromkeys(
+    assert seen == dict.fromkeys(BALANCE_UNITS, False) | dict.fromkeys(
         ("force_test", "kinematics", "supply"), True
     )
     assert np.isnan(found.load_n).all()

@@ -12,9 +12,9 @@ from hbench.reconcile.evidence import (
     Products,
     _touched,
     cross_validate,
-    fit,
     intervals,
     log_likelihood,
+    maximum_likelihood,
     random_signs,
     score,
 )
@@ -79,7 +79,7 @@ def test_the_fit_is_at_the_maximum_of_ln_l(seed):
     rng = np.random.default_rng(seed)
     raw = drawn(rng, [1.5, -0.7, 0.0, 0.2])
     free, chosen, points = freedom(4, prior=[10, 0.1, 1, 3]), [0, 1, 3], np.arange(0, 30, 2)
-    beta = fit(raw.products(), free, chosen, points)[0]
+    beta = maximum_likelihood(raw.products(), free, chosen, points)[0]
     best = minimize(raw.cost, np.zeros(3), (free, chosen, points), tol=1e-10)
     assert raw.cost(beta, free, chosen, points) == pytest.approx(best.fun, abs=NEAR)
     assert beta == pytest.approx(best.x, abs=0.05)
@@ -92,7 +92,7 @@ def test_bounds_hold_and_the_others_are_the_best_within_them(seed):
     mixing = np.array([[1, 0.5, 0.3], [0, 1, 0.5], [0, 0, 1]])  # so that one's bound moves others
     raw = Drawn(raw.d, raw.columns @ mixing)
     free, points = freedom(3, low=-1.0, high=[1.0, 1.0, 9.0]), np.arange(30)
-    beta = fit(raw.products(), free, [0, 1, 2], points)[0]
+    beta = maximum_likelihood(raw.products(), free, [0, 1, 2], points)[0]
     best = minimize(
         raw.cost,
         np.zeros(3),
@@ -109,7 +109,7 @@ def test_one_group_is_generalised_least_squares_with_a_prior():
     rng = np.random.default_rng(1)
     raw = drawn(rng, [0.4, -0.3], spread=(0.1,), windows=6, within=0.0)
     noise, p = 1.0, 0.05
-    beta = fit(raw.products(noise), freedom(2, prior=p), [0, 1], np.arange(30))[0]
+    beta = maximum_likelihood(raw.products(noise), freedom(2, prior=p), [0, 1], np.arange(30))[0]
     columns, d = raw.columns.reshape(-1, 2), raw.d.ravel()
     weight = 30 / (30 * 6 * noise)  # an operating point counts once
     matrix = weight * columns.T @ columns + np.eye(2) / p**2
@@ -120,7 +120,9 @@ def test_without_a_word_from_the_data_parameters_stay_at_their_priors():
     rng = np.random.default_rng(2)
     raw = drawn(rng, [1.0, 0.0])
     silent = Drawn(raw.d, raw.columns * [1.0, 0.0])
-    beta = fit(silent.products(), freedom(2, centre=[0.0, -0.7]), [0, 1], np.arange(30))[0]
+    beta = maximum_likelihood(
+        silent.products(), freedom(2, centre=[0.0, -0.7]), [0, 1], np.arange(30)
+    )[0]
     assert beta[1] == pytest.approx(-0.7)
 
 
@@ -129,7 +131,7 @@ def test_groups_of_small_variance_outweigh_the_others():
     rng = np.random.default_rng(3)
     raw = drawn(rng, [1.0], spread=(0.1, 10.0))
     d = raw.d + np.array([0.0, 1.0])[:, None] * raw.columns[..., 0]
-    beta = fit(Drawn(d, raw.columns).products(), freedom(1), [0], np.arange(30))[0]
+    beta = maximum_likelihood(Drawn(d, raw.columns).products(), freedom(1), [0], np.arange(30))[0]
     assert beta[0] == pytest.approx(1.0, abs=0.05)
 
 
@@ -137,10 +139,12 @@ def test_nulls_are_fitted_as_if_their_signs_were_in_the_data():
     rng = np.random.default_rng(4)
     raw, points = drawn(rng, [1.0, 0.5]), np.arange(25)
     signs = random_signs(3, 30, seed=7)
-    together = fit(raw.products(), freedom(2), [0, 1], points, signs)
+    together = maximum_likelihood(raw.products(), freedom(2), [0, 1], points, signs)
     for own, beta in zip(signs, together, strict=True):
         turned = Drawn(raw.d * own[:, None, None], raw.columns)
-        assert beta == pytest.approx(fit(turned.products(), freedom(2), [0, 1], points)[0])
+        assert beta == pytest.approx(
+            maximum_likelihood(turned.products(), freedom(2), [0, 1], points)[0]
+        )
 
 
 def test_random_signs_are_fair_and_repeatable():
@@ -213,7 +217,7 @@ def test_points_left_out_are_predicted_by_the_others_alone():
     total = np.zeros(3)
     for number in range(5):
         out = points[np.arange(len(points)) % 5 == number]
-        beta = fit(data, free, [0, 1], np.setdiff1d(points, out))[0]
+        beta = maximum_likelihood(data, free, [0, 1], np.setdiff1d(points, out))[0]
         total += np.sum((raw.d[out] - raw.columns[out] @ beta) ** 2, axis=(0, 2))
     found = cross_validate(data, free, [0, 1], points)
     assert found.variance[0] == pytest.approx(total / (25 * 8))
@@ -233,7 +237,7 @@ def covered(points, slow, count=200):
         own = truth + 0.5 * rng.standard_normal((points, 1, 1, 2))
         d = raw.d - raw.columns @ truth + np.sum(columns * own, axis=-1)
         data, free = Drawn(d, columns).products(), freedom(2)
-        beta = fit(data, free, [0, 1], everywhere(data))[0]
+        beta = maximum_likelihood(data, free, [0, 1], everywhere(data))[0]
         spread, dof = intervals(data, free, [0, 1], beta, everywhere(data))
         half = [
             student_factor(int(n)) * np.sqrt(v) for n, v in zip(dof, np.diag(spread), strict=True)
@@ -271,6 +275,6 @@ def test_degrees_of_freedom_are_the_points_that_tell_a_parameter():
             },
         }
     )  # the second group is measured at five points alone
-    beta = fit(few, freedom(2), [0, 1], np.arange(20))[0]
+    beta = maximum_likelihood(few, freedom(2), [0, 1], np.arange(20))[0]
     _, dof = intervals(few, freedom(2), [0, 1], beta, np.arange(20))
     assert dof == pytest.approx([19, 4])

@@ -14,7 +14,7 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.candidates import EvaluatedCandidate
 from hbench.reconcile.diagnose import HELD_OUT
 from hbench.reconcile.diagnosis_fields import gap_of_balances
-from hbench.reconcile.estimates import estimate_parameters
+from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.evidence import Priors, Products
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
@@ -54,7 +54,7 @@ def searched(effects, seed=5, candidates=CANDIDATES):
     out = points[points % HELD_OUT == 2]
     train = np.setdiff1d(points, out)
     found = CampaignSearch(own, simulate, 2, seen, train, candidates).run(given)
-    return found, estimate_parameters(own.plant, found.final, found.names, train), out
+    return found, fit_coefficients(own.plant, found.final, found.names, train), out
 
 
 def gap(linear, name, out):

@@ -15,7 +15,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.model.effects.catalogue import read_effects
 from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
-from hbench.reconcile.measured.balances import UNITS
+from hbench.reconcile.measured.balances import BALANCE_UNITS
 from hbench.reconcile.measured.window_signals import SIGNALS
 from hbench.records import BeforeAfter, FitParameter, GapTable, Provenance
 from hbench.report.diagnosis import names as words
@@ -149,8 +149,8 @@ def test_too_little_data_gets_a_page_that_says_what_is_missing(unknown):
 
 
 def test_balances_and_signals_of_the_report_are_those_of_reconcile_with_units_of_their_kind():
-    assert list(words.BALANCE_NAMES) == list(UNITS)
-    for name, unit in UNITS.items():
+    assert list(words.BALANCE_NAMES) == list(BALANCE_UNITS)
+    for name, unit in BALANCE_UNITS.items():
         assert parse_unit(words.BALANCE_NAMES[name].unit).dimension == parse_unit(unit).dimension
     assert set(words.SIGNAL_NAMES) == set(SIGNALS)
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError, ExitCode
 from hbench.rig.flash.boot_image import parse_boot_image
-from hbench.rig.flash.boot_rom import WINDOW, NotInBoot, flash, send_image
+from hbench.rig.flash.boot_rom import ECHO_WINDOW, NotInBoot, flash, send_image
 from tests.support.board.boot_rom_standin import (
     FIRMWARE,
     PROGRAM_BAUD,
@@ -91,10 +91,10 @@ def test_the_window_hides_the_latency_and_stays_in_its_bounds():
     total = len(STREAM)
     on_the_line = total * 10 / BAUD
     stop_and_wait = total * (latency_s + 20 / BAUD)
-    assert 32 <= line.most_on_the_way == WINDOW <= 64
+    assert 32 <= line.most_on_the_way == ECHO_WINDOW <= 64
     assert on_the_line < line.time
-    windows = math.ceil(total / WINDOW)
-    assert line.time < 0.1 + (windows + 3) * (latency_s + (WINDOW + 2) * 10 / BAUD)
+    windows = math.ceil(total / ECHO_WINDOW)
+    assert line.time < 0.1 + (windows + 3) * (latency_s + (ECHO_WINDOW + 2) * 10 / BAUD)
     assert line.time < stop_and_wait / 10
 
 
@@ -161,7 +161,7 @@ def test_an_echo_mismatch_names_the_byte_and_nothing_is_sent_after_it(number, la
     assert re.search(rf"0x{sent:02X}\b.*0x{sent ^ 0x80:02X}\b", error.message)
     (line,) = bench.lines
     with_good_echoes = 1 + number - 1  # the 'A' and what came back before
-    assert line.written == (b"A" + STREAM)[: with_good_echoes + WINDOW]
+    assert line.written == (b"A" + STREAM)[: with_good_echoes + ECHO_WINDOW]
 
 
 @pytest.mark.parametrize("number", [1, 2, 23, 700])
@@ -179,9 +179,9 @@ def test_an_octet_that_is_no_echo_is_told():
             data = b""
             while part := super().read(timeout_s):
                 data += part
-            return data + (b"\x55" if self.number == 3 * WINDOW else b"")
+            return data + (b"\x55" if self.number == 3 * ECHO_WINDOW else b"")
 
-    with pytest.raises(DeviceError, match=rf"0x55 .*byte {3 * WINDOW + 1}\b"):
+    with pytest.raises(DeviceError, match=rf"0x55 .*byte {3 * ECHO_WINDOW + 1}\b"):
         send_image(Gossip(BootRom(), BAUD), IMAGE)
 
 

@@ -11,8 +11,8 @@ from hbench.protocol.dictionary import ERROR, RECORD, REFUSALS, REPLY, dictionar
 from hbench.protocol.frames import Frame, Receiver, encode
 from hbench.rig.client import (
     ATTEMPTS,
+    PULL_WINDOW,
     REPLY_TIMEOUT_S,
-    WINDOW,
     BoardClient,
     NoAnswer,
     Refused,
@@ -150,7 +150,7 @@ def numbers(part):
     return part.words[:, 0].tolist()
 
 
-@pytest.mark.parametrize("window", [1, WINDOW])
+@pytest.mark.parametrize("window", [1, PULL_WINDOW])
 def test_a_pull_brings_each_record_once_and_in_order(window):
     line = Line(Ring())
     parts = list(BoardClient(line).pull(7, 110, window))
@@ -188,7 +188,7 @@ def test_a_pull_keeps_its_window_full_and_what_waits_for_the_board_fits_its_buff
     pull = BoardClient(line).pull(0, 800)
     for _ in range(50):
         next(pull)
-        assert len(line.inbox) == WINDOW - 1
+        assert len(line.inbox) == PULL_WINDOW - 1
     assert line.most_waiting == 48 <= 64
 
 
@@ -270,7 +270,7 @@ def test_records_that_are_all_gone_are_not_asked_for_one_by_one():
     parts = list(BoardClient(line).pull(0, 4000))
     assert sum(part.lost for part in parts) == 4000
     assert sum(len(part.words) for part in parts) == 0
-    assert len(line.requests) == WINDOW
+    assert len(line.requests) == PULL_WINDOW
 
 
 @pytest.mark.parametrize(

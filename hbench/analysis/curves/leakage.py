@@ -34,7 +34,7 @@ from hbench.analysis.statistics.student import student_factor
 from hbench.config.bench import Bench
 from hbench.records import Decay, Leak, Leakage, LeakCoefficient, Run, ScreenedRun, Series
 
-NAMES: tuple[Leak, ...] = ("across_piston", "piston_side_out", "rod_side_out")
+LEAK_NAMES: tuple[Leak, ...] = ("across_piston", "piston_side_out", "rod_side_out")
 _SETTLE_S = 0.3  # after the valves have closed
 # Of the largest eigenvalue of the scaled problem: smaller ones count as zero. Pressures whose ratio
 # changes by 3 % give about this value; with less, every error would be amplified thirtyfold.
@@ -58,7 +58,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     moved = np.concatenate([moved for _, moved, _ in equations])
     number = np.repeat(np.arange(len(equations)), [len(moved) for _, moved, _ in equations])
     scale = np.sqrt(np.sum(matrix**2, axis=0))
-    effect = has_effect(matrix, np.ones(len(NAMES)))  # a plunger does not have all leaks
+    effect = has_effect(matrix, np.ones(len(LEAK_NAMES)))  # a plunger does not have all leaks
     scale[~effect] = 1.0
     jacobian = np.where(effect, matrix / scale, 0.0)
     s2, vectors = np.linalg.eigh(jacobian.T @ jacobian)
@@ -71,7 +71,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         (vectors[:, used] / s2[used]) @ vectors[:, used].T @ jacobian.T, runs, bench
     )
     coefficients, messages = [], []
-    for i, name in enumerate(NAMES):
+    for i, name in enumerate(LEAK_NAMES):
         value, se = float(solution[i] / scale[i]), float(np.sqrt(covariance[i, i]) / scale[i])
         known = not unknown[i] and np.isfinite(t * se)
         half = max(t * se, float(rounding[i] / scale[i]))
@@ -84,7 +84,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
             LeakCoefficient(name, None if unknown[i] else value, se if known else None, interval)
         )
     if unknown.any():
-        names = " and ".join(name for name, flag in zip(NAMES, unknown, strict=True) if flag)
+        names = " and ".join(name for name, flag in zip(LEAK_NAMES, unknown, strict=True) if flag)
         messages.append(
             f"{names} are not distinguishable at the pressures of these holds. Hold at other "
             "loads and rod-side pressures"
@@ -146,7 +146,7 @@ def _is_plunger(run: Run) -> bool:
 
 
 def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
-    """Return derivatives (2 n, 3) by ``NAMES`` and moved volumes (2 n,) [m^3], without means."""
+    """Return derivatives (2 n, 3) by leak and moved volumes (2 n,) [m^3], without means."""
     cylinder = bench.test_cylinder
     settled, ((p_p, compliance_p), (p_r, compliance_r)) = _chambers(run, bench)
     t, x = run.t_s[settled], run.x_m[settled]

@@ -16,7 +16,7 @@ from hbench.analysis.fitting.information import Information, identification_mess
 from hbench.analysis.fitting.marton_lantos import TWO_LINES
 from hbench.analysis.fitting.messages import BEYOND, beyond_messages, bound_messages, disagreements
 from hbench.analysis.fitting.pressure_based import PRESSURE_BASED
-from hbench.analysis.fitting.tustin import TUSTIN
+from hbench.analysis.fitting.tustin import TUSTIN_LAW
 from hbench.analysis.rounding import ROUNDING, distinct, merged
 from hbench.analysis.statistics.bootstrap import (
     drawn_means,
@@ -42,11 +42,13 @@ from hbench.records import Curve, Fit, FitParameter
 from hbench.records.friction_laws import FRICTION_LAWS
 
 # Laws of one curve, and of the points of all loads and directions jointly.
-_FITTABLE = (TUSTIN, TWO_LINES, PRESSURE_BASED)
-LAWS: Mapping[str, FittableLaw] = {
+_FITTABLE = (TUSTIN_LAW, TWO_LINES, PRESSURE_BASED)
+CURVE_LAWS: Mapping[str, FittableLaw] = {
     law.name: law for law in _FITTABLE if FRICTION_LAWS[law.name].data == "curve"
 }
-JOINT_LAWS: Mapping[str, FittableLaw] = {law.name: law for law in _FITTABLE if law.name not in LAWS}
+JOINT_LAWS: Mapping[str, FittableLaw] = {
+    law.name: law for law in _FITTABLE if law.name not in CURVE_LAWS
+}
 
 _LINE_POINTS = 121
 _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
@@ -63,7 +65,7 @@ def fits(curve: Curve, how: Fitting | None = None) -> tuple[Fit, ...]:
     how = how or Fitting()
     if _speeds(curve) < _LEAST_SPEEDS:
         return ()
-    return tuple(fit_law(LAWS[name], [curve], how) for name in how.laws if name in LAWS)
+    return tuple(fit_law(CURVE_LAWS[name], [curve], how) for name in how.laws if name in CURVE_LAWS)
 
 
 def unfitted_curves(curves: Sequence[Curve]) -> tuple[str, ...]:

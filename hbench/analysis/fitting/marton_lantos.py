@@ -20,7 +20,7 @@ import numpy as np
 from hbench.analysis.fitting.fit_data import fit_points, sign
 from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.fitting.over_curves import tustin_covariance, without_impossible_intervals
-from hbench.analysis.fitting.tustin import NAMES
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES
 from hbench.analysis.rounding import ROUNDING, distinct
 from hbench.analysis.statistics.bounded import complex_step
 from hbench.analysis.statistics.intervals import fit_parameters
@@ -28,7 +28,7 @@ from hbench.model.friction.formulas import joined_lines, two_lines
 from hbench.records import Curve, Fit
 from hbench.records.friction_laws import FRICTION_LAWS
 
-UNITS = FRICTION_LAWS["marton_lantos"].units
+PARAMETER_UNITS = FRICTION_LAWS["marton_lantos"].units
 _SWITCH = "v_switch_m_s"
 
 
@@ -76,7 +76,7 @@ def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
 
 TWO_LINES = FittableLaw(
     name="marton_lantos",
-    units={name: unit for name, unit in UNITS.items() if name != "high_force_n"},
+    units={name: unit for name, unit in PARAMETER_UNITS.items() if name != "high_force_n"},
     model=lambda inputs, p: joined_lines(inputs[0], *p),
     jacobian=_jacobian,
     basis=_basis,
@@ -97,12 +97,14 @@ def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
     """
     data = fit_points(curves)
     v, direction = data.inputs[0], sign(curves[0])
-    p = np.array([tustin.parameters[name].value for name in NAMES])
+    p = np.array([tustin.parameters[name].value for name in PARAMETER_NAMES])
     v_max = float(v.max())
     values = lines(p, v_max)
     slopes = complex_step(lambda p: lines(p, v_max), p)
     spread, dof = tustin_covariance(curves, tustin)
-    parameters = fit_parameters(UNITS, values, slopes @ spread @ slopes.T, dof, [None] * 5)
+    parameters = fit_parameters(
+        PARAMETER_UNITS, values, slopes @ spread @ slopes.T, dof, [None] * 5
+    )
     parameters, messages = without_impossible_intervals(parameters, {_SWITCH: (0.0, v_max)})
     if tustin.parameters["v_stribeck_m_s"].se is None and parameters[_SWITCH].ci95:
         parameters[_SWITCH] = replace(parameters[_SWITCH], se=None, ci95=None)
@@ -124,7 +126,7 @@ def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
 
 
 def lines(p: np.ndarray, v_max_m_s: float) -> np.ndarray:
-    """Return a_1, b_1, a_2, b_2, v_SW, as in ``UNITS``, of Tustin's p = F_C, F_s, v_s, B."""
+    """Return a_1, b_1, a_2, b_2, v_SW (``PARAMETER_UNITS``) of Tustin's p = F_C, F_s, v_s, B."""
     f_c, f_s, v_s, b = p
     w = v_max_m_s / v_s
     e, drop = np.exp(-w), f_s - f_c

@@ -9,7 +9,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from hbench.analysis.fitting.fit_data import fit_points
-from hbench.analysis.fitting.tustin import NAMES, TUSTIN, tustin_friction, tustin_jacobian
+from hbench.analysis.fitting.tustin import (
+    PARAMETER_NAMES,
+    TUSTIN_LAW,
+    tustin_friction,
+    tustin_jacobian,
+)
 from hbench.analysis.statistics.intervals import covariance, covariance_over_runs, has_effect
 from hbench.config.fitting import Fitting
 from hbench.records import Curve, Fit, FitParameter
@@ -24,10 +29,10 @@ def tustin_covariance(curves: Sequence[Curve], fit: Fit) -> tuple[np.ndarray, in
     for one curve ``covariance`` with n - p. Rows of parameters at a bound are zero.
     """
     data = fit_points(curves, Fitting().weights)
-    p = np.array([fit.parameters[name].value for name in NAMES])
-    free = np.array([fit.parameters[name].at_bound is None for name in NAMES])
+    p = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
+    free = np.array([fit.parameters[name].at_bound is None for name in PARAMETER_NAMES])
     jacobian = tustin_jacobian(data.inputs[0], p) / data.sigma[:, None]
-    size = TUSTIN.scale(data.inputs, float(np.abs(data.friction_n).max()))
+    size = TUSTIN_LAW.scale(data.inputs, float(np.abs(data.friction_n).max()))
     jacobian, effect = jacobian[:, free], has_effect(jacobian, size)[free]
     residual = (tustin_friction(data.inputs[0], p) - data.friction_n) / data.sigma
     spread = np.zeros((len(p), len(p)))

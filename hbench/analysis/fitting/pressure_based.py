@@ -11,13 +11,13 @@ from hbench.config.fitting import FitBounds
 from hbench.model.friction.formulas import pressure_curve, seal_force
 from hbench.records.friction_laws import FRICTION_LAWS
 
-UNITS = FRICTION_LAWS["pressure_based"].units
+PARAMETER_UNITS = FRICTION_LAWS["pressure_based"].units
 
 
 def pressure_based_friction(
     speed_m_s: np.ndarray, p_p_pa: np.ndarray, p_r_pa: np.ndarray, k: np.ndarray
 ) -> np.ndarray:
-    """Return the magnitude of friction [N] at speeds >= 0, with k in the order of ``UNITS``."""
+    """Return the magnitude of friction [N] at speeds >= 0, k in ``PARAMETER_UNITS`` order."""
     k1, k2, k3, k4, k5 = k
     seal = seal_force(p_p_pa, p_r_pa, k3, k4)
     return pressure_curve(speed_m_s, seal, k1, k2) + k5 * speed_m_s
@@ -41,7 +41,7 @@ def _scale(inputs: np.ndarray, force: float) -> np.ndarray:
 
 PRESSURE_BASED = FittableLaw(
     name="pressure_based",
-    units=UNITS,
+    units=PARAMETER_UNITS,
     model=lambda inputs, k: pressure_based_friction(inputs[0], inputs[1], inputs[2], k),
     jacobian=_jacobian,
     basis=_basis,

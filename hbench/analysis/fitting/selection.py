@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from hbench.analysis.fitting.fit import JOINT_LAWS, LAWS, estimate_parameters
+from hbench.analysis.fitting.fit import CURVE_LAWS, JOINT_LAWS, estimate_parameters
 from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.rounding import ROUNDING, ranked
 from hbench.analysis.statistics.student import student_factor
@@ -59,7 +59,7 @@ def _speed_ranks(curves: Sequence[Curve]) -> np.ndarray:
 
 def _held_out(fit: Fit, curves: Sequence[Curve], how: Fitting) -> np.ndarray:
     """Return the errors [N] of predictions at held-out points; nan at the ends."""
-    law = {**LAWS, **JOINT_LAWS}[fit.law]
+    law = {**CURVE_LAWS, **JOINT_LAWS}[fit.law]
     data, speed_ranks = fit_points(curves, how.weights), _speed_ranks(curves)
     start = np.array([p.value for p in fit.parameters.values()])
     errors = np.full(len(speed_ranks), np.nan)

@@ -9,15 +9,17 @@ from hbench.config.fitting import FitBounds
 from hbench.model.friction.formulas import stribeck_curve
 from hbench.records.friction_laws import FRICTION_LAWS
 
-UNITS = FRICTION_LAWS["tustin"].units
-NAMES = tuple(UNITS)
+PARAMETER_UNITS = FRICTION_LAWS["tustin"].units
+PARAMETER_NAMES = tuple(PARAMETER_UNITS)
 
 # The source's bounds, which it set after seeing its data, as it warns.
-TABLE_6_1: Mapping[str, tuple[float, float]] = {name: getattr(FitBounds(), name) for name in NAMES}
+TABLE_6_1: Mapping[str, tuple[float, float]] = {
+    name: getattr(FitBounds(), name) for name in PARAMETER_NAMES
+}
 
 
 def tustin_friction(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return F_C + (F_s - F_C) exp(-v / v_s) + B v [N] for speeds >= 0; p in ``NAMES`` order."""
+    """Return F_C + (F_s - F_C) exp(-v / v_s) + B v [N] at speeds >= 0 (p: ``PARAMETER_NAMES``)."""
     f_c, f_s, v_s, b = p
     return stribeck_curve(v_m_s, 0.0, f_c, f_s, v_s, 1.0) + b * v_m_s
 
@@ -34,9 +36,9 @@ def _basis(inputs: np.ndarray, v_s: float) -> np.ndarray:
     return np.column_stack([1 - e, e, inputs[0]])
 
 
-TUSTIN = FittableLaw(
+TUSTIN_LAW = FittableLaw(
     name="tustin",
-    units=UNITS,
+    units=PARAMETER_UNITS,
     model=lambda inputs, p: tustin_friction(inputs[0], p),
     jacobian=lambda inputs, p: tustin_jacobian(inputs[0], p),
     basis=_basis,

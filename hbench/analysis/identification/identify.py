@@ -20,7 +20,7 @@ import numpy as np
 from hbench.analysis.fitting.fit import fit_law, fit_pressure_based
 from hbench.analysis.fitting.marton_lantos import lines_from_tustin
 from hbench.analysis.fitting.over_curves import tustin_covariance, without_impossible_intervals
-from hbench.analysis.fitting.tustin import NAMES, TABLE_6_1, TUSTIN, UNITS
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, PARAMETER_UNITS, TABLE_6_1, TUSTIN_LAW
 from hbench.analysis.identification.friction_section import friction_section
 from hbench.analysis.identification.leuven import STEADY, fit_leuven
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
@@ -108,25 +108,25 @@ def _enough(curves: Sequence[Curve], direction: Direction | Literal[""] = "") ->
     """Return all curves, or one direction's, if one of them has enough speeds."""
     chosen = [curve for curve in curves if direction in ("", curve.direction)]
     speeds = max((len(curve.points) for curve in chosen), default=0)
-    if speeds < len(NAMES):
+    if speeds < len(PARAMETER_NAMES):
         moving = f"{direction}ing " if direction else ""
         raise _NotDetermined(
-            f"its {len(NAMES)} parameters need a {moving}curve of at least {len(NAMES)} steady "
-            f"speeds; the campaign has {speeds or 'none'}"
+            f"its {len(PARAMETER_NAMES)} parameters need a {moving}curve of at least "
+            f"{len(PARAMETER_NAMES)} steady speeds; the campaign has {speeds or 'none'}"
         )
     return chosen
 
 
 def _tustin(curves: Sequence[Curve]) -> Fit:
     """Fit Tustin's law to the points of all curves; intervals of several are over curves."""
-    fit = fit_law(TUSTIN, curves, Fitting())
+    fit = fit_law(TUSTIN_LAW, curves, Fitting())
     if len(curves) == 1:
         return fit
-    values = np.array([fit.parameters[name].value for name in NAMES])
-    bounds = [fit.parameters[name].at_bound for name in NAMES]
+    values = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
+    bounds = [fit.parameters[name].at_bound for name in PARAMETER_NAMES]
     spread, dof = tustin_covariance(curves, fit)
     free = [bound is None for bound in bounds]
-    linearised = fit_parameters(UNITS, values, spread[np.ix_(free, free)], dof, bounds)
+    linearised = fit_parameters(PARAMETER_UNITS, values, spread[np.ix_(free, free)], dof, bounds)
     parameters, impossible = without_impossible_intervals(linearised, TABLE_6_1)
     messages = [] if fit.converged else ["the search for the best fit did not converge"]
     messages += [*parameter_messages(linearised), *impossible]

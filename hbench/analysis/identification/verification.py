@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from hbench.analysis.fitting.fit_data import sign
-from hbench.analysis.fitting.tustin import NAMES, tustin_friction
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, tustin_friction
 from hbench.analysis.screening.friction_channels import required
 from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
 from hbench.errors import DataError
@@ -97,7 +97,7 @@ def ramp_curve(like: Curve, motions: Sequence[LoggedMotion], speeds_m_s: np.ndar
 
 def curve_error(fit: Fit, curve: Curve) -> float:
     """Return the root mean square [N] of a Tustin fit's differences from a curve's points."""
-    p = np.array([fit.parameters[name].value for name in NAMES])
+    p = np.array([fit.parameters[name].value for name in PARAMETER_NAMES])
     v = np.abs([point.v_m_s for point in curve.points])
     measured = sign(curve) * np.array([point.friction_n for point in curve.points])
     return float(np.sqrt(np.mean((tustin_friction(v, p) - measured) ** 2)))

@@ -9,7 +9,7 @@ from hbench.records import LogChannel, RawRun, Run
 from hbench.units import parse_unit
 
 # A log channel's name -> its field of Run.
-FIELDS = {
+RUN_FIELDS = {
     "x": "x_m",
     "v": "v_m_s",
     "p_tp": "p_tp_pa",
@@ -24,7 +24,7 @@ FIELDS = {
     "v_ref": "v_ref_m_s",
 }
 # Channels that are not sensors, with their units; sensors are logged in counts.
-UNITS = {"v": "m/s", "v_ref": "m/s", "u_t": "V", "u_l1": "V", "u_l2": "V"}
+WORD_UNITS = {"v": "m/s", "v_ref": "m/s", "u_t": "V", "u_l1": "V", "u_l2": "V"}
 BOOKKEEPING = ("run", "index", "flags")
 FLAG_FIELDS = ("at_reference", "sensor_saturated", "valve_saturated")
 # Codes of the reader's warnings that cast doubt on the log's completeness.
@@ -55,7 +55,7 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
     faults += _incomplete(raw, words, column, index)
     gains = sensor_gains(bench.sensors)
     channels = {
-        FIELDS[channel.name]: _to_si(words[:, number], channel, gains)
+        RUN_FIELDS[channel.name]: _to_si(words[:, number], channel, gains)
         for number, channel in enumerate(raw.channels)
         if channel.name not in BOOKKEEPING
     }
@@ -90,12 +90,12 @@ def _columns(raw: RawRun) -> dict[str, int]:
             raise DataError(f"run {run}: {layout} has no channel '{name}'")
     for channel in raw.channels:
         name, unit = channel.name, channel.unit
-        if name not in FIELDS and name not in BOOKKEEPING:
+        if name not in RUN_FIELDS and name not in BOOKKEEPING:
             raise DataError(
                 f"run {run}: {layout} has the unknown channel '{name}'; known are "
-                f"{', '.join(FIELDS)}"
+                f"{', '.join(RUN_FIELDS)}"
             )
-        wanted = UNITS.get(name, "1" if name in BOOKKEEPING else "count")
+        wanted = WORD_UNITS.get(name, "1" if name in BOOKKEEPING else "count")
         if not _same_dimension(unit, wanted):
             raise DataError(
                 f"run {run}: {layout} has channel '{name}' in {unit!r}; expected {wanted!r}"

@@ -6,7 +6,7 @@ from pathlib import Path
 import typer
 
 
-class Speed(StrEnum):
+class RigSpeed(StrEnum):
     """Speed of simulated time."""
 
     WALL = "1"
@@ -28,8 +28,8 @@ def rig(
     baud: int = typer.Option(
         None, min=19200, help="Simulated baud rate of the line; by default octets take no time."
     ),
-    speed: Speed = typer.Option(
-        Speed.WALL,
+    speed: RigSpeed = typer.Option(
+        RigSpeed.WALL,
         help="'1': simulated time follows wall time. 'max': it runs at full speed for half the "
         "bench's heartbeat limit after each message of the client, then waits for the next.",
     ),
@@ -53,7 +53,7 @@ def rig(
             image=emulate,
             address=socket,
             baud=baud,
-            full_speed=speed is Speed.MAX,
+            full_speed=speed is RigSpeed.MAX,
             announce=_announce,
         )
     except KeyboardInterrupt:

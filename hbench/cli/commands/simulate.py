@@ -46,7 +46,7 @@ def simulate(
         typer.echo(as_object("phenomena", names=names) if as_json else "\n".join(names))
         return
     default = files("hbench.config") / "examples" / "bench-aau.yaml"
-    result = workflow.simulate(phenomenon, bench or default)
+    result = workflow.simulate_phenomenon(phenomenon, bench or default)
     if output is not None:
         workflow.write_phenomenon(output, result)
         typer.echo(f"{output / result.name}.html", err=True)

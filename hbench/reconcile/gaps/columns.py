@@ -8,7 +8,7 @@ from hbench.reconcile.gaps.gap_map import by_point
 from hbench.reconcile.measured.balances import BalanceModel, WindowedRun, prepare, residuals
 from hbench.records import Run
 
-Column = dict[Hashable, np.ndarray]  # by operating point: (m, balances)
+ModelColumn = dict[Hashable, np.ndarray]  # by operating point: (m, balances)
 
 
 def residuals_of_runs(runs: Sequence[Run], model: BalanceModel) -> list[WindowedRun]:
@@ -16,7 +16,7 @@ def residuals_of_runs(runs: Sequence[Run], model: BalanceModel) -> list[Windowed
     return [residuals(prepare(run), model) for run in runs]
 
 
-def mean_column(runs: Sequence[WindowedRun]) -> Column:
+def mean_column(runs: Sequence[WindowedRun]) -> ModelColumn:
     """Return the means over the trials of each operating point."""
     return {
         point: np.mean(
@@ -26,7 +26,7 @@ def mean_column(runs: Sequence[WindowedRun]) -> Column:
     }
 
 
-def column_difference(minuend: Column, subtrahend: Column) -> Column:
+def column_difference(minuend: ModelColumn, subtrahend: ModelColumn) -> ModelColumn:
     """Return the difference of two columns over the windows that both have."""
     difference = {}
     for point in minuend.keys() & subtrahend.keys():

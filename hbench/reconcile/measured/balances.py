@@ -34,7 +34,7 @@ from hbench.reconcile.measured.orifices import chamber_flows, pump_flow
 from hbench.reconcile.measured.weak import Window, sampling, window
 from hbench.records import Run, RunPlan
 
-UNITS = {
+BALANCE_UNITS = {
     "flow_tp": "m^3/s",
     "flow_tr": "m^3/s",
     "flow_lp": "m^3/s",
@@ -44,7 +44,7 @@ UNITS = {
     "kinematics": "m/s",
     "supply": "Pa",
 }
-BALANCES = tuple(UNITS)
+BALANCES = tuple(BALANCE_UNITS)
 FLOWS = BALANCES[:4]
 CHAMBERS = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")
 _TEST_FORCES = ("p_tp_pa", "p_tr_pa", "f_applied_n")

@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.analysis.screening.calibrate import FIELDS
+from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.config.bench import Bench, Plant
 from hbench.errors import DataError
 from hbench.model.effects.catalogue import changed_by, read_effects
-from hbench.model.sensors import CHANNELS, sensor_gains, sensor_parameters
+from hbench.model.sensors import SENSORS, sensor_gains, sensor_parameters
 from hbench.model.simulated_bench import as_run
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.weak import sampling
@@ -39,7 +39,7 @@ def replay_runs(
         if not reason:
             simulated = open_loop(_with_linear_maps(run, corrections), model)
             replay = replace(_with_linear_maps(simulated, errors), p_s_pa=run.p_s_pa)
-            if all(np.isfinite(getattr(replay, FIELDS[name])).all() for name in _OUTPUTS):
+            if all(np.isfinite(getattr(replay, RUN_FIELDS[name])).all() for name in _OUTPUTS):
                 replays.append(replay)
                 continue
             reason = "the simulation diverges"
@@ -55,9 +55,9 @@ def signal_errors(measured: Sequence[Run], replays: Sequence[Run]) -> tuple[Sign
         unit = _UNITS[name[0]]
         squares = {}
         for replay in replays:
-            logged = getattr(measured_by_run[replay.plan.run], FIELDS[name])
+            logged = getattr(measured_by_run[replay.plan.run], RUN_FIELDS[name])
             if logged is not None:
-                error = _PER_SI[unit] * (getattr(replay, FIELDS[name]) - logged)
+                error = _PER_SI[unit] * (getattr(replay, RUN_FIELDS[name]) - logged)
                 squares[replay.plan.run] = error**2
         if squares:
             worst = max(squares, key=lambda run: squares[run].mean())
@@ -72,7 +72,7 @@ def _root_mean(squares: np.ndarray) -> float:
 
 
 def _omission_reason(run: Run) -> str:
-    fields = [FIELDS[name] for name in OPEN_LOOP_CHANNELS]
+    fields = [RUN_FIELDS[name] for name in OPEN_LOOP_CHANNELS]
     missing = [field for field in fields if getattr(run, field) is None]
     if missing:
         return f"the model needs {', '.join(missing)}"
@@ -91,13 +91,13 @@ def _sensor_errors(bench: Bench, plant: Plant) -> dict[str, tuple[float, float]]
     assumed = sensor_gains(bench.sensors)
     return {
         name: (assumed[name][0] * per_unit, assumed[name][0] * zero + assumed[name][1])
-        for name, per_unit, zero in zip(CHANNELS, actual.per_unit, actual.zero, strict=True)
+        for name, per_unit, zero in zip(SENSORS, actual.per_unit, actual.zero, strict=True)
     }
 
 
 def _with_linear_maps(run: Run, maps: Mapping[str, tuple[float, float]]) -> Run:
     """Return a run with a * value + b in the sensors' channels."""
-    by_field = {FIELDS[name]: coefficients for name, coefficients in maps.items()}
+    by_field = {RUN_FIELDS[name]: coefficients for name, coefficients in maps.items()}
     return replace(
         run,
         **{

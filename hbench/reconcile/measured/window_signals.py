@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.analysis.screening.calibrate import FIELDS
+from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.errors import DataError
 from hbench.model.compiled import compiled
 from hbench.model.friction.laws import deflection_under
@@ -34,7 +34,7 @@ from hbench.model.plant import (
     step,
 )
 from hbench.model.sensing import sensed
-from hbench.model.sensors import CHANNELS, N_CHANNELS
+from hbench.model.sensors import N_CHANNELS, SENSORS
 from hbench.reconcile.measured.balances import (
     BalanceModel,
     PreparedRun,
@@ -44,7 +44,8 @@ from hbench.reconcile.measured.balances import (
 )
 from hbench.records import Run
 
-_FIELDS = {name: field for name, field in FIELDS.items() if name != "v_ref"}  # of Run, by channel
+# Fields of a run by channel.
+_FIELDS = {name: field for name, field in RUN_FIELDS.items() if name != "v_ref"}
 _PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr")  # initial state of the open loop
 INPUTS = ("p_s", "u_t", "u_l1", "u_l2")  # of the open loop
 OPEN_LOOP_CHANNELS = (*_PRESSURES, *INPUTS)  # required for the open loop
@@ -98,7 +99,7 @@ def open_loop(run: Run, model: BalanceModel) -> Run:
         par, state, inputs, ticks, TICK_S / model.velocity_lag_s, memory, np.ones(2),
         np.zeros(N_CHANNELS), new_work(par), out,
     )  # fmt: skip
-    simulated = {_FIELDS[name]: row for name, row in zip(CHANNELS, out[:-1], strict=True)}
+    simulated = {_FIELDS[name]: row for name, row in zip(SENSORS, out[:-1], strict=True)}
     return replace(run, **simulated, v_m_s=out[-1])
 
 

@@ -9,7 +9,7 @@ from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.strokes.series import BALANCES, MeasuredStrokes
+from hbench.reconcile.strokes.series import STROKE_BALANCES, MeasuredStrokes
 from hbench.reconcile.strokes.stroke_search import SeriesSearch
 from hbench.records import BeforeAfter, GapTable
 
@@ -64,11 +64,11 @@ def gap_table(stages: Sequence[StageGaps], floor: np.ndarray | None = None) -> G
         )
         for stage in ("before", "refitted", "after")
     }
-    values["floor"] = np.ones(len(BALANCES)) if floor is None else floor
+    values["floor"] = np.ones(len(STROKE_BALANCES)) if floor is None else floor
     total = BeforeAfter(*(float(np.sqrt(np.mean(gaps**2))) for gaps in values.values()))
     balances = {
         name: BeforeAfter(*(float(gaps[i]) for gaps in values.values()))
-        for i, name in enumerate(BALANCES)
+        for i, name in enumerate(STROKE_BALANCES)
     }
     return GapTable(total, balances, {}, {})
 

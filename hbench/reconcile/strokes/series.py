@@ -35,10 +35,10 @@ from hbench.model.parameters import (
 )
 from hbench.model.plant import P_TP, P_TR, V, bristles_end, n_states
 from hbench.model.sensors import N_CHANNELS, SensorParameters
-from hbench.reconcile.gaps.columns import Column, mean_column
+from hbench.reconcile.gaps.columns import ModelColumn, mean_column
 from hbench.reconcile.gaps.gap_map import GapMap, gap_map
 from hbench.reconcile.hypothesis import (
-    Coefficient,
+    CoefficientKey,
     Hypothesis,
     effect_coefficients,
     typical_size,
@@ -47,7 +47,7 @@ from hbench.reconcile.measured.balances import WindowedRun
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import KINDS, RunPlan, ScreenedRun, SteadyMeans
 
-BALANCES = ("force_band", "force_middle")
+STROKE_BALANCES = ("force_band", "force_middle")
 _STROKE_M = 1.0  # arbitrary: the piston is at mid-stroke
 _STEP = 1e-3  # finite difference of a logarithm, and of an effect's state
 _NEGLIGIBLE_N = 1e-9  # change of force by a typical size
@@ -130,7 +130,7 @@ def plant_with_test_cylinder(plant: StrokePlant) -> PlantParameters:
     return with_effects(par, read_effects(plant.effects))
 
 
-def load_cell_force(stroke: Stroke, par: PlantParameters, sensors: SensorParameters) -> float:
+def load_cell_reading(stroke: Stroke, par: PlantParameters, sensors: SensorParameters) -> float:
     """Return the load cell's reading [N] in a model at a stroke's velocity and pressures."""
     p_tp, p_tr = (
         (logged - sensors.zero[i]) / sensors.per_unit[i]
@@ -184,7 +184,7 @@ def pair_residuals(pair: StrokePair, par: PlantParameters) -> WindowedRun:
     speed, load = (out.v_m_s - back.v_m_s) / 2, (out.f_applied_n + back.f_applied_n) / 2
     return WindowedRun(
         plan=pair.plan,
-        names=BALANCES,
+        names=STROKE_BALANCES,
         values=np.array([[(r_out - r_back) / 2, (r_out + r_back) / 2]]),
         t_s=np.array([(out.t_s + back.t_s) / 2]),
         x_m=np.array([np.nan]),
@@ -213,7 +213,7 @@ class MeasuredStrokes:
         sensors = changed_by("sensors", _IDEAL_SENSORS, read_effects(plant.effects))
 
         def simulated(stroke: Stroke) -> Stroke:
-            return replace(stroke, f_applied_n=load_cell_force(stroke, par, sensors))
+            return replace(stroke, f_applied_n=load_cell_reading(stroke, par, sensors))
 
         return tuple(
             replace(pair, extend=simulated(pair.extend), retract=simulated(pair.retract))
@@ -244,7 +244,7 @@ class MeasuredStrokes:
             self.residuals(hypothesis, self.pairs), self.residuals(hypothesis, simulated)
         )
 
-    def slopes(self, factors: Mapping[str, float]) -> dict[str, Column]:
+    def slopes(self, factors: Mapping[str, float]) -> dict[str, ModelColumn]:
         """Return the derivatives of the measured balances by the logarithm of each nuisance."""
         before = mean_column(self.residuals(Hypothesis(factors), self.mean_pairs))
         derivatives = {}
@@ -259,16 +259,18 @@ class MeasuredStrokes:
         return derivatives
 
     def signatures_at(
-        self, hypothesis: Hypothesis, signatures: Iterable[Coefficient]
-    ) -> dict[Coefficient, Column]:
+        self, hypothesis: Hypothesis, signatures: Iterable[CoefficientKey]
+    ) -> dict[CoefficientKey, ModelColumn]:
         """Return the signatures at a hypothesis: a share of friction scales with the friction."""
         before = self._column(hypothesis, hypothesis)
         return {which: self._signature(hypothesis, which, before) for which in signatures}
 
-    def _column(self, hypothesis: Hypothesis, simulated_with: Hypothesis) -> Column:
+    def _column(self, hypothesis: Hypothesis, simulated_with: Hypothesis) -> ModelColumn:
         return mean_column(self.residuals(hypothesis, self._simulated(simulated_with)))
 
-    def _signature(self, hypothesis: Hypothesis, which: Coefficient, before: Column) -> Column:
+    def _signature(
+        self, hypothesis: Hypothesis, which: CoefficientKey, before: ModelColumn
+    ) -> ModelColumn:
         """Return the change of the balances by a coefficient's typical size, from the slope.
 
         A change below a tenth of that of the other balance is set to zero.
@@ -287,7 +289,7 @@ class MeasuredStrokes:
         return {point: np.where(keep, values, 0.0) for point, values in column.items()}
 
     @cached_property
-    def signatures(self) -> dict[Coefficient, Column]:
+    def signatures(self) -> dict[CoefficientKey, ModelColumn]:
         """The coefficients that change the mean of a steady stroke, with their columns."""
         acting = [name for name, row in EFFECTS.items() if not _LAWS.isdisjoint(row.laws)]
         wanted = dict.fromkeys(which for name in acting for which in effect_coefficients(name))

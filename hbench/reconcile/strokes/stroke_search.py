@@ -26,11 +26,11 @@ from hbench.reconcile.candidates import (
     EvaluatedCandidate,
     indistinguishable,
 )
-from hbench.reconcile.estimates import ParameterEstimates, estimate_parameters, whole_dof
+from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, whole_dof
 from hbench.reconcile.evidence import rotated, score
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel, linearise
-from hbench.reconcile.strokes.series import BALANCES, MeasuredStrokes
+from hbench.reconcile.strokes.series import STROKE_BALANCES, MeasuredStrokes
 from hbench.records import Candidate
 
 OF_THE_SEAL = ("seal_pressure_friction", "direction_asymmetry")
@@ -61,7 +61,7 @@ class SeriesSearch(CandidateEvaluator):
 
     def estimates(self, model: LinearisedModel, names: Sequence[str]) -> ParameterEstimates:
         """Return the parameters about a model with the effects ``names``."""
-        return estimate_parameters(self.measured.plant, model, names, self.train)
+        return fit_coefficients(self.measured.plant, model, names, self.train)
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def search_series(series: Sequence[tuple[SeriesSearch, LinearisedModel]]) -> Str
     models = [search.refit(given, ()) for search, given in series]
     refitted, steps = models[0], []
     assumed: tuple[str, ...] = ()
-    for balance in BALANCES:
+    for balance in STROKE_BALANCES:
         while True:
             step, extended = _step(searches, models, assumed, balance)
             steps.append(step)

@@ -20,7 +20,7 @@ from hbench.rig.flash.boot_image import BootImage
 from hbench.rig.flash.identity import verified_identity
 from hbench.rig.ports import Port
 
-WINDOW = 48  # octets without echo yet
+ECHO_WINDOW = 48  # octets without echo yet
 _AUTOBAUD = b"A"
 _AUTOBAUD_ATTEMPTS = 10
 _AUTOBAUD_TIMEOUT_S = 0.5
@@ -93,7 +93,7 @@ def _send(port: Port, stream: bytes) -> None:
     compared = len(stream) - 1
     sent = echoed = 0
     while echoed < compared:
-        upto = min(echoed + WINDOW, len(stream))
+        upto = min(echoed + ECHO_WINDOW, len(stream))
         if sent < upto:
             port.write(stream[sent:upto])
             sent = upto

@@ -36,7 +36,7 @@ def creep(law: FrictionParameters, low_n: float, high_n: float, cycles: int) -> 
     return driven_mass(force, 0.0, 5.0, dt, law).x_m[per_cycle::per_cycle]
 
 
-def presliding() -> Phenomenon:
+def presliding_loops() -> Phenomenon:
     """Show inner loops along a path that turns, and the drift under a swinging force."""
     # Memory alone, without the terms in velocity.
     leuven = LEUVEN._replace(viscous=0.0, coulomb=LEUVEN.stiction)

@@ -12,7 +12,7 @@ from hbench.studies.phenomena.driven_friction import prescribed_friction
 from hbench.studies.phenomena.laws import LEUVEN, LUGRE, TUSTIN, line
 
 
-def stribeck() -> Phenomenon:
+def steady_curve() -> Phenomenon:
     """Show the steady curve, and where LuGre and Leuven settle."""
     speeds = np.geomspace(1e-4, 0.3, 24)
 

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hbench.protocol.dictionary import CONDITIONS, FLAGS, RECORD
+from hbench.protocol.dictionary import CONDITIONS, RECORD, RECORD_FLAGS
 
 SANITIZERS = "-O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
 # 64 KB of RAM, which only the emulated chip has (avr.c).
@@ -95,7 +95,9 @@ def session(recorded_board):
 def test_the_session_covers_runs_flags_and_ring(session):
     words = dict(zip((word.name for word in RECORD), session.records.T, strict=True))
     assert set(words["run"]) == {1, 2, 3}
-    assert words["flags"][-1] == 1 << FLAGS.index("last") | 1 << FLAGS.index("settled")
+    assert words["flags"][-1] == 1 << RECORD_FLAGS.index("last") | 1 << RECORD_FLAGS.index(
+        "settled"
+    )
     assert len(session.records) == 2 * 1024, "the ring must have wrapped"
     assert len(set(words["u_l1"])) > 300, "the valves must have moved"
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from hbench.protocol.dictionary import FLAGS, RECORD
+from hbench.protocol.dictionary import RECORD, RECORD_FLAGS
 
 T = 1e-4
 WORD = {word.name: number for number, word in enumerate(RECORD)}
 WORD_V_M_S = RECORD[WORD["v"]].scale
 AT_REFERENCE, SENSOR_SATURATED, VALVE_SATURATED, LAST, SETTLED = (
-    1 << bit for bit in range(len(FLAGS))
+    1 << bit for bit in range(len(RECORD_FLAGS))
 )
 
 

@@ -8,7 +8,7 @@ from hbench.config.bench import parse_bench
 from hbench.config.files.loading import read_yaml
 from hbench.experiment.plan import load_pressure
 from hbench.model.plant import P_LR, P_S, P_TP, TICK_S, V, X
-from hbench.model.sensors import CHANNELS
+from hbench.model.sensors import SENSORS
 from hbench.protocol.codec import BY_NAME, unpack
 from hbench.protocol.dictionary import FAULTS, PHASES, STATES
 from hbench.protocol.frames import Frame, Receiver, encode
@@ -98,7 +98,7 @@ class MovingRig(VirtualRig):
 
     def break_sensor(self, name, counts=None):
         """Freeze a channel at ``counts`` or at its present value, with the converter's noise."""
-        i = CHANNELS.index(name)
+        i = SENSORS.index(name)
         frozen = self._bench.words[i] / 16.0 if counts is None else float(counts)
         sensors = self._bench.sensors
         gains, zeros = list(sensors.per_unit), list(sensors.zero)

@@ -15,7 +15,7 @@ import pytest
 
 from hbench import workflow
 from hbench.errors import DeviceError
-from hbench.protocol.dictionary import FLAGS as FLAG_NAMES
+from hbench.protocol.dictionary import RECORD_FLAGS as FLAG_NAMES
 from hbench.rig import virtual
 from hbench.store.campaign import folder as campaign_folder
 from hbench.store.campaign.folder import load_campaign

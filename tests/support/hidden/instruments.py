@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from hbench.model.sensors import CHANNELS, FRACTION, SensorParameters
+from hbench.model.sensors import FRACTION, SENSORS, SensorParameters
 from hbench.protocol.dictionary import RECORD
 from tests.support.hidden.draws import Drawn
 
 _COLUMN = {word.name: i for i, word in enumerate(RECORD)}
 _SCALE = {word.name: word.scale for word in RECORD}
-_FORCE = CHANNELS.index("f_applied")
+_FORCE = SENSORS.index("f_applied")
 
 
 def astray(
@@ -24,12 +24,12 @@ def astray(
         offsets[name] = offsets.get(name, 0.0) + pa * session
     per_unit = [
         counts * (1 + gains.get(name, 0.0))
-        for name, counts in zip(CHANNELS, sensors.per_unit, strict=True)
+        for name, counts in zip(SENSORS, sensors.per_unit, strict=True)
     ]
     zero = [
         own + float(shift) + counts * offsets.get(name, 0.0)
         for name, own, shift, counts in zip(
-            CHANNELS, sensors.zero, zero_counts, sensors.per_unit, strict=True
+            SENSORS, sensors.zero, zero_counts, sensors.per_unit, strict=True
         )
     ]
     return sensors._replace(per_unit=tuple(per_unit), zero=tuple(zero))
@@ -66,7 +66,7 @@ def _load_cell_error(
     offset = effects.get("load_cell_offset", {}).get("force", 0.0)
     error = error + offset * (1 + 0.3 * (2 * session - 1))
     for name, share in effects.get("cell_crosstalk", {}).items():
-        i = CHANNELS.index(name)
+        i = SENSORS.index(name)
         counts = words[:, _COLUMN[name]] / FRACTION
         error = error + share * (counts - sensors.zero[i]) / sensors.per_unit[i]
     return error

@@ -17,10 +17,10 @@ from hbench.config.scaling import scaled
 from hbench.config.schedule import parse_schedule
 from hbench.experiment.campaign_header import campaign_header
 from hbench.experiment.plan import plan_runs
-from hbench.experiment.recorder import CHANNELS
+from hbench.experiment.recorder import LOG_CHANNELS
 from hbench.experiment.runner import run_campaign
 from hbench.model.sensors import sensor_parameters
-from hbench.protocol.dictionary import FLAGS
+from hbench.protocol.dictionary import RECORD_FLAGS
 from hbench.records import Outcome, RawRun, Run, RunPlan
 from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
@@ -88,7 +88,7 @@ class _Kept:
         self, plan: RunPlan, words: np.ndarray, outcome: Outcome, why: str, at: datetime
     ) -> None:
         rate = self._bench.controllers.log_rate
-        raw = RawRun(plan, words, CHANNELS, FLAGS, rate, outcome, why)
+        raw = RawRun(plan, words, LOG_CHANNELS, RECORD_FLAGS, rate, outcome, why)
         self.runs.append(calibrate(raw, self._bench))
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from hbench.config.bench import Plant
 from hbench.config.scaling import scaled
 from hbench.experiment.closed_loop import record
-from hbench.reconcile.estimates import estimate_parameters
+from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import linearise
@@ -77,7 +77,7 @@ def reconciled(measured, bench, plan, seed=100):
     here = CampaignSearch(own, simulate, 3, {}, train, ()).refit(given, ())
     refitted = here.hypothesis.plant(plant)
     after = compare(measured, record(bench, plan, refitted, seed=seed + 1).runs, bench, refitted)[0]
-    return estimate_parameters(plant, here, (), train).factors(), before, after
+    return fit_coefficients(plant, here, (), train).factors(), before, after
 
 
 def table(title, ranked):
