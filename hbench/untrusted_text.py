@@ -2,12 +2,13 @@
 
 import re
 
-CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")  # without tab and newline
+# Without tab and newline. The surrogates replace the bytes of a file's name that is not UTF-8.
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def printable(text: str) -> str:
-    """Replace each control character by a question mark."""
+    """Replace each control character and invalid byte by a question mark."""
     return CONTROL.sub("?", text)
 
 

@@ -176,21 +176,21 @@ _LIMIT_S, _LIMIT_BYTES = 120, 700_000_000
 
 @pytest.fixture
 def limited():
-    """Return a context manager: what runs in it has two minutes and another 700 MB."""
+    """Return a context manager: what runs in it has two minutes (or so many s) and 700 MB more."""
     return _limited
 
 
 @contextmanager
-def _limited():
+def _limited(seconds=_LIMIT_S):
     """Hold what runs in here to so much time and more memory."""
 
     def late(*_):
-        raise AssertionError(f"takes longer than {_LIMIT_S} s")
+        raise AssertionError(f"takes longer than {seconds} s")
 
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     before = resource.getrlimit(resource.RLIMIT_AS)
     handler = signal.signal(signal.SIGALRM, late)
-    signal.alarm(_LIMIT_S)
+    signal.alarm(seconds)
     most = pages * resource.getpagesize() + _LIMIT_BYTES
     resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
     try:

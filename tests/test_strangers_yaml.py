@@ -122,8 +122,9 @@ def test_what_is_no_regular_file_is_not_read(read, tmp_path, kind, limited):
         ({"velocities": {"first": "5 mm/s", "last": "200 mm/s", "count": 10**9}}, "count"),
         ({"acceleration": "1e-300 m/s^2"}, "acceleration"),
         ({"hold": "1e300 s"}, "hold"),
+        ({"velocities": ["1e-300 mm/s"]}, "velocities"),
     ],
-    ids="trials loads velocities count acceleration hold".split(),
+    ids="trials loads velocities count acceleration hold slow".split(),
 )
 def test_absurd_numbers_in_a_schedule_are_refused_at_once(tmp_path, change, words, limited):
     schedule = yaml.safe_load((ROOT / "configs" / "demo.yaml").read_text())

@@ -1,5 +1,6 @@
 """The application: commands, signals, and the one place that reports errors."""
 
+import io
 import signal
 import sys
 
@@ -74,9 +75,16 @@ def _end_as_by_ctrl_c() -> None:
             signal.signal(number, signal.default_int_handler)
 
 
+def _escape_unprintable_text() -> None:
+    """Let stdout escape characters that its encoding lacks, as stderr does; paths contain any."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
 def main() -> None:
     """Run the command line; exit with the codes of ``ExitCode``, 130 when interrupted."""
     _end_as_by_ctrl_c()
+    _escape_unprintable_text()
     try:
         app()
     except HbenchError as error:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -52,10 +53,11 @@ class FileSeries(ConfigSection):
     """Files that belong together: one cylinder, one label, several trials, loads or speeds.
 
     ``files`` is a path below the imported folder with fields in braces, each a number:
-    ``{pressure}``, ``{load}``, ``{speed}`` in the units given here, and ``{trial}``. The nominal
-    load is ``{load}``, or else the pressure times the piston's area, or else there is none.
-    Without ``{trial}`` a file is trial 1. Without ``speed`` and ``{speed}`` the nominal speed is
-    the median of the strokes of one load and direction, to two digits.
+    ``{pressure}``, ``{load}``, ``{speed}`` in the units given here with at most 12 digits before
+    and after the point, and ``{trial}`` with at most 6 digits. The nominal load is ``{load}``, or
+    else the pressure times the piston's area, or else there is none. Without ``{trial}`` a file is
+    trial 1. Without ``speed`` and ``{speed}`` the nominal speed is the median of the strokes of one
+    load and direction, to two digits.
     """
 
     label: str
@@ -146,9 +148,18 @@ class ImportMap(ConfigSection):
             for field in fields:
                 if any(f"{{{field}}}" not in series.files for series in self.series):
                     raise ValueError(f"constants.{name}: {{{field}}} is not in every 'files'")
-            filled = constant.format_map(dict.fromkeys(fields, "1")) if fields else constant
-            _quantity(f"constants.{name}", filled, CHANNELS[name])
+            self.constant(name, dict.fromkeys(fields, "1"))
         return self
+
+    def constant(self, channel: str, fields: Mapping[str, str]) -> float:
+        """Return a channel's constant in SI; ``fields`` are the values in a file's name.
+
+        Raises ``ValueError``.
+        """
+        text = self.constants[channel]
+        for name, number in fields.items():
+            text = text.replace(f"{{{name}}}", number)
+        return _quantity(f"constants.{channel}", text, CHANNELS[channel])
 
 
 def _quantity(key: str, value: str, unit: str) -> float:

@@ -25,6 +25,7 @@ from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import Campaign, load_campaign, write_results
 from hbench.store.campaign.stored_diagnosis import diagnoses
+from hbench.untrusted_text import printable
 
 if TYPE_CHECKING:
     from hbench.report.render.document import Document
@@ -63,7 +64,7 @@ def report(
         results = at_working_speed(results, speed_m_s)
     drawings = draw_all(results)
     reconciled = tuple(reconciled_section(*diagnosis) for diagnosis in diagnoses(folder))
-    name = folder.resolve().name
+    name = printable(folder.resolve().name)
     document = report_document(results, drawings, reconciled, name)
     forms: dict[str, Callable[[Document], str | bytes]] = {
         "html": page,

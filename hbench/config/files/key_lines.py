@@ -7,7 +7,7 @@ from pathlib import Path
 import yaml
 
 from hbench.config.files.regular_file import FileTooLarge, read_regular_file
-from hbench.config.files.yaml_text import parse_yaml
+from hbench.config.files.yaml_text import compose_yaml
 
 _MAX_BYTES = 1_000_000
 _NAMED = re.compile(r"(.+?\.ya?ml): (?:(?:unknown )?key ')?([\w.]+)")
@@ -37,10 +37,9 @@ def line_of(text: str, keys: Sequence[str]) -> int | None:
     """Return the line of a key such as ``experiments``, ``0``, ``loads``; the nearest above it
     where it is missing, None where not even the first is there.
 
-    Raises ``ValueError`` for text that ``parse_yaml`` refuses.
+    Raises ``ValueError`` for text that ``compose_yaml`` refuses.
     """
-    parse_yaml(text)
-    node, line = yaml.compose(text, Loader=yaml.SafeLoader), None
+    node, line = compose_yaml(text), None
     for key in keys:
         below: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         if isinstance(node, yaml.MappingNode):

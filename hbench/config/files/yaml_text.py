@@ -55,6 +55,12 @@ def parse_yaml(text: str) -> Any:
         raise ValueError(f"{where}{problem}") from None
 
 
+def compose_yaml(text: str) -> yaml.Node:
+    """Return the nodes of YAML text, with their lines. Raises ``ValueError`` as ``parse_yaml``."""
+    parse_yaml(text)
+    return yaml.compose(text, Loader=_Loader)
+
+
 @dataclass
 class _Open:
     """Mapping or sequence whose end is not parsed yet."""

@@ -1,6 +1,7 @@
 """Reader of a run's plan from the journal's fields, with a check of every value."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from hbench.records import KINDS, Motion, RunPlan, Segment, Specimen, kind_names
@@ -39,6 +40,11 @@ def check_number(name: str, value: Any) -> None:
         raise ValueError(f"{name} is {str(value)[:40]!r}, not a number")
     if not low <= value <= high:  # nor is NaN
         raise ValueError(f"{name} is {str(value)[:40]}; expected {low:g} to {high:g}")
+
+
+def check_plan(plan: RunPlan) -> None:
+    """Raise ``ValueError`` for a plan with a value that ``read_plan`` refuses."""
+    read_plan(plan.run, {key: value for key, value in asdict(plan).items() if key != "run"})
 
 
 def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:

@@ -95,7 +95,8 @@ class FleetTable:
 
         self._path = path
         try:
-            self.rows = pq.read_metadata(path).num_rows
+            with path.open("rb") as file:  # pyarrow opens no path that is not UTF-8
+                self.rows = pq.read_metadata(file).num_rows
         except (OSError, pa.ArrowException) as error:
             raise DataError(f"{path}: {error}") from None
 
@@ -103,7 +104,8 @@ class FleetTable:
         """Return a column."""
         import pyarrow.parquet as pq
 
-        return pq.read_table(self._path, columns=[name]).column(0)
+        with self._path.open("rb") as file:
+            return pq.read_table(file, columns=[name]).column(0)
 
     def numbers(self, name: str) -> np.ndarray:
         """Return a column (rows,) of numbers; a missing one is NaN."""

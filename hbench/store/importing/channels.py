@@ -1,6 +1,6 @@
 """The channels of an imported file by its import map: units, zeros, times."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,8 +38,8 @@ def read_channels_by_map(
     check_lengths(channels, table)
     clipped = clipped_samples(channels)
     n = len(channels["t_s"])
-    for key, constant in rules.constants.items():
-        channels[key] = np.full(n, to_si(_filled(constant, fields), CHANNELS[key]))
+    for key, constant in _constants(source, fields, rules):
+        channels[key] = np.full(n, constant)
     check_limits(channels, table)
     if clipped:
         channels["sensor_saturated"] = np.logical_or.reduce(list(clipped.values())).astype(float)
@@ -53,10 +53,15 @@ def read_channels_by_map(
     return FileChannels(channels, lines, (*repeats, *clipping, *zeros, *resampling))
 
 
-def _filled(constant: str, fields: Mapping[str, str]) -> str:
-    for name, number in fields.items():
-        constant = constant.replace(f"{{{name}}}", number)
-    return constant
+def _constants(
+    source: str, fields: Mapping[str, str], rules: ImportMap
+) -> Iterator[tuple[str, float]]:
+    """Yield each channel of ``constants`` with its value in SI. Raises ``DataError``."""
+    for key in rules.constants:
+        try:
+            yield key, rules.constant(key, fields)
+        except ValueError as error:  # such as "{load}e308 N"
+            raise DataError(f"{source}: {error}") from None
 
 
 def _in_si(table: AnyTable, name: str, column: Column, rules: ImportMap) -> np.ndarray:
@@ -147,7 +152,19 @@ def _resampled(
             f"{source}: resample = {rate:g} Hz; limit {1 / step:.3g} Hz, its sampling rate",
             "Lower 'resample': each interval needs a sample, since none is interpolated.",
         )
-    starts = whole_intervals(t_s, rate, rules.screening.max_gap)
+    try:
+        starts = whole_intervals(t_s, rate, rules.screening.max_gap)
+    except ValueError as error:
+        raise DataError(
+            f"{source}: resample = {rate:g} Hz gives {error}",
+            "Lower 'resample' or 'screening.max_gap'.",
+        ) from None
+    if not len(starts):
+        raise DataError(
+            f"{source}: resample = {rate:g} Hz: no interval of {1 / rate:g} s without a gap longer "
+            f"than {rules.screening.max_gap:g} s",
+            "Raise 'resample' or 'screening.max_gap'.",
+        )
     middles = starts + 0.5 / rate
     out = {key: interval_means(t_s, y, starts, rate) for key, y in channels.items()}
     out["t_s"] = middles

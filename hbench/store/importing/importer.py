@@ -12,10 +12,11 @@ from typing import Any
 
 from hbench.config.files.loading import read_yaml
 from hbench.config.import_map import parse_import_map
-from hbench.errors import ConfigError
+from hbench.errors import ConfigError, DataError
 from hbench.store.campaign import journal
 from hbench.store.campaign.folder import JOURNAL, refuse_existing, sha256
 from hbench.store.campaign.journal import Stop
+from hbench.store.campaign.plan_fields import check_plan
 from hbench.store.campaign.run_csv import format_run
 from hbench.store.files.atomic import write_atomic
 from hbench.store.importing.imported_run import ImportedRun, SourceFile
@@ -71,7 +72,11 @@ def import_folder(
 
 
 def _write_run(destination: Path, run: ImportedRun, at: datetime) -> str:
-    """Write a run's CSV and return its item for the journal."""
+    """Write a run's CSV and return its item for the journal. Raises ``DataError``."""
+    try:
+        check_plan(run.plan)
+    except ValueError as error:  # such as the trial 0, by the file's name
+        raise DataError(f"{run.file.name}: {error}") from None
     data = format_run(run.channels)
     write_atomic(destination / "runs" / f"{run.plan.run}.csv", data)
     origin = {"file": run.file.name, "lines": list(run.lines), "sha256": run.file.sha256}

@@ -17,8 +17,9 @@ from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, open_source
 from hbench.units import parse_unit
 
-_NUMBER = r"\d+(?:\.\d+)?"
-_FIELDS = {"pressure": _NUMBER, "load": f"-?{_NUMBER}", "speed": _NUMBER, "trial": r"\d+"}
+# Limits of the digits bound the time that a match takes.
+_NUMBER = r"\d{1,12}(?:\.\d{1,12})?"
+_FIELDS = {"pressure": _NUMBER, "load": f"-?{_NUMBER}", "speed": _NUMBER, "trial": r"\d{1,6}"}
 
 
 @dataclass(frozen=True)

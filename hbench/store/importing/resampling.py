@@ -2,15 +2,26 @@
 
 import numpy as np
 
+MOST_INTERVALS = 10_000_000
+
 
 def whole_intervals(t_s: np.ndarray, rate_hz: float, max_gap_s: float) -> np.ndarray:
     """Return the starts (m,) [s] of the intervals of 1/rate, from the first sample on.
 
     Each interval is between the first and the last sample, and contains no gap between samples
-    longer than ``max_gap_s``.
+    longer than ``max_gap_s``. Raises ``ValueError`` for more than ``MOST_INTERVALS``.
     """
+    gaps = np.flatnonzero(np.diff(t_s) > max_gap_s)
     count = int(np.floor((t_s[-1] - t_s[0]) * rate_hz + 1e-9))
-    starts = t_s[0] + np.arange(count) / rate_hz
+    # Only intervals near the sections between gaps are made: a gap can be as long as 1e6 s.
+    sections = t_s[np.append(0, gaps + 1)], t_s[np.append(gaps, len(t_s) - 1)]
+    first, last = (((t - t_s[0]) * rate_hz).astype(int) for t in sections)
+    counts = last - first + 2
+    if counts.sum() > MOST_INTERVALS:
+        raise ValueError(f"{counts.sum()} intervals; limit {MOST_INTERVALS}")
+    numbers = np.arange(counts.sum()) + np.repeat(first - np.cumsum(counts) + counts, counts)
+    numbers = np.unique(numbers[numbers < count])
+    starts = t_s[0] + numbers / rate_hz
     first = np.clip(np.searchsorted(t_s, starts, side="right") - 1, 0, len(t_s) - 1)
     last = np.clip(np.searchsorted(t_s, starts + 1 / rate_hz - 1e-12), 0, len(t_s) - 1)
     return starts[~_any_between(np.diff(t_s) > max_gap_s, first, last)]
