@@ -34,15 +34,20 @@ ALWAYS = ("t_s", "x_m")  # required, without gaps
 DATE_TIME = "date-time"  # the unit of times such as 2024-05-01T12:00:00.25
 
 
+ColumnName = Annotated[int, Field(ge=1)] | str
+
+
 class Column(ConfigSection):
     """Column of a channel: its value is ``number * scale`` in ``unit``, plus ``offset``.
 
     Without ``unit`` the column has the channel's name and is in SI, or the file has a row of units.
     ``column`` is a number from 1, a header's name, or in a MATLAB file a path as MATLAB writes it:
-    ``data.p``, ``runs(2).log.t_s``, ``M(:,3)``.
+    ``data.p``, ``runs(2).log.t_s``, ``M(:,3)``. ``time`` is the column of its times, with the unit
+    of ``t_s``, if they are not those of ``t_s``.
     """
 
-    column: Annotated[int, Field(ge=1)] | str
+    column: ColumnName
+    time: ColumnName | None = None
     unit: str | None = None
     scale: float = Field(default=1.0, allow_inf_nan=False)
     offset: str | None = None  # a quantity: "-1.25 bar"

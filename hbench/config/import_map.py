@@ -10,7 +10,6 @@ from pydantic import Field, field_validator, model_validator
 from hbench.config import quantity as q
 from hbench.config.files.loading import validate
 from hbench.config.import_layout import (
-    ALWAYS,
     CHANNELS,
     Column,
     ForeignLoadCell,
@@ -96,7 +95,7 @@ class ImportMap(ConfigSection):
     name: str
     kind: str = "steady"  # a row of KINDS
     format: Format = Format()
-    columns: dict[str, Column] = Field(min_length=2)
+    columns: dict[str, Column] = Field(min_length=2)  # t_s may be missing if files state times
     # Channel: quantity, for channels that are known but not logged. It may contain a field of the
     # file names, as in "{load} N".
     constants: dict[str, str] = {}
@@ -124,14 +123,16 @@ class ImportMap(ConfigSection):
         for name in (*self.columns, *self.constants):
             if name not in CHANNELS:
                 raise ValueError(f"unknown channel '{name}'; known are {', '.join(CHANNELS)}")
-        for name in ALWAYS:
-            if name not in self.columns:
-                raise ValueError(f"columns.{name} is missing; the analysis needs it")
+        if "x_m" not in self.columns:
+            raise ValueError("columns.x_m is missing; the analysis needs it")
         for name, column in self.columns.items():
-            if isinstance(column.column, str) and not self.format.header:
-                raise ValueError(
-                    f"columns.{name}: {column.column!r} is a name, but format.header is false"
-                )
+            for given in (column.column, column.time):
+                if isinstance(given, str) and not self.format.header:
+                    raise ValueError(
+                        f"columns.{name}: {given!r} is a name, but format.header is false"
+                    )
+            if column.time is not None and (name == "t_s" or "t_s" not in self.columns):
+                raise ValueError(f"columns.{name}: time needs columns.t_s, which gives its unit")
             check_column(name, column, self.format, self.wanted(name))
             if column.offset is not None:
                 _quantity(f"columns.{name}.offset", column.offset, CHANNELS[name])

@@ -2,8 +2,11 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
+import yaml
 
 from hbench.records import Motion, RunPlan, Segment, Specimen
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.importing.importer import import_folder
 
 CHANNELS = ("run", "index", "x")
 
@@ -60,3 +63,26 @@ def header():
 @pytest.fixture
 def words():
     return np.arange(12, dtype=np.uint16).reshape(4, 3)
+
+
+@pytest.fixture
+def rules():
+    """An import map of one file a.*; a test adds the columns."""
+    return {
+        "name": "others",
+        "columns": {},
+        "constants": {"p_tr_pa": "0 bar"},
+        "series": [{"label": "", "files": "a.csv", "cylinder": {"piston_diameter": "25 mm"}}],
+    }
+
+
+@pytest.fixture
+def import_by(tmp_path, at):
+    """Import the files in ``logs`` by ``rules``; return the runs and the notes."""
+
+    def import_by(rules, logs=tmp_path):
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+        summary = import_folder(logs, tmp_path / "out", tmp_path / "map.yaml", {}, at(0))
+        return list(load_campaign(tmp_path / "out").runs()), summary.notes
+
+    return import_by

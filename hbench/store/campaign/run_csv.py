@@ -9,7 +9,7 @@ import numpy as np
 from hbench.config.import_layout import ALWAYS, CHANNELS, FLAGS, LIMITS, LONGEST_S, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
-from hbench.store.formats.opening import AnyTable
+from hbench.store.formats.table import Table
 from hbench.store.formats.text import parse_table
 
 _IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
@@ -24,7 +24,7 @@ def format_run(channels: Mapping[str, np.ndarray]) -> bytes:
     return "\n".join((",".join(channels), *rows, "")).encode()
 
 
-def read_channels(table: AnyTable) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
+def read_channels(table: Table) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
     """Return the known channels of a table in SI, and the names of its other columns.
 
     Empty cells are NaN. Raises ``DataError`` naming the line: for cells that are not numbers,
@@ -43,7 +43,7 @@ def read_channels(table: AnyTable) -> tuple[dict[str, np.ndarray], tuple[str, ..
     return channels, tuple(name for name in table.names if name not in channels)
 
 
-def check_lengths(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
+def check_lengths(channels: Mapping[str, np.ndarray], table: Table) -> None:
     """Raise ``DataError`` unless all channels have as many samples as the time."""
     n = len(channels["t_s"])
     if n == 0:
@@ -56,7 +56,7 @@ def check_lengths(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
             )
 
 
-def check_limits(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
+def check_limits(channels: Mapping[str, np.ndarray], table: Table) -> None:
     """Raise ``DataError`` naming the line of a value beyond any physical range."""
     for name, unit in CHANNELS.items():
         values = channels.get(name, np.zeros(0))
@@ -71,7 +71,7 @@ def check_limits(channels: Mapping[str, np.ndarray], table: AnyTable) -> None:
 
 
 def check_time(
-    t_s: np.ndarray, table: AnyTable, rows: np.ndarray | None = None, hint: str = ""
+    t_s: np.ndarray, table: Table, rows: np.ndarray | None = None, hint: str = ""
 ) -> None:
     """Raise ``DataError`` naming the line at which time does not increase.
 

@@ -1,5 +1,6 @@
 """Reading of files up to a size limit."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BufferedReader
@@ -11,6 +12,7 @@ from hbench.errors import DataError
 
 # In bytes: reading a file of this size takes less than 500 MB of memory.
 LARGEST_LOG = 40_000_000  # an hour and a half of a board's log at 100 Hz
+LARGEST_UNPACKED = 200_000_000  # what a compressed file may take in memory
 LARGEST_JOURNAL = 8_000_000  # some nine thousand runs
 
 
@@ -33,6 +35,15 @@ def open_file(path: Path, largest: int, hint: str = "") -> Iterator[BufferedRead
         raise DataError(f"{path}: {error}", _TOO_LARGE) from None
     except OSError as error:
         raise DataError(f"{path}: {error.strerror or error}", hint) from None
+
+
+def check_size(file: BinaryIO, source: str, largest: int) -> None:
+    """Raise ``DataError`` for an open file of more than ``largest`` bytes."""
+    size = os.fstat(file.fileno()).st_size
+    if size > largest:
+        raise DataError(
+            f"{source}: is {size / 1e6:.6g} MB large; limit {largest / 1e6:g} MB", _TOO_LARGE
+        )
 
 
 def read_whole(file: BinaryIO, source: str, largest: int = LARGEST_LOG) -> bytes:

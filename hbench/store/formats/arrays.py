@@ -1,23 +1,45 @@
-"""Table of arrays in memory, by name or by a path in MATLAB's notation."""
+"""Table of arrays and signals, by name or by a path in MATLAB's notation."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from hbench.errors import DataError
+from hbench.store.files.bounded_read import LARGEST_UNPACKED
 
 # One step of a path: a name, then (k) for an element or (:,k) for a column.
 _STEP = re.compile(r"(\w+)(?:\((?:\s*(\d+)\s*|\s*:\s*,\s*(\d+)\s*)\))?")
 _FEW = 40  # columns that a message lists
 
 
-class Arrays:
-    """Columns of numbers by name or path."""
+@dataclass(frozen=True)
+class Signal:
+    """A channel of a file, read on demand."""
 
-    def __init__(self, root: Mapping[str, Any], source: str):
+    size: int  # samples
+    read: Callable[[], np.ndarray]  # the samples (n,)
+    times: Callable[[], np.ndarray] | None = None  # (n,) [s], from an instant common to the file
+    unit: str | None = None
+
+    @property
+    def shape(self) -> tuple[int]:
+        """Shape of the samples."""
+        return (self.size,)
+
+
+class Arrays:
+    """Table of arrays and signals, by name or by a path in MATLAB's notation."""
+
+    leaves_out_rows = False
+    short_lines: tuple[int, ...] = ()
+
+    def __init__(self, root: Mapping[str, Any], source: str, hint: str = ""):
         self._root = root
+        self._hint = hint
+        self._unread = LARGEST_UNPACKED // 8  # samples of signals
         self.source = source
         self.names = tuple(root)
 
@@ -25,8 +47,14 @@ class Arrays:
         """Return a row's position in the file, for messages."""
         return f"sample {row + 1}"
 
-    def unit(self, column: int | str) -> None:
-        """Return None: a binary table has no row of units."""
+    def lines_of(self, rows: np.ndarray) -> np.ndarray:
+        """Return the numbers from 1 of ``rows`` (n,), from 0."""
+        return rows + 1
+
+    def unit(self, column: int | str) -> str | None:
+        """Return a signal's unit in the file; None if the file has no units."""
+        found = self._lookup(column)
+        return found.unit if isinstance(found, Signal) else None
 
     def position(self, column: int | str) -> int:
         """Return a column's index, from 0. Raises ``DataError``."""
@@ -36,7 +64,7 @@ class Arrays:
 
     def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
         """Return a column (n,) as floats; ``gaps`` allows NaN. Raises ``DataError``."""
-        values = np.atleast_1d(np.asarray(self._lookup(column)))
+        values = self._values(column)
         if values.ndim != 1 or values.dtype.kind not in "fiu":
             shape = "x".join(map(str, values.shape))
             raise DataError(
@@ -53,15 +81,35 @@ class Arrays:
             )
         return values
 
-    def seconds(self, column: int | str) -> np.ndarray:
-        """Return a column (n,) of date-times as seconds since the first. Raises ``DataError``."""
-        values = np.atleast_1d(np.asarray(self._lookup(column)))
-        if values.dtype.kind not in "Mm" or np.isnat(values).any():
+    def date_times(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
+        """Return a column (n,) of date-times as datetime64; ``gaps`` allows NaT."""
+        values = self._values(column)
+        if values.dtype.kind != "M" or (not gaps and np.isnat(values).any()):
             raise DataError(
                 f"{self.source}: column {column}: contains no date-times",
                 "In MATLAB, write posixtime(t) to a column in s; a datenum has the unit d.",
             )
-        return (values - values[0]) / np.timedelta64(1, "ns") * 1e-9
+        return values
+
+    def own_times(self, column: int | str) -> np.ndarray | None:
+        """Return the times (n,) [s] that the file states for a signal, or None."""
+        found = self._lookup(column)
+        return found.times() if isinstance(found, Signal) and found.times else None
+
+    def _values(self, column: int | str) -> np.ndarray:
+        return np.atleast_1d(np.asarray(self._read(self._lookup(column))))
+
+    def _read(self, found: Any) -> Any:
+        """Return the samples of a signal, and anything else as it is. Raises ``DataError``."""
+        if not isinstance(found, Signal):
+            return found
+        self._unread -= found.size
+        if self._unread < 0:
+            raise DataError(
+                f"{self.source}: the mapped channels take more than {LARGEST_UNPACKED / 1e6:g} MB",
+                "Map fewer channels, or split the file.",
+            )
+        return found.read()
 
     def _lookup(self, column: int | str) -> Any:
         if isinstance(column, int):
@@ -96,7 +144,8 @@ class Arrays:
 
     def _missing(self, column: int | str) -> DataError:
         return DataError(
-            f"{self.source}: no column {column!r}; the file contains: {self._listed()}"
+            f"{self.source}: no column {column!r}; the file contains: {self._listed()}",
+            self._hint,
         )
 
     def _listed(self) -> str:

@@ -9,8 +9,8 @@ import zlib
 from collections.abc import Iterator
 
 from hbench.errors import DataError
+from hbench.store.files.bounded_read import LARGEST_UNPACKED
 
-LARGEST_UNPACKED = 200_000_000  # bytes
 DEEPEST = 50  # nested structs and cells
 _MATRIX, _COMPRESSED = 14, 15  # types of elements
 _SPARSE = 5  # class of an array whose dimensions may exceed its data

@@ -3,17 +3,17 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from io import BufferedReader
 from pathlib import Path
 from typing import BinaryIO
 
 from hbench.config.import_layout import Format
-from hbench.store.files.bounded_read import LARGEST_LOG, open_file
-from hbench.store.formats.arrays import Arrays
+from hbench.store.files.bounded_read import LARGEST_LOG, check_size, open_file
 from hbench.store.formats.mat import open_mat
 from hbench.store.formats.parquet import open_parquet
-from hbench.store.formats.text import TextTable, open_text
-
-AnyTable = TextTable | Arrays
+from hbench.store.formats.table import Table
+from hbench.store.formats.text import open_text
+from hbench.store.formats.twincat import is_twincat, open_twincat
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,9 @@ class FileFormat:
 
     name: str
     endings: tuple[str, ...]  # of file names, in lower case; none: all
-    open: Callable[[BinaryIO, str, Format], AnyTable]
+    open: Callable[[BinaryIO, str, Format], Table]
     extra: str = ""  # of pip, if it needs an optional package
+    has_head: Callable[[bytes], bool] | None = None  # from its first _HEAD bytes, besides the name
     largest: int = LARGEST_LOG  # bytes
     is_text: bool = False
 
@@ -32,22 +33,39 @@ class FileFormat:
 FORMATS = (
     FileFormat("MATLAB up to version 7", (".mat",), open_mat),
     FileFormat("Parquet", (".parquet",), open_parquet, extra="parquet"),
+    FileFormat("TwinCAT Scope CSV", (), open_twincat, has_head=is_twincat, is_text=True),
     FileFormat("text", (), open_text, is_text=True),
 )
+_HEAD = 4096
+_LARGEST = max(row.largest for row in FORMATS)
 
 
-def format_of(path: Path) -> FileFormat:
-    """Return the format of a file by the ending of its name."""
-    name = path.name.lower()
-    return next(row for row in FORMATS if not row.endings or name.endswith(row.endings))
+def format_of(file: BinaryIO, name: str) -> FileFormat:
+    """Return the format of an open file by its name and its first bytes."""
+    head, ending = file.read(_HEAD), name.lower()
+    file.seek(0)
+    return next(
+        row
+        for row in FORMATS
+        if (not row.endings or ending.endswith(row.endings))
+        and (row.has_head is None or row.has_head(head))
+    )
 
 
 @contextmanager
-def open_table(path: Path, layout: Format) -> Iterator[AnyTable]:
+def open_foreign(path: Path) -> Iterator[tuple[BufferedReader, FileFormat]]:
+    """Open a file and determine its format. Raises ``DataError``."""
+    with open_file(path, _LARGEST) as file:
+        file_format = format_of(file, path.name)
+        check_size(file, str(path), file_format.largest)
+        yield file, file_format
+
+
+@contextmanager
+def open_table(path: Path, layout: Format) -> Iterator[Table]:
     """Open a file of any format; its columns can be read until the context ends.
 
     Raises ``DataError``, and ``ConfigError`` if the format's optional package is not installed.
     """
-    row = format_of(path)
-    with open_file(path, row.largest) as file:
-        yield row.open(file, str(path), layout)
+    with open_foreign(path) as (file, file_format):
+        yield file_format.open(file, str(path), layout)

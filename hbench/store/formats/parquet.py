@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.store.files.bounded_read import read_whole
+from hbench.store.files.bounded_read import LARGEST_UNPACKED, read_whole
 from hbench.store.formats.arrays import Arrays
-from hbench.store.formats.mat_sizes import LARGEST_UNPACKED
 from hbench.store.formats.packages import optional_package
 
 if TYPE_CHECKING:

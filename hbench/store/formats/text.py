@@ -4,8 +4,8 @@ import codecs
 import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import datetime
-from typing import BinaryIO
+from datetime import UTC, datetime
+from typing import BinaryIO, ClassVar
 
 import numpy as np
 
@@ -37,13 +37,16 @@ class TextTable:
     lines: np.ndarray  # (n,) line of each row in the file, from 1
     layout: Format
     source: str
-
-    def __len__(self) -> int:
-        return len(self.rows)
+    short_lines: tuple[int, ...] = ()
+    leaves_out_rows: ClassVar[bool] = False
 
     def where(self, row: int) -> str:
         """Return a row's position in the file, for messages."""
         return f"line {self.lines[row]}"
+
+    def lines_of(self, rows: np.ndarray) -> np.ndarray:
+        """Return the line in the file, from 1, of each of ``rows`` (n,), from 0."""
+        return self.lines[rows]
 
     def position(self, column: int | str) -> int:
         """Return a column's index, from 0. Raises ``DataError``."""
@@ -92,22 +95,33 @@ class TextTable:
                 )
         return values
 
-    def seconds(self, column: int | str) -> np.ndarray:
-        """Return a column (n,) of ISO 8601 date-times as seconds since the first of them.
+    def date_times(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
+        """Return a column (n,) of ISO 8601 date-times as datetime64 in UTC; ``gaps`` allows NaT.
 
         Raises ``DataError`` naming the line.
         """
-        position, times = self.position(column), []
+        position = self.position(column)
+        times = np.full(len(self.rows), np.datetime64("NaT", "us"))
+        first: datetime | None = None
         for row, cells in enumerate(self.rows):
+            cell = cells[position].strip()
+            if gaps and cell.lower() in _GAPS:
+                continue
             try:
-                times.append(datetime.fromisoformat(cells[position].strip()))
-                times[-1] - times[0]  # with and without an offset from UTC don't mix
-            except (ValueError, TypeError):
+                time = datetime.fromisoformat(cell)
+                first = first or time
+                time - first  # with and without an offset from UTC don't mix
+                times[row] = (time.astimezone(UTC) if time.tzinfo else time).replace(tzinfo=None)
+            except (ValueError, TypeError, OverflowError):
                 raise DataError(
-                    f"{self.source}: {self.where(row)}: column {column}: found "
-                    f"{cells[position][:60]!r}; expected a date-time such as 2024-05-01T12:00:00.25"
+                    f"{self.source}: {self.where(row)}: column {column}: found {cell[:60]!r}; "
+                    "expected a date-time such as 2024-05-01T12:00:00.25"
                 ) from None
-        return np.array([(time - times[0]).total_seconds() for time in times])
+        return times
+
+    def own_times(self, column: int | str) -> np.ndarray | None:
+        """Return None: a text states its times in columns."""
+        return None
 
     def _plain(self, cell: str) -> str:
         """Return a number in Python's notation; other text stays invalid."""

@@ -1,20 +1,20 @@
 """The channels of an imported file by its import map: units, zeros, times."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hbench.config.import_layout import ALWAYS, CHANNELS, DATE_TIME, Column
+from hbench.config.import_layout import CHANNELS
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.rest import LEAST_REST_S, rest_before_motion, zero_offset
-from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
-from hbench.store.formats.opening import AnyTable
-from hbench.store.formats.text import TextTable
+from hbench.store.campaign.run_csv import check_limits
+from hbench.store.formats.table import Table
+from hbench.store.importing.alignment import aligned
 from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.resampling import interval_means, whole_intervals
-from hbench.units import parse_unit, to_si
+from hbench.store.importing.time_bases import TimeBase, read_time_bases
 
 
 @dataclass(frozen=True)
@@ -27,30 +27,27 @@ class FileChannels:
 
 
 def read_channels_by_map(
-    table: AnyTable, name: str, fields: Mapping[str, str], rules: ImportMap
+    table: Table, name: str, fields: Mapping[str, str], rules: ImportMap
 ) -> FileChannels:
     """Return the channels of a file. ``fields`` are the values in its ``name``.
 
     Raises ``DataError`` naming the invalid line.
     """
-    source = table.source
-    channels = {key: _in_si(table, key, column, rules) for key, column in rules.columns.items()}
-    check_lengths(channels, table)
-    clipped = clipped_samples(channels)
-    n = len(channels["t_s"])
-    for key, constant in _constants(source, fields, rules):
-        channels[key] = np.full(n, constant)
-    check_limits(channels, table)
-    if clipped:
-        channels["sensor_saturated"] = np.logical_or.reduce(list(clipped.values())).astype(float)
-    clipping = [_clipping(name, key, channels[key], samples) for key, samples in clipped.items()]
-    channels, rows, repeats = _without_repeats(channels, name, rules)
-    hint = "If the clock is too coarse, write 'repeated_times: drop' in the map."
-    check_time(channels["t_s"], table, rows, hint)
-    lines = table.lines[rows] if isinstance(table, TextTable) else rows + 1
+    source, max_gap_s = table.source, rules.screening.max_gap
+    bases, omissions = read_time_bases(table, name, rules)
+    bases, clipping = _with_clipping(bases, name)
+    base, alignment = aligned(bases, max_gap_s, source, name)
+    n = len(base.t_s)
+    constants = {key: np.full(n, value) for key, value in _constants(source, fields, rules)}
+    check_limits(constants, table)
+    channels = {"t_s": base.t_s, **base.channels, **constants}
+    if clipping:
+        channels["sensor_saturated"] = base.clipped.astype(float)
     channels, zeros = _zeroed(channels, source, name, rules)
+    lines = table.lines_of(base.rows)
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
-    return FileChannels(channels, lines, (*repeats, *clipping, *zeros, *resampling))
+    notes = (*omissions, *clipping, *alignment, *zeros, *resampling)
+    return FileChannels(channels, lines, notes)
 
 
 def _constants(
@@ -64,36 +61,19 @@ def _constants(
             raise DataError(f"{source}: {error}") from None
 
 
-def _in_si(table: AnyTable, name: str, column: Column, rules: ImportMap) -> np.ndarray:
-    unit = _unit(table, name, column, rules)
-    if unit == DATE_TIME:
-        return table.seconds(column.column)
-    numbers = table.numbers(column.column, gaps=name not in ALWAYS)
-    values = numbers * (parse_unit(unit).factor * column.scale)
-    if name == "f_applied_n" and rules.load_cell is not None:  # C.6
-        values = (values - rules.load_cell.level) / rules.load_cell.volts_per_newton
-    return values if column.offset is None else values + to_si(column.offset, CHANNELS[name])
-
-
-def _unit(table: AnyTable, name: str, column: Column, rules: ImportMap) -> str:
-    """Return a column's unit: the map's, the file's own, or SI. Raises ``DataError``."""
-    wanted, in_file = rules.wanted(name), table.unit(column.column)
-    if in_file is None:
-        return column.unit or wanted
-    where = f"{table.source}: column {column.column}: unit in the file is {in_file!r}"
-    try:
-        unit = parse_unit(in_file) if in_file else None
-    except ValueError:
-        unit = None
-    if column.unit is not None:
-        if unit and column.unit != DATE_TIME and unit != parse_unit(column.unit):
-            raise DataError(f"{where}; unit in the map is {column.unit!r}")
-        return column.unit
-    if unit is None:
-        raise DataError(f"{where}, which is not a known unit", "Write the unit in the map.")
-    if unit.dimension != parse_unit(wanted).dimension:
-        raise DataError(f"{where}; {name} needs a unit such as {wanted}")
-    return in_file
+def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], list[str]]:
+    """Mark the clipped samples of each time base, with notes."""
+    t_s, x_m = bases[0].t_s, bases[0].channels["x_m"]
+    marked, notes = [], []
+    for base in bases:
+        # The position at the base's times shows whether the log has stopped.
+        others = {"x_m": np.interp(base.t_s, t_s, x_m), **base.channels}
+        clipped = clipped_samples(others)
+        notes += [_clipping(name, key, others[key], at) for key, at in clipped.items()]
+        marked.append(
+            replace(base, clipped=np.logical_or.reduce([base.clipped, *clipped.values()]))
+        )
+    return marked, notes
 
 
 def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> str:
@@ -102,17 +82,6 @@ def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> s
         f"{name}: {key}: clipped at {limits} {CHANNELS[key]} in {samples.sum()} of {len(samples)} "
         "samples: constant while other channels change"
     )
-
-
-def _without_repeats(
-    channels: dict[str, np.ndarray], name: str, rules: ImportMap
-) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
-    again = np.concatenate(([False], np.diff(channels["t_s"]) == 0))
-    if rules.repeated_times == "refuse" or not again.any():
-        return channels, np.arange(len(again)), []
-    note = f"{name}: {again.sum()} of {len(again)} samples dropped: same time as the one before"
-    kept = {key: values[~again] for key, values in channels.items()}
-    return kept, np.flatnonzero(~again), [note]
 
 
 def _zeroed(

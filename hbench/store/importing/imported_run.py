@@ -11,8 +11,9 @@ import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.records import RunPlan
-from hbench.store.files.bounded_read import check_inside, open_file
-from hbench.store.formats.opening import AnyTable, format_of, open_table
+from hbench.store.files.bounded_read import check_inside
+from hbench.store.formats.opening import open_foreign, open_table
+from hbench.store.formats.table import Table
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class ImportedRuns:
 
 
 @contextmanager
-def open_source(folder: Path, name: str, layout: Format) -> Iterator[tuple[AnyTable, SourceFile]]:
+def open_source(folder: Path, name: str, layout: Format) -> Iterator[tuple[Table, SourceFile]]:
     """Open a file below ``folder``. Raises ``DataError``, also for a path outside ``folder``."""
     path = folder / name
     check_inside(folder, path)
@@ -56,8 +57,7 @@ def describe_source(folder: Path, name: str) -> SourceFile:
     """Return the record of a file below ``folder``. Raises ``DataError``."""
     path = folder / name
     check_inside(folder, path)
-    file_format = format_of(path)
-    with open_file(path, file_format.largest) as file:
+    with open_foreign(path) as (file, file_format):
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
         file.seek(max(0, file.tell() - 1))
         return SourceFile(name, sha256, file_format.is_text and file.read(1) not in b"\r\n")

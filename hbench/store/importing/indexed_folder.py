@@ -23,8 +23,8 @@ from hbench.store.campaign.run_csv import read_channels
 from hbench.store.files.bounded_read import check_inside, read_file
 from hbench.store.formats.arrays import Arrays
 from hbench.store.formats.mat import read_mat
-from hbench.store.formats.opening import AnyTable
 from hbench.store.formats.parquet import read_parquet
+from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable, parse_table
 from hbench.store.importing.imported_run import (
     ImportedRun,
@@ -47,7 +47,7 @@ _REFERENCE = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_
 
 
 # The index, and a function from a run's number and its cell "file" to its table and file.
-_Log = Callable[[int, str], AbstractContextManager[tuple[AnyTable, SourceFile]]]
+_Log = Callable[[int, str], AbstractContextManager[tuple[Table, SourceFile]]]
 _Index = tuple[TextTable, _Log]
 
 
@@ -76,8 +76,7 @@ def read_indexed(folder: Path) -> ImportedRuns:
         with log(row, file_name) as (table, file):
             channels, unknown = read_channels(table)
         notes += _left_out(file.name, [column for column in unknown if column != "run"])
-        first = table.lines[0] if isinstance(table, TextTable) else 1
-        last = table.lines[-1] if isinstance(table, TextTable) else len(channels["t_s"])
+        first, last = table.lines_of(np.array([0, len(channels["t_s"]) - 1]))
         runs.append(ImportedRun(plan, channels, file, (int(first), int(last))))
     return ImportedRuns(tuple(runs), (*notes, *_unlisted(folder, name, runs)), bench)
 
@@ -119,7 +118,7 @@ def _mat_index(folder: Path, name: str) -> _Index:
     count = np.arange(1, len(rows) + 1)
     index = TextTable((*names, "file"), (), rows, count, Format(), source)
 
-    def log(row: int, _: str) -> AbstractContextManager[tuple[AnyTable, SourceFile]]:
+    def log(row: int, _: str) -> AbstractContextManager[tuple[Table, SourceFile]]:
         return nullcontext((Arrays(runs[row]["log"], f"{source}: runs({row + 1}).log"), file))
 
     return index, log

@@ -22,9 +22,15 @@ def whole_intervals(t_s: np.ndarray, rate_hz: float, max_gap_s: float) -> np.nda
     numbers = np.arange(counts.sum()) + np.repeat(first - np.cumsum(counts) + counts, counts)
     numbers = np.unique(numbers[numbers < count])
     starts = t_s[0] + numbers / rate_hz
-    first = np.clip(np.searchsorted(t_s, starts, side="right") - 1, 0, len(t_s) - 1)
-    last = np.clip(np.searchsorted(t_s, starts + 1 / rate_hz - 1e-12), 0, len(t_s) - 1)
-    return starts[~_any_between(np.diff(t_s) > max_gap_s, first, last)]
+    return starts[~gaps_within(t_s, starts, rate_hz, max_gap_s)]
+
+
+def gaps_within(
+    t_s: np.ndarray, starts_s: np.ndarray, rate_hz: float, max_gap_s: float
+) -> np.ndarray:
+    """Return whether each interval (m,) of 1/rate contains a gap longer than ``max_gap_s``."""
+    first, last = _around(t_s, starts_s, starts_s + 1 / rate_hz)
+    return _any_between(np.diff(t_s) > max_gap_s, first, last)
 
 
 def interval_means(
@@ -49,10 +55,18 @@ def interval_means(
 
     stops = starts_s + 1 / rate_hz
     means = (integral(stops) - integral(starts_s)) * rate_hz
-    first = np.clip(np.searchsorted(t_s, starts_s, side="right") - 1, 0, len(t_s) - 1)
-    last = np.clip(np.searchsorted(t_s, stops - 1e-12), 0, len(t_s) - 1)
+    first, last = _around(t_s, starts_s, stops)
     means[_any_between(~(known[1:] & known[:-1]), first, last)] = np.nan
     return means
+
+
+def _around(
+    t_s: np.ndarray, starts_s: np.ndarray, stops_s: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the last sample before each interval and the first one after it, (m,) each."""
+    first = np.clip(np.searchsorted(t_s, starts_s, side="right") - 1, 0, len(t_s) - 1)
+    last = np.clip(np.searchsorted(t_s, stops_s - 1e-12), 0, len(t_s) - 1)
+    return first, last
 
 
 def _any_between(bad: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:

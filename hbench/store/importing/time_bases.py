@@ -1,0 +1,165 @@
+"""Time bases of a file: the channels of an import map, grouped by their times."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.config.import_layout import ALWAYS, CHANNELS, DATE_TIME, Column
+from hbench.config.import_map import ImportMap
+from hbench.errors import DataError
+from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
+from hbench.store.formats.table import Table
+from hbench.units import parse_unit, to_si
+
+
+@dataclass(frozen=True)
+class TimeBase:
+    """Channels in SI with the same times."""
+
+    t_s: np.ndarray  # (n,) increasing
+    channels: dict[str, np.ndarray]  # (n,) each, without t_s
+    rows: np.ndarray  # (n,) row of each sample in the table, from 0
+    clipped: np.ndarray  # (n,) True where a sensor is at a limit of its converter
+
+
+def read_time_bases(table: Table, name: str, rules: ImportMap) -> tuple[list[TimeBase], list[str]]:
+    """Return the time bases of a file, that of ``x_m`` first, and notes on omitted rows.
+
+    Raises ``DataError`` naming the invalid line.
+    """
+    times = _times(table, rules)
+    gaps = table.leaves_out_rows or any(column.time for column in rules.columns.values())
+    groups: list[tuple[np.ndarray, dict[str, np.ndarray]]] = []
+    for key, t_s in times.items():
+        values = _in_si(table, key, rules.columns[key], rules, gaps=gaps or key not in ALWAYS)
+        check_lengths({"t_s": t_s, key: values}, table)
+        for other, channels in groups:
+            if np.array_equal(other, t_s, equal_nan=True):
+                channels[key] = values
+                break
+        else:
+            groups.append((t_s, {key: values}))
+    omitted: set[int] = set(table.short_lines)
+    bases, notes = [], []
+    for t_s, channels in groups:
+        check_limits({"t_s": t_s, **channels}, table)
+        rows = np.flatnonzero(_complete(table, t_s, channels, omitted))
+        if not len(rows):
+            raise DataError(f"{table.source}: {', '.join(channels)}: no samples")
+        kept = {key: values[rows] for key, values in channels.items()}
+        base = TimeBase(t_s[rows], kept, rows, np.zeros(len(rows), dtype=bool))
+        base, repeats = _without_repeats(base, name, rules)
+        hint = "If the clock is too coarse, write 'repeated_times: drop' in the map."
+        check_time(base.t_s, table, base.rows, hint)
+        bases.append(base)
+        notes += repeats
+    bases.sort(key=lambda base: "x_m" not in base.channels)
+    return bases, [*_omissions(name, omitted), *notes]
+
+
+def _times(table: Table, rules: ImportMap) -> dict[str, np.ndarray]:
+    """Return the times [s] of each channel's samples, from a common instant."""
+    keys = [key for key in rules.columns if key != "t_s"]
+    default = rules.columns.get("t_s")
+    if default is None:
+        return dict(_own_times(table, {key: rules.columns[key] for key in keys}))
+    sources = {key: rules.columns[key].time or default.column for key in keys}
+    gaps = table.leaves_out_rows or any(rules.columns[key].time for key in keys)
+    columns = {
+        source: default.model_copy(update={"column": source}) for source in set(sources.values())
+    }
+    if default.unit == DATE_TIME:
+        stamps = {source: table.date_times(source, gaps=gaps) for source in columns}
+        known = [stamp[~np.isnat(stamp)] for stamp in stamps.values()]
+        origin = min((stamp[0] for stamp in known if len(stamp)), default=np.datetime64(0, "s"))
+        seconds = {
+            source: (stamp - origin) / np.timedelta64(1, "ns") * 1e-9
+            for source, stamp in stamps.items()
+        }
+    else:
+        seconds = {
+            source: _in_si(table, "t_s", column, rules, gaps=gaps)
+            for source, column in columns.items()
+        }
+    return {key: seconds[source] for key, source in sources.items()}
+
+
+def _own_times(table: Table, columns: Mapping[str, Column]) -> Iterator[tuple[str, np.ndarray]]:
+    for key, column in columns.items():
+        times = table.own_times(column.column)
+        if times is None:
+            raise DataError(
+                f"{table.source}: column {column.column}: the file states no times for it",
+                "Add columns.t_s to the map.",
+            )
+        yield key, times
+
+
+def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: bool) -> np.ndarray:
+    unit = _unit(table, name, column, rules)
+    numbers = table.numbers(column.column, gaps=gaps)
+    values = numbers * (parse_unit(unit).factor * column.scale)
+    if name == "f_applied_n" and rules.load_cell is not None:  # C.6
+        values = (values - rules.load_cell.level) / rules.load_cell.volts_per_newton
+    return values if column.offset is None else values + to_si(column.offset, CHANNELS[name])
+
+
+def _unit(table: Table, name: str, column: Column, rules: ImportMap) -> str:
+    """Return a column's unit: the map's, the file's own, or SI. Raises ``DataError``."""
+    wanted, in_file = rules.wanted(name), table.unit(column.column)
+    if in_file is None:
+        return column.unit or wanted
+    where = f"{table.source}: column {column.column}: unit in the file is {in_file!r}"
+    try:
+        unit = parse_unit(in_file) if in_file else None
+    except ValueError:
+        unit = None
+    if column.unit is not None:
+        if unit and unit != parse_unit(column.unit):
+            raise DataError(f"{where}; unit in the map is {column.unit!r}")
+        return column.unit
+    if unit is None:
+        raise DataError(f"{where}, which is not a known unit", "Write the unit in the map.")
+    if unit.dimension != parse_unit(wanted).dimension:
+        raise DataError(f"{where}; {name} needs a unit such as {wanted}")
+    return in_file
+
+
+def _complete(
+    table: Table, t_s: np.ndarray, channels: Mapping[str, np.ndarray], omitted: set[int]
+) -> np.ndarray:
+    """Return the samples (n,) with a time, and with all values if the format omits rows.
+
+    Rows without a time and without values follow the end of a slower channel. Lines with one of
+    them only are added to ``omitted``, or refused.
+    """
+    timed = np.isfinite(t_s)
+    known = np.isfinite(np.stack(list(channels.values())))
+    if table.leaves_out_rows:
+        complete = timed & known.all(axis=0)
+        partial = np.flatnonzero(~complete & (timed | known.any(axis=0)))
+        omitted.update(table.lines_of(partial).tolist())
+        return complete
+    for key, values in channels.items():
+        needed = timed if key in ALWAYS else np.zeros(len(timed), dtype=bool)
+        wrong = np.flatnonzero((np.isfinite(values) & ~timed) | (~np.isfinite(values) & needed))
+        if len(wrong):
+            missing = f"no {key}" if timed[wrong[0]] else f"{key} without a time"
+            raise DataError(f"{table.source}: {table.where(int(wrong[0]))}: {missing}")
+    return timed
+
+
+def _omissions(name: str, lines: set[int]) -> Iterator[str]:
+    if lines:
+        few = ", ".join(map(str, sorted(lines)[:3])) + (", ..." if len(lines) > 3 else "")
+        yield f"{name}: {len(lines)} rows left out: blank or short (lines {few})"
+
+
+def _without_repeats(base: TimeBase, name: str, rules: ImportMap) -> tuple[TimeBase, list[str]]:
+    again = np.concatenate(([False], np.diff(base.t_s) == 0))
+    if rules.repeated_times == "refuse" or not again.any():
+        return base, []
+    note = f"{name}: {again.sum()} of {len(again)} samples dropped: same time as the one before"
+    kept = {key: values[~again] for key, values in base.channels.items()}
+    return TimeBase(base.t_s[~again], kept, base.rows[~again], base.clipped[~again]), [note]
