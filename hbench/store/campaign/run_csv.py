@@ -97,6 +97,11 @@ def check_time(
 def parse_run(data: bytes, plan: RunPlan, source: str) -> Run:
     """Return the run in a CSV in SI. Raises ``DataError``."""
     channels, _ = read_channels(parse_table(data, source, Format()))
+    return run_of(channels, plan)
+
+
+def run_of(channels: Mapping[str, np.ndarray], plan: RunPlan) -> Run:
+    """Return the run with ``channels``, each (n,) in SI; a logged reference marks its samples."""
     run: dict[str, Any] = {name: values for name, values in channels.items() if name in _IN_RUN}
     run |= {name: channels[name] > 0 for name in FLAGS if name in channels}
     if (v_ref := run.get("v_ref_m_s")) is not None:

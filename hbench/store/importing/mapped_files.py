@@ -1,70 +1,36 @@
 """Reader of another bench's files by an import map: columns, units, cuts, nominal values."""
 
-import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
 import numpy as np
 
-from hbench.config.import_map import FileSeries, ImportMap
-from hbench.errors import ConfigError, DataError
+from hbench.config.import_map import ImportMap
+from hbench.errors import DataError
 from hbench.motion.reversals import StrokeCuts, cut_at_reversals, stroke_speed
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
+from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
 from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, open_source
-from hbench.units import parse_unit
-
-# Limits of the digits bound the time that a match takes.
-_NUMBER = r"\d{1,12}(?:\.\d{1,12})?"
-_FIELDS = {"pressure": _NUMBER, "load": f"-?{_NUMBER}", "speed": _NUMBER, "trial": r"\d{1,6}"}
 
 
 @dataclass(frozen=True)
-class _Match:
-    """A file whose name matches a series."""
+class MappedFile:
+    """A file whose name matches a series, with its channels."""
 
-    name: str
-    series: FileSeries
-    fields: dict[str, str]  # the values in its name
-
-    @property
-    def trial(self) -> int:
-        """Number of the trial; 1 if the name contains none."""
-        return int(self.fields.get("trial", 1))
-
-    @property
-    def f_load_n(self) -> float | None:
-        """Nominal load: from the name, or pressure times the piston's area."""
-        load, pressure = self._si("load"), self._si("pressure")
-        if load is None and pressure is not None:
-            return pressure * self.series.cylinder.area_piston_m2
-        return load
-
-    @property
-    def speed_m_s(self) -> float | None:
-        """Nominal speed, without sign."""
-        return self.series.speed if self.series.speed is not None else self._si("speed")
-
-    @property
-    def order(self) -> tuple[float, float, float, int]:
-        """Sorting key of a series' files: pressure, load, speed and trial."""
-        pressure, load, speed = (self._si(name) or 0.0 for name in ("pressure", "load", "speed"))
-        return pressure, load, speed, self.trial
-
-    def _si(self, name: str) -> float | None:
-        if name not in self.fields:
-            return None
-        return float(self.fields[name]) * parse_unit(getattr(self.series, f"{name}_unit")).factor
+    match: FileMatch
+    file: SourceFile
+    read: FileChannels
 
 
 @dataclass(frozen=True)
-class _Stroke:
+class Stroke:
     """A section of a file that becomes a run."""
 
-    match: _Match
+    match: FileMatch
     file: SourceFile
     lines: tuple[int, int]
     channels: dict[str, np.ndarray]
@@ -76,68 +42,58 @@ class _Stroke:
         return (self.match.series.label, self.match.f_load_n, self.v_m_s > 0)
 
 
+@dataclass(frozen=True)
+class FileStrokes:
+    """The strokes of a file, and the numbers of its other sections as in ``StrokeCuts``."""
+
+    strokes: tuple[Stroke, ...]
+    partial: int
+    short: int
+
+
 def read_mapped(folder: Path, rules: ImportMap) -> ImportedRuns:
     """Read every file below ``folder`` whose name matches a series of the map.
 
     Raises ``DataError`` naming the invalid file and line.
     """
-    strokes: list[_Stroke] = []
+    matches = match_files(folder, rules)
+    refuse_empty(folder, matches)
+    cuts: list[FileStrokes] = []
     notes: list[str] = []
-    partial = short = 0
-    for match in _matches(folder, rules):
-        with open_source(folder, match.name, rules.format) as (table, file):
-            read = read_channels_by_map(table, match.name, match.fields, rules)
-        cut = _cut(read.channels["x_m"], str(folder / match.name), rules)
-        strokes += [_stroke(match, file, read, piece, rules.kind) for piece in cut.pieces]
-        notes += read.notes
-        partial, short = partial + cut.partial, short + cut.short
+    for match in matches.files:
+        mapped = read_mapped_file(folder, match, rules)
+        cuts.append(cut_strokes(mapped, folder, rules))
+        notes += mapped.read.notes
+    strokes = [stroke for cut in cuts for stroke in cut.strokes]
     if not strokes:
         raise DataError(
             f"{folder}: no stroke between two reversals is longer than min_stroke = "
             f"{1e3 * rules.min_stroke:g} mm",
             "Reduce 'min_stroke' in the map.",
         )
+    return ImportedRuns(runs_of(strokes, rules.kind), (*_notes(cuts, rules), *notes))
+
+
+def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> MappedFile:
+    """Read one file. Raises ``DataError`` naming the invalid line."""
+    with open_source(folder, match.name, rules.format) as (table, file):
+        return MappedFile(match, file, read_channels_by_map(table, match.name, match.fields, rules))
+
+
+def cut_strokes(mapped: MappedFile, folder: Path, rules: ImportMap) -> FileStrokes:
+    """Cut a file into strokes. Raises ``DataError`` if it has none, or if a speed is missing."""
+    cut = _cut(mapped.read.channels["x_m"], str(folder / mapped.match.name), rules)
+    strokes = tuple(_stroke(mapped, piece, rules.kind) for piece in cut.pieces)
+    return FileStrokes(strokes, cut.partial, cut.short)
+
+
+def runs_of(strokes: Sequence[Stroke], kind: str) -> tuple[ImportedRun, ...]:
+    """Return a run for each stroke; its nominal speed depends on the other strokes."""
     speeds = _nominal_speeds(strokes)
-    runs = tuple(
-        ImportedRun(_plan(number, s, rules.kind, speeds), s.channels, s.file, s.lines)
+    return tuple(
+        ImportedRun(_plan(number, s, kind, speeds), s.channels, s.file, s.lines)
         for number, s in enumerate(strokes, start=1)
     )
-    return ImportedRuns(runs, (*_notes(len(runs), partial, short, rules), *notes))
-
-
-def _listed(names: list[str]) -> str:
-    few = ", ".join(name[:60] for name in names[:3]) or "no file"
-    return f"{few}{', ...' if len(names) > 3 else ''}"
-
-
-def _matches(folder: Path, rules: ImportMap) -> Iterator[_Match]:
-    """Yield the files of each series by pressure and trial."""
-    names = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()]
-    taken: dict[str, str] = {}
-    for series in rules.series:
-        pattern = _pattern(series.files)
-        matches = []
-        for name in sorted(names):
-            if match := pattern.fullmatch(name):
-                if name in taken:
-                    raise ConfigError(
-                        f"{name}: matches two series, {taken[name]} and {series.files}"
-                    )
-                taken[name] = series.files
-                matches.append(_Match(name, series, match.groupdict()))
-        if not matches:
-            raise DataError(
-                f"{folder}: no file matches series {series.label!r}, files: {series.files}",
-                f"Give paths from the imported folder, which contains {_listed(sorted(names))}.",
-            )
-        yield from sorted(matches, key=lambda m: m.order)
-
-
-def _pattern(files: str) -> re.Pattern[str]:
-    text = re.escape(files)
-    for name, number in _FIELDS.items():
-        text = text.replace(re.escape(f"{{{name}}}"), f"(?P<{name}>{number})")
-    return re.compile(text)
 
 
 def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> StrokeCuts:
@@ -154,22 +110,21 @@ def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> StrokeCuts:
     return StrokeCuts((slice(0, len(x_m)),), partial=0, short=0)
 
 
-def _stroke(
-    match: _Match, file: SourceFile, read: FileChannels, piece: slice, kind: str
-) -> _Stroke:
+def _stroke(mapped: MappedFile, piece: slice, kind: str) -> Stroke:
+    match, read = mapped.match, mapped.read
     channels = {name: values[piece] for name, values in read.channels.items()}
     constant = KINDS[kind].has_constant_speed
     measured = stroke_speed(channels["t_s"], channels["x_m"]) if constant else None
-    return _Stroke(
+    return Stroke(
         match=match,
-        file=file,
+        file=mapped.file,
         lines=(int(read.lines[piece][0]), int(read.lines[piece][-1])),
         channels=channels,
         v_m_s=_top_speed(channels, match, kind) if measured is None else measured,
     )
 
 
-def _top_speed(channels: dict[str, np.ndarray], match: _Match, kind: str) -> float:
+def _top_speed(channels: dict[str, np.ndarray], match: FileMatch, kind: str) -> float:
     """Return the top speed [m/s] of a non-steady run, with the sign of its reference."""
     v_ref = channels.get("v_ref_m_s")
     if KINDS[kind].is_at_rest:
@@ -184,7 +139,7 @@ def _top_speed(channels: dict[str, np.ndarray], match: _Match, kind: str) -> flo
     return match.speed_m_s
 
 
-def _nominal_speeds(strokes: list[_Stroke]) -> dict[tuple, float]:
+def _nominal_speeds(strokes: Sequence[Stroke]) -> dict[tuple, float]:
     """Return the signed nominal speed for each label, load and direction."""
     measured = defaultdict(list)
     for stroke in strokes:
@@ -192,7 +147,7 @@ def _nominal_speeds(strokes: list[_Stroke]) -> dict[tuple, float]:
     return {reference: float(f"{median(speeds):.2g}") for reference, speeds in measured.items()}
 
 
-def _plan(number: int, stroke: _Stroke, kind: str, speeds: dict[tuple, float]) -> RunPlan:
+def _plan(number: int, stroke: Stroke, kind: str, speeds: dict[tuple, float]) -> RunPlan:
     match = stroke.match
     if not KINDS[kind].has_constant_speed:
         v_ref = stroke.v_m_s
@@ -212,9 +167,11 @@ def _plan(number: int, stroke: _Stroke, kind: str, speeds: dict[tuple, float]) -
     )
 
 
-def _notes(whole: int, partial: int, short: int, rules: ImportMap) -> tuple[str, ...]:
+def _notes(cuts: Sequence[FileStrokes], rules: ImportMap) -> tuple[str, ...]:
     if rules.cut == "none":
         return ()
+    whole = sum(len(cut.strokes) for cut in cuts)
+    partial, short = sum(cut.partial for cut in cuts), sum(cut.short for cut in cuts)
     return (
         f"cut at reversals into {whole} strokes; left out: {partial} sections before the first or "
         f"after the last reversal of a file, {short} shorter than {1e3 * rules.min_stroke:g} mm",
