@@ -8,13 +8,13 @@ import numpy as np
 from hbench.config.import_layout import CHANNELS
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
-from hbench.motion.rest import LEAST_REST_S, rest_before_motion, zero_offset
+from hbench.motion.rest import LEAST_REST_S, ZeroOffset, rest_before_motion, zero_offset
 from hbench.store.campaign.run_csv import check_limits
 from hbench.store.formats.table import Table
 from hbench.store.importing.alignment import aligned
 from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.resampling import interval_means, whole_intervals
-from hbench.store.importing.time_bases import TimeBase, read_time_bases
+from hbench.store.importing.time_bases import TimeBase, column_unit, read_time_bases
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,9 @@ class FileChannels:
     channels: dict[str, np.ndarray]  # (n,) each
     lines: np.ndarray  # (n,) line of each sample in the file, from 1
     notes: tuple[str, ...]  # the conversions applied
+    units: dict[str, str]  # of the columns in the file
+    zeros: dict[str, ZeroOffset]  # subtracted from channels
+    rest: tuple[float, float] | None  # [s] the rest before the motion; None if there is none
 
 
 def read_channels_by_map(
@@ -43,11 +46,21 @@ def read_channels_by_map(
     channels = {"t_s": base.t_s, **base.channels, **constants}
     if clipping:
         channels["sensor_saturated"] = base.clipped.astype(float)
-    channels, zeros = _zeroed(channels, source, name, rules)
+    units = {key: column_unit(table, key, column, rules) for key, column in rules.columns.items()}
+    rest = rest_before_motion(channels["t_s"], channels["x_m"], channels.get("v_ref_m_s"))
+    at_rest_s = channels["t_s"][rest]
+    channels, zeros = _zeroed(channels, rest, source, rules)
     lines = table.lines_of(base.rows)
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
-    notes = (*omissions, *clipping, *alignment, *zeros, *resampling)
-    return FileChannels(channels, lines, notes)
+    subtracted = [_subtraction(name, key, zero) for key, zero in zeros.items()]
+    return FileChannels(
+        channels=channels,
+        lines=lines,
+        notes=(*omissions, *clipping, *alignment, *subtracted, *resampling),
+        units=units,
+        zeros=zeros,
+        rest=(float(at_rest_s[0]), float(at_rest_s[-1])) if len(at_rest_s) > 1 else None,
+    )
 
 
 def _constants(
@@ -85,14 +98,11 @@ def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> s
 
 
 def _zeroed(
-    channels: dict[str, np.ndarray], source: str, name: str, rules: ImportMap
-) -> tuple[dict[str, np.ndarray], list[str]]:
-    asked = [key for key, column in rules.columns.items() if column.zero == "rest"]
-    if not asked:
-        return channels, []
-    t_s, out, notes = channels["t_s"], dict(channels), []
-    rest = rest_before_motion(t_s, channels["x_m"], channels.get("v_ref_m_s"))
-    for key in asked:
+    channels: dict[str, np.ndarray], rest: slice, source: str, rules: ImportMap
+) -> tuple[dict[str, np.ndarray], dict[str, ZeroOffset]]:
+    """Subtract the zero offsets that the map asks for. Raises ``DataError``."""
+    t_s, out, zeros = channels["t_s"], dict(channels), {}
+    for key in (key for key, column in rules.columns.items() if column.zero == "rest"):
         zero = zero_offset(t_s[rest], channels[key][rest])
         if zero is None:
             raise DataError(
@@ -101,12 +111,16 @@ def _zeroed(
                 "Remove 'zero: rest' from the map, or give the zero offset as 'offset'.",
             )
         out[key] = channels[key] - zero.mean
-        offset = f"{zero.mean:.4g} {CHANNELS[key]} (standard error {zero.se:.2g} {CHANNELS[key]})"
-        notes.append(
-            f"{name}: {key}: zero offset {offset} subtracted, the mean over {zero.seconds:.2f} s "
-            "at rest"
-        )
-    return out, notes
+        zeros[key] = zero
+    return out, zeros
+
+
+def _subtraction(name: str, key: str, zero: ZeroOffset) -> str:
+    offset = f"{zero.mean:.4g} {CHANNELS[key]} (standard error {zero.se:.2g} {CHANNELS[key]})"
+    return (
+        f"{name}: {key}: zero offset {offset} subtracted, the mean over {zero.seconds:.2f} s "
+        "at rest"
+    )
 
 
 def _resampled(

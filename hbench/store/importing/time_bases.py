@@ -97,7 +97,7 @@ def _own_times(table: Table, columns: Mapping[str, Column]) -> Iterator[tuple[st
 
 
 def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: bool) -> np.ndarray:
-    unit = _unit(table, name, column, rules)
+    unit = column_unit(table, name, column, rules)
     numbers = table.numbers(column.column, gaps=gaps)
     values = numbers * (parse_unit(unit).factor * column.scale)
     if name == "f_applied_n" and rules.load_cell is not None:  # C.6
@@ -105,7 +105,7 @@ def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: b
     return values if column.offset is None else values + to_si(column.offset, CHANNELS[name])
 
 
-def _unit(table: Table, name: str, column: Column, rules: ImportMap) -> str:
+def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> str:
     """Return a column's unit: the map's, the file's own, or SI. Raises ``DataError``."""
     wanted, in_file = rules.wanted(name), table.unit(column.column)
     if in_file is None:
