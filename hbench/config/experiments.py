@@ -7,9 +7,8 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from hbench.config import quantity as q
 from hbench.config.quantity import ConfigSection
 from hbench.config.velocities import AdaptiveSpeeds, Velocities
-from hbench.records import KINDS
+from hbench.records import KINDS, Direction
 
-Direction = Literal["extend", "retract"]
 NOT_ADAPTIVE = (
     "order: passes is not possible with adaptive velocities, which need all trials of a speed to "
     "choose the next"

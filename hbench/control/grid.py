@@ -19,9 +19,10 @@ from hbench.control.linearisation import (
 )
 from hbench.control.loops import LOOPS
 from hbench.control.merits import margins
-from hbench.control.sampled import TICK_S, Pi, SampledPlant
+from hbench.control.sampled import Pi, SampledPlant
 from hbench.errors import ConfigError
 from hbench.model.parameters import PlantParameters
+from hbench.model.plant import TICK_S
 from hbench.records import Check
 
 PHASE_MARGIN_DEG, GAIN_MARGIN_DB = 45.0, 6.0

@@ -15,7 +15,7 @@ from hbench.control.linearisation import (
     state_space,
 )
 from hbench.control.merits import bandwidth, margins, ramp_error, step_merits, step_response
-from hbench.control.sampled import TICK_S, Pi, SampledPlant
+from hbench.control.sampled import Pi, SampledPlant
 from hbench.control.transfer import (
     TransferFunction,
     pi,
@@ -25,6 +25,7 @@ from hbench.control.transfer import (
     velocity_plant,
 )
 from hbench.model.parameters import PlantParameters
+from hbench.model.plant import TICK_S
 from hbench.records import ControlLoop, Design, LoopMerits, Reproduced, RootLocus
 
 LOOPS = (  # name, symbol of the source, unit of K_c; by valve

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from hbench.control.linearisation import N_STATES, P_LP, P_LR, V
+from hbench.model.plant import TICK_S
 
-TICK_S = 1e-4
 T, L1, L2 = range(3)  # loops, by their valve: velocity, rod and piston pressure
 
 Pi = tuple[float, float]  # K_c and tau_c of 4.36

@@ -11,7 +11,7 @@ from hbench.config.bench import Bench
 from hbench.errors import ConfigError
 from hbench.protocol.dictionary import PROTOCOL, RECORD, RECORD_FLAGS, dictionary_hash
 from hbench.rig.client import Identity
-from hbench.store.campaign.folder import Campaign
+from hbench.store.campaign.folder import StoredCampaign
 
 SIMULATED_BOARDS = ("host", "mps2")  # firmware ports without a real bench
 _PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
@@ -58,7 +58,7 @@ def software() -> dict[str, str]:
     return {"python": platform.python_version(), **packages}
 
 
-def session_seed(seed: int, campaign: Campaign | None) -> int:
+def session_seed(seed: int, campaign: StoredCampaign | None) -> int:
     """Return the seed of the virtual rig, different for each session of a campaign.
 
     It follows from ``seed`` and the number of runs started so far, so that a resumed trial does
@@ -68,7 +68,7 @@ def session_seed(seed: int, campaign: Campaign | None) -> int:
     return zlib.crc32(f"{seed} {started}".encode()) if started else seed
 
 
-def refuse_another(campaign: Campaign, header: dict[str, Any]) -> None:
+def refuse_another(campaign: StoredCampaign, header: dict[str, Any]) -> None:
     """Raise ``ConfigError`` where bench, schedule, firmware or log format have changed."""
     for key in ("source", "bench", "schedule", "plant", "firmware", "log"):
         before, now = (_content(part.get(key)) for part in (campaign.header, header))

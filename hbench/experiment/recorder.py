@@ -136,13 +136,13 @@ class Recorder:
         self._unreported.append(number)
         if self._judge is not None:
             rate_hz = self._bench.controllers.log_rate
-            judged = self._judge(
+            screened = self._judge(
                 RawRun(plan, words, LOG_CHANNELS, RECORD_FLAGS, rate_hz, outcome, why)
             )
-            friction_n = judged.means.friction_n if judged.means else None
+            friction_n = screened.means.friction_n if screened.means else None
             attempt = self._attempts[number]
-            again = not judged.accepted and attempt <= self._retry
-            self._verdicts[number] = Ended(plan, attempt, judged.reasons, friction_n, again)
+            again = not screened.accepted and attempt <= self._retry
+            self._verdicts[number] = Ended(plan, attempt, screened.reasons, friction_n, again)
             if again:
                 self._again.add(number)
 

@@ -78,7 +78,7 @@ def added_effect(
     row = EFFECTS[name]
     return AddedEffect(
         name=name,
-        says=row.description,
+        description=row.description,
         parameters=estimates.of_effect(name),
         of_sensor=row.of_sensor,
         gap_before=gap_before,

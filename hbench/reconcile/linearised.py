@@ -19,10 +19,10 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import Priors, Products
 from hbench.reconcile.gaps.columns import ModelColumn
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.gaps.regions import REST_M_S
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.measured_campaign import MeasurementInterface
 from hbench.reconcile.nuisance import BOUND, nuisances
+from hbench.records.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady")
 _COEFFICIENT_PRIOR = 10.0  # typical sizes

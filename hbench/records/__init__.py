@@ -43,6 +43,7 @@ from hbench.records.fleet import (
     Trend,
 )
 from hbench.records.flow import (
+    DIRECTIONS,
     Band,
     Curve,
     CurvePoint,
@@ -109,6 +110,7 @@ from hbench.records.summary import (
 )
 
 __all__ = [
+    "DIRECTIONS",
     "KINDS",
     "QUANTITIES",
     "AddedEffect",

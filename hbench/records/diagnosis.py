@@ -12,6 +12,7 @@ from hbench.records.flow import FitParameter, Provenance, RunPlan
 from hbench.records.numbers import FloatOrNan
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
+REST_M_S = 2e-3  # windows with a lower speed are at rest
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ class AddedEffect:
     """Effect that was added to the model."""
 
     name: str
-    says: str  # the law in words
+    description: str  # the law in words
     parameters: dict[str, FitParameter]  # each in the unit that it carries, a bench's: l/min/bar
     of_sensor: bool
     gap_before: FloatOrNan  # held-out runs, over the balances it touches: refitted model without it

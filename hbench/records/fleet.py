@@ -100,7 +100,7 @@ class Spread:
     n: int  # campaigns that have it
     median: float
     between: float  # standard deviation from cylinder to cylinder, robust, without trial scatter
-    own: float | None  # standard error of a campaign's own trials, median
+    se_trials: float | None  # standard error of a campaign's own trials, median
     low: float  # 5 % quantile
     high: float  # 95 % quantile
     edges: tuple[float, ...]  # of the histogram
@@ -151,7 +151,7 @@ class Fleet:
     qualities: tuple[tuple[str, int], ...]
     sources: tuple[tuple[str, int], ...]
     protocols: tuple[tuple[str, int], ...]  # the most frequent is evaluated
-    judged: int  # campaigns of that protocol
+    compared: int  # campaigns of that protocol
     by_date: bool  # blocks and trends are over days since ``first``; else over the order of paths
     first: datetime | None
     last: datetime | None

@@ -15,6 +15,7 @@ from hbench.errors import DataError
 from hbench.records.numbers import Count, FloatOrNan, KindName
 
 Direction = Literal["extend", "retract"]
+DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
 Outcome = Literal["done", "aborted", "failed"]
 
 
@@ -248,7 +249,7 @@ class Selection:
     laws: tuple[HeldOut, ...]
     difference_n2: FloatOrNan  # mean square error of the second law less that of the first
     difference_se_n2: FloatOrNan  # its standard error
-    told_apart: bool  # whether its 95 % interval is above zero
+    distinguishable: bool  # whether its 95 % interval is above zero
     speeds: int  # held out, one at a time
 
 

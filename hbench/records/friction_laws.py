@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from hbench.records.flow import DIRECTIONS
+
 
 @dataclass(frozen=True)
 class LawParameter:
@@ -166,8 +168,6 @@ _ROWS = (
 
 FRICTION_LAWS: Mapping[str, FrictionLaw] = {law.name: law for law in _ROWS}
 PARAMETERS: Mapping[str, LawParameter] = {p.name: p for law in _ROWS for p in law.parameters}
-
-DIRECTIONS = ("extend", "retract")  # of a parameter's name and of a section, by ``by_direction``
 
 
 def parameter_named(name: str) -> LawParameter | None:

@@ -36,7 +36,7 @@ class Finding:
 
     quantity: str
     unit: str
-    found: float
+    simulated: float
     expected: float | None  # None where there is nothing to compare with
     note: str = ""  # the formula, or where the expected number comes from
 

@@ -11,12 +11,12 @@ from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.next_experiment import next_experiment
 from hbench.reconcile.simulated_runs import simulator
 from hbench.records import Diagnosis
-from hbench.store.campaign.folder import Campaign
+from hbench.store.campaign.folder import StoredCampaign
 from hbench.workflow.board import physics_of
 
 
 def diagnosed(
-    campaign: Campaign, bench: Bench, model_file: Path, report: Callable[[int, int], None]
+    campaign: StoredCampaign, bench: Bench, model_file: Path, report: Callable[[int, int], None]
 ) -> Diagnosis:
     """Diagnose a campaign measured with hbench. Raises ``ConfigError``, ``DataError``."""
     content = campaign.header["bench"]["content"]

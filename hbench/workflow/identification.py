@@ -12,7 +12,7 @@ from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.text import identification_json
 from hbench.report.render.figures import figure_files
-from hbench.store.campaign.folder import ADD_A_BENCH, Campaign, load_campaign
+from hbench.store.campaign.folder import ADD_A_BENCH, StoredCampaign, load_campaign
 from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
@@ -95,5 +95,5 @@ def _not_verified(measured: Sequence[Run]) -> str:
     return ""
 
 
-def _bench_data(campaign: Campaign) -> dict:
+def _bench_data(campaign: StoredCampaign) -> dict:
     return campaign.header["bench"]["content"]

@@ -12,7 +12,7 @@ from hbench.report.diagnosis.revised_yaml import revised_yaml, schedule_yaml
 from hbench.report.diagnosis.run_gaps import run_gaps_csv
 from hbench.report.render.figures import figure_files
 from hbench.store.campaign.folder import load_campaign
-from hbench.store.campaign.stored_diagnosis import NAME
+from hbench.store.campaign.stored_diagnosis import FILE_NAME
 from hbench.store.files.atomic import remove_files, write_files
 
 _OPTIONAL = ("next.yaml", "gaps_by_run.csv")  # files of some diagnoses only
@@ -59,7 +59,7 @@ def write_diagnosis(folder: Path, diagnosis: Diagnosis) -> None:
         files["gaps_by_run.csv"] = run_gaps_csv(diagnosis).encode()
     files["diagnosis.json"] = diagnosis_json(diagnosis).encode()
     files["report.html"] = diagnosis_page(diagnosis, drawings).encode()
-    if (folder / NAME).is_file():
+    if (folder / FILE_NAME).is_file():
         remove_files(folder, {*_OPTIONAL, *_figures(folder)} - files.keys())
     write_files(folder, files)
 

@@ -23,7 +23,7 @@ from hbench.errors import DataError
 from hbench.records import KINDS, Results, Run, ScreenedRun
 from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.tables import TABLES
-from hbench.store.campaign.folder import Campaign, load_campaign, write_results
+from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_results
 from hbench.store.campaign.stored_diagnosis import diagnoses
 from hbench.untrusted_text import printable
 
@@ -87,7 +87,7 @@ def _fitting(path: Path | None) -> Fitting:
     return _DEFAULT_FITTING if path is None else parse_fitting(read_yaml(path), str(path))
 
 
-def screened_runs(campaign: Campaign) -> Iterator[ScreenedRun]:
+def screened_runs(campaign: StoredCampaign) -> Iterator[ScreenedRun]:
     """Yield the runs of a campaign with their verdicts, read one at a time."""
     bench, rules = campaign.bench(), campaign.screening()
     if campaign.imported or bench is None:  # only imported campaigns can have no bench
@@ -98,7 +98,7 @@ def screened_runs(campaign: Campaign) -> Iterator[ScreenedRun]:
         yield screen(run, rules)
 
 
-def derive(campaign: Campaign, how: Fitting = _DEFAULT_FITTING) -> Results:
+def derive(campaign: StoredCampaign, how: Fitting = _DEFAULT_FITTING) -> Results:
     """Screen, average and fit a campaign; nothing is written. Raises ``DataError``.
 
     Accepted steady runs, most of a large campaign, are kept without their samples.

@@ -9,11 +9,11 @@ from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
 from hbench.reconcile.strokes.stroke_diagnosis import StrokeTask, diagnose_strokes
 from hbench.records import Diagnosis, ScreenedRun
-from hbench.store.campaign.folder import Campaign
+from hbench.store.campaign.folder import StoredCampaign
 from hbench.workflow.results import screened_runs
 
 
-def diagnosed_strokes(campaign: Campaign, model_file: Path, series: str | None) -> Diagnosis:
+def diagnosed_strokes(campaign: StoredCampaign, model_file: Path, series: str | None) -> Diagnosis:
     """Diagnose the steady strokes of a ``series``, which is optional if there is only one.
 
     The model's file needs only test_cylinder and friction.test. Raises ``ConfigError``,

@@ -11,7 +11,7 @@ from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError, DataError, HbenchError
 from hbench.experiment.plan import plan_runs
 from hbench.records import ScreenedRun
-from hbench.store.campaign.folder import JOURNAL, Campaign, load_campaign
+from hbench.store.campaign.folder import JOURNAL, StoredCampaign, load_campaign
 from hbench.store.campaign.journal import Entry
 from hbench.store.campaign.live_file import read_live
 from hbench.workflow.results import screened_runs
@@ -29,7 +29,7 @@ class Watch:
         self._lock = threading.Lock()  # between simultaneous requests of a page
         self._seen: str | None = None  # version of the journal at the last reading
         self._next_read_s = 0.0
-        self._campaign: Campaign | None = None
+        self._campaign: StoredCampaign | None = None
         self._error = ""  # in reading the journal
         self._planned: int | None = None
         self._rows: dict[tuple[str, str], dict[str, Any]] = {}  # by run and checksum of its log
@@ -109,7 +109,7 @@ class Watch:
         self._seen = version
         self._next_read_s = time.monotonic() + (time.monotonic() - begin) / _SHARE
 
-    def _ending(self, campaign: Campaign) -> str:
+    def _ending(self, campaign: StoredCampaign) -> str:
         if campaign.imported:
             return f"{len(campaign.latest)} runs, imported"
         done, planned = len(campaign.done), self._planned
@@ -146,7 +146,7 @@ def _row(screened: ScreenedRun) -> dict[str, Any]:
     }
 
 
-def _planned(campaign: Campaign) -> int | None:
+def _planned(campaign: StoredCampaign) -> int | None:
     """Return the number of runs in the schedule; None if not known."""
     try:
         schedule = parse_schedule(campaign.header["schedule"]["content"], "schedule")

@@ -156,7 +156,7 @@ def test_forces_that_both_take_power_out_have_no_efficiency(make_curve):
     assert "-500 N" in point.reason and "2000 N" in point.reason
 
 
-def test_friction_along_with_the_motion_is_called_a_fault(make_curve):
+def test_friction_in_the_direction_of_motion_is_called_a_fault(make_curve):
     point = efficiency_curve(make_curve([0.1], [-100.0]), instruments()).points[0]
     assert point.efficiency == pytest.approx(2000 / 1900)
     assert "above 1" in point.reason

@@ -162,7 +162,7 @@ def test_what_the_law_of_all_loads_determines(make_curve, k, seed):
 def test_which_law_predicts_best(make_curve, truth, noise, seed):
     def found(v, friction):
         chosen = fitted(make_curve(v, friction), Fitting()).selection
-        return [one.law for one in chosen.laws], chosen.told_apart
+        return [one.law for one in chosen.laws], chosen.distinguishable
 
     friction = curve_of(truth, noise, seed)
     assert found(shaken(SPEEDS, seed), shaken(friction, seed + 1)) == found(SPEEDS, friction)
@@ -171,7 +171,10 @@ def test_which_law_predicts_best(make_curve, truth, noise, seed):
 def test_laws_that_both_fit_exactly_are_not_told_apart(make_curve):
     """A straight line is in both."""
     found = fitted(make_curve(SPEEDS, 300 + 1500 * SPEEDS), Fitting()).selection
-    assert not found.told_apart and [one.law for one in found.laws] == ["tustin", "marton_lantos"]
+    assert not found.distinguishable and [one.law for one in found.laws] == [
+        "tustin",
+        "marton_lantos",
+    ]
 
 
 # ---- ranks
@@ -221,7 +224,7 @@ def test_a_run_that_alone_determines_a_parameter_leaves_it_unknown():
     still=st.booleans(),
     seed=seeds,
 )
-def test_which_leaks_are_told_apart(bench, loads, plunger, still, seed):
+def test_which_leaks_are_distinguished(bench, loads, plunger, still, seed):
     """Holds at one load, at one pressure of the rod side, and without any leak."""
     rng, cylinder = np.random.default_rng(seed), bench.test_cylinder
     specimen = Specimen(

@@ -39,17 +39,19 @@ def test_the_error_of_a_law_is_that_of_fits_without_each_speed(make_curve):
     assert found.speeds == 13
 
 
-def test_the_law_that_made_the_data_is_told_apart(make_curve):
+def test_the_law_that_made_the_data_is_distinguished(make_curve):
     curved = fitted(make_curve(SPEEDS, law(SPEEDS, 100, 600, 0.06, 2500) + noise(1, 1.0)), EQUAL)
-    assert curved.selection.laws[0].law == "tustin" and curved.selection.told_apart
+    assert curved.selection.laws[0].law == "tustin" and curved.selection.distinguishable
     bent = fitted(make_curve(SPEEDS, lines(SPEEDS, 500, -3000, 1500, 0.08) + noise(2, 1.0)), EQUAL)
-    assert bent.selection.laws[0].law == "marton_lantos" and bent.selection.told_apart
+    assert bent.selection.laws[0].law == "marton_lantos" and bent.selection.distinguishable
 
 
-def test_laws_that_are_equally_good_are_told_apart_by_chance_alone(make_curve):
+def test_laws_that_are_equally_good_are_distinguished_by_chance_alone(make_curve):
     """A straight line is in both laws. 5 % of 15 curves are 0.75; four is four sigma more."""
     apart = [
-        fitted(make_curve(SPEEDS, 300 + 1500 * SPEEDS + noise(seed)), EQUAL).selection.told_apart
+        fitted(
+            make_curve(SPEEDS, 300 + 1500 * SPEEDS + noise(seed)), EQUAL
+        ).selection.distinguishable
         for seed in range(15)
     ]
     assert sum(apart) <= 4

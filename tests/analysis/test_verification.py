@@ -83,7 +83,7 @@ def test_a_ramp_on_the_steady_curve_gives_the_steady_fit(make_curve):
     assert curve_error(fit, steady) < 1e-9
 
 
-def test_friction_along_with_the_motion_is_as_far_from_a_law_as_its_sign_says(make_curve):
+def test_friction_in_the_direction_of_motion_is_as_far_from_a_law_as_its_sign_says(make_curve):
     curve = make_curve([0.01, 0.1], [-3.0, 4.0], "retract")
     given = dict.fromkeys(PARAMETER_NAMES, FitParameter(0.0, None, None, None, ""))
     # The law is 1 N at all speeds.

@@ -6,8 +6,9 @@ import pytest
 from hbench.control import sampled
 from hbench.control.jacobian import plant_state
 from hbench.control.linearisation import linear_coefficients, state_space, steady_point
-from hbench.control.sampled import L1, L2, TICK_S, T
+from hbench.control.sampled import L1, L2, T
 from hbench.control.transfer import pi, rod_pressure_plant, valve
+from hbench.model.plant import TICK_S
 from hbench.studies.source_design import SOURCE_LOOPS
 from hbench.studies.source_nonlinear import coulomb_viscous, run_loops
 

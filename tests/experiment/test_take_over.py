@@ -83,7 +83,7 @@ def test_records_of_a_start_whose_answer_was_lost_are_not_lost(quick_experiment,
     ("kind", "word"),
     [("reset", "reset"), ("vanish", "lost")],
 )
-def test_a_reset_and_a_lost_line_are_told_apart(quick_experiment, measure, tmp_path, kind, word):
+def test_a_reset_and_a_lost_line_are_distinguished(quick_experiment, measure, tmp_path, kind, word):
     for at_s in (1.2, 1.3, 1.4, 1.5):  # between and in the middle of pulls
         world = World(quick_experiment.bench, Script(events=(Event(at_s, kind, 0.1),)))
         with pytest.raises(DeviceError, match=rf"run 000\d: .*{word}") as error:

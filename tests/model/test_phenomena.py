@@ -21,7 +21,7 @@ def shown():
 
 
 def found(phenomenon, quantity):
-    return next(f.found for f in phenomenon.findings if f.quantity == quantity)
+    return next(f.simulated for f in phenomenon.findings if f.quantity == quantity)
 
 
 def test_the_shared_curve_is_the_one_of_these_tests():
@@ -162,7 +162,7 @@ def test_a_driven_mass_without_friction_swings_as_a_spring_does():
     np.testing.assert_allclose(moved.x_m, 0.1 * (1 - np.cos(10 * t)), atol=1e-9)
 
 
-def test_friction_along_a_constant_velocity_is_lugres_exponential():
+def test_friction_at_a_constant_velocity_is_lugres_exponential():
     law = LUGRE._replace(viscous=0.0, coulomb=F_S)
     force = prescribed_friction(np.full(2000, 1e-3), 1e-3, law)
     t = 1e-3 * (np.arange(2000) + 0.5)
@@ -177,5 +177,5 @@ def test_each_phenomenon_agrees_with_its_closed_forms(shown):
             assert finding.unit, name
             if finding.expected is not None:
                 room = max(0.1 * abs(finding.expected), 0.01 * max(map(abs, expected)))
-                assert abs(finding.found - finding.expected) <= room, finding
+                assert abs(finding.simulated - finding.expected) <= room, finding
         assert all(getattr(phenomenon, field.name) is not None for field in fields(phenomenon))

@@ -67,7 +67,7 @@ def proposed(bench, one, other):
     return words, plans
 
 
-def test_masses_are_told_apart_by_steps(bench):
+def test_masses_are_distinguished_by_steps(bench):
     """Steady runs and closed valves have no acceleration."""
     words, plans = proposed(
         bench, with_effect("added_mass", "test", 3), with_effect("added_mass", "load", 3)
@@ -75,7 +75,7 @@ def test_masses_are_told_apart_by_steps(bench):
     assert plans[0].kind == "steps" and "'up and down'" in words
 
 
-def test_leaks_are_told_apart_by_closed_valves_under_load(bench):
+def test_leaks_are_distinguished_by_closed_valves_under_load(bench):
     """There the pressure drop across the load piston is largest: the load's over its piston area.
 
     At 5 kN some 34 bar; without a load it hardly leaks either way.
@@ -86,7 +86,7 @@ def test_leaks_are_told_apart_by_closed_valves_under_load(bench):
     assert plans[0].kind == "hold" and "'" not in words
 
 
-def test_equal_hypotheses_are_told_apart_by_nothing(bench):
+def test_equal_hypotheses_are_distinguished_by_nothing(bench):
     one = with_effect("added_mass", "test")
     assert proposed(bench, one, one) is None
 

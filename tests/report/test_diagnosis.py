@@ -263,7 +263,7 @@ def test_the_revised_model_reads_back_and_says_where_its_numbers_come_from(named
     assert "# refitted: " in line and line.endswith("0.9780 ± 0.0040")
     assert "0.00580 (0.00560 to 0.00610) l/min/bar" in text
     (effect,) = named.effects
-    assert f"# {effect.says}; form: {effect.shape}" in text
+    assert f"# {effect.description}; form: {effect.shape}" in text
 
 
 def test_a_model_that_needs_no_revision_is_still_a_file_that_reads_back(unknown, tmp_path):

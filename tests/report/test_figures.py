@@ -124,7 +124,7 @@ def test_a_load_that_helps_is_hollow_and_one_that_opposes_is_filled(small):
         assert (face == "white") is hollow
 
 
-def test_curves_of_one_load_are_told_apart_by_their_rod_side_pressure(small, two_rod_sides):
+def test_curves_of_one_load_are_distinguished_by_their_rod_side_pressure(small, two_rod_sides):
     assert set(series(friction.friction_magnitude(small)["extend"].axes[0])) == {"500 N", "5000 N"}
     loads = {f"{load} N, {bar} bar" for load in (500, 5000) for bar in (15, 60)}
     for draw in (friction.friction_magnitude, efficiency.efficiency):
@@ -202,7 +202,7 @@ def test_the_half_band_is_drawn_from_the_bands_with_their_intervals(seals):
     assert heights == pytest.approx([0.1, 0.3, 0.5, 0.7])
 
 
-def test_pressure_series_are_told_apart_by_their_rod_side_pressure(seals):
+def test_pressure_series_are_distinguished_by_their_rod_side_pressure(seals):
     again = replace(
         seals,
         curves=seals.curves + tuple(replace(c, p_lr_ref_pa=60e5) for c in seals.curves),

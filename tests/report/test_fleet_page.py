@@ -57,12 +57,12 @@ def test_a_drift_is_told_with_its_change_and_the_others_are_not(found):
 
 def test_the_spread_between_cylinders_is_that_of_the_truth(found):
     assert spread(found, "friction_n", "retract").between == pytest.approx(9.0, rel=0.2)
-    assert spread(found, "friction_n", "retract").own == pytest.approx(4.0, rel=1e-6)
+    assert spread(found, "friction_n", "retract").se_trials == pytest.approx(4.0, rel=1e-6)
     assert spread(found, "efficiency").between == pytest.approx(0.002, rel=0.2)
 
 
 def test_failed_campaigns_are_counted_with_their_reason_and_named(found, page):
-    assert (found.campaigns, found.failed, found.judged) == (200, 2, 198)
+    assert (found.campaigns, found.failed, found.compared) == (200, 2, 198)
     assert found.reasons == (("campaign.yaml: key 'name' is missing", 2),)
     assert "2 of 200 campaigns" in page
     assert "key &#39;name&#39; is missing" in page
@@ -95,9 +95,9 @@ def test_the_page_of_many_campaigns_is_no_larger_and_holds_no_row_each(tmp_path,
     assert sum(spread(many, "friction_n").counts) > 19_900
 
 
-def test_a_few_campaigns_are_shown_and_not_judged(tmp_path, undrawn):
+def test_a_few_campaigns_are_shown_and_not_compared(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 4, off={2: 500.0}))
-    assert few.outliers == 0 and few.worst == () and few.judged == 4
+    assert few.outliers == 0 and few.worst == () and few.compared == 4
     assert " of 4 " not in fleet_verdict(few)
     assert all(one.trend is None and len(one.blocks) == 4 for one in few.spreads)
     assert "Fleet of 4 campaigns" in fleet_page(few, draw_fleet(few))

@@ -43,7 +43,7 @@ from hbench.records import (
 )
 from hbench.records.numbers import NORMAL_95
 
-SAME_SPEED = 0.02  # largest relative difference of two speeds with the same reference
+SPEED_TOLERANCE = 0.02  # largest relative difference of two speeds with the same reference
 Contributions = dict[str, float]  # of instruments
 Weights = Mapping[int, float]  # of a curve's points, by their numbers
 Terms = Sequence[tuple[float, Sequence[float]]]  # weight of a mean, and its trials
@@ -136,7 +136,7 @@ def _weights(speed: float, curve: Curve) -> Weights:
     """Return the weights of the point at a speed, or of its two neighbours, by their numbers."""
     v = [abs(point.v_m_s) for point in curve.points]
     near = min(range(len(v)), key=lambda i: abs(v[i] - speed))
-    if abs(v[near] - speed) <= SAME_SPEED * speed:
+    if abs(v[near] - speed) <= SPEED_TOLERANCE * speed:
         return {near: 1.0}
     low = max((i for i in range(len(v)) if v[i] < speed), key=lambda i: v[i], default=None)
     high = min((i for i in range(len(v)) if v[i] > speed), key=lambda i: v[i], default=None)
@@ -242,7 +242,7 @@ def _efficiency(
     pairs = []
     for point, eta in _with_efficiency(*a):
         for other, eta_b in _with_efficiency(*b):
-            if abs(other.v_m_s - point.v_m_s) <= SAME_SPEED * abs(point.v_m_s):
+            if abs(other.v_m_s - point.v_m_s) <= SPEED_TOLERANCE * abs(point.v_m_s):
                 pairs.append(((point, eta), (other, eta_b)))
     if not pairs:
         return None

@@ -88,6 +88,6 @@ def _compare(errors: Mapping[str, np.ndarray], curves: Sequence[Curve]) -> Selec
         laws=tuple(HeldOut(law, float(np.sqrt(means[law].mean()))) for law in laws),
         difference_n2=float(difference.mean()),
         difference_se_n2=se,
-        told_apart=bool(difference.mean() > student_factor(n - 1) * se + tie),
+        distinguishable=bool(difference.mean() > student_factor(n - 1) * se + tie),
         speeds=n,
     )

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from hbench.records import Fit
-from hbench.records.friction_laws import DIRECTIONS, FRICTION_LAWS, parameter_named
+from hbench.records import DIRECTIONS, Fit
+from hbench.records.friction_laws import FRICTION_LAWS, parameter_named
 from hbench.units import from_si
 
 _DIGITS = 6

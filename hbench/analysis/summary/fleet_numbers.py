@@ -5,6 +5,7 @@ from collections.abc import Callable
 from statistics import fmean
 
 from hbench.records import (
+    DIRECTIONS,
     KINDS,
     Curve,
     Direction,
@@ -15,7 +16,6 @@ from hbench.records import (
     RunPlan,
 )
 
-_DIRECTIONS: tuple[Direction, ...] = ("extend", "retract")
 _FITTED = {
     "breakaway_fit_n": "f_stiction_n",
     "f_coulomb_n": "f_coulomb_n",
@@ -31,7 +31,7 @@ def fleet_numbers(results: Results) -> dict[tuple[str, Direction], FleetNumber]:
     """
     plans = [run.run.plan for run in results.runs]
     numbers = {}
-    for direction in _DIRECTIONS:
+    for direction in DIRECTIONS:
         series = [each for each in results.headline.series if each.direction == direction]
         loads = _planned_loads(plans, direction)
         columns: dict[str, list[FleetNumber | None]] = {

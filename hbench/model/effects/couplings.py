@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+Coefficients = tuple[float, ...]  # of an effect in SI, in the order of its row
+
 
 class Openings(NamedTuple):
     """Openings of the valves [V]: test, load 1 (rod side), load 2 (piston side)."""

@@ -8,7 +8,7 @@ from math import copysign, exp
 import numpy as np
 
 from hbench.model.compiled import compiled
-from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
+from hbench.model.effects.couplings import ChamberFlows, Coefficients, OilProperties, Openings
 from hbench.model.effects.shapes import power_law, soft_edge
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
@@ -16,8 +16,6 @@ from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR
 FLOW_M3_S = 10e-3 / 60  # where laws with another exponent stay the same
 PRESSURE_PA = 50e5
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
-
-Coefficients = tuple[float, ...]
 
 
 @compiled

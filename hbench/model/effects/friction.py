@@ -10,14 +10,13 @@ import numpy as np
 
 from hbench.model.compiled import compiled
 from hbench.model.cylinders import pressure_force
-from hbench.model.effects.couplings import FrictionTerms
+from hbench.model.effects.couplings import Coefficients, FrictionTerms
 from hbench.model.effects.flows import PRESSURE_PA
 from hbench.model.effects.shapes import power_law
 from hbench.model.friction.laws import steady_parts
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 
-Coefficients = tuple[float, ...]
 _FORCE_N = 2500.0  # where a law with another exponent stays the same
 
 

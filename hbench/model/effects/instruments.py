@@ -3,11 +3,11 @@
 from typing import TYPE_CHECKING
 
 from hbench.config.bench import Controllers
+from hbench.model.effects.couplings import Coefficients
 
 if TYPE_CHECKING:
     from hbench.model.sensors import SensorParameters
 
-Coefficients = tuple[float, ...]
 _FORCE = 6  # of sensors.CHANNELS
 _PRESSURES = slice(1, 6)
 

@@ -14,8 +14,8 @@ import numpy as np
 from hbench.analysis.rounding import merged
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.records import Region
+from hbench.records.diagnosis import REST_M_S
 
-REST_M_S = 2e-3
 _QUARTERS = 4
 
 

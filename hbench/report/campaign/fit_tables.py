@@ -60,7 +60,7 @@ def _selected(selection: Selection) -> tuple[str, ...]:
     best, following = (
         f"{law_words(law.law)} ({significant(law.rmse_n, 3)} N)" for law in selection.laws[:2]
     )
-    verdict = "distinguishable" if selection.told_apart else "not distinguishable"
+    verdict = "distinguishable" if selection.distinguishable else "not distinguishable"
     return (
         best,
         following,

@@ -19,6 +19,7 @@ from hbench.records import (
     Loop,
     Results,
     ScreenedRun,
+    Selection,
 )
 from hbench.report.json_documents.layout import (
     Constant,
@@ -71,6 +72,11 @@ LAYOUTS: Layouts = {
     },
     Curve: keys(*SERIES, "specimen", "points", "fits", "selection"),
     Fit: all_fields(Fit, without=("line", "beyond")),
+    Selection: {
+        **keys("laws", "difference_n2", "difference_se_n2"),
+        "told_apart": "distinguishable",
+        "speeds": "speeds",
+    },
     EfficiencyCurve: keys(*SERIES, "points", "mean"),
     EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
     Band: all_fields(Band, without=("extend", "retract")),

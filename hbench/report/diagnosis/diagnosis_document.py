@@ -41,7 +41,9 @@ LAYOUTS: Layouts = {
         **keys("p_value", "structured", "scatter", "windows"),
     },
     AddedEffect: {
-        **keys("name", "says", "of_sensor", "parameters", "gap_before", "gap_after", "score"),
+        "name": "name",
+        "says": "description",
+        **keys("of_sensor", "parameters", "gap_before", "gap_after", "score"),
         "runner_up": "runner_up",
         "shape": NullIfEmpty("shape"),
     },

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from scipy.stats import binned_statistic_2d
 
 from hbench.records import Diagnosis, ResidualMap
+from hbench.records.diagnosis import REST_M_S
 from hbench.report.diagnosis.names import AXES, balance, scatter_words, shown
 from hbench.report.render import style
 from hbench.report.render.series import behind
@@ -22,7 +23,6 @@ _LEAST = 3.0  # scatters that an axis shows at least, either way
 _PANELS = (("v_m_s", "load_n"), ("x_m", "load_n"), ("t_s", "load_n"), ("load_n", "v_m_s"))
 _COLOURS = {"load_n": "viridis", "v_m_s": "plasma"}
 _DARK = 0.9  # of a colour scale, whose light end can't be seen on white
-REST_M_S = 2e-3
 _TITLES = ("before", "after")
 
 

@@ -61,7 +61,7 @@ def _comments(diagnosis: Diagnosis) -> dict[tuple[str, ...], str]:
 def _law(effect: AddedEffect) -> str:
     origin = "an error of a sensor: " if effect.of_sensor else ""
     form = f"; form: {effect.shape}" if effect.shape else ""
-    return f"{origin}{effect.says}{form}"
+    return f"{origin}{effect.description}{form}"
 
 
 def _lines(

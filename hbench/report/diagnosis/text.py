@@ -109,7 +109,7 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
 def effect_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return for each effect whether it is the plant's or a sensor's, its law and its form."""
     return tuple(
-        f"{effect.name} ({'sensor' if effect.of_sensor else 'plant'}): {effect.says}; "
+        f"{effect.name} ({'sensor' if effect.of_sensor else 'plant'}): {effect.description}; "
         f"form: {effect.shape or 'the textbook one'}."
         for effect in diagnosis.effects
     )

@@ -7,7 +7,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Fleet, Quantity, Spread
+from hbench.records import DIRECTIONS, Fleet, Quantity, Spread
 from hbench.records.numbers import NORMAL_95
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
@@ -108,7 +108,7 @@ def _course(axes: Axes, spread: Spread, times: float) -> None:
 
 
 def _look(spread: Spread) -> dict:
-    return style.series_style(style.DIRECTIONS.index(spread.direction))
+    return style.series_style(DIRECTIONS.index(spread.direction))
 
 
 def _head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:

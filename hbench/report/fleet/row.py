@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 from datetime import UTC, datetime
 
-from hbench.records import Direction, FleetNumber, FleetRow, Results, RunPlan
+from hbench.records import DIRECTIONS, Direction, FleetNumber, FleetRow, Results, RunPlan
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable
 
-_DIRECTIONS: tuple[Direction, ...] = ("extend", "retract")
 _LONGEST = 200  # characters of a campaign's own words
 
 
@@ -44,7 +43,7 @@ def _protocol(plans: list[RunPlan], speed: float | None) -> str:
     """Return the settings that must be equal for a comparison of cylinders."""
     areas = sorted({(p.specimen.area_piston_m2, p.specimen.area_rod_m2) for p in plans})
     settings = ["; ".join(f"{short(1e6 * a)}/{short(1e6 * b)} mm²" for a, b in areas)]
-    for direction in _DIRECTIONS:
+    for direction in DIRECTIONS:
         chosen = [plan for plan in plans if plan.direction == direction]
         loads = dict.fromkeys(load_words(p.f_load_n, p.p_lr_ref_pa) or "no load" for p in chosen)
         if chosen:

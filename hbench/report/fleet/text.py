@@ -21,7 +21,7 @@ def fleet_text(fleet: Fleet) -> str:
     lines += [f"  {count} failed: {reason}" for reason, count in fleet.reasons]
     if len(fleet.protocols) > 1:
         lines.append(
-            f"{fleet.judged} of the most frequent kind are evaluated: {fleet.protocols[0][0]}"
+            f"{fleet.compared} of the most frequent kind are evaluated: {fleet.protocols[0][0]}"
         )
     for table in (spread_table(fleet), trend_table(fleet), worst_table(fleet, _FEW)):
         if table.rows:
@@ -52,7 +52,7 @@ def fleet_verdict(fleet: Fleet) -> str:
         return " ".join(sentences)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
-        some = f"{fleet.outliers} of {fleet.judged} campaigns {verb}."
+        some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
         sentences.append(some if fleet.outliers else "No campaign is an outlier.")
     else:
         sentences.append("Too few campaigns of the same kind to identify outliers.")
@@ -83,7 +83,7 @@ def spread_table(fleet: Fleet) -> WordTable:
                 significant(scale * spread.median, 4),
                 f"{significant(scale * spread.low, 4)} to {significant(scale * spread.high, 4)}",
                 between,
-                NONE if spread.own is None else significant(scale * spread.own, 2),
+                NONE if spread.se_trials is None else significant(scale * spread.se_trials, 2),
             )
         )
     head = ("Number", "Campaigns", "Median", "5 to 95 %", "σ between cylinders", "σ of own trials")

@@ -10,7 +10,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from hbench.records import Curve, Diagnosis, Direction, Results
+from hbench.records import Curve, Diagnosis, Results
 
 # Okabe and Ito's colours, distinguishable with any colour vision, without their yellow, in which
 # thin lines are invisible on white.
@@ -34,7 +34,6 @@ ON_MAPS = "#fefefe"  # white in the dark too, on the colours of a map
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 QUIET = "#6b7280"
 
-DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
 TITLES = {"extend": "Extending", "retract": "Retracting"}
 
 WIDTH_IN = 5.2  # two side by side on a desktop page; the type stays legible at half this width

@@ -44,7 +44,7 @@ def _finding(finding: Finding) -> tuple[str, ...]:
     return (
         finding.quantity,
         finding.unit,
-        significant(finding.found, 5),
+        significant(finding.simulated, 5),
         expected,
         finding.note,
     )

@@ -88,7 +88,7 @@ class CampaignWriter:
 
 
 @dataclass(frozen=True)
-class Campaign:
+class StoredCampaign:
     """A campaign on disk. Its logs are read on demand."""
 
     folder: Path
@@ -244,13 +244,13 @@ class Campaign:
         return f"{self.folder / JOURNAL}: {key}"
 
 
-def load_campaign(folder: Path) -> Campaign:
+def load_campaign(folder: Path) -> StoredCampaign:
     """Read a campaign's journal. Raises ``DataError``."""
     path = folder / JOURNAL
     content = journal.parse_journal(_read_journal(path), str(path))
     warnings = [str(note) for note in content.header.get("notes") or ()]
     warnings += [*content.warnings, *_unlisted_logs(folder, content), *_repeated_runs(content)]
-    return Campaign(folder, content.header, content.entries, tuple(map(printable, warnings)))
+    return StoredCampaign(folder, content.header, content.entries, tuple(map(printable, warnings)))
 
 
 def _unlisted_logs(folder: Path, content: journal.JournalContent) -> Iterator[str]:

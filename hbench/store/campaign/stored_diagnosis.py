@@ -7,7 +7,7 @@ from typing import Any
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import LARGEST_JOURNAL, read_file
 
-NAME = "diagnosis.json"
+FILE_NAME = "diagnosis.json"
 SCHEMA = "hbench.diagnosis/1"
 
 
@@ -19,7 +19,7 @@ def diagnoses(folder: Path) -> list[tuple[str, dict[str, Any] | str]]:
     """
     return [
         (path.parent.name, _read(path))
-        for path in sorted(folder.glob(f"*/{NAME}"))
+        for path in sorted(folder.glob(f"*/{FILE_NAME}"))
         if path.resolve().is_relative_to(folder.resolve())
     ]
 

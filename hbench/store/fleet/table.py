@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hbench.errors import DataError
-from hbench.records import QUANTITIES, Direction, FleetRow
+from hbench.records import DIRECTIONS, QUANTITIES, Direction, FleetRow
 from hbench.store.files.atomic import whole_file
 from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import printable
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 TABLE = "fleet.parquet"
 SUFFIXES = ("low", "high", "se")
 _BATCH = 10_000  # rows
-_DIRECTIONS: tuple[Direction, ...] = ("extend", "retract")
 _PLAIN = {
     "path": "string",
     "failed": "string",
@@ -136,7 +135,7 @@ class FleetTable:
 
 
 def _numbers() -> Iterator[tuple[str, Direction]]:
-    yield from ((quantity.name, d) for quantity in QUANTITIES for d in _DIRECTIONS)
+    yield from ((quantity.name, d) for quantity in QUANTITIES for d in DIRECTIONS)
 
 
 def _schema() -> "pa.Schema":

@@ -172,7 +172,7 @@ def _added(name, table):
     flows = table.balances["flow_tp"]
     return AddedEffect(
         name=name,
-        says="oil leaks across the piston with the pressure drop",
+        description="oil leaks across the piston with the pressure drop",
         parameters={"test": FitParameter(0.0058, 1e-4, (0.0056, 0.0061), None, "l/min/bar")},
         of_sensor=False,
         gap_before=flows.refitted,

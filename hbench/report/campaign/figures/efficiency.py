@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from hbench.records import EfficiencyCurve, Results
+from hbench.records import DIRECTIONS, EfficiencyCurve, Results
 from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import by_load, load_legend, load_ranks, load_style
@@ -22,7 +22,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
     )
     ranks = load_ranks(curves)
     figures: dict[str, Figure] = {}
-    for direction in style.DIRECTIONS:
+    for direction in DIRECTIONS:
         chosen = [curve for curve in curves if curve.direction == direction]
         if not chosen:
             continue

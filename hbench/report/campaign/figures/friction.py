@@ -7,7 +7,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import KINDS, Curve, CurvePoint, Direction, EfficiencyCurve, Fit, Results
+from hbench.records import (
+    DIRECTIONS,
+    KINDS,
+    Curve,
+    CurvePoint,
+    Direction,
+    EfficiencyCurve,
+    Fit,
+    Results,
+)
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render import style
@@ -33,7 +42,7 @@ def friction_magnitude(results: Results) -> dict[str, Figure]:
     curves = over_velocity(results)
     ranks = load_ranks(curves)
     figures: dict[str, Figure] = {}
-    for direction in style.DIRECTIONS:
+    for direction in DIRECTIONS:
         chosen = [curve for curve in curves if curve.direction == direction]
         if chosen:
             figures[direction] = _one_direction(results, direction, chosen, ranks)
