@@ -7,8 +7,11 @@ import pytest
 import yaml
 from scipy.io import savemat
 
+from hbench.config.import_layout import Format
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.formats.arrays import Arrays
+from hbench.store.formats.text import parse_table
 from hbench.store.importing.importer import import_folder
 
 T = np.arange(0, 1.0, 0.01)
@@ -148,3 +151,15 @@ def test_parquet_without_its_package_is_refused_with_what_to_install(
     with pytest.raises(ConfigError, match="pyarrow") as caught:
         bring_in("a.parquet", "txpf")
     assert "pip install" in caught.value.hint
+
+
+def test_a_table_lists_its_columns_as_a_map_gives_them():
+    logs = [{"t": T, "p": P}] * 2
+    table = Arrays({"M": np.zeros((9, 2)), "rate": 100.0, "note": "by hand", "runs": logs}, "a.mat")
+    assert table.columns() == ("M(:,1)", "M(:,2)", "runs(1).t", "runs(1).p(:,1)", "runs(1).p(:,2)")
+    assert all(len(table.numbers(column)) for column in table.columns())
+
+
+def test_a_texts_columns_without_a_unique_name_are_numbered():
+    text = parse_table(b"t,x,x,,f\n0,1,2,3,4\n", "a.csv", Format())
+    assert text.columns() == ("t", 2, 3, 4, "f")

@@ -56,6 +56,10 @@ class Arrays:
         found = self._lookup(column)
         return found.unit if isinstance(found, Signal) else None
 
+    def columns(self) -> tuple[int | str, ...]:
+        """Return the paths of all columns; of a struct array, those of its first element."""
+        return tuple(_columns(self._root))
+
     def position(self, column: int | str) -> int:
         """Return a column's index, from 0. Raises ``DataError``."""
         if column not in self.names:
@@ -164,6 +168,19 @@ def _paths(root: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
         else:
             shape = "x".join(map(str, np.shape(value)))
             yield f"{path} ({shape})" if shape else path
+
+
+def _columns(root: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    for name, value in root.items():
+        path, shape = prefix + name, getattr(value, "shape", ())
+        if isinstance(value, Mapping):
+            yield from _columns(value, f"{path}.")
+        elif isinstance(value, (list, np.ndarray)) and _structs(value):
+            yield from _columns(value[0], f"{path}(1).")
+        elif len(shape) == 1:
+            yield path
+        elif len(shape) == 2 and shape[1] <= min(shape[0], _FEW):
+            yield from (f"{path}(:,{number})" for number in range(1, shape[1] + 1))
 
 
 def _structs(value: list | np.ndarray) -> bool:

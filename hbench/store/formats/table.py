@@ -34,6 +34,9 @@ class Table(Protocol):
     def lines_of(self, rows: np.ndarray) -> np.ndarray:
         """Return the line in the file, from 1, of each of ``rows`` (n,), from 0."""
 
+    def columns(self) -> tuple[int | str, ...]:
+        """Return all columns by name or path; by number where there is no unique name."""
+
     def position(self, column: int | str) -> int:
         """Return a column's index, from 0."""
 

@@ -48,6 +48,14 @@ class TextTable:
         """Return the line in the file, from 1, of each of ``rows`` (n,), from 0."""
         return self.lines[rows]
 
+    def columns(self) -> tuple[int | str, ...]:
+        """Return all columns by name; by number where there is no unique name."""
+        names = self.names or ("",) * len(self.rows[0])
+        return tuple(
+            name if name and names.count(name) == 1 else number
+            for number, name in enumerate(names, start=1)
+        )
+
     def position(self, column: int | str) -> int:
         """Return a column's index, from 0. Raises ``DataError``."""
         if isinstance(column, str):
