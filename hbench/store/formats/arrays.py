@@ -172,7 +172,8 @@ def _paths(root: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
 
 def _columns(root: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
     for name, value in root.items():
-        path, shape = prefix + name, getattr(value, "shape", ())
+        path = prefix + name
+        shape: tuple[int, ...] = getattr(value, "shape", ())
         if isinstance(value, Mapping):
             yield from _columns(value, f"{path}.")
         elif isinstance(value, (list, np.ndarray)) and _structs(value):
