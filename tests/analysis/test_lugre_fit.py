@@ -1,5 +1,7 @@
 """LuGre along logged motions: against an ODE solver, curve_fit, and the virtual rig's truth."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -145,7 +147,7 @@ def test_a_micro_damping_that_the_data_would_have_negative_is_said_to_be_at_its_
     known = parameters(k_piston_n_pa=0.0, k_rod_n_pa=0.0)
     fit = fit_lugre([motion, motion, motion], known, list(UNKNOWNS)[:6])
     assert fit.parameters["sigma1_n_s_m"].at_bound == "lower"
-    assert "sigma1_n_s_m is at its lower bound 0 N s/m" in fit.message
+    assert re.search(r"\bsigma1_n_s_m\b.* lower .* 0 N s/m", fit.message)
     assert fit.parameters["sigma0_n_m"].value == pytest.approx(2.6e5, rel=0.05)
 
 

@@ -1,5 +1,7 @@
 """Intervals over curves, against refits by scipy that leave a curve out."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.optimize import curve_fit
@@ -50,7 +52,7 @@ def test_standard_errors_of_several_curves_are_those_of_refits_without_one(tusti
     np.testing.assert_allclose([p.se for p in found], jackknife, rtol=0.03)
     widths = [p.ci95[1] - p.ci95[0] for p in found]
     np.testing.assert_allclose(widths, 2 * student_factor(7) * jackknife, rtol=0.03)
-    assert "intervals are over the 8 curves (7 degrees of freedom)" in fit.message
+    assert re.search(r"\b8 curves \(7 ", fit.message)
 
 
 def test_the_same_points_again_narrow_no_interval(tustin, frictions):
@@ -65,4 +67,4 @@ def test_an_interval_over_curves_that_leaves_the_bounds_is_not_given(tustin):
     fit = tustin(SPEEDS, np.array([law(SPEEDS, 250, 500, v, 1500) for v in stribeck_speeds]))
     stribeck = fit.parameters["v_stribeck_m_s"]
     assert stribeck.at_bound is None and stribeck.ci95 is None and stribeck.se is None
-    assert "v_stribeck_m_s has no interval: the linearised one" in fit.message
+    assert re.search(r"\bv_stribeck_m_s\b.*\blinearised\b", fit.message)

