@@ -46,6 +46,8 @@ UNITS: dict[str, Unit] = {
     "Hz": _unit(1.0, s=-1),
     "kHz": _unit(1e3, s=-1),
     "rad": _unit(1.0),
+    "deg": _unit(math.pi / 180),
+    "rpm": _unit(math.pi / 30, s=-1),
     "N": _unit(1.0, **_NEWTON),
     "kN": _unit(1e3, **_NEWTON),
     "lbf": _unit(4.4482216152605, **_NEWTON),

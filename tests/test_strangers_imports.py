@@ -106,7 +106,7 @@ def test_what_a_campaign_cannot_contain_is_refused_on_import(
 
 def test_a_speed_near_zero_is_refused(bring_in, rules):
     rules["series"][0]["speed"] = "1e-300 mm/s"
-    with pytest.raises(ConfigError, match=r"speed = '1e-300 mm/s'.*1e-06 mm/s"):
+    with pytest.raises(ConfigError, match=r"speed = '1e-300 mm/s'.*1e-06"):
         bring_in()
 
 

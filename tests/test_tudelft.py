@@ -41,7 +41,7 @@ def points(results, label, direction):
 @pytest.mark.parametrize("label", HALF_BANDS)
 def test_half_of_the_friction_band_is_the_known_one_for_both_seals(campaign, label):
     half = [band.half_n for band in campaign[1].bands if band.label == label]
-    np.testing.assert_allclose(half, HALF_BANDS[label], atol=0.15)
+    np.testing.assert_allclose(half, HALF_BANDS[label], rtol=0.03)
 
 
 def test_three_reruns_are_three_trials_with_an_interval(campaign):
@@ -56,16 +56,18 @@ def test_the_band_of_three_reruns_has_the_interval_of_its_trials(campaign):
     bands = [band for band in campaign[1].bands if band.label == "O-ring 25.7 mm"]
     assert [round(band.p_tp_pa / 1e5) for band in bands] == [1, 3, 5, 7]
     assert [band.n for band in bands] == [3] * 4
-    half_widths = [band.half_ci95_n for band in bands]
-    np.testing.assert_allclose(half_widths, (0.84, 1.41, 2.32, 3.02), atol=0.02)
+    for band in bands:
+        halves = (np.array(band.extend.trials_n) - band.retract.trials_n) / 2
+        expected = stats.t.ppf(0.975, 2) * np.std(halves, ddof=1) / np.sqrt(3)
+        assert band.half_ci95_n == pytest.approx(expected) and 0.5 < expected < 4
 
 
-def test_friction_opposes_the_motion_and_single_runs_have_no_interval(campaign):
+def test_friction_opposes_the_motion_and_strokes_of_a_file_are_its_trials(campaign):
     for label in HALF_BANDS:
         for direction, sign in (("extend", 1), ("retract", -1)):
             for point in points(campaign[1], label, direction):
                 assert sign * point.friction_n > 0 and sign * point.v_m_s > 0
-                assert point.n == 1 and point.ci95_n is None
+                assert point.n in (8, 9) and 0 < point.ci95_n < 0.1 * abs(point.friction_n)
 
 
 def test_strokes_with_a_gap_in_the_log_are_left_out_with_the_reason(campaign):
@@ -81,10 +83,10 @@ def test_the_report_shows_friction_against_pressure(campaign):
 
 
 def test_the_strokes_left_out_are_those_whose_lines_have_a_pause_in_the_file(campaign):
-    """The log pauses 0.3 s now and then; three pauses fall into a steady window."""
+    """The log pauses 0.3 s now and then; two pauses fall into a steady window."""
     origins = {entry.plan.run: entry.origin for entry in load_campaign(campaign[0]).entries}
     rejected = [one for one in campaign[1].runs if not one.accepted]
-    assert [one.run.plan.label for one in rejected] == ["O-ring", "NAPN", "NAPN"]
+    assert [one.run.plan.label for one in rejected] == ["NAPN", "NAPN"]
     for one in rejected:
         origin = origins[one.run.plan.run]
         first, last = origin["lines"]

@@ -19,6 +19,7 @@ CHANNELS = {
     "p_lr_pa": "Pa",
     "p_s_pa": "Pa",
     "f_applied_n": "N",
+    "f_drive_n": "N",  # of a drive without hydraulics, such as a motor
     "u_t_v": "V",
     "u_l1_v": "V",
     "u_l2_v": "V",
@@ -26,6 +27,7 @@ CHANNELS = {
     "p_lr_ref_pa": "Pa",
     "p_lp_ref_pa": "Pa",
 }
+ROTARY = {"m": "rad", "m/s": "rad/s", "N": "N m"}  # units of a rotary actuator's channels
 FLAGS = ("sensor_saturated", "valve_saturated")  # 0 or 1, in files of the default layout
 # By the unit of a channel: larger values are no measurements.
 LIMITS = {"s": 1e12, "m": 1e3, "m/s": 1e3, "Pa": 1e11, "N": 1e10, "V": 1e6}
@@ -51,7 +53,8 @@ class Column(ConfigSection):
     unit: str | None = None
     scale: float = Field(default=1.0, allow_inf_nan=False)
     offset: str | None = None  # a quantity: "-1.25 bar"
-    zero: Literal["rest"] | None = None  # its mean at rest before the motion is subtracted
+    # rest: its mean at rest before the motion is subtracted; none: the values are taken as they are
+    zero: Literal["rest", "none"] = "none"
 
     @field_validator("scale")
     @classmethod
@@ -109,5 +112,5 @@ def check_column(name: str, column: Column, layout: Format, wanted: str) -> None
             raise ValueError("columns.t_s: date-times have neither scale nor offset")
     elif parse_unit(column.unit).dimension != parse_unit(wanted).dimension:
         raise ValueError(f"columns.{name}: unit {column.unit!r} is not one of {wanted}")
-    if column.zero is not None and name in ("t_s", "x_m"):
+    if column.zero == "rest" and name in ("t_s", "x_m"):
         raise ValueError(f"columns.{name}: zero: rest is not possible for this channel")

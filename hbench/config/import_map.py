@@ -5,12 +5,13 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from hbench.config import quantity as q
 from hbench.config.files.loading import validate
 from hbench.config.import_layout import (
     CHANNELS,
+    ROTARY,
     Column,
     ForeignLoadCell,
     Format,
@@ -18,69 +19,157 @@ from hbench.config.import_layout import (
 )
 from hbench.config.quantity import ConfigSection
 from hbench.config.schedule import Screening
+from hbench.config.sensors import Instruments
 from hbench.records import KINDS, kind_names
 from hbench.units import parse_unit, to_si
 
-FIELDS = ("pressure", "load", "speed", "trial")  # of file names
+FIELDS = ("pressure", "load", "speed", "trial")  # of file names, besides factors
+_FIELD = re.compile(r"\{([^{}]*)\}")
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
+
+
+def _speed(value: object) -> float:
+    """Read a speed, linear or angular."""
+    try:
+        si = to_si(value, "rad/s")
+    except ValueError:
+        si = to_si(value, "mm/s")
+    if not 1e-9 <= si <= 10:
+        raise ValueError(f"must be 1e-06 to 10000 mm/s, or 1e-09 to 10 rad/s; is {value}")
+    return si
+
+
+AnySpeed = Annotated[float, BeforeValidator(_speed)]
+Area = Annotated[float, q.quantity("mm^2", gt=0, le=10)]
+RodArea = Annotated[float, q.quantity("mm^2", ge=0, le=10)]
+Displacement = Annotated[float, q.quantity("cm^3", gt=0, le=1)]  # a radian has no dimension
 
 
 class ImportedCylinder(ConfigSection):
-    """The cylinder under test of another bench."""
+    """The actuator under test of another bench, by diameters, areas or displacement.
 
-    piston_diameter: q.Length
+    ``displacement`` is the volume for one radian of a rotary actuator with equal sides.
+    """
+
+    piston_diameter: q.Length | None = None
     rod_diameter: Annotated[float, q.quantity("mm", ge=0, le=20)] = 0.0
+    piston_area: Area | None = None
+    rod_area: RodArea | None = None  # of the rod side, the annulus
+    displacement: Displacement | None = None
     stroke: q.Length | None = None  # for end_stop; x_m is 0 with the piston fully retracted
 
     @property
+    def rotary(self) -> bool:
+        """Whether positions are angles and forces torques."""
+        return self.displacement is not None
+
+    @property
     def area_piston_m2(self) -> float:
-        """A_p."""
-        return math.pi / 4 * self.piston_diameter**2
+        """A_p, or the displacement of a radian [m^3]."""
+        if self.piston_diameter is not None:
+            return math.pi / 4 * self.piston_diameter**2
+        return self.displacement or self.piston_area or 0.0
 
     @property
     def area_rod_m2(self) -> float:
-        """A_r, the annulus."""
-        return math.pi / 4 * (self.piston_diameter**2 - self.rod_diameter**2)
+        """A_r, the annulus, or the displacement of a radian [m^3]."""
+        if self.piston_diameter is not None:
+            return math.pi / 4 * (self.piston_diameter**2 - self.rod_diameter**2)
+        return self.displacement or self.rod_area or 0.0
+
+    @property
+    def known(self) -> bool:
+        """Whether it is a hydraulic actuator: it has a size."""
+        return self.area_piston_m2 > 0.0
 
     @model_validator(mode="after")
-    def _rod_fits(self) -> "ImportedCylinder":
-        if self.rod_diameter >= self.piston_diameter:
+    def _one_size(self) -> "ImportedCylinder":
+        given = [
+            name
+            for name in ("piston_diameter", "piston_area", "displacement")
+            if getattr(self, name) is not None
+        ]
+        if len(given) != 1:
+            raise ValueError(
+                "give one of piston_diameter (with rod_diameter), piston_area (with rod_area) and "
+                f"displacement; found {' and '.join(given) or 'none'}"
+            )
+        if given == ["piston_diameter"] and self.rod_diameter >= (self.piston_diameter or 0):
             raise ValueError("rod_diameter must be smaller than piston_diameter")
+        if self.rod_area is not None and given != ["piston_area"]:
+            raise ValueError("rod_area needs piston_area")
+        if (self.rod_area or 0.0) > (self.piston_area or math.inf):
+            raise ValueError("rod_area, the annulus, must not be larger than piston_area")
+        if self.rod_diameter and given != ["piston_diameter"]:
+            raise ValueError("rod_diameter needs piston_diameter")
         return self
+
+
+NO_CYLINDER = ImportedCylinder.model_construct()
 
 
 class FileSeries(ConfigSection):
     """Files that belong together: one cylinder, one label, several trials, loads or speeds.
 
-    ``files`` is a path below the imported folder with fields in braces, each a number:
-    ``{pressure}``, ``{load}``, ``{speed}`` in the units given here with at most 12 digits before
-    and after the point, and ``{trial}`` with at most 6 digits. The nominal load is ``{load}``, or
-    else the pressure times the piston's area, or else there is none. Without ``{trial}`` a file is
-    trial 1. Without ``speed`` and ``{speed}`` the nominal speed is the median of the strokes of one
-    load and direction, to two digits.
+    ``files`` is a path below the imported folder with fields in braces: ``{pressure}``, ``{load}``,
+    ``{speed}`` are numbers in the units given here, ``{trial}`` is a whole number, and a name of
+    ``factors`` is a number in that factor's unit, or any text if its unit is empty. A star stands
+    for any characters. The nominal load is ``{load}``, or else the pressure times the piston's
+    area, or else there is none. Without ``speed`` and ``{speed}`` the nominal speed is measured.
     """
 
     label: str
     files: str
-    cylinder: ImportedCylinder
+    cylinder: ImportedCylinder = NO_CYLINDER  # not needed where the drive's force is logged
     pressure_unit: str = "bar"
     load_unit: str = "N"
     speed_unit: str = "mm/s"
-    speed: q.Speed | None = None
+    speed: AnySpeed | None = None
+    # What else was varied, such as current or lubricant: its unit where the file's name has the
+    # value, as in {current: A}; or the value itself, as in {lubricant: PTFE grease}.
+    factors: dict[str, str] = {}
 
-    @field_validator("files")
+    @property
+    def fields(self) -> list[str]:
+        """The fields in ``files``."""
+        return _FIELD.findall(self.files)
+
+    def factors_in(self, fields: Mapping[str, str]) -> list[str]:
+        """Return the factors as text, with the values in a file's name."""
+        return [
+            f"{name} {fields[name]} {value}".rstrip() if name in fields else f"{name} {value}"
+            for name, value in self.factors.items()
+        ]
+
+    @field_validator("factors")
     @classmethod
-    def _fields(cls, files: str) -> str:
-        rest = re.sub(rf"\{{({'|'.join(FIELDS)})\}}", "", files)
-        if "{" in rest or "}" in rest:
-            words = ", ".join(f"{{{name}}}" for name in FIELDS)
-            raise ValueError(f"only {words} are possible in braces")
-        if any(files.count(f"{{{name}}}") > 1 for name in FIELDS):
-            raise ValueError("a field may occur only once")
-        return files
+    def _factor_names(cls, factors: dict[str, str]) -> dict[str, str]:
+        for name, value in factors.items():
+            if not _NAME.fullmatch(name) or name in FIELDS:
+                raise ValueError(f"{name!r} is not a possible name; use a-z, 0-9 and _")
+            if not value.isprintable() or len(value) > 60:
+                raise ValueError(f"{name}: must be printable text of at most 60 characters")
+        return factors
 
     @model_validator(mode="after")
-    def _units(self) -> "FileSeries":
+    def _fields(self) -> "FileSeries":
+        known = (*FIELDS, *self.factors)
+        rest = _FIELD.sub("", self.files)
+        unknown = [field for field in self.fields if field not in known]
+        if "{" in rest or "}" in rest or unknown:
+            words = ", ".join(f"{{{name}}}" for name in known)
+            raise ValueError(
+                f"files: only {words} are possible in braces; add other names to 'factors'"
+            )
+        if len(set(self.fields)) < len(self.fields):
+            raise ValueError("files: a field may occur only once")
         for name, si in (("pressure", "Pa"), ("load", "N"), ("speed", "m/s")):
+            if self.cylinder.rotary:
+                si = {"N": "N m", "m/s": "rad/s"}.get(si, si)
+                if f"{name}_unit" not in self.model_fields_set and name != "pressure":
+                    if f"{{{name}}}" in self.files:
+                        raise ValueError(f"{name}_unit is missing: {si}, for a rotary actuator")
+                    continue
             unit = getattr(self, f"{name}_unit")
             if parse_unit(unit).dimension != parse_unit(si).dimension:
                 raise ValueError(f"{name}_unit {unit!r} is not a unit of {name}")
@@ -101,10 +190,14 @@ class ImportMap(ConfigSection):
     constants: dict[str, str] = {}
     load_cell: ForeignLoadCell | None = None  # f_applied_n is logged as a voltage: C.6
     series: tuple[FileSeries, ...] = Field(min_length=1, max_length=1000)
+    instruments: Instruments | None = None  # tolerances, for the expanded uncertainty
+    moving_mass: q.Mass | None = None  # of the test side: piston, rod and what they carry
+    # Anything that identifies the test, printed in the report: specimen, oil, operator, ...
+    details: dict[str, str] = Field(default={}, max_length=30)
     repeated_times: Literal["refuse", "drop"] = "refuse"  # drop: the first sample of each counts
     resample: q.Frequency | None = None
-    cut: Literal["none", "reversals"] = "none"
-    min_stroke: q.Length = 0.01  # shorter strokes are dropped, with a note
+    cut: Literal["none", "reversals", "plateaus"] = "none"  # a run of each stroke or speed
+    min_stroke: q.Length = 0.01  # shorter ones are left out, with a note
     screening: Screening = Screening()
 
     @field_validator("kind")
@@ -116,10 +209,25 @@ class ImportMap(ConfigSection):
 
     def wanted(self, channel: str) -> str:
         """Return a unit of the dimension that a channel's column must have."""
-        return "V" if channel == "f_applied_n" and self.load_cell else CHANNELS[channel]
+        return "V" if channel == "f_applied_n" and self.load_cell else self.unit(channel)
+
+    def unit(self, channel: str) -> str:
+        """Return a channel's unit."""
+        unit = CHANNELS[channel]
+        return ROTARY.get(unit, unit) if self.series[0].cylinder.rotary else unit
+
+    @field_validator("details")
+    @classmethod
+    def _printable(cls, details: dict[str, str]) -> dict[str, str]:
+        for name, text in details.items():
+            if not (name + text).isprintable() or len(name) > 40 or len(text) > 200:
+                raise ValueError(f"{name[:40]!r}: must be printable text of 200 characters at most")
+        return details
 
     @model_validator(mode="after")
     def _channels(self) -> "ImportMap":
+        if len({series.cylinder.rotary for series in self.series}) > 1:
+            raise ValueError("series: rotary and linear actuators need maps of their own")
         for name in (*self.columns, *self.constants):
             if name not in CHANNELS:
                 raise ValueError(f"unknown channel '{name}'; known are {', '.join(CHANNELS)}")
@@ -135,7 +243,14 @@ class ImportMap(ConfigSection):
                 raise ValueError(f"columns.{name}: time needs columns.t_s, which gives its unit")
             check_column(name, column, self.format, self.wanted(name))
             if column.offset is not None:
-                _quantity(f"columns.{name}.offset", column.offset, CHANNELS[name])
+                _quantity(f"columns.{name}.offset", column.offset, self.unit(name))
+        if "f_drive_n" not in (*self.columns, *self.constants):
+            for series in self.series:
+                if not series.cylinder.known:
+                    raise ValueError(
+                        f"series {series.label!r}: cylinder is missing; without pressures give "
+                        "columns.f_drive_n, the force of the drive"
+                    )
         if self.load_cell and "f_applied_n" not in self.columns:
             raise ValueError("load_cell needs columns.f_applied_n")
         return self
@@ -159,8 +274,8 @@ class ImportMap(ConfigSection):
         """
         text = self.constants[channel]
         for name, number in fields.items():
-            text = text.replace(f"{{{name}}}", number)
-        return _quantity(f"constants.{channel}", text, CHANNELS[channel])
+            text = text.replace(f"{{{name}}}", number.replace(",", "."))
+        return _quantity(f"constants.{channel}", text, self.unit(channel))
 
 
 def _quantity(key: str, value: str, unit: str) -> float:

@@ -81,6 +81,11 @@ class Instrument(ConfigSection):
     of: Literal["reading", "full_scale"]
     full_scale: float
 
+    @property
+    def largest(self) -> float:
+        """The tolerance at full scale."""
+        return self.tolerance * self.full_scale
+
 
 class ForceInstrument(Instrument):
     """Tolerance of the load cell."""

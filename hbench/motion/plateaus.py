@@ -20,8 +20,10 @@ _LONGEST_MEAN_S = 1.0  # longest block where no shorter one has the mean speed, 
 _SIGMAS = 3.0  # of a block's noise
 _LEAST = 4  # blocks of a plateau
 _OUTLIERS = 2  # blocks in a row that do not end a plateau
+_LEAST_SHARE = 0.5  # of a section's blocks have its speed, or longer blocks are tried
 _TREND = 0.05  # of the speed: a larger change along the section is a ramp
 _SLOW = 0.03  # of the speed: slower blocks at an end belong to a change of speed
+_ROUNDING = 1e-9
 _LINE_SIGMAS = 4.0  # of the position's noise: a sample beyond is off the plateau's line
 
 
@@ -44,8 +46,8 @@ def plateau_at(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float) -> slice:
     noise = noise_over_motion(t_s, x_m)
     block = _block_for(t_s, noise, v_m_s)
     while block <= max(_LONGEST_MEAN_S, _longest_block(v_m_s)):
-        section = _longest_at(t_s, x_m, v_m_s, block, noise)
-        if section.stop > section.start and t_s[section.stop - 1] - t_s[section.start] > 2 * block:
+        section, share = _longest_at(t_s, x_m, v_m_s, block, noise)
+        if share >= _LEAST_SHARE and t_s[section.stop - 1] - t_s[section.start] > 2 * block:
             return section
         block *= 2
     return slice(0, 0)
@@ -53,15 +55,34 @@ def plateau_at(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float) -> slice:
 
 def _longest_at(
     t_s: np.ndarray, x_m: np.ndarray, v_m_s: float, block: float, noise: float
-) -> slice:
+) -> tuple[slice, float]:
+    """Return the longest section at a speed, and the share of its blocks that have this speed."""
     speeds = block_speeds(t_s, x_m, block, noise)
     near = _near(speeds, v_m_s)
-    sections = []
+    sections = [(slice(0, 0), 0.0)]
     for piece in _between(np.flatnonzero(_against(speeds, v_m_s)), len(near)):
         blocks = piece.start + np.flatnonzero(near[piece])
         if len(blocks):
-            sections.append(_section(t_s, x_m, speeds, blocks, noise))
-    return max(sections, key=lambda s: t_s[s.stop - 1] - t_s[s.start], default=slice(0, 0))
+            share = len(blocks) / (blocks[-1] - blocks[0] + 1)
+            sections.append((_section(t_s, x_m, speeds, blocks, noise), float(share)))
+    return max(sections, key=lambda s: t_s[s[0].stop - 1] - t_s[s[0].start] if s[1] else -1.0)
+
+
+def settled(
+    t_s: np.ndarray, x_m: np.ndarray, section: slice, settle_s: float, settle_m: float
+) -> slice:
+    """Return ``section`` after ``settle_s`` and after a travel of ``settle_m``; may be empty.
+
+    Both are needed, because pressures settle in time but the seals' presliding settles in travel.
+    """
+    t, x = t_s[section], x_m[section]
+    if not len(t):
+        return slice(0, 0)
+    in_time = t - t[0] >= settle_s - _ROUNDING
+    after = in_time & (np.abs(x - x[0]) >= settle_m - _ROUNDING)
+    return (
+        slice(section.start + int(np.argmax(after)), section.stop) if after.any() else slice(0, 0)
+    )
 
 
 def plateaus(

@@ -72,12 +72,22 @@ class RunPlan:
     p_lp_ref_pa: float | None = None
     label: str = ""  # distinguishes series of one campaign, such as seals
     motion: Motion | None = None  # None for runs that another bench made
+    # Positions to average over, of a stroke with a counterpart: those that both directions cover.
+    x_low_m: float | None = None
+    x_high_m: float | None = None
 
     @property
     def planned_motion(self) -> Motion:
         """Motion of a run that hbench planned; only imported runs have none."""
         assert self.motion is not None, f"run {self.run} was imported"
         return self.motion
+
+    @property
+    def positions_m(self) -> tuple[float, float] | None:
+        """Positions to average over; None for the whole steady window."""
+        if self.x_low_m is None or self.x_high_m is None:
+            return None
+        return self.x_low_m, self.x_high_m
 
     @property
     def direction(self) -> Direction:

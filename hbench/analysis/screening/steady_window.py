@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.screening.steadiness import BLOCK_S, speeds_over_tenths
 from hbench.config.schedule import Screening
-from hbench.motion.plateaus import plateau_at, plateaus
+from hbench.motion.plateaus import plateau_at, plateaus, settled
 from hbench.records import Run
 
 NOTHING = slice(0, 0)
@@ -26,16 +25,16 @@ def at_reference(run: Run) -> slice:
 def steady_window(run: Run, section: slice, rules: Screening) -> slice:
     """Return the window: ``section`` after ``settle_time`` and after ``settle_travel``.
 
-    Both are needed, because pressures settle in time but the seals' presliding settles in travel.
+    Of strokes in both directions only the positions count that both cover, if the plan has them.
     """
-    t, x = run.t_s[section], run.x_m[section]
-    if not len(t):
+    window = settled(run.t_s, run.x_m, section, rules.settle_time, rules.settle_travel)
+    positions = run.plan.positions_m
+    if positions is None:
+        return window
+    inside = np.flatnonzero((run.x_m[window] >= positions[0]) & (run.x_m[window] <= positions[1]))
+    if not len(inside):
         return NOTHING
-    in_time = t - t[0] >= rules.settle_time - ROUNDING
-    settled = in_time & (np.abs(x - x[0]) >= rules.settle_travel - ROUNDING)
-    if not settled.any():
-        return NOTHING
-    return slice(section.start + int(np.argmax(settled)), section.stop)
+    return slice(window.start + int(inside[0]), window.start + int(inside[-1]) + 1)
 
 
 def window_length_s(run: Run, window: slice) -> float:

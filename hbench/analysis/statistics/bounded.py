@@ -18,6 +18,7 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 _COMPLEX_STEP = 1e-30  # any small step is exact
 _TOLERANCE = 1e-15  # relative, of cost and step: full precision
+_STATIONARY, _CONVERGED = 1e-14, 1e-6  # cosine of residual and effects at a minimum
 _NEAR = 1e-3  # of a parameter's scale: a nearer bound may be active
 _EVALUATIONS = 2000
 _EXACT = 1e-3  # of rounding: nothing is left to search for
@@ -135,6 +136,8 @@ def _search(
         return x, not free.any()
     if np.linalg.norm(problem.residual(x)) <= _EXACT * rounding(problem, x):
         return x, True
+    if _offset(problem, x, free) <= _STATIONARY:  # where the search would not end
+        return x, True
     if tolerance > _TOLERANCE:
         x, converged = _gauss_newton(problem, x, free, tolerance)
         if converged:
@@ -156,8 +159,21 @@ def _search(
         gtol=None,
         max_nfev=_EVALUATIONS,
     )
+    x = with_free(result.x)
     exact = np.linalg.norm(result.fun) <= _rounding(result.jac, problem.scale[free])
-    return with_free(result.x), bool(result.status > 0 or exact)
+    return x, bool(result.status > 0 or exact or _offset(problem, x, free) <= _CONVERGED)
+
+
+def _offset(problem: Problem, x: np.ndarray, free: np.ndarray) -> float:
+    """Return the largest cosine between the residual and a free parameter's effect on it.
+
+    It is zero at a minimum. Parameters whose effect is rounding are left out.
+    """
+    residual, jacobian = problem.residual(x), problem.derivatives(x)
+    length = np.linalg.norm(jacobian, axis=0)
+    has_effect = free & (length * problem.scale > _rounding(jacobian, problem.scale))
+    along = np.abs(residual @ jacobian)[has_effect] / length[has_effect]
+    return float(along.max(initial=0.0) / np.linalg.norm(residual))
 
 
 def _gauss_newton(

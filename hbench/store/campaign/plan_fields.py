@@ -19,6 +19,8 @@ _RANGES = {
     "area_piston_m2": (1e-9, 1e2),
     "area_rod_m2": (0, 1e2),
     "stroke_m": (1e-6, 1e3),
+    "x_low_m": _LENGTH,
+    "x_high_m": _LENGTH,
     "x_start_m": _LENGTH,
     "x_min_m": _LENGTH,
     "x_max_m": _LENGTH,

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from hbench.errors import DataError
+from hbench.store.importing.file_notes import FileNote
 from hbench.store.importing.resampling import gaps_within, interval_means
 from hbench.store.importing.time_bases import TimeBase
 
@@ -15,7 +16,7 @@ _SAME = 1e-6  # of a sampling interval: times that differ by less are equal
 
 def aligned(
     bases: Sequence[TimeBase], max_gap_s: float, source: str, name: str
-) -> tuple[TimeBase, list[str]]:
+) -> tuple[TimeBase, list[FileNote]]:
     """Return the channels of all ``bases`` at the times of the first, with notes.
 
     A channel sampled at the same or a lower rate is linearly interpolated; one sampled at a higher
@@ -60,7 +61,7 @@ def aligned(
     )
 
 
-def _notes(bases: Sequence[TimeBase], common: np.ndarray, name: str) -> Iterator[str]:
+def _notes(bases: Sequence[TimeBase], common: np.ndarray, name: str) -> Iterator[FileNote]:
     """Report what was done to the channels; nothing if they are sampled at the same times."""
     t_s, step = bases[0].t_s, _step(bases[0].t_s)
     changes = []
@@ -72,12 +73,13 @@ def _notes(bases: Sequence[TimeBase], common: np.ndarray, name: str) -> Iterator
             )
             changes.append(f"{', '.join(base.channels)} ({1 / own:.4g} Hz): {change}")
     if changes:
-        yield f"{name}: at the times of x_m ({1 / step:.4g} Hz): {'; '.join(changes)}"
+        yield FileNote(name, f"at the times of x_m ({1 / step:.4g} Hz): {'; '.join(changes)}")
     if not common.all():
-        yield (
-            f"{name}: {(~common).sum()} of {len(t_s)} samples left out: before the first or after "
-            "the last sample of another channel"
+        text = (
+            "{count} of {samples} samples left out: before the first or after the last sample of "
+            "another channel"
         )
+        yield FileNote(name, text, {"count": int((~common).sum()), "samples": len(t_s)})
 
 
 def _is_faster(step_s: float, reference_s: float) -> bool:

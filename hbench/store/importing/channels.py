@@ -13,8 +13,15 @@ from hbench.store.campaign.run_csv import check_limits
 from hbench.store.formats.table import Table
 from hbench.store.importing.alignment import aligned
 from hbench.store.importing.clipping import clipped_samples
+from hbench.store.importing.file_notes import FileNote
 from hbench.store.importing.resampling import interval_means, whole_intervals
 from hbench.store.importing.time_bases import TimeBase, column_unit, read_time_bases
+
+_ZERO_TOLERANCE = 0.01  # of a channel's range in the file
+_NO_REST = (
+    "Write 'zero: none' in the map if the values have no offset, or give it as 'offset': a load "
+    "may act on the sensor before the motion."
+)
 
 
 @dataclass(frozen=True)
@@ -23,7 +30,7 @@ class FileChannels:
 
     channels: dict[str, np.ndarray]  # (n,) each
     lines: np.ndarray  # (n,) line of each sample in the file, from 1
-    notes: tuple[str, ...]  # the conversions applied
+    notes: tuple[FileNote, ...]  # the conversions applied
     units: dict[str, str]  # of the columns in the file
     zeros: dict[str, ZeroOffset]  # subtracted from channels
     rest: tuple[float, float] | None  # [s] the rest before the motion; None if there is none
@@ -52,7 +59,7 @@ def read_channels_by_map(
     channels, zeros = _zeroed(channels, rest, source, rules)
     lines = table.lines_of(base.rows)
     channels, lines, resampling = _resampled(channels, lines, source, name, rules)
-    subtracted = [_subtraction(name, key, zero) for key, zero in zeros.items()]
+    subtracted = [_subtraction(name, key, rules.unit(key), zero) for key, zero in zeros.items()]
     return FileChannels(
         channels=channels,
         lines=lines,
@@ -74,7 +81,7 @@ def _constants(
             raise DataError(f"{source}: {error}") from None
 
 
-def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], list[str]]:
+def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], list[FileNote]]:
     """Mark the clipped samples of each time base, with notes."""
     t_s, x_m = bases[0].t_s, bases[0].channels["x_m"]
     marked, notes = [], []
@@ -89,18 +96,19 @@ def _with_clipping(bases: list[TimeBase], name: str) -> tuple[list[TimeBase], li
     return marked, notes
 
 
-def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> str:
-    limits = " and ".join(f"{limit:.6g}" for limit in np.unique(values[samples]))
-    return (
-        f"{name}: {key}: clipped at {limits} {CHANNELS[key]} in {samples.sum()} of {len(samples)} "
-        "samples: constant while other channels change"
+def _clipping(name: str, key: str, values: np.ndarray, samples: np.ndarray) -> FileNote:
+    text = (
+        f"{key}: clipped at {{limit}} {CHANNELS[key]} in {{count}} of {{samples}} samples: "
+        "constant while other channels change"
     )
+    limit = float(values[samples][0])
+    return FileNote(name, text, {"limit": limit, "count": samples.sum(), "samples": len(samples)})
 
 
 def _zeroed(
     channels: dict[str, np.ndarray], rest: slice, source: str, rules: ImportMap
 ) -> tuple[dict[str, np.ndarray], dict[str, ZeroOffset]]:
-    """Subtract the zero offsets that the map asks for. Raises ``DataError``."""
+    """Subtract the zero offsets that the map asks for. Raises ``DataError`` without a true rest."""
     t_s, out, zeros = channels["t_s"], dict(channels), {}
     for key in (key for key, column in rules.columns.items() if column.zero == "rest"):
         zero = zero_offset(t_s[rest], channels[key][rest])
@@ -108,24 +116,50 @@ def _zeroed(
             raise DataError(
                 f"{source}: {key}: no zero offset: less than {LEAST_REST_S:g} s at rest before the "
                 "motion",
-                "Remove 'zero: rest' from the map, or give the zero offset as 'offset'.",
+                _NO_REST,
             )
+        tolerance = _zero_tolerance(channels[key], key, rules)
+        if fault := _fault_of(zero, rules.unit(key), tolerance):
+            raise DataError(f"{source}: {key}: no zero offset: {fault}", _NO_REST)
         out[key] = channels[key] - zero.mean
         zeros[key] = zero
     return out, zeros
 
 
-def _subtraction(name: str, key: str, zero: ZeroOffset) -> str:
-    offset = f"{zero.mean:.4g} {CHANNELS[key]} (standard error {zero.se:.2g} {CHANNELS[key]})"
-    return (
-        f"{name}: {key}: zero offset {offset} subtracted, the mean over {zero.seconds:.2f} s "
-        "at rest"
+def _subtraction(name: str, key: str, unit: str, zero: ZeroOffset) -> FileNote:
+    text = (
+        f"{key}: zero offset {{mean}} {unit} subtracted (standard error {{se}} {unit}), the mean "
+        "over {seconds} s at rest"
     )
+    numbers = {"mean": zero.mean, "se": zero.se, "seconds": round(zero.seconds, 2)}
+    return FileNote(name, text, numbers)
+
+
+def _zero_tolerance(values: np.ndarray, key: str, rules: ImportMap) -> float:
+    """Return how far a sensor may change at rest: its tolerance, or else 1 % of its range here."""
+    if rules.instruments is not None and key == "f_applied_n":
+        return rules.instruments.force.largest
+    if rules.instruments is not None and key.startswith("p_"):
+        return rules.instruments.pressure.largest
+    return _ZERO_TOLERANCE * float(np.nanmax(values) - np.nanmin(values))
+
+
+def _fault_of(zero: ZeroOffset, unit: str, tolerance: float) -> str:
+    """Return why a rest is none: a step, a trend or too much noise; empty if it is one."""
+    limit = f"limit {tolerance:.3g} {unit}"
+    when = f"at rest from {zero.start_s:.2f} to {zero.stop_s:.2f} s"
+    if abs(zero.step) > tolerance and abs(zero.step) >= abs(zero.trend):
+        return f"{when} it steps by {zero.step:.4g} {unit} at {zero.step_at_s:.2f} s; {limit}"
+    if abs(zero.trend) > tolerance:
+        return f"{when} it drifts by {zero.trend:.4g} {unit}; {limit}"
+    if zero.se > tolerance:
+        return f"{when} its mean has a standard error of {zero.se:.3g} {unit}; {limit}"
+    return ""
 
 
 def _resampled(
     channels: dict[str, np.ndarray], lines: np.ndarray, source: str, name: str, rules: ImportMap
-) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
+) -> tuple[dict[str, np.ndarray], np.ndarray, list[FileNote]]:
     t_s, rate = channels["t_s"], rules.resample
     if rate is None:
         return channels, lines, []
@@ -154,8 +188,8 @@ def _resampled(
     if "sensor_saturated" in out:  # a mean with a clipped sample counts as clipped
         out["sensor_saturated"] = (out["sensor_saturated"] > 0).astype(float)
     lost = int(np.floor((t_s[-1] - t_s[0]) * rate + 1e-9)) - len(starts)
-    note = f"{name}: resampled from {len(t_s)} samples to {len(starts)} means over 1/{rate:g} s"
-    if lost:
-        note += f"; {lost} intervals with gaps left out"
+    text = f"resampled from {{samples}} samples to {{means}} means over 1/{rate:g} s"
+    text += "; {lost} intervals with gaps left out" if lost else ""
+    numbers = {"samples": len(t_s), "means": len(starts), "lost": lost}
     nearest = np.clip(np.searchsorted(t_s, middles), 0, len(lines) - 1)
-    return out, lines[nearest], [note]
+    return out, lines[nearest], [FileNote(name, text, numbers)]

@@ -6,11 +6,15 @@ from pathlib import Path
 
 from hbench.config.import_map import FileSeries, ImportMap
 from hbench.errors import ConfigError, DataError
+from hbench.store.importing.file_notes import listed
 from hbench.units import parse_unit
 
-# Limits of the digits bound the time that a match takes.
-_NUMBER = r"\d{1,12}(?:\.\d{1,12})?"
-_FIELDS = {"pressure": _NUMBER, "load": f"-?{_NUMBER}", "speed": _NUMBER, "trial": r"\d{1,6}"}
+# Limits of the lengths bound the time that a match takes.
+_NUMBER = r"[-+]?\d{1,12}(?:[.,]\d{1,12})?"
+_TRIAL = r"\d{1,6}"
+_TEXT = r"[^/]{1,40}?"
+_ANY = r"[^/]{0,200}?"  # for a star
+_LONGEST = 400  # characters of a path
 
 
 @dataclass(frozen=True)
@@ -22,9 +26,9 @@ class FileMatch:
     fields: dict[str, str]  # the values in its name
 
     @property
-    def trial(self) -> int:
-        """Number of the trial; 1 if the name contains none."""
-        return int(self.fields.get("trial", 1))
+    def trial(self) -> int | None:
+        """Number of the trial; None if the name contains none."""
+        return int(self.fields["trial"]) if "trial" in self.fields else None
 
     @property
     def f_load_n(self) -> float | None:
@@ -36,19 +40,26 @@ class FileMatch:
 
     @property
     def speed_m_s(self) -> float | None:
-        """Nominal speed, without sign."""
-        return self.series.speed if self.series.speed is not None else self._si("speed")
+        """Nominal speed without sign: of the series, or in the name."""
+        speed = self.series.speed if self.series.speed is not None else self._si("speed")
+        return None if speed is None else abs(speed)
 
     @property
-    def order(self) -> tuple[float, float, float, int]:
-        """Sorting key of a series' files: pressure, load, speed and trial."""
+    def label(self) -> str:
+        """Label of the series with its factors, which separate curves as the label does."""
+        return ", ".join([self.series.label, *self.series.factors_in(self.fields)])
+
+    @property
+    def order(self) -> tuple[float, float, float, str, int]:
+        """Sorting key of a series' files: pressure, load, speed, factors and trial."""
         pressure, load, speed = (self._si(name) or 0.0 for name in ("pressure", "load", "speed"))
-        return pressure, load, speed, self.trial
+        return pressure, load, speed, self.label, self.trial or 0
 
     def _si(self, name: str) -> float | None:
         if name not in self.fields:
             return None
-        return float(self.fields[name]) * parse_unit(getattr(self.series, f"{name}_unit")).factor
+        number = float(self.fields[name].replace(",", "."))
+        return number * parse_unit(getattr(self.series, f"{name}_unit")).factor
 
 
 @dataclass(frozen=True)
@@ -61,21 +72,25 @@ class FolderMatches:
 
 
 def match_files(folder: Path, rules: ImportMap) -> FolderMatches:
-    """Match the files below ``folder``. Raises ``ConfigError`` if a name matches two series."""
+    """Match the files below ``folder``. Raises ``ConfigError`` if a name matches two series.
+
+    Also ``DataError`` for an impossible value in a name.
+    """
     names = sorted(
         path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()
     )
     found: dict[str, FileMatch] = {}
     by_series = []
     for series in rules.series:
-        pattern, matches = _pattern(series.files), []
+        pattern, matches = _pattern(series), []
         for name in names:
-            if match := pattern.fullmatch(name):
+            if len(name) <= _LONGEST and (match := pattern.fullmatch(name)):
                 if name in found:
                     raise ConfigError(
                         f"{name}: matches two series, {found[name].series.files} and {series.files}"
                     )
                 found[name] = FileMatch(name, series, match.groupdict())
+                _check_speed(found[name])
                 matches.append(found[name])
         by_series.append(sorted(matches, key=lambda match: match.order))
     return FolderMatches(
@@ -91,17 +106,21 @@ def refuse_empty(folder: Path, matches: FolderMatches) -> None:
         names = sorted([*matches.unmatched, *(match.name for match in matches.files)])
         raise DataError(
             f"{folder}: no file matches series {series.label!r}, files: {series.files}",
-            f"Give paths from the imported folder, which contains {_listed(names)}.",
+            f"Give paths from the imported folder, which contains {listed(names)}.",
         )
 
 
-def _listed(names: list[str]) -> str:
-    few = ", ".join(name[:60] for name in names[:3]) or "no file"
-    return f"{few}{', ...' if len(names) > 3 else ''}"
+def _check_speed(match: FileMatch) -> None:
+    if match.speed_m_s == 0.0:
+        raise DataError(
+            f"{match.name}: {{speed}} in the name is 0; limit above 0",
+            "Rename the file, or change 'files' in the map.",
+        )
 
 
-def _pattern(files: str) -> re.Pattern[str]:
-    text = re.escape(files)
-    for name, number in _FIELDS.items():
-        text = text.replace(re.escape(f"{{{name}}}"), f"(?P<{name}>{number})")
+def _pattern(series: FileSeries) -> re.Pattern[str]:
+    text = re.escape(series.files).replace(r"\*", _ANY)
+    for name in series.fields:
+        one = _TRIAL if name == "trial" else _TEXT if series.factors.get(name) == "" else _NUMBER
+        text = text.replace(re.escape(f"{{{name}}}"), f"(?P<{name}>{one})")
     return re.compile(text)

@@ -1,20 +1,23 @@
-"""Reader of another bench's files by an import map: columns, units, cuts, nominal values."""
+"""Reader of another bench's files by an import map: one run or more from each file."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
 
 import numpy as np
 
 from hbench.config.import_map import ImportMap
-from hbench.errors import DataError
-from hbench.motion.reversals import StrokeCuts, cut_at_reversals, stroke_speed
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
+from hbench.store.importing.file_notes import FileNote, listed, merged
 from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, open_source
+from hbench.store.importing.sections import Section, cut
+
+# Relative gap between measured speeds of one nominal speed; strokes are often not controlled.
+_SAME_SPEED, _SAME_SPEED_OF_STROKES = 0.05, 0.20
+_WRONG_SIGN = 0.2  # of the nominal load: a measured load beyond it has a sign
 
 
 @dataclass(frozen=True)
@@ -27,28 +30,19 @@ class MappedFile:
 
 
 @dataclass(frozen=True)
-class Stroke:
+class Piece:
     """A section of a file that becomes a run."""
 
     match: FileMatch
     file: SourceFile
+    section: Section
     lines: tuple[int, int]
     channels: dict[str, np.ndarray]
-    v_m_s: float  # measured, signed
 
     @property
-    def reference(self) -> tuple:
-        """Key of strokes with the same nominal speed: label, load and direction."""
-        return (self.match.series.label, self.match.f_load_n, self.v_m_s > 0)
-
-
-@dataclass(frozen=True)
-class FileStrokes:
-    """The strokes of a file, and the numbers of its other sections as in ``StrokeCuts``."""
-
-    strokes: tuple[Stroke, ...]
-    partial: int
-    short: int
+    def series(self) -> tuple:
+        """Key of runs with the same nominal speeds: label, load and direction."""
+        return self.match.label, self.match.f_load_n, self.section.v_m_s > 0
 
 
 def read_mapped(folder: Path, rules: ImportMap) -> ImportedRuns:
@@ -58,20 +52,16 @@ def read_mapped(folder: Path, rules: ImportMap) -> ImportedRuns:
     """
     matches = match_files(folder, rules)
     refuse_empty(folder, matches)
-    cuts: list[FileStrokes] = []
-    notes: list[str] = []
+    pieces: list[Piece] = []
+    notes: list[FileNote] = []
     for match in matches.files:
         mapped = read_mapped_file(folder, match, rules)
-        cuts.append(cut_strokes(mapped, folder, rules))
-        notes += mapped.read.notes
-    strokes = [stroke for cut in cuts for stroke in cut.strokes]
-    if not strokes:
-        raise DataError(
-            f"{folder}: no stroke between two reversals is longer than min_stroke = "
-            f"{1e3 * rules.min_stroke:g} mm",
-            "Reduce 'min_stroke' in the map.",
-        )
-    return ImportedRuns(runs_of(strokes, rules.kind), (*_notes(cuts, rules), *notes))
+        found, left_out = cut_pieces(mapped, folder, rules)
+        pieces += found
+        notes += [*mapped.read.notes, *left_out]
+    notes += _load_signs(pieces)
+    on_all = _on_all(pieces, matches.unmatched, rules)
+    return ImportedRuns(runs_of(pieces, rules), (*merged(notes), *on_all))
 
 
 def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> MappedFile:
@@ -80,99 +70,117 @@ def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> Mapped
         return MappedFile(match, file, read_channels_by_map(table, match.name, match.fields, rules))
 
 
-def cut_strokes(mapped: MappedFile, folder: Path, rules: ImportMap) -> FileStrokes:
-    """Cut a file into strokes. Raises ``DataError`` if it has none, or if a speed is missing."""
-    cut = _cut(mapped.read.channels["x_m"], str(folder / mapped.match.name), rules)
-    strokes = tuple(_stroke(mapped, piece, rules.kind) for piece in cut.pieces)
-    return FileStrokes(strokes, cut.partial, cut.short)
-
-
-def runs_of(strokes: Sequence[Stroke], kind: str) -> tuple[ImportedRun, ...]:
-    """Return a run for each stroke; its nominal speed depends on the other strokes."""
-    speeds = _nominal_speeds(strokes)
-    return tuple(
-        ImportedRun(_plan(number, s, kind, speeds), s.channels, s.file, s.lines)
-        for number, s in enumerate(strokes, start=1)
-    )
-
-
-def _cut(x_m: np.ndarray, source: str, rules: ImportMap) -> StrokeCuts:
-    if rules.cut == "reversals":
-        return cut_at_reversals(x_m, rules.min_stroke)
-    if not KINDS[rules.kind].has_constant_speed:
-        return StrokeCuts((slice(0, len(x_m)),), partial=0, short=0)
-    if abs(x_m[-1] - x_m[0]) < rules.min_stroke:
-        raise DataError(
-            f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
-            f"one stroke of at least min_stroke = {1e3 * rules.min_stroke:g} mm",
-            "For files with strokes in both directions, write 'cut: reversals' in the map.",
-        )
-    return StrokeCuts((slice(0, len(x_m)),), partial=0, short=0)
-
-
-def _stroke(mapped: MappedFile, piece: slice, kind: str) -> Stroke:
+def cut_pieces(
+    mapped: MappedFile, folder: Path, rules: ImportMap
+) -> tuple[list[Piece], tuple[FileNote, ...]]:
+    """Cut a file into pieces, with notes. Raises ``DataError`` if it has none."""
     match, read = mapped.match, mapped.read
-    channels = {name: values[piece] for name, values in read.channels.items()}
-    constant = KINDS[kind].has_constant_speed
-    measured = stroke_speed(channels["t_s"], channels["x_m"]) if constant else None
-    return Stroke(
-        match=match,
-        file=mapped.file,
-        lines=(int(read.lines[piece][0]), int(read.lines[piece][-1])),
-        channels=channels,
-        v_m_s=_top_speed(channels, match, kind) if measured is None else measured,
+    found = cut(read.channels, str(folder / match.name), match.name, rules, match.speed_m_s)
+    return [_piece(mapped, section) for section in found.sections], found.notes
+
+
+def runs_of(pieces: Sequence[Piece], rules: ImportMap) -> tuple[ImportedRun, ...]:
+    """Return a run for each piece; nominal speed and trial depend on the other pieces."""
+    return tuple(
+        ImportedRun(plan, piece.channels, piece.file, piece.lines)
+        for plan, piece in zip(_plans(pieces, rules), pieces, strict=True)
     )
 
 
-def _top_speed(channels: dict[str, np.ndarray], match: FileMatch, kind: str) -> float:
-    """Return the top speed [m/s] of a non-steady run, with the sign of its reference."""
-    v_ref = channels.get("v_ref_m_s")
-    if KINDS[kind].is_at_rest:
-        return 0.0
-    if v_ref is not None and np.isfinite(v_ref).any():
-        return float(v_ref[np.nanargmax(np.abs(v_ref))])
-    if match.speed_m_s is None:
-        raise DataError(
-            f"{match.name}: the top speed of a {kind} run is not specified",
-            "Add 'columns.v_ref_m_s' to the map, or the series' 'speed' or {speed} in its 'files'.",
+def _piece(mapped: MappedFile, section: Section) -> Piece:
+    channels = {name: values[section.samples] for name, values in mapped.read.channels.items()}
+    lines = mapped.read.lines[section.samples]
+    return Piece(mapped.match, mapped.file, section, (int(lines[0]), int(lines[-1])), channels)
+
+
+def _plans(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
+    """Return the plan of each piece.
+
+    Where the name has no trial, the runs of one nominal speed are trials, in their order.
+    """
+    constant = KINDS[rules.kind].has_constant_speed
+    tolerance = _SAME_SPEED_OF_STROKES if rules.cut == "reversals" else _SAME_SPEED
+    nominal = (
+        _nominal_speeds(pieces, tolerance)
+        if constant
+        else [piece.section.v_m_s for piece in pieces]
+    )
+    trials: dict[tuple, int] = defaultdict(int)
+    plans = []
+    for number, (piece, v_ref) in enumerate(zip(pieces, nominal, strict=True), start=1):
+        match, cylinder = piece.match, piece.match.series.cylinder
+        trials[key := (*piece.series, v_ref)] += 1
+        low, high = piece.section.positions or (None, None)
+        plans.append(
+            RunPlan(
+                run=f"{number:04d}",
+                kind=rules.kind,
+                trial=trials[key] if match.trial is None else match.trial,
+                v_ref_m_s=v_ref,
+                specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
+                f_load_n=match.f_load_n,
+                label=match.label,
+                x_low_m=low,
+                x_high_m=high,
+            )
         )
-    return match.speed_m_s
+    return plans
 
 
-def _nominal_speeds(strokes: Sequence[Stroke]) -> dict[tuple, float]:
-    """Return the signed nominal speed for each label, load and direction."""
-    measured = defaultdict(list)
-    for stroke in strokes:
-        measured[stroke.reference].append(stroke.v_m_s)
-    return {reference: float(f"{median(speeds):.2g}") for reference, speeds in measured.items()}
+def _nominal_speeds(pieces: Sequence[Piece], tolerance: float) -> list[float]:
+    """Return the signed nominal speed of each piece.
+
+    It is that of the map or the name, or else the median, to three digits, of the measured speeds
+    of the same series that differ by little from one to the next.
+    """
+    nominal = [0.0] * len(pieces)
+    groups: dict[tuple, list[int]] = defaultdict(list)
+    for i, piece in enumerate(pieces):
+        speed = piece.match.speed_m_s
+        if speed is None:
+            groups[piece.series].append(i)
+        else:
+            nominal[i] = float(np.copysign(speed, piece.section.v_m_s))
+    for numbers in groups.values():
+        numbers.sort(key=lambda i: abs(pieces[i].section.v_m_s))
+        speeds = np.abs([pieces[i].section.v_m_s for i in numbers])
+        gaps = np.flatnonzero(np.diff(speeds) > tolerance * speeds[1:])
+        for cluster in np.split(np.array(numbers), gaps + 1):
+            median = np.median([pieces[i].section.v_m_s for i in cluster])
+            for i in cluster:
+                nominal[i] = float(f"{median:.3g}")
+    return nominal
 
 
-def _plan(number: int, stroke: Stroke, kind: str, speeds: dict[tuple, float]) -> RunPlan:
-    match = stroke.match
-    if not KINDS[kind].has_constant_speed:
-        v_ref = stroke.v_m_s
-    elif match.speed_m_s is not None:
-        v_ref = np.copysign(match.speed_m_s, stroke.v_m_s)
-    else:
-        v_ref = speeds[stroke.reference]
-    cylinder = match.series.cylinder
-    return RunPlan(
-        run=f"{number:04d}",
-        kind=kind,
-        trial=match.trial,
-        v_ref_m_s=float(v_ref),
-        specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
-        f_load_n=match.f_load_n,
-        label=match.series.label,
-    )
+def _load_signs(pieces: Sequence[Piece]) -> Iterator[FileNote]:
+    """Yield notes on files whose load cell contradicts the sign of the load in the name."""
+    for piece in pieces:
+        load, measured = piece.match.f_load_n, piece.channels.get("f_applied_n")
+        if load and measured is not None and np.isfinite(measured).any():
+            mean = float(np.nanmean(measured))
+            if mean * np.sign(load) < -_WRONG_SIGN * abs(load):
+                text = (
+                    "the load in the name, {load} N, has the other sign than the load cell's mean, "
+                    "{mean} N; positive opposes extension (scale: -1 turns a column)"
+                )
+                yield FileNote(piece.match.name, text, {"load": load, "mean": mean})
 
 
-def _notes(cuts: Sequence[FileStrokes], rules: ImportMap) -> tuple[str, ...]:
-    if rules.cut == "none":
-        return ()
-    whole = sum(len(cut.strokes) for cut in cuts)
-    partial, short = sum(cut.partial for cut in cuts), sum(cut.short for cut in cuts)
-    return (
-        f"cut at reversals into {whole} strokes; left out: {partial} sections before the first or "
-        f"after the last reversal of a file, {short} shorter than {1e3 * rules.min_stroke:g} mm",
-    )
+def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap) -> Iterator[str]:
+    """Yield the notes on the whole folder."""
+    if rules.cut != "none":
+        count = len({piece.match.name for piece in pieces})
+        yield f"{len(pieces)} runs cut at {rules.cut} from {count} files"
+        if any(piece.match.trial is None for piece in pieces):
+            yield (
+                "runs of a file without {trial} in its name are counted as trials: their intervals "
+                "do not include a repeated set-up"
+            )
+    if any(piece.match.series.cylinder.rotary for piece in pieces):
+        yield (
+            "rotary actuator: in all results 1 m stands for 1 rad, 1 N for 1 N m and an area of "
+            "1 m^2 for 1 m^3/rad"
+        )
+    unmatched = [name for name in unmatched if not name.endswith((".yaml", ".yml"))]  # a map
+    if unmatched:
+        yield f"files that match no series of the map: {len(unmatched)} ({listed(unmatched)})"

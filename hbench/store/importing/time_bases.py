@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hbench.config.import_layout import ALWAYS, CHANNELS, DATE_TIME, Column
+from hbench.config.import_layout import ALWAYS, DATE_TIME, Column
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
 from hbench.store.formats.table import Table
+from hbench.store.importing.file_notes import FileNote
 from hbench.units import parse_unit, to_si
 
 
@@ -23,7 +24,9 @@ class TimeBase:
     clipped: np.ndarray  # (n,) True where a sensor is at a limit of its converter
 
 
-def read_time_bases(table: Table, name: str, rules: ImportMap) -> tuple[list[TimeBase], list[str]]:
+def read_time_bases(
+    table: Table, name: str, rules: ImportMap
+) -> tuple[list[TimeBase], list[FileNote]]:
     """Return the time bases of a file, that of ``x_m`` first, and notes on omitted rows.
 
     Raises ``DataError`` naming the invalid line.
@@ -102,7 +105,7 @@ def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: b
     values = numbers * (parse_unit(unit).factor * column.scale)
     if name == "f_applied_n" and rules.load_cell is not None:  # C.6
         values = (values - rules.load_cell.level) / rules.load_cell.volts_per_newton
-    return values if column.offset is None else values + to_si(column.offset, CHANNELS[name])
+    return values if column.offset is None else values + to_si(column.offset, rules.unit(name))
 
 
 def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> str:
@@ -150,16 +153,19 @@ def _complete(
     return timed
 
 
-def _omissions(name: str, lines: set[int]) -> Iterator[str]:
+def _omissions(name: str, lines: set[int]) -> Iterator[FileNote]:
     if lines:
-        few = ", ".join(map(str, sorted(lines)[:3])) + (", ..." if len(lines) > 3 else "")
-        yield f"{name}: {len(lines)} rows left out: blank or short (lines {few})"
+        text = "{count} rows left out: blank or short (the first is line {first})"
+        yield FileNote(name, text, {"count": len(lines), "first": min(lines)})
 
 
-def _without_repeats(base: TimeBase, name: str, rules: ImportMap) -> tuple[TimeBase, list[str]]:
+def _without_repeats(
+    base: TimeBase, name: str, rules: ImportMap
+) -> tuple[TimeBase, list[FileNote]]:
     again = np.concatenate(([False], np.diff(base.t_s) == 0))
     if rules.repeated_times == "refuse" or not again.any():
         return base, []
-    note = f"{name}: {again.sum()} of {len(again)} samples dropped: same time as the one before"
+    text = "{count} of {samples} samples dropped: same time as the one before"
+    note = FileNote(name, text, {"count": again.sum(), "samples": len(again)})
     kept = {key: values[~again] for key, values in base.channels.items()}
     return TimeBase(base.t_s[~again], kept, base.rows[~again], base.clipped[~again]), [note]

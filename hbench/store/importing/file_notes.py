@@ -1,0 +1,45 @@
+"""Notes on imported files; like notes on many files become one, with the range of its numbers."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+_LISTED = 3  # files named in a note on many
+
+
+@dataclass(frozen=True)
+class FileNote:
+    """A note on one file: a text with names in braces for its numbers."""
+
+    file: str
+    text: str
+    numbers: Mapping[str, float] = field(default_factory=dict)
+
+
+def merged(notes: Iterable[FileNote]) -> list[str]:
+    """Return the notes as sentences: one for all files with the same text, in their order."""
+    groups: dict[str, list[FileNote]] = defaultdict(list)
+    for note in notes:
+        groups[note.text].append(note)
+    return [f"{_files(group)}: {_filled(group)}" for group in groups.values()]
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return the first names of a list, for a message."""
+    names = list(names)
+    few = ", ".join(name[:60] for name in names[:_LISTED]) or "none"
+    return f"{few}{', ...' if len(names) > _LISTED else ''}"
+
+
+def _files(group: list[FileNote]) -> str:
+    names = list(dict.fromkeys(note.file for note in group))
+    return names[0] if len(names) == 1 else f"{len(names)} files ({listed(names)})"
+
+
+def _filled(group: list[FileNote]) -> str:
+    filled = {}
+    for name in group[0].numbers:
+        values = [note.numbers[name] for note in group]
+        low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+        filled[name] = low if low == high else f"{low} to {high}"
+    return group[0].text.format_map(filled) if filled else group[0].text

@@ -1,0 +1,180 @@
+"""Cutting of a file's channels into the sections that become runs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.config.import_map import ImportMap
+from hbench.errors import DataError
+from hbench.motion.plateaus import Plateau, plateau_at, plateaus, settled
+from hbench.motion.reversals import cut_at_reversals, settled_strokes, stroke_speed
+from hbench.records import KINDS
+from hbench.store.importing.file_notes import FileNote
+
+_LEAST_SHARED = 0.2  # of a stroke: positions that both directions cover
+
+Positions = tuple[float, float]  # lowest and highest [m]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Samples of a file that become a run."""
+
+    samples: slice
+    v_m_s: float  # measured, signed; of a run of another kind its top speed
+    positions: Positions | None = None  # to average over: those that both directions cover
+
+
+@dataclass(frozen=True)
+class Sections:
+    """The sections of a file, and notes on what was left out."""
+
+    sections: tuple[Section, ...]
+    notes: tuple[FileNote, ...] = ()
+
+
+def cut(
+    channels: dict[str, np.ndarray], source: str, name: str, rules: ImportMap, speed: float | None
+) -> Sections:
+    """Cut a file as ``cut`` in the map says. ``speed`` is its nominal speed, without sign.
+
+    Raises ``DataError`` for a file without a run.
+    """
+    t_s, x_m = channels["t_s"], channels["x_m"]
+    if rules.cut == "plateaus":
+        return _at_plateaus(t_s, x_m, source, rules)
+    if rules.cut == "reversals":
+        return _at_reversals(channels, source, name, rules, speed)
+    whole = slice(0, len(x_m))
+    if not KINDS[rules.kind].has_constant_speed:
+        return Sections((Section(whole, _top_speed(channels, name, rules.kind, speed)),))
+    if abs(x_m[-1] - x_m[0]) < rules.min_stroke:
+        raise DataError(
+            f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
+            f"one stroke of at least min_stroke = {1e3 * rules.min_stroke:g} mm",
+            "For files with strokes in both directions, write 'cut: reversals' in the map; for "
+            "several constant speeds 'cut: plateaus'.",
+        )
+    return _whole(t_s, x_m, name, rules, speed)
+
+
+def _whole(
+    t_s: np.ndarray, x_m: np.ndarray, name: str, rules: ImportMap, speed: float | None
+) -> Sections:
+    """Return the whole file as a run, whose speed is that of its longest plateau."""
+    whole = slice(0, len(x_m))
+    if speed is not None:
+        return Sections((Section(whole, float(np.copysign(speed, x_m[-1] - x_m[0]))),))
+    found = plateaus(t_s, x_m, least_m=rules.min_stroke)
+    if not found:
+        return Sections((Section(whole, stroke_speed(t_s, x_m)),))
+    longest = max(found, key=lambda p: t_s[p.section.stop - 1] - t_s[p.section.start])
+    notes = []
+    if len(found) > 1:
+        text = "{count} sections of constant speed; only the longest is used (cut: plateaus)"
+        notes.append(FileNote(name, text, {"count": len(found)}))
+    return Sections((Section(whole, longest.v_m_s),), tuple(notes))
+
+
+def _at_plateaus(t_s: np.ndarray, x_m: np.ndarray, source: str, rules: ImportMap) -> Sections:
+    """Return a section for each plateau: from the end of the one before to its own end."""
+    found: list[Plateau] = plateaus(t_s, x_m, rules.screening.min_window, rules.min_stroke)
+    if not found:
+        raise DataError(
+            f"{source}: holds no constant speed over min_stroke = {1e3 * rules.min_stroke:g} mm "
+            f"and min_window = {rules.screening.min_window:g} s",
+            "Reduce 'min_stroke' or 'screening.min_window' in the map.",
+        )
+    starts = [0, *(p.section.stop for p in found[:-1])]
+    return Sections(
+        tuple(
+            Section(slice(start, p.section.stop), p.v_m_s)
+            for start, p in zip(starts, found, strict=True)
+        )
+    )
+
+
+def _at_reversals(
+    channels: dict[str, np.ndarray],
+    source: str,
+    name: str,
+    rules: ImportMap,
+    speed: float | None,
+) -> Sections:
+    t_s, x_m = channels["t_s"], channels["x_m"]
+    found = cut_at_reversals(t_s, x_m, rules.min_stroke)
+    if not found.pieces:
+        raise DataError(
+            f"{source}: no stroke between two reversals is longer than min_stroke = "
+            f"{1e3 * rules.min_stroke:g} mm",
+            "Reduce 'min_stroke' in the map.",
+        )
+    pieces = settled_strokes(t_s, x_m, found.pieces)
+    left_out = {
+        "{count} sections without a known start or end left out": found.partial,
+        f"{{count}} strokes shorter than {1e3 * rules.min_stroke:g} mm left out": found.short,
+        "run-in: the first {count} strokes differ in length or duration and are left out": (
+            found.pieces.index(pieces[0])
+        ),
+        "run-out: the last {count} strokes differ in length or duration and are left out": (
+            len(found.pieces) - 1 - found.pieces.index(pieces[-1])
+        ),
+    }
+    notes = [FileNote(name, text, {"count": n}) for text, n in left_out.items() if n]
+    if not KINDS[rules.kind].has_constant_speed:
+        return Sections(
+            tuple(
+                Section(
+                    p, _top_speed({k: y[p] for k, y in channels.items()}, name, rules.kind, speed)
+                )
+                for p in pieces
+            ),
+            tuple(notes),
+        )
+    speeds = [stroke_speed(t_s[p], x_m[p]) for p in pieces]
+    shared = _shared_positions(t_s, x_m, pieces, speeds, rules)
+    if shared is None and min(speeds) < 0 < max(speeds):
+        text = "extending and retracting share too few positions after settling: not compared there"
+        notes.append(FileNote(name, text))
+    sections = (Section(p, v, shared) for p, v in zip(pieces, speeds, strict=True))
+    return Sections(tuple(sections), tuple(notes))
+
+
+def _shared_positions(
+    t_s: np.ndarray,
+    x_m: np.ndarray,
+    pieces: tuple[slice, ...],
+    speeds: list[float],
+    rules: ImportMap,
+) -> Positions | None:
+    """Return the positions that settled strokes of both directions cover; None if they are few."""
+    covered: dict[bool, list[Positions]] = {True: [], False: []}
+    for piece, v in zip(pieces, speeds, strict=True):
+        t, x = t_s[piece], x_m[piece]
+        part = settled(
+            t, x, plateau_at(t, x, v), rules.screening.settle_time, rules.screening.settle_travel
+        )
+        if part.stop - part.start > 1:
+            covered[v > 0].append((float(x[part].min()), float(x[part].max())))
+    if not all(covered.values()):
+        return None
+    ends = [np.median(np.array(positions), axis=0) for positions in covered.values()]
+    low, high = float(max(end[0] for end in ends)), float(min(end[1] for end in ends))
+    travel = float(np.median([np.ptp(x_m[piece]) for piece in pieces]))
+    return (low, high) if high - low >= _LEAST_SHARED * travel else None
+
+
+def _top_speed(channels: dict[str, np.ndarray], name: str, kind: str, speed: float | None) -> float:
+    """Return the top speed [m/s] of a non-steady run, with the sign of its reference or motion."""
+    v_ref = channels.get("v_ref_m_s")
+    if KINDS[kind].is_at_rest:
+        return 0.0
+    if v_ref is not None and np.isfinite(v_ref).any():
+        return float(v_ref[np.nanargmax(np.abs(v_ref))])
+    if speed is None:
+        raise DataError(
+            f"{name}: the top speed of a {kind} run is not specified",
+            "Add 'columns.v_ref_m_s' to the map, or the series' 'speed' or {speed} in its 'files'.",
+        )
+    back = not KINDS[kind].reverses and channels["x_m"][-1] < channels["x_m"][0]
+    return -speed if back else speed
