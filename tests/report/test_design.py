@@ -75,7 +75,7 @@ def test_the_terminal_gets_numbers_verdict_and_reasons_in_ascii(design):
     text = design_text(design)
     assert text.isascii()
     assert "-110.76" in text and "-148.40" in text and "+34.00" in text and "NO" in text
-    assert text.splitlines()[-1] == "verdict: the proposal FAILS 1 of 2 checks"
+    assert "FAILS 1 of 2 " in text.splitlines()[-1]
     assert "gain: 1500 V/m" in text and "time_constant: 18 ms" in text
 
 
@@ -109,7 +109,8 @@ def test_bode_tells_margins_and_marks_them_where_they_are_read(design):
     figure = bode(design.loops[0])
     gain, phase = figure.axes
     labels = [line.get_label() for line in gain.lines]
-    assert "valve: PM 90°, GM 12.0 dB" in labels and "ideal valve: PM 90°" in labels
+    margins = dict(label.split(": ") for label in labels if "°" in label)
+    assert margins["valve"] == "PM 90°, GM 12.0 dB" and margins["ideal valve"] == "PM 90°"
     marks = [line.get_xydata()[0] for line in phase.lines if len(line.get_xydata()) == 1]
     assert marks and all(mark == pytest.approx((100.0, -90.0), abs=0.1) for mark in marks)
     for draw in (bode, locus, pole_zero, step_figure):

@@ -288,8 +288,8 @@ def test_an_efficiency_map_has_a_dot_for_each_measured_point_and_says_its_units(
         dots = figure.axes[0].lines[-1].get_xydata()
         assert len(dots) == sum(len(curve.points) for curve in curves)
         assert {round(1e3 * load) for load in dots[:, 1]} == {c.f_load_n for c in curves}
-        labels = [axes.get_ylabel() for axes in figure.axes]
-        assert "Efficiency (%)" in labels and "U95, trials and instruments (%)" in labels
+        labels = {axes.get_ylabel() for axes in figure.axes}
+        assert len([label for label in labels if label.endswith(" (%)")]) == 2
 
 
 def test_two_loads_make_no_efficiency_map(small):

@@ -79,7 +79,7 @@ def test_the_packaged_schemas_are_those_of_the_records(name):
 def test_a_schema_follows_the_types_comments_and_units_of_a_record():
     made = schema("pair/1", "t", "d", Pair, {Pair: {"a": "low_n", "b": NullIfEmpty("word")}})
     assert made["properties"] == {
-        "a": {"type": ["number", "null"], "description": "smallest; null: none [N]"},
+        "a": {"type": ["number", "null"], "description": "low; null: none [N]"},
         "b": {"type": ["string", "null"]},
     }
     assert made["required"] == ["a", "b"] and made["$id"] == "urn:hbench:pair:1"
@@ -89,7 +89,7 @@ def test_a_schema_follows_the_types_comments_and_units_of_a_record():
 class Pair:
     """A record of this test."""
 
-    low_n: float | None  # smallest; None: none
+    low_n: float | None  # low; None: none
     word: str
 
 

@@ -128,10 +128,10 @@ def test_a_fit_with_a_parameter_on_its_bound_asks_for_care(small):
 def test_the_verdict_is_the_worst_grade_and_its_sentence_has_the_checks_of_that_grade(small):
     few = summarized(with_points(small, n=1)).quality
     assert few.grade == "poor"
-    words = {row[0].text: row[2].text for row in quality_table(few).rows}
-    for check, name in zip(few.checks, words, strict=True):
+    rows = [[cell.text for cell in row] for row in quality_table(few).rows]
+    for check, (name, _, value, *_) in zip(few.checks, rows, strict=True):
         assert (name.lower() in quality_verdict(few).lower()) == (check.grade == "poor")
-    assert words["Trials per point"] in quality_verdict(few)
+        assert check.name != "trials_per_point" or value in quality_verdict(few)
     good = with_points(replace(small, curves=small.curves[1:]), sigma_instruments_n=5.0)
     good = replace(good, runs=tuple(replace(run, reasons=()) for run in good.runs))
     good = summarized(with_points(good, n=3)).quality
@@ -157,5 +157,5 @@ def test_a_tile_says_that_a_flag_is_of_some_and_that_efficiency_is_in_points(sma
     friction, _, efficiency, *_ = summary_section(
         summarized(replace(small, curves=(few, *others)))
     ).tiles
-    assert "partly one trial" in friction.more and friction.unit == "N"
-    assert efficiency.unit == "%" and "percentage points at most" in efficiency.more
+    assert "partly" in friction.more and friction.unit == "N"
+    assert efficiency.unit == "%" and "points" in efficiency.more

@@ -11,6 +11,7 @@ from hbench.records import Fleet, FleetNumber, FleetRow
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from hbench.workflow.fleet import report_link
 
+FAILURE = "campaign.yaml: 'name'"
 START = datetime(2026, 3, 2, 7, 0, tzinfo=UTC)
 SE = {"friction_n": 4.0, "efficiency": 0.0008, "b_viscous_n_s_m": 60.0, "v_stribeck_m_s": 0.004}
 MIDDLE = {"friction_n": 390.0, "efficiency": 0.857, "b_viscous_n_s_m": 2750, "v_stribeck_m_s": 0.07}
@@ -67,7 +68,7 @@ def made_table(
         for i in range(campaigns):
             path = str(folder / "line" / f"{name}{i:07d}")
             if i in failed:
-                yield cells_of(FleetRow(path, failed="campaign.yaml: key 'name' is missing"))
+                yield cells_of(FleetRow(path, failed=FAILURE))
                 continue
             yield cells_of(
                 made_row(
