@@ -65,7 +65,7 @@ class Column(ConfigSection):
 
 
 class Format(ConfigSection):
-    """Dialect of text files; MATLAB (.mat) and Parquet (.parquet) files need none.
+    """Dialect of text files and sheets; other formats need none.
 
     Blank lines and lines that begin with ``comment`` are skipped. The character set is determined
     from the file: UTF-8, UTF-16, or else Windows-1252.
@@ -79,6 +79,7 @@ class Format(ConfigSection):
     decimal: Literal[".", ","] = "."
     thousands: Literal[".", ",", "'", " "] | None = None
     comment: str | None = Field(default=None, min_length=1, max_length=3)
+    sheet: str | None = None  # of an Excel workbook; otherwise its first one
 
     @model_validator(mode="after")
     def _unambiguous(self) -> "Format":

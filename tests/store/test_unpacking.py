@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from hbench.errors import DataError
-from hbench.store.formats import mat_sizes, parquet
-from hbench.store.formats.mat import read_mat
+from hbench.store.formats import parquet
+from hbench.store.formats.matlab import mat_sizes
+from hbench.store.formats.matlab.mat import read_mat
 from hbench.store.formats.parquet import read_parquet
 
 HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H2s", 0x0100, b"IM")

@@ -1,9 +1,11 @@
 """Table of arrays and signals, by name or by a path in MATLAB's notation."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,18 +32,65 @@ class Signal:
         return (self.size,)
 
 
+@dataclass(frozen=True)
+class Matrix:
+    """Columns of a file, read on demand."""
+
+    shape: tuple[int, int]
+    column: Callable[[int], Signal]  # from 0
+
+    @property
+    def ndim(self) -> int:
+        """Two."""
+        return len(self.shape)
+
+    def __getitem__(self, index: tuple[slice, int]) -> Signal:
+        if not 0 <= index[1] < self.shape[1]:
+            raise IndexError(index[1])
+        return self.column(index[1])
+
+
+def by_name(signals: Iterable[tuple[str, str, Signal]]) -> "Names":
+    """Return channels, each given with its group's and its own name, by the names of a map.
+
+    A channel is found as ``group/name``, and as ``name`` if no other channel has this name.
+    """
+    signals = list(signals)
+    uses = Counter(name for _, name, _ in signals)
+    shown: dict[str, Signal] = {}
+    full: dict[str, Signal] = {}
+    for group, name, signal in signals:
+        path, number = f"{group}/{name}", 1
+        while path in full:  # groups of the same name
+            number += 1
+            path = f"{group}/{name} ({number})"
+        full[path] = shown[name if uses[name] == 1 else path] = signal
+    return Names(shown, full)
+
+
+class Names(NamedTuple):
+    """Contents of a file by the names that messages list, and by other names."""
+
+    listed: Mapping[str, Any]
+    other: Mapping[str, Any] = {}
+
+
 class Arrays:
-    """Table of arrays and signals, by name or by a path in MATLAB's notation."""
+    """Table of arrays and signals, by name or by a path in MATLAB's notation.
+
+    ``names`` are the contents of the file; ``hint`` explains the names if one is not found.
+    """
 
     leaves_out_rows = False
     short_lines: tuple[int, ...] = ()
 
-    def __init__(self, root: Mapping[str, Any], source: str, hint: str = ""):
-        self._root = root
+    def __init__(self, names: Names | Mapping[str, Any], source: str, hint: str = ""):
+        names = names if isinstance(names, Names) else Names(names)
+        self._root, self._other = names
         self._hint = hint
         self._unread = LARGEST_UNPACKED // 8  # samples of signals
         self.source = source
-        self.names = tuple(root)
+        self.names = tuple(self._root)
 
     def where(self, row: int) -> str:
         """Return a row's position in the file, for messages."""
@@ -70,12 +119,7 @@ class Arrays:
         """Return a column (n,) as floats; ``gaps`` allows NaN. Raises ``DataError``."""
         values = self._values(column)
         if values.ndim != 1 or values.dtype.kind not in "fiu":
-            shape = "x".join(map(str, values.shape))
-            raise DataError(
-                f"{self.source}: column {column}: is {shape} of type {values.dtype}; expected a "
-                "column of numbers",
-                "Write M(:,3) for a column of a matrix, runs(2) for an element of a struct array.",
-            )
+            raise self._not_a_column(column, values.shape, str(values.dtype))
         values = values.astype(float)
         bad = np.flatnonzero(np.isinf(values) if gaps else ~np.isfinite(values))
         if len(bad):
@@ -98,28 +142,41 @@ class Arrays:
     def own_times(self, column: int | str) -> np.ndarray | None:
         """Return the times (n,) [s] that the file states for a signal, or None."""
         found = self._lookup(column)
-        return found.times() if isinstance(found, Signal) and found.times else None
+        if not isinstance(found, Signal) or found.times is None:
+            return None
+        with self._reading(column):
+            return found.times()
 
     def _values(self, column: int | str) -> np.ndarray:
-        return np.atleast_1d(np.asarray(self._read(self._lookup(column))))
-
-    def _read(self, found: Any) -> Any:
-        """Return the samples of a signal, and anything else as it is. Raises ``DataError``."""
+        found = self._lookup(column)
+        if found is None:
+            raise self._not_a_column(column, (), "not numeric")
+        if isinstance(found, Matrix):
+            raise self._not_a_column(column, found.shape, "matrix")
         if not isinstance(found, Signal):
-            return found
+            return np.atleast_1d(np.asarray(found))
         self._unread -= found.size
         if self._unread < 0:
             raise DataError(
                 f"{self.source}: the mapped channels take more than {LARGEST_UNPACKED / 1e6:g} MB",
                 "Map fewer channels, or split the file.",
             )
-        return found.read()
+        with self._reading(column):
+            return np.atleast_1d(found.read())
+
+    @contextmanager
+    def _reading(self, column: int | str) -> Iterator[None]:
+        try:
+            yield
+        except Exception as error:  # of many kinds
+            raise DataError(f"{self.source}: column {column}: can't be read: {error}") from None
 
     def _lookup(self, column: int | str) -> Any:
         if isinstance(column, int):
             return self._matrix_column(column)
-        if column in self._root:
-            return self._root[column]
+        for names in (self._root, self._other):
+            if column in names:
+                return names[column]
         at: Any = self._root
         for step in column.split("."):
             match = _STEP.fullmatch(step.strip())
@@ -128,12 +185,13 @@ class Arrays:
             at = at[match[1]]
             try:
                 at = at[int(match[2]) - 1] if match[2] else at
-                at = np.atleast_2d(at)[:, int(match[3]) - 1] if match[3] else at
+                if match[3]:
+                    at = (at if isinstance(at, Matrix) else np.atleast_2d(at))[:, int(match[3]) - 1]
             except (IndexError, KeyError, TypeError):
                 raise self._missing(column) from None
         return at
 
-    def _matrix_column(self, column: int) -> np.ndarray:
+    def _matrix_column(self, column: int) -> Any:
         matrices = {k: v for k, v in self._root.items() if np.ndim(v) == 2}
         if len(matrices) != 1:
             raise DataError(
@@ -141,10 +199,18 @@ class Arrays:
                 f"expected 1; it contains: {self._listed()}",
                 "Write the matrix's name too, as in M(:,3).",
             )
-        matrix = np.asarray(next(iter(matrices.values())))
+        matrix = next(iter(matrices.values()))
         if column > matrix.shape[1]:
             raise DataError(f"{self.source}: no column {column}; the last is {matrix.shape[1]}")
         return matrix[:, column - 1]
+
+    def _not_a_column(self, column: int | str, shape: tuple[int, ...], kind: str) -> DataError:
+        size = "x".join(map(str, shape)) or "1"
+        return DataError(
+            f"{self.source}: column {column}: is {size} of type {kind}; expected a column of "
+            "numbers",
+            "Write M(:,3) for a column of a matrix, runs(2) for an element of a struct array.",
+        )
 
     def _missing(self, column: int | str) -> DataError:
         return DataError(

@@ -9,9 +9,13 @@ from typing import BinaryIO
 
 from hbench.config.import_layout import Format
 from hbench.store.files.bounded_read import LARGEST_LOG, check_size, open_file
-from hbench.store.formats.mat import open_mat
+from hbench.store.formats.excel import open_excel
+from hbench.store.formats.matlab.mat import open_mat
+from hbench.store.formats.matlab.mat73 import is_mat73, open_mat73
+from hbench.store.formats.mdf import open_mdf
 from hbench.store.formats.parquet import open_parquet
 from hbench.store.formats.table import Table
+from hbench.store.formats.tdms import open_tdms
 from hbench.store.formats.text import open_text
 from hbench.store.formats.twincat import is_twincat, open_twincat
 
@@ -29,10 +33,23 @@ class FileFormat:
     is_text: bool = False
 
 
+_LARGEST_BINARY = 1_000_000_000  # bytes; only the mapped channels are read
+
 # The first row that fits a file applies.
 FORMATS = (
+    FileFormat(
+        "MATLAB 7.3",
+        (".mat",),
+        open_mat73,
+        extra="matlab73",
+        has_head=is_mat73,
+        largest=_LARGEST_BINARY,
+    ),
     FileFormat("MATLAB up to version 7", (".mat",), open_mat),
     FileFormat("Parquet", (".parquet",), open_parquet, extra="parquet"),
+    FileFormat("TDMS", (".tdms",), open_tdms, extra="tdms", largest=_LARGEST_BINARY),
+    FileFormat("MDF", (".mf4", ".mdf"), open_mdf, extra="mdf", largest=_LARGEST_BINARY),
+    FileFormat("Excel", (".xlsx", ".xlsm"), open_excel, extra="excel"),
     FileFormat("TwinCAT Scope CSV", (), open_twincat, has_head=is_twincat, is_text=True),
     FileFormat("text", (), open_text, is_text=True),
 )

@@ -153,6 +153,13 @@ def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
     """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
     kept = list(_lines_of_data(decoded(data), layout))
     rows, lines = _cells(kept, layout, source)
+    return table_of_rows(rows, lines, layout, source)
+
+
+def table_of_rows(
+    rows: list[list[str]], lines: list[int], layout: Format, source: str
+) -> TextTable:
+    """Return the table in ``rows`` of cells. Raises ``DataError`` as ``parse_table`` does."""
     names: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
     if layout.header and rows:

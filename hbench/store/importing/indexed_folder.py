@@ -22,7 +22,7 @@ from hbench.store.campaign.plan_fields import check_number
 from hbench.store.campaign.run_csv import read_channels
 from hbench.store.files.bounded_read import check_inside, read_file
 from hbench.store.formats.arrays import Arrays
-from hbench.store.formats.mat import read_mat
+from hbench.store.formats.matlab.mat import read_mat
 from hbench.store.formats.parquet import read_parquet
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable, parse_table

@@ -7,9 +7,7 @@ from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
 from hbench.store.formats.arrays import Arrays
-from hbench.store.formats.mat_sizes import check_mat_sizes
-
-_V73 = b"MATLAB 7.3 MAT-file"
+from hbench.store.formats.matlab.mat_sizes import check_mat_sizes
 
 
 def open_mat(file: BinaryIO, source: str, layout: Format) -> Arrays:
@@ -21,11 +19,6 @@ def read_mat(data: bytes, source: str) -> dict[str, Any]:
     """Return a MATLAB file's variables; structs are dicts. Raises ``DataError``."""
     from scipy.io import loadmat
 
-    if data.startswith(_V73):
-        raise DataError(
-            f"{source}: is a MATLAB file of version 7.3 (HDF5); limit version 7",
-            "Save it in MATLAB with save('file.mat', '-v7').",
-        )
     check_mat_sizes(data, source)
     try:
         content = loadmat(io.BytesIO(data), simplify_cells=True)

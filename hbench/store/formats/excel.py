@@ -1,0 +1,69 @@
+"""Sheets of Excel workbooks (.xlsx)."""
+
+import zipfile
+from collections.abc import Iterator
+from datetime import date, datetime, time, timedelta
+from typing import Any, BinaryIO
+
+from hbench.config.import_layout import Format
+from hbench.errors import DataError
+from hbench.store.files.bounded_read import LARGEST_UNPACKED
+from hbench.store.formats.packages import optional_package
+from hbench.store.formats.text import TextTable, table_of_rows
+
+_DAY = datetime(1900, 1, 1)  # of a time without a date
+
+
+def open_excel(file: BinaryIO, source: str, layout: Format) -> TextTable:
+    """Return a sheet's cells as text, in the notation of ``layout``.
+
+    Raises ``DataError``, ``ConfigError``.
+    """
+    openpyxl = optional_package("openpyxl", "Excel", "excel")
+    try:
+        with zipfile.ZipFile(file) as archive:
+            size = sum(part.file_size for part in archive.infolist())
+        if size <= LARGEST_UNPACKED:
+            book = openpyxl.load_workbook(file, read_only=True, data_only=True)
+            rows = dict(_rows(book, source, layout))
+    except DataError:
+        raise
+    except Exception as error:  # of many kinds
+        raise DataError(f"{source}: can't be read as an Excel workbook: {error}") from None
+    if size > LARGEST_UNPACKED:
+        raise DataError(
+            f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
+            "Save the sheet as a CSV file.",
+        )
+    first = next(iter(rows.values()), [])
+    width = len(first) if layout.header else max(map(len, rows.values()), default=0)
+    cells = [row + [""] * (width - len(row)) for row in rows.values()]
+    return table_of_rows(cells, list(rows), layout, source)
+
+
+def _rows(book: Any, source: str, layout: Format) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number from 1 and the cells of each row that is not blank."""
+    names = [sheet.title for sheet in book.worksheets]
+    if layout.sheet is not None and layout.sheet not in names:
+        raise DataError(f"{source}: no sheet {layout.sheet!r}; the file has: {', '.join(names)}")
+    sheet = book.worksheets[0 if layout.sheet is None else names.index(layout.sheet)]
+    sheet.reset_dimensions()  # those that the file states may be wrong
+    for number, values in enumerate(sheet.iter_rows(values_only=True), start=1):
+        cells = [_text(value, layout.decimal) for value in values]
+        while cells and not cells[-1]:
+            cells.pop()
+        is_comment = layout.comment is not None and cells and cells[0].startswith(layout.comment)
+        if cells and number > layout.preamble and not is_comment:
+            yield number, cells
+
+
+def _text(value: Any, decimal: str) -> str:
+    if isinstance(value, float):
+        return repr(value).replace(".", decimal)
+    if isinstance(value, time):
+        value = datetime.combine(_DAY, value)
+    elif isinstance(value, timedelta):
+        value = _DAY + value
+    if isinstance(value, date):  # also a datetime
+        return value.isoformat()
+    return "" if value is None else str(value).strip()
