@@ -119,7 +119,7 @@ def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> st
     except ValueError:
         unit = None
     if column.unit is not None:
-        if unit and unit != parse_unit(column.unit):
+        if unit and column.unit != DATE_TIME and unit != parse_unit(column.unit):
             raise DataError(f"{where}; unit in the map is {column.unit!r}")
         return column.unit
     if unit is None:

@@ -21,7 +21,9 @@ class _Times:
 
     def signal(self) -> Signal:
         """Return the date-times (datetime64), or the durations in s."""
-        return Signal(self.size, self._dates if self.is_date else self.seconds, unit="s")
+        if self.is_date:
+            return Signal(self.size, self._dates)
+        return Signal(self.size, self.seconds, unit="s")
 
     def seconds(self, origin_ms: float = 0.0) -> np.ndarray:
         """Return the times (n,) [s] since ``origin_ms``."""
