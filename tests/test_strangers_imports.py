@@ -5,6 +5,7 @@ are tested in store/test_strangers_formats.py.
 """
 
 import os
+import re
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
@@ -60,7 +61,7 @@ def test_tabs_in_yaml_are_read_for_line_numbers_as_for_values(tmp_path, text):
     assert line_of(text, ["a"]) == 1
     path = tmp_path / "map.yaml"
     path.write_text(text)
-    assert with_lines(f"{path}: a: is wrong") == f"{path}: line 1: a: is wrong"
+    assert with_lines(f"{path}: a: wrong") == f"{path}: line 1: a: wrong"
 
 
 @pytest.mark.parametrize("field", [".foo", "[0]", "!r", ":1000000000", ":{load}", "!r:>{load}"])
@@ -81,7 +82,7 @@ def test_a_constant_that_overflows_for_a_file_is_refused_with_its_name(bring_in,
 @pytest.mark.parametrize("name", ["1" * 250, "1." * 125, "-1" * 125])
 def test_a_name_of_digits_matches_no_pattern_at_great_length(bring_in, rules, name, limited):
     rules["series"][0]["files"] = "{pressure}{load}{speed}{trial}.csv"
-    with limited(10), pytest.raises(DataError, match="no file matches"):
+    with limited(10), pytest.raises(DataError, match=re.escape(rules["series"][0]["files"])):
         bring_in(name)
 
 

@@ -74,14 +74,14 @@ def test_all_pages_can_be_reached_from_the_readme():
 )
 def test_each_kind_of_error_has_its_exit_code_words_and_hint(error, code, monkeypatch, capsys):
     def fail(*_):
-        raise error("it is so", "Do this.")
+        raise error("wrong", "Right.")
 
     monkeypatch.setattr(workflow, "analyze", fail)
     monkeypatch.setattr("sys.argv", ["hbench", "analyze", "demo"])
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == code
-    assert capsys.readouterr() == ("", "error: it is so\nhint: Do this.\n")
+    assert capsys.readouterr() == ("", "error: wrong\nhint: Right.\n")
 
 
 def test_a_bug_is_exit_code_1_with_a_traceback_and_ctrl_c_130():
@@ -119,7 +119,7 @@ def test_the_shells_script_is_given():
     done = subprocess.run(
         [sys.executable, "-c", NAMED], env=os.environ | asked, capture_output=True, text=True
     )
-    assert "complete -o default -F _hbench_completion hbench" in done.stdout
+    assert re.search(r"^complete .* _hbench_completion hbench$", done.stdout, re.MULTILINE)
 
 
 def test_python_m_hbench_is_hbench():

@@ -137,7 +137,7 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_goes_on(tmp_path):
         assert "interrupted" in text and "Traceback" not in text
         host = start()
         assert host.wait(LIMIT_S) == 0
-        assert re.search(r"^note: [1-9]\d* of 30 campaigns", told.read_text(), re.M)
+        assert re.search(r"^note: [1-9]\d* of 30 ", told.read_text(), re.M)
         assert len(rows(tmp_path / "out")) == 30
     finally:
         if host.poll() is None:

@@ -39,7 +39,7 @@ def test_a_pipe_gets_one_line_a_run(quick_schedule, tmp_path):
     done = in_a_pipe(tmp_path, quick_schedule(), "-o", "out")
     assert done.returncode == 0
     _, *lines, after = done.stderr.splitlines()
-    assert after.endswith(" hbench report out")
+    assert after.split()[-3:] == ["hbench", "report", "out"]
     pattern = (
         r"{0} of 4 000{0} steady \+{1}\.0 mm/s, \+2000 N, trial {2}: accepted, "
         r"friction \+\d+\.\d N; \d+:\d\d left"
@@ -49,7 +49,7 @@ def test_a_pipe_gets_one_line_a_run(quick_schedule, tmp_path):
     for line, numbers in zip(lines, expected, strict=True):
         assert re.fullmatch(pattern.format(*numbers), line), line
     assert lines[-1].endswith("0:00 left")
-    assert done.stdout.startswith("out: 4 runs in ")
+    assert done.stdout.startswith("out: 4 runs ")
     assert not (tmp_path / "out" / "live.json").exists()
 
 
@@ -71,7 +71,7 @@ def test_a_terminal_shows_a_block_and_keeps_the_rejections(picky_schedule, tmp_p
     assert [line.split()[0] for line in first[1:6]] == [
         "run", "speed", "force", "pressure", "rejected"
     ]  # fmt: skip
-    assert first[1].startswith("run       1 of 4, trial 1 of 2: steady +80.0 mm/s, +2000 N; ")
+    assert re.match(r"run +1 of 4, \w+ 1 of 2: steady \+80\.0 mm/s, \+2000 N; ", first[1])
     assert re.fullmatch(r"speed     [+-]\d+\.\d of [+-]\d+\.\d mm/s", first[2])
     assert re.fullmatch(r"force     F_L [+-]\d+ of \+2000 N, .* [+-]\d+ N", first[3])
     sides = "  ".join(rf"{name} \d+\.\d" for name in ("P_Tp", "P_Tr", "P_Lp", "P_Lr", "supply"))
@@ -82,7 +82,7 @@ def test_a_terminal_shows_a_block_and_keeps_the_rejections(picky_schedule, tmp_p
     kept = [line for line in end if "rejected: off_reference" in line]
     assert [line[:4] for line in kept] == ["0001", "0002", "0003", "0004"]
     assert not any(line.startswith(("[", "speed", "pressure")) for line in end), "a block is left"
-    assert end[-3].startswith("out: 4 runs in ")
+    assert end[-3].startswith("out: 4 runs ")
 
 
 def test_ctrl_c_at_the_terminal_takes_the_block_away_and_leaves_nothing_live(

@@ -104,12 +104,12 @@ def test_without_viscous_friction_and_leakage_the_bench_swings_freely(par):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"f_load_n": 2e4}, "load cylinder needs"),
-        ({"f_load_n": 1.9e4, "p_lr_pa": 1e6}, "load cylinder needs"),
-        ({"v_m_s": 1.5}, "a valve needs"),
-        ({"v_m_s": 0.0}, "a valve at rest"),
-        ({"x_m": 0.5}, "outside limits.travel"),
-        ({"f_load_n": 1.83e4, "p_lr_pa": 5e5}, "can't balance"),
+        ({"f_load_n": 2e4}, r"load cylinder .* bar"),
+        ({"f_load_n": 1.9e4, "p_lr_pa": 1e6}, r"load cylinder .* bar"),
+        ({"v_m_s": 1.5}, r"valve .* V"),
+        ({"v_m_s": 0.0}, r"valve .*rest"),
+        ({"x_m": 0.5}, r"limits\.travel"),
+        ({"f_load_n": 1.83e4, "p_lr_pa": 5e5}, r"balance"),
     ],
 )
 def test_a_point_that_the_bench_can_not_hold_is_refused(bench, par, given, words):

@@ -1,5 +1,7 @@
 """Proposed gains: their method, and that they hold on benches other than the source's."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -95,7 +97,7 @@ def test_a_bench_without_damping_gets_no_proposal(make_bench):
         oil={"bulk_modulus": "10000 bar"},
         controllers={"velocity_filter": "500 ms", "pressure_filter": "500 ms"},
     )
-    with pytest.raises(ConvergenceError, match="no gains keep 45 degrees"):
+    with pytest.raises(ConvergenceError, match=r"\b45 degrees"):
         propose(bench, 1.7, operating_point(bench, plant_parameters(bench), {}))
 
 
@@ -111,7 +113,7 @@ def test_what_a_bench_can_not_reach_is_left_out_with_the_reason(make_bench):
     bench = make_bench(valve={"gain": "1.5e-7 m^2/V"})
     reached, left_out = conditions(bench, plant_parameters(bench))
     assert reached and left_out
-    assert all("a valve needs" in reason for reason in left_out)
+    assert all(re.search(r"\bvalve\b.* V\b", reason) for reason in left_out)
 
 
 def test_a_scaled_section_changes_that_value_alone(bench):

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import subprocess
 import sys
 
@@ -52,7 +53,7 @@ def full_from(write, patch):
         if (count := next(writes)) >= write:
             size = os.fstat(file.fileno()).st_size
             os.ftruncate(file.fileno(), before + (size - before) // 2 if count == write else before)
-            raise OSError(errno.ENOSPC, "No space left on device")
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     patch.setattr(atomic, "_flush", flush)
 
@@ -63,7 +64,7 @@ def test_a_disk_that_is_full_at_any_write_stops_the_board_and_costs_one_run(
 ):
     with pytest.MonkeyPatch.context() as patch:
         full_from(write, patch)
-        with pytest.raises(DataError, match="No space left") as error:
+        with pytest.raises(DataError, match=re.escape(os.strerror(errno.ENOSPC))) as error:
             measure()
     assert error.value.exit_code == ExitCode.DATA and "free space" in error.value.hint
     status = BoardClient(world.open()).status()

@@ -164,7 +164,7 @@ def interrupted(lab, interrupt, terminal=None) -> subprocess.Popen:
     time.sleep(0.5)
     assert abs(lab.status()["x_m"] - status["x_m"]) < 0.5e-3  # at 80 mm/s it would be 40 mm
     (*_, entry) = load_campaign(lab.folder).entries
-    assert (entry.stop.outcome, entry.stop.why) == ("aborted", "interrupted by the operator")
+    assert entry.stop.outcome == "aborted" and entry.stop.why.startswith("interrupted")
     return host
 
 
@@ -200,6 +200,6 @@ def test_a_host_that_sleeps_finds_a_board_that_has_stopped_itself(lab, quick_sch
     host.send_signal(signal.SIGCONT)
     _, told = host.communicate(timeout=PATIENCE_S)
     assert host.returncode == 3
-    assert "error: run" in told and "stopped itself: heartbeat" in told and "--resume" in told
+    assert re.search(r"^error: run .*: heartbeat\b", told, re.MULTILINE) and "--resume" in told
     status = lab.status()
     assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("fault", "heartbeat")

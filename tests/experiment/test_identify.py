@@ -2,6 +2,7 @@
 
 import copy
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from hbench.config.friction import parse_friction
 from hbench.errors import DataError
 from hbench.experiment.closed_loop import record_plans
 from hbench.report.identification.text import identification_json, identification_text
+from hbench.report.render.document import BANNERS
 from hbench.workflow.results import derive
 from tests.support.analysis.other_plant import OTHER_PLANT, STEADY
 
@@ -197,10 +199,10 @@ def test_json_and_table_tell_the_same(found):
 
 def test_page_and_figures_say_that_the_data_is_simulated(written):
     page = (written / "identification.html").read_text()
-    assert "Simulated. The virtual rig made these numbers" in page and len(page) > 100_000
-    assert "Closest in friction: " in page
-    assert "Panel 1 of 2: Friction (N) over Part of the profile. Tustin: " in page
-    assert "Panel 2 of 2: Velocity (mm/s) over Part of the profile. Tustin: " in page
+    assert BANNERS["simulated"] in page and len(page) > 100_000
+    assert 'class="verdict"' in page
+    for number, name in ((1, "Friction (N)"), (2, "Velocity (mm/s)")):
+        assert re.search(rf"\b{number} of 2: {re.escape(name)} [^.]*\. Tustin: ", page)
     drawn = {path.stem for path in (written / "figures").glob("*.png")}
     assert len(drawn) == 1 + len(LAWS) and page.count("<figure ") == len(drawn)
 
@@ -216,9 +218,10 @@ def test_what_a_campaign_lacks_is_told_with_what_to_add(lacking, tmp_path):
     found = workflow.identify(lacking.folder, lambda progress: None)
     text = identification_text(found)
     assert law(found, "tustin").fit and law(found, "pressure_based").fit
-    assert "marton_lantos is not identified" in text and "retracting curve" in text
-    assert "lugre is not identified" in text and "no usable run of kind 'triangle'" in text
-    assert "leuven is not identified" in text
+    reasons = {one.law: one.reason for one in found.laws if one.fit is None}
+    assert set(reasons) == {"marton_lantos", "lugre", "leuven"}
+    assert "retracting" in reasons["marton_lantos"] and "'triangle'" in reasons["lugre"]
+    assert all(f"{name} " in text and reason in text for name, reason in reasons.items())
     assert "not verified" in text and "configs/dynamics.yaml" in text
     assert "(steps): " in text and "ramps" in text
     workflow.write_identification(tmp_path / "out", found)

@@ -112,7 +112,7 @@ def test_a_second_host_of_the_same_campaign_is_turned_away(quick_experiment, mea
 
     def second(progress):
         if not refused:
-            with pytest.raises(ConfigError, match="campaign: .*another hbench") as error:
+            with pytest.raises(ConfigError, match="campaign: .*hbench") as error:
                 measure(other, resume=True)
             refused.append(error)
 
@@ -125,6 +125,6 @@ def test_a_second_host_of_the_same_campaign_is_turned_away(quick_experiment, mea
 def test_a_campaign_that_could_not_begin_leaves_no_folder(quick_experiment, measure, tmp_path):
     world = World(quick_experiment.bench, Script(events=(Event(0.0, "vanish", 5.0),)))
     world.wait(1.0)
-    with pytest.raises(DeviceError, match="no such device"):
+    with pytest.raises(DeviceError, match="device"):
         measure(world)
     assert not (tmp_path / "campaign").exists()

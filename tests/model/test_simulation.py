@@ -25,7 +25,7 @@ def test_initial_state_stays_at_rest(par, p_lr, p_lp):
 
 
 def test_a_load_beyond_the_supply_is_refused(par):
-    with pytest.raises(ConfigError, match="25035 N would need"):
+    with pytest.raises(ConfigError, match=r"\b25035 N\b"):
         initial_state(par, 0.1, 2 * BAR, 200.44 * BAR)
 
 

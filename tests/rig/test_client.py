@@ -98,7 +98,7 @@ def test_a_lost_answer_is_asked_for_again_with_the_same_sequence():
 
 def test_silence_ends_in_a_device_error_after_all_attempts():
     line = Line(lambda frame: b"")
-    with pytest.raises(DeviceError, match="no answer to 'status'") as error:
+    with pytest.raises(NoAnswer, match="'status'") as error:
         BoardClient(line).status()
     assert len(line.requests) == ATTEMPTS
     assert error.value.exit_code == 3
@@ -115,7 +115,7 @@ def test_a_late_answer_to_an_earlier_request_is_not_taken():
 def test_a_refusal_is_told_in_words():
     number = REFUSALS.index("settings_differ").to_bytes(2, "little")
     line = Line(lambda f: encode(Frame(f.sequence, ERROR, bytes([f.code, 0]) + number)))
-    with pytest.raises(Refused, match="refused 'start': settings differ"):
+    with pytest.raises(Refused, match="'start': settings differ"):
         BoardClient(line).start(1, 2)
 
 
@@ -309,7 +309,7 @@ def test_a_pull_that_is_left_leaves_no_answer_for_the_next_request():
     ids=["text", "zeros", "damaged frame", "every octet"],
 )
 def test_a_device_that_is_no_board_is_told_so(chatter):
-    with pytest.raises(NoAnswer, match="line: no answer to 'identify'") as error:
+    with pytest.raises(NoAnswer, match="line: .*'identify'") as error:
         BoardClient(Line(lambda frame: chatter)).identify()
     assert "port" in error.value.hint
 

@@ -15,7 +15,7 @@ from hbench.experiment.runner import run_campaign
 from hbench.protocol.codec import BY_NAME, pack
 from hbench.protocol.dictionary import ERROR, PROTOCOL, RECORD, REPLY, STATES, dictionary_hash
 from hbench.protocol.frames import Frame, Receiver, encode
-from hbench.rig.client import ATTEMPTS, REPLY_TIMEOUT_S, BoardClient
+from hbench.rig.client import ATTEMPTS, REPLY_TIMEOUT_S, BoardClient, NoAnswer, Refused
 
 OCTETS_S = 11_520.0  # on the line
 CODES = {message.code: message for message in BY_NAME.values()}
@@ -71,9 +71,7 @@ NONSENSE = {
 @pytest.mark.parametrize("kind", NONSENSE)
 def test_nonsense_without_end_is_no_board_and_costs_the_time_of_silence(kind):
     line = Babbler(NONSENSE[kind])
-    with pytest.raises(
-        DeviceError, match="babbler: no answer to 'identify' in 8 attempts"
-    ) as error:
+    with pytest.raises(NoAnswer, match=r"babbler: .*'identify' .*\b8\b") as error:
         BoardClient(line).identify()
     assert error.value.exit_code == ExitCode.DEVICE
     assert "port" in error.value.hint
@@ -102,7 +100,7 @@ class Liar(Babbler):
 
 
 def test_a_plug_that_echoes_is_no_board():
-    with pytest.raises(DeviceError, match="no answer to 'identify'"):
+    with pytest.raises(NoAnswer, match="'identify'"):
         BoardClient(Liar(encode)).identify()
 
 
@@ -116,7 +114,7 @@ def test_an_identity_of_another_length_is_refused(length):
 @pytest.mark.parametrize("payload", [b"", b"\1", b"\1\0\xff", bytes(200)])
 def test_a_refusal_of_any_length_is_a_refusal(payload):
     line = Liar(lambda f: encode(Frame(f.sequence, ERROR, payload)))
-    with pytest.raises(DeviceError, match="the board refused 'identify'"):
+    with pytest.raises(Refused, match="'identify'"):
         BoardClient(line).identify()
 
 

@@ -134,7 +134,7 @@ def test_octets_that_another_reader_took_are_a_device_error(line, monkeypatch):
     port = SerialPort(name)
     os.write(master, b"x")
     monkeypatch.setattr("serial.serialposix.os.read", lambda *arguments: b"")
-    with pytest.raises(DeviceError, match="read failed: .*returned no data"):
+    with pytest.raises(DeviceError, match=name):
         port.read(0.1)
 
 
