@@ -1,6 +1,6 @@
 """A run in SI as a CSV file with a named column per channel: the layout of imported runs."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from hbench.config.import_layout import ALWAYS, CHANNELS, FLAGS, LIMITS, LONGEST_S, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
+from hbench.store.files.number_columns import formatted_rows
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import parse_table
 
@@ -17,11 +18,10 @@ _IN_RUN = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 _SAME_SPEED_M_S, _SAME_SPEED = 1e-5, 1e-3
 
 
-def format_run(channels: Mapping[str, np.ndarray]) -> bytes:
-    """Return ``channels``, each (n,), as CSV with all digits of a float."""
-    columns = [map(repr, values.tolist()) for values in channels.values()]
-    rows = map(",".join, zip(*columns, strict=True))
-    return "\n".join((",".join(channels), *rows, "")).encode()
+def format_run(channels: Mapping[str, np.ndarray]) -> Iterator[bytes]:
+    """Yield ``channels``, each (n,), as CSV from which the same floats are read."""
+    yield f"{','.join(channels)}\n".encode()
+    yield from formatted_rows(tuple(channels.values()))
 
 
 def read_channels(table: Table) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
@@ -32,11 +32,9 @@ def read_channels(table: Table) -> tuple[dict[str, np.ndarray], tuple[str, ...]]
     """
     for name in ALWAYS:
         table.position(name)
-    channels = {
-        name: table.numbers(name, gaps=name not in ALWAYS)
-        for name in table.names
-        if name in CHANNELS or name in FLAGS
-    }
+    known = [name for name in table.names if name in CHANNELS or name in FLAGS]
+    table.prefetch(known)
+    channels = {name: table.numbers(name, gaps=name not in ALWAYS) for name in known}
     check_lengths(channels, table)
     check_limits(channels, table)
     check_time(channels["t_s"], table)

@@ -40,7 +40,7 @@ def csv_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> 
     for run, reason in runs:
         name = f"runs/{run.plan.run}.csv"
         rows.append(_row(run.plan, name, reason))
-        yield name, format_run(channels(run))
+        yield name, b"".join(format_run(channels(run)))
     for row in rows:
         row |= {name: as_cell(row[name]) for name in _FREE_TEXTS}
     yield "runs.csv", _frame(rows).to_csv(index=False, lineterminator="\n").encode()

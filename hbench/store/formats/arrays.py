@@ -115,6 +115,9 @@ class Arrays:
             raise self._missing(column)
         return self.names.index(column)
 
+    def prefetch(self, columns: Iterable[int | str]) -> None:
+        """Do nothing: columns are read one by one."""
+
     def numbers(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
         """Return a column (n,) as floats; ``gaps`` allows NaN. Raises ``DataError``."""
         values = self._values(column)

@@ -1,5 +1,6 @@
 """What every reader returns: a table of columns, each perhaps with times of its own."""
 
+from collections.abc import Iterable
 from typing import Protocol
 
 import numpy as np
@@ -39,6 +40,12 @@ class Table(Protocol):
 
     def position(self, column: int | str) -> int:
         """Return a column's index, from 0."""
+
+    def prefetch(self, columns: Iterable[int | str]) -> None:
+        """Read the numbers of columns together, where that is faster than one by one.
+
+        Raises nothing: errors are raised when a column is read.
+        """
 
     def unit(self, column: int | str) -> str | None:
         """Return a column's unit in the file; None if the file has no units."""

@@ -2,9 +2,11 @@
 
 import codecs
 import csv
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from itertools import islice
 from typing import BinaryIO, ClassVar
 
 import numpy as np
@@ -12,6 +14,7 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
+from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
 _GAPS = ("", "nan", "na", "n/a", "null")
@@ -33,11 +36,12 @@ class TextTable:
 
     names: tuple[str, ...]  # of the columns; empty without a header
     units: tuple[str, ...]  # of the columns; empty without a row of units
-    rows: list[list[str]]
+    rows: list[list[str]] | PlainRows
     lines: np.ndarray  # (n,) line of each row in the file, from 1
     layout: Format
     source: str
     short_lines: tuple[int, ...] = ()
+    _converted: dict[int, np.ndarray] = field(default_factory=dict, repr=False, compare=False)
     leaves_out_rows: ClassVar[bool] = False
 
     def where(self, row: int) -> str:
@@ -88,20 +92,32 @@ class TextTable:
         Raises ``DataError`` naming the line of any other cell that is not a finite number.
         """
         position = self.position(column)
-        cells = [self._plain(row[position]) for row in self.rows]
-        try:
-            values = np.array(cells, dtype=float)
-        except ValueError:
-            values = np.array([_float(cell) for cell in cells])
+        if position not in self._converted:
+            self.prefetch([column])
+        values = self._converted.get(position)
+        if values is None:
+            values = np.array([_float(cell) for cell in self._plain(position)])
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
-            if not (gaps and cells[row].strip().lower() in _GAPS):
-                cell = self.rows[row][position][:60]
+            cell = self.rows[row][position]
+            if not (gaps and cell.strip().lower() in _GAPS):
                 raise DataError(
-                    f"{self.source}: {self.where(row)}: column {column}: found {cell!r}; "
+                    f"{self.source}: {self.where(row)}: column {column}: found {cell[:60]!r}; "
                     "expected a number",
                     "Specify a decimal comma in the map: format.decimal." if "," in cell else "",
                 )
         return values
+
+    def prefetch(self, columns: Iterable[int | str]) -> None:
+        """Convert columns of numbers together, which is faster than one by one."""
+        positions = set()
+        for column in columns:
+            with suppress(DataError):  # raised again where the column is read
+                positions.add(self.position(column))
+        needed = sorted(positions - self._converted.keys())
+        if isinstance(self.rows, PlainRows) and needed:
+            with suppress(ValueError):  # not only numbers: converted cell by cell
+                values = self.rows.numbers(needed, self.layout.decimal)
+                self._converted.update(zip(needed, values, strict=True))
 
     def date_times(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
         """Return a column (n,) of ISO 8601 date-times as datetime64 in UTC; ``gaps`` allows NaT.
@@ -131,17 +147,14 @@ class TextTable:
         """Return None: a text states its times in columns."""
         return None
 
-    def _plain(self, cell: str) -> str:
-        """Return a number in Python's notation; other text stays invalid."""
+    def _plain(self, position: int) -> list[str]:
+        """Return a column's cells with numbers in Python's notation; other text stays invalid."""
         decimal, thousands = self.layout.decimal, self.layout.thousands
+        cells = [row[position] for row in self.rows]
         if thousands is not None:
-            whole, mark, fraction = cell.strip().partition(decimal)
-            groups = whole.lstrip("+-").split(thousands)
-            if 1 <= len(groups[0]) <= 3 and all(len(group) == 3 for group in groups[1:]):
-                cell = whole.replace(thousands, "") + mark + fraction
-        if decimal != "." and cell:
-            cell = cell.translate({ord("."): "?", ord(decimal): "."})
-        return cell.replace("_", "?")  # Python reads 1_0 as 10
+            cells = [_ungrouped(c, decimal, thousands) if thousands in c else c for c in cells]
+        text = "\n".join(cells).replace("_", "?")  # Python reads 1_0 as 10
+        return (text if decimal == "." else with_points(text, decimal)).split("\n")
 
 
 def open_text(file: BinaryIO, source: str, layout: Format) -> TextTable:
@@ -151,39 +164,67 @@ def open_text(file: BinaryIO, source: str, layout: Format) -> TextTable:
 
 def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
     """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
-    kept = list(_lines_of_data(decoded(data), layout))
-    rows, lines = _cells(kept, layout, source)
-    return table_of_rows(rows, lines, layout, source)
+    numbers, texts = _lines_of_data(decoded(data), layout)
+    top, _, below = _cells(texts, numbers, layout, source, _rows_above(layout))
+    texts, numbers = texts[below:], numbers[below:]
+    separator = _DELIMITERS.get(layout.separator)
+    rows: list[list[str]] | PlainRows
+    if texts and (separator is None or not any('"' in text for text in texts)):
+        first_row = top[0] if layout.header else texts[0].split(separator)
+        rows = PlainRows(texts, separator, len(first_row))
+    else:
+        rows, numbers, _ = _cells(texts, numbers, layout, source)
+    return _table(top, rows, numbers, layout, source)
 
 
 def table_of_rows(
     rows: list[list[str]], lines: list[int], layout: Format, source: str
 ) -> TextTable:
     """Return the table in ``rows`` of cells. Raises ``DataError`` as ``parse_table`` does."""
-    names: tuple[str, ...] = ()
-    units: tuple[str, ...] = ()
-    if layout.header and rows:
-        names, rows, lines = tuple(name.strip() for name in rows[0]), rows[1:], lines[1:]
-    if layout.units_row and rows:
-        units, rows, lines = tuple(rows[0]), rows[1:], lines[1:]
-    rows, lines = rows[layout.skip_rows :], lines[layout.skip_rows :]
-    if not rows:
-        skipped = layout.preamble + layout.header + layout.units_row + layout.skip_rows
+    above = _rows_above(layout)
+    return _table(rows[:above], rows[above:], lines[above:], layout, source)
+
+
+def _rows_above(layout: Format) -> int:
+    return layout.header + layout.units_row + layout.skip_rows
+
+
+def _table(
+    top: list[list[str]],
+    rows: list[list[str]] | PlainRows,
+    lines: list[int],
+    layout: Format,
+    source: str,
+) -> TextTable:
+    """Return the table of ``rows`` of data below the ``top`` rows; ``lines`` are their numbers."""
+    names = tuple(name.strip() for name in top[0]) if layout.header and top else ()
+    units = tuple(top[layout.header]) if layout.units_row and len(top) > layout.header else ()
+    if not len(rows):
+        skipped = layout.preamble + _rows_above(layout)
         raise DataError(f"{source}: no rows of data after the first {skipped} lines")
     width = len(names) or len(rows[0])
-    for number, cells in enumerate(rows):
-        if len(cells) == width + 1 and not cells[-1].strip():
-            cells.pop()  # the line ends with a separator
-        if len(cells) != width:
-            text = _DELIMITERS.get(layout.separator, " ").join(cells)
-            raise DataError(
-                f"{source}: line {lines[number]}: found {len(cells)} columns in "
-                f"{text[:60]!r}; expected {width}",
-                _FORMAT,
-            )
+    for row, cells in _unequal(rows, width):
+        text = _DELIMITERS.get(layout.separator, " ").join(cells)
+        raise DataError(
+            f"{source}: line {lines[row]}: found {len(cells)} columns in "
+            f"{text[:60]!r}; expected {width}",
+            _FORMAT,
+        )
     if units and len(units) < width:
         raise DataError(f"{source}: the row of units has {len(units)} columns; expected {width}")
     return TextTable(names, units, rows, np.array(lines), layout, source)
+
+
+def _unequal(rows: list[list[str]] | PlainRows, width: int) -> Iterator[tuple[int, list[str]]]:
+    """Yield the numbers and cells of rows without ``width`` cells; a blank last one is left out."""
+    if isinstance(rows, PlainRows):
+        yield from rows.unequal()
+        return
+    for row, cells in enumerate(rows):
+        if len(cells) == width + 1 and not cells[-1].strip():
+            cells.pop()  # the line ends with a separator
+        if len(cells) != width:
+            yield row, cells
 
 
 def decoded(data: bytes) -> str:
@@ -199,32 +240,50 @@ def decoded(data: bytes) -> str:
         return data.decode("cp1252", errors="replace")
 
 
-def _lines_of_data(text: str, layout: Format) -> Iterator[tuple[int, str]]:
-    for number, line in enumerate(text.splitlines(), start=1):
-        if number <= layout.preamble or not line.strip():
-            continue
-        if layout.comment is None or not line.lstrip().startswith(layout.comment):
-            yield number, line
+def _lines_of_data(text: str, layout: Format) -> tuple[list[int], list[str]]:
+    """Return the numbers, from 1, and the texts of the lines that are not left out."""
+    lines = text.splitlines()
+    numbers = [
+        number
+        for number, line in enumerate(lines, start=1)
+        if line and number > layout.preamble and not line.isspace()
+    ]
+    if (mark := layout.comment) is not None:
+        numbers = [n for n in numbers if not lines[n - 1].lstrip().startswith(mark)]
+    return numbers, [lines[n - 1] for n in numbers]
 
 
 def _cells(
-    kept: list[tuple[int, str]], layout: Format, source: str
-) -> tuple[list[list[str]], list[int]]:
-    """Return the cells of each row, and the line in which it ends."""
-    texts = [line for _, line in kept]
+    texts: list[str], numbers: list[int], layout: Format, source: str, most: int | None = None
+) -> tuple[list[list[str]], list[int], int]:
+    """Return the cells of the first ``most`` rows, or of all.
+
+    Also the number of the line in which each row ends, and how many of the lines are used.
+    """
     if layout.separator == "whitespace":
-        return [line.split() for line in texts], [number for number, _ in kept]
-    reader, rows, lines = csv.reader(texts, delimiter=_DELIMITERS[layout.separator]), [], []
+        rows = [line.split() for line in texts[:most]]
+        return rows, numbers[:most], len(rows)
+    reader = csv.reader(texts, delimiter=_DELIMITERS[layout.separator])
+    rows, ends = [], []
     try:
-        for cells in reader:
+        for cells in islice(reader, most):
             rows.append(cells)
-            lines.append(kept[reader.line_num - 1][0])
+            ends.append(numbers[reader.line_num - 1])
     except csv.Error as error:  # such as a cell of 100 kB after an unclosed quote
-        after = f"after line {lines[-1]}" if lines else "in the first row"
+        after = f"after line {ends[-1]}" if ends else "in the first row"
         raise DataError(
             f"{source}: {after}: {error}", "Check that all quotes are closed."
         ) from None
-    return rows, lines
+    return rows, ends, reader.line_num
+
+
+def _ungrouped(cell: str, decimal: str, thousands: str) -> str:
+    """Return a number without its marks of thousands; other text stays as it is."""
+    whole, mark, fraction = cell.strip().partition(decimal)
+    groups = whole.lstrip("+-").split(thousands)
+    if 1 <= len(groups[0]) <= 3 and all(len(group) == 3 for group in groups[1:]):
+        return whole.replace(thousands, "") + mark + fraction
+    return cell
 
 
 def _float(cell: str) -> float:

@@ -77,7 +77,7 @@ def _write_run(destination: Path, run: ImportedRun, at: datetime) -> str:
         check_plan(run.plan)
     except ValueError as error:  # such as the trial 0, by the file's name
         raise DataError(f"{run.file.name}: {error}") from None
-    data = format_run(run.channels)
+    data = b"".join(format_run(run.channels))
     write_atomic(destination / "runs" / f"{run.plan.run}.csv", data)
     origin = {"file": run.file.name, "lines": list(run.lines), "sha256": run.file.sha256}
     stop = Stop(at.isoformat(), "done", len(run.channels["t_s"]), sha256(data))

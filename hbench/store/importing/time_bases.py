@@ -9,6 +9,7 @@ from hbench.config.import_layout import ALWAYS, DATE_TIME, Column
 from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.store.campaign.run_csv import check_lengths, check_limits, check_time
+from hbench.store.files.number_columns import rounded_to_decimals
 from hbench.store.formats.table import Table
 from hbench.store.importing.file_notes import FileNote
 from hbench.units import parse_unit, to_si
@@ -31,6 +32,7 @@ def read_time_bases(
 
     Raises ``DataError`` naming the invalid line.
     """
+    table.prefetch(_columns_of_numbers(rules))
     times = _times(table, rules)
     gaps = table.leaves_out_rows or any(column.time for column in rules.columns.values())
     groups: list[tuple[np.ndarray, dict[str, np.ndarray]]] = []
@@ -59,6 +61,15 @@ def read_time_bases(
         notes += repeats
     bases.sort(key=lambda base: "x_m" not in base.channels)
     return bases, [*_omissions(name, omitted), *notes]
+
+
+def _columns_of_numbers(rules: ImportMap) -> Iterator[int | str]:
+    times = rules.columns.get("t_s")
+    for column in rules.columns.values():
+        if column.unit != DATE_TIME:
+            yield column.column
+        if column.time is not None and times is not None and times.unit != DATE_TIME:
+            yield column.time
 
 
 def _times(table: Table, rules: ImportMap) -> dict[str, np.ndarray]:
@@ -102,7 +113,8 @@ def _own_times(table: Table, columns: Mapping[str, Column]) -> Iterator[tuple[st
 def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: bool) -> np.ndarray:
     unit = column_unit(table, name, column, rules)
     numbers = table.numbers(column.column, gaps=gaps)
-    values = numbers * (parse_unit(unit).factor * column.scale)
+    factor = parse_unit(unit).factor * column.scale
+    values = numbers if factor == 1 else rounded_to_decimals(numbers * factor)
     if name == "f_applied_n" and rules.load_cell is not None:  # C.6
         values = (values - rules.load_cell.level) / rules.load_cell.volts_per_newton
     return values if column.offset is None else values + to_si(column.offset, rules.unit(name))

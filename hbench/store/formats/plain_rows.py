@@ -1,0 +1,71 @@
+"""Rows of a text without quotes: split on demand, and converted to numbers by whole columns."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+
+class PlainRows:
+    """Rows of cells, each a line of text split at every separator.
+
+    A row may end with a separator; the cells after ``width`` are left out.
+    """
+
+    def __init__(self, lines: Sequence[str], separator: str | None, width: int):
+        self._lines = lines
+        self._separator = separator  # None: white space
+        self._width = width
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    def __getitem__(self, row: int) -> list[str]:
+        return self._lines[row].split(self._separator)[: self._width]
+
+    def __iter__(self) -> Iterator[list[str]]:
+        return (line.split(self._separator)[: self._width] for line in self._lines)
+
+    def unequal(self) -> Iterator[tuple[int, list[str]]]:
+        """Yield the number and the cells of each row without ``width`` cells.
+
+        A blank cell after the last one does not count.
+        """
+        separator, width = self._separator, self._width
+        for row, line in enumerate(self._lines):
+            count = len(line.split()) if separator is None else line.count(separator) + 1
+            if count != width:
+                cells = line.split(separator)
+                if count != width + 1 or cells[-1].strip():
+                    yield row, cells
+
+    def numbers(self, positions: Sequence[int], decimal: str) -> np.ndarray:
+        """Return columns (k, n) as floats, an empty cell as NaN; ``decimal`` is the point or comma.
+
+        Raises ``ValueError`` if a cell is not a number. Each number is that of Python's ``float``,
+        which also reads a few more notations.
+        """
+        text = "\n".join(("", *self._lines, ""))
+        if (mark := self._separator) is not None:
+            for empty in (
+                mark + mark,
+                mark + mark,
+                f"\n{mark}",
+                f"{mark}\n",
+            ):  # of three, one is left
+                if empty in text:
+                    text = text.replace(empty, f"{empty[0]}nan{empty[1]}")
+        if decimal != ".":
+            text = with_points(text, decimal)
+        return np.loadtxt(
+            text.split("\n")[1:-1],
+            delimiter=self._separator,
+            usecols=positions,
+            comments=None,
+            ndmin=2,
+            unpack=True,
+        )
+
+
+def with_points(text: str, decimal: str) -> str:
+    """Return text with points instead of ``decimal``; what had a point is no number any more."""
+    return text.replace(".", "?").replace(decimal, ".")
