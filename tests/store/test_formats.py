@@ -167,6 +167,34 @@ def test_invalid_samples_of_mdf_are_unknown(bring_in, tmp_path):
     np.testing.assert_array_equal(np.isnan(run.p_tp_pa), invalid)
 
 
+@pytest.mark.parametrize(
+    ("formula", "factor"),
+    [
+        ("2.5*X1+1e1", 2.5),
+        ("-(X1/4)^1", -0.25),
+        ("__import__('os').mkdir('made')", None),
+        ("X1.__class__", None),
+        ("(lambda:X1)()", None),
+    ],
+)
+def test_the_formula_of_an_mdf_channel_is_arithmetic_or_refused(
+    bring_in, tmp_path, monkeypatch, formula, factor
+):
+    from asammdf import MDF, Signal
+
+    monkeypatch.chdir(tmp_path)
+    with MDF(version="4.10") as mdf:
+        signals = [Signal(y, T, name=name) for name, y in {"x": X, "f": 0 * T}.items()]
+        mdf.append([*signals, Signal(8 + T, T, name="p", conversion={"formula": formula})])
+        mdf.save(tmp_path / "a.mf4")
+    if factor is None:
+        with pytest.raises(DataError, match="column p: .*formula"):
+            bring_in("a.mf4")
+    else:
+        np.testing.assert_allclose(np.diff(bring_in("a.mf4")[0].p_tp_pa), factor * 1e3)
+    assert not (tmp_path / "made").exists()
+
+
 def test_mapped_channels_of_more_than_the_limit_are_refused_before_reading(
     bring_in, tmp_path, monkeypatch
 ):

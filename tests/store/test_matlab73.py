@@ -159,6 +159,34 @@ def test_a_variable_that_is_no_channel_is_refused(bring_in, content, message):
         bring_in(content, "{}", ("t", "s"))
 
 
+@pytest.mark.parametrize("way", ["external storage", "external link", "virtual dataset"])
+def test_data_of_another_file_is_not_read(rules, import_by, tmp_path, way):
+    import h5py
+
+    other = tmp_path / "other"
+    other.mkdir()
+    with h5py.File(other / "b.mat", "w") as file:
+        file.update({name: y[None, :] for name, y in LOG.items()})
+    (other / "x.bin").write_bytes(X.tobytes())
+    with h5py.File(tmp_path / "a.mat", "w") as file:
+        file.update({name: y[None, :] for name, y in LOG.items() if name != "x"})
+        if way == "external storage":
+            where = [(str(other / "x.bin"), 0, X.nbytes)]
+            file.create_dataset("x", (1, len(X)), "f8", external=where)
+        elif way == "external link":
+            file["x"] = h5py.ExternalLink(str(other / "b.mat"), "x")
+        else:
+            layout = h5py.VirtualLayout((1, len(X)), "f8")
+            layout[:] = h5py.VirtualSource(str(other / "b.mat"), "x", (1, len(X)))
+            file.create_virtual_dataset("x", layout)
+    rules["series"][0]["files"] = "a.mat"
+    rules["columns"] = {"t_s": {"column": "t", "unit": "s"}} | {
+        key: {"column": name, "unit": unit} for key, (name, unit) in COLUMNS.items()
+    }
+    with pytest.raises(DataError, match="a.mat: .*(another file|no column 'x')"):
+        import_by(rules)
+
+
 def test_signals_of_simulink_give_the_friction_known_of_a_crane(rules, import_by):
     if not CRANE.is_dir():
         pytest.skip(f"the measurements are not at {CRANE}")

@@ -1,5 +1,6 @@
 """MDF files of measurement and calibration systems (ASAM MDF, versions 2 to 4)."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, BinaryIO
@@ -14,6 +15,11 @@ from hbench.store.formats.packages import optional_package
 _MAGIC = (b"MDF ", b"UnFinMF ")
 _PIECE = 16_000_000  # bytes of records in memory at once
 _SECONDS = ("s", "")
+# A formula is evaluated as a program, so it is refused if it is more than arithmetic.
+_FORMULA = re.compile(
+    r"(?:[-+*/^(),\s]|\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+|X1?"
+    r"|sin|cos|tan|sinh|cosh|tanh|exp|log|log10|sqrt|abs)+"
+)
 
 
 def open_mdf(file: BinaryIO, source: str, layout: Format) -> Arrays:
@@ -27,7 +33,7 @@ def open_mdf(file: BinaryIO, source: str, layout: Format) -> Arrays:
     if not is_mdf:
         raise DataError(f"{source}: is not an MDF file")
     try:
-        named = by_name(_signals(asammdf.MDF(file)))
+        named = by_name(_signals(asammdf.MDF(file, process_bus_logging=False)))
     except Exception as error:  # of many kinds
         raise DataError(f"{source}: can't be read as an MDF file: {error}") from None
     return Arrays(named, source)
@@ -53,17 +59,45 @@ def _signals(mdf: Any) -> Iterator[tuple[str, str, Signal]]:
 
 
 def _samples(mdf: Any, group: int, index: int, pieces: Sequence[Mapping[str, int]]) -> np.ndarray:
-    """Return a channel (n,); invalid samples are NaN."""
+    """Return a channel (n,); invalid samples are NaN. Raises ``ValueError`` for its formula."""
+    formula = _formula(mdf.groups[group].channels[index].conversion)
     parts = []
     for piece in pieces:
         samples, invalid = mdf.get(
-            group=group, index=index, samples_only=True, ignore_invalidation_bits=True, **piece
+            group=group,
+            index=index,
+            samples_only=True,
+            raw=bool(formula),
+            ignore_invalidation_bits=True,
+            **piece,
         )
         parts.append(samples if invalid is None else np.where(invalid, np.nan, samples))
-    return np.concatenate(parts) if parts else np.zeros(0)
+    values = np.concatenate(parts) if parts else np.zeros(0)
+    return _evaluated(formula, values) if formula else values
 
 
 def _times(mdf: Any, group: int, pieces: Sequence[Mapping[str, int]]) -> np.ndarray:
     """Return the times (n,) [s] of a group, from the start of the measurement."""
+    if _formula(mdf.groups[group].channels[mdf.masters_db[group]].conversion):
+        raise ValueError("the time is a formula")
     parts = [mdf.get_master(group, **piece) for piece in pieces]
     return np.concatenate(parts).astype(float) if parts else np.zeros(0)
+
+
+def _formula(conversion: Any) -> str:
+    """Return the formula of a conversion; empty if it has none. Raises ``ValueError``."""
+    formula = getattr(conversion, "formula", None) or ""
+    formula = (formula.decode() if isinstance(formula, bytes) else formula).strip("\0 ")
+    if formula and not _FORMULA.fullmatch(formula):
+        raise ValueError(f"formula {formula[:60]!r} is more than arithmetic")
+    for inner in (getattr(conversion, "referenced_blocks", None) or {}).values():
+        if inner is not conversion and _formula(inner):
+            raise ValueError("a table contains a formula")
+    return formula
+
+
+def _evaluated(formula: str, values: np.ndarray) -> np.ndarray:
+    """Return a formula of X. asammdf itself returns ``values`` for a formula that it can't read."""
+    numexpr = optional_package("numexpr", "MDF", "mdf")
+    x = values.astype(float)
+    return numexpr.evaluate(formula.replace("^", "**"), {"X": x, "X1": x}, {})

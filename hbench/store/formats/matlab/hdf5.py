@@ -4,12 +4,49 @@ Dimensions are in reverse order, so that the flat order is MATLAB's. The attribu
 is the class; a cell array contains references.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from hbench.store.formats.arrays import Matrix, Signal
+
+
+class Group(Mapping[Any, Any]):
+    """Group of an HDF5 file; keys are paths and references.
+
+    Links and datasets can lead to other files, which are not read: such a link is missing here
+    (``KeyError``), such a dataset raises ``ValueError``.
+    """
+
+    def __init__(self, group: Any, h5py: Any):
+        self._group = group
+        self._h5py = h5py
+        self.attrs = group.attrs
+
+    def __getitem__(self, key: Any) -> Any:
+        node = self._group
+        if isinstance(key, str):
+            for name in key.split("/"):
+                if not self._is_inside(node, name):
+                    raise KeyError(key)
+                node = node[name]
+        else:
+            node = node[key]
+        if isinstance(node, self._h5py.Group):
+            return Group(node, self._h5py)
+        if node.external or node.is_virtual:
+            raise ValueError(f"{node.name} contains data of another file")
+        return node
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name in self._group if self._is_inside(self._group, name))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def _is_inside(self, node: Any, name: str) -> bool:
+        return isinstance(node.get(name, getlink=True), self._h5py.HardLink)
 
 
 def channel_of(

@@ -12,7 +12,8 @@ from hbench.store.formats.matlab.mat_sizes import check_mat_sizes
 
 def open_mat(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """Return the variables of a file. Raises ``DataError``."""
-    return Arrays(read_mat(read_whole(file, source), source), source)
+    variables = read_mat(read_whole(file, source), source)
+    return Arrays(variables, source, "Save tables and timetables in MATLAB with '-v7.3'.")
 
 
 def read_mat(data: bytes, source: str) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from typing import Any, BinaryIO
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.formats.arrays import Arrays, Names, by_name
-from hbench.store.formats.matlab.hdf5 import cells, channel_of, class_of
+from hbench.store.formats.matlab.hdf5 import Group, cells, channel_of, class_of
 from hbench.store.formats.matlab.simulink import simulink_signals
 from hbench.store.formats.matlab.tables import ObjectReader
 from hbench.store.formats.packages import optional_package
@@ -28,7 +28,7 @@ def open_mat73(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """
     h5py = optional_package("h5py", "MATLAB 7.3", "matlab73")
     try:
-        content = h5py.File(file, "r")
+        content = Group(h5py.File(file, "r"), h5py)
         signals = by_name(simulink_signals(content))
         variables = _Variables(content).read()
     except Exception as error:  # of many kinds
@@ -43,7 +43,7 @@ def open_mat73(file: BinaryIO, source: str, layout: Format) -> Arrays:
 class _Variables:
     """Reader of an HDF5 file's variables, without their samples."""
 
-    def __init__(self, content: Any):
+    def __init__(self, content: Group):
         self._content = content
         self._objects = ObjectReader(content) if "#subsystem#/MCOS" in content else None
         self._left = _MOST
@@ -58,14 +58,14 @@ class _Variables:
         self._left -= 1
         if self._left < 0 or depth > _DEEPEST:
             raise ValueError(f"more than {_MOST} fields, or nested deeper than {_DEEPEST}")
-        if hasattr(node, "keys"):
-            return self._struct(dict(node.items()), depth)
+        if isinstance(node, Group):
+            return self._struct(dict(node), depth)
         is_object, value = self._objects.read(node) if self._objects else (False, None)
         return value if is_object else channel_of(node)
 
     def _struct(self, fields: dict[str, Any], depth: int) -> Any:
         # The fields of a struct array are references without a class.
-        is_array = fields and not any(hasattr(f, "keys") or class_of(f) for f in fields.values())
+        is_array = fields and not any(isinstance(f, Group) or class_of(f) for f in fields.values())
         if not is_array:
             return {name: self._value(node, depth + 1) for name, node in fields.items()}
         elements = zip(*(cells(self._content, node) for node in fields.values()), strict=True)

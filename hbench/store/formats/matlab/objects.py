@@ -17,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from hbench.store.formats.matlab.hdf5 import Group
+
 _MAGIC = 0xDD000000  # begins a reference to an object
 _CELL = 1  # type of a property whose value is a cell
 _FIRST_VALUE = 2  # cells before the values of properties
@@ -25,7 +27,7 @@ _FIRST_VALUE = 2  # cells before the values of properties
 class ObjectStore:
     """The objects of an HDF5 file ``content``. Raises ``ValueError`` and others if damaged."""
 
-    def __init__(self, content: Any):
+    def __init__(self, content: Group):
         self._content = content
         self._cells = content["#subsystem#/MCOS"][()].ravel()
         data = content[self._cells[0]][()].tobytes()

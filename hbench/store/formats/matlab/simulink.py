@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from hbench.store.formats.arrays import Signal
-from hbench.store.formats.matlab.hdf5 import cells, is_empty, text
+from hbench.store.formats.matlab.hdf5 import Group, cells, is_empty, text
 
 _STREAMS = "#sigstream#"
 _UNITS = {"seconds": 1.0, "milliseconds": 1e-3, "minutes": 60.0, "hours": 3600.0, "days": 86400.0}
@@ -22,12 +22,12 @@ _TYPES = {"logical": "u1", "boolean": "u1", "single": "f4", "double": "f8"} | {
 }
 
 
-def simulink_signals(content: Any) -> Iterator[tuple[str, str, Signal]]:
+def simulink_signals(content: Group) -> Iterator[tuple[str, str, Signal]]:
     """Yield block, name and samples of each signal in an HDF5 file; only of scalar signals."""
     if _STREAMS not in content:
         return
     for element in content["#refs#"].values():
-        values = element.get("Values") if hasattr(element, "keys") else None
+        values = element.get("Values") if isinstance(element, Group) else None
         if values is None or "DataR2" not in values:
             continue
         signal = _signal(content, values)
@@ -37,7 +37,7 @@ def simulink_signals(content: Any) -> Iterator[tuple[str, str, Signal]]:
             yield _block(content, element), name, signal
 
 
-def _signal(content: Any, values: Any) -> Signal | None:
+def _signal(content: Group, values: Any) -> Signal | None:
     kind = np.dtype(_TYPES.get(text(values["SignalAttributes/ClassName"]), "V"))
     factor = _UNITS.get(text(values["TimeUnits/Value"]))
     stream, size = _stream(content, values["DataR2"], kind)
@@ -60,7 +60,7 @@ def _signal(content: Any, values: Any) -> Signal | None:
     )
 
 
-def _stream(content: Any, number: Any, kind: np.dtype) -> tuple[Any, int]:
+def _stream(content: Group, number: Any, kind: np.dtype) -> tuple[Any, int]:
     """Return the bytes of a stream of scalars and their count; None for other streams."""
     if is_empty(number):
         return None, 0
@@ -71,6 +71,6 @@ def _stream(content: Any, number: Any, kind: np.dtype) -> tuple[Any, int]:
     return data, data.size // kind.itemsize
 
 
-def _block(content: Any, element: Any) -> str:
+def _block(content: Group, element: Any) -> str:
     path = cells(content, element["BlockPath"]) if "BlockPath" in element else []
     return text(path[0]) if path else "signals"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from hbench.store.formats.arrays import Signal
-from hbench.store.formats.matlab.hdf5 import cells, channel_of, texts
+from hbench.store.formats.matlab.hdf5 import Group, cells, channel_of, texts
 from hbench.store.formats.matlab.objects import ObjectStore
 
 
@@ -40,7 +40,7 @@ class _Times:
 class ObjectReader:
     """Reader of the objects in an HDF5 file ``content`` that contain channels."""
 
-    def __init__(self, content: Any):
+    def __init__(self, content: Group):
         self._content = content
         self._store = ObjectStore(content)
         self._origins_ms: list[float] = []  # of the timetables with date-times
@@ -83,7 +83,7 @@ class ObjectReader:
         given += [""] * data.size
         return {
             name: None
-            if hasattr(node, "keys") or self._store.find(node) is not None
+            if isinstance(node, Group) or self._store.find(node) is not None
             else channel_of(node, times, unit or None)
             for name, node, unit in zip(
                 texts(self._content, names), cells(self._content, data), given, strict=False
@@ -92,7 +92,7 @@ class ObjectReader:
 
     def _row_times(self, node: Any, count: int) -> _Times | None:
         """Return row times: an object, or a struct of origin and step or rate."""
-        if not hasattr(node, "keys"):
+        if not isinstance(node, Group):
             return self._times(node)
         origin = self._times(node["origin"])
         if origin is None:
