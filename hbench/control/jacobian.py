@@ -1,4 +1,4 @@
-"""The compiled plant linearised by differences: a check of the linearisation made by hand."""
+"""The plant linearised by differences: a check of the linearisation made by hand."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The decorator of every compiled function of the model."""
+"""The decorators of compiled functions."""
 
 import os
 import zlib
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.extending import register_jitable
 
 from hbench.records import friction_laws
 
@@ -38,11 +39,11 @@ _OPTIONS = {"forceinline": True, "error_model": "numpy", "nogil": True, "_nrt": 
 
 
 def compiled(function: Callable) -> Any:
-    """Compile with numba, inlined into its caller and cached on disk.
+    """Compile a function that Python calls, and cache it on disk.
 
-    Inlining saves passing the parameters as some sixty arguments at each call. Division by zero
-    gives infinity, as in numpy. Arrays come from the caller, who keeps them, and none is allocated
-    or returned: so references need no counting, which would cost a third of the plant's speed.
+    Division by zero gives infinity, as in numpy. Arrays come from the caller, who keeps them, and
+    none is allocated or returned: so references need no counting, which would cost a third of the
+    plant's speed.
     """
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CACHE
@@ -53,5 +54,10 @@ def compiled(function: Callable) -> Any:
 
 
 def inlined(function: Callable) -> Any:
-    """Compile a closure of compiled functions as ``compiled`` does; its callers cache it."""
-    return numba.njit(**_OPTIONS)(function)
+    """Compile a function into each compiled function that calls it, as ``compiled`` does.
+
+    Inlining saves passing the parameters as some sixty arguments at each call. Python that calls
+    the function runs it uncompiled: code that unpacks the parameters from Python objects would
+    double the time of compiling the plant.
+    """
+    return register_jitable(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)

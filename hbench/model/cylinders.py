@@ -1,12 +1,12 @@
 """Cylinders: chamber volumes, pressure gradients (2.1 to 2.8), forces and end-stops."""
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.parameters import CylinderParameters, EndStopParameters
 
 CAVITATION_PA = 1e5  # below it a chamber's pressure stops falling
 
 
-@compiled
+@inlined
 def extending_volumes(x: float, cylinder: CylinderParameters) -> tuple[float, float]:
     """Piston and rod side [m^3] of the test cylinder: V_p0 + A_p x, V_r0 + A_r (stroke - x)."""
     position = x + cylinder.offset_m
@@ -16,7 +16,7 @@ def extending_volumes(x: float, cylinder: CylinderParameters) -> tuple[float, fl
     )
 
 
-@compiled
+@inlined
 def retracting_volumes(x: float, cylinder: CylinderParameters) -> tuple[float, float]:
     """Piston and rod side [m^3] of the load cylinder, which retracts as x grows (2.5, 2.6)."""
     position = x + cylinder.offset_m
@@ -26,7 +26,7 @@ def retracting_volumes(x: float, cylinder: CylinderParameters) -> tuple[float, f
     )
 
 
-@compiled
+@inlined
 def pressure_rate(pressure: float, volume: float, inflow: float, bulk_modulus: float) -> float:
     """Pressure gradient [Pa/s] beta / V (Q - dV/dt), ``inflow`` being Q - dV/dt [m^3/s].
 
@@ -40,13 +40,13 @@ def pressure_rate(pressure: float, volume: float, inflow: float, bulk_modulus: f
     return rate
 
 
-@compiled
+@inlined
 def pressure_force(p_p: float, p_r: float, cylinder: CylinderParameters) -> float:
     """F = P_p A_p - P_r A_r [N]."""
     return p_p * cylinder.area_piston_m2 - p_r * cylinder.area_rod_m2
 
 
-@compiled
+@inlined
 def end_stop_force(
     x: float, v: float, cylinder: CylinderParameters, stop: EndStopParameters
 ) -> float:

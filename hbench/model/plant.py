@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.errors import ConfigError
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.cylinders import (
     end_stop_force,
     extending_volumes,
@@ -61,7 +61,7 @@ TICK_S = 1e-4  # one control tick, the step that the friction laws' substeps ref
 _FADED = 1e-100  # a state below it is 0: resting spools' denormal numbers would halve the speed
 
 
-@compiled
+@inlined
 def n_states(par: PlantParameters) -> int:
     """Return the length of the state; a constant of the parameters' type, so loops unroll."""
     return bristles_end(par) + effect_states(par.effects)
@@ -81,7 +81,7 @@ class MassForces(NamedTuple):
     acceleration: float  # m/s^2
 
 
-@compiled
+@inlined
 def forces(
     state: np.ndarray, levels: np.ndarray, par: PlantParameters, rates: np.ndarray
 ) -> MassForces:
@@ -109,7 +109,7 @@ def forces(
     return MassForces(friction_t, friction_l, applied, acceleration)
 
 
-@compiled
+@inlined
 def load_cell_force(
     state: np.ndarray, levels: np.ndarray, par: PlantParameters, work: np.ndarray
 ) -> float:
@@ -117,7 +117,7 @@ def load_cell_force(
     return forces(state, levels, par, work[3]).applied
 
 
-@compiled
+@inlined
 def valve_flows(
     state: np.ndarray, opened: Openings, p_tank: float, par: PlantParameters
 ) -> ChamberFlows:
@@ -136,7 +136,7 @@ def valve_flows(
     return ChamberFlows(q_tp, q_tr, q_lp, q_lr, drawn, returned, 1.0)
 
 
-@compiled
+@inlined
 def drawn_flow(state: np.ndarray, par: PlantParameters, rates: np.ndarray) -> float:
     """Return the flow [m^3/s] from the supply line into the chambers; ``rates`` is scratch."""
     opened = openings(state, par, par.effects, rates)
@@ -144,7 +144,7 @@ def drawn_flow(state: np.ndarray, par: PlantParameters, rates: np.ndarray) -> fl
     return valve_flows(state, opened, tank, par).drawn
 
 
-@compiled
+@inlined
 def derivatives(
     state: np.ndarray,
     u: np.ndarray,
@@ -177,7 +177,7 @@ def derivatives(
         out[RATE_T + i] = spool_acceleration(u[i], state[SPOOL_T + i], state[RATE_T + i], par.valve)
 
 
-@compiled
+@inlined
 def step(
     state: np.ndarray,
     u: np.ndarray,

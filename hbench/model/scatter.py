@@ -8,7 +8,7 @@ a stroke, so that trembling about rest draws nothing.
 
 import numpy as np
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import compiled, inlined
 from hbench.model.noise import normal
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import LEVEL_L, LEVEL_T
@@ -26,7 +26,7 @@ def new_levels(noise: np.ndarray, par: PlantParameters) -> np.ndarray:
     return levels
 
 
-@compiled
+@inlined
 def update_levels(levels: np.ndarray, v: float, noise: np.ndarray, par: PlantParameters) -> None:
     """Draw new levels, in place, if the motion reversed at velocity ``v`` [m/s]. Once a tick."""
     if v * levels[_DIRECTION] < 0.0:

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.noise import normal
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, load_cell_force
 from hbench.model.sensors import FRACTION, N_CHANNELS, SensorParameters
 
 
-@compiled
+@inlined
 def sensed(
     state: np.ndarray,
     levels: np.ndarray,
@@ -30,7 +30,7 @@ def sensed(
     values[6] = load_cell_force(state, levels, par, work)
 
 
-@compiled
+@inlined
 def convert(
     values: np.ndarray, sensors: SensorParameters, noise: np.ndarray, words: np.ndarray
 ) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import compiled, inlined
 from hbench.model.noise import new_noise
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import (
@@ -71,7 +71,7 @@ def _run(
         _observe(states[i + 1], levels, par, outputs[i + 1], work[3])
 
 
-@compiled
+@inlined
 def _observe(
     state: np.ndarray,
     levels: np.ndarray,

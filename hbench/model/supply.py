@@ -6,11 +6,11 @@ The pump's compensator asks for Q_max (P_cut - P_s) / band, limited to 0..Q_max;
 through two lags. C_s is the line's and the accumulator's capacity, gas volume over pressure.
 """
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.parameters import SupplyParameters
 
 
-@compiled
+@inlined
 def pump_rates(
     p_supply: float, command: float, flow: float, drawn: float, par: SupplyParameters
 ) -> tuple[float, float, float]:

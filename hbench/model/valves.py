@@ -2,13 +2,13 @@
 
 from math import copysign, sqrt
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.parameters import ValveParameters
 
 REGULARISATION_PA = 1e3  # pressure drop below which an orifice turns linear
 
 
-@compiled
+@inlined
 def signed_root(dp: float) -> float:
     """sign(dp) sqrt|dp| [sqrt(Pa)], smooth at zero: dp / (dp^2 + eps^2)^(1/4), eps = 1e3 Pa.
 
@@ -19,13 +19,13 @@ def signed_root(dp: float) -> float:
     return dp / sqrt(sqrt(dp * dp + REGULARISATION_PA * REGULARISATION_PA))
 
 
-@compiled
+@inlined
 def clamp(value: float, limit: float) -> float:
     """Limit ``value`` to +-``limit``."""
     return min(max(value, -limit), limit)
 
 
-@compiled
+@inlined
 def port_flow(
     spool: float, p_chamber: float, p_supply: float, p_tank: float, valve: ValveParameters
 ) -> float:
@@ -43,7 +43,7 @@ def port_flow(
     return valve.flow_gain * opening * signed_root(drop)
 
 
-@compiled
+@inlined
 def spool_acceleration(command: float, spool: float, rate: float, valve: ValveParameters) -> float:
     """Return the spool's second derivative [V/s^2]: 2.16 with the command limited.
 

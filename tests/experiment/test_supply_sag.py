@@ -55,8 +55,8 @@ def test_the_line_swings_at_rest_below_the_least_capacity(ratio, swings):
 
     at, steps = np.array([150e5, 1e-5, 1e-5]), np.array([10.0, 1e-9, 1e-9])
     columns = [
-        np.subtract(pump_rates.py_func(*(at + h * e), 0.0, Par),
-                    pump_rates.py_func(*(at - h * e), 0.0, Par)) / (2 * h)
+        np.subtract(pump_rates(*(at + h * e), 0.0, Par),
+                    pump_rates(*(at - h * e), 0.0, Par)) / (2 * h)
         for h, e in zip(steps, np.eye(3), strict=True)
     ]  # fmt: skip
     assert (np.linalg.eigvals(np.array(columns).T).real.max() > 0) == swings

@@ -1,11 +1,9 @@
 """A user's own effect, as the docstring of ``hbench/model/effects/catalogue.py`` shows it."""
 
-from hbench.model.compiled import compiled
 from hbench.model.effects.catalogue import Coefficient, Effect
 from hbench.model.effects.couplings import OilProperties
 
 
-@compiled
 def cavity(oil, c, state, at, rates, par):
     """A soft hose at the test cylinder's rod side: 1 / beta grows by c."""
     soft = 1.0 / (1.0 / oil.beta_tr + c[0])

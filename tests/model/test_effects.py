@@ -1,5 +1,6 @@
 """Each effect of the catalogue does what its law says; none changes the plant where it is off."""
 
+import numba
 import numpy as np
 import pytest
 from scipy.signal import lsim
@@ -8,7 +9,6 @@ from hbench.config.bench import Bench
 from hbench.config.effects import Coefficient
 from hbench.errors import ConfigError
 from hbench.model.build import plant_parameters
-from hbench.model.compiled import compiled
 from hbench.model.effects.applied import compose
 from hbench.model.effects.catalogue import EFFECTS, Effect, changed_by, with_effects
 from hbench.model.effects.couplings import OilProperties
@@ -390,7 +390,6 @@ def test_sensor_errors_show_in_their_channels_alone(bench: Bench):
 # ---- a user's own
 
 
-@compiled
 def soft_hose(oil, c, state, at, rates, par):
     """1 / beta of the test cylinder's rod side grows by c."""
     soft = 1.0 / (1.0 / oil.beta_tr + c[0])
@@ -409,7 +408,7 @@ def test_a_function_and_a_row_make_a_new_effect(par, start):
     par = par._replace(effects=(*par.effects, (1e-9,)))
     before = OilProperties(2 * BAR, BETA, BETA, BETA, BETA)
     state = np.append(start, np.zeros(n_states(par) - len(start)))
-    after = compose("oil", table)(before, FIRST, state, np.zeros(len(state)), par)
+    after = numba.njit(compose("oil", table))(before, FIRST, state, np.zeros(len(state)), par)
     assert after.beta_tp == with_air(BETA, start[P_TP], 0.01)
     assert after.beta_tr == pytest.approx(
         1 / (1 / with_air(BETA, start[P_TR], 0.01) + 1e-9), rel=1e-12

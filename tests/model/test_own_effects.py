@@ -8,7 +8,6 @@ import sys
 from contextlib import nullcontext
 from pathlib import Path
 
-import numba
 import pytest
 
 import hbench
@@ -30,6 +29,7 @@ RATIO = """
 import numpy as np
 from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
+from hbench.model.compiled import compiled
 from hbench.model.effects.applied import oil
 from hbench.model.build import plant_parameters
 from hbench.model.plant import initial_state, n_states
@@ -39,8 +39,14 @@ data = read_yaml(Path(r"{bench}"))
 over = {{"effects": {{"soft_hose": {{"soft": "1e-3 1/bar"}}}}}}
 par = plant_parameters(parse_plant(data, over, "plant"))
 state = initial_state(par, 0.2, 15e5, 20e5)
-rates = np.zeros(n_states(par))
-fluid = oil(state, par, par.effects, rates)
+
+
+@compiled
+def oil_of(state, par, rates):
+    return oil(state, par, par.effects, rates)
+
+
+fluid = oil_of(state, par, np.zeros(n_states(par)))
 print(fluid.beta_tr / par.bulk_modulus_pa, fluid.beta_tp / par.bulk_modulus_pa)
 """
 
@@ -103,7 +109,11 @@ BAD = {
     "no size": (HOSE.read_text().replace("1e-4", "1.0"), "", "soft_hose: soft: typical = 1 "),
     "no balance": (HOSE.read_text().replace("flow_tr", "flow"), "", "soft_hose: its balances"),
     "no place": (HOSE.read_text().replace('"oil"', '"hose"'), "", "soft_hose: hose: "),
-    "not compiled": (HOSE.read_text().replace("@compiled", ""), "", "soft_hose: oil: "),
+    "a decorated law": (
+        HOSE.read_text().replace("def cavity", "import numba\n\n\n@numba.njit\ndef cavity"),
+        "",
+        "soft_hose: oil: ",
+    ),
     "too few arguments": (
         HOSE.read_text().replace("rates, par)", "rates)"),
         "",
@@ -155,7 +165,6 @@ def test_a_file_that_cannot_be_used_ends_with_exit_code_2_and_its_name(tmp_path,
     assert "Traceback" not in ended.stderr and not (tmp_path / "campaign").exists()
 
 
-@numba.njit
 def other(oil, soft):
     return OilProperties(oil.tank_pa, oil.beta_tp, soft, oil.beta_lp, oil.beta_lr)
 
@@ -174,7 +183,7 @@ def test_a_law_that_fails_or_is_not_neutral_is_refused(law):
     given = {"effects": {"valve_lag": {"time": "3 ms"}}}
     bench = read_yaml(ROOT / "configs" / "bench-aau.yaml")
     par = plant_parameters(parse_plant(bench, given, "plant"))
-    own = Effect("own", {"soft": Coefficient("1", 1, 0, 2)}, ("flow_tr",), {"oil": numba.njit(law)})
+    own = Effect("own", {"soft": Coefficient("1", 1, 0, 2)}, ("flow_tr",), {"oil": law})
     with pytest.raises(ConfigError) if LAWS[law] else nullcontext() as error:
         check_neutral({"own": own}, par)
     if LAWS[law]:

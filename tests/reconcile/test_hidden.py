@@ -110,7 +110,7 @@ def law(name, par, place=None, state=STATE, **coefficients):
     place = place or next(iter(row.laws))
     rates, before = np.full(60, np.nan), at_place(place, par)
     values = tuple(coefficients.get(key, 0.0) for key in row.coefficients)
-    after = row.laws[place].py_func(before, values, state, AT, rates, par)
+    after = row.laws[place](before, values, state, AT, rates, par)
     return np.subtract(after, before), rates[AT : AT + row.states]
 
 

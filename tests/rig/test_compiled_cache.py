@@ -88,7 +88,7 @@ def test_an_edit_of_the_table_of_laws_or_of_own_effects_changes_the_key(model_co
 
 def test_what_is_compiled_comes_from_files_of_the_key(virtual_rig_loop):
     """Every function of the package that the rig's loop inlines, nested folders included."""
-    files = {Path(function.py_func.__code__.co_filename) for function in virtual_rig_loop}
+    files = {Path(function.__code__.co_filename) for function in virtual_rig_loop}
     hashed = {MODEL / source for source in SOURCES}
     assert {"friction", "effects"} <= {path.parent.name for path in files & hashed}
     assert files - hashed == {Path(virtual.__file__)}  # numba checks the caller's own file
@@ -102,14 +102,15 @@ def test_a_second_process_compiles_nothing(tmp_path):
 @pytest.fixture
 def virtual_rig_loop():
     """The compiled functions that the rig's loop calls, at any depth."""
-    found, waiting = set(), [virtual._advance]
+    found, waiting = set(), [virtual._advance.py_func]
     while waiting:
         function = waiting.pop()
         if function not in found:
             found.add(function)
-            called = inspect.getclosurevars(function.py_func)
+            called = inspect.getclosurevars(function)
             values = [*called.globals.values(), *called.nonlocals.values()]
-            waiting += [value for value in values if hasattr(value, "py_func")]
+            functions = [getattr(value, "py_func", value) for value in values]
+            waiting += [each for each in functions if inspect.isfunction(each)]
     return found
 
 

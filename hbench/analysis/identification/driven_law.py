@@ -11,7 +11,7 @@ their equation over a step; the other laws use the explicit midpoint rule. All s
 import numpy as np
 
 from hbench.analysis.screening.sample_friction import LoggedMotion
-from hbench.model.compiled import compiled
+from hbench.model.compiled import compiled, inlined
 from hbench.model.friction.laws import exact_step
 from hbench.model.parameters import FrictionParameters
 
@@ -50,7 +50,7 @@ def _along(
             out[k] += force / _STEPS
 
 
-@compiled
+@inlined
 def within(before: float, mean: float, after: float, s: float) -> float:
     """Value at a part ``s`` of an interval, from its mean and those of its neighbours."""
     first, final = 0.5 * (before + mean), 0.5 * (mean + after)

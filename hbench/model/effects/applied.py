@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.model.compiled import compiled, inlined
+from hbench.model.compiled import inlined
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
 from hbench.model.effects.rows import MOVING, Effect
@@ -31,7 +31,7 @@ def compose(place: str, effects: Mapping[str, Effect]) -> Callable:
     at = 0
     for number, row in enumerate(effects.values()):
         if place in row.laws:
-            apply = _composed(apply, row.laws[place], number, at)
+            apply = _composed(apply, inlined(row.laws[place]), number, at)
         at += row.states
     return apply
 
@@ -48,7 +48,7 @@ def _composed(before: Callable, law: Callable, number: int, at: int) -> Callable
 _openings, _oil, _flows, _friction = (compose(place, EFFECTS) for place in MOVING)
 
 
-@compiled
+@inlined
 def effect_states(effects: tuple[tuple[float, ...], ...] | None) -> int:
     """Return the number of states that the effects have."""
     if effects is None:
@@ -59,7 +59,7 @@ def effect_states(effects: tuple[tuple[float, ...], ...] | None) -> int:
 # ``effects`` is ``par.effects``: where this argument is None, the code below is not compiled.
 
 
-@compiled
+@inlined
 def openings(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray) -> Openings:
     """Return the openings of the valves: their spools, changed by the effects."""
     spools = Openings(state[SPOOL_T], state[SPOOL_L1], state[SPOOL_L2])
@@ -68,7 +68,7 @@ def openings(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.nd
     return _openings(spools, bristles_end(par), state, rates, par)
 
 
-@compiled
+@inlined
 def oil(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray) -> OilProperties:
     """Return tank pressure and bulk moduli, changed by the effects."""
     beta = par.bulk_modulus_pa
@@ -78,7 +78,7 @@ def oil(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray
     return _oil(constant, bristles_end(par), state, rates, par)
 
 
-@compiled
+@inlined
 def flow_effects(
     q: ChamberFlows, state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray
 ) -> ChamberFlows:
@@ -88,7 +88,7 @@ def flow_effects(
     return _flows(q, bristles_end(par), state, rates, par)
 
 
-@compiled
+@inlined
 def friction_effects(
     level_t: float,
     level_l: float,
@@ -110,7 +110,7 @@ def friction_effects(
     return level_t, level_l, f.force_t, f.force_l
 
 
-@compiled
+@inlined
 def _raised(level: float, more: float, dry: float) -> float:
     """Return the level at which the dry part is ``dry + more``, at least a tenth of ``dry``."""
     if more == 0.0 or dry == 0.0:

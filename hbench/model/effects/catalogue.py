@@ -1,6 +1,6 @@
 """Catalogue of the physical effects that a plant can have.
 
-An effect is a row of ``EFFECTS`` and a law, a pure compiled function for the place where it acts:
+An effect is a row of ``EFFECTS`` and a law, a pure function for the place where it acts:
 
     law(terms, c, state, at, rates, par) -> terms
 
@@ -8,20 +8,19 @@ An effect is a row of ``EFFECTS`` and a law, a pure compiled function for the pl
 the effect's coefficients in SI, in the row's order. Its own states begin at ``state[at]``; it
 always writes their rates to the same indices of ``rates``. With all coefficients at their defaults
 it must return ``terms`` unchanged to the bit. Places: ``openings`` of the valves, ``oil``,
-``flows`` into the chambers, ``friction``. An effect with two laws has the same states in both. Two
-more places take parameters and return others, ``law(parameters, c)``: ``sensors`` and ``board``
-(its controllers). Linearisation and ``reconcile/measured/balances.py`` use the plant without
-effects.
+``flows`` into the chambers, ``friction``. Laws of these places are compiled; functions that they
+call need the decorator ``inlined`` (``hbench.model.compiled``). An effect with two laws has the
+same states in both. Two more places take parameters and return others, ``law(parameters, c)``:
+``sensors`` and ``board`` (its controllers). Linearisation and ``reconcile/measured/balances.py``
+use the plant without effects.
 
 To add an effect without changing hbench, write one function and one row in a file and name that
 file in the environment variable ``HBENCH_EFFECTS`` (``rows.py``). Simulation and reconcile then
 use it.
 
-    from hbench.model.compiled import compiled
     from hbench.model.effects.catalogue import Coefficient, Effect
     from hbench.model.effects.couplings import OilProperties
 
-    @compiled
     def cavity(oil, c, state, at, rates, par):
         '''A soft hose at the test cylinder's rod side: 1 / beta grows by c.'''
         soft = 1.0 / (1.0 / oil.beta_tr + c[0])

@@ -7,7 +7,7 @@ from math import copysign, exp
 
 import numpy as np
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.effects.couplings import ChamberFlows, Coefficients, OilProperties, Openings
 from hbench.model.effects.shapes import power_law, soft_edge
 from hbench.model.parameters import PlantParameters
@@ -18,7 +18,6 @@ PRESSURE_PA = 50e5
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
 
 
-@compiled
 def valve_lag(
     u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -38,7 +37,7 @@ def valve_lag(
     return y
 
 
-@compiled
+@inlined
 def overlapped(u: float, width: float, softness: float) -> float:
     """Opening [V] of a spool with overlap: u less ``width`` towards 0, and 0 within it.
 
@@ -51,7 +50,6 @@ def overlapped(u: float, width: float, softness: float) -> float:
     return copysign(min(soft_edge(abs(u) - width, soft) - closed, abs(u)), u)
 
 
-@compiled
 def valve_deadband(
     u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -69,14 +67,13 @@ def valve_deadband(
     )
 
 
-@compiled
+@inlined
 def uneven(u: float, share: float, knee: float) -> float:
     """Opening [V] with an even part: ``share`` of |u|, and less where |u| is below ``knee``."""
     size = abs(u)
     return u + share * size if knee == 0.0 else u + share * size * size / (size + knee)
 
 
-@compiled
 def valve_asymmetry(
     u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -91,7 +88,7 @@ def valve_asymmetry(
     )
 
 
-@compiled
+@inlined
 def with_air(beta: float, p: float, fraction: float) -> float:
     """Bulk modulus [Pa] of oil with free air: 1 / (1 / beta + alpha p_0 / (p_0 + p)^2).
 
@@ -105,7 +102,6 @@ def with_air(beta: float, p: float, fraction: float) -> float:
     return 1.0 / (1.0 / beta + fraction * ATMOSPHERE_PA / (absolute * absolute))
 
 
-@compiled
 def entrained_air(
     oil: OilProperties, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -121,7 +117,6 @@ def entrained_air(
     )
 
 
-@compiled
 def tank_back_pressure(
     oil: OilProperties, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -132,7 +127,6 @@ def tank_back_pressure(
     )
 
 
-@compiled
 def return_line(
     q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -154,7 +148,6 @@ def return_line(
     return q
 
 
-@compiled
 def supply_droop(
     q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -172,7 +165,6 @@ def supply_droop(
     return q
 
 
-@compiled
 def warmth(
     q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -192,7 +184,7 @@ def warmth(
     return ChamberFlows(q.tp, q.tr, q.lp, q.lr, q.drawn, q.returned, exp(k * state[at]))
 
 
-@compiled
+@inlined
 def leaking(drop: float, exponent: float) -> float:
     """Pressure drop [Pa] as a leak follows it."""
     if exponent == 1.0:
@@ -200,7 +192,6 @@ def leaking(drop: float, exponent: float) -> float:
     return copysign(power_law(abs(drop), PRESSURE_PA, exponent), drop)
 
 
-@compiled
 def internal_leakage(
     q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -219,7 +210,6 @@ def internal_leakage(
     )  # fmt: skip
 
 
-@compiled
 def external_leakage(
     q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,

@@ -8,7 +8,7 @@ from math import copysign, exp
 
 import numpy as np
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.cylinders import pressure_force
 from hbench.model.effects.couplings import Coefficients, FrictionTerms
 from hbench.model.effects.flows import PRESSURE_PA
@@ -20,19 +20,18 @@ from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 _FORCE_N = 2500.0  # where a law with another exponent stays the same
 
 
-@compiled
+@inlined
 def add_dry(f: FrictionTerms, test: float, load: float) -> FrictionTerms:
     """Add to the dry magnitudes [N]."""
     return FrictionTerms(f.dry_t, f.dry_l, f.more_t + test, f.more_l + load, f.force_t, f.force_l)
 
 
-@compiled
+@inlined
 def add_force(f: FrictionTerms, test: float, load: float) -> FrictionTerms:
     """Add forces [N], positive against extension."""
     return FrictionTerms(f.dry_t, f.dry_l, f.more_t, f.more_l, f.force_t + test, f.force_l + load)
 
 
-@compiled
 def seal_pressure_friction(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -50,7 +49,6 @@ def seal_pressure_friction(
     return add_dry(f, test_p * p_tp + test_r * p_tr, load_p * p_lp + load_r * p_lr)
 
 
-@compiled
 def load_friction(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -66,7 +64,6 @@ def load_friction(
     return add_dry(f, test * power_law(f_test, _FORCE_N, n), load * power_law(f_load, _FORCE_N, n))
 
 
-@compiled
 def direction_asymmetry(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -80,7 +77,6 @@ def direction_asymmetry(
     return add_dry(f, way * test * (f.dry_t + f.more_t), way * load * (f.dry_l + f.more_l))
 
 
-@compiled
 def friction_lag(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -101,7 +97,7 @@ def friction_lag(
     return add_dry(f, then_t - now_t, then_l - now_l)
 
 
-@compiled
+@inlined
 def _dry(state: np.ndarray, speed: float, par: PlantParameters) -> tuple[float, float]:
     """Dry parts [N] at another speed in the present direction, at nominal level."""
     v = copysign(speed, state[V])
@@ -110,7 +106,6 @@ def _dry(state: np.ndarray, speed: float, par: PlantParameters) -> tuple[float, 
     return abs(dry_t), abs(dry_l)
 
 
-@compiled
 def presliding(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -129,7 +124,6 @@ def presliding(
     return add_force(add_dry(f, -part, 0.0), part * z, 0.0)
 
 
-@compiled
 def position_friction(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -143,7 +137,6 @@ def position_friction(
     return add_dry(f, s * (slope + bow * s), 0.0)
 
 
-@compiled
 def thinner_film(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -159,7 +152,6 @@ def thinner_film(
     return add_force(f, change * par.test.friction.viscous, change * par.load.friction.viscous)
 
 
-@compiled
 def end_cushion(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,
@@ -178,7 +170,6 @@ def end_cushion(
     return add_force(f, damping * depth * v, 0.0)
 
 
-@compiled
 def added_mass(
     f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,

@@ -92,10 +92,10 @@ def _imported(path: Path) -> Any:
 
 
 def call_own(name: str, law: Callable, terms: Any, *arguments: Any) -> Any:
-    """Call a user's law in Python, uncompiled. Raises ``ConfigError`` where it fails."""
+    """Call a user's law, uncompiled. Raises ``ConfigError`` where it fails."""
     where = f"{OWN_EFFECTS}: {name}: "
     try:
-        changed = getattr(law, "py_func", law)(terms, *arguments)
+        changed = law(terms, *arguments)
     except Exception as error:
         raise ConfigError(f"{where}{type(error).__name__}: {error}", HINT) from None
     if type(changed) is not type(terms):
@@ -168,10 +168,10 @@ def _coefficient_faults(c: Coefficient) -> list[str]:
 def _law_faults(place: str, law: Callable) -> list[str]:
     if place not in _ARGUMENTS:
         return [f"no such place; known are {', '.join(_ARGUMENTS)}"]
-    if place in MOVING and not hasattr(law, "py_func"):
-        return ["its function needs @compiled"]
+    if place in MOVING and not inspect.isfunction(law):
+        return ["its function is not a plain Python function; remove its decorator"]
     try:
-        inspect.signature(getattr(law, "py_func", law)).bind(*_ARGUMENTS[place])
+        inspect.signature(law).bind(*_ARGUMENTS[place])
     except TypeError as error:
         return [f"its function is called with ({', '.join(_ARGUMENTS[place])}): {error}"]
     return []

@@ -14,12 +14,12 @@ With one element that never slips and n = 1, Leuven is LuGre with sigma_0 = thet
 
 import numpy as np
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.friction.static_laws import dry_friction
 from hbench.model.parameters import FrictionParameters
 
 
-@compiled
+@inlined
 def lugre(
     v: float, z: float, p_p: float, p_r: float, level: float, par: FrictionParameters
 ) -> tuple[float, float]:
@@ -30,7 +30,7 @@ def lugre(
     return force, z_rate
 
 
-@compiled
+@inlined
 def lugre_step(
     v: float,
     state: np.ndarray,
@@ -52,13 +52,13 @@ def lugre_step(
     return elastic + par.bristle_damping * (state[0] - z) / h + par.viscous * v
 
 
-@compiled
+@inlined
 def slip_deflection(i: int, par: FrictionParameters) -> float:
     """Delta_i [m] of element i = 0..N-1."""
     return par.presliding * (i + 1) / len(par.elements)
 
 
-@compiled
+@inlined
 def hysteresis_force(state: np.ndarray, first: int, par: FrictionParameters) -> float:
     """F_h [N] (3.20) of the deflections [m]: every second one of ``state`` from ``first`` on."""
     force = 0.0
@@ -68,7 +68,7 @@ def hysteresis_force(state: np.ndarray, first: int, par: FrictionParameters) -> 
     return force
 
 
-@compiled
+@inlined
 def leuven(
     v: float,
     state: np.ndarray,
@@ -92,7 +92,7 @@ def leuven(
     return force + par.bristle_damping * z_rate + par.viscous * v, z_rate
 
 
-@compiled
+@inlined
 def slipping(deflection: float, z_rate: float, limit: float) -> bool:
     """Return whether an element slips: it is at its limit and driven further."""
     return abs(deflection) >= limit and z_rate * deflection > 0.0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.friction.dynamic_laws import (
     leuven,
     lugre,
@@ -42,7 +42,7 @@ _LUGRE, _LEUVEN = LAWS["lugre"].code, LAWS["leuven"].code
 _MARTON_LANTOS, _PRESSURE_BASED = LAWS["marton_lantos"].code, LAWS["pressure_based"].code
 
 
-@compiled
+@inlined
 def steady_parts(
     v: float, p_p: float, p_r: float, level: float, par: FrictionParameters
 ) -> tuple[float, float]:
@@ -57,7 +57,7 @@ def steady_parts(
     return tustin(v, p_p, p_r, level, par)
 
 
-@compiled
+@inlined
 def steady_friction(v: float, p_p: float, p_r: float, par: FrictionParameters) -> float:
     """Return friction [N] at constant velocity, with a sharp sign (3.13 with its parenthesis).
 
@@ -67,7 +67,7 @@ def steady_friction(v: float, p_p: float, p_r: float, par: FrictionParameters) -
     return dry + viscous
 
 
-@compiled
+@inlined
 def friction(
     v: float,
     state: np.ndarray,
@@ -99,7 +99,7 @@ def friction(
     return regularised_sign(v) * dry + viscous
 
 
-@compiled
+@inlined
 def hold_slipped(state: np.ndarray, first: int, par: FrictionParameters) -> None:
     """Put Leuven's deflections back to their limits, which a step of finite length overshoots."""
     if par.law == _LEUVEN:
@@ -108,7 +108,7 @@ def hold_slipped(state: np.ndarray, first: int, par: FrictionParameters) -> None
             state[index] = min(max(state[index], -limit), limit)
 
 
-@compiled
+@inlined
 def midpoint_step(
     v: float,
     state: np.ndarray,
@@ -134,7 +134,7 @@ def midpoint_step(
     return force
 
 
-@compiled
+@inlined
 def exact_step(
     v: float,
     state: np.ndarray,

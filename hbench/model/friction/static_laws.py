@@ -13,19 +13,19 @@ tanh(v / 1 mm/s), which makes rest stiff (an eigenvalue of -6e4 1/s on the refer
 
 from math import copysign, tanh
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.friction import formulas
 from hbench.model.parameters import FrictionParameters
 
 REST_VELOCITY_M_S = 1e-3  # width of the regularised sign
 
-_seal_force = compiled(formulas.seal_force)
-_stribeck_curve = compiled(formulas.stribeck_curve)
-_pressure_curve = compiled(formulas.pressure_curve)
-_two_lines = compiled(formulas.two_lines)
+_seal_force = inlined(formulas.seal_force)
+_stribeck_curve = inlined(formulas.stribeck_curve)
+_pressure_curve = inlined(formulas.pressure_curve)
+_two_lines = inlined(formulas.two_lines)
 
 
-@compiled
+@inlined
 def dry_friction(v: float, p_p: float, p_r: float, level: float, par: FrictionParameters) -> float:
     """Return F_dry [N], the Stribeck curve's dry part at v [m/s], pressures in Pa."""
     seal = _seal_force(p_p, p_r, par.piston_seal, par.rod_seal)
@@ -34,7 +34,7 @@ def dry_friction(v: float, p_p: float, p_r: float, level: float, par: FrictionPa
     )
 
 
-@compiled
+@inlined
 def tustin(
     v: float, p_p: float, p_r: float, level: float, par: FrictionParameters
 ) -> tuple[float, float]:
@@ -42,7 +42,7 @@ def tustin(
     return copysign(dry_friction(v, p_p, p_r, level, par), v), par.viscous * v
 
 
-@compiled
+@inlined
 def marton_lantos(v: float, level: float, par: FrictionParameters) -> tuple[float, float]:
     """Return the two lines of the direction of v, with its sign, and 0 as viscous part [N]."""
     if v >= 0.0:
@@ -58,7 +58,7 @@ def marton_lantos(v: float, level: float, par: FrictionParameters) -> tuple[floa
     return copysign(level * dry, v), 0.0
 
 
-@compiled
+@inlined
 def pressure_based(
     v: float, p_p: float, p_r: float, level: float, par: FrictionParameters
 ) -> tuple[float, float]:
@@ -68,7 +68,7 @@ def pressure_based(
     return copysign(level * dry, v), par.viscous * v
 
 
-@compiled
+@inlined
 def regularised_sign(v: float) -> float:
     """|tanh(v / 1 mm/s)|, the factor on a static law's dry part."""
     return abs(tanh(v / REST_VELOCITY_M_S))

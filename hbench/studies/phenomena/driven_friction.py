@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import compiled, inlined
 from hbench.model.friction.laws import friction, hold_slipped, midpoint_step
 from hbench.model.parameters import FrictionParameters
 
@@ -71,7 +71,7 @@ def driven_mass(
     return Driven(*out)
 
 
-@compiled
+@inlined
 def _slopes(
     state: np.ndarray,
     force: float,

@@ -2,12 +2,12 @@
 
 from math import copysign, exp, pi, sin, sqrt
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.effects.couplings import ChamberFlows, OilProperties, Openings
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 
 
-@compiled
+@inlined
 def power(p, at, exponent):
     """(p / at)^exponent with the sign of p, smooth within 1 bar of 0."""
     bar = 1e5 / at
@@ -15,7 +15,7 @@ def power(p, at, exponent):
     return r * (r * r + bar * bar) ** (0.5 * (exponent - 1.0))
 
 
-@compiled
+@inlined
 def second_order(y, u, rates, state, at, time, damping):
     """Write the rates of an opening y that follows u with two poles; return y."""
     omega = 2.0 * damping / time
@@ -24,7 +24,6 @@ def second_order(y, u, rates, state, at, time, damping):
     return state[at]
 
 
-@compiled
 def valve_lag(u, c, state, at, rates, par):
     """Pilot stage of second order; its delay is ``time`` at low frequency."""
     time, damping = c
@@ -39,25 +38,23 @@ def valve_lag(u, c, state, at, rates, par):
     )
 
 
-@compiled
+@inlined
 def soft_lap(u, width):
     """Opening of a spool with rounded edges: a hyperbola that ends ``width`` below u."""
     return copysign(sqrt(u * u + width * width) - width, u)
 
 
-@compiled
 def valve_deadband(u, c, state, at, rates, par):
     test, load = c
     return Openings(soft_lap(u.test, test), soft_lap(u.load_1, load), soft_lap(u.load_2, load))
 
 
-@compiled
+@inlined
 def uneven(u, share, knee):
     """An even part that grows with the square of small openings, then in proportion."""
     return u + share * u * u / sqrt(u * u + knee * knee)
 
 
-@compiled
 def valve_asymmetry(u, c, state, at, rates, par):
     test, load, knee = c
     if test == 0.0 and load == 0.0:
@@ -67,7 +64,6 @@ def valve_asymmetry(u, c, state, at, rates, par):
     )
 
 
-@compiled
 def gain_curvature(u, c, state, at, rates, par):
     """Background: the gain of every valve falls a little with its opening."""
     (share,) = c
@@ -78,7 +74,7 @@ def gain_curvature(u, c, state, at, rates, par):
     )
 
 
-@compiled
+@inlined
 def compliance(beta, p, fraction, dissolved):
     """Bulk modulus with polytropic air, less and less of it free as the pressure rises."""
     absolute = 1.013e5 + max(p, 0.0)
@@ -86,7 +82,6 @@ def compliance(beta, p, fraction, dissolved):
     return 1.0 / (1.0 / beta + free / (1.3 * absolute))
 
 
-@compiled
 def entrained_air(oil, c, state, at, rates, par):
     fraction, dissolved = c
     if fraction == 0.0:
@@ -100,14 +95,12 @@ def entrained_air(oil, c, state, at, rates, par):
     )
 
 
-@compiled
 def raised_tank(oil, c, state, at, rates, par):
     return OilProperties(
         oil.tank_pa + state[at], oil.beta_tp, oil.beta_tr, oil.beta_lp, oil.beta_lr
     )
 
 
-@compiled
 def laminar_return(q, c, state, at, rates, par):
     """A long thin return line: its pressure is in proportion to the flow."""
     resistance, lag = c
@@ -117,7 +110,6 @@ def laminar_return(q, c, state, at, rates, par):
     return q
 
 
-@compiled
 def supply_droop(q, c, state, at, rates, par):
     """Supply pressure falls with the square of the flow drawn, as behind a filter."""
     slope, lag = c
@@ -126,7 +118,7 @@ def supply_droop(q, c, state, at, rates, par):
     return q
 
 
-@compiled
+@inlined
 def exchanged(q, test, load):
     """Flows with what leaves the piston side for the rod side."""
     return ChamberFlows(
@@ -134,7 +126,6 @@ def exchanged(q, test, load):
     )
 
 
-@compiled
 def internal_leakage(q, c, state, at, rates, par):
     """A scratch in the seal, not laminar."""
     test, load, exponent = c
@@ -147,7 +138,6 @@ def internal_leakage(q, c, state, at, rates, par):
     )
 
 
-@compiled
 def external_leakage(q, c, state, at, rates, par):
     """A gap that the pressure widens."""
     tp, tr, lp, lr, exponent = c
@@ -165,7 +155,7 @@ def external_leakage(q, c, state, at, rates, par):
 # ---- what the catalogue does not have
 
 
-@compiled
+@inlined
 def follow(y, u, width, rates, at):
     """A part driven by u with a play of +- width."""
     rates[at] = 0.0
@@ -176,7 +166,6 @@ def follow(y, u, width, rates, at):
     return y
 
 
-@compiled
 def valve_play(u, c, state, at, rates, par):
     """Play between motor and spool of each valve: its opening depends on where it came from."""
     (width,) = c
@@ -190,7 +179,6 @@ def valve_play(u, c, state, at, rates, par):
     )
 
 
-@compiled
 def flow_force(u, c, state, at, rates, par):
     """Flow forces close the test valve in proportion to its pressure drop."""
     (share,) = c
@@ -200,7 +188,6 @@ def flow_force(u, c, state, at, rates, par):
     return Openings(u.test * (1.0 - share * drop / 1.5e7), u.load_1, u.load_2)
 
 
-@compiled
 def position_error(q, c, state, at, rates, par):
     """A position sensor that is not straight: the piston goes (1 + e) times what it shows."""
     bow, wave, period = c
@@ -216,7 +203,6 @@ def position_error(q, c, state, at, rates, par):
     )  # fmt: skip
 
 
-@compiled
 def hose_volume(q, c, state, at, rates, par):
     """Hoses to the rod sides, each a volume behind a throttle: soft for what is slow alone."""
     tr, lr, time = c
@@ -232,7 +218,6 @@ def hose_volume(q, c, state, at, rates, par):
     )  # fmt: skip
 
 
-@compiled
 def worn_bore(q, c, state, at, rates, par):
     """The test cylinder's bore is worn at one place: it leaks there alone."""
     leak, middle, width = c

@@ -2,26 +2,25 @@
 
 from math import copysign, cos, exp, log, pi, sin, sqrt
 
-from hbench.model.compiled import compiled
+from hbench.model.compiled import inlined
 from hbench.model.cylinders import pressure_force
 from hbench.model.effects.couplings import FrictionTerms
 from hbench.model.friction.laws import steady_parts
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 
 
-@compiled
+@inlined
 def rougher(f, test, load):
     """Friction with larger dry parts [N]."""
     return FrictionTerms(f.dry_t, f.dry_l, f.more_t + test, f.more_l + load, f.force_t, f.force_l)
 
 
-@compiled
+@inlined
 def held(f, test, load):
     """Friction with further forces [N], positive against extension."""
     return FrictionTerms(f.dry_t, f.dry_l, f.more_t, f.more_l, f.force_t + test, f.force_l + load)
 
 
-@compiled
 def seal_pressure_friction(f, c, state, at, rates, par):
     """Lips pressed by the piston side's pressure, less than in proportion."""
     test, load, exponent = c
@@ -34,13 +33,12 @@ def seal_pressure_friction(f, c, state, at, rates, par):
     )
 
 
-@compiled
+@inlined
 def saturating(force, limit):
     """|F| that grows ever less."""
     return abs(force) / (1.0 + abs(force) / limit)
 
 
-@compiled
 def load_friction(f, c, state, at, rates, par):
     test, load, limit = c
     if test == 0.0 and load == 0.0:
@@ -50,7 +48,6 @@ def load_friction(f, c, state, at, rates, par):
     return rougher(f, test * saturating(f_test, limit), load * saturating(f_load, limit))
 
 
-@compiled
 def direction_asymmetry(f, c, state, at, rates, par):
     """Grows with the speed."""
     test, load, speed = c
@@ -61,7 +58,7 @@ def direction_asymmetry(f, c, state, at, rates, par):
     return rougher(f, way * test * f.dry_t, way * load * f.dry_l)
 
 
-@compiled
+@inlined
 def dry_at(speed, state, par):
     v = copysign(speed, state[V])
     test, _ = steady_parts(v, state[P_TP], state[P_TR], 1.0, par.test.friction)
@@ -69,7 +66,6 @@ def dry_at(speed, state, par):
     return abs(test), abs(load)
 
 
-@compiled
 def friction_lag(f, c, state, at, rates, par):
     """The film's thickness follows the logarithm of the speed."""
     time, least = c
@@ -83,7 +79,6 @@ def friction_lag(f, c, state, at, rates, par):
     return rougher(f, then_test - test, then_load - load)
 
 
-@compiled
 def presliding(f, c, state, at, rates, par):
     """Two elastic elements, one six tenths of the force over a short, one over a long way."""
     force, short, long = c
@@ -97,7 +92,6 @@ def presliding(f, c, state, at, rates, par):
     return held(rougher(f, -force, 0.0), force * elastic, 0.0)
 
 
-@compiled
 def position_friction(f, c, state, at, rates, par):
     """A tight place, or a slow wave, along the bore of the test cylinder."""
     bump, wave, middle, width, period, phase = c
@@ -108,7 +102,6 @@ def position_friction(f, c, state, at, rates, par):
     return rougher(f, more, 0.0)
 
 
-@compiled
 def oil_warming(f, c, state, at, rates, par):
     """The room and the pump warm the oil, whatever the bench does: viscosity 1 / (1 + k theta)."""
     rise, time, viscosity = c
@@ -120,7 +113,6 @@ def oil_warming(f, c, state, at, rates, par):
     return held(f, change * par.test.friction.viscous, change * par.load.friction.viscous)
 
 
-@compiled
 def end_cushion(f, c, state, at, rates, par):
     """Trapped oil leaves through a sharp orifice: its force grows with the speed's square."""
     damping, length = c
@@ -131,7 +123,6 @@ def end_cushion(f, c, state, at, rates, par):
     return held(f, damping * max(1.0 - left / length, 0.0) * abs(v) * v, 0.0)
 
 
-@compiled
 def added_mass(f, c, state, at, rates, par):
     """A column of oil, longer as the piston goes out, dragged along by its viscosity."""
     test, load, time = c
@@ -146,7 +137,6 @@ def added_mass(f, c, state, at, rates, par):
 # ---- what the catalogue does not have
 
 
-@compiled
 def bore_ripple(f, c, state, at, rates, par):
     """Background: a few newtons along the bores of both cylinders."""
     force, period, phase = c
@@ -156,7 +146,6 @@ def bore_ripple(f, c, state, at, rates, par):
     return rougher(f, force * sin(angle), force * cos(angle))
 
 
-@compiled
 def guide_misalignment(f, c, state, at, rates, par):
     """A side load that grows as the rod comes out, under load."""
     (share,) = c
@@ -167,7 +156,6 @@ def guide_misalignment(f, c, state, at, rates, par):
     return rougher(f, share * out * out * pressed, 0.0)
 
 
-@compiled
 def bore_chatter(f, c, state, at, rates, par):
     """A bore that was honed with chatter marks."""
     force, period, phase = c
@@ -176,7 +164,6 @@ def bore_chatter(f, c, state, at, rates, par):
     return rougher(f, force * sin(2.0 * pi * state[X] / period + phase), 0.0)
 
 
-@compiled
 def rest_film(f, c, state, at, rates, par):
     """The film is squeezed out at rest, and comes back over a way: dry friction is larger."""
     share, length, time = c
