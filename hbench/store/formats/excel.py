@@ -8,7 +8,6 @@ from typing import Any, BinaryIO
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import LARGEST_UNPACKED
-from hbench.store.formats.packages import optional_package
 from hbench.store.formats.text import TextTable, table_of_rows
 
 _DAY = datetime(1900, 1, 1)  # of a time without a date
@@ -17,9 +16,10 @@ _DAY = datetime(1900, 1, 1)  # of a time without a date
 def open_excel(file: BinaryIO, source: str, layout: Format) -> TextTable:
     """Return a sheet's cells as text, in the notation of ``layout``.
 
-    Raises ``DataError``, ``ConfigError``.
+    Raises ``DataError``.
     """
-    openpyxl = optional_package("openpyxl", "Excel", "excel")
+    import openpyxl
+
     try:
         with zipfile.ZipFile(file) as archive:
             size = sum(part.file_size for part in archive.infolist())
@@ -66,4 +66,4 @@ def _text(value: Any, decimal: str) -> str:
         value = _DAY + value
     if isinstance(value, date):  # also a datetime
         return value.isoformat()
-    return "" if value is None else str(value).strip()
+    return "" if value is None else " ".join(str(value).split())

@@ -10,7 +10,6 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.formats.arrays import Arrays, Signal, by_name
-from hbench.store.formats.packages import optional_package
 
 _MAGIC = (b"MDF ", b"UnFinMF ")
 _PIECE = 16_000_000  # bytes of records in memory at once
@@ -25,9 +24,10 @@ _FORMULA = re.compile(
 def open_mdf(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """Return the channels of a file, read one by one; their times are those of their group.
 
-    Raises ``DataError``, ``ConfigError``.
+    Raises ``DataError``.
     """
-    asammdf = optional_package("asammdf", "MDF", "mdf")
+    import asammdf
+
     is_mdf = file.read(8).startswith(_MAGIC)
     file.seek(0)
     if not is_mdf:
@@ -98,6 +98,7 @@ def _formula(conversion: Any) -> str:
 
 def _evaluated(formula: str, values: np.ndarray) -> np.ndarray:
     """Return a formula of X. asammdf itself returns ``values`` for a formula that it can't read."""
-    numexpr = optional_package("numexpr", "MDF", "mdf")
+    import numexpr  # which asammdf needs too
+
     x = values.astype(float)
     return numexpr.evaluate(formula.replace("^", "**"), {"X": x, "X1": x}, {})

@@ -13,6 +13,7 @@ from hbench.store.formats.excel import open_excel
 from hbench.store.formats.matlab.mat import open_mat
 from hbench.store.formats.matlab.mat73 import is_mat73, open_mat73
 from hbench.store.formats.mdf import open_mdf
+from hbench.store.formats.packages import require_package
 from hbench.store.formats.parquet import open_parquet
 from hbench.store.formats.table import Table
 from hbench.store.formats.tdms import open_tdms
@@ -24,10 +25,11 @@ from hbench.store.formats.twincat import is_twincat, open_twincat
 class FileFormat:
     """A format, its recognition and its reader."""
 
-    name: str
+    name: str  # of messages
     endings: tuple[str, ...]  # of file names, in lower case; none: all
     open: Callable[[BinaryIO, str, Format], Table]
-    extra: str = ""  # of pip, if it needs an optional package
+    package: str = ""  # that it needs, ...
+    extra: str = ""  # ... which this extra of pip contains
     has_head: Callable[[bytes], bool] | None = None  # from its first _HEAD bytes, besides the name
     largest: int = LARGEST_LOG  # bytes
     is_text: bool = False
@@ -41,15 +43,20 @@ FORMATS = (
         "MATLAB 7.3",
         (".mat",),
         open_mat73,
+        package="h5py",
         extra="matlab73",
         has_head=is_mat73,
         largest=_LARGEST_BINARY,
     ),
     FileFormat("MATLAB up to version 7", (".mat",), open_mat),
-    FileFormat("Parquet", (".parquet",), open_parquet, extra="parquet"),
-    FileFormat("TDMS", (".tdms",), open_tdms, extra="tdms", largest=_LARGEST_BINARY),
-    FileFormat("MDF", (".mf4", ".mdf"), open_mdf, extra="mdf", largest=_LARGEST_BINARY),
-    FileFormat("Excel", (".xlsx", ".xlsm"), open_excel, extra="excel"),
+    FileFormat("Parquet", (".parquet",), open_parquet, package="pyarrow", extra="parquet"),
+    FileFormat(
+        "TDMS", (".tdms",), open_tdms, package="nptdms", extra="tdms", largest=_LARGEST_BINARY
+    ),
+    FileFormat(
+        "MDF", (".mf4", ".mdf"), open_mdf, package="asammdf", extra="mdf", largest=_LARGEST_BINARY
+    ),
+    FileFormat("Excel", (".xlsx", ".xlsm"), open_excel, package="openpyxl", extra="excel"),
     FileFormat("TwinCAT Scope CSV", (), open_twincat, has_head=is_twincat, is_text=True),
     FileFormat("text", (), open_text, is_text=True),
 )
@@ -85,4 +92,6 @@ def open_table(path: Path, layout: Format) -> Iterator[Table]:
     Raises ``DataError``, and ``ConfigError`` if the format's optional package is not installed.
     """
     with open_foreign(path) as (file, file_format):
+        if file_format.package:
+            require_package(file_format.package, file_format.name, file_format.extra)
         yield file_format.open(file, str(path), layout)

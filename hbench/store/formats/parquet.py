@@ -7,7 +7,7 @@ from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import LARGEST_UNPACKED, read_whole
 from hbench.store.formats.arrays import Arrays
-from hbench.store.formats.packages import optional_package
+from hbench.store.formats.packages import require_package
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -43,4 +43,4 @@ def read_parquet(data: bytes, source: str) -> "DataFrame":
 
 def require_pyarrow() -> None:
     """Raise ``ConfigError`` if pyarrow is not installed."""
-    optional_package("pyarrow", "Parquet", "parquet")
+    require_package("pyarrow", "Parquet", "parquet")

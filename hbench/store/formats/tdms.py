@@ -7,15 +7,15 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.formats.arrays import Arrays, Signal, by_name
-from hbench.store.formats.packages import optional_package
 
 
 def open_tdms(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """Return the channels of a file; those with waveform properties have times of their own.
 
-    Raises ``DataError``, ``ConfigError``.
+    Raises ``DataError``.
     """
-    nptdms = optional_package("nptdms", "TDMS", "tdms")
+    import nptdms
+
     try:
         content = nptdms.TdmsFile.open(file)
         channels = [channel for group in content.groups() for channel in group.channels()]

@@ -8,7 +8,6 @@ from hbench.store.formats.arrays import Arrays, Names, by_name
 from hbench.store.formats.matlab.hdf5 import Group, cells, channel_of, class_of
 from hbench.store.formats.matlab.simulink import simulink_signals
 from hbench.store.formats.matlab.tables import ObjectReader
-from hbench.store.formats.packages import optional_package
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _STARTS = (0, 512, 1024, 2048)  # where HDF5 may begin; MATLAB's header takes 512 bytes
@@ -24,9 +23,10 @@ def is_mat73(head: bytes) -> bool:
 def open_mat73(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """Return the variables of a file, read one by one; timetables have times of their own.
 
-    Raises ``DataError``, ``ConfigError``.
+    Raises ``DataError``.
     """
-    h5py = optional_package("h5py", "MATLAB 7.3", "matlab73")
+    import h5py
+
     try:
         content = Group(h5py.File(file, "r"), h5py)
         signals = by_name(simulink_signals(content))
