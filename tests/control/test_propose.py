@@ -63,8 +63,8 @@ def test_the_source_gains_have_no_place_on_a_stiffer_bench(stiff):
     checks = margin_checks(points, SOURCE_LOOPS)
     assert not all(check.holds for check in checks)
     assert checks[-1].value > 1.0  # unstable: the modulus of a digital pole
-    found = {check.what: check for check in verify(with_gains(stiff, SOURCE_LOOPS), quiet)}
-    assert not found["bench: speed ripple"].holds or not found["bench: rejected runs"].holds
+    found = verify(with_gains(stiff, SOURCE_LOOPS), quiet)
+    assert not all(check.holds for check in found if check.what.startswith("bench: "))
 
 
 def test_a_proposal_keeps_its_margins_and_holds_the_stiffer_bench_with_the_firmware(
@@ -105,8 +105,8 @@ def test_a_board_that_stops_itself_speaks_against_the_gains(stiff):
     """A speed error of 10 mm/s for 10 ms is more than the first start of a run allows."""
     limits = stiff.limits.model_copy(update={"speed_error": 0.01, "speed_error_time": 0.01})
     found = verify(with_gains(stiff.model_copy(update={"limits": limits}), SOURCE_LOOPS), quiet)
-    cut = next(check for check in found if check.what == "bench: runs cut short")
-    assert not cut.holds and cut.value >= 1 and "speed_error" in cut.where
+    cut = next(check for check in found if "speed_error" in check.where)
+    assert cut.what.startswith("bench: ") and not cut.holds and cut.value >= 1
 
 
 def test_what_a_bench_can_not_reach_is_left_out_with_the_reason(make_bench):

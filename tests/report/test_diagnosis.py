@@ -224,8 +224,8 @@ def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
     axes = gap_figures(named)["Balances"].axes[0]
     drawn = {line.get_label(): line.get_xdata() for line in axes.lines}
     table = named.gap_heldout
-    for step, label in (("before", "as given"), ("after", "with the effects")):
-        assert drawn[label][0] == getattr(table.total, step)
+    for step in ("before", "after"):
+        assert drawn[words.STEPS[step]][0] == getattr(table.total, step)
     bars = ranking_figure(named).axes[0]
     assert [bar.get_width() for bar in bars.patches] == [one.score for one in named.ranking]
     panels = region_figure(named).axes[:5]

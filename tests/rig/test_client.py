@@ -113,9 +113,10 @@ def test_a_late_answer_to_an_earlier_request_is_not_taken():
 
 
 def test_a_refusal_is_told_in_words():
-    number = REFUSALS.index("settings_differ").to_bytes(2, "little")
+    code = "settings_differ"
+    number = REFUSALS.index(code).to_bytes(2, "little")
     line = Line(lambda f: encode(Frame(f.sequence, ERROR, bytes([f.code, 0]) + number)))
-    with pytest.raises(Refused, match="'start': settings differ"):
+    with pytest.raises(Refused, match=f"'start': {code.replace('_', ' ')}"):
         BoardClient(line).start(1, 2)
 
 
