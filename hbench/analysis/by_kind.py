@@ -17,8 +17,8 @@ from hbench.analysis.curves.surface import friction_surfaces
 from hbench.analysis.fitting.fit import fits
 from hbench.analysis.fitting.joint import fitted
 from hbench.analysis.uncertainty.budget import with_instruments
-from hbench.config.bench import Bench
 from hbench.config.fitting import Fitting
+from hbench.config.setup import Setup
 from hbench.records import KINDS, Curve, Leakage, Level, Loop, Motions, ScreenedRun
 
 _SHARED_STROKES = (
@@ -32,15 +32,15 @@ _WITH_INERTIA = {"ramp_curve", "hysteresis", "step_levels"}  # analyses that sub
 
 @dataclass(frozen=True)
 class Settings:
-    """Bench and fit settings of an analysis."""
+    """Set-up and fit settings of an analysis."""
 
-    bench: Bench | None  # None: imported without a bench file
+    setup: Setup
     fitting: Fitting
 
     @property
     def mass_kg(self) -> float:
         """Mass of the test side; with 0, for an unknown mass, friction includes the inertia."""
-        return 0.0 if self.bench is None else self.bench.moving_mass.test
+        return self.setup.test_mass_kg or 0.0
 
 
 @dataclass(frozen=True)
@@ -64,16 +64,14 @@ class AnalysedRuns:
     notes: tuple[str, ...]
 
 
-def analyse_runs(
-    screened: Iterable[ScreenedRun], bench: Bench | None, fitting: Fitting
-) -> AnalysedRuns:
+def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting) -> AnalysedRuns:
     """Analyse the runs of each kind of experiment, and compare ramps with steady curves."""
     runs: dict[str, list[ScreenedRun]] = defaultdict(list)
     for run in screened:
         runs[KINDS[run.run.plan.kind].analysis].append(run)
-    settings = Settings(bench, fitting)
+    settings = Settings(setup, fitting)
     products = {name: analyse(runs[name], settings) for name, analyse in ANALYSES.items()}
-    instruments = None if bench is None else bench.instruments
+    instruments = setup.instruments
     steady = tuple(
         with_instruments(curve, instruments) for curve in products["steady_curve"].curves
     )
@@ -94,8 +92,8 @@ def analyse_runs(
         ),
         notes=(
             *(note for product in products.values() for note in product.notes),
-            *([_UNKNOWN_MASS] if bench is None and accepted & _WITH_INERTIA else []),
-            *([_NO_BENCH] if bench is None and "leakage" in accepted else []),
+            *([_UNKNOWN_MASS] if setup.test_mass_kg is None and accepted & _WITH_INERTIA else []),
+            *([_NO_BENCH] if setup.bench is None and "leakage" in accepted else []),
         ),
     )
 
@@ -124,9 +122,9 @@ def _step_levels(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisPro
 
 
 def _leakage(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
-    if settings.bench is None:
+    if settings.setup.bench is None:
         return AnalysisProducts()
-    return AnalysisProducts(leakages=chamber_leakage(runs, settings.bench))
+    return AnalysisProducts(leakages=chamber_leakage(runs, settings.setup.bench))
 
 
 def _verification(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:

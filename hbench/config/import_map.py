@@ -65,7 +65,7 @@ class ImportedCylinder(ConfigSection):
 
     @property
     def area_piston_m2(self) -> float:
-        """A_p, or the displacement of a radian [m^3]."""
+        """A_p, or the displacement of a radian [m^3]; 0 if neither is known."""
         if self.piston_diameter is not None:
             return math.pi / 4 * self.piston_diameter**2
         return self.displacement or self.piston_area or 0.0

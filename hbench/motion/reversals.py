@@ -83,8 +83,11 @@ def _rest_length(t_s: np.ndarray, x_m: np.ndarray) -> int:
     if len(x_m) < 2:
         return 0
     rest = rest_before_motion(t_s[: len(x_m)], x_m, None)
-    long_enough = rest.stop and t_s[rest.stop - 1] - t_s[0] >= _REST_S - BLOCK_S
-    return rest.stop if long_enough and rest.stop < len(x_m) else 0
+    t = t_s[rest]
+    if len(t) < 2 or rest.stop == len(x_m):
+        return 0
+    whole = t[-1] - t[0] >= _REST_S - BLOCK_S and np.diff(t).max() <= BLOCK_S
+    return rest.stop if whole else 0
 
 
 def _turning_points(x: Sequence[float], turn: float) -> list[int]:

@@ -23,7 +23,7 @@ Outcome = Literal["done", "aborted", "failed"]
 class Specimen:
     """The cylinder under test."""
 
-    area_piston_m2: float  # A_p
+    area_piston_m2: float  # A_p; 0 without hydraulics
     area_rod_m2: float  # A_r, the annulus
     stroke_m: float | None = None  # None: not known
 
@@ -133,6 +133,7 @@ class Run:
     p_lr_pa: np.ndarray | None = None
     p_s_pa: np.ndarray | None = None
     f_applied_n: np.ndarray | None = None
+    f_drive_n: np.ndarray | None = None  # of a drive without hydraulics; replaces the pressures
     u_t_v: np.ndarray | None = None
     u_l1_v: np.ndarray | None = None
     u_l2_v: np.ndarray | None = None
@@ -164,7 +165,7 @@ class SteadyMeans:
     n: int  # samples
     v_m_s: float  # signed, from the position
     friction_n: float | None  # signed like the velocity, equation 5.1
-    f_test_n: float | None  # F_T = P_Tp A_p - P_Tr A_r
+    f_test_n: float | None  # F_T = P_Tp A_p - P_Tr A_r, or the drive's force
     f_applied_n: float | None
     p_tp_pa: float | None
     p_tr_pa: float | None
@@ -201,7 +202,7 @@ class CurvePoint:
     n: Count  # trials
     f_test_n: float
     f_applied_n: float
-    p_tp_pa: float
+    p_tp_pa: float | None  # None without hydraulics
     p_tr_pa: float | None
     trials: tuple[int, ...]  # their numbers
     trials_n: tuple[float, ...]  # friction of each trial
@@ -347,7 +348,7 @@ class Band:
     label: str
     f_load_n: float | None
     p_lr_ref_pa: float | None
-    p_tp_pa: float  # mean of the two directions
+    p_tp_pa: float | None  # mean of the two directions; None without hydraulics
     half_n: float  # (F_extend - F_retract) / 2: free of a constant error in force
     half_ci95_n: float | None  # Student's, of the trials' halves; None with fewer than two
     middle_n: float  # (F_extend + F_retract) / 2: asymmetry, or an error of a sensor

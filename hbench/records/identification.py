@@ -32,6 +32,9 @@ class IdentifiedLaw:
     runs: tuple[str, ...] = ()  # that it was identified from
     errors: dict[str, ModelErrors] = field(default_factory=dict)  # by ``PARTS``; empty: not tried
     not_verified: str = ""  # why there are no errors, or not those of all runs
+    # Root mean square error [N] of the law's friction along motions that were left out of the fit.
+    held_out_n: float | None = None
+    held_out_runs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,11 @@ def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> Campai
     """
     campaign_a, campaign_b = load_campaign(a), load_campaign(b)
     results_a, results_b = derive(campaign_a), derive(campaign_b)
-    bench_a, bench_b = campaign_a.bench(), campaign_b.bench()
+    setup_a, setup_b = campaign_a.setup(), campaign_b.setup()
+    bench_a, bench_b = setup_a.bench, setup_b.bench
     instruments = (
-        None if bench_a is None else bench_a.instruments,
-        None if bench_b is None else bench_b.instruments,
+        setup_a.instruments,
+        setup_b.instruments,
     )
     if same_instruments is None:
         same_instruments = (

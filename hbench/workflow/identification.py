@@ -12,7 +12,7 @@ from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.text import identification_json
 from hbench.report.render.figures import figure_files
-from hbench.store.campaign.folder import ADD_A_BENCH, StoredCampaign, load_campaign
+from hbench.store.campaign.folder import StoredCampaign, load_campaign
 from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
@@ -29,32 +29,36 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     Verification runs are not used for identification. Raises ``DataError``.
     """
     from hbench.analysis.curves.ramp_fits import compare_fits
+    from hbench.analysis.identification.held_out import split_motions, with_held_out_errors
     from hbench.analysis.identification.identify import identify_laws  # slow import: it compiles
     from hbench.analysis.identification.verification import trial_scatter
     from hbench.experiment.law_verification import VerifiedLaws, verify_laws
 
     campaign = load_campaign(folder)
-    bench = campaign.bench()
-    if bench is None:
+    mass_kg = campaign.setup().test_mass_kg
+    if mass_kg is None:
         raise DataError(
-            f"{folder}: contains no bench; identification needs its moving mass", ADD_A_BENCH
+            f"{folder}: the moving mass of the test side is not known",
+            "Add 'moving_mass' to the import map, or a bench file 'bench.yaml' beside runs.csv, and "
+            "import again.",
         )
     results = derive(campaign)
-    usable, left_out = usable_runs(results.runs, bench.moving_mass.test)
+    usable, left_out = usable_runs(results.runs, mass_kg)
     steady = [curve for curve in results.curves if identification_use(curve) == "steady_curve"]
     motions = [motion for run, motion in usable if identification_use(run.plan) == "motion"]
-    laws = identify_laws(steady, motions)
+    motions, held_out = split_motions(motions) if campaign.imported else (motions, [])
+    laws = with_held_out_errors(identify_laws(steady, motions), held_out)
     if not any(law.fit for law in laws):
         reasons = "; ".join(f"{law.law}: {law.reason}" for law in laws)
         raise DataError(f"{folder}: no friction law can be identified. {reasons}", _ADD)
     ramps = compare_fits(results.curves)
     measured = [run for run, _ in usable if identification_use(run.plan) == "verification"]
-    not_verified = _not_verified(measured)
+    not_verified = _not_verified(measured, has_bench=campaign.bench() is not None)
     if not_verified:
         verified, scatter = VerifiedLaws(laws, ()), {}
     else:
         verified = verify_laws(_bench_data(campaign), laws, measured, campaign.plans, report)
-        scatter = trial_scatter(measured, bench.moving_mass.test)
+        scatter = trial_scatter(measured, mass_kg)
     return Identification(
         provenance=results.provenance,
         laws=verified.laws,
@@ -81,7 +85,12 @@ def write_identification(folder: Path, identification: Identification) -> None:
     write_files(folder, files)
 
 
-def _not_verified(measured: Sequence[Run]) -> str:
+def _not_verified(measured: Sequence[Run], *, has_bench: bool) -> str:
+    if not has_bench:
+        return (
+            "these laws are not verified in closed loop, which needs a bench file; errors on runs "
+            "that were left out of the fits are given where there are three such runs or more"
+        )
     if not measured:
         return (
             "these laws are not verified: the campaign has no usable run of kind 'verification'. "

@@ -103,14 +103,14 @@ def derive(campaign: StoredCampaign, how: Fitting = _DEFAULT_FITTING) -> Results
 
     Accepted steady runs, most of a large campaign, are kept without their samples.
     """
-    bench = campaign.bench()
+    setup = campaign.setup()
     screened = tuple(_without_samples(run) for run in screened_runs(campaign))
     if not screened:
         raise DataError(
             f"{campaign.folder}: contains no runs", "Continue it with `hbench run --resume`."
         )
-    instruments = None if bench is None else bench.instruments
-    analysed = analyse_runs(screened, bench, how)
+    instruments = setup.instruments
+    analysed = analyse_runs(screened, setup, how)
     steady, curves = analysed.steady, (*analysed.steady, *analysed.moving)
     efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
     limitations = not_computed(screened, efficiencies, instruments)

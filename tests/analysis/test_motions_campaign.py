@@ -9,6 +9,7 @@ from hbench.analysis.by_kind import analyse_runs
 from hbench.analysis.screening.screen import screen
 from hbench.config.fitting import Fitting
 from hbench.config.schedule import Screening
+from hbench.config.setup import Setup
 from hbench.report.campaign.terminal import summary_text
 from tests.support.analysis.moving import moving_run, ramp_velocity
 
@@ -66,7 +67,7 @@ def test_without_a_bench_file_the_inertia_stays_in_and_leakage_is_left_out_and_b
     hold = moving_run("hold", 0 * v, 0.0)
     screened = tuple(screen(run, Screening()) for run in (ramp, hold))
     assert all(one.accepted for one in screened)
-    analysed = analyse_runs(screened, None, Fitting())
+    analysed = analyse_runs(screened, Setup(None, None, None), Fitting())
     (curve,) = analysed.moving
     assert curve.points[9].friction_n == pytest.approx(300 + 40 * 0.1, abs=0.1)
     assert analysed.motions.leakages == ()

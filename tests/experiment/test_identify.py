@@ -252,9 +252,9 @@ def test_an_imported_campaign_without_a_bench_is_refused_with_a_hint(tmp_path, c
     rows = "".join(f"{0.01 * i},{5e-4 * i},4e6,2e6,1e3\n" for i in range(200))
     (source / "1.csv").write_text(f"t_s,x_m,p_tp_pa,p_tr_pa,f_applied_n\n{rows}")
     workflow.import_runs(source, tmp_path / "c", None, clock)
-    with pytest.raises(DataError, match="bench") as caught:
+    with pytest.raises(DataError, match="mass") as caught:
         workflow.identify(tmp_path / "c", lambda progress: None)
-    assert "bench.yaml" in caught.value.hint
+    assert "bench.yaml" in caught.value.hint and "moving_mass" in caught.value.hint
 
 
 def test_the_command_prints_one_object_or_the_table(tmp_path, lacking):

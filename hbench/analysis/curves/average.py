@@ -70,7 +70,11 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
         return np.array([np.mean([getattr(run.means, name) for run in trial]) for trial in trials])
 
     friction, f_test = of_trials("friction_n"), of_trials("f_test_n")
-    has_rod_side = all(run.means and run.means.p_tr_pa is not None for run in runs)
+
+    def mean_pressure(name: str) -> float | None:
+        known = all(getattr(run.means, name) is not None for run in runs)
+        return float(of_trials(name).mean()) if known else None
+
     return CurvePoint(
         v_m_s=float(of_trials("v_m_s").mean()),
         friction_n=float(friction.mean()),
@@ -78,8 +82,8 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
         n=len(trials),
         f_test_n=float(f_test.mean()),
         f_applied_n=float(of_trials("f_applied_n").mean()),
-        p_tp_pa=float(of_trials("p_tp_pa").mean()),
-        p_tr_pa=float(of_trials("p_tr_pa").mean()) if has_rod_side else None,
+        p_tp_pa=mean_pressure("p_tp_pa"),
+        p_tr_pa=mean_pressure("p_tr_pa"),
         trials=tuple(trial[0].run.plan.trial for trial in trials),
         trials_n=tuple(friction.tolist()),
         trials_f_test_n=tuple(f_test.tolist()),

@@ -30,7 +30,7 @@ def friction_bands(curves: Iterable[Curve]) -> tuple[Band, ...]:
         if set(points[0].trials) & set(points[1].trials)
     ]
     order = list(dict.fromkeys((band.kind, band.label) for band in bands))
-    return tuple(sorted(bands, key=lambda b: (order.index((b.kind, b.label)), b.p_tp_pa)))
+    return tuple(sorted(bands, key=lambda b: (order.index((b.kind, b.label)), b.p_tp_pa or 0.0)))
 
 
 def _band(curve: Curve, extend: CurvePoint, retract: CurvePoint) -> Band:
@@ -46,7 +46,7 @@ def _band(curve: Curve, extend: CurvePoint, retract: CurvePoint) -> Band:
         label=curve.label,
         f_load_n=curve.f_load_n,
         p_lr_ref_pa=curve.p_lr_ref_pa,
-        p_tp_pa=(extend.p_tp_pa + retract.p_tp_pa) / 2,
+        p_tp_pa=_mean_pressure(extend, retract),
         half_n=float(halves.mean()),
         half_ci95_n=student_interval(halves),
         middle_n=float((out + back).mean() / 2),
@@ -54,3 +54,9 @@ def _band(curve: Curve, extend: CurvePoint, retract: CurvePoint) -> Band:
         extend=extend,
         retract=retract,
     )
+
+
+def _mean_pressure(extend: CurvePoint, retract: CurvePoint) -> float | None:
+    if extend.p_tp_pa is None or retract.p_tp_pa is None:
+        return None
+    return (extend.p_tp_pa + retract.p_tp_pa) / 2

@@ -52,7 +52,7 @@ def fit_points(curves: Sequence[Curve], weights: str = "equal") -> FitPoints:
     rows = [
         (
             abs(point.v_m_s),
-            point.p_tp_pa,
+            np.nan if point.p_tp_pa is None else point.p_tp_pa,
             np.nan if point.p_tr_pa is None else point.p_tr_pa,
             direction * point.friction_n,
         )

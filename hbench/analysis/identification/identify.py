@@ -75,7 +75,11 @@ def identify_laws(
         ("tustin", runs, lambda: _tustin(_enough(curves))),
         ("marton_lantos", runs, lambda: _lines(curves)),
         ("pressure_based", runs, lambda: _determined(fit_pressure_based(curves))),
-        ("lugre", moving, lambda: fit_lugre(_reversing(motions), _start(fit_of("tustin")))),
+        (
+            "lugre",
+            moving,
+            lambda: fit_lugre(_reversing(motions), _start(fit_of("tustin")), _unknowns(motions)),
+        ),
         ("leuven", moving, lambda: _leuven(motions, fit_of("lugre"))),
     ):
         laws[law] = _identified(law, used, fit)
@@ -172,6 +176,12 @@ def _reversing(motions: Sequence[LoggedMotion]) -> Sequence[LoggedMotion]:
     return motions
 
 
+def _unknowns(motions: Sequence[LoggedMotion]) -> tuple[str, ...]:
+    """Return the parameters to fit: without hydraulics there is no friction from pressures."""
+    hydraulic = any(motion.p_p_pa.any() or motion.p_r_pa.any() for motion in motions)
+    return tuple(name for name in UNKNOWNS if hydraulic or name not in _SEALS)
+
+
 def _start(tustin: Fit | None) -> FrictionParameters:
     return _UNKNOWN if tustin is None else _put(_UNKNOWN, tustin)
 
@@ -201,5 +211,6 @@ def _leuven(motions: Sequence[LoggedMotion], lugre: Fit | None) -> Fit:
         fitted = tuple(p.value for p in fit.parameters.values())
         tried.append((fit.rmse_n, guess._replace(elements=fitted)))
     _, best = min(tried, key=lambda candidate: candidate[0])
-    fit = fit_leuven(motions, best, (*STEADY, *_SEALS, "delta_max_m"), spans=(1.0,))
+    seals = [name for name in _unknowns(motions) if name in _SEALS]
+    fit = fit_leuven(motions, best, (*STEADY, *seals, "delta_max_m"), spans=(1.0,))
     return replace(fit, message="; ".join(filter(None, (fit.message, _SEVERAL_MINIMA))))

@@ -7,7 +7,12 @@ from hbench.records import Run
 
 
 def friction_channels(run: Run) -> tuple[str, ...]:
-    """Return the channels that friction is computed from; a plunger has no rod side."""
+    """Return the channels that friction is computed from.
+
+    A plunger has no rod side; a drive without hydraulics has a force in place of the pressures.
+    """
+    if run.f_drive_n is not None:
+        return "f_drive_n", "f_applied_n"
     rod_side = ("p_tr_pa",) if run.plan.specimen.area_rod_m2 > 0 else ()
     return "p_tp_pa", *rod_side, "f_applied_n"
 
@@ -26,7 +31,9 @@ def required(run: Run, name: str) -> np.ndarray:
 
 
 def test_force(run: Run, window: slice) -> np.ndarray:
-    """Return F_T = P_Tp A_p - P_Tr A_r [N] in a window (n,)."""
+    """Return F_T = P_Tp A_p - P_Tr A_r, or the drive's force, [N] in a window (n,)."""
+    if run.f_drive_n is not None:
+        return run.f_drive_n[window]
     specimen = run.plan.specimen
     force = required(run, "p_tp_pa")[window] * specimen.area_piston_m2
     if specimen.area_rod_m2 > 0:

@@ -55,5 +55,6 @@ def _tolerances(curves: Sequence[EfficiencyCurve], instruments: Instruments | No
         return []
     return [
         "no expanded uncertainty of friction and no sigma of the efficiency: the instruments' "
-        "tolerances are not known without a bench file; intervals are those of the trials alone"
+        "tolerances are not known (instruments in an import map or a bench file); intervals are "
+        "those of the trials alone"
     ]

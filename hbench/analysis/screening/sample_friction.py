@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hbench.analysis.screening.friction_channels import (
+    friction_channels,
     missing_friction_channels,
     required,
     test_force,
@@ -30,7 +31,7 @@ class LoggedMotion:
     run: str
     dt_s: float
     v_m_s: np.ndarray  # (n,)
-    p_p_pa: np.ndarray  # (n,) test cylinder, piston side
+    p_p_pa: np.ndarray  # (n,) test cylinder, piston side; 0 without hydraulics
     p_r_pa: np.ndarray  # (n,) rod side; 0 for a plunger
     friction_n: np.ndarray  # (n,)
     compared: np.ndarray  # (n,) bool; False in the first 20 mm: the initial state is unknown
@@ -63,11 +64,14 @@ def logged_motion(run: Run, mass_kg: float) -> LoggedMotion:
         run=run.plan.run,
         dt_s=dt,
         v_m_s=v,
-        p_p_pa=required(run, "p_tp_pa"),
-        p_r_pa=(
-            required(run, "p_tr_pa") if run.plan.specimen.area_rod_m2 > 0 else np.zeros(len(v))
-        ),
+        p_p_pa=_pressure(run, "p_tp_pa"),
+        p_r_pa=_pressure(run, "p_tr_pa"),
         friction_n=test_force(run, slice(None)) - required(run, "f_applied_n") - mass_kg * a,
         compared=np.cumsum(np.abs(v)) * dt > _MEMORY_M,
         f_applied_n=required(run, "f_applied_n"),
     )
+
+
+def _pressure(run: Run, name: str) -> np.ndarray:
+    """Return a chamber's pressure (n,), 0 where friction does not need it."""
+    return required(run, name) if name in friction_channels(run) else np.zeros(len(run.t_s))

@@ -180,7 +180,15 @@ def _steadiness(
             )
     if means is None or means.friction_n is None:
         return
-    change = drift(t, test_force(run, window) - required(run, "f_applied_n")[window])
+    f_applied = required(run, "f_applied_n")[window]
+    change = drift(t, f_applied)
+    limit = max(rules.friction_drift, rules.friction_drift_relative * abs(np.mean(f_applied)))
+    if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
+        yield (
+            f"not_steady: the load changes by {change.value:+.1f} N (standard error "
+            f"{change.se:.1f} N) over the window; limit {limit:.1f} N"
+        )
+    change = drift(t, test_force(run, window) - f_applied)
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
     if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
         yield (
@@ -211,14 +219,15 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
     t = run.t_s[window]
     v = mean_speed(t, run.x_m[window])
     means = {name: _mean(getattr(run, name), window) for name in friction_channels(run)}
-    p_tp, p_tr, f_applied = means["p_tp_pa"], means.get("p_tr_pa"), means["f_applied_n"]
+    p_tp, p_tr, f_applied = means.get("p_tp_pa"), means.get("p_tr_pa"), means["f_applied_n"]
     missing = missing_friction_channels(run)
-    pressures = not {"p_tp_pa", "p_tr_pa"} & set(missing)
-    f_test = float(np.mean(test_force(run, window))) if pressures else None
+    driven = not {"p_tp_pa", "p_tr_pa"} & set(missing)
+    f_test = float(np.mean(test_force(run, window))) if driven else None
     friction = efficiency = None
-    if p_tp is not None and f_test is not None and f_applied is not None:
+    if f_test is not None and f_applied is not None:
         friction = f_test - f_applied
-        efficiency = efficiency_of(SteadyForces(v, f_applied, p_tp, p_tr, run.plan.specimen))
+        specimen = run.plan.specimen
+        efficiency = efficiency_of(SteadyForces(v, f_applied, p_tp, p_tr, specimen, f_test))
     return SteadyMeans(
         t_start_s=float(t[0]),
         t_stop_s=float(t[-1]),

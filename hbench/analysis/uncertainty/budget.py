@@ -39,7 +39,12 @@ def tolerances(
 def friction_contributions(
     point: CurvePoint, specimen: Specimen, instruments: Instruments
 ) -> dict[str, float]:
-    """Return the instruments' contributions [N] to P_Tp A_p - P_Tr A_r - F_applied (5.1)."""
+    """Return the instruments' contributions [N] to P_Tp A_p - P_Tr A_r - F_applied (5.1).
+
+    Empty without hydraulics: the tolerance of the drive's force is not known.
+    """
+    if point.p_tp_pa is None:
+        return {}
     derivatives = {
         LOAD_CELL: -1.0,
         PISTON_SIDE: specimen.area_piston_m2,
@@ -80,7 +85,10 @@ def with_instruments(curve: Curve, instruments: Instruments | None) -> Curve:
 def _with_instruments(
     point: CurvePoint, specimen: Specimen, instruments: Instruments
 ) -> CurvePoint:
-    sigma = root_sum_square(friction_contributions(point, specimen, instruments))
+    contributions = friction_contributions(point, specimen, instruments)
+    if not contributions:
+        return point
+    sigma = root_sum_square(contributions)
     u95 = None if point.ci95_n is None else expanded(point.ci95_n, sigma)
     return replace(point, sigma_instruments_n=sigma, u95_n=u95)
 

@@ -38,17 +38,20 @@ MIN_FORCE_SHARE = 0.01
 
 
 class SteadyForces(NamedTuple):
-    """SteadyForces on the test cylinder at a steady speed."""
+    """Forces on the test cylinder at a steady speed."""
 
     v_m_s: float
     f_applied_n: float
-    p_tp_pa: float
-    p_tr_pa: float | None  # None for a plunger only
+    p_tp_pa: float | None  # None without hydraulics
+    p_tr_pa: float | None  # None for a plunger, and without hydraulics
     specimen: Specimen
+    f_drive_n: float | None = None  # in place of the pressures
 
     @property
     def piston_n(self) -> float:
-        """P_Tp A_p."""
+        """P_Tp A_p, or the drive's force."""
+        if self.p_tp_pa is None:
+            return self.f_drive_n or 0.0
         return self.p_tp_pa * self.specimen.area_piston_m2
 
     @property
@@ -125,7 +128,7 @@ def instrument_contributions(forces: SteadyForces, instruments: Instruments) -> 
     eta = F_T / F_a:  d/dF_a = -F_T/F_a^2,  d/dP_Tp = A_p / F_a,  d/dP_Tr = -A_r / F_a
     """
     side, _ = driving_side(forces)
-    if side is None:
+    if side is None or forces.p_tp_pa is None:
         return {}
     f_applied, f_test = forces.f_applied_n, forces.f_test_n
     if side == "hydraulics":
@@ -144,7 +147,8 @@ def instrument_contributions(forces: SteadyForces, instruments: Instruments) -> 
 def _point(
     point: CurvePoint, specimen: Specimen, instruments: Instruments | None
 ) -> EfficiencyPoint:
-    forces = SteadyForces(point.v_m_s, point.f_applied_n, point.p_tp_pa, point.p_tr_pa, specimen)
+    pressures = point.p_tp_pa, point.p_tr_pa
+    forces = SteadyForces(point.v_m_s, point.f_applied_n, *pressures, specimen, point.f_test_n)
     side, reason = driving_side(forces)
     if side is None:
         return EfficiencyPoint(point.v_m_s, None, None, None, reason)

@@ -121,5 +121,6 @@ def _measured(results: Results) -> str:
         both = len({curve.direction for curve in curves}) == 2
         phrases.append("both directions" if both else "one direction")
         if not any(curve.over_velocity for curve in curves):
-            phrases.append(f"chamber pressure {span([p.p_tp_pa / 1e5 for p in points])} bar")
+            pressures = [p.p_tp_pa / 1e5 for p in points if p.p_tp_pa is not None]
+            phrases += [f"chamber pressure {span(pressures)} bar"] if pressures else []
     return ", ".join(phrases) + "."

@@ -20,6 +20,7 @@ _RAMPS_HEAD = (
     *("Direction", "Load", "Ramp (m/s²)", "Steady fit on steady (N)", "on ramp (N)"),
     *("Ramp fit on steady (N)", "on ramp (N)"),
 )
+_HELD_OUT_HEAD = ("Law", "Friction (N)", "Runs left out of the fit")
 _FLOOR = "trials' scatter"
 
 
@@ -50,12 +51,21 @@ def identification_text(identification: Identification) -> str:
 
 
 def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
-    """Return the tables that have rows: errors, parameters, ramps."""
+    """Return the tables that have rows: errors, errors on runs left out, parameters, ramps."""
     every = (
         WordTable(
             "Errors on the verification runs (rms)",
             _ERRORS_HEAD,
             tuple(_error_rows(identification)),
+        ),
+        WordTable(
+            "Errors along the motion of runs left out of the fits (rms)",
+            _HELD_OUT_HEAD,
+            tuple(
+                (law.law, number(law.held_out_n, 1), ", ".join(law.held_out_runs))
+                for law in identification.laws
+                if law.held_out_n is not None
+            ),
         ),
         WordTable(
             "Identified parameters", _PARAMETERS_HEAD, tuple(_parameter_rows(identification))
@@ -106,6 +116,8 @@ def _law(law: IdentifiedLaw) -> dict[str, Any]:
         "friction": law.section or None,
         "errors": _errors(law.errors),
         "not_verified": law.not_verified or None,
+        "held_out_n": law.held_out_n,
+        "held_out_runs": law.held_out_runs,
     }
 
 

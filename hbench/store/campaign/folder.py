@@ -18,6 +18,7 @@ import numpy as np
 from hbench.config.bench import Bench, parse_bench
 from hbench.config.import_map import parse_import_map
 from hbench.config.schedule import Screening, parse_schedule
+from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
 from hbench.records import Outcome, Provenance, RawRun, Run, RunPlan
 from hbench.store.campaign import journal
@@ -130,6 +131,10 @@ class StoredCampaign:
                 f"{self._source('bench')}: is missing; raw counts can't be converted without it"
             )
         return self._parsed("bench", parse_bench)
+
+    def setup(self) -> Setup:
+        """Return the instruments and the moving mass, as far as they are known."""
+        return Setup.of(self.bench(), self._parsed("map", parse_import_map))
 
     def screening(self) -> Screening:
         """Return the screening limits: of the schedule or import map, or the default ones."""

@@ -8,6 +8,7 @@ from hbench.records import KINDS, Motion, RunPlan, Segment, Specimen, kind_names
 
 _LENGTH, _SPEED, _SLOPE = (-1e3, 1e3), (-1e3, 1e3), (-1e6, 1e6)
 _FORCE, _PRESSURE, _TIME = (-1e10, 1e10), (-1e11, 1e11), (0, 1e6)
+_LEAST_AREA_M2 = 1e-9
 # No bench exceeds these ranges: a value outside is a mistake.
 _RANGES = {
     "trial": (1, 1e6),
@@ -16,7 +17,7 @@ _RANGES = {
     "f_load_n": _FORCE,
     "p_lr_ref_pa": _PRESSURE,
     "p_lp_ref_pa": _PRESSURE,
-    "area_piston_m2": (1e-9, 1e2),
+    "area_piston_m2": (0, 1e2),
     "area_rod_m2": (0, 1e2),
     "stroke_m": (1e-6, 1e3),
     "x_low_m": _LENGTH,
@@ -58,6 +59,11 @@ def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:
     _check(fields)
     _check(specimen)
     plan = RunPlan(run=run, **fields, specimen=Specimen(**specimen), motion=_motion(motion))
+    if 0 < plan.specimen.area_piston_m2 < _LEAST_AREA_M2:
+        raise ValueError(
+            f"area_piston_m2 is {plan.specimen.area_piston_m2:g}; expected {_LEAST_AREA_M2:g} or "
+            "more, or 0 without hydraulics"
+        )
     if plan.specimen.area_rod_m2 > plan.specimen.area_piston_m2:
         raise ValueError("area_rod_m2, the annulus, is larger than area_piston_m2")
     return plan

@@ -51,6 +51,8 @@ def read_channels_by_map(
     constants = {key: np.full(n, value) for key, value in _constants(source, fields, rules)}
     check_limits(constants, table)
     channels = {"t_s": base.t_s, **base.channels, **constants}
+    if "f_drive_n" in channels:
+        channels.setdefault("f_applied_n", np.zeros(n))
     if clipping:
         channels["sensor_saturated"] = base.clipped.astype(float)
     units = {key: column_unit(table, key, column, rules) for key, column in rules.columns.items()}

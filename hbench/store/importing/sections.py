@@ -8,9 +8,11 @@ from hbench.config.import_map import ImportMap
 from hbench.errors import DataError
 from hbench.motion.plateaus import Plateau, plateau_at, plateaus, settled
 from hbench.motion.reversals import cut_at_reversals, settled_strokes, stroke_speed
+from hbench.motion.speeds import block_speeds
 from hbench.records import KINDS
 from hbench.store.importing.file_notes import FileNote
 
+_BLOCK_S = 0.1
 _LEAST_SHARED = 0.2  # of a stroke: positions that both directions cover
 
 Positions = tuple[float, float]  # lowest and highest [m]
@@ -47,7 +49,7 @@ def cut(
         return _at_reversals(channels, source, name, rules, speed)
     whole = slice(0, len(x_m))
     if not KINDS[rules.kind].has_constant_speed:
-        return Sections((Section(whole, _top_speed(channels, name, rules.kind, speed)),))
+        return Sections((Section(whole, _top_speed(channels, rules.kind, speed)),))
     if abs(x_m[-1] - x_m[0]) < rules.min_stroke:
         raise DataError(
             f"{source}: ends {1e3 * abs(x_m[-1] - x_m[0]):.3g} mm from where it began; expected "
@@ -124,9 +126,7 @@ def _at_reversals(
     if not KINDS[rules.kind].has_constant_speed:
         return Sections(
             tuple(
-                Section(
-                    p, _top_speed({k: y[p] for k, y in channels.items()}, name, rules.kind, speed)
-                )
+                Section(p, _top_speed({k: y[p] for k, y in channels.items()}, rules.kind, speed))
                 for p in pieces
             ),
             tuple(notes),
@@ -164,17 +164,13 @@ def _shared_positions(
     return (low, high) if high - low >= _LEAST_SHARED * travel else None
 
 
-def _top_speed(channels: dict[str, np.ndarray], name: str, kind: str, speed: float | None) -> float:
+def _top_speed(channels: dict[str, np.ndarray], kind: str, speed: float | None) -> float:
     """Return the top speed [m/s] of a non-steady run, with the sign of its reference or motion."""
     v_ref = channels.get("v_ref_m_s")
     if KINDS[kind].is_at_rest:
         return 0.0
     if v_ref is not None and np.isfinite(v_ref).any():
         return float(v_ref[np.nanargmax(np.abs(v_ref))])
-    if speed is None:
-        raise DataError(
-            f"{name}: the top speed of a {kind} run is not specified",
-            "Add 'columns.v_ref_m_s' to the map, or the series' 'speed' or {speed} in its 'files'.",
-        )
-    back = not KINDS[kind].reverses and channels["x_m"][-1] < channels["x_m"][0]
-    return -speed if back else speed
+    measured = block_speeds(channels["t_s"], channels["x_m"], _BLOCK_S).v_m_s
+    fastest = float(measured[np.argmax(np.abs(measured))]) if len(measured) else 0.0
+    return float(f"{fastest:.3g}") if speed is None else float(np.copysign(speed, fastest))

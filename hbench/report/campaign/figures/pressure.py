@@ -35,7 +35,7 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
         for key, rank in ranks.items():
             chosen = [c for series, c in curves if (series, c.direction) == (key, direction)]
             points = [point for curve in chosen for point in curve.points]
-            rows = [(p.p_tp_pa, sign * p.friction_n, p.ci95_n) for p in points]
+            rows = [(p.p_tp_pa or 0.0, sign * p.friction_n, p.ci95_n) for p in points]
             labels = (key[1], load_words(None, key[2]), style.TITLES[direction].lower())
             look = style.series_style(rank, hollow=direction == "retract")
             _points(axes, rows, look, style.safe(", ".join(filter(None, labels))), points)
@@ -43,7 +43,7 @@ def friction_pressure(results: Results) -> dict[str, Figure]:
     for key, rank in ranks.items():
         series = (key[1], load_words(None, key[2]))
         rows = [
-            (band.p_tp_pa, band.half_n, band.half_ci95_n)
+            (band.p_tp_pa or 0.0, band.half_n, band.half_ci95_n)
             for band in results.bands
             if (band.kind, band.label, band.p_lr_ref_pa if differs else None) == key
         ]

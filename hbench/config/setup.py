@@ -1,0 +1,25 @@
+"""What is known of the bench that made a campaign: all of it, or what an import map states."""
+
+from dataclasses import dataclass
+
+from hbench.config.bench import Bench
+from hbench.config.import_map import ImportMap
+from hbench.config.sensors import Instruments
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Instruments and moving mass of a campaign; None where they are not known."""
+
+    bench: Bench | None  # None: imported without a bench file
+    instruments: Instruments | None
+    test_mass_kg: float | None  # of the test side: piston, rod and what they carry
+
+    @classmethod
+    def of(cls, bench: Bench | None, rules: ImportMap | None) -> "Setup":
+        """Return the set-up of a bench file, or else that of an import map."""
+        if bench is not None:
+            return cls(bench, bench.instruments, bench.moving_mass.test)
+        if rules is not None:
+            return cls(None, rules.instruments, rules.moving_mass)
+        return cls(None, None, None)
