@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hbench.motion.speeds import noise_over_motion
+
 BLOCK_S = 0.1
 LEAST_REST_S = 0.5  # five blocks, whose scatter gives the standard error
 _MOVED = 0.005  # of the travel: a larger displacement is motion
 _MOVED_SIGMAS = 6.0  # of the position's noise, the same
-_BEGINNING_S = 0.3  # gives the position's noise
 _SIGMAS = 5.0  # of the blocks' scatter: a smaller step or trend is noise
 
 
@@ -33,11 +34,10 @@ def rest_before_motion(t_s: np.ndarray, x_m: np.ndarray, v_ref_m_s: np.ndarray |
     """Return the samples at rest at a file's start, up to 0.1 s before the motion; may be empty.
 
     The motion begins where the reference is not zero, or where the position differs from its median
-    over the first 0.3 s by 0.5 % of the whole travel and by more than its noise.
+    over the first 0.1 s by 0.5 % of the whole travel and by more than its noise.
     """
-    beginning = x_m[t_s - t_s[0] <= _BEGINNING_S]
-    noise = np.median(np.abs(np.diff(beginning))) / 0.954 if len(beginning) > 1 else 0.0
-    least_m = max(_MOVED * np.ptp(x_m), _MOVED_SIGMAS * noise)
+    beginning = x_m[t_s - t_s[0] <= BLOCK_S]
+    least_m = max(_MOVED * np.ptp(x_m), _MOVED_SIGMAS * noise_over_motion(t_s, x_m))
     moved = np.abs(x_m - np.median(beginning)) > least_m
     if v_ref_m_s is not None:
         moved |= np.nan_to_num(v_ref_m_s) != 0.0

@@ -39,7 +39,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     if mass_kg is None:
         raise DataError(
             f"{folder}: the moving mass of the test side is not known",
-            "Add 'moving_mass' to the import map, or a bench file 'bench.yaml' beside runs.csv, and "
+            "Add 'moving_mass' to the import map, or a bench file bench.yaml beside runs.csv, and "
             "import again.",
         )
     results = derive(campaign)
