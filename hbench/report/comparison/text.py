@@ -18,7 +18,7 @@ from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import NONE, force, number, short, significant, with_interval
 from hbench.report.render.style import TITLES
-from hbench.report.render.terminal_table import aligned
+from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
 SCHEMA = "hbench.comparison/1"
@@ -35,7 +35,7 @@ def differences_text(differences: CampaignDifferences) -> str:
     ]
     for table in (_means(differences), _parameters(differences)):
         if table.rows:
-            lines += [*aligned(table), ""]
+            lines += [*table_lines(table), ""]
     lines += [f"note: {note}" for note in differences.notes]
     text = "\n".join(lines).rstrip()
     return text.replace("−", "-").replace("–", "-").replace("±", "+-").replace("²", "^2")

@@ -24,7 +24,7 @@ from hbench.report.diagnosis.names import (
 )
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.render.numbers import NONE, number, short
-from hbench.report.render.terminal_table import aligned
+from hbench.report.render.terminal_table import table_lines
 
 Rows = tuple[tuple[str, ...], ...]
 
@@ -37,7 +37,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     blocks += effect_lines(diagnosis)
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
-    blocks += ["\n".join(aligned(table)) for table in diagnosis_tables(diagnosis)]
+    blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
     blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
     text = "\n\n".join(block for block in blocks if block)
     for sign, plainly in {"−": "-", "–": "-", "±": "+-", "…": "..."}.items():

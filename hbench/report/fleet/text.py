@@ -8,7 +8,7 @@ from hbench.records import Deviation, Fleet, Spread, Suspect, Trend, WordTable
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, significant, with_ends
 from hbench.report.render.style import TITLES
-from hbench.report.render.terminal_table import aligned
+from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.fleet/1"
 _FEW = 5
@@ -25,7 +25,7 @@ def fleet_text(fleet: Fleet) -> str:
         )
     for table in (spread_table(fleet), trend_table(fleet), worst_table(fleet, _FEW)):
         if table.rows:
-            lines += ["", *aligned(table)]
+            lines += ["", *table_lines(table)]
     lines += ["", fleet_verdict(fleet)]
     text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")

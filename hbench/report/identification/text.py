@@ -9,7 +9,7 @@ from hbench.records import Identification, IdentifiedLaw, ModelErrors, WordTable
 from hbench.records.identification import PARTS
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, force, number, significant
-from hbench.report.render.terminal_table import aligned
+from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.identification/1"
 _ERRORS_HEAD = (
@@ -45,7 +45,7 @@ def identification_json(identification: Identification) -> str:
 
 def identification_text(identification: Identification) -> str:
     """Return every table in aligned columns, then the reasons for missing results."""
-    blocks = ["\n".join(aligned(table)) for table in identification_tables(identification)]
+    blocks = ["\n".join(table_lines(table)) for table in identification_tables(identification)]
     sentences = [*reasons(identification), *identification.notes]
     return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2")
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from hbench.records import WordTable
 
 
-def aligned(table: WordTable) -> Iterable[str]:
+def table_lines(table: WordTable) -> Iterable[str]:
     """Yield the title and the rows of a table in columns."""
     rows = [table.head, *table.rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

@@ -7,7 +7,7 @@ from hbench.records import Replay, WordTable
 from hbench.report.diagnosis.names import signal
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import significant
-from hbench.report.render.terminal_table import aligned
+from hbench.report.render.terminal_table import table_lines
 
 
 def replay_text(replay: Replay) -> str:
@@ -26,7 +26,7 @@ def replay_text(replay: Replay) -> str:
         f"SIMULATED: {len(replay.runs)} runs of {replay.provenance.name!r} by {replay.model}, "
         "in open loop: under the measured valve commands and supply pressure.",
         "",
-        *aligned(WordTable("Simulated less measured, root mean square", head, rows)),
+        *table_lines(WordTable("Simulated less measured, root mean square", head, rows)),
         *(f"left out: {line}" for line in replay.left_out),
     ]
     return "\n".join(lines).replace("−", "-")

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from hbench.records import Finding, Phenomenon, WordTable
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, significant
-from hbench.report.render.terminal_table import aligned
+from hbench.report.render.terminal_table import table_lines
 
 FINDINGS_HEAD = ("quantity", "unit", "simulated", "expected", "formula or source")
 
@@ -15,7 +15,7 @@ def phenomenon_text(phenomenon: Phenomenon) -> str:
     """Return the title and every table in aligned columns."""
     blocks = [phenomenon.title]
     for table in phenomenon_tables(phenomenon):
-        blocks.append("\n".join(aligned(table)))
+        blocks.append("\n".join(table_lines(table)))
     return "\n\n".join(blocks)
 
 
