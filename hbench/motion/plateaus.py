@@ -8,6 +8,7 @@ for with longer ones, in the sections that are left.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from hbench.motion.speeds import BlockSpeeds, block_speeds, mean_speed, noise_over_motion
 
@@ -114,15 +115,19 @@ def _plateaus_of(
     """Return the plateaus within ``piece`` that blocks of this length resolve."""
     t, x = t_s[piece], x_m[piece]
     speeds = block_speeds(t, x, block, noise)
-    v, k, found = speeds.v_m_s, 0, []
-    resolved = np.abs(v) * SAME_SPEED >= _SIGMAS * speeds.noise_m_s
-    while k + _LEAST <= len(v):
-        level = float(np.median(v[k : k + _LEAST]))
-        if not resolved[k] or not _is_near(v[k : k + _LEAST], level, speeds.noise_m_s).all():
-            k += 1
+    v, last, found = speeds.v_m_s, -1, []
+    if len(v) < _LEAST:
+        return []
+    first_blocks = sliding_window_view(v, _LEAST)
+    levels = np.median(first_blocks, axis=1)
+    resolved = np.abs(v[: len(levels)]) * SAME_SPEED >= _SIGMAS * speeds.noise_m_s
+    alike = _is_near(first_blocks, levels[:, np.newaxis], speeds.noise_m_s).all(axis=1)
+    for k in np.flatnonzero(resolved & alike).tolist():
+        if k <= last:
             continue
+        level = float(levels[k])
         blocks = np.arange(k, _end(speeds, k, level))
-        k = int(blocks[-1]) + 1
+        last = int(blocks[-1])
         change = np.polyfit(blocks, v[blocks], 1)[0] * len(blocks)
         if abs(change) > _TREND * abs(level) + _SIGMAS * speeds.noise_m_s:
             continue
@@ -166,8 +171,8 @@ def _near(speeds: BlockSpeeds, v_m_s: float) -> np.ndarray:
     return _is_near(speeds.v_m_s, v_m_s, speeds.noise_m_s)
 
 
-def _is_near(v: np.ndarray, v_m_s: float, noise_m_s: float) -> np.ndarray:
-    margin = max(SAME_SPEED * abs(v_m_s), _SIGMAS * noise_m_s)
+def _is_near(v: np.ndarray, v_m_s: float | np.ndarray, noise_m_s: float) -> np.ndarray:
+    margin = np.maximum(SAME_SPEED * np.abs(v_m_s), _SIGMAS * noise_m_s)
     return np.abs(v - v_m_s) <= margin * (1 + 1e-9)
 
 
