@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
@@ -20,9 +20,11 @@ from hbench.config.import_layout import (
 from hbench.config.quantity import ConfigSection
 from hbench.config.schedule import Screening
 from hbench.config.sensors import Instruments
+from hbench.errors import ConfigError
 from hbench.records import KINDS, kind_names
 from hbench.units import parse_unit, to_si
 
+UNFILLED = "???"  # a value of a suggested map that the user must give
 FIELDS = ("pressure", "load", "speed", "trial")  # of file names, besides factors
 _FIELD = re.compile(r"\{([^{}]*)\}")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
@@ -287,4 +289,18 @@ def _quantity(key: str, value: str, unit: str) -> float:
 
 def parse_import_map(data: dict[str, Any], source: str) -> ImportMap:
     """Check the mapping of an import map. Raises ``ConfigError``."""
+    if unfilled := [key for key, value in _values(data) if UNFILLED in value]:
+        raise ConfigError(
+            "\n".join(f"{source}: {key}: is not filled in" for key in unfilled),
+            f"Replace each {UNFILLED} by a value.",
+        )
     return validate(ImportMap, data, source)
+
+
+def _values(data: Any, key: str = "") -> Iterator[tuple[str, str]]:
+    """Yield all texts of a mapping with their keys."""
+    if isinstance(data, str):
+        yield key.removeprefix("."), data
+    elif isinstance(data, (dict, list)):
+        for name, value in data.items() if isinstance(data, dict) else enumerate(data):
+            yield from _values(value, f"{key}.{name}")

@@ -1,4 +1,4 @@
-"""From a schedule to a campaign: check, estimate, measurement; and import of other logs."""
+"""From a schedule to a campaign: check, estimate, measurement."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,6 @@ from hbench.experiment.campaign_header import (
     campaign_header,
     refuse_another,
     session_seed,
-    software,
 )
 from hbench.experiment.kind_support import check_kinds
 from hbench.experiment.plan import Plan, plan_runs, run_seconds
@@ -28,7 +27,6 @@ from hbench.records import RunPlan
 from hbench.rig.client import BoardClient
 from hbench.store.campaign.folder import CampaignWriter, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
-from hbench.store.importing.importer import ImportSummary, import_folder
 from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.live import published
 
@@ -181,10 +179,3 @@ def measure(
             return MeasurementSummary(runs_made, line.now() - start)
         finally:
             line.close()
-
-
-def import_runs(
-    source: Path, folder: Path, map_file: Path | None, clock: Callable[[], datetime]
-) -> ImportSummary:
-    """Import another bench's logs as a campaign. Raises ``ConfigError``, ``DataError``."""
-    return import_folder(source, folder, map_file, software(), clock())

@@ -82,7 +82,7 @@ def match_files(folder: Path, rules: ImportMap) -> FolderMatches:
     found: dict[str, FileMatch] = {}
     by_series = []
     for series in rules.series:
-        pattern, matches = _pattern(series), []
+        pattern, matches = name_pattern(series), []
         for name in names:
             if len(name) <= _LONGEST and (match := pattern.fullmatch(name)):
                 if name in found:
@@ -118,7 +118,8 @@ def _check_speed(match: FileMatch) -> None:
         )
 
 
-def _pattern(series: FileSeries) -> re.Pattern[str]:
+def name_pattern(series: FileSeries) -> re.Pattern[str]:
+    """Return the pattern of the names of a series, with a group for each field."""
     text = re.escape(series.files).replace(r"\*", _ANY)
     for name in series.fields:
         one = _TRIAL if name == "trial" else _TEXT if series.factors.get(name) == "" else _NUMBER

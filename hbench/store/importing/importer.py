@@ -46,10 +46,7 @@ def import_folder(
     ``software`` and ``at`` go into the campaign's header. Raises ``ConfigError`` and
     ``DataError`` naming file and line; then no campaign is written.
     """
-    if not source.is_dir():
-        if source.exists():
-            raise ConfigError(f"{source}: is a file", "Give the folder that contains it.")
-        raise ConfigError(f"{source}: does not exist", "Give an existing folder.")
+    check_source(source)
     refuse_existing(destination)
     header: dict[str, Any] = {"name": source.resolve().name, "source": "imported"}
     header |= {"created": at.isoformat(), "software": dict(software), "folder": str(source)}
@@ -69,6 +66,14 @@ def import_folder(
         text.append(_write_run(destination, run, at))
     write_atomic(destination / JOURNAL, "".join(text).encode())
     return ImportSummary(len(imported.runs), len(files), notes)
+
+
+def check_source(source: Path) -> None:
+    """Raise ``ConfigError`` unless ``source`` is a folder."""
+    if not source.is_dir():
+        if source.exists():
+            raise ConfigError(f"{source}: is a file", "Give the folder that contains it.")
+        raise ConfigError(f"{source}: does not exist", "Give an existing folder.")
 
 
 def _write_run(destination: Path, run: ImportedRun, at: datetime) -> str:

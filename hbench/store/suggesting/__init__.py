@@ -1,0 +1,1 @@
+"""Import maps suggested from the content of foreign files."""

@@ -1,0 +1,233 @@
+"""The columns of position, velocity, pressures and force among those of some files."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
+from hbench.store.suggesting.quantities import SI, Quantity, quantity_of
+from hbench.store.suggesting.samples import SampleColumn
+from hbench.store.suggesting.signals import (
+    are_proportional,
+    is_constant,
+    roughness,
+    velocity_factor,
+)
+from hbench.store.suggesting.time_base import TimeChoice
+from hbench.units import parse_unit
+
+_QUANTITIES: dict[str, Quantity] = {
+    "x_m": "position",
+    "v_m_s": "velocity",
+    "p_tp_pa": "pressure",
+    "p_tr_pa": "pressure",
+    "f_applied_n": "force",
+    "p_s_pa": "pressure",
+    "p_lp_pa": "pressure",
+    "p_lr_pa": "pressure",
+    "v_ref_m_s": "velocity",
+    "u_t_v": "valve",
+}
+_EXACT, _NAMED, _SUGGESTED = 10.0, 3.0, 1.5  # points of a name for a channel
+_STATED, _SAME_GROUP, _OTHER_GROUP, _WEAKER, _CONSTANT = 1.0, 1.0, -1.5, -1.0, -2.5
+_UNKNOWN_WORD = 0.2
+_SMOOTH = 0.1  # roughness of a position
+_NEAR_NOMINAL = 0.15  # of a nominal value in a file's name
+_BORES_M = (0.004, 1.0)  # of cylinders, to choose the unit of a force
+
+
+def choose_channels(
+    columns: Sequence[SampleColumn],
+    time: TimeChoice,
+    fields: Sequence[Mapping[str, float]] = (),
+) -> dict[str, Choice]:
+    """Return the column of each channel that is found.
+
+    ``fields`` are the values in SI in the name of each file: a column without a name that has
+    these values is that quantity.
+    """
+    free = [c for c in columns if not c.is_date_time]
+    if time.choice is not None:
+        free = [c for c in free if c.key != time.choice.column.key]
+    named = _by_name(free, time)
+    chosen = dict(named)
+    if "x_m" not in chosen:
+        taken = {choice.column.key for choice in chosen.values()}
+        unknown = [c for c in free if c.key not in taken and not c.meaning.quantity]
+        chosen |= _by_data(_one_each(unknown), time, fields, chosen)
+    return _with_units(chosen, time)
+
+
+def _by_name(columns: Sequence[SampleColumn], time: TimeChoice) -> dict[str, Choice]:
+    chosen: dict[str, Choice] = {}
+    group: frozenset[str] = frozenset()
+    for channel in _QUANTITIES:
+        taken = {choice.column.key for choice in chosen.values()}
+        rated = [(_points(c, channel, group), c) for c in columns if c.key not in taken]
+        rated = [(points, c) for points, c in rated if points > 0]
+        if not rated:
+            continue
+        best = max(points for points, _ in rated)
+        equals = [c for points, c in rated if points > best - 0.1]
+        column = max(equals, key=_travel) if channel == "x_m" else equals[0]
+        if channel == "x_m":
+            group = column.meaning.group
+        chosen[channel] = _named_choice(column, channel, best, len(equals))
+    return chosen
+
+
+def _points(column: SampleColumn, channel: str, group: frozenset[str]) -> float:
+    means = column.meaning
+    if column.name == channel:
+        return _EXACT
+    if means.channel == channel:
+        points = _NAMED if means.is_sure else _SUGGESTED
+    elif channel in ("p_tp_pa", "p_tr_pa") and means.quantity == "pressure" and not means.side:
+        points = 1.0 if not means.is_reference else 0.0
+    else:
+        points = 0.0
+    if not points:
+        return 0.0
+    points += _STATED * (column.unit is not None) + _WEAKER * means.is_weaker
+    if channel == "u_t_v" and quantity_of(column.unit) != "valve":
+        return 0.0  # a command in percent is no voltage
+    if channel not in ("p_tr_pa", "p_s_pa"):
+        points += _CONSTANT * is_constant(column.known)
+    if means.group and group:
+        points += _SAME_GROUP if means.group & group else _OTHER_GROUP
+    return points - _UNKNOWN_WORD * len(means.group - group)
+
+
+def _travel(column: SampleColumn) -> float:
+    return max(float(np.nanmax(v) - np.nanmin(v)) for v in column.values)
+
+
+def _named_choice(column: SampleColumn, channel: str, points: float, equals: int) -> Choice:
+    certainty = SURE if column.meaning.is_sure and column.unit is not None else LIKELY
+    reason = "by its name"
+    if column.meaning.channel != channel and column.name != channel:
+        certainty, reason = GUESS, "by its unit" if column.unit else "by its name"
+        reason += ", in the order of the columns"
+    elif not column.meaning.is_sure and column.name != channel:
+        certainty = LIKELY if column.unit is not None else GUESS
+    elif equals > 1:
+        certainty = LIKELY
+        reason += "; it moves most" if channel == "x_m" else ", the first of several"
+    return Choice(column, column.unit or "", column.in_file, certainty, reason)
+
+
+def _one_each(columns: Sequence[SampleColumn]) -> list[SampleColumn]:
+    """Leave out constants, and all but the last column of each sensor, such as its volts."""
+    kept: list[SampleColumn] = []
+    for column in columns:
+        if is_constant(column.known):
+            continue
+        kept = [
+            other
+            for other in kept
+            if not all(map(are_proportional, other.values, column.values))
+            or _travel(other) > _travel(column)
+        ]
+        if not any(all(map(are_proportional, o.values, column.values)) for o in kept):
+            kept.append(column)
+    return kept
+
+
+def _by_data(
+    columns: list[SampleColumn],
+    time: TimeChoice,
+    fields: Sequence[Mapping[str, float]],
+    chosen: Mapping[str, Choice],
+) -> dict[str, Choice]:
+    """Choose columns without a known name by what they do."""
+    found: dict[str, Choice] = {}
+    for channel, field in (("p_tp_pa", "pressure"), ("f_applied_n", "load")):
+        for column in columns if channel not in chosen else []:
+            if unit := _unit_of_nominal(column, _QUANTITIES[channel], field, fields):
+                reason = f"has the {field} in the file names"
+                found[channel] = Choice(column, unit, False, LIKELY, reason)
+    rest = [c for c in columns if c.key not in {choice.column.key for choice in found.values()}]
+    rest.sort(key=lambda c: max(map(roughness, time.t_s, c.values)))
+    if rest and max(map(roughness, time.t_s, rest[0].values)) < _SMOOTH:
+        found["x_m"] = Choice(rest.pop(0), "", False, GUESS, "the smoothest signal")
+        x = found["x_m"].column
+        for column in rest if "v_m_s" not in chosen else []:
+            if all(map(velocity_factor, time.t_s, x.values, column.values)):
+                found["v_m_s"] = Choice(column, "", False, LIKELY, "position is its integral")
+                rest.remove(column)
+                break
+    known = {**chosen, **found}
+    if len(rest) == 1 and "p_tp_pa" in known and "f_applied_n" not in known:
+        found["f_applied_n"] = Choice(rest[0], "", False, GUESS, "the only column left")
+    return found
+
+
+def _unit_of_nominal(
+    column: SampleColumn,
+    quantity: Quantity,
+    field: str,
+    fields: Sequence[Mapping[str, float]],
+) -> str | None:
+    """Return the unit in which the column has the nominal value of each file's name."""
+    nominal = [values.get(field, np.nan) for values in fields]
+    if len(set(nominal)) < 2 or not np.isfinite(nominal).all():
+        return None
+    medians = np.array([float(np.nanmedian(v)) for v in column.values])
+    for unit in ("bar", "MPa", "kPa", "Pa", "psi", "N", "kN"):
+        if quantity_of(unit) == quantity:
+            ratio = medians * parse_unit(unit).factor / np.array(nominal)
+            if np.mean(np.abs(ratio - 1) < _NEAR_NOMINAL) > 0.7:
+                return unit
+    return None
+
+
+def _with_units(chosen: dict[str, Choice], time: TimeChoice) -> dict[str, Choice]:
+    """Assume a unit where none is stated."""
+    out = dict(chosen)
+    for channel in ("x_m", *(c for c in chosen if c != "x_m")):
+        choice = chosen.get(channel)
+        if choice is None:
+            continue
+        if choice.column.name == channel and choice.column.unit is None:
+            out[channel] = replace(choice, unit=SI[_QUANTITIES[channel]])
+        elif not choice.unit:
+            unit, why = _assumed(channel, choice.column, out, time)
+            certainty = GUESS if choice.certainty == GUESS else LIKELY
+            out[channel] = replace(
+                choice, unit=unit, certainty=certainty, reason=f"{choice.reason}; {unit} {why}"
+            )
+    return out
+
+
+def _assumed(
+    channel: str, column: SampleColumn, chosen: Mapping[str, Choice], time: TimeChoice
+) -> tuple[str, str]:
+    """Return a plausible unit and the reason."""
+    largest = float(np.abs(column.known).max())
+    if channel == "x_m":
+        return ("mm" if _travel(column) > 2 else "m"), "assumed from its range"
+    if _QUANTITIES[channel] == "velocity" and "x_m" in chosen:
+        for factor in _velocity_factors(column, chosen["x_m"], time):
+            si = abs(factor) * parse_unit(chosen["x_m"].unit).factor
+            unit = min(("m/s", "mm/s"), key=lambda u: abs(np.log(si / parse_unit(u).factor)))
+            return unit, "since the position is its integral"
+        return ("mm/s" if largest > 5 else "m/s"), "assumed from its range"
+    if _QUANTITIES[channel] == "pressure":
+        return ("Pa" if largest > 2e4 else "bar"), "assumed from its range"
+    if channel == "f_applied_n":
+        pressures = [chosen[c] for c in ("p_tp_pa", "p_tr_pa") if c in chosen and chosen[c].unit]
+        highest = max((_largest_si(choice) for choice in pressures), default=0.0)
+        smallest_n = np.pi / 4 * _BORES_M[0] ** 2 * highest
+        return ("kN" if largest < smallest_n else "N"), "assumed from its range"
+    return "V", "assumed"
+
+
+def _velocity_factors(column: SampleColumn, position: Choice, time: TimeChoice) -> Iterator[float]:
+    for t_s, x, v in zip(time.t_s, position.column.values, column.values, strict=True):
+        if factor := velocity_factor(t_s, x, v):
+            yield factor
+
+
+def _largest_si(choice: Choice) -> float:
+    return float(np.abs(choice.column.known).max()) * parse_unit(choice.unit).factor

@@ -1,0 +1,19 @@
+"""The column chosen for a channel, with the reason."""
+
+from dataclasses import dataclass
+
+from hbench.store.suggesting.samples import SampleColumn
+
+SURE, LIKELY, GUESS = "sure", "likely", "guess"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The column chosen for a channel."""
+
+    column: SampleColumn
+    unit: str
+    in_file: bool  # the file states the unit, so that the map need not
+    certainty: str
+    reason: str
+    scale: float = 1.0

@@ -1,0 +1,206 @@
+"""Dialect of a text table, determined from its content."""
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from hbench.config.import_layout import Format
+from hbench.store.suggesting.units import unit_in
+
+_SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "whitespace": None}  # by preference
+_THOUSANDS = {".": (",", "'", " "), ",": (".", "'", " ")}  # possible ones, by the decimal mark
+_GAPS = ("", "nan", "na", "n/a", "null", "-nan", "inf", "-inf")
+_COMMENTS = ("#", "%", "//", "!", "*", "$", "@")
+_MOST_LINES = 300  # read at the beginning
+_MOST_HEAD = 4  # lines between a header and the data
+_NUMERIC = 0.5  # of a row's cells, in a row of data
+
+Row = tuple[int, list[str]]  # its line in the file, from 1, and its cells
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """Layout of a text, and the names of its columns."""
+
+    layout: Format
+    names: tuple[str, ...]  # from the header, or from a comment; empty if there are none
+
+
+def text_dialect(text: str) -> Dialect | None:
+    """Return the dialect of a text; None if it contains no table of numbers."""
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    lines = lines[:_MOST_LINES]
+    best: tuple[float, dict, list[Row]] = (0.0, {}, [])
+    for separator in _SEPARATORS:
+        rows = _rows(lines, separator)
+        for decimal, thousands in _marks(separator):
+            share = _numeric_share(rows, decimal, thousands)
+            if share > best[0] + 1e-9:
+                marks = {"separator": separator, "decimal": decimal, "thousands": thousands}
+                best = share, marks, rows
+    share, marks, rows = best
+    if share == 0.0:
+        return None
+    return rows_dialect(rows, marks, lines)
+
+
+def rows_dialect(
+    rows: Sequence[Row], marks: dict, lines: Sequence[tuple[int, str]] = ()
+) -> Dialect | None:
+    """Return the dialect of ``rows``, whose separator and marks of numbers are known."""
+    decimal, thousands = marks.get("decimal", "."), marks.get("thousands")
+    is_data = [_is_data(cells, decimal, thousands) for _, cells in rows]
+    widths = Counter(_width(cells) for (_, cells), data in zip(rows, is_data, strict=True) if data)
+    if not widths:
+        return None
+    width = widths.most_common(1)[0][0]
+    full = [data and _width(cells) == width for (_, cells), data in zip(rows, is_data, strict=True)]
+    first = next(i for i in range(len(full)) if all(full[i : i + 3]))
+    above = list(rows[:first])
+    sign = _comment_sign([line for number, line in lines if number < rows[first][0]])
+    last_above = above[-1] if above else None
+    if sign:
+        above = [row for row in above if not row[1] or not row[1][0].lstrip().startswith(sign)]
+    header, units, skipped = _head(above, width)
+    layout = dict(marks)
+    if sign:
+        layout["comment"] = sign
+    if header is None:
+        names = _names_in_line(last_above, dict(lines), sign, width)
+        before = [number for number, _ in above]
+        layout |= {"header": False, "preamble": before[-1] if before else 0}
+    else:
+        names = tuple(cell.strip() for cell in header[1][:width])
+        layout |= {"units_row": units, "skip_rows": skipped}
+        between = [number for number, _ in above if number < header[0]]
+        layout["preamble"] = header[0] - 1 if between else 0
+    return Dialect(Format(**layout), names)
+
+
+def is_number(cell: str, decimal: str, thousands: str | None) -> bool:
+    """Return whether a cell is a number in this notation, or a gap."""
+    cell = cell.strip()
+    return cell.lower() in _GAPS or _number(decimal, thousands).fullmatch(cell) is not None
+
+
+def is_date_time(cell: str) -> bool:
+    """Return whether a cell is a date with a time of day in ISO 8601."""
+    cell = cell.strip()
+    if len(cell) < 15 or ":" not in cell:
+        return False
+    try:
+        datetime.fromisoformat(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _number(decimal: str, thousands: str | None) -> re.Pattern[str]:
+    mark = re.escape(decimal)
+    whole = rf"\d{{1,3}}(?:{re.escape(thousands)}\d{{3}})*|\d+" if thousands else r"\d+"
+    return re.compile(rf"[+-]?(?:(?:{whole})(?:{mark}\d+)?|{mark}\d+|\d+\.)(?:[eE][+-]?\d+)?")
+
+
+def _rows(lines: Sequence[tuple[int, str]], separator: str) -> list[Row]:
+    mark = _SEPARATORS[separator]
+    if mark is None:
+        return [(number, line.split()) for number, line in lines]
+    rows = []
+    for number, line in lines:
+        try:
+            rows.append((number, next(csv.reader([line], delimiter=mark), [])))
+        except csv.Error:
+            rows.append((number, []))
+    return rows
+
+
+def _marks(separator: str) -> Iterator[tuple[str, str | None]]:
+    """Yield decimal and thousands marks, the simpler ones first."""
+    decimals = "." if separator == "comma" else ".,"
+    yield from ((decimal, None) for decimal in decimals)
+    for decimal in decimals:
+        for mark in _THOUSANDS[decimal]:
+            if not (mark == " " and separator == "whitespace"):
+                yield decimal, mark
+
+
+def _numeric_share(rows: Sequence[Row], decimal: str, thousands: str | None) -> float:
+    """Return the share of numbers among the cells of rows of data; 0 for less than two rows."""
+    pattern = _number(decimal, thousands)
+    shares, widths = [], Counter[int]()
+    for _, cells in rows:
+        cells = [cell.strip() for cell in _without_end(cells)]
+        numbers = sum(pattern.fullmatch(cell) is not None for cell in cells)
+        good = numbers + sum(cell.lower() in _GAPS or is_date_time(cell) for cell in cells)
+        if len(cells) >= 2 and numbers and good >= _NUMERIC * len(cells):
+            shares.append(good / len(cells))
+            widths[len(cells)] += 1
+    if len(shares) < 2:
+        return 0.0
+    alike = widths.most_common(1)[0][1] / len(rows)
+    return alike * sum(shares) / len(shares)
+
+
+def _is_data(cells: list[str], decimal: str, thousands: str | None) -> bool:
+    cells = _without_end(cells)
+    good = sum(is_number(cell, decimal, thousands) or is_date_time(cell) for cell in cells)
+    filled = sum(bool(cell.strip()) for cell in cells)
+    return len(cells) >= 2 and filled > 0 and good >= _NUMERIC * len(cells)
+
+
+def _without_end(cells: list[str]) -> list[str]:
+    """Return the cells without the empty one behind a separator at the end of a line."""
+    return cells[:-1] if cells and not cells[-1].strip() else cells
+
+
+def _width(cells: list[str]) -> int:
+    return len(_without_end(cells))
+
+
+def _comment_sign(above: Sequence[str]) -> str:
+    """Return the sign with which the lines above the data, or all but the last few, begin."""
+    for sign in _COMMENTS:
+        count = sum(line.lstrip().startswith(sign) for line in above)
+        if count and count >= len(above) - _MOST_HEAD + 1:
+            return sign
+    return ""
+
+
+def _names_in_line(
+    row: Row | None, lines: dict[int, str], sign: str, width: int
+) -> tuple[str, ...]:
+    """Return the names of the columns in a comment, or between two blanks or more."""
+    if row is None:
+        return ()
+    number, cells = row
+    line = lines.get(number, "").strip()
+    if sign and line.startswith(sign):
+        first = cells[0].lstrip()[len(sign) :].strip()
+        cells = [first, *cells[1:]] if first else cells[1:]
+        line = line[len(sign) :].strip()
+    for found in (cells, re.split(r"\s{2,}|\t", line)):
+        words = any(re.search(r"[^\W\d]", cell) for cell in found)
+        if _width(found) == width and words and sum(map(str.isdigit, found)) == 0:
+            return tuple(cell.strip() for cell in found[:width])
+    return ()
+
+
+def _head(above: Sequence[Row], width: int) -> tuple[Row | None, bool, int]:
+    """Return the header, whether units follow it, and the number of rows below before the data."""
+    last = [row for row in above[-_MOST_HEAD:] if _width(row[1]) == width or len(row[1]) == width]
+    if not last or last[-1] is not above[-1]:
+        return None, False, 0
+    for skipped, row in enumerate(reversed(last)):
+        if skipped + 1 < len(last) and _are_units(row[1]):
+            return last[-2 - skipped], True, skipped
+    return last[-1], False, 0
+
+
+def _are_units(cells: list[str]) -> bool:
+    """Return whether half of the cells are units, and none is a longer text."""
+    filled = [cell.strip() for cell in cells if cell.strip()]
+    known = sum(unit_in(cell) is not None for cell in filled)
+    return bool(filled) and known >= max(1, len(filled) / 2) and max(map(len, filled)) <= 12

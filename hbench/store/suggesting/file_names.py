@@ -1,0 +1,204 @@
+"""Patterns of file names: the numbers for speed, load, pressure and trial."""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from pydantic import ValidationError
+
+from hbench.config.import_map import FIELDS, FileSeries
+from hbench.store.importing.file_matches import name_pattern
+from hbench.store.suggesting.units import unit_in
+from hbench.units import parse_unit
+
+_NUMBER = re.compile(r"(?:(?<=[_= ])-)?\d{1,12}(?:[.,]\d{1,12})?")
+# A date, perhaps with a time of day, becomes a star.
+_DATE = re.compile(
+    r"(?<!\d)(19|20)\d\d[-_.]?[01]\d[-_.]?[0-3]\d(?!\d)([-_T ]*\d\d([-_.h]?\d\d){1,2})?"
+)
+# A unit behind a number, not followed by another letter.
+_UNIT = re.compile(
+    r"[ _-]?(mm[_-]?s|mmps|cm[_-]?s|m[_-]?s|mps|kN|N|MPa|kPa|mbar|bar|psi)(?![a-z])", re.IGNORECASE
+)
+_FIELD_OF = {"mm/s": "speed", "cm/s": "speed", "m/s": "speed", "N": "load", "kN": "load"}
+_DEFAULT_UNITS = {"speed": "mm/s", "load": "N", "pressure": "bar"}
+# Words before a number without a unit.
+_WORDS = {
+    "speed": re.compile(r"(?<![a-z])(v|speed|vel|velocity|geschw)[ _=-]?$", re.IGNORECASE),
+    "load": re.compile(r"(?<![a-z])(f|load|force|last|kraft)[ _=-]?$", re.IGNORECASE),
+    "pressure": re.compile(r"(?<![a-z])(p|pressure|druck)[ _=-]?$", re.IGNORECASE),
+    "trial": re.compile(
+        r"(?<![a-z])(trial|run|rep|repeat|test|take|nr|no|versuch|messung|wdh|wiederholung|lauf)"
+        r"[ _=-]?$",
+        re.IGNORECASE,
+    ),
+}
+_LONGEST_VALUE = 8  # characters of a number without a unit; longer ones are dates
+_LONGEST_TRIAL = 4  # digits; longer numbers are dates or identifiers
+_ENDING = re.compile(r"\.[A-Za-z]\w{0,7}$")
+
+
+@dataclass(frozen=True, eq=False)
+class NamePattern:
+    """Names that differ in the values of fields only."""
+
+    files: str  # with fields in braces
+    names: tuple[str, ...]
+    units: dict[str, str]  # of its fields
+    assumed: tuple[str, ...]  # fields whose unit is not in the names
+    label: str
+
+    def values(self, name: str) -> dict[str, float]:
+        """Return the values in SI of the fields with a unit in one of its names."""
+        match = name_pattern(FileSeries(label="", files=self.files)).fullmatch(name)
+        texts = match.groupdict() if match else {}
+        return {
+            field: float(texts[field].replace(",", ".")) * parse_unit(unit).factor
+            for field, unit in self.units.items()
+        }
+
+
+class _Number(NamedTuple):
+    start: int
+    stop: int
+    text: str
+    field: str  # by a unit behind it, otherwise empty
+    unit: str
+
+
+def name_patterns(names: Sequence[str]) -> list[NamePattern]:
+    """Return patterns that match each of ``names`` once."""
+    groups: dict[str, list[str]] = defaultdict(list)
+    for name in names:
+        groups[_NUMBER.sub("#", _DATE.sub("*", name))].append(name)
+    patterns: list[NamePattern] = []
+    for group in groups.values():
+        patterns += _patterns(group)
+    alone = []
+    for pattern in patterns:
+        if set(_matched(pattern.files, names)) == set(pattern.names):
+            alone.append(pattern)
+        else:
+            alone += map(_literal, pattern.names)
+    return _labelled([p for p in alone if _matched(p.files, p.names)])
+
+
+def _matched(files: str, names: Sequence[str]) -> list[str]:
+    """Return the names that ``files`` of a series matches; none for braces of other meaning."""
+    try:
+        series = FileSeries(label="", files=files)
+    except ValidationError:
+        return []
+    return list(filter(name_pattern(series).fullmatch, names))
+
+
+def _literal(name: str) -> NamePattern:
+    return NamePattern(name, (name,), {}, (), "")
+
+
+def _patterns(names: list[str]) -> Iterator[NamePattern]:
+    """Yield the patterns of names that differ in numbers only."""
+    numbers = {name: list(_numbers(name)) for name in names}
+    varied = [len({n.text for n in column}) > 1 for column in zip(*numbers.values(), strict=True)]
+    fields = _fields(names[0], numbers[names[0]], varied, list(numbers.values()))
+    by_files: dict[str, list[str]] = defaultdict(list)
+    for name, found in numbers.items():
+        stars = [
+            i
+            for i, number in enumerate(found)
+            if i not in fields and varied[i] and len(number.text) > _LONGEST_TRIAL
+        ]
+        by_files[_with_fields(name, found, fields, stars)].append(name)
+    units = {field: unit for field, unit in fields.values() if field != "trial"}
+    assumed = tuple(f for f, u in units.items() if not u)
+    units = {field: unit or _DEFAULT_UNITS[field] for field, unit in units.items()}
+    for files, matched in by_files.items():
+        yield NamePattern(files, tuple(matched), units, assumed, "")
+
+
+def _numbers(name: str) -> Iterator[_Number]:
+    """Yield the numbers of a name, and its dates as one number each."""
+    end = _ENDING.search(name)
+    stop = end.start() if end else len(name)
+    dates = list(_DATE.finditer(name, 0, stop))
+    for match in sorted((*dates, *_NUMBER.finditer(name, 0, stop)), key=lambda m: m.start()):
+        inside = any(d.start() <= match.start() < d.end() for d in dates if d is not match)
+        if inside:
+            continue
+        behind = None if match in dates else _UNIT.match(name, match.end())
+        unit = unit_in(behind[1].replace("-", "_")) if behind else None
+        field = _FIELD_OF.get(unit, "pressure") if unit else ""
+        text = match[0] if field == "load" else match[0].removeprefix("-")
+        yield _Number(match.end() - len(text), match.end(), text, field, unit or "")
+
+
+def _fields(
+    name: str, numbers: list[_Number], varied: list[bool], rows: list[list[_Number]]
+) -> dict[int, tuple[str, str]]:
+    """Return field and unit of the numbers that are one, by their position in the name."""
+    fields: dict[int, tuple[str, str]] = {}
+
+    def free(field: str) -> bool:
+        return all(field != taken for taken, _ in fields.values())
+
+    for i, number in enumerate(numbers):
+        if number.field and free(number.field):
+            fields[i] = number.field, number.unit
+    for i, number in enumerate(numbers):
+        for field in ("speed", "load", "pressure"):
+            is_plain = not number.field and len(number.text) <= _LONGEST_VALUE
+            if i not in fields and varied[i] and is_plain and free(field):
+                if _WORDS[field].search(name[: number.start]):
+                    fields[i] = field, ""
+    rest = [i for i in range(len(numbers)) if i not in fields and _is_trial(rows, i)]
+    worded = [i for i in rest if _WORDS["trial"].search(name[: numbers[i].start])]
+    at_end = [i for i in rest if not name[numbers[i].stop :].strip("_- ").lstrip(".").isalpha()]
+    several = [i for i in rest if varied[i]]
+    last = [i for i in rest if _ENDING.fullmatch(name[numbers[i].stop :])]
+    for choice in (
+        [i for i in worded if varied[i] or len(rows) == 1],
+        [i for i in last if varied[i]],
+        several if len(several) == 1 else [],
+        [i for i in last if len(rows) == 1 and i not in at_end and len(numbers[i].text) < 3],
+    ):
+        if choice:
+            fields[choice[-1]] = "trial", ""
+            break
+    return fields
+
+
+def _is_trial(rows: list[list[_Number]], i: int) -> bool:
+    """Return whether the numbers at position ``i`` of all names can be numbers of trials."""
+    texts = [row[i].text for row in rows]
+    return all(t.isdecimal() and len(t) <= _LONGEST_TRIAL and int(t) > 0 for t in texts)
+
+
+def _with_fields(
+    name: str, numbers: list[_Number], fields: dict[int, tuple[str, str]], stars: list[int]
+) -> str:
+    files, end = "", 0
+    for i in sorted((*fields, *stars)):
+        files += name[end : numbers[i].start] + (f"{{{fields[i][0]}}}" if i in fields else "*")
+        end = numbers[i].stop
+    return files + name[end:]
+
+
+def _labelled(patterns: list[NamePattern]) -> list[NamePattern]:
+    """Give each pattern a label of its own: the words of its names, with folders if necessary."""
+    short = [_label(p.files.rpartition("/")[2]) for p in patterns]
+    long = [_label(p.files) for p in patterns]
+    labels = [s if short.count(s) == 1 and s else w for s, w in zip(short, long, strict=True)]
+    return [
+        NamePattern(p.files, p.names, p.units, p.assumed, label)
+        for p, label in zip(patterns, labels, strict=True)
+    ]
+
+
+def _label(files: str) -> str:
+    text = _ENDING.sub("", files)
+    text = re.sub(rf"\{{({'|'.join(FIELDS)})\}}({_UNIT.pattern})?", "\0", text, flags=re.IGNORECASE)
+    for pattern in _WORDS.values():
+        text = re.sub(rf"{pattern.pattern[:-1]}\0", "\0", text, flags=re.IGNORECASE)
+    return " ".join(re.sub(r"[\0_/* ]+", " ", text).split()).strip(" -.=#")

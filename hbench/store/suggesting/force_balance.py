@@ -1,0 +1,80 @@
+"""Signs of position and force, and the piston's area, from the balance of forces at steady speed.
+
+    F_applied = A_p P_p - A_r P_r - F_c sign(v) + c
+
+with the friction F_c > 0, for a position that increases when the cylinder extends and a force that
+is positive when it opposes extension. The coefficients are fitted to the means over the sections of
+constant speed.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from hbench.motion.plateaus import Plateau
+
+_SIGMAS = 5.0  # a coefficient nearer to zero is not determined
+_LEAST = 8  # sections
+_EXACT = 0.03  # of a diameter, its standard error
+
+
+class ForceBalance(NamedTuple):
+    """Result of the balance; 0 or None for what it does not determine."""
+
+    force_sign: int  # -1: the force is positive in the direction of extension
+    position_sign: int  # -1: the position decreases when the cylinder extends
+    bore_m: float | None
+    sections: int
+    chambers_swapped: bool  # the rod side's pressure acts on the larger area
+
+
+NOTHING = ForceBalance(0, 0, None, 0, False)
+
+
+def force_balance(
+    files: Sequence[Mapping[str, np.ndarray]], steady: Sequence[Sequence[Plateau]]
+) -> ForceBalance:
+    """Return the result for ``files``: channels in SI by the names of an import map, (n,) each.
+
+    ``steady`` are the sections of constant speed of each file.
+    """
+    rows, forces = [], []
+    has_rod = all("p_tr_pa" in file for file in files)
+    for file, plateaus in zip(files, steady, strict=True):
+        if not {"x_m", "p_tp_pa", "f_applied_n"} <= file.keys():
+            return NOTHING
+        for plateau in plateaus:
+            means = {name: float(np.nanmean(file[name][plateau.section])) for name in file}
+            rod = [-means["p_tr_pa"]] if has_rod else []
+            rows.append([means["p_tp_pa"], *rod, -float(np.sign(plateau.v_m_s)), 1.0])
+            forces.append(means["f_applied_n"])
+    matrix, force = np.array(rows), np.array(forces)
+    if len(rows) < _LEAST or len(set(matrix[:, -2])) < 2:
+        return NOTHING
+    scale = np.abs(matrix).max(axis=0)
+    if not scale.all() or np.linalg.matrix_rank(matrix / scale, tol=1e-6) < matrix.shape[1]:
+        return NOTHING
+    found, *_ = np.linalg.lstsq(matrix / scale, force, rcond=None)
+    rest = force - matrix / scale @ found
+    variance = rest @ rest / (len(force) - len(found))
+    se = np.sqrt(variance * np.diag(np.linalg.inv((matrix / scale).T @ (matrix / scale)))) / scale
+    return _result(found / scale, se, has_rod, len(rows))
+
+
+def _result(found: np.ndarray, se: np.ndarray, has_rod: bool, sections: int) -> ForceBalance:
+    signs = np.where(np.abs(found) > _SIGMAS * se, np.sign(found), 0).astype(int)
+    force_sign, friction_sign = int(signs[0]), int(signs[-2])
+    swapped = False
+    if has_rod and signs[0] and signs[1]:
+        swapped = bool(
+            signs[0] == signs[1]
+            and abs(found[1]) - abs(found[0]) > _SIGMAS * float(np.hypot(se[0], se[1]))
+        )
+    if not force_sign or swapped:
+        return ForceBalance(0, 0, None, sections, swapped)
+    bore = 2 * float(np.sqrt(abs(found[0]) / np.pi))
+    exact = 0.5 * se[0] / abs(found[0]) < _EXACT
+    return ForceBalance(
+        force_sign, force_sign * friction_sign, bore if exact else None, sections, False
+    )

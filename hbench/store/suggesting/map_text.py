@@ -1,0 +1,316 @@
+"""A suggested import map as YAML text, with a comment on each guess."""
+
+import json
+import re
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from hbench.config.files.yaml_text import parse_yaml
+from hbench.config.import_layout import CHANNELS, Format
+from hbench.config.import_map import UNFILLED
+from hbench.config.schedule import Screening
+from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
+from hbench.store.suggesting.file_names import NamePattern
+from hbench.store.suggesting.motion import Motion
+from hbench.store.suggesting.samples import SampleColumn
+from hbench.store.suggesting.time_base import TimeChoice
+from hbench.units import parse_unit
+from hbench.untrusted_text import printable
+
+_ASKED = json.dumps(UNFILLED)  # within braces
+_COMMENT_AT, _WIDTH = 36, 110
+_PLAIN = re.compile(r"[A-Za-z_][\w./*(){} -]*(?<! )")
+_SIGNS = (
+    "Value = number * scale in the unit, plus offset. x_m must increase when the cylinder extends, "
+    "and f_applied_n must be positive when it opposes extension: otherwise add scale: -1."
+)
+_SIDES = {"p_tp_pa": "piston side; ", "p_tr_pa": "rod side; "}
+_PNEUMATIC_PA = 1.2e6  # a higher pressure is hydraulic
+_SETTLE_M = Screening().settle_travel
+
+
+@dataclass(frozen=True)
+class SuggestedSeries:
+    """Files of one pattern."""
+
+    pattern: NamePattern
+    bore_m: float | None = None  # by the balance of forces
+    fault: str = ""  # why the map can't read them
+
+
+@dataclass(frozen=True)
+class SuggestedMap:
+    """Content of a suggested map."""
+
+    folder: str
+    files: tuple[str, ...]  # that were read
+    count: int  # of all files
+    format_name: str
+    layout: Format | None
+    time: TimeChoice
+    choices: Mapping[str, Choice]
+    units_in_file: Mapping[int | str, str]
+    columns: Sequence[SampleColumn]
+    motion: Motion | None
+    series: tuple[SuggestedSeries, ...]
+
+
+def map_text(found: SuggestedMap) -> str:
+    """Return the map as YAML."""
+    parts = (_head(found), _format(found), _columns(found), _constants(found), _series(found))
+    sections = ["\n".join(part) for part in map(list, (*parts, _motion(found), _table(found)))]
+    return "\n\n".join(filter(None, sections)) + "\n"
+
+
+def _head(found: SuggestedMap) -> Iterator[str]:
+    yield from _comment(
+        f"Import map suggested from {len(found.files)} of {found.count} files in {found.folder}. "
+        f"Replace each {UNFILLED} by a value. {SURE.capitalize()}, {LIKELY} and {GUESS} say how "
+        "well a choice is founded: check what is not sure, then look at the result of "
+        "`hbench import FOLDER --map FILE --preview DIR`."
+    )
+    yield f"name: {_scalar(found.folder)}"
+    steady = found.motion is not None and found.motion.has_constant_speed
+    yield _line(
+        "kind: steady",
+        f"{LIKELY}: the files contain sections of constant speed"
+        if steady
+        else f"{GUESS}: few sections of constant speed; or ramp, triangle, steps, hold",
+    )
+
+
+def _format(found: SuggestedMap) -> Iterator[str]:
+    if found.layout is None:
+        yield _line("", f"{found.format_name} files need no section 'format'.").strip()
+        return
+    given = found.layout.model_dump(exclude_defaults=True)
+    if found.format_name != "text":
+        given.pop("separator", None)
+    else:
+        given = {"separator": found.layout.separator, **given}
+    if not given:
+        return
+    comments = {
+        "separator": f"{SURE}: all rows have the same number of columns",
+        "preamble": "lines before the header",
+        "units_row": "the row below the header has units",
+        "header": "columns are numbered from 1",
+        "comment": "lines that begin with this are skipped",
+        "skip_rows": "rows between header and data",
+        "decimal": "decimal mark",
+        "thousands": "groups of three digits",
+    }
+    yield "format:"
+    for key, value in given.items():
+        text = json.dumps(value) if not isinstance(value, str) else _scalar(value)
+        yield _line(f"  {key}: {text}", comments.get(key, ""))
+
+
+def _columns(found: SuggestedMap) -> Iterator[str]:
+    yield from _comment(_SIGNS)
+    yield "columns:"
+    time = found.time
+    if time.choice is not None:
+        yield _line(f"  t_s: {_column(found, 't_s', time.choice)}", _time_comment(time))
+    elif time.stated:
+        yield _line("  # t_s:", f"{SURE}: the file states times; {_rate(time)}")
+    else:
+        yield _line(f"  t_s: {{column: {_ASKED}, unit: s}}", "no column increases evenly")
+    for channel in ("x_m", *(c for c in CHANNELS if c != "x_m")):
+        choice = found.choices.get(channel)
+        if channel == "x_m" and choice is None:
+            yield _line(f"  x_m: {{column: {_ASKED}, unit: mm}}", "position; which column is it?")
+        elif choice is not None:
+            text = f"  {channel}: {_column(found, channel, choice)}"
+            if channel == "v_ref_m_s":
+                why = "only if it is constant while a run counts as steady"
+                yield from _entry(f"  # {text.strip()}", f"{choice.reason}; {why}")
+            else:
+                yield from _entry(text, _choice_comment(found, channel, choice))
+    yield from _missing(found)
+
+
+def _missing(found: SuggestedMap) -> Iterator[str]:
+    unit = next((c.unit for name, c in found.choices.items() if name.startswith("p_")), "bar")
+    for channel, what in (
+        ("p_tp_pa", f"pressure on the piston side, {unit}"),
+        ("p_tr_pa", "pressure on the rod side"),
+        ("f_applied_n", "force of the load cell"),
+    ):
+        if channel not in found.choices:
+            units = unit if channel.startswith("p_") else "N"
+            yield from _entry(
+                f"  # {channel}: {{column: {_ASKED}, unit: {units}}}",
+                f"not found: {what}; see also constants",
+            )
+
+
+def _constants(found: SuggestedMap) -> Iterator[str]:
+    lines = {
+        "p_tr_pa": ("0 bar", "if the rod side is open to the air"),
+        "p_tp_pa": ("0 bar", "if the piston side is open to the air"),
+        "f_applied_n": ('"{load} N"', "a known load, such as a weight; or 0 N without a load"),
+    }
+    missing = {channel: line for channel, line in lines.items() if channel not in found.choices}
+    for channel in constants_of(found.choices):
+        value, when = missing.pop(channel)
+        yield "constants:"
+        yield _line(
+            f"  {channel}: {value}", f"{GUESS}: not logged; remove it unless open to the air"
+        )
+    if missing:
+        yield _line("# constants:", "known values that are not logged; remove the sign #")
+        for channel, (value, when) in missing.items():
+            yield _line(f"#   {channel}: {value}", when)
+
+
+def constants_of(choices: Mapping[str, Choice]) -> tuple[str, ...]:
+    """Return the channels with an assumed constant: the open side of a pneumatic cylinder."""
+    pressures = [channel for channel in ("p_tp_pa", "p_tr_pa") if channel in choices]
+    if pressures != ["p_tp_pa"]:
+        return ()
+    choice = choices["p_tp_pa"]
+    highest = max(abs(choice.column.known)) * parse_unit(choice.unit).factor
+    return ("p_tr_pa",) if highest < _PNEUMATIC_PA else ()
+
+
+def _series(found: SuggestedMap) -> Iterator[str]:
+    yield _line("series:", "{...}: a number in the file name; *: any characters")
+    anchor: SuggestedSeries | None = None
+    usable = [series for series in found.series if not series.fault]
+    for series in usable or found.series:
+        pattern = series.pattern
+        count = len(pattern.names)
+        label = pattern.label or found.folder
+        yield _line(f"  - label: {_scalar(label)}", f"{count} file{'s' * (count > 1)}")
+        yield f"    files: {_scalar(pattern.files)}"
+        for field, unit in pattern.units.items():
+            if field in pattern.assumed:
+                yield _line(f"    {field}_unit: {unit}", f"{GUESS}: no unit in the names")
+            elif unit != {"speed": "mm/s", "load": "N", "pressure": "bar"}[field]:
+                yield _line(f"    {field}_unit: {unit}", f"{SURE}: in the names")
+        if anchor is None or _other_bore(anchor.bore_m, series.bore_m):
+            several = anchor is None and len(usable) > 1
+            yield "    cylinder: &cylinder" if several else "    cylinder:"
+            about = "the bore"
+            if series.bore_m is not None:
+                about += f"; the balance of forces gives {1e3 * series.bore_m:.1f} mm"
+            yield _line(f"      piston_diameter: {UNFILLED} mm", about)
+            yield _line(f"      rod_diameter: {UNFILLED} mm", "0 mm if the chamber has no rod")
+            anchor = anchor or series
+        else:
+            yield _line("    cylinder: *cylinder", "assumed to be the same")
+    for series in found.series if usable else ():
+        if series.fault:
+            yield from _comment(f"- files: {series.pattern.files}: {series.fault}", "  # ")
+
+
+def _other_bore(a: float | None, b: float | None) -> bool:
+    return a is not None and b is not None and abs(a - b) > 0.015 * a
+
+
+def _motion(found: SuggestedMap) -> Iterator[str]:
+    motion, time = found.motion, found.time
+    if time.repeats:
+        yield _line("repeated_times: drop", "the clock is coarse: some times are equal")
+    if motion is None:
+        return
+    low, high = (1e3 * speed for speed in motion.speeds_m_s)
+    about = f"about {1e3 * motion.stroke_m:.3g} mm, {low:.3g} to {high:.3g} mm/s"
+    yield _line(f"cut: {motion.cut}", f"{LIKELY}: {motion.reason}; {about}")
+    if motion.min_stroke_m is not None:
+        text = f"min_stroke: {1e3 * motion.min_stroke_m:g} mm"
+        yield _line(text, "a quarter of the travel; shorter strokes are left out")
+    if motion.stroke_m < 2 * _SETTLE_M:
+        yield "screening:"
+        text = f"  settle_travel: {1e3 * motion.stroke_m / 4:.2g} mm"
+        yield _line(text, f"{GUESS}: a quarter of a stroke; default {1e3 * _SETTLE_M:g} mm")
+    if motion.rest_s:
+        yield from _comment(
+            f"The files begin with at least {motion.rest_s:.1f} s at rest. If no load or pressure "
+            "acts there, add zero: rest to force and pressures: the mean at rest is subtracted."
+        )
+
+
+def _table(found: SuggestedMap) -> Iterator[str]:
+    yield from _comment(f"All columns of {found.files[0]}, with their range in the files read:")
+    for number, column in enumerate(found.columns, start=1):
+        name = column.name or f"column {column.key}"
+        unit = f" {column.unit}" if column.unit else ""
+        known = column.known
+        values = f"{known.min():.5g} to {known.max():.5g}{unit}" if len(known) else "date-times"
+        yield printable(f"#   {number:<3} {name[:40]:<24} {values}").rstrip()
+
+
+def _column(found: SuggestedMap, channel: str, choice: Choice) -> str:
+    key = choice.column.key
+    parts = [f"column: {key if isinstance(key, int) else _scalar(key, flow=True)}"]
+    if not (_is_stated(found, choice) or (key == channel and choice.unit == CHANNELS[channel])):
+        parts.append(f"unit: {_scalar(choice.unit, flow=True)}")
+    if choice.scale != 1.0:
+        parts.append(f"scale: {choice.scale:g}")
+    return f"{{{', '.join(parts)}}}"
+
+
+def _is_stated(found: SuggestedMap, choice: Choice) -> bool:
+    """Return whether the import reads the unit in a row of units."""
+    if found.layout is None or not found.layout.units_row:
+        return False
+    try:
+        stated = parse_unit(found.units_in_file.get(choice.column.key, UNFILLED))
+    except ValueError:
+        return False
+    return stated == parse_unit(choice.unit)
+
+
+def _choice_comment(found: SuggestedMap, channel: str, choice: Choice) -> str:
+    parts = [f"{choice.certainty}: {choice.reason}"]
+    if _is_stated(found, choice):
+        parts.append(f"{choice.unit} in the file")
+    if isinstance(choice.column.key, int) and choice.column.name:
+        parts.insert(0, repr(choice.column.name))
+    return _SIDES.get(channel, "") + "; ".join(parts)
+
+
+def _time_comment(time: TimeChoice) -> str:
+    assert time.choice is not None
+    name = time.choice.column.name
+    named = f"{name!r}; " if name and isinstance(time.choice.column.key, int) else ""
+    return f"{named}{time.choice.certainty}: {time.choice.reason}; {_rate(time)}"
+
+
+def _rate(time: TimeChoice) -> str:
+    return f"{time.rate_hz:.4g} Hz"
+
+
+def _line(text: str, comment: str = "") -> str:
+    comment = printable(" ".join(comment.split()))
+    return f"{text:<{_COMMENT_AT - 1}} # {comment}" if comment else text
+
+
+def _entry(text: str, comment: str) -> Iterator[str]:
+    """Yield a key with its comment beside it, or above it where it would be too long."""
+    line = _line(text, comment)
+    if len(line) <= _WIDTH:
+        yield line
+        return
+    indent = text[: len(text) - len(text.lstrip())]
+    yield from _comment(comment, f"{indent}# ")
+    yield text
+
+
+def _comment(text: str, prefix: str = "# ") -> Iterator[str]:
+    text = printable(" ".join(text.split()))
+    yield from (prefix + line for line in textwrap.wrap(text, _WIDTH - 10 - len(prefix)))
+
+
+def _scalar(text: str, flow: bool = False) -> str:
+    """Return text as a scalar of YAML: plain where that is read as the same text."""
+    if _PLAIN.fullmatch(text) and not (flow and set(text) & set(" {}")):
+        try:
+            if parse_yaml(text) == text:
+                return text
+        except ValueError:
+            pass
+    return json.dumps(printable(text), ensure_ascii=False)

@@ -1,0 +1,158 @@
+"""Columns of some files of a folder, with the meaning of their names."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hbench.config.import_layout import Format
+from hbench.errors import DataError
+from hbench.store.files.bounded_read import check_inside, read_whole
+from hbench.store.formats.opening import FileFormat, open_foreign
+from hbench.store.formats.table import Table
+from hbench.store.formats.text import TextTable, decoded
+from hbench.store.suggesting.dialect import Dialect, rows_dialect, text_dialect
+from hbench.store.suggesting.quantities import Meaning, common_words, meaning
+from hbench.store.suggesting.units import unit_in
+
+_MOST_COLUMNS = 300
+_WITH_DIALECT = ("text", "Excel")
+
+
+@dataclass(frozen=True)
+class SampleFile:
+    """A file with its columns as numbers."""
+
+    name: str
+    format_name: str
+    dialect: Dialect | None  # of a text or a sheet
+    columns: dict[int | str, np.ndarray]  # numbers, NaN for a gap; datetime64 for date-times
+    names: dict[int | str, str]  # as in the file; empty without a name
+    units: dict[int | str, str]  # stated by the file, but for those in names
+    own_times: dict[int | str, np.ndarray]  # [s] stated by the file
+
+    @property
+    def signature(self) -> tuple:
+        """Key of files that one map can read."""
+        layout = None if self.dialect is None else self.dialect.layout
+        return self.format_name, layout, frozenset(self.columns)
+
+
+@dataclass(frozen=True)
+class SampleColumn:
+    """A column of several files."""
+
+    key: int | str
+    name: str
+    unit: str | None  # stated by the file or in the name
+    in_file: bool  # stated by the file beside the name, so that a map need not state it
+    meaning: Meaning
+    values: tuple[np.ndarray, ...]  # of each file
+
+    @property
+    def is_date_time(self) -> bool:
+        """Whether its values are date-times."""
+        return self.values[0].dtype.kind == "M"
+
+    @property
+    def known(self) -> np.ndarray:
+        """Its numbers in all files, without gaps."""
+        if self.is_date_time:
+            return np.zeros(0)
+        values = np.concatenate(self.values)
+        return values[np.isfinite(values)]
+
+
+def read_sample(folder: Path, name: str, like: Dialect | None = None) -> SampleFile | None:
+    """Read a file; None if it contains no table of numbers. Raises ``DataError``.
+
+    ``like`` is the dialect of a similar file.
+    """
+    path = folder / name
+    check_inside(folder, path)
+    dialect = None
+    with open_foreign(path) as (file, file_format):
+        if like is not None and file_format.name in _WITH_DIALECT:
+            dialect = like
+        elif file_format.name == "text":
+            data = read_whole(file, str(path))
+            dialect = None if _is_binary(data) else text_dialect(decoded(data))
+        elif file_format.name == "Excel":
+            sheet = file_format.open(file, str(path), Format(header=False))
+            assert isinstance(sheet, TextTable)
+            dialect = rows_dialect(list(zip(sheet.lines.tolist(), sheet.rows, strict=True)), {})
+        if dialect is None and file_format.name in _WITH_DIALECT:
+            return None
+        file.seek(0)
+        layout = Format() if dialect is None else dialect.layout
+        return _sample(name, file_format, dialect, file_format.open(file, str(path), layout))
+
+
+def _is_binary(data: bytes) -> bool:
+    text = decoded(data[:4096])
+    return "\0" in text or sum(not c.isprintable() and not c.isspace() for c in text) > 40
+
+
+def _sample(
+    name: str, file_format: FileFormat, dialect: Dialect | None, table: Table
+) -> SampleFile | None:
+    columns: dict[int | str, np.ndarray] = {}
+    units, own_times = {}, {}
+    names = _names(table, dialect)
+    for key in table.columns()[:_MOST_COLUMNS]:
+        values = _values(table, key)
+        if values is None or not printable_key(key):
+            continue
+        columns[key] = values
+        if unit := table.unit(key):
+            units[key] = unit
+        if (times := table.own_times(key)) is not None:
+            own_times[key] = times
+    if not columns:
+        return None
+    names = {key: names.get(key, str(key) if isinstance(key, str) else "") for key in columns}
+    return SampleFile(name, file_format.name, dialect, columns, names, units, own_times)
+
+
+def printable_key(key: int | str) -> bool:
+    """Return whether a map can give a column by this name."""
+    return isinstance(key, int) or key.isprintable()
+
+
+def _names(table: Table, dialect: Dialect | None) -> dict[int | str, str]:
+    """Return the names of columns that a map gives by number."""
+    if isinstance(table, TextTable) and table.names:
+        return dict(enumerate(table.names, start=1))
+    return dict(enumerate(dialect.names if dialect else (), start=1))
+
+
+def _values(table: Table, key: int | str) -> np.ndarray | None:
+    """Return a column as numbers or date-times; None for text, or without any value."""
+    try:
+        values = table.numbers(key, gaps=True)
+        empty = np.isnan(values)
+    except DataError:
+        try:
+            values = table.date_times(key, gaps=True)
+            empty = np.isnat(values)
+        except DataError:
+            return None
+    return None if len(values) < 2 or empty.all() else values
+
+
+def sample_columns(files: Sequence[SampleFile]) -> list[SampleColumn]:
+    """Return the columns that all ``files`` have."""
+    first = files[0]
+    common = common_words([name for name in first.names.values() if name])
+    columns = []
+    for key in first.columns:
+        values = tuple(file.columns[key] for file in files if key in file.columns)
+        kinds = {column.dtype.kind == "M" for column in values}
+        if len(values) < len(files) or len(kinds) > 1:
+            continue
+        name = first.names[key]
+        stated = unit_in(first.units.get(key, ""))
+        means = meaning(name, stated, common)
+        columns.append(SampleColumn(key, name, means.unit, stated is not None, means, values))
+    return columns

@@ -1,0 +1,253 @@
+"""Suggestion of an import map from some files of a folder."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from hbench.config.files.yaml_text import parse_yaml
+from hbench.config.import_map import UNFILLED, ImportMap, parse_import_map
+from hbench.errors import DataError, HbenchError
+from hbench.motion.plateaus import plateaus
+from hbench.store.importing.file_matches import FileMatch, match_files
+from hbench.store.importing.file_notes import listed
+from hbench.store.importing.importer import check_source
+from hbench.store.importing.mapped_files import cut_pieces, read_mapped_file
+from hbench.store.suggesting.channels import choose_channels
+from hbench.store.suggesting.choice import GUESS, Choice
+from hbench.store.suggesting.file_names import NamePattern, name_patterns
+from hbench.store.suggesting.force_balance import ForceBalance, force_balance
+from hbench.store.suggesting.map_text import (
+    SuggestedMap,
+    SuggestedSeries,
+    constants_of,
+    map_text,
+)
+from hbench.store.suggesting.motion import motion_of
+from hbench.store.suggesting.samples import SampleFile, read_sample, sample_columns
+from hbench.store.suggesting.time_base import TimeChoice, choose_time
+from hbench.units import parse_unit
+
+_MOST_FILES = 12  # read for a suggestion
+_MOST_BYTES = 60_000_000  # of these files; the first is always read
+_LONGEST_FAULT = 120  # characters
+_NO_LOGS = (".yaml", ".yml", ".md", ".pdf", ".png", ".jpg", ".svg", ".html", ".zip", ".py", ".m")
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """A map as YAML text, and notes for the user."""
+
+    text: str
+    notes: tuple[str, ...]
+
+
+def suggest_map(folder: Path) -> Suggestion:
+    """Suggest a map for the files below ``folder``.
+
+    The map is complete but for sizes of the cylinder, which are ``???``; what else could not be
+    determined is a comment. Raises ``ConfigError``, and ``DataError`` if no file contains a table
+    of numbers.
+    """
+    check_source(folder)
+    names = sorted(
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*")
+        if path.is_file() and not path.name.startswith((".", "~"))
+    )
+    patterns = name_patterns([n for n in names if not n.lower().endswith(_NO_LOGS)])
+    samples, faults = _samples(folder, patterns)
+    if not samples:
+        first = next(iter(faults.items()), None)
+        raise DataError(
+            f"{folder}: no file contains a table of numbers; it contains {listed(names)}",
+            f"{first[0]}: {first[1]}" if first else "Give the folder that contains the logs.",
+        )
+    by_signature: dict[tuple, list[NamePattern]] = defaultdict(list)
+    for pattern, sample in samples.items():
+        by_signature[sample.signature].append(pattern)
+    alike = max(by_signature.values(), key=lambda group: sum(len(p.names) for p in group))
+    files = {name: file for p in alike for name, file in _more_of(folder, p, samples[p], alike)}
+    found = _found(folder, list(files.values()), alike, len(names))
+    found = _verified(folder, found, patterns, faults)
+    return Suggestion(map_text(found), tuple(_notes(found, faults)))
+
+
+def _samples(
+    folder: Path, patterns: Sequence[NamePattern]
+) -> tuple[dict[NamePattern, SampleFile], dict[str, str]]:
+    """Read the first file of each pattern; files that can't be read are faults."""
+    samples: dict[NamePattern, SampleFile] = {}
+    faults: dict[str, str] = {}
+    size = 0
+    for pattern in sorted(patterns, key=lambda p: -len(p.names)):
+        name = pattern.names[0]
+        size += (folder / name).stat().st_size
+        if len(samples) == _MOST_FILES or (samples and size > _MOST_BYTES):
+            break
+        try:
+            sample = read_sample(folder, name)
+        except HbenchError as error:
+            faults[name] = error.message
+            continue
+        if sample is None:
+            faults[name] = "contains no table of numbers"
+        else:
+            samples[pattern] = sample
+    return samples, faults
+
+
+def _more_of(
+    folder: Path, pattern: NamePattern, first: SampleFile, alike: Sequence[NamePattern]
+) -> Iterator[tuple[str, SampleFile]]:
+    """Yield some files of a pattern, spread over all of them."""
+    share = max(1, _MOST_FILES // len(alike))
+    spread = np.linspace(0, len(pattern.names) - 1, min(share, len(pattern.names)))
+    size = 0
+    for name in dict.fromkeys([pattern.names[int(i)] for i in np.rint(spread)]):
+        size += (folder / name).stat().st_size
+        if name == first.name:
+            yield name, first
+        elif size < _MOST_BYTES / len(alike):
+            try:
+                sample = read_sample(folder, name, first.dialect)
+            except HbenchError:
+                continue
+            if sample is not None and sample.signature == first.signature:
+                yield name, sample
+
+
+def _found(
+    folder: Path, files: list[SampleFile], alike: Sequence[NamePattern], count: int
+) -> SuggestedMap:
+    columns = sample_columns(files)
+    time = choose_time(files, columns)
+    pattern_of = {name: pattern for pattern in alike for name in pattern.names}
+    fields = [pattern_of[file.name].values(file.name) for file in files]
+    choices = choose_channels(columns, time, fields)
+    channels = [_channels(i, time, choices) for i in range(len(files))]
+    steady = [plateaus(c["t_s"], c["x_m"]) if c else [] for c in channels]
+    balance = force_balance(channels, steady)
+    choices = _signed(choices, balance)
+    series = []
+    for pattern in alike:
+        own = [i for i, file in enumerate(files) if file.name in pattern.names]
+        of_series = force_balance([channels[i] for i in own], [steady[i] for i in own])
+        series.append(SuggestedSeries(pattern, of_series.bore_m))
+    return SuggestedMap(
+        folder=folder.resolve().name,
+        files=tuple(file.name for file in files),
+        count=count,
+        format_name=files[0].format_name,
+        layout=None if files[0].dialect is None else files[0].dialect.layout,
+        time=time,
+        choices=choices,
+        units_in_file=files[0].units,
+        columns=columns,
+        motion=motion_of(channels, steady),
+        series=tuple(series),
+    )
+
+
+def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[str, np.ndarray]:
+    """Return the channels in SI of file ``i`` that have the time's samples, without gaps."""
+    t_s = time.t_s[i]
+    values = {
+        channel: choice.column.values[i] * parse_unit(choice.unit).factor * choice.scale
+        for channel, choice in choices.items()
+        if len(choice.column.values[i]) == len(t_s)
+    }
+    if "x_m" not in values:
+        return {}
+    known = np.isfinite(t_s) & np.isfinite(values["x_m"])
+    t = t_s[known]
+    later = np.concatenate(([True], np.diff(t) > 0)) if len(t) else np.zeros(0, dtype=bool)
+    return {"t_s": t[later], **{key: y[known][later] for key, y in values.items()}}
+
+
+def _signed(choices: dict[str, Choice], balance: ForceBalance) -> dict[str, Choice]:
+    """Turn the signs that contradict the balance of forces."""
+    out = dict(choices)
+    why = f"sign by the balance of forces in {balance.sections} sections"
+    for sign, channels in (
+        (balance.force_sign, ("f_applied_n",)),
+        (balance.position_sign, ("x_m", "v_m_s", "v_ref_m_s")),
+    ):
+        for channel in channels if sign else ():
+            if channel in out:
+                choice = out[channel]
+                out[channel] = replace(
+                    choice, scale=float(sign) * choice.scale, reason=f"{choice.reason}; {why}"
+                )
+    if balance.chambers_swapped:
+        warning = "check: by the balance of forces p_tr_pa acts on the larger area"
+        for channel in ("p_tp_pa", "p_tr_pa"):
+            choice = out[channel]
+            out[channel] = replace(choice, certainty=GUESS, reason=f"{choice.reason}; {warning}")
+    return out
+
+
+def _verified(
+    folder: Path,
+    found: SuggestedMap,
+    patterns: Sequence[NamePattern],
+    faults: Mapping[str, str],
+) -> SuggestedMap:
+    """Import one file of each pattern by the map, and mark the patterns for which this fails.
+
+    Patterns of other columns are added if the map reads them too.
+    """
+    known = {series.pattern.files: series for series in found.series}
+    others = [
+        SuggestedSeries(p) for p in patterns if p.files not in known and p.names[0] not in faults
+    ]
+    rules = _rules(replace(found, series=(*found.series, *others)))
+    if isinstance(rules, str):
+        return found
+    matches = {match.name: match for match in match_files(folder, rules).files}
+    checked = []
+    for series in (*found.series, *others):
+        match = matches.get(series.pattern.names[0])
+        fault = "" if match is None else _import_fault(folder, match, rules)
+        checked.append(replace(series, fault=fault))
+    checked.sort(key=lambda series: series.pattern.names[0])
+    return replace(found, series=tuple(checked))
+
+
+def _rules(found: SuggestedMap) -> ImportMap | str:
+    """Return the map with assumed sizes, or why it is invalid."""
+    text = map_text(found).replace(f"piston_diameter: {UNFILLED}", "piston_diameter: 40")
+    text = text.replace(f"rod_diameter: {UNFILLED}", "rod_diameter: 0")
+    try:
+        return parse_import_map(parse_yaml(text), "the suggested map")
+    except HbenchError as error:
+        return error.message
+
+
+def _import_fault(folder: Path, match: FileMatch, rules: ImportMap) -> str:
+    try:
+        cut_pieces(read_mapped_file(folder, match, rules), folder, rules)
+    except HbenchError as error:
+        message = error.message.removeprefix(f"{folder / match.name}: ")
+        return message if len(message) < _LONGEST_FAULT else f"{message[:_LONGEST_FAULT]}..."
+    return ""
+
+
+def _notes(found: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
+    yield f"read {len(found.files)} files: {listed(found.files)}"
+    for name, fault in faults.items():
+        yield f"not read: {name}: {fault}"
+    for series in found.series:
+        if series.fault:
+            count = len(series.pattern.names)
+            yield f"not in the map: {series.pattern.files} ({count} files): {series.fault}"
+    if isinstance(rules := _rules(found), str):
+        yield f"the map is not complete: {rules}"
+    guesses = [c for c, choice in found.choices.items() if choice.certainty == GUESS]
+    guesses += constants_of(found.choices)
+    if guesses:
+        yield f"guesses to check: {', '.join(guesses)}"
+    count = map_text(found).count(f"{UNFILLED} mm")
+    yield f"fill in {count} diameters, marked {UNFILLED}"

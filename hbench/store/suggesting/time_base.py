@@ -1,0 +1,96 @@
+"""The column of times of some files, and its unit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hbench.config.import_layout import DATE_TIME
+from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
+from hbench.store.suggesting.quantities import quantity_of
+from hbench.store.suggesting.samples import SampleColumn, SampleFile
+from hbench.units import parse_unit
+
+_RATES_HZ = (5.0, 50e3)  # of a log in which a motion can be seen
+_REGULAR = 20.0  # times the median step: most steps are shorter
+_LEAST_STEPS = 0.3  # of the steps of a coarse clock are not zero
+_DAYS = ((20e3, 60e3), (650e3, 800e3))  # of today in spreadsheets and in MATLAB
+_SHORT_DAY = 1e-3
+
+
+@dataclass(frozen=True)
+class TimeChoice:
+    """The times of some files."""
+
+    choice: Choice | None  # None: the files state times, or contain none
+    t_s: tuple[np.ndarray, ...]  # of each file, from its first sample
+    repeats: bool = False  # some times are equal to the one before
+    stated: bool = False  # by the files beside the columns
+
+    @property
+    def rate_hz(self) -> float:
+        """Median sampling rate."""
+        steps = np.concatenate([np.diff(t[np.isfinite(t)]) for t in self.t_s])
+        return float(1 / np.median(steps[steps > 0])) if (steps > 0).any() else np.nan
+
+
+def choose_time(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) -> TimeChoice:
+    """Choose the column of times: by its name, by its type, or because it increases evenly."""
+    named = [c for c in columns if c.meaning.channel == "t_s" and not c.is_date_time]
+    named.sort(key=lambda c: (not c.meaning.is_sure, c.unit is None))
+    dated = [c for c in columns if c.is_date_time]
+    others = [c for c in columns if not c.is_date_time and not c.meaning.quantity]
+    for group, how in ((named, "by its name"), (dated, "date-times"), (others, "increases evenly")):
+        for column in group:
+            seconds = _seconds(column)
+            if all(_increases(t) for t in seconds[1]):
+                return _choice(column, *seconds, how)
+        if group is dated and files[0].own_times:
+            positions = [c.key for c in columns if c.meaning.channel == "x_m"]
+            key = next(k for k in (*positions, *files[0].own_times) if k in files[0].own_times)
+            times = tuple(file.own_times[key] for file in files)
+            return TimeChoice(None, times, stated=True)
+    return TimeChoice(None, tuple(np.zeros(0) for _ in files))
+
+
+def _choice(column: SampleColumn, unit: str, t_s: tuple[np.ndarray, ...], how: str) -> TimeChoice:
+    if column.is_date_time:
+        certainty, reason = SURE, how
+    elif column.unit is not None:
+        certainty, reason = (SURE if how == "by its name" else LIKELY), how
+    else:
+        certainty = LIKELY if how == "by its name" else GUESS
+        reason = f"{how}; {unit} assumed from its steps"
+    choice = Choice(column, unit, column.in_file and not column.is_date_time, certainty, reason)
+    steps = np.concatenate([np.diff(t) for t in t_s])
+    return TimeChoice(choice, t_s, repeats=bool((steps == 0).any()))
+
+
+def _seconds(column: SampleColumn) -> tuple[str, tuple[np.ndarray, ...]]:
+    """Return a column's unit and its times [s] in each file."""
+    if column.is_date_time:
+        return DATE_TIME, tuple((v - v[0]) / np.timedelta64(1, "ns") * 1e-9 for v in column.values)
+    unit = column.unit if quantity_of(column.unit) == "time" else None
+    unit = unit or _assumed_unit(column)
+    factor = parse_unit(unit).factor
+    return unit, tuple((v - v[np.isfinite(v)][0]) * factor for v in column.values)
+
+
+def _assumed_unit(column: SampleColumn) -> str:
+    steps = np.concatenate([np.diff(v[np.isfinite(v)]) for v in column.values])
+    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 1.0
+    start = column.known[0]
+    if step < _SHORT_DAY and any(low < start < high for low, high in _DAYS):
+        return "d"
+    for unit in ("s", "ms", "us"):
+        if _RATES_HZ[0] <= 1 / (step * parse_unit(unit).factor) <= _RATES_HZ[1]:
+            return unit
+    return "s"
+
+
+def _increases(t_s: np.ndarray) -> bool:
+    """Return whether times increase evenly, apart from gaps and repeats of a coarse clock."""
+    steps = np.diff(t_s[np.isfinite(t_s)])
+    if len(steps) < 2 or (steps < 0).any() or np.mean(steps > 0) < _LEAST_STEPS:
+        return False
+    return bool(np.quantile(steps, 0.9) <= _REGULAR * np.median(steps[steps > 0]))

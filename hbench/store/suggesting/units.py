@@ -1,0 +1,65 @@
+"""Units in the names of columns, in rows of units and in the names of files."""
+
+import re
+
+from hbench.units import parse_unit
+
+# Spellings that are no units of ``hbench.units``, in lower case, without brackets and blanks.
+_SPELLINGS = {
+    **dict.fromkeys(("sec", "sek", "secs", "seconds", "sekunden", "sekunde", "second"), "s"),
+    **dict.fromkeys(("msec", "millisecond", "milliseconds", "millisekunden"), "ms"),
+    **dict.fromkeys(("µs", "μs", "usec", "microseconds"), "us"),
+    **dict.fromkeys(("min.", "minutes", "minuten"), "min"),
+    **dict.fromkeys(("meter", "metre", "meters"), "m"),
+    **dict.fromkeys(("millimeter", "millimetre", "millimeters"), "mm"),
+    **dict.fromkeys(("µm", "μm"), "um"),
+    **dict.fromkeys(("inch", "inches", "zoll"), "in"),
+    **dict.fromkeys(("n", "newton"), "N"),
+    **dict.fromkeys(("kn", "kilonewton"), "kN"),
+    "lbs": "lbf",
+    **dict.fromkeys(("pa", "pascal"), "Pa"),
+    **dict.fromkeys(("hpa", "mbar"), "mbar"),
+    "kpa": "kPa",
+    "mpa": "MPa",
+    **dict.fromkeys(("barg", "bar(g)", "bar_g", "bara", "bar(a)", "bar"), "bar"),
+    **dict.fromkeys(("psig", "psia", "psi"), "psi"),
+    **dict.fromkeys(("volt", "volts", "v"), "V"),
+    **dict.fromkeys(("mps", "m_s", "m/sec", "m/sek", "m*s^-1", "m/s", "ms-1"), "m/s"),
+    **dict.fromkeys(("mmps", "mm_s", "mm/sec", "mm/sek", "mms", "mm/s"), "mm/s"),
+    **dict.fromkeys(("cmps", "cm_s", "cm/s"), "cm/s"),
+    **dict.fromkeys(("in/s", "ips", "in_s"), "in/s"),
+}
+_BRACKETS = re.compile(r"\s*[\[({<]\s*([^\[\](){}<>]*(?:\([^()]*\))?)\s*[\])}>]\s*$")
+_SLASH = re.compile(r"\s+/\s*(\S+)\s*$|\s*,\s*(\S+)\s*$|\s+in\s+(\S+)\s*$")
+_ENDING = re.compile(r"[\s_.\-]+([^\s_.\-]+|mm?[_/]s)$")
+
+
+def unit_in(text: str) -> str | None:
+    """Return the unit of hbench that a text such as ``[kN]`` or ``sec`` means, or None."""
+    bare = text.strip().strip("[]{}<>").strip()
+    bare = bare[1:-1].strip() if bare.startswith("(") and bare.endswith(")") else bare
+    spelled = _SPELLINGS.get(bare.lower().replace(" ", ""))
+    for unit in (spelled, bare):
+        try:
+            if unit and (unit[0].isalpha() or unit == "%") and any(parse_unit(unit).dimension):
+                return unit
+        except ValueError:
+            continue
+    return None
+
+
+def split_unit(name: str) -> tuple[str, str | None]:
+    """Return a column's name without its unit in brackets or behind a slash, and the unit."""
+    for pattern in (_BRACKETS, _SLASH):
+        if match := pattern.search(name):
+            unit = unit_in(next(filter(None, match.groups()), ""))
+            if unit is not None or pattern is _BRACKETS:
+                return name[: match.start()], unit
+    return name, None
+
+
+def split_ending(name: str) -> tuple[str, str | None]:
+    """Return a name such as ``Weg_mm`` without its last word, and that word if it is a unit."""
+    match = _ENDING.search(name)
+    unit = unit_in(match[1]) if match else None
+    return (name[: match.start()], unit) if match and unit else (name, None)

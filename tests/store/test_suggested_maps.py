@@ -1,0 +1,222 @@
+"""Maps suggested for logs of many kinds, completed by the diameters, and imported."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.io import savemat
+
+from hbench import workflow
+from hbench.config.files.yaml_text import parse_yaml
+from hbench.config.import_map import parse_import_map
+from hbench.errors import ConfigError, DataError
+from hbench.motion.plateaus import plateaus
+from hbench.store.suggesting.force_balance import force_balance
+from hbench.store.suggesting.signals import are_proportional, roughness, velocity_factor
+from hbench.store.suggesting.suggest import suggest_map
+from tests.support.strokes import PISTON_M, friction, one_stroke, there_and_back
+
+SHARED = Path(__file__).parents[3] / "shared" / "data"
+
+
+@pytest.fixture
+def logs(tmp_path):
+    (tmp_path / "logs").mkdir()
+    return tmp_path / "logs"
+
+
+@pytest.fixture
+def imported(tmp_path, clock):
+    """Return a function that imports a folder by its suggested map and analyses it."""
+
+    def imported(logs, piston="40 mm", rod="25 mm"):
+        text = suggest_map(logs).text
+        text = text.replace("piston_diameter: ??? mm", f"piston_diameter: {piston}")
+        text = text.replace("rod_diameter: ??? mm", f"rod_diameter: {rod}")
+        map_file = tmp_path / "map.yaml"
+        map_file.write_text(text)
+        workflow.import_runs(logs, tmp_path / "campaign", map_file, clock)
+        return parse_yaml(text), workflow.analyze(tmp_path / "campaign")
+
+    return imported
+
+
+def german(value):
+    return f"{value:,.3f}".translate(str.maketrans(",.", ".,"))
+
+
+def test_a_german_loggers_files(logs, imported):
+    for seed, (v, trial) in enumerate((v, trial) for v in (0.02, 0.05, 0.1) for trial in (1, 2)):
+        run = one_stroke(v, 2000.0, seed)
+        rows = zip(
+            *(run["t_s"] * 1e3, run["x_m"] * 1e3, run["p_tp_pa"] / 1e5, run["p_tr_pa"] / 1e5),
+            run["f_applied_n"] / 1e3,
+            strict=True,
+        )
+        text = "Prüfstand 2\nZeit;Weg;p_A;p_B;Kraft\nms;mm;bar;bar;kN\n"
+        text += "".join(";".join(map(german, row)) + "\n" for row in rows)
+        (logs / f"NBR_{1e3 * v:.0f}mm_s_2000N_{trial}.csv").write_bytes(text.encode("latin-1"))
+    rules, results = imported(logs)
+    assert rules["columns"] == {
+        "t_s": {"column": "Zeit"},
+        "x_m": {"column": "Weg"},
+        "p_tp_pa": {"column": "p_A"},
+        "p_tr_pa": {"column": "p_B"},
+        "f_applied_n": {"column": "Kraft"},
+    }
+    assert rules["series"][0]["files"] == "NBR_{speed}mm_s_{load}N_{trial}.csv"
+    assert all(run.accepted for run in results.runs), [run.reasons for run in results.runs]
+    (curve,) = results.curves
+    assert (curve.f_load_n, [p.n for p in curve.points]) == (2000.0, [2, 2, 2])
+    for point in curve.points:
+        assert point.friction_n == pytest.approx(friction(point.v_m_s), abs=1.0)
+
+
+def test_the_balance_of_forces_turns_signs_that_are_the_other_way_round(logs, imported):
+    for number, load in enumerate((0, 1000, 2000), start=1):
+        run = there_and_back(0.05, load, number)
+        columns = {
+            "Time [s]": run["t_s"],
+            "Position [mm]": 1e3 * (0.3 - run["x_m"]),
+            "Pressure A [bar]": run["p_tp_pa"] / 1e5,
+            "Pressure B [bar]": run["p_tr_pa"] / 1e5,
+            "Load cell [kN]": -run["f_applied_n"] / 1e3,
+        }
+        pd.DataFrame(columns).to_csv(logs / f"test {number} {load}N.csv", index=False)
+    rules, results = imported(logs)
+    scales = {channel: column.get("scale", 1) for channel, column in rules["columns"].items()}
+    assert scales == {"t_s": 1, "x_m": -1, "p_tp_pa": 1, "p_tr_pa": 1, "f_applied_n": -1}
+    assert rules["cut"] == "reversals"
+    assert all(run.accepted for run in results.runs)
+    for curve in results.curves:
+        (point,) = curve.points
+        assert abs(point.friction_n) == pytest.approx(friction(0.05), abs=1.0)
+        assert point.friction_n * point.v_m_s > 0
+
+
+def test_the_balance_of_forces_gives_the_bore():
+    files = [there_and_back(0.05, load) for load in (0, 1000, 2000)]
+    steady = [plateaus(file["t_s"], file["x_m"]) for file in files]
+    found = force_balance(files, steady)
+    assert (found.force_sign, found.position_sign, found.chambers_swapped) == (1, 1, False)
+    assert found.bore_m == pytest.approx(PISTON_M, rel=0.01)
+    swapped = [{**f, "p_tp_pa": f["p_tr_pa"], "p_tr_pa": f["p_tp_pa"]} for f in files]
+    assert force_balance(swapped, steady).bore_m is None
+
+
+def as_mat(path, run):
+    pressures = np.column_stack([run["p_tp_pa"], run["p_tr_pa"]]) / 1e5
+    log = {"t": run["t_s"], "stroke": 1e3 * run["x_m"], "P_a": pressures[:, 0]}
+    log |= {"P_b": pressures[:, 1], "F": run["f_applied_n"]}
+    savemat(path.with_suffix(".mat"), {"log": log}, oned_as="column")
+
+
+def as_parquet(path, run):
+    pytest.importorskip("pyarrow")
+    times = pd.Timestamp("2024-05-01") + pd.to_timedelta(run["t_s"], unit="s")
+    columns = {key: run[key] for key in ("x_m", "p_tp_pa", "p_tr_pa", "f_applied_n")}
+    pd.DataFrame({"when": times, **columns}).to_parquet(path.with_suffix(".parquet"))
+
+
+def as_xlsx(path, run):
+    pytest.importorskip("openpyxl")
+    columns = {
+        "Zeit [s]": run["t_s"],
+        "Weg [mm]": 1e3 * run["x_m"],
+        "Druck Kolbenseite [bar]": run["p_tp_pa"] / 1e5,
+        "Druck Stangenseite [bar]": run["p_tr_pa"] / 1e5,
+        "Kraft [N]": run["f_applied_n"],
+    }
+    sheet = pd.DataFrame(columns)
+    sheet.to_excel(path.with_suffix(".xlsx"), index=False, startrow=2)
+
+
+def as_comment(path, run):
+    columns = (run["t_s"], run["x_m"], run["p_tp_pa"], run["p_tr_pa"], run["f_applied_n"])
+    np.savetxt(path, np.column_stack(columns), header="t x p1 p2 force", fmt="%.7g")
+
+
+@pytest.mark.parametrize("write", [as_mat, as_parquet, as_xlsx, as_comment])
+def test_formats(logs, imported, write):
+    for trial in (1, 2):
+        write(logs / f"run_{trial}.txt", one_stroke(0.05, 1000.0, trial))
+    rules, results = imported(logs)
+    assert all(run.accepted for run in results.runs), [run.reasons for run in results.runs]
+    (point,) = results.curves[0].points
+    assert (point.n, point.friction_n) == (2, pytest.approx(friction(0.05), abs=1.0))
+
+
+def real(name):
+    path = SHARED / name
+    if not path.exists():
+        pytest.skip(f"{path} is missing")
+    return path
+
+
+def test_unnamed_columns_of_a_real_cylinder(logs, imported):
+    for pressure in (1, 7):
+        shutil.copy(real(f"tudelft-cylinder/friction/O-ring_{pressure}bar.csv"), logs)
+    rules, results = imported(logs, "25 mm", "0 mm")
+    assert {channel: column["column"] for channel, column in rules["columns"].items()} == {
+        "t_s": 1, "x_m": 5, "p_tp_pa": 6, "f_applied_n": 7
+    }  # fmt: skip
+    assert rules["columns"]["x_m"]["scale"] == -1
+    assert rules["constants"] == {"p_tr_pa": "0 bar"}
+    halves = [band.half_n for band in sorted(results.bands, key=lambda band: band.p_tp_pa)]
+    assert halves == pytest.approx([4.0, 8.0], abs=0.5)  # computed independently
+
+
+def test_a_cranes_jib_is_the_axis_that_moves(logs):
+    shutil.copy(real("crane/JibSineTest_230425.csv"), logs)
+    rules = parse_yaml(suggest_map(logs).text)
+    columns = {channel: column["column"] for channel, column in rules["columns"].items()}
+    assert columns == {
+        "x_m": "JibPistonPosition",
+        "v_m_s": "JibVelocity",
+        "p_tp_pa": "JibPaCyl",
+        "p_tr_pa": "JibPbCyl",
+        "p_s_pa": "Ps",
+    }
+    assert (rules["cut"], rules["columns"]["x_m"]["unit"]) == ("reversals", "m")
+    assert [series["files"] for series in rules["series"]] == ["JibSineTest_230425.csv"]
+
+
+def test_a_suggested_map_is_refused_until_it_is_filled_in(logs):
+    np.savetxt(logs / "a.csv", np.column_stack(list(one_stroke(0.05, 0).values())), delimiter=",")
+    rules = parse_yaml(suggest_map(logs).text)
+    with pytest.raises(ConfigError) as caught:
+        parse_import_map(rules, "map.yaml")
+    for key in ("piston_diameter", "rod_diameter"):
+        assert f"series.0.cylinder.{key}" in caught.value.message
+
+
+@pytest.mark.parametrize(
+    "header", ['t,"x: [1]","a, b"', "t,x\x1b[2J,#{y", "t,yes,'", 't,"a\nb",c', "t,x,x", ",,"]
+)
+def test_hostile_names_stay_text(logs, header):
+    rows = "".join(f"{k / 100},{k / 10},{k % 7}\n" for k in range(300))
+    (logs / "a {b}.csv").write_text(f"{header}\n{rows}")
+    (logs / "c: #d.csv").write_text(f"{header}\n{rows}")
+    suggestion = suggest_map(logs)
+    rules = parse_yaml(suggestion.text)
+    assert [series["files"] for series in rules["series"]] == ["c: #d.csv"]
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00\x01\x02" * 99, b"only words\n" * 9, b"1\n2\n3\n"])
+def test_a_folder_without_a_table_is_refused(logs, content):
+    (logs / "a.csv").write_bytes(content)
+    with pytest.raises(DataError, match=r"a\.csv"):
+        suggest_map(logs)
+
+
+def test_signals_show_what_they_are():
+    t = np.arange(0, 8, 0.01)
+    v = 0.05 * np.sign(np.sin(2 * np.pi * t / 4))
+    x = np.concatenate(([0], np.cumsum((v[1:] + v[:-1]) / 2 * 0.01)))
+    force = 100 * np.sign(v) + np.random.default_rng(0).standard_normal(len(t))
+    assert velocity_factor(t, 1e3 * x, v + 0.001) == pytest.approx(1e3, rel=0.01)
+    assert velocity_factor(t, force, v) is None
+    assert roughness(t, x) < 0.1 < roughness(t, force)
+    assert are_proportional(force, 5 - 0.01 * force) and not are_proportional(force, x)

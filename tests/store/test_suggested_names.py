@@ -1,0 +1,167 @@
+"""Dialects, columns and file names, as a suggested map understands them."""
+
+import pytest
+
+from hbench.store.suggesting.dialect import text_dialect
+from hbench.store.suggesting.file_names import name_patterns
+from hbench.store.suggesting.quantities import meaning
+from hbench.store.suggesting.units import unit_in
+
+
+def table(head, separator, *cells):
+    return head + "".join(separator.join(row) + "\n" for row in zip(*cells, strict=True))
+
+
+DIALECTS = {
+    "german": (
+        table("Prüfstand 2\nZeit;Weg\nms;mm\n", ";", ["0,0", "4,0"], ["1.012,5", "13,25"]),
+        {"separator": "semicolon", "preamble": 1, "units_row": True, "decimal": ",",
+         "thousands": "."},
+        ("Zeit", "Weg"),
+    ),
+    "english": (
+        table("Time [s],Force (kN)\n", ",", ["0.0", "0.1"], ["1.5", "-2e-3"]),
+        {},
+        ("Time [s]", "Force (kN)"),
+    ),
+    "no header": (
+        table("", "\t", ["0.000", "10.000"], ["3.5", "3.6"]),
+        {"separator": "tab", "header": False},
+        (),
+    ),
+    "names in a comment": (
+        table("# bench 5\n# t x p\n", "  ", ["0.00", "1.00"], ["1", "2"], ["3", "4"]),
+        {"separator": "whitespace", "header": False, "comment": "#"},
+        ("t", "x", "p"),
+    ),
+    "names between blanks": (
+        table("Time (s)   Load cell   x\n", " ", ["0", "1"], ["1", "2"], ["3", "4"]),
+        {"separator": "whitespace", "header": False, "preamble": 1},
+        ("Time (s)", "Load cell", "x"),
+    ),
+    "keys and values above": (
+        table("Rate;100\nBy;Meier\n\nt;F;\ns;N;\n", ";", ["0,1", "0,2"], ["1,5", "2,5"], ["", ""]),
+        {"separator": "semicolon", "preamble": 3, "units_row": True, "decimal": ","},
+        ("t", "F"),
+    ),
+    "two header lines": (
+        table("Channel 1;Channel 2\nWeg;Kraft\nmm;kN\n", ";", ["1,5", "1,6"], ["2,5", "2,6"]),
+        {"separator": "semicolon", "preamble": 1, "units_row": True, "decimal": ","},
+        ("Weg", "Kraft"),
+    ),
+    "row between units and data": (
+        table("t,x\ns,mm\nraw,scaled\n", ",", ["0", "1"], ["2", "3"]),
+        {"units_row": True, "skip_rows": 1},
+        ("t", "x"),
+    ),
+    "date-times and a text": (
+        table("When\tx\tstate\n", "\t", ["2024-05-01 12:00:00.25", "2024-05-01 12:00:00.50"],
+              ["1,5", "1,6"], ["OK", "OK"]),
+        {"separator": "tab", "decimal": ","},
+        ("When", "x", "state"),
+    ),
+    "swiss": (
+        table("t;F\n", ";", ["0.1", "0.2"], ["1'234.5", "12.5"]),
+        {"separator": "semicolon", "thousands": "'"},
+        ("t", "F"),
+    ),
+    "quoted": (
+        table('"t","F, axial"\n', ",", ["0.1", "0.2"], ['"1,234.5"', "12.5"]),
+        {"thousands": ","},
+        ("t", "F, axial"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_the_dialect_of_a_text_is_found(name):
+    text, layout, names = DIALECTS[name]
+    found = text_dialect(text)
+    assert found.layout.model_dump(exclude_defaults=True) == layout
+    assert found.names == names
+
+
+@pytest.mark.parametrize("text", ["", "one\n", "A text, with 3 words.\nAnd 4; more\n", "1\n2\n3\n"])
+def test_a_text_without_columns_of_numbers_has_no_dialect(text):
+    assert text_dialect(text) is None
+
+
+MEANINGS = {
+    "t_s": ("Zeit", "Time [s]", "t_ms", "data.t", "elapsed time", "Zeitstempel"),
+    "x_m": ("Weg", "Position (mm)", "x / mm", "Kolbenweg", "stroke_mm", "Cylinder position (in)"),
+    "v_m_s": ("v_mm_s", "Geschwindigkeit in mm/s", "JibVelocity", "piston speed", "v_ist"),
+    "v_ref_m_s": ("v_soll", "JibXDotRef", "speed setpoint", "Sollgeschwindigkeit"),
+    "p_tp_pa": ("p_A [bar]", "Druck A", "MainPaCyl", "p1", "Kolbenseitendruck", "Cap pressure"),
+    "p_tr_pa": ("pB", "Druck Ringseite [bar]", "P_b", "Rod end pressure (psi)", "p2_bar"),
+    "p_s_pa": ("Ps", "Systemdruck", "supply pressure", "p_sys"),
+    "f_applied_n": ("F_kN", "Kraft [kN]", "Load cell", "Kraftmessdose", "Druckkraft", "Load"),
+    "u_t_v": ("u", "valve command", "Ventilspannung"),
+    "": ("Temp_Oil", "x_ref", "FlowA", "Index", "Joystick", "Untitled", "M(:,1)", "error x"),
+}
+
+
+@pytest.mark.parametrize("channel", MEANINGS)
+def test_names_in_english_and_german_mean_channels(channel):
+    assert {name: meaning(name).channel for name in MEANINGS[channel]} == dict.fromkeys(
+        MEANINGS[channel], channel
+    )
+
+
+def test_a_unit_of_another_quantity_contradicts_the_name():
+    assert meaning("s").quantity == meaning("s", "mm").quantity == "position"
+    assert meaning("p", "mm").quantity == "position"
+    assert meaning("channel 4", "bar").quantity == "pressure"
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("[kN]", "kN"),
+        ("sec", "s"),
+        ("bar(g)", "bar"),
+        ("mm/sec", "mm/s"),
+        ("°C", None),
+        ("-", None),
+    ],
+)
+def test_units_are_understood_in_usual_spellings(text, unit):
+    assert unit_in(text) == unit
+
+
+NAMES = {
+    "units": (
+        [f"NBR_{v}mm_s_{f}N_{k}.csv" for v in (20, 50) for f in (-500, 500) for k in (1, 2)],
+        {"NBR_{speed}mm_s_{load}N_{trial}.csv": "NBR"},
+    ),
+    "a leading trial": (
+        [f"rerun/{k}_O-ring257_{p}bar.csv" for k in (1, 2) for p in (1, 3)],
+        {"rerun/{trial}_O-ring257_{pressure}bar.csv": "O-ring257"},
+    ),
+    "words": (
+        [f"v{v}_F{f}_{k}.txt" for v in (10, 20) for f in (0, 500) for k in (1, 2)],
+        {"v{speed}_F{load}_{trial}.txt": ""},
+    ),
+    "specimens": (
+        [f"cyl{c}_test_{k}.csv" for c in (12, 13) for k in (1, 2)],
+        {"cyl12_test_{trial}.csv": "cyl12", "cyl13_test_{trial}.csv": "cyl13"},
+    ),
+    "dates": (
+        ["F_20240501_123011_50mms.csv", "F_20240502_093512_100mms.csv"],
+        {"F_*_{speed}mms.csv": "F"},
+    ),
+    "one file": (["run_1.mat"], {"run_{trial}.mat": ""}),
+    "a single date": (["JibSineTest_230425.csv"], {"JibSineTest_230425.csv": "JibSineTest 230425"}),
+    "folders": (["a/x.csv", "b/x.csv"], {"a/x.csv": "a x", "b/x.csv": "b x"}),
+    "braces": (["x{y}.csv"], {}),
+}
+
+
+@pytest.mark.parametrize("case", NAMES)
+def test_numbers_in_file_names_become_fields(case):
+    names, files = NAMES[case]
+    assert {pattern.files: pattern.label for pattern in name_patterns(names)} == files
+
+
+def test_patterns_know_the_values_in_their_names():
+    (pattern,) = name_patterns(["a_2,5kN_0.5MPa.csv", "a_-3kN_1MPa.csv"])
+    assert pattern.values("a_-3kN_1MPa.csv") == {"load": -3000.0, "pressure": 1e6}
