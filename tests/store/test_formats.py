@@ -199,6 +199,17 @@ def test_mapped_channels_of_more_than_the_limit_are_refused_before_reading(
         bring_in("a.tdms", "slow/f")
 
 
+def test_a_run_that_could_not_be_read_again_is_refused(bring_in, rules, tmp_path, monkeypatch):
+    from hbench.store.importing import importer
+
+    monkeypatch.setattr(importer, "LARGEST_LOG", 10_000)
+    write_tdms(tmp_path / "a.tdms")
+    with pytest.raises(DataError, match=r"run 0001 has 290 samples.* 0.01 MB") as caught:
+        bring_in("a.tdms", "slow/f")
+    assert "resample" in caught.value.hint
+    assert not (tmp_path / "out" / "campaign.yaml").exists()
+
+
 def test_a_file_larger_than_its_format_allows_is_refused(bring_in, tmp_path, monkeypatch):
     write_tdms(tmp_path / "a.tdms")
     size = (tmp_path / "a.tdms").stat().st_size

@@ -19,6 +19,7 @@ from hbench.store.campaign.journal import Stop
 from hbench.store.campaign.plan_fields import check_plan
 from hbench.store.campaign.run_csv import format_run
 from hbench.store.files.atomic import write_atomic
+from hbench.store.files.bounded_read import LARGEST_LOG
 from hbench.store.importing.imported_run import ImportedRun, SourceFile
 from hbench.store.importing.indexed_folder import read_indexed
 from hbench.store.importing.mapped_files import read_mapped
@@ -82,7 +83,16 @@ def _write_run(destination: Path, run: ImportedRun, at: datetime) -> str:
         check_plan(run.plan)
     except ValueError as error:  # such as the trial 0, by the file's name
         raise DataError(f"{run.file.name}: {error}") from None
-    data = b"".join(format_run(run.channels))
+    written = bytearray()
+    for rows in format_run(run.channels):
+        written += rows
+        if len(written) > LARGEST_LOG:  # could not be read again
+            raise DataError(
+                f"{run.file.name}: run {run.plan.run} has {len(run.channels['t_s'])} samples, "
+                f"which take more than {LARGEST_LOG / 1e6:g} MB as CSV",
+                "Write 'resample: 100 Hz' in the map, or cut the file into strokes.",
+            )
+    data = bytes(written)
     write_atomic(destination / "runs" / f"{run.plan.run}.csv", data)
     origin = {"file": run.file.name, "lines": list(run.lines), "sha256": run.file.sha256}
     stop = Stop(at.isoformat(), "done", len(run.channels["t_s"]), sha256(data))
