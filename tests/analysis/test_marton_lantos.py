@@ -98,7 +98,7 @@ def test_where_the_stribeck_speed_is_at_its_bound_the_switch_velocity_has_no_int
     noise = np.random.default_rng(1).standard_normal(len(SPEEDS))
     fit = found(make_curve, law(SPEEDS, 300, 535, 0.02, 2250) + noise)
     switch = fit.parameters["v_switch_m_s"]
-    assert switch.se is None and switch.ci95 is None and "v_switch_m_s has no" in fit.message
+    assert switch.se is None and switch.ci95 is None and "v_switch_m_s" in fit.message
     assert fit.parameters["low_force_n"].ci95
 
 

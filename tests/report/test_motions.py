@@ -231,7 +231,7 @@ def test_an_overshoot_that_the_log_does_not_resolve_is_marked_and_not_in_the_sum
 def test_untested_comparisons_say_why(small):
     untested = replace(MOTIONS, comparisons=(comparison("acceleration", 3.0, None, None),))
     text = summary_text(replace(small, motions=untested))
-    assert f"not tested, {untested.comparisons[0].message}" in text
+    assert untested.comparisons[0].message in text
 
 
 def test_ramps_stand_on_one_figure_with_the_steady_points_of_their_load(moving):

@@ -117,7 +117,7 @@ def test_octets_after_the_end_are_refused_but_padding_is_not_sent():
 @pytest.mark.parametrize("entry", [0x008002, 0x33FFF6])
 def test_an_entry_where_nothing_is_loaded_is_refused(entry):
     error = refusal(text_of(stream_of(entry, [(0x8000, [1, 2])])))
-    assert f"entry point 0x{entry:06X}" in error.message
+    assert f" 0x{entry:06X}" in error.message
 
 
 def test_text_is_found_a_character_a_word_across_split_blocks():
