@@ -130,6 +130,11 @@ def test_a_table_needs_t_s_which_may_be_a_datetime(bring_in):
     check(bring_in({"log": log}, "log.{}", ("t", "ms"))[0])
 
 
+def test_an_object_stored_otherwise_leaves_the_other_variables_readable(bring_in):
+    strange = matio.utils.MatlabOpaque(properties={"any": np.zeros(3)}, classname="timetable")
+    check(bring_in({**LOG, "tt": strange}, "{}", ("t", "s"))[0])
+
+
 def test_datetimes_and_durations_are_times_of_vectors(bring_in):
     durations = (1e3 * T).round().astype("timedelta64[ms]")
     dates = np.datetime64("2024-05-01T12:00:00") + durations

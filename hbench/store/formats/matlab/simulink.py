@@ -6,6 +6,7 @@ stream ``TimeR2``, or ``CompressedTime``: start, step and count.
 """
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -30,11 +31,12 @@ def simulink_signals(content: Group) -> Iterator[tuple[str, str, Signal]]:
         values = element.get("Values") if isinstance(element, Group) else None
         if values is None or "DataR2" not in values:
             continue
-        signal = _signal(content, values)
-        if signal is not None:
-            # Simulink encloses names that come from a block upstream.
-            name = text(values["Name"]).removeprefix("<").removesuffix(">")
-            yield _block(content, element), name, signal
+        with suppress(KeyError, ValueError):  # stored otherwise: the others may be readable
+            signal = _signal(content, values)
+            if signal is not None:
+                # Simulink encloses names that come from a block upstream.
+                name = text(values["Name"]).removeprefix("<").removesuffix(">")
+                yield _block(content, element), name, signal
 
 
 def _signal(content: Group, values: Any) -> Signal | None:

@@ -48,19 +48,23 @@ class ObjectReader:
     def read(self, node: Any) -> tuple[bool, Any]:
         """Return whether ``node`` is an object, and what it contains.
 
-        That is a dict of columns for a table, a signal for times, else None.
+        That is a dict of columns for a table, a signal for times, else None; also for an object
+        that is stored otherwise than expected, since other variables may be readable.
         """
-        found = self._store.find(node)
-        if found is None:
-            return False, None
-        name, about = found
+        try:
+            found = self._store.find(node)
+            return found is not None, self._content_of(node, *found) if found else None
+        except Exception:  # of many kinds
+            return True, None
+
+    def _content_of(self, node: Any, name: str, about: Mapping[str, Any]) -> Any:
         if name == "timetable":
-            return True, self._timetable(about["any"])
+            return self._timetable(about["any"])
         if name == "table":
             units = about["props"].get("VariableUnits")
-            return True, self._columns(about["data"], about["varnames"], units, None)
+            return self._columns(about["data"], about["varnames"], units, None)
         times = self._times(node)
-        return True, times.signal() if times is not None else None
+        return times.signal() if times is not None else None
 
     def _timetable(self, table: Mapping[str, Any]) -> dict[str, Any]:
         times = self._row_times(table["rowTimes"], int(table["numRows"][()].item()))
