@@ -21,6 +21,8 @@ _LONGEST_MEAN_S = 1.0  # longest block where no shorter one has the mean speed, 
 _SIGMAS = 3.0  # of a block's noise
 _LEAST = 4  # blocks of a plateau
 _OUTLIERS = 2  # blocks in a row that do not end a plateau
+_MOVING, _ABOUT = 0.2, 0.25  # of the speed: what counts as motion, and as its mean speed
+_MOST = 0.8  # of a stroke: a section that long leaves nothing uneven outside
 _LEAST_SHARE = 0.5  # of a section's blocks have its speed, or longer blocks are tried
 _TREND = 0.05  # of the speed: a larger change along the section is a ramp
 _SLOW = 0.03  # of the speed: slower blocks at an end belong to a change of speed
@@ -39,19 +41,60 @@ class Plateau:
 def plateau_at(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float) -> slice:
     """Return the samples in which the speed is ``v_m_s`` within 10 %, noise aside; may be empty.
 
-    Interruptions by other speeds are part of it, as in stick-slip, but not a motion back: of
-    several sections between reversals, the longest is returned.
+    Of several sections between reversals, the longest is returned. A stroke that has this mean
+    speed, but is faster and slower without a constant speed, as in stick-slip, is returned whole.
     """
     if len(t_s) < 3:
         return slice(0, 0)
     noise = noise_over_motion(t_s, x_m)
     block = _block_for(t_s, noise, v_m_s)
-    while block <= max(_LONGEST_MEAN_S, _longest_block(v_m_s)):
+    section = _nearest_section(t_s, x_m, v_m_s, block, noise)
+    stroke = _stroke_at(t_s, x_m, v_m_s, block, noise)
+    if _length(t_s, section) >= _MOST * _length(t_s, stroke) or not _exceeds(
+        block_speeds(t_s[stroke], x_m[stroke], block, noise), v_m_s
+    ):
+        return section
+    constant = [p for p in plateaus(t_s, x_m) if p.v_m_s * v_m_s > 0]
+    same = [p.section for p in constant if _is_near(np.array([p.v_m_s]), v_m_s, 0.0).all()]
+    longest = max(
+        [section, *(same or [p.section for p in constant])], key=lambda s: _length(t_s, s)
+    )
+    return longest if _length(t_s, longest) >= _LEAST_SHARE * _length(t_s, stroke) else stroke
+
+
+def _nearest_section(
+    t_s: np.ndarray, x_m: np.ndarray, v_m_s: float, block: float, noise: float
+) -> slice:
+    """Return the longest section at a speed, with the shortest blocks that show one."""
+    longest = max(block, _LONGEST_MEAN_S, _longest_block(v_m_s))
+    while block <= longest:
         section, share = _longest_at(t_s, x_m, v_m_s, block, noise)
-        if share >= _LEAST_SHARE and t_s[section.stop - 1] - t_s[section.start] > 2 * block:
+        if share >= _LEAST_SHARE and _length(t_s, section) > 2 * block:
             return section
         block *= 2
     return slice(0, 0)
+
+
+def _exceeds(speeds: BlockSpeeds, v_m_s: float) -> bool:
+    """Return whether any block is faster than ``v_m_s`` by more than the tolerance."""
+    faster = speeds.v_m_s * np.sign(v_m_s) - abs(v_m_s)
+    return bool((faster > max(SAME_SPEED * abs(v_m_s), _SIGMAS * speeds.noise_m_s)).any())
+
+
+def _stroke_at(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float, block: float, noise: float) -> slice:
+    """Return the longest motion in one direction with about this mean speed, however uneven."""
+    speeds = block_speeds(t_s, x_m, block, noise)
+    forward = speeds.v_m_s * np.sign(v_m_s) > max(_MOVING * abs(v_m_s), _SIGMAS * speeds.noise_m_s)
+    sections = [slice(0, 0)]
+    for piece in _between(np.flatnonzero(_against(speeds, v_m_s)), len(forward)):
+        blocks = piece.start + np.flatnonzero(forward[piece])
+        if len(blocks) < _LEAST:
+            continue
+        a, b = np.searchsorted(t_s, speeds.t_s[[blocks[0], blocks[-1]]])
+        mean = (x_m[b] - x_m[a]) / max(t_s[b] - t_s[a], 1e-12)
+        if abs(mean / v_m_s - 1) <= _ABOUT:
+            sections.append(slice(int(a), int(b) + 1))
+    return max(sections, key=lambda section: _length(t_s, section))
 
 
 def _longest_at(
@@ -66,7 +109,7 @@ def _longest_at(
         if len(blocks):
             share = len(blocks) / (blocks[-1] - blocks[0] + 1)
             sections.append((_section(t_s, x_m, speeds, blocks, noise), float(share)))
-    return max(sections, key=lambda s: t_s[s[0].stop - 1] - t_s[s[0].start] if s[1] else -1.0)
+    return max(sections, key=lambda found: _length(t_s, found[0]))
 
 
 def settled(
@@ -220,14 +263,23 @@ def _section(
 
 
 def _on_line(t_s: np.ndarray, x_m: np.ndarray, known: slice, further: slice, noise_m: float) -> int:
-    """Return how many of the ``further`` samples, nearest first, lie on the line through others."""
+    """Return how many of the ``further`` samples, nearest first, lie on the line through others.
+
+    Where the piston stops, the position leaves the tolerance only after some time at the lost
+    speed, which is taken back.
+    """
     t0, x0 = t_s[known].mean(), x_m[known].mean()
     v = mean_speed(t_s[known], x_m[known])
     away = t_s[further] - t0
     off = np.abs(x_m[further] - x0 - v * away)
     beyond = np.abs(away) - (t_s[known.stop - 1] - t_s[known.start]) / 2
-    outside = off > _LINE_SIGMAS * noise_m + _SLOW * abs(v) * np.abs(beyond)
-    return int(np.argmax(outside)) if outside.any() else len(off)
+    tolerance = _LINE_SIGMAS * noise_m + _SLOW * abs(v) * np.abs(beyond)
+    outside = off > tolerance
+    if not outside.any():
+        return len(off)
+    first = int(np.argmax(outside))
+    late = tolerance[first] / max(abs(v), 1e-12)
+    return max(int(np.sum(np.abs(away[:first]) < np.abs(away[first]) - late)) - 1, 0)
 
 
 def _block_for(t_s: np.ndarray, noise_m: float, v_m_s: float) -> float:
@@ -245,6 +297,12 @@ def _shortest_block(t_s: np.ndarray) -> float:
 
 def _longest_block(v_m_s: float) -> float:
     return max(_LONGEST_S, _LONGEST_M / max(abs(v_m_s), 1e-6))
+
+
+def _length(t_s: np.ndarray, section: slice) -> float:
+    """Return the time [s] from a section's first to its last sample; 0 if it is empty."""
+    empty = section.stop <= section.start
+    return 0.0 if empty else float(t_s[section.stop - 1] - t_s[section.start])
 
 
 def _step(t_s: np.ndarray) -> float:

@@ -64,7 +64,7 @@ def zero_offset(t_s: np.ndarray, values: np.ndarray) -> ZeroOffset | None:
     middles = np.bincount(block, t)[full] / counts[full]
     se = float(np.std(means, ddof=1) / np.sqrt(len(means)))
     scatter = 1.4826 * float(np.median(np.abs(np.diff(means)))) / np.sqrt(2)
-    step, at = _step(means, scatter)
+    step, at = largest_step(means, scatter)
     return ZeroOffset(
         mean=float(y.mean()),
         se=se,
@@ -76,8 +76,11 @@ def zero_offset(t_s: np.ndarray, values: np.ndarray) -> ZeroOffset | None:
     )
 
 
-def _step(means: np.ndarray, scatter: float) -> tuple[float, int]:
-    """Return the largest difference of means after and before a block, and the block's number."""
+def largest_step(means: np.ndarray, scatter: float) -> tuple[float, int]:
+    """Return the largest difference of means after and before a block, and the block's number.
+
+    It is 0 within the noise of ``means`` (k,), whose standard deviation is ``scatter``.
+    """
     k = np.arange(1, len(means))
     before = np.cumsum(means)[:-1] / k
     after = (means.sum() - np.cumsum(means)[:-1]) / (len(means) - k)

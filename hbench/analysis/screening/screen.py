@@ -15,7 +15,7 @@ from hbench.analysis.screening.friction_channels import (
     test_force,
 )
 from hbench.analysis.screening.saturation import saturated_sensors
-from hbench.analysis.screening.steadiness import drift, speed_ripple
+from hbench.analysis.screening.steadiness import drift, load_step, speed_ripple
 from hbench.analysis.screening.steady_window import (
     at_reference,
     standstill_s,
@@ -24,7 +24,7 @@ from hbench.analysis.screening.steady_window import (
 )
 from hbench.analysis.uncertainty.efficiency import SteadyForces, efficiency_of
 from hbench.config.schedule import Screening
-from hbench.motion.speeds import mean_speed
+from hbench.motion.speeds import mean_speed, noise_over_motion
 from hbench.records import KINDS, Run, ScreenedRun, SteadyMeans
 
 # Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".
@@ -66,6 +66,8 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
     reasons = [*_integrity(run, window if long_enough else section, rules)]
     if not long_enough:
         reasons.append(_too_short(run, section, window, rules))
+        if run.plan.motion is None:
+            reasons += _ripple(run, section, rules)
     reasons += _motion(run, section, window if long_enough else section, rules)
     if long_enough:
         reasons += _steadiness(run, window, means, rules)
@@ -163,13 +165,7 @@ def _steadiness(
             f"{1e3 * abs(v - v_ref):.2f} mm/s from the reference {1e3 * v_ref:.2f} mm/s; "
             f"limit {1e3 * limit:.2f} mm/s"
         )
-    ripple = speed_ripple(t, x)
-    limit = max(rules.speed_ripple, rules.speed_ripple_relative * abs(v_ref))
-    if exceeds(ripple.total_m_s, np.hypot(limit, ripple.noise_m_s)):
-        yield (
-            f"not_steady: speed over 0.1 s varies by {1e3 * ripple.total_m_s:.2f} mm/s (standard "
-            f"deviation); limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} mm/s noise"
-        )
+    yield from _ripple(run, window, rules)
     if run.v_m_s is not None and np.isfinite(run.v_m_s[window]).sum() > 1:
         swing = np.nanstd(run.v_m_s[window], ddof=1)
         limit = max(rules.speed_oscillation, rules.speed_oscillation_relative * abs(v_ref))
@@ -181,19 +177,28 @@ def _steadiness(
     if means is None or means.friction_n is None:
         return
     f_applied = required(run, "f_applied_n")[window]
-    change = drift(t, f_applied)
+    step = load_step(f_applied)
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(np.mean(f_applied)))
-    if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
-        yield (
-            f"not_steady: the load changes by {change.value:+.1f} N (standard error "
-            f"{change.se:.1f} N) over the window; limit {limit:.1f} N"
-        )
+    if exceeds(abs(step), limit):
+        yield f"not_steady: the load changes by {step:+.0f} N in the window; limit {limit:.0f} N"
     change = drift(t, test_force(run, window) - f_applied)
     limit = max(rules.friction_drift, rules.friction_drift_relative * abs(means.friction_n))
     if exceeds(abs(change.value), limit + _DRIFT_ERRORS * change.se):
         yield (
             f"not_steady: friction drifts by {change.value:+.1f} N (standard error "
             f"{change.se:.1f} N) over the window; limit {limit:.1f} N"
+        )
+
+
+def _ripple(run: Run, window: slice, rules: Screening) -> Iterator[str]:
+    t, x = run.t_s[window], run.x_m[window]
+    foreign = run.plan.motion is None
+    ripple = speed_ripple(t, x, noise_over_motion(run.t_s, run.x_m) if foreign else np.inf)
+    limit = max(rules.speed_ripple, rules.speed_ripple_relative * abs(run.plan.v_ref_m_s))
+    if exceeds(ripple.total_m_s, np.hypot(limit, ripple.noise_m_s)):
+        yield (
+            f"not_steady: speed over 0.1 s varies by {1e3 * ripple.total_m_s:.2f} mm/s (standard "
+            f"deviation); limit {1e3 * limit:.2f} mm/s and {1e3 * ripple.noise_m_s:.2f} mm/s noise"
         )
 
 

@@ -9,9 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammaincinv
 
-from hbench.motion.speeds import BlockSpeeds, block_speeds
+from hbench.motion.rest import largest_step
+from hbench.motion.speeds import BlockSpeeds, block_speeds, position_noise
 
 BLOCK_S = 0.1
+_STEP_BLOCKS = 12  # of a window, between which a load may step
 _MAD_TO_SIGMA = 1.4826  # of a normal distribution
 _MEDIAN_TO_MEAN = 1.2533  # standard error of a normal sample's median against its mean's
 _LEVEL = 0.9999  # of the chi-square law; with correlated speeds, noise exceeds it in 0.2 % at most
@@ -36,13 +38,17 @@ def speeds_over_tenths(t_s: np.ndarray, x_m: np.ndarray) -> BlockSpeeds:
     return block_speeds(t_s, x_m, BLOCK_S)
 
 
-def speed_ripple(t_s: np.ndarray, x_m: np.ndarray) -> Ripple:
+def speed_ripple(t_s: np.ndarray, x_m: np.ndarray, largest_noise_m: float = np.inf) -> Ripple:
     """Return the standard deviation of the 0.1 s speeds and the upper limit of its noise.
+
+    The position's noise is that within these samples, at most ``largest_noise_m``: a fast
+    oscillation looks like noise.
 
     Neighbouring speeds share a block, so their noise is correlated by -1/2 and the variance
     has about k/1.5 degrees of freedom (sum of the squared correlations).
     """
-    speeds = speeds_over_tenths(t_s, x_m)
+    noise_m = min(position_noise(t_s, x_m), largest_noise_m)
+    speeds = block_speeds(t_s, x_m, BLOCK_S, noise_m)
     k = len(speeds.v_m_s)
     if k < 2:
         return Ripple(0.0, 0.0)
@@ -65,3 +71,14 @@ def drift(t_s: np.ndarray, y: np.ndarray) -> Drift:
     scatter = _MAD_TO_SIGMA * np.median(np.abs(slopes - slope))
     window = t_s[-1] - t_s[0]
     return Drift(float(window * slope), float(window * _MEDIAN_TO_MEAN * scatter / np.sqrt(h)))
+
+
+def load_step(y: np.ndarray) -> float:
+    """Return the largest difference of means after and before any time; 0 within noise."""
+    blocks = min(_STEP_BLOCKS, len(y) // 2)
+    if blocks < 2:
+        return 0.0
+    edges = np.linspace(0, len(y), blocks + 1).astype(int)
+    means = np.add.reduceat(y, edges[:-1]) / np.diff(edges)
+    scatter = _MAD_TO_SIGMA * float(np.median(np.abs(np.diff(means)))) / np.sqrt(2)
+    return largest_step(means, scatter)[0]
