@@ -1,6 +1,7 @@
 """Atomic writing: a file is written completely or not at all."""
 
 import os
+import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -42,6 +43,53 @@ def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+@contextmanager
+def new_file(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file that does not exist for writing; flush it to disk. Raises ``DataError``."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("xb") as file:
+            yield file
+            _flush(file)
+    except OSError as error:
+        raise _refused(path, error) from error
+
+
+@contextmanager
+def temporary_folder(path: Path) -> Iterator[None]:
+    """Remove the folder ``path`` and its files before and after; other folders stay as they are.
+
+    Its parents that are missing are removed too where they are empty. Raises ``DataError``.
+    """
+    missing = [folder for folder in path.parents if not folder.exists()]
+    try:
+        if path.exists():  # from an import that was killed
+            shutil.rmtree(path)  # refuses a link
+    except OSError as error:
+        raise _refused(path, error) from error
+    try:
+        yield
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
+        with suppress(OSError):
+            for folder in missing:
+                folder.rmdir()
+
+
+def move_files(source: Path, destination: Path) -> None:
+    """Move the files of a folder, replacing those of the same name, and flush the moves to disk.
+
+    Raises ``DataError``.
+    """
+    try:
+        destination.mkdir(exist_ok=True)
+        for path in sorted(source.iterdir()):
+            os.replace(path, destination / path.name)
+        _flush_folder(destination)
+    except OSError as error:
+        raise _refused(destination, error) from error
 
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:

@@ -1,7 +1,7 @@
-"""Runs in SI from an imported folder, before they are written to a campaign."""
+"""Runs in SI from an imported folder, before they become a campaign."""
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,11 +26,24 @@ class SourceFile:
 
 
 @dataclass(frozen=True)
+class StoredLog:
+    """A run's log that was written."""
+
+    samples: int
+    sha256: str
+
+
+# Writes a run's log, given the file that it is from, the run's id and its channels in SI, named as
+# in ``import_layout.CHANNELS``.
+StoreLog = Callable[[str, str, Mapping[str, np.ndarray]], StoredLog]
+
+
+@dataclass(frozen=True)
 class ImportedRun:
     """One imported run."""
 
     plan: RunPlan
-    channels: dict[str, np.ndarray]  # in SI, named as in ``import_layout.CHANNELS``
+    log: StoredLog
     file: SourceFile
     lines: tuple[int, int]  # its first and last line in the file, from 1
 

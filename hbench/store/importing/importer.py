@@ -1,28 +1,35 @@
 """Import of another bench's logs into a campaign folder.
 
-All files are read and checked first; then the runs are written, and ``campaign.yaml`` last, so
-that a failed import leaves no campaign behind.
+The logs are read, checked and written one file at a time, to a temporary folder in the campaign's.
+Once all are there they are moved to ``runs``, and ``campaign.yaml`` is written last, so that a
+failed import leaves nothing behind.
 """
 
+import hashlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from hbench.config.files.loading import read_yaml
 from hbench.config.import_map import parse_import_map
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign import journal
-from hbench.store.campaign.folder import JOURNAL, refuse_existing, sha256
+from hbench.store.campaign.folder import JOURNAL, refuse_existing
 from hbench.store.campaign.journal import Stop
 from hbench.store.campaign.plan_fields import check_plan
 from hbench.store.campaign.run_csv import format_run
-from hbench.store.files.atomic import write_atomic
-from hbench.store.files.bounded_read import LARGEST_LOG
-from hbench.store.importing.imported_run import ImportedRun, SourceFile
+from hbench.store.files.atomic import move_files, new_file, temporary_folder, write_atomic
+from hbench.store.files.bounded_read import LARGEST_LOG, check_inside
+from hbench.store.importing.imported_run import ImportedRun, SourceFile, StoredLog
 from hbench.store.importing.indexed_folder import read_indexed
 from hbench.store.importing.mapped_files import read_mapped
+
+_PART = ".runs.part"  # folder in the campaign's
 
 
 @dataclass(frozen=True)
@@ -49,22 +56,35 @@ def import_folder(
     """
     check_source(source)
     refuse_existing(destination)
+    check_inside(destination, destination / "runs")
+    with temporary_folder(destination / _PART):
+        return _import(source, destination, map_path, software, at)
+
+
+def _import(
+    source: Path,
+    destination: Path,
+    map_path: Path | None,
+    software: Mapping[str, str],
+    at: datetime,
+) -> ImportSummary:
+    store = partial(_store_log, destination / _PART)
     header: dict[str, Any] = {"name": source.resolve().name, "source": "imported"}
     header |= {"created": at.isoformat(), "software": dict(software), "folder": str(source)}
     if map_path is None:
-        imported = read_indexed(source)
+        imported = read_indexed(source, store)
         if imported.bench is not None:
             header["bench"] = imported.bench
     else:
         content = read_yaml(map_path)
         rules = parse_import_map(content, str(map_path))
-        imported = read_mapped(source, rules)
+        imported = read_mapped(source, rules, store)
         header |= {"name": rules.name, "map": {"file": map_path.name, "content": content}}
     files = {run.file.name: run.file for run in imported.runs}
     notes = (*imported.notes, *_duplicates(files.values()), *_truncations(files.values()))
     text = [journal.journal_header({**header, "notes": list(notes)})]
-    for run in imported.runs:
-        text.append(_write_run(destination, run, at))
+    text += [_journal_item(run, at) for run in imported.runs]
+    move_files(destination / _PART, destination / "runs")
     write_atomic(destination / JOURNAL, "".join(text).encode())
     return ImportSummary(len(imported.runs), len(files), notes)
 
@@ -77,25 +97,31 @@ def check_source(source: Path) -> None:
         raise ConfigError(f"{source}: does not exist", "Give an existing folder.")
 
 
-def _write_run(destination: Path, run: ImportedRun, at: datetime) -> str:
-    """Write a run's CSV and return its item for the journal. Raises ``DataError``."""
+def _store_log(folder: Path, name: str, run: str, channels: Mapping[str, np.ndarray]) -> StoredLog:
+    """Write a run of the file ``name`` as CSV to ``folder``. Raises ``DataError``."""
+    sha256, size = hashlib.sha256(), 0
+    with new_file(folder / f"{run}.csv") as file:
+        for rows in format_run(channels):
+            file.write(rows)
+            sha256.update(rows)
+            size += len(rows)
+            if size > LARGEST_LOG:  # could not be read again
+                raise DataError(
+                    f"{name}: run {run} has {len(channels['t_s'])} samples, which take more than "
+                    f"{LARGEST_LOG / 1e6:g} MB as CSV",
+                    "Write 'resample: 100 Hz' in the map, or cut the file into strokes.",
+                )
+    return StoredLog(len(channels["t_s"]), sha256.hexdigest())
+
+
+def _journal_item(run: ImportedRun, at: datetime) -> str:
+    """Return a run's item for the journal. Raises ``DataError``."""
     try:
         check_plan(run.plan)
     except ValueError as error:  # such as the trial 0, by the file's name
         raise DataError(f"{run.file.name}: {error}") from None
-    written = bytearray()
-    for rows in format_run(run.channels):
-        written += rows
-        if len(written) > LARGEST_LOG:  # could not be read again
-            raise DataError(
-                f"{run.file.name}: run {run.plan.run} has {len(run.channels['t_s'])} samples, "
-                f"which take more than {LARGEST_LOG / 1e6:g} MB as CSV",
-                "Write 'resample: 100 Hz' in the map, or cut the file into strokes.",
-            )
-    data = bytes(written)
-    write_atomic(destination / "runs" / f"{run.plan.run}.csv", data)
     origin = {"file": run.file.name, "lines": list(run.lines), "sha256": run.file.sha256}
-    stop = Stop(at.isoformat(), "done", len(run.channels["t_s"]), sha256(data))
+    stop = Stop(at.isoformat(), "done", run.log.samples, run.log.sha256)
     return journal.start_text(run.plan, at, origin) + journal.stop_text(stop)
 
 

@@ -30,6 +30,7 @@ from hbench.store.importing.imported_run import (
     ImportedRun,
     ImportedRuns,
     SourceFile,
+    StoreLog,
     describe_source,
     open_source,
 )
@@ -51,8 +52,11 @@ _Log = Callable[[int, str], AbstractContextManager[tuple[Table, SourceFile]]]
 _Index = tuple[TextTable, _Log]
 
 
-def read_indexed(folder: Path) -> ImportedRuns:
-    """Read the runs that the folder's index lists. Raises ``DataError`` naming file and line."""
+def read_indexed(folder: Path, store: StoreLog) -> ImportedRuns:
+    """Read and store the runs that the folder's index lists.
+
+    Raises ``DataError`` naming file and line.
+    """
     present = [name for name in INDICES if (folder / name).is_file()]
     if not present:
         raise DataError(
@@ -75,9 +79,10 @@ def read_indexed(folder: Path) -> ImportedRuns:
         lines[plan.run] = index.lines[row]
         with log(row, file_name) as (table, file):
             channels, unknown = read_channels(table)
+            first, last = table.lines_of(np.array([0, len(channels["t_s"]) - 1])).tolist()
         notes += _left_out(file.name, [column for column in unknown if column != "run"])
-        first, last = table.lines_of(np.array([0, len(channels["t_s"]) - 1]))
-        runs.append(ImportedRun(plan, channels, file, (int(first), int(last))))
+        runs.append(ImportedRun(plan, store(file.name, plan.run, channels), file, (first, last)))
+        del table, channels  # before the next ones are read
     return ImportedRuns(tuple(runs), (*notes, *_unlisted(folder, name, runs)), bench)
 
 

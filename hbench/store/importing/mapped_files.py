@@ -12,8 +12,15 @@ from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
 from hbench.store.importing.file_notes import FileNote, listed, merged
-from hbench.store.importing.imported_run import ImportedRun, ImportedRuns, SourceFile, open_source
-from hbench.store.importing.sections import Section, cut
+from hbench.store.importing.imported_run import (
+    ImportedRun,
+    ImportedRuns,
+    SourceFile,
+    StoredLog,
+    StoreLog,
+    open_source,
+)
+from hbench.store.importing.sections import Section, Sections, cut
 
 # Relative gap between measured speeds of one nominal speed; strokes are often not controlled.
 _SAME_SPEED, _SAME_SPEED_OF_STROKES = 0.05, 0.20
@@ -33,11 +40,12 @@ class MappedFile:
 class Piece:
     """A section of a file that becomes a run."""
 
+    run: str
     match: FileMatch
     file: SourceFile
     section: Section
     lines: tuple[int, int]
-    channels: dict[str, np.ndarray]
+    log: StoredLog
 
     @property
     def series(self) -> tuple:
@@ -45,8 +53,8 @@ class Piece:
         return self.match.label, self.match.f_load_n, self.section.v_m_s > 0
 
 
-def read_mapped(folder: Path, rules: ImportMap) -> ImportedRuns:
-    """Read every file below ``folder`` whose name matches a series of the map.
+def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns:
+    """Read every file below ``folder`` whose name matches a series of the map; store its runs.
 
     Raises ``DataError`` naming the invalid file and line.
     """
@@ -55,13 +63,30 @@ def read_mapped(folder: Path, rules: ImportMap) -> ImportedRuns:
     pieces: list[Piece] = []
     notes: list[FileNote] = []
     for match in matches.files:
-        mapped = read_mapped_file(folder, match, rules)
-        found, left_out = cut_pieces(mapped, folder, rules)
+        found, of_file = _pieces(folder, match, rules, store, len(pieces) + 1)
         pieces += found
-        notes += [*mapped.read.notes, *left_out]
-    notes += _load_signs(pieces)
+        notes += of_file
     on_all = _on_all(pieces, matches.unmatched, rules)
     return ImportedRuns(runs_of(pieces, rules), (*merged(notes), *on_all))
+
+
+def _pieces(
+    folder: Path, match: FileMatch, rules: ImportMap, store: StoreLog, number: int
+) -> tuple[list[Piece], list[FileNote]]:
+    """Return the pieces of a file, whose runs are numbered from ``number``, with notes."""
+    mapped = read_mapped_file(folder, match, rules)
+    read = mapped.read
+    found = cut_file(mapped, folder, rules)
+    notes = [*read.notes, *found.notes]
+    pieces = []
+    for run, section in enumerate(found.sections, start=number):
+        channels = {name: values[section.samples] for name, values in read.channels.items()}
+        lines = read.lines[section.samples]
+        log = store(match.name, f"{run:04d}", channels)
+        ends = int(lines[0]), int(lines[-1])
+        pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log))
+        notes += _load_sign(match, channels.get("f_applied_n"))
+    return pieces, notes
 
 
 def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> MappedFile:
@@ -70,27 +95,19 @@ def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> Mapped
         return MappedFile(match, file, read_channels_by_map(table, match.name, match.fields, rules))
 
 
-def cut_pieces(
-    mapped: MappedFile, folder: Path, rules: ImportMap
-) -> tuple[list[Piece], tuple[FileNote, ...]]:
-    """Cut a file into pieces, with notes. Raises ``DataError`` if it has none."""
-    match, read = mapped.match, mapped.read
-    found = cut(read.channels, str(folder / match.name), match.name, rules, match.speed_m_s)
-    return [_piece(mapped, section) for section in found.sections], found.notes
+def cut_file(mapped: MappedFile, folder: Path, rules: ImportMap) -> Sections:
+    """Return the sections of a file that become runs. Raises ``DataError`` if it has none."""
+    match = mapped.match
+    source = str(folder / match.name)
+    return cut(mapped.read.channels, source, match.name, rules, match.speed_m_s)
 
 
 def runs_of(pieces: Sequence[Piece], rules: ImportMap) -> tuple[ImportedRun, ...]:
     """Return a run for each piece; nominal speed and trial depend on the other pieces."""
     return tuple(
-        ImportedRun(plan, piece.channels, piece.file, piece.lines)
+        ImportedRun(plan, piece.log, piece.file, piece.lines)
         for plan, piece in zip(_plans(pieces, rules), pieces, strict=True)
     )
-
-
-def _piece(mapped: MappedFile, section: Section) -> Piece:
-    channels = {name: values[section.samples] for name, values in mapped.read.channels.items()}
-    lines = mapped.read.lines[section.samples]
-    return Piece(mapped.match, mapped.file, section, (int(lines[0]), int(lines[-1])), channels)
 
 
 def _plans(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
@@ -107,13 +124,13 @@ def _plans(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
     )
     trials: dict[tuple, int] = defaultdict(int)
     plans = []
-    for number, (piece, v_ref) in enumerate(zip(pieces, nominal, strict=True), start=1):
+    for piece, v_ref in zip(pieces, nominal, strict=True):
         match, cylinder = piece.match, piece.match.series.cylinder
         trials[key := (*piece.series, v_ref)] += 1
         low, high = piece.section.positions or (None, None)
         plans.append(
             RunPlan(
-                run=f"{number:04d}",
+                run=piece.run,
                 kind=rules.kind,
                 trial=trials[key] if match.trial is None else match.trial,
                 v_ref_m_s=v_ref,
@@ -152,18 +169,17 @@ def _nominal_speeds(pieces: Sequence[Piece], tolerance: float) -> list[float]:
     return nominal
 
 
-def _load_signs(pieces: Sequence[Piece]) -> Iterator[FileNote]:
-    """Yield notes on files whose load cell contradicts the sign of the load in the name."""
-    for piece in pieces:
-        load, measured = piece.match.f_load_n, piece.channels.get("f_applied_n")
-        if load and measured is not None and np.isfinite(measured).any():
-            mean = float(np.nanmean(measured))
-            if mean * np.sign(load) < -_WRONG_SIGN * abs(load):
-                text = (
-                    "the load in the name, {load} N, has the other sign than the load cell's mean, "
-                    "{mean} N; positive opposes extension (scale: -1 turns a column)"
-                )
-                yield FileNote(piece.match.name, text, {"load": load, "mean": mean})
+def _load_sign(match: FileMatch, f_applied_n: np.ndarray | None) -> Iterator[FileNote]:
+    """Yield a note if the load cell contradicts the sign of the load in the file's name."""
+    load = match.f_load_n
+    if load and f_applied_n is not None and np.isfinite(f_applied_n).any():
+        mean = float(np.nanmean(f_applied_n))
+        if mean * np.sign(load) < -_WRONG_SIGN * abs(load):
+            text = (
+                "the load in the name, {load} N, has the other sign than the load cell's mean, "
+                "{mean} N; positive opposes extension (scale: -1 turns a column)"
+            )
+            yield FileNote(match.name, text, {"load": load, "mean": mean})
 
 
 def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap) -> Iterator[str]:

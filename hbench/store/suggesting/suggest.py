@@ -14,7 +14,7 @@ from hbench.motion.plateaus import plateaus
 from hbench.store.importing.file_matches import FileMatch, match_files
 from hbench.store.importing.file_notes import listed
 from hbench.store.importing.importer import check_source
-from hbench.store.importing.mapped_files import cut_pieces, read_mapped_file
+from hbench.store.importing.mapped_files import cut_file, read_mapped_file
 from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
 from hbench.store.suggesting.file_names import NamePattern, name_patterns
@@ -228,7 +228,7 @@ def _rules(found: SuggestedMap) -> ImportMap | str:
 
 def _import_fault(folder: Path, match: FileMatch, rules: ImportMap) -> str:
     try:
-        cut_pieces(read_mapped_file(folder, match, rules), folder, rules)
+        cut_file(read_mapped_file(folder, match, rules), folder, rules)
     except HbenchError as error:
         message = error.message.removeprefix(f"{folder / match.name}: ")
         return message if len(message) < _LONGEST_FAULT else f"{message[:_LONGEST_FAULT]}..."

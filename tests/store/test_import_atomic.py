@@ -1,0 +1,75 @@
+"""An import writes a whole campaign or nothing."""
+
+import pytest
+import yaml
+
+from hbench.errors import DataError
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.importing.importer import import_folder
+
+LOG = "t_s,x_m,p_tp_pa\n" + "".join(f"{n / 100},{n / 1000},5e5\n" for n in range(100))
+
+
+@pytest.fixture
+def bring_in(tmp_path, at):
+    """Return a function that imports three logs to a folder; the last one can be spoilt."""
+
+    def bring_in(folder, last=LOG):
+        logs = tmp_path / "logs"
+        logs.mkdir(exist_ok=True)
+        for number, text in enumerate((LOG, LOG, last)):
+            (logs / f"{number}.csv").write_text(text)
+        rules = {
+            "name": "whole",
+            "columns": {name: {"column": name} for name in ("t_s", "x_m", "p_tp_pa")},
+            "series": [
+                {"label": "", "files": "{load}.csv", "cylinder": {"piston_diameter": "40 mm"}}
+            ],
+        }
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+        import_folder(logs, folder, tmp_path / "map.yaml", {}, at(0))
+
+    return bring_in
+
+
+def below(folder):
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*"))
+
+
+SPOILT = LOG.replace("0.5,", "?,")
+
+
+def test_a_failed_import_leaves_no_folder(bring_in, tmp_path):
+    with pytest.raises(DataError, match=r"2\.csv: line 52"):
+        bring_in(tmp_path / "new" / "out", SPOILT)
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_failed_import_leaves_a_folder_as_it_was(bring_in, tmp_path):
+    (tmp_path / "out" / "runs").mkdir(parents=True)
+    (tmp_path / "out" / "runs" / "0001.csv").write_text("mine")
+    with pytest.raises(DataError):
+        bring_in(tmp_path / "out", SPOILT)
+    assert below(tmp_path / "out") == ["runs", "runs/0001.csv"]
+    assert (tmp_path / "out" / "runs" / "0001.csv").read_text() == "mine"
+
+
+def test_what_a_killed_import_left_is_removed(bring_in, tmp_path):
+    (tmp_path / "out" / ".runs.part").mkdir(parents=True)
+    (tmp_path / "out" / ".runs.part" / "0009.csv").write_text("half")
+    bring_in(tmp_path / "out")
+    runs = [f"runs/000{number}.csv" for number in (1, 2, 3)]
+    assert below(tmp_path / "out") == ["campaign.yaml", "runs", *runs]
+    assert len(list(load_campaign(tmp_path / "out").runs())) == 3
+
+
+@pytest.mark.parametrize("name", ["runs", ".runs.part"])
+def test_nothing_is_written_or_removed_through_a_link(bring_in, tmp_path, name):
+    precious = tmp_path / "precious"
+    precious.mkdir()
+    (precious / "0001.csv").write_text("mine")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / name).symlink_to(precious)
+    with pytest.raises(DataError, match=name):
+        bring_in(tmp_path / "out")
+    assert (precious / "0001.csv").read_text() == "mine" and below(precious) == ["0001.csv"]
