@@ -63,6 +63,19 @@ class Campaign:
         return self._points("efficiency")
 
     @property
+    def bands(self) -> pd.DataFrame:
+        """One row per pressure that both directions were measured at."""
+        return pd.DataFrame(self.results["bands"])
+
+    @property
+    def band_trends(self) -> pd.DataFrame:
+        """One row per series over pressure; columns such as ``half_slope_n_pa`` and its interval.
+
+        The columns of the two lines begin with ``half`` and ``middle``.
+        """
+        return pd.json_normalize(self.results["band_trends"], sep="_")
+
+    @property
     def fits(self) -> pd.DataFrame:
         """One row per fitted parameter; joint fits of all loads have no direction and no load."""
         return pd.DataFrame(

@@ -123,6 +123,50 @@ def test_the_interval_of_the_reruns_is_that_of_the_plain_files(campaign, bar):
     assert band.half_ci95_n == pytest.approx(interval, rel=0.15)
 
 
+def energies_from_the_file(name, bore_m):
+    """Energy [J] of each cycle from one innermost position to the next, with numpy alone."""
+    rows = np.loadtxt(DATA / name)[15:]
+    x, friction = -rows[:, 4] / 1e3, rows[:, 5] * 1e5 * np.pi / 4 * bore_m**2 - rows[:, 6]
+    inside = x < x.min() + 0.1 * np.ptp(x)
+    edges = np.flatnonzero(np.diff(inside.astype(int)))
+    starts = edges[~inside[edges]]  # from outside to inside
+    turns = [i + np.argmin(x[i : i + 150]) for i in starts]
+    return np.array(
+        [
+            np.sum((friction[a:b] + friction[a + 1 : b + 1]) / 2 * np.diff(x[a : b + 1]))
+            for a, b in zip(turns, turns[1:], strict=False)
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("label", "name", "bore_m"),
+    [
+        ("O-ring", "friction/O-ring_1bar.csv", 0.025),
+        ("NAPN", "friction/NAPN_3bar.csv", 0.025),
+        ("O-ring 25.7 mm", "rerun/2_O-ring257_5bar.csv", 0.0257),
+    ],
+)
+def test_the_energy_of_a_cycle_is_that_of_the_plain_file(campaign, label, name, bore_m):
+    cycles = energies_from_the_file(name, bore_m)
+    assert len(cycles) >= 8
+    bar, rerun = int(name[-8]), "rerun" in name
+    bands = [band for band in campaign[1].bands if band.label == label]
+    (band,) = (band for band in bands if round(band.p_tp_pa / 1e5) == bar)
+    energy = band.trials_energy_j[1] if rerun else band.energy_j  # of the trials 1, 2, 3
+    assert energy == pytest.approx(cycles.mean(), rel=0.02)
+    if not rerun:
+        spread = stats.t.ppf(0.975, len(cycles) - 1) * cycles.std(ddof=1) / np.sqrt(len(cycles))
+        assert band.energy_ci95_j == pytest.approx(spread, rel=0.35)
+
+
+def test_the_middle_falls_with_pressure_as_the_data_states(campaign):
+    """The data's README: 0.36 and 0.51 N/bar, with the force's sign turned."""
+    slopes = {t.label: 1e5 * t.middle.slope_n_pa for t in campaign[1].band_trends}
+    assert slopes["O-ring"] == pytest.approx(-0.36, abs=0.02)
+    assert slopes["NAPN"] == pytest.approx(-0.51, abs=0.02)
+
+
 def test_no_file_is_another_ones_copy_and_a_copy_is_noticed(campaign, tmp_path):
     names = [f"rerun/{k}_O-ring257_3bar.csv" for k in (1, 3)]
     assert not [note for note in campaign[1].notes if any(name in note for name in names)]

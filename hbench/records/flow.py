@@ -1,6 +1,7 @@
 """Products of the flow, in its order: one frozen dataclass each.
 
     RunPlan -> RawRun -> Run -> ScreenedRun -> Curve (with Fits) -> EfficiencyCurve, Band -> Results
+                                                                    Band -> BandTrend
 
 All quantities are SI; a field's name ends in its unit. Positive velocity extends the test
 cylinder; positive forces F_L and F_applied oppose extension.
@@ -180,6 +181,9 @@ class ScreenedRun:
     reasons: tuple[str, ...]  # "code: words with value and limit"; empty: accepted
     means: SteadyMeans | None  # None where there is no window to average
     notes: tuple[str, ...] = ()  # remarks that are no reasons for rejection
+    # Work against friction over a whole stroke that was cut from a cycle; None for other runs, and
+    # where samples of the stroke are missing.
+    work_j: float | None = None
 
     @property
     def reason(self) -> str:
@@ -210,6 +214,7 @@ class CurvePoint:
     runs: tuple[str, ...]
     sigma_instruments_n: float | None = None  # 6.15 for 5.1; None where they are not known
     u95_n: float | None = None  # half-width of the 95 % interval of trials and instruments
+    trials_work_j: tuple[float | None, ...] = ()  # work of each trial's strokes, where known
 
 
 @dataclass(frozen=True)
@@ -346,15 +351,50 @@ class Band:
 
     kind: KindName
     label: str
+    specimen: Specimen
     f_load_n: float | None
     p_lr_ref_pa: float | None
+    v_m_s: float  # mean speed of the two directions, without sign
     p_tp_pa: float | None  # mean of the two directions; None without hydraulics
     half_n: float  # (F_extend - F_retract) / 2: free of a constant error in force
     half_ci95_n: float | None  # Student's, of the trials' halves; None with fewer than two
     middle_n: float  # (F_extend + F_retract) / 2: asymmetry, or an error of a sensor
+    middle_ci95_n: float | None  # Student's, of the trials' middles
+    energy_j: float | None  # dissipated in a cycle of whole strokes; None for single strokes
+    energy_ci95_j: float | None  # Student's, of the trials' energies
     n: int  # trials
+    trials: tuple[int, ...]  # their numbers
+    trials_half_n: tuple[float, ...]
+    trials_middle_n: tuple[float, ...]
+    trials_energy_j: tuple[float, ...]  # of the trials that have it
     extend: CurvePoint
     retract: CurvePoint
+
+
+@dataclass(frozen=True)
+class PressureLine:
+    """Straight line of a force over chamber pressure, through the means of the pressures."""
+
+    slope_n_pa: float
+    slope_ci95_n_pa: float  # half-width of the 95 % interval, of the pressures or of the trials
+    slope_se_n_pa: float  # standard error of that interval
+    slope_dof: int  # degrees of freedom of that interval
+    intercept_n: float  # at zero pressure
+    intercept_ci95_n: float
+
+
+@dataclass(frozen=True)
+class BandTrend:
+    """Dependence of a series' friction bands on pressure, from three pressures or more."""
+
+    kind: KindName
+    label: str
+    specimen: Specimen
+    p_lr_ref_pa: float | None
+    pressures_pa: tuple[float, ...]  # rising
+    bands: tuple[Band, ...]  # at these pressures
+    half: PressureLine
+    middle: PressureLine
 
 
 @dataclass(frozen=True)

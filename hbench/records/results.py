@@ -2,7 +2,15 @@
 
 from dataclasses import dataclass, field
 
-from hbench.records.flow import Band, Curve, EfficiencyCurve, JointFit, Provenance, ScreenedRun
+from hbench.records.flow import (
+    Band,
+    BandTrend,
+    Curve,
+    EfficiencyCurve,
+    JointFit,
+    Provenance,
+    ScreenedRun,
+)
 from hbench.records.motions import Motions
 from hbench.records.summary import Headline, Quality
 
@@ -19,5 +27,6 @@ class Results:
     notes: tuple[str, ...]  # data left out, with the reason
     motions: Motions = Motions()
     joint_fits: tuple[JointFit, ...] = ()
+    band_trends: tuple[BandTrend, ...] = ()
     headline: Headline = field(kw_only=True)
     quality: Quality = field(kw_only=True)

@@ -5,19 +5,24 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TypeVar
 
-from hbench.records.flow import Band, Curve, EfficiencyCurve, RunPlan
+from hbench.records.flow import Band, BandTrend, Curve, EfficiencyCurve, RunPlan
 from hbench.records.summary import HeadlineSeries
 
-SeriesRecord = TypeVar("SeriesRecord", Band, Curve, EfficiencyCurve, RunPlan, HeadlineSeries)
+SeriesRecord = TypeVar(
+    "SeriesRecord", Band, BandTrend, Curve, EfficiencyCurve, RunPlan, HeadlineSeries
+)
 
 
 def differs_in_rod_pressure(series: Iterable[SeriesRecord]) -> bool:
     """Return whether one kind, label, direction and load was measured at several pressures."""
     pressures = defaultdict(set)
     for each in series:
-        direction = None if isinstance(each, Band) else each.direction
-        acceleration = None if isinstance(each, Band) else each.a_ref_m_s2
-        key = each.kind, each.label, direction, each.f_load_n, acceleration
+        if isinstance(each, BandTrend):
+            key: tuple = each.kind, each.label
+        elif isinstance(each, Band):
+            key = each.kind, each.label, each.f_load_n
+        else:
+            key = each.kind, each.label, each.direction, each.f_load_n, each.a_ref_m_s2
         pressures[key].add(each.p_lr_ref_pa)
     return any(len(values) > 1 for values in pressures.values())
 

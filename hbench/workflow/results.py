@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hbench.analysis.by_kind import analyse_runs
+from hbench.analysis.curves.band_trends import band_trends
 from hbench.analysis.curves.bands import friction_bands
 from hbench.analysis.fitting.fit import unfitted_curves
 from hbench.analysis.fitting.joint import joint_fits
@@ -114,15 +115,17 @@ def derive(campaign: StoredCampaign, how: Fitting = _DEFAULT_FITTING) -> Results
     steady, curves = analysed.steady, (*analysed.steady, *analysed.moving)
     efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
     limitations = not_computed(screened, efficiencies, instruments)
+    bands = friction_bands(steady)
     return Results(
         provenance=campaign.provenance(),
         runs=screened,
         curves=curves,
         efficiency=efficiencies,
-        bands=friction_bands(steady),
+        bands=bands,
         notes=(*campaign.warnings, *limitations, *unfitted_curves(steady), *analysed.notes),
         motions=analysed.motions,
         joint_fits=joint_fits(steady, how),
+        band_trends=band_trends(bands),
         headline=headline(curves, efficiencies),
         quality=quality(screened, curves),
     )

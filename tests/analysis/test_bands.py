@@ -12,7 +12,7 @@ from hbench.analysis.curves.bands import friction_bands
 def side(make_curve):
     """Return a function that makes a curve of one speed from {trial: signed friction}."""
 
-    def make(direction, trials, p_tp_pa=1e5, **changes):
+    def make(direction, trials, p_tp_pa=1e5, works_j=(), **changes):
         (point,) = make_curve([0.02], [0.0], direction, f_applied_n=50.0).points
         point = replace(
             point,
@@ -21,6 +21,7 @@ def side(make_curve):
             p_tp_pa=p_tp_pa,
             trials=tuple(trials),
             trials_n=tuple(trials.values()),
+            trials_work_j=works_j,
         )
         curve = make_curve([], [], direction, f_applied_n=50.0)
         return replace(curve, points=(point,), **changes)
@@ -35,7 +36,8 @@ def test_half_and_middle_are_formed_in_each_trial(side):
     # Halves 6, 6, 9: mean 7, S = sqrt(3), so t S / sqrt(3) = 4.303. Middles 2, 4, 3.
     assert band.half_n == pytest.approx(7)
     assert band.half_ci95_n == pytest.approx(4.303, abs=1e-3)
-    assert band.middle_n == pytest.approx(3)
+    # S = 1: 4.303 / sqrt(3) = 2.484.
+    assert (band.middle_n, band.middle_ci95_n) == (pytest.approx(3), pytest.approx(2.484, abs=1e-3))
     assert (band.n, band.p_tp_pa, band.f_load_n) == (3, pytest.approx(1.1e5), 50.0)
 
 
@@ -74,6 +76,18 @@ def test_only_trials_that_both_directions_have_count(side):
     (band,) = friction_bands([extend, side("retract", {2: -2.0})])
     assert (band.n, band.half_n, band.half_ci95_n) == (1, pytest.approx(6), None)
     assert friction_bands([extend, side("retract", {4: -2.0})]) == ()
+
+
+def test_the_energy_of_a_cycle_is_that_of_both_strokes_of_a_trial(side):
+    extend = side("extend", {1: 8.0, 2: 10.0, 3: 12.0}, works_j=(0.3, 0.4, None))
+    retract = side("retract", {3: -6.0, 1: -4.0, 2: -2.0}, works_j=(0.9, 0.1, 0.2))
+    (band,) = friction_bands([extend, retract])
+    # Energies 0.4 and 0.6 of the trials 1 and 2: mean 0.5, 12.706 S / sqrt(2) = 1.2706.
+    assert band.n == 3 and band.trials_energy_j == pytest.approx((0.4, 0.6))
+    assert band.energy_j == pytest.approx(0.5)
+    assert band.energy_ci95_j == pytest.approx(1.2706, abs=1e-4)
+    (band,) = friction_bands([side("extend", {1: 8.0}), side("retract", {1: -4.0})])
+    assert (band.energy_j, band.energy_ci95_j, band.trials_energy_j) == (None, None, ())
 
 
 def test_only_directions_of_the_same_load_rod_side_and_label_pair(side):

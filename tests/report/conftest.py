@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
+from hbench.analysis.curves.band_trends import band_trends
 from hbench.records import (
     Band,
     Curve,
@@ -76,16 +77,27 @@ def point(v, trials, runs, load, p_tp=5e6, p_tr=8e5):
 
 
 def band(label, load, extend, retract, half_ci95_n):
+    both = list(zip(extend.trials_n, retract.trials_n, strict=True))
+    interval = half_ci95_n is not None
     return Band(
         kind="steady",
         label=label,
+        specimen=SPECIMEN,
         f_load_n=load,
         p_lr_ref_pa=15e5,
+        v_m_s=extend.v_m_s,
         p_tp_pa=(extend.p_tp_pa + retract.p_tp_pa) / 2,
         half_n=(extend.friction_n - retract.friction_n) / 2,
         half_ci95_n=half_ci95_n,
         middle_n=(extend.friction_n + retract.friction_n) / 2,
+        middle_ci95_n=2 * half_ci95_n if interval else None,
+        energy_j=0.08 * extend.friction_n if interval else None,
+        energy_ci95_j=0.08 * half_ci95_n if interval else None,
         n=extend.n,
+        trials=extend.trials,
+        trials_half_n=tuple((a - b) / 2 for a, b in both),
+        trials_middle_n=tuple((a + b) / 2 for a, b in both),
+        trials_energy_j=tuple(0.08 * a for a, _ in both) if interval else (),
         extend=extend,
         retract=retract,
     )
@@ -196,7 +208,13 @@ def seal_results():
         "Seals of a printed cylinder", "imported", "unknown", "", "", "", {"hbench": "0.1.0"}, {}
     )
     return made_results(
-        provenance, tuple(runs), tuple(curves), (), tuple(bands), ("No efficiency: no load cell.",)
+        provenance,
+        tuple(runs),
+        tuple(curves),
+        (),
+        tuple(bands),
+        ("No efficiency: no load cell.",),
+        band_trends=band_trends(bands),
     )
 
 

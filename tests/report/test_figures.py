@@ -194,7 +194,7 @@ def test_an_efficiency_that_does_not_exist_leaves_a_gap(small):
 
 
 def test_the_half_band_is_drawn_from_the_bands_with_their_intervals(seals):
-    _, below = pressure.friction_pressure(seals)[""].axes
+    _, below, _ = pressure.friction_pressure(seals)[""].axes
     bars = below.containers[0]
     oring = [band for band in seals.bands if band.label == "O-ring"]
     assert bars.lines[0].get_ydata() == pytest.approx([band.half_n for band in oring])
@@ -208,13 +208,13 @@ def test_pressure_series_are_distinguished_by_their_rod_side_pressure(seals):
         curves=seals.curves + tuple(replace(c, p_lr_ref_pa=60e5) for c in seals.curves),
         bands=seals.bands + tuple(replace(b, p_lr_ref_pa=60e5) for b in seals.bands),
     )
-    axes, below = pressure.friction_pressure(again)[""].axes
+    axes, below, _ = pressure.friction_pressure(again)[""].axes
     assert len(axes.containers) == 8 and "NAPN, 60 bar, extending" in series(axes)
     assert [list(bars.lines[0].get_xdata()) for bars in below.containers] == [[1, 3, 5, 7]] * 4
 
 
 def test_pressure_figure_shows_each_seal_and_direction_in_bar(seals):
-    axes, below = pressure.friction_pressure(seals)[""].axes
+    axes, below, _ = pressure.friction_pressure(seals)[""].axes
     drawn = series(axes)
     assert set(drawn) == {
         f"{seal}, {verb}" for seal in ("O-ring", "NAPN") for verb in ("extending", "retracting")
@@ -225,9 +225,19 @@ def test_pressure_figure_shows_each_seal_and_direction_in_bar(seals):
 
 def test_one_direction_alone_is_drawn_without_a_half_band(seals):
     curves = tuple(c for c in seals.curves if c.direction == "extend")
-    alone = replace(seals, curves=curves, bands=())
-    axes, below = pressure.friction_pressure(alone)[""].axes
-    assert len(axes.containers) == 2 and not below.containers
+    alone = replace(seals, curves=curves, bands=(), band_trends=())
+    axes, *below = pressure.friction_pressure(alone)[""].axes
+    assert len(axes.containers) == 2 and not any(panel.containers for panel in below)
+
+
+def test_the_lines_of_half_band_and_middle_are_drawn_over_their_pressures(seals):
+    _, *panels = pressure.friction_pressure(seals)[""].axes
+    (oring, _) = seals.band_trends
+    for panel, line in zip(panels, (oring.half, oring.middle), strict=True):
+        (drawn,) = (x for x in panel.lines if x.get_label() == "_O-ring, line")
+        bars = np.array([1, 3, 5, 7])
+        assert drawn.get_xdata() == pytest.approx(bars)
+        assert drawn.get_ydata() == pytest.approx(line.intercept_n + line.slope_n_pa * 1e5 * bars)
 
 
 def test_rejected_bars_count_every_reason(stribeck):

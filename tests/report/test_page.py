@@ -210,7 +210,7 @@ def test_a_parameter_without_an_interval_and_a_failed_fit_are_flagged(small):
 def test_the_seals_page_tables_friction_against_pressure(seals):
     text = Parsed(page_html(seals, draw_all(seals))).text
     assert "Half band (N)" in text
-    assert all(significant(band.middle_n, 3) in text for band in seals.bands)
+    assert all(with_interval(b.middle_n, b.middle_ci95_n) in text for b in seals.bands)
     assert "chamber pressure" in text and "1–7 bar" in text
     assert "Fitted parameters" not in text
 

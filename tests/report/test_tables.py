@@ -3,7 +3,7 @@
 import io
 import json
 import re
-from dataclasses import replace
+from dataclasses import asdict, astuple, replace
 
 import numpy as np
 import pandas as pd
@@ -11,7 +11,14 @@ import pytest
 
 from hbench.records import Results
 from hbench.report.campaign.results_document import results_json
-from hbench.report.campaign.tables import bands_csv, curves_csv, efficiency_csv, fits_csv, runs_csv
+from hbench.report.campaign.tables import (
+    band_trends_csv,
+    bands_csv,
+    curves_csv,
+    efficiency_csv,
+    fits_csv,
+    runs_csv,
+)
 from hbench.report.campaign.terminal import summary_text
 
 NUMBER = (int, float)
@@ -161,13 +168,40 @@ def test_every_table_holds_the_rod_side_pressure_of_its_curve(two_rod_sides):
 
 
 def test_bands_stand_in_json_and_csv(seals):
-    names = "kind label f_load_n p_lr_ref_pa p_tp_pa half_n half_ci95_n middle_n n".split()
+    names = (
+        "kind label f_load_n p_lr_ref_pa v_m_s p_tp_pa half_n half_ci95_n "
+        "middle_n middle_ci95_n energy_j energy_ci95_j n"
+    ).split()
     for document, band in zip(parsed(seals)["bands"], seals.bands, strict=True):
-        assert document == {name: getattr(band, name) for name in names}
+        assert {name: document[name] for name in names} == {n: getattr(band, n) for n in names}
+        assert document["trials_half_n"] == list(band.trials_half_n)
     table = read(bands_csv(seals))
     assert list(table) == names
     assert table["half_n"].tolist() == [band.half_n for band in seals.bands]
     assert table["half_ci95_n"].isna().tolist() == [False] * 4 + [True] * 4
+
+
+def test_a_series_over_pressure_has_a_line_for_half_band_and_middle_in_json_and_csv(seals):
+    documents, table = parsed(seals)["band_trends"], read(band_trends_csv(seals))
+    assert [document["label"] for document in documents] == ["O-ring", "NAPN"]
+    assert table["quantity"].tolist() == ["half", "middle"] * 2
+    assert table["p_low_pa"].tolist() == [1e5] * 4 and table["p_high_pa"].tolist() == [7e5] * 4
+    for trend, document in zip(seals.band_trends, documents, strict=True):
+        for quantity in ("half", "middle"):
+            line = getattr(trend, quantity)
+            assert document[quantity] == asdict(line)
+            chosen = (table["label"] == trend.label) & (table["quantity"] == quantity)
+            (slope,) = table["slope_n_pa"][chosen]
+            assert slope == line.slope_n_pa
+
+
+def test_the_terminal_shows_bands_and_their_slopes(seals):
+    text = summary_text(seals)
+    assert text.isascii()
+    slope, interval = (1e5 * x for x in astuple(seals.band_trends[0].half)[:2])
+    assert f"{slope:.2f} +- {interval:.2f}" in text
+    bands = [line for line in text.splitlines() if line.startswith("NAPN") and "extend" not in line]
+    assert len([line for line in bands if line.endswith("  1")]) == 4  # one trial each
 
 
 @pytest.mark.parametrize("lead", ["=", "+", "-", "@", "\t", "\r"])

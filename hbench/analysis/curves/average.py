@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable
+from statistics import fmean
 
 import numpy as np
 
@@ -88,4 +89,11 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
         trials_n=tuple(friction.tolist()),
         trials_f_test_n=tuple(f_test.tolist()),
         runs=tuple(run.run.plan.run for run in runs),
+        trials_work_j=_works(trials),
     )
+
+
+def _works(trials: Iterable[Iterable[ScreenedRun]]) -> tuple[float | None, ...]:
+    """Return the mean work of each trial's strokes; empty where none is known."""
+    known = [[run.work_j for run in trial if run.work_j is not None] for trial in trials]
+    return tuple(fmean(works) if works else None for works in known) if any(known) else ()

@@ -74,7 +74,8 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
     lost = run.missing_records
     if lost and not any(reason.startswith("gapped") for reason in reasons):
         notes.append(f"{lost} records are missing outside the steady window")
-    return ScreenedRun(run, _in_order(reasons), means, tuple(notes))
+    work_j = None if run.plan.positions_m is None else _stroke_work(run, rules)
+    return ScreenedRun(run, _in_order(reasons), means, tuple(notes), work_j)
 
 
 def _in_order(reasons: list[str]) -> tuple[str, ...]:
@@ -245,6 +246,19 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
         p_tr_pa=p_tr,
         efficiency=efficiency,
     )
+
+
+def _stroke_work(run: Run, rules: Screening) -> float | None:
+    """Return the work against friction [J] over the whole stroke, the integral of F_fT dx.
+
+    F_T - F_applied contains the inertia too, whose work is zero from rest to rest. None if the log
+    of the stroke is not complete.
+    """
+    whole = slice(0, None)
+    if any(_integrity(run, whole, rules)):
+        return None
+    force = test_force(run, whole) - required(run, "f_applied_n")
+    return float((force[1:] + force[:-1]) @ np.diff(run.x_m) / 2)
 
 
 def _mean(values: np.ndarray | None, window: slice) -> float | None:

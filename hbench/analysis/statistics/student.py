@@ -1,5 +1,8 @@
-"""Student's factor for two-sided 95 % intervals."""
+"""Student's factor for two-sided 95 % intervals, and the degrees of freedom of a sum."""
 
+from collections.abc import Sequence
+
+import numpy as np
 from scipy.special import stdtrit
 
 
@@ -10,3 +13,18 @@ def student_factor(dof: float) -> float:
     belongs to three).
     """
     return float(stdtrit(dof, 0.975))
+
+
+def satterthwaite(
+    variances: Sequence[float] | np.ndarray, dof: Sequence[float] | np.ndarray
+) -> tuple[float, float]:
+    """Return standard error and degrees of freedom of a sum of independent estimates (n,).
+
+    se^2 = sum_i u_i^2,  dof = se^4 / sum_i u_i^4 / dof_i  (Satterthwaite). Without any variance the
+    degrees of freedom are the smallest of the estimates'.
+    """
+    u2, dof = np.asarray(variances, dtype=float), np.asarray(dof, dtype=float)
+    total = float(u2.sum())
+    if total == 0.0:
+        return 0.0, float(dof.min())
+    return float(np.sqrt(total)), float(total**2 / np.sum(u2**2 / dof))

@@ -33,7 +33,9 @@ def method_section(results: Results) -> Section:
         "Steps": bool(motions.levels),
         "Leakage": bool(motions.leakages),
         "Efficiency": efficient,
-        "Half band": bool(results.bands),
+        "Half band and middle": bool(results.bands),
+        "Energy of a cycle": any(band.energy_j is not None for band in results.bands),
+        "Lines over pressure": bool(results.band_trends),
     }
     facts = {name: text for name, text in _NUMBERS.items() if applies.get(name, True)}
     if "Working speed" in facts:
@@ -97,8 +99,17 @@ _NUMBERS = {
     "load drives the oil. Its σ comes from the tolerances of force and pressures by first-order "
     "propagation (6.16 to 6.19); all points share it, so that a mean over speeds does "
     "not reduce it. ± is U_95, of trials and instruments as that of friction.",
-    "Half band": "(F_extend − F_retract)/2. A constant error in force shifts both directions alike "
-    "and cancels in it, but shifts the middle of the band. Its interval is Student's over the "
-    "half bands of the trials of both directions.",
+    "Half band and middle": "(F_extend − F_retract)/2 and (F_extend + F_retract)/2. A constant "
+    "error in force shifts both directions alike and cancels in the half band, but shifts the "
+    "middle. Both are formed in each trial of both directions; their intervals are Student's over "
+    "the trials. Strokes that were cut from a cycle are compared at the positions that both "
+    "directions cover.",
+    "Energy of a cycle": "The integral of (F_T − F_applied) dx over a whole stroke in each "
+    "direction, reversals included, for trials with complete logs. The inertia's work is zero "
+    "from rest to rest.",
+    "Lines over pressure": "Least squares through the means of the pressures. The 95 % interval is "
+    "the wider one of two: Student's from the residuals (number of pressures − 2 degrees of "
+    "freedom), and Student's over the lines of the single trials. The first contains set-ups that "
+    "differ from pressure to pressure, the second set-ups that differ from trial to trial.",
     "Verdict on the data": RULE,
 }

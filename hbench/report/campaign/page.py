@@ -85,8 +85,11 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
         return Section(
             "Friction", ("Too few speeds for a curve. The points are in the tables below.",)
         )
-    pressure = page_tables.pressure_table(results)
-    return Section("Friction", drawings=drawings, tables=_titled(pressure, "Against pressure"))
+    tables = (
+        *_titled(page_tables.band_table(results), "Against pressure"),
+        *_titled(page_tables.trend_table(results), "Lines over pressure"),
+    )
+    return Section("Friction", drawings=drawings, tables=tables)
 
 
 def _fits(results: Results) -> tuple[Section, ...]:

@@ -2,11 +2,19 @@
 
 from collections.abc import Iterable
 
-from hbench.records import Curve, EfficiencyCurve, HeadlineSeries, Results, RunPlan, ScreenedRun
+from hbench.records import (
+    Curve,
+    EfficiencyCurve,
+    HeadlineSeries,
+    PressureLine,
+    Results,
+    RunPlan,
+    ScreenedRun,
+)
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import code_of
 from hbench.report.campaign.series_words import kind_words, load_words
-from hbench.report.render.numbers import force, number, significant, with_interval
+from hbench.report.render.numbers import force, number, significant, span, with_interval
 from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
@@ -94,30 +102,46 @@ def budget_table(results: Results) -> Table:
     return table((*WHO, *head), rows)
 
 
-def pressure_table(results: Results) -> Table:
-    """Return friction against pressure: both directions, half of the band and its middle."""
+def band_table(results: Results) -> Table:
+    """Return friction against pressure: both directions, half band, middle, energy of a cycle."""
     rows = [
         (
             band.label,
             _rod_side(band.p_lr_ref_pa),
             _bar(band.p_tp_pa),
+            number(1e3 * band.v_m_s),
             with_interval(band.extend.friction_n, band.extend.ci95_n),
             with_interval(band.retract.friction_n, band.retract.ci95_n),
             with_interval(band.half_n, band.half_ci95_n),
-            significant(band.middle_n, 3),
+            with_interval(band.middle_n, band.middle_ci95_n),
+            "" if band.energy_j is None else with_interval(band.energy_j, band.energy_ci95_j),
             str(band.n),
         )
         for band in without_common_rod_pressure(results.bands)
     ]
     head = (
-        "Label",
-        _ROD_SIDE,
-        "Pressure (bar)",
-        "Friction extending (N)",
-        "Friction retracting (N)",
-        "Half band (N)",
-        "Middle of band (N)",
-        "Trials of both",
+        *("Label", _ROD_SIDE, "Pressure (bar)", "Speed (mm/s)", *OF_DIRECTIONS),
+        *("Half band (N)", "Middle of band (N)", "Energy of a cycle (J)", "Trials of both"),
+    )
+    return table(head, rows)
+
+
+def trend_table(results: Results) -> Table:
+    """Return slope and intercept of half band and middle over pressure."""
+    rows = [
+        (
+            trend.label,
+            _rod_side(trend.p_lr_ref_pa),
+            span([from_si(p, "bar") for p in trend.pressures_pa]),
+            *_line(trend.half),
+            *_line(trend.middle),
+        )
+        for trend in without_common_rod_pressure(results.band_trends)
+    ]
+    head = (
+        *("Label", _ROD_SIDE, "Pressures (bar)"),
+        *("Half band, slope (N/bar)", "at 0 bar (N)"),
+        *("Middle, slope (N/bar)", "at 0 bar (N)"),
     )
     return table(head, rows)
 
@@ -144,9 +168,13 @@ def remark_table(results: Results) -> Table:
 
 _ROD_SIDE = "P_Lr (bar)"
 WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
+OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
 _RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
 _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark", "Parts of σ (%)"})
-_WHERE_GIVEN = ("Label", "Kind", _ROD_SIDE, "Remark", "U95 with instruments (N)")
+_WHERE_GIVEN = (
+    *("Label", "Kind", _ROD_SIDE, "Remark"),
+    *("U95 with instruments (N)", "Energy of a cycle (J)"),
+)
 
 
 def table(
@@ -212,6 +240,14 @@ def _reason_words(reason: str) -> str:
 
 def _bar(pressure_pa: float | None) -> str:
     return number(None if pressure_pa is None else from_si(pressure_pa, "bar"), 2)
+
+
+def _line(line: PressureLine) -> tuple[str, str]:
+    per_bar = 1 / from_si(1.0, "bar")
+    return (
+        with_interval(per_bar * line.slope_n_pa, per_bar * line.slope_ci95_n_pa),
+        with_interval(line.intercept_n, line.intercept_ci95_n),
+    )
 
 
 def _percent(ratio: float | None) -> str:

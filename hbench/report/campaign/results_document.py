@@ -9,6 +9,7 @@ from typing import Any
 
 from hbench.records import (
     Band,
+    BandTrend,
     Comparison,
     Curve,
     Decay,
@@ -55,7 +56,7 @@ def _with_series(record: type) -> dict[str, Source]:
 LAYOUTS: Layouts = {
     Results: {
         "schema": Constant(f"hbench.{NAME}"),
-        **keys("provenance", "runs", "curves", "joint_fits", "efficiency", "bands"),
+        **keys("provenance", "runs", "curves", "joint_fits", "efficiency", "bands", "band_trends"),
         **{name: f"motions.{name}" for name in ("comparisons", "loops", "levels")},
         "leakage": "motions.leakages",
         "surfaces": "motions.surfaces",
@@ -69,6 +70,7 @@ LAYOUTS: Layouts = {
         **keys("reasons", "notes"),
         "v_mean_m_s": "means.v_m_s",
         **{name: f"means.{name}" for name in _MEANS},
+        "work_j": "work_j",
     },
     Curve: keys(*SERIES, "specimen", "points", "fits", "selection"),
     Fit: all_fields(Fit, without=("line", "beyond")),
@@ -80,6 +82,9 @@ LAYOUTS: Layouts = {
     EfficiencyCurve: keys(*SERIES, "points", "mean"),
     EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
     Band: all_fields(Band, without=("extend", "retract")),
+    BandTrend: {
+        **keys("kind", "label", "specimen", "p_lr_ref_pa", "pressures_pa", "half", "middle"),
+    },
     Comparison: _with_series(Comparison),
     Loop: _with_series(Loop),
     Level: _with_series(Level),

@@ -11,6 +11,7 @@ from hbench.report.campaign.quality import RULE, quality_table
 from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import alike, number, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
+from hbench.units import from_si
 
 _LONG = 12  # rows; a longer table starts folded
 _FLAGS = {"trials": "", "one_trial": "one trial", "extrapolated": "extrapolated"}
@@ -47,12 +48,31 @@ def _tiles(results: Results) -> Iterable[Tile]:
     yield from _tile([each.breakaway_n for each in series], 1.0, "N", "breakaway", "breakaway")
     caption = "efficiency at that speed"
     yield from _tile([each.efficiency for each in series], 100.0, "%", caption, "efficiency")
+    yield from _band_tiles(results)
     accepted = sum(run.accepted for run in results.runs)
     yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
     checks = results.quality.checks
     good = sum(check.grade == "good" for check in checks)
     caption = f"data: {good} of {len(checks)} checks are good"
     yield Tile(results.quality.grade.capitalize(), "", caption)
+
+
+def _band_tiles(results: Results) -> Iterable[Tile]:
+    """Yield the half band over all pressures, and its slope."""
+    if results.bands:
+        halves = [band.half_ci95_n for band in results.bands if band.half_ci95_n is not None]
+        most = f"; 95 % interval ±{significant(max(halves), 2)} N at most" if halves else ""
+        value = alike([band.half_n for band in results.bands])
+        caption = f"half of the friction band, all pressures{most}"
+        yield Tile(value, "N", caption, "method-half-band-and-middle")
+    if results.band_trends:
+        lines = [trend.half for trend in results.band_trends]
+        slopes = [line.slope_n_pa / from_si(1.0, "bar") for line in lines]
+        widest = max(line.slope_ci95_n_pa for line in lines) / from_si(1.0, "bar")
+        value = with_interval(slopes[0], widest) if len(slopes) == 1 else alike(slopes)
+        most = f"; 95 % interval ±{significant(widest, 2)} N/bar at most" if len(slopes) > 1 else ""
+        caption = f"half band over pressure{most}"
+        yield Tile(value, "N/bar", caption, "method-lines-over-pressure")
 
 
 def _tile(

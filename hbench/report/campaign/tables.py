@@ -85,6 +85,17 @@ def bands_csv(results: Results) -> str:
     return csv_text(_BAND_COLUMNS, map(row, results.bands))
 
 
+def band_trends_csv(results: Results) -> str:
+    """Return two rows a series over pressure: the lines of half band and of middle."""
+    rows = []
+    for trend in results.band_trends:
+        series = {name: getattr(trend, name) for name in ("kind", "label", "p_lr_ref_pa")}
+        series |= {"p_low_pa": trend.pressures_pa[0], "p_high_pa": trend.pressures_pa[-1]}
+        for name, line in (("half", trend.half), ("middle", trend.middle)):
+            rows.append({**series, "quantity": name, **asdict(line)})
+    return csv_text(_TREND_COLUMNS, rows)
+
+
 _MEANS = (
     *"friction_n efficiency f_test_n f_applied_n p_tp_pa p_tr_pa".split(),
     *"t_start_s t_stop_s n".split(),
@@ -93,6 +104,7 @@ _RUN_COLUMNS = (
     *"run kind label direction v_ref_m_s a_ref_m_s2 f_load_n p_lr_ref_pa trial".split(),
     *"accepted reason v_mean_m_s".split(),
     *_MEANS,
+    "work_j",
 )
 _CURVE_COLUMNS = (
     *SERIES,
@@ -104,7 +116,15 @@ _FIT_COLUMNS = (
     *"law parameter value unit se ci95_low ci95_high at_bound disagree rmse_n".split(),
     *"converged message".split(),
 )
-_BAND_COLUMNS = (*"kind label f_load_n p_lr_ref_pa p_tp_pa half_n half_ci95_n middle_n n".split(),)
+_BAND_COLUMNS = (
+    *"kind label f_load_n p_lr_ref_pa v_m_s p_tp_pa half_n half_ci95_n".split(),
+    *"middle_n middle_ci95_n energy_j energy_ci95_j n".split(),
+)
+_TREND_COLUMNS = (
+    *"kind label p_lr_ref_pa p_low_pa p_high_pa quantity".split(),
+    *"slope_n_pa slope_ci95_n_pa slope_se_n_pa slope_dof".split(),
+    *"intercept_n intercept_ci95_n".split(),
+)
 _EFFICIENCY_COLUMNS = (
     *SERIES,
     *"v_m_s efficiency sigma sigma_trials sigma_combined ci95 u95 reason".split(),
@@ -118,4 +138,5 @@ TABLES: dict[str, Callable[[Results], str]] = {
     "fits.csv": fits_csv,
     "efficiency.csv": efficiency_csv,
     "bands.csv": bands_csv,
+    "band_trends.csv": band_trends_csv,
 }

@@ -2,12 +2,15 @@
 
 from collections import Counter
 
-from hbench.records import KINDS, Curve, Fit, JointFit, Results
+from hbench.records import KINDS, Curve, Fit, JointFit, Results, WordTable
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.motion_rows import motion_lines
+from hbench.report.campaign.page_tables import OF_DIRECTIONS, band_table, trend_table
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.render.numbers import short, span
+from hbench.report.render.terminal_table import table_lines
+from hbench.report.render.word_tables import Table
 
 
 def summary_text(results: Results) -> str:
@@ -38,8 +41,10 @@ def summary_text(results: Results) -> str:
     lines += [_joint_words(joint) for joint in results.joint_fits]
     table = ["", *lines] if results.curves else []
     moving = motion_lines(results.motions)
-    text = "\n".join([head, counts, *table, *([""] if moving else []), *moving, *notes])
-    text = text.replace("−", "-").replace("²", "^2")
+    bands = [line for each in _band_tables(results) for line in ("", *table_lines(each))]
+    moving = ["", *moving] if moving else []
+    text = "\n".join([head, counts, *table, *bands, *moving, *([""] if bands else []), *notes])
+    text = text.replace("−", "-").replace("²", "^2").replace("±", "+-")
     return text.replace("–", " to ")  # not every terminal can show them
 
 
@@ -50,6 +55,21 @@ def _friction_words(curve: Curve) -> str:
         return span([sign * point.friction_n for point in curve.points])
     (point,) = curve.points
     return short(sign * point.friction_n) + (f" +- {short(point.ci95_n)}" if point.ci95_n else "")
+
+
+def _band_tables(results: Results) -> tuple[WordTable, ...]:
+    """Return the tables of friction bands that have rows, without each direction's friction."""
+    tables = (
+        _words("Friction bands", band_table(results), OF_DIRECTIONS),
+        _words("Friction bands over pressure", trend_table(results)),
+    )
+    return tuple(table for table in tables if table.rows)
+
+
+def _words(title: str, table: Table, without: tuple[str, ...] = ()) -> WordTable:
+    kept = [i for i, name in enumerate(table.head) if name not in without]
+    rows = tuple(tuple(row[i].text for i in kept) for row in table.rows)
+    return WordTable(title, tuple(table.head[i] for i in kept), rows)
 
 
 def _joint_words(joint: JointFit) -> str:

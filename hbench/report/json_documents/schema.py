@@ -29,6 +29,7 @@ _PLAIN = {str: "string", float: "number", int: "integer", bool: "boolean"}
 # Endings of names, the longer ones first.
 _UNITS = {
     "_n_s_m": "N s/m",
+    "_n_pa": "N/Pa",
     "_m3_s": "m^3/s",
     "_m_s2": "m/s^2",
     "_pa_s": "Pa/s",

@@ -117,7 +117,8 @@ FIGURES = (
         caption="Friction against chamber pressure, one point for each pressure and direction, "
         "with the 95 % Student interval of two trials or more. Below: half of the band, "
         "(F extending − F retracting) / 2 in each trial, which is free of a constant error in "
-        "force. Dotted lines guide the eye.",
+        "force, and its middle, (F extending + F retracting) / 2. Solid: lines by least squares, "
+        "from three pressures on. Dotted lines guide the eye.",
         applies=has_pressures,
         draw=friction_pressure,
     ),
