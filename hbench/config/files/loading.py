@@ -4,7 +4,7 @@ import difflib
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -85,7 +85,7 @@ def validate(model: type[_Model], data: dict[str, Any], source: str) -> _Model:
         faults = error.errors()
         meant = _meant(faults, model)
         messages = [
-            f"{source}: {_explain(fault, data, meant)}"
+            f"{source}: {_explain(fault, data, meant, model)}"
             for fault in _own_faults(faults)
             if fault["loc"] not in meant.values()
         ]
@@ -144,11 +144,33 @@ def _own_faults(faults: list["ErrorDetails"]) -> list["ErrorDetails"]:
     return [fault for fault in faults if not follows(fault)]
 
 
-def _explain(fault: "ErrorDetails", data: Any, meant: dict[tuple, tuple]) -> str:
+def _known_keys(model: type[BaseModel], above: tuple) -> list[str]:
+    """Return the keys of the section at the location ``above``; empty if it is not known."""
+    sections = {model}
+    for part in above:
+        fields = [s.model_fields[part] for s in sections if part in s.model_fields]
+        if fields:  # else the number of an item, a name of a mapping, or the tag of a union
+            sections = {s for field in fields for s in _models_in(field.annotation)}
+    return sorted({name for section in sections for name in section.model_fields})
+
+
+def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for argument in get_args(annotation):
+        yield from _models_in(argument)
+
+
+def _explain(
+    fault: "ErrorDetails", data: Any, meant: dict[tuple, tuple], model: type[BaseModel]
+) -> str:
     key = ".".join(_keys(fault, data))
     if fault["type"] == "extra_forbidden":
         right = meant.get(fault["loc"])
-        return f"unknown key '{key}'" + (f"; did you mean '{right[-1]}'?" if right else "")
+        if right:
+            return f"unknown key '{key}'; did you mean '{right[-1]}'?"
+        known = ", ".join(_known_keys(model, fault["loc"][:-1]))
+        return f"unknown key '{key}'" + (f"; known are {known}" if known else "")
     if fault["type"] == "missing":
         return f"key '{key}' is missing"
     message = fault["msg"].removeprefix("Value error, ")

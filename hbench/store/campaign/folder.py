@@ -150,6 +150,7 @@ class StoredCampaign:
             k: v for content in contents if isinstance(content, dict) for k, v in content.items()
         }
         firmware = header.get("firmware") or {}
+        rules = self._parsed("map", parse_import_map)
         known = ("name", "source", "created", "software", "bench", "firmware", "log", "schedule")
         return Provenance(
             name=str(header["name"]),
@@ -159,9 +160,8 @@ class StoredCampaign:
             started=str(header["created"]),
             stopped=max((e.stop.at for e in self.entries if e.stop), default=""),
             software={k: str(v) for k, v in (header.get("software") or {}).items()},
-            details={
-                k: v for k, v in header.items() if k not in (*known, "schema", "map", "notes")
-            },
+            details={k: v for k, v in header.items() if k not in (*known, "schema", "map", "notes")}
+            | (rules.details if rules else {}),
             settings={name: written[name] for name in _SETTINGS if name in written},
         )
 
