@@ -103,6 +103,12 @@ def undrawn(monkeypatch):
     monkeypatch.setattr("hbench.report.render.figures.render", lambda figure: NO_PICTURE)
 
 
+@pytest.fixture
+def one_process(monkeypatch):
+    """Analyze the campaigns of a fleet in the test's process: others take seconds to start."""
+    monkeypatch.setattr("hbench.workflow.fleet.map_on_cores", map)
+
+
 QUICK = {  # runs of a third of a second
     "velocities": ["80 mm/s", "120 mm/s"],
     "trials": 2,

@@ -8,6 +8,7 @@ import os
 import signal
 import time
 
+from hbench.parallel import dask_cluster
 from hbench.workflow import fleet, results
 
 
@@ -21,6 +22,7 @@ def derive(campaign):
 
 
 fleet.derive = derive
+dask_cluster._CONNECT_S = 4.0  # until a scheduler that was killed is given up
 
 if __name__ == "__main__":
     for number in (signal.SIGINT, signal.SIGTERM):  # whatever a test was started with

@@ -15,15 +15,18 @@ _ENV = {
     "PYTHONPATH": os.pathsep.join(sys.path),
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
-    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",  # a deadly campaign takes two workers
 }
 
 
 class Loopback:
-    """Its processes, each with a file that it tells what it does."""
+    """Its processes, each with a file that it tells what it does.
 
-    def __init__(self, folder: Path, workers: int, *, nanny: bool = False):
+    A campaign that has killed more workers than ``forgiven`` is given up.
+    """
+
+    def __init__(self, folder: Path, workers: int, *, nanny: bool = False, forgiven: int = 1):
         self._folder = folder
+        self._env = _ENV | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": str(forgiven)}
         self._processes: list[subprocess.Popen] = []
         self.scheduler = self._start(
             "-m", "dask", "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"
@@ -78,7 +81,7 @@ class Loopback:
                 stderr=told,
                 start_new_session=True,
                 cwd=self._folder,
-                env=os.environ | _ENV,
+                env=os.environ | self._env,
             )
         self._processes.append(process)
         return process
