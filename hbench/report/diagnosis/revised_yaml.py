@@ -88,6 +88,6 @@ def _dump(value: Any) -> str:
     if isinstance(value, Mapping) and value:
         return yaml.safe_dump(dict(value), sort_keys=False, allow_unicode=True)
     text = yaml.safe_dump(
-        value, default_flow_style=True, allow_unicode=True, width=float("inf"), sort_keys=False
+        value, default_flow_style=True, allow_unicode=True, width=2**30, sort_keys=False
     )
     return text.removesuffix("...\n").strip()
