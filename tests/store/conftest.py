@@ -6,6 +6,7 @@ import yaml
 
 from hbench.records import Motion, RunPlan, Segment, Specimen
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.formats import reading
 from hbench.store.importing.importer import import_folder
 
 CHANNELS = ("run", "index", "x")
@@ -27,6 +28,21 @@ def plan_of(run="0001", **changes):
 
 def time_at(seconds):
     return datetime(2024, 5, 1, 12, tzinfo=UTC) + timedelta(seconds=seconds)
+
+
+class InThisProcess:
+    """Stands in for the process of readers: without limits, and with what a test has changed."""
+
+    is_running = True
+
+    def call(self, function, *arguments):
+        return function(*arguments)
+
+
+@pytest.fixture(autouse=True)
+def in_this_process(monkeypatch):
+    """Call the readers of foreign files in this process, which saves the start of another one."""
+    monkeypatch.setattr(reading, "_process", InThisProcess())
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import LARGEST_UNPACKED
+from hbench.store.formats.barrier import reader_errors
 
 # One step of a path: a name, then (k) for an element or (:,k) for a column.
 _STEP = re.compile(r"(\w+)(?:\((?:\s*(\d+)\s*|\s*:\s*,\s*(\d+)\s*)\))?")
@@ -147,7 +147,7 @@ class Arrays:
         found = self._lookup(column)
         if not isinstance(found, Signal) or found.times is None:
             return None
-        with self._reading(column):
+        with reader_errors(f"{self.source}: column {column}"):
             return found.times()
 
     def _values(self, column: int | str) -> np.ndarray:
@@ -164,15 +164,8 @@ class Arrays:
                 f"{self.source}: the mapped channels take more than {LARGEST_UNPACKED / 1e6:g} MB",
                 "Map fewer channels, or split the file.",
             )
-        with self._reading(column):
+        with reader_errors(f"{self.source}: column {column}"):
             return np.atleast_1d(found.read())
-
-    @contextmanager
-    def _reading(self, column: int | str) -> Iterator[None]:
-        try:
-            yield
-        except Exception as error:  # of many kinds
-            raise DataError(f"{self.source}: column {column}: can't be read: {error}") from None
 
     def _lookup(self, column: int | str) -> Any:
         if isinstance(column, int):

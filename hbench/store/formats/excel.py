@@ -20,21 +20,15 @@ def open_excel(file: BinaryIO, source: str, layout: Format) -> TextTable:
     """
     import openpyxl
 
-    try:
-        with zipfile.ZipFile(file) as archive:
-            size = sum(part.file_size for part in archive.infolist())
-        if size <= LARGEST_UNPACKED:
-            book = openpyxl.load_workbook(file, read_only=True, data_only=True)
-            rows = dict(_rows(book, source, layout))
-    except DataError:
-        raise
-    except Exception as error:  # of many kinds
-        raise DataError(f"{source}: can't be read as an Excel workbook: {error}") from None
+    with zipfile.ZipFile(file) as archive:
+        size = sum(part.file_size for part in archive.infolist())
     if size > LARGEST_UNPACKED:
         raise DataError(
             f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
             "Save the sheet as a CSV file.",
         )
+    book = openpyxl.load_workbook(file, read_only=True, data_only=True)
+    rows = dict(_rows(book, source, layout))
     first = next(iter(rows.values()), [])
     width = len(first) if layout.header else max(map(len, rows.values()), default=0)
     cells = [row + [""] * (width - len(row)) for row in rows.values()]

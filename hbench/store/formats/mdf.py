@@ -32,11 +32,7 @@ def open_mdf(file: BinaryIO, source: str, layout: Format) -> Arrays:
     file.seek(0)
     if not is_mdf:
         raise DataError(f"{source}: is not an MDF file")
-    try:
-        named = by_name(_signals(asammdf.MDF(file, process_bus_logging=False)))
-    except Exception as error:  # of many kinds
-        raise DataError(f"{source}: can't be read as an MDF file: {error}") from None
-    return Arrays(named, source)
+    return Arrays(by_name(_signals(asammdf.MDF(file, process_bus_logging=False))), source)
 
 
 def _signals(mdf: Any) -> Iterator[tuple[str, str, Signal]]:

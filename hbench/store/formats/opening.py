@@ -9,11 +9,11 @@ from typing import BinaryIO
 
 from hbench.config.import_layout import Format
 from hbench.store.files.bounded_read import LARGEST_LOG, check_size, open_file
+from hbench.store.formats.barrier import reader_errors
 from hbench.store.formats.excel import open_excel
 from hbench.store.formats.matlab.mat import open_mat
 from hbench.store.formats.matlab.mat73 import is_mat73, open_mat73
 from hbench.store.formats.mdf import open_mdf
-from hbench.store.formats.packages import require_package
 from hbench.store.formats.parquet import open_parquet
 from hbench.store.formats.table import Table
 from hbench.store.formats.tdms import open_tdms
@@ -35,7 +35,7 @@ class FileFormat:
     is_text: bool = False
 
 
-_LARGEST_BINARY = 1_000_000_000  # bytes; only the mapped channels are read
+LARGEST_BINARY = 1_000_000_000  # bytes; only the mapped channels are read
 
 # The first row that fits a file applies.
 FORMATS = (
@@ -46,15 +46,15 @@ FORMATS = (
         package="h5py",
         extra="matlab73",
         has_head=is_mat73,
-        largest=_LARGEST_BINARY,
+        largest=LARGEST_BINARY,
     ),
     FileFormat("MATLAB up to version 7", (".mat",), open_mat),
     FileFormat("Parquet", (".parquet",), open_parquet, package="pyarrow", extra="parquet"),
     FileFormat(
-        "TDMS", (".tdms",), open_tdms, package="nptdms", extra="tdms", largest=_LARGEST_BINARY
+        "TDMS", (".tdms",), open_tdms, package="nptdms", extra="tdms", largest=LARGEST_BINARY
     ),
     FileFormat(
-        "MDF", (".mf4", ".mdf"), open_mdf, package="asammdf", extra="mdf", largest=_LARGEST_BINARY
+        "MDF", (".mf4", ".mdf"), open_mdf, package="asammdf", extra="mdf", largest=LARGEST_BINARY
     ),
     FileFormat("Excel", (".xlsx", ".xlsm"), open_excel, package="openpyxl", extra="excel"),
     FileFormat("TwinCAT Scope CSV", (), open_twincat, has_head=is_twincat, is_text=True),
@@ -86,12 +86,10 @@ def open_foreign(path: Path) -> Iterator[tuple[BufferedReader, FileFormat]]:
 
 
 @contextmanager
-def open_table(path: Path, layout: Format) -> Iterator[Table]:
-    """Open a file of any format; its columns can be read until the context ends.
+def open_here(path: Path, layout: Format) -> Iterator[Table]:
+    """Open a file of any format in this process; its columns can be read until the context ends.
 
-    Raises ``DataError``, and ``ConfigError`` if the format's optional package is not installed.
+    Raises ``DataError``, also for any other exception until then.
     """
-    with open_foreign(path) as (file, file_format):
-        if file_format.package:
-            require_package(file_format.package, file_format.name, file_format.extra)
+    with open_foreign(path) as (file, file_format), reader_errors(str(path), file_format.name):
         yield file_format.open(file, str(path), layout)

@@ -1,19 +1,17 @@
-"""Optional packages, imported when a format needs them."""
+"""Optional packages that a format needs."""
 
-from importlib import import_module
+from importlib.util import find_spec
 
 from hbench.errors import ConfigError
 
 
 def require_package(package: str, name: str, extra: str) -> None:
-    """Import the optional package that reads the format ``name``.
+    """Raise ``ConfigError`` if the package that reads the format ``name`` is not installed.
 
-    Raises ``ConfigError`` that names hbench's ``extra`` if it is not installed.
+    ``extra`` is hbench's that contains it.
     """
-    try:
-        import_module(package)
-    except ImportError:
+    if find_spec(package) is None:
         raise ConfigError(
             f"{name} needs the package {package}, which is not installed",
             f"Run pip install 'hbench[{extra}]'.",
-        ) from None
+        )

@@ -1,12 +1,15 @@
 """Parquet files."""
 
 import io
-from typing import TYPE_CHECKING, BinaryIO
+from functools import partial
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
 
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.store.files.bounded_read import LARGEST_UNPACKED, read_whole
-from hbench.store.formats.arrays import Arrays
+from hbench.store.files.bounded_read import LARGEST_UNPACKED
+from hbench.store.formats.arrays import Arrays, Signal
 from hbench.store.formats.packages import require_package
 
 if TYPE_CHECKING:
@@ -14,31 +17,42 @@ if TYPE_CHECKING:
 
 
 def open_parquet(file: BinaryIO, source: str, layout: Format) -> Arrays:
-    """Return the columns of a file. Raises ``DataError``, ``ConfigError``."""
-    frame = read_parquet(read_whole(file, source), source)
-    return Arrays({str(name): frame[name].to_numpy() for name in frame.columns}, source)
+    """Return the columns of a file, read one by one."""
+    from pyarrow.parquet import ParquetFile
+
+    content = ParquetFile(file)
+    return Arrays({field.name: _signal(content, field) for field in content.schema_arrow}, source)
+
+
+def _signal(content: Any, field: Any) -> Signal | None:
+    """Return a column of numbers or date-times; None for another."""
+    from pyarrow import types
+
+    kinds = (types.is_integer, types.is_floating, types.is_timestamp)
+    if not any(is_kind(field.type) for is_kind in kinds):
+        return None
+    return Signal(content.metadata.num_rows, partial(_samples, content, field.name))
+
+
+def _samples(content: Any, name: str) -> np.ndarray:
+    return content.read(columns=[name], use_threads=False).column(name).to_numpy()
 
 
 def read_parquet(data: bytes, source: str) -> "DataFrame":
-    """Return a Parquet file's data frame. Raises ``DataError``, ``ConfigError``."""
+    """Return a Parquet file's data frame. Raises ``DataError``, ``ConfigError`` and others."""
     require_pyarrow()
-    import pandas as pd
     from pyarrow.parquet import ParquetFile
 
-    try:
-        about = ParquetFile(io.BytesIO(data)).metadata
-        groups = [about.row_group(i).total_byte_size for i in range(about.num_row_groups)]
-        size = max(8 * about.num_rows * about.num_columns, sum(groups))
-        if size > LARGEST_UNPACKED:
-            raise DataError(
-                f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
-                "Check that it is the right file; save fewer columns, or split it.",
-            )
-        return pd.read_parquet(io.BytesIO(data), engine="pyarrow")
-    except DataError:
-        raise
-    except Exception as error:  # of many kinds
-        raise DataError(f"{source}: can't be read as a Parquet file: {error}") from None
+    content = ParquetFile(io.BytesIO(data))
+    about = content.metadata
+    groups = [about.row_group(i).total_byte_size for i in range(about.num_row_groups)]
+    size = max(8 * about.num_rows * about.num_columns, sum(groups))
+    if size > LARGEST_UNPACKED:
+        raise DataError(
+            f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
+            "Check that it is the right file; save fewer columns, or split it.",
+        )
+    return content.read(use_threads=False).to_pandas(use_threads=False)
 
 
 def require_pyarrow() -> None:

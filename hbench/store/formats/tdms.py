@@ -5,7 +5,6 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from hbench.config.import_layout import Format
-from hbench.errors import DataError
 from hbench.store.formats.arrays import Arrays, Signal, by_name
 
 
@@ -16,16 +15,11 @@ def open_tdms(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """
     import nptdms
 
-    try:
-        content = nptdms.TdmsFile.open(file)
-        channels = [channel for group in content.groups() for channel in group.channels()]
-        starts = [
-            c.properties["wf_start_time"] for c in channels if "wf_start_time" in c.properties
-        ]
-        origin = min(starts, default=None)
-        named = by_name((c.group_name, c.name, _signal(c, origin)) for c in channels)
-    except Exception as error:  # of many kinds
-        raise DataError(f"{source}: can't be read as a TDMS file: {error}") from None
+    content = nptdms.TdmsFile.open(file)
+    channels = [channel for group in content.groups() for channel in group.channels()]
+    starts = [c.properties["wf_start_time"] for c in channels if "wf_start_time" in c.properties]
+    origin = min(starts, default=None)
+    named = by_name((c.group_name, c.name, _signal(c, origin)) for c in channels)
     return Arrays(named, source)
 
 

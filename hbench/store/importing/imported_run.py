@@ -12,7 +12,8 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.records import RunPlan
 from hbench.store.files.bounded_read import check_inside
-from hbench.store.formats.opening import open_foreign, open_table
+from hbench.store.formats.opening import open_foreign
+from hbench.store.formats.reading import open_table
 from hbench.store.formats.table import Table
 
 

@@ -23,7 +23,8 @@ from hbench.store.campaign.run_csv import read_channels
 from hbench.store.files.bounded_read import check_inside, read_file
 from hbench.store.formats.arrays import Arrays
 from hbench.store.formats.matlab.mat import read_mat
-from hbench.store.formats.parquet import read_parquet
+from hbench.store.formats.parquet import read_parquet, require_pyarrow
+from hbench.store.formats.reading import read_apart
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable, parse_table
 from hbench.store.importing.imported_run import (
@@ -100,17 +101,27 @@ def _unlisted(folder: Path, index: str, runs: Sequence[ImportedRun]) -> Iterator
 def _table_index(folder: Path, name: str) -> _Index:
     path = folder / name
     check_inside(folder, path)
-    data = read_file(path)
     if name.endswith(".parquet"):
-        data = read_parquet(data, str(path)).to_csv(index=False).encode()
+        require_pyarrow()
+        data = read_apart(path, _parquet_as_csv, path)
+    else:
+        data = read_file(path)
     index = parse_table(data, str(path), Format())
     return index, lambda _, file_name: open_source(folder, file_name, Format())
+
+
+def _parquet_as_csv(path: Path) -> bytes:
+    return read_parquet(read_file(path), str(path)).to_csv(index=False).encode()
+
+
+def _mat_runs(path: Path) -> Any:
+    return read_mat(read_file(path), str(path)).get("runs")
 
 
 def _mat_index(folder: Path, name: str) -> _Index:
     file, path = describe_source(folder, name), folder / name
     source = str(path)
-    runs = read_mat(read_file(path), source).get("runs")
+    runs = read_apart(path, _mat_runs, path)
     runs = [runs] if isinstance(runs, dict) else runs
     if (
         not isinstance(runs, (list, np.ndarray))

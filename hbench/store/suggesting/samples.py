@@ -10,6 +10,7 @@ from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import check_inside, read_whole
 from hbench.store.formats.opening import FileFormat, open_foreign
+from hbench.store.formats.reading import open_table
 from hbench.store.formats.table import Table
 from hbench.store.formats.text import TextTable, decoded
 from hbench.store.suggesting.dialect import Dialect, rows_dialect, text_dialect
@@ -71,22 +72,21 @@ def read_sample(folder: Path, name: str, like: Dialect | None = None) -> SampleF
     """
     path = folder / name
     check_inside(folder, path)
-    dialect = None
     with open_foreign(path) as (file, file_format):
-        if like is not None and file_format.name in _WITH_DIALECT:
-            dialect = like
-        elif file_format.name == "text":
-            data = read_whole(file, str(path))
+        data = read_whole(file, str(path)) if file_format.name == "text" else b""
+    dialect = None
+    if file_format.name in _WITH_DIALECT:
+        dialect = like
+        if like is None and file_format.is_text:
             dialect = None if _is_binary(data) else text_dialect(decoded(data))
-        elif file_format.name == "Excel":
-            sheet = file_format.open(file, str(path), Format(header=False))
-            assert isinstance(sheet, TextTable)
-            dialect = rows_dialect(list(zip(sheet.lines.tolist(), sheet.rows, strict=True)), {})
-        if dialect is None and file_format.name in _WITH_DIALECT:
+        elif like is None:
+            with open_table(path, Format(header=False)) as sheet:
+                assert isinstance(sheet, TextTable)
+                dialect = rows_dialect(list(zip(sheet.lines.tolist(), sheet.rows, strict=True)), {})
+        if dialect is None:
             return None
-        file.seek(0)
-        layout = Format() if dialect is None else dialect.layout
-        return _sample(name, file_format, dialect, file_format.open(file, str(path), layout))
+    with open_table(path, Format() if dialect is None else dialect.layout) as table:
+        return _sample(name, file_format, dialect, table)
 
 
 def _is_binary(data: bytes) -> bool:

@@ -4,7 +4,6 @@ import io
 from typing import Any, BinaryIO
 
 from hbench.config.import_layout import Format
-from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
 from hbench.store.formats.arrays import Arrays
 from hbench.store.formats.matlab.mat_sizes import check_mat_sizes
@@ -21,8 +20,5 @@ def read_mat(data: bytes, source: str) -> dict[str, Any]:
     from scipy.io import loadmat
 
     check_mat_sizes(data, source)
-    try:
-        content = loadmat(io.BytesIO(data), simplify_cells=True)
-    except Exception as error:  # of many kinds
-        raise DataError(f"{source}: can't be read as a MATLAB file: {error}") from None
+    content = loadmat(io.BytesIO(data), simplify_cells=True)
     return {name: value for name, value in content.items() if name and not name.startswith("__")}

@@ -3,7 +3,6 @@
 from typing import Any, BinaryIO
 
 from hbench.config.import_layout import Format
-from hbench.errors import DataError
 from hbench.store.formats.arrays import Arrays, Names, by_name
 from hbench.store.formats.matlab.hdf5 import Group, cells, channel_of, class_of
 from hbench.store.formats.matlab.simulink import simulink_signals
@@ -27,12 +26,9 @@ def open_mat73(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """
     import h5py
 
-    try:
-        content = Group(h5py.File(file, "r"), h5py)
-        signals = by_name(simulink_signals(content))
-        variables = _Variables(content).read()
-    except Exception as error:  # of many kinds
-        raise DataError(f"{source}: can't be read as a MATLAB file: {error}") from None
+    content = Group(h5py.File(file, "r"), h5py)
+    signals = by_name(simulink_signals(content))
+    variables = _Variables(content).read()
     return Arrays(
         Names({**variables, **signals.listed}, signals.other),
         source,

@@ -12,7 +12,9 @@ from hbench.errors import DataError
 from hbench.store.files.bounded_read import LARGEST_UNPACKED
 
 DEEPEST = 50  # nested structs and cells
+MOST_FIELDS = 10_000  # of a struct; the reader's time grows with their square
 _MATRIX, _COMPRESSED = 14, 15  # types of elements
+_STRUCT = 2  # class of a struct array
 _SPARSE = 5  # class of an array whose dimensions may exceed its data
 _HEADER = 128
 _CHUNK = 1 << 20
@@ -21,8 +23,8 @@ _CHUNK = 1 << 20
 def check_mat_sizes(data: bytes, source: str) -> None:
     """Raise ``DataError`` for a file that unpacks to more than ``LARGEST_UNPACKED``.
 
-    Also for an array with more elements than bytes, and for deep nesting. A truncated or damaged
-    file passes; its reader reports it.
+    Also for an array with more elements than bytes, for deep nesting and for many fields. A
+    truncated or damaged file passes; its reader reports it.
     """
     if len(data) < _HEADER or 0 in data[:4]:  # version 4 begins with a number and packs nothing
         return
@@ -76,9 +78,14 @@ def _check(content: memoryview, order: str, depth: int, source: str) -> None:
             f"{source}: an array of {count} elements has {len(content)} bytes",
             "Save the file again; it is damaged, or forged to exhaust the memory.",
         )
-    for kind, inner in elements_of_array:
-        if kind == _MATRIX:
-            _check(inner, order, depth + 1, source)
+    inner = [content for kind, content in elements_of_array if kind == _MATRIX]
+    if array_class == _STRUCT and len(inner) > MOST_FIELDS * max(count, 1):
+        raise DataError(
+            f"{source}: a struct has {len(inner) // max(count, 1)} fields; limit {MOST_FIELDS}",
+            "Save the channels as columns of a matrix.",
+        )
+    for content in inner:
+        _check(content, order, depth + 1, source)
 
 
 def _elements(
