@@ -78,6 +78,13 @@ from hbench.records.identification import (
     RampComparison,
     Trace,
 )
+from hbench.records.import_preview import (
+    ImportPreview,
+    PreviewedChannel,
+    PreviewedFile,
+    PreviewedLog,
+    PreviewedRun,
+)
 from hbench.records.kinds import KINDS, ExperimentKind, kind_names
 from hbench.records.motions import (
     Comparison,
@@ -156,6 +163,7 @@ __all__ = [
     "HeldOut",
     "Identification",
     "IdentifiedLaw",
+    "ImportPreview",
     "JointFit",
     "Leak",
     "LeakCoefficient",
@@ -175,6 +183,10 @@ __all__ = [
     "Panel",
     "Phenomenon",
     "PressureLine",
+    "PreviewedChannel",
+    "PreviewedFile",
+    "PreviewedLog",
+    "PreviewedRun",
     "Proposal",
     "Provenance",
     "Quality",

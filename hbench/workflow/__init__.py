@@ -15,7 +15,7 @@ _MODULES = {
         "load_experiment",
         "measure",
     ),
-    "imports": ("import_runs", "suggest_import_map"),
+    "imports": ("import_runs", "preview_import", "suggest_import_map", "write_import_preview"),
     "seeds": ("measure_seeds",),
     "watch": ("Watch",),
     "results": ("analyze", "report"),

@@ -15,6 +15,9 @@ def import_(
     map_file: Path = typer.Option(
         None, "--map", help="Import map: columns, units and series. Not needed for exported runs."
     ),
+    preview: Path = typer.Option(
+        None, "--preview", help="Only write a page to this folder: what --map makes of the logs."
+    ),
     suggest: bool = typer.Option(
         False, "--suggest", help="Only print a map for the logs, to be completed."
     ),
@@ -25,11 +28,19 @@ def import_(
     Example: hbench import logs -o campaign --map configs/import-csv.yaml
     """
     if suggest:
-        if output is not None or map_file is not None:
-            raise ConfigError("--suggest: takes neither -o nor --map")
+        if output is not None or map_file is not None or preview is not None:
+            raise ConfigError("--suggest takes no other option than --json")
         _suggest(source, as_json)
+    elif preview is not None:
+        if output is not None:
+            raise ConfigError("--preview and -o: only one of them is possible")
+        if map_file is None:
+            raise ConfigError(
+                "--preview needs --map", "`hbench import SRC --suggest` writes a map."
+            )
+        _preview(source, map_file, preview, as_json)
     elif output is None:
-        raise ConfigError("-o is missing", "Give the campaign folder to write, or --suggest.")
+        raise ConfigError("-o is missing", "Give the campaign to write, or --preview or --suggest.")
     else:
         _import(source, output, map_file, as_json)
 
@@ -46,6 +57,29 @@ def _import(source: Path, output: Path, map_file: Path | None, as_json: bool) ->
     else:
         typer.echo(f"{output}: {summary.runs} runs from {summary.files} files")
         typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)
+
+
+def _preview(source: Path, map_file: Path, folder: Path, as_json: bool) -> None:
+    from hbench import workflow
+
+    preview = workflow.preview_import(source, map_file)
+    page = workflow.write_import_preview(folder, preview)
+    errors = {file.name: file.error for file in preview.files if file.error}
+    errors |= {files: "matches no file" for files in preview.empty_series.values()}
+    _print_notes(tuple(f"{name}: {error}" for name, error in errors.items()))
+    runs = preview.runs
+    accepted = sum(run.screened.accepted for run in runs)
+    if as_json:
+        numbers = {"files": len(preview.files), "runs": len(runs), "accepted": accepted}
+        unmatched = list(preview.unmatched)
+        typer.echo(
+            as_object("import-preview", page=page, **numbers, unmatched=unmatched, errors=errors)
+        )
+    else:
+        typer.echo(
+            f"{page}: {len(preview.files)} files, {len(errors)} errors; {len(runs)} runs, "
+            f"{accepted} accepted"
+        )
 
 
 def _suggest(source: Path, as_json: bool) -> None:

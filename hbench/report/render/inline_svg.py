@@ -49,8 +49,9 @@ def _make_local(element: ElementTree.Element, prefix: str) -> None:
         attributes["href"] = f"#{prefix}{link[1:]}" if link.startswith("#") else link
     if "id" in attributes:
         attributes["id"] = prefix + attributes["id"]
-    if "clip-path" in attributes:
-        attributes["clip-path"] = attributes["clip-path"].replace("url(#", f"url(#{prefix}")
+    for name in ("clip-path", "style"):
+        if name in attributes:  # of a hatch, in a style
+            attributes[name] = attributes[name].replace("url(#", f"url(#{prefix}")
     if "style" in attributes:
         attributes["style"] = _COLOUR.sub(
             lambda colour: f"var(--c{colour[0][1:]},{colour[0]})", attributes["style"]

@@ -105,13 +105,18 @@ def _store_log(folder: Path, name: str, run: str, channels: Mapping[str, np.ndar
             file.write(rows)
             sha256.update(rows)
             size += len(rows)
-            if size > LARGEST_LOG:  # could not be read again
-                raise DataError(
-                    f"{name}: run {run} has {len(channels['t_s'])} samples, which take more than "
-                    f"{LARGEST_LOG / 1e6:g} MB as CSV",
-                    "Write 'resample: 100 Hz' in the map, or cut the file into strokes.",
-                )
+            check_log_size(size, name, run, channels)
     return StoredLog(len(channels["t_s"]), sha256.hexdigest())
+
+
+def check_log_size(size: int, name: str, run: str, channels: Mapping[str, np.ndarray]) -> None:
+    """Raise ``DataError`` if a run's CSV of ``size`` bytes could not be read again."""
+    if size > LARGEST_LOG:
+        raise DataError(
+            f"{name}: run {run} has {len(channels['t_s'])} samples, which take more than "
+            f"{LARGEST_LOG / 1e6:g} MB as CSV",
+            "Write 'resample: 100 Hz' in the map, or cut the file into strokes.",
+        )
 
 
 def _journal_item(run: ImportedRun, at: datetime) -> str:

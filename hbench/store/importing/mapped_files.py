@@ -73,20 +73,11 @@ def read_mapped(folder: Path, rules: ImportMap, store: StoreLog) -> ImportedRuns
 def _pieces(
     folder: Path, match: FileMatch, rules: ImportMap, store: StoreLog, number: int
 ) -> tuple[list[Piece], list[FileNote]]:
-    """Return the pieces of a file, whose runs are numbered from ``number``, with notes."""
+    """Read, cut and store a file, whose runs are numbered from ``number``."""
     mapped = read_mapped_file(folder, match, rules)
-    read = mapped.read
     found = cut_file(mapped, folder, rules)
-    notes = [*read.notes, *found.notes]
-    pieces = []
-    for run, section in enumerate(found.sections, start=number):
-        channels = {name: values[section.samples] for name, values in read.channels.items()}
-        lines = read.lines[section.samples]
-        log = store(match.name, f"{run:04d}", channels)
-        ends = int(lines[0]), int(lines[-1])
-        pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log))
-        notes += _load_sign(match, channels.get("f_applied_n"))
-    return pieces, notes
+    pieces, signs = pieces_of(mapped, found, store, number)
+    return pieces, [*mapped.read.notes, *found.notes, *signs]
 
 
 def read_mapped_file(folder: Path, match: FileMatch, rules: ImportMap) -> MappedFile:
@@ -102,15 +93,37 @@ def cut_file(mapped: MappedFile, folder: Path, rules: ImportMap) -> Sections:
     return cut(mapped.read.channels, source, match.name, rules, match.speed_m_s)
 
 
+def pieces_of(
+    mapped: MappedFile, found: Sections, store: StoreLog, number: int
+) -> tuple[list[Piece], list[FileNote]]:
+    """Store the sections of a file as runs, numbered from ``number``; return them with notes."""
+    match, read = mapped.match, mapped.read
+    pieces: list[Piece] = []
+    notes: list[FileNote] = []
+    for run, section in enumerate(found.sections, start=number):
+        channels = channels_of(mapped, section)
+        lines = read.lines[section.samples]
+        log = store(match.name, f"{run:04d}", channels)
+        ends = int(lines[0]), int(lines[-1])
+        pieces.append(Piece(f"{run:04d}", match, mapped.file, section, ends, log))
+        notes += _load_sign(match, channels.get("f_applied_n"))
+    return pieces, notes
+
+
+def channels_of(mapped: MappedFile, section: Section) -> dict[str, np.ndarray]:
+    """Return the channels (n,) of a section."""
+    return {name: values[section.samples] for name, values in mapped.read.channels.items()}
+
+
 def runs_of(pieces: Sequence[Piece], rules: ImportMap) -> tuple[ImportedRun, ...]:
     """Return a run for each piece; nominal speed and trial depend on the other pieces."""
     return tuple(
         ImportedRun(plan, piece.log, piece.file, piece.lines)
-        for plan, piece in zip(_plans(pieces, rules), pieces, strict=True)
+        for plan, piece in zip(plans_of(pieces, rules), pieces, strict=True)
     )
 
 
-def _plans(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
+def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
     """Return the plan of each piece.
 
     Where the name has no trial, the runs of one nominal speed are trials, in their order.

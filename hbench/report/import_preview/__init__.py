@@ -1,0 +1,1 @@
+"""Page and figures of the preview of an import."""
