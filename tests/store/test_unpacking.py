@@ -97,18 +97,18 @@ def test_a_parquet_file_that_unpacks_to_too_much_is_refused_before_it_is():
     table = pyarrow.table({"t_s": pyarrow.array(np.zeros(30_000_000))})
     pq.write_table(table, file, compression="zstd")
     assert len(file.getvalue()) < 1_000_000
-    with pytest.raises(DataError, match="240 MB.* 200 MB"):
+    with pytest.raises(DataError, match="200 MB"):
         read_parquet(file.getvalue(), "x.parquet")
 
 
 def test_what_fits_is_read(monkeypatch):
     """The same checks on sound files: those of an export (test_export.py) and a full one."""
-    monkeypatch.setattr(parquet, "LARGEST_UNPACKED", 100)
+    monkeypatch.setattr(parquet, "LARGEST_UNPACKED", 95)
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
     file = io.BytesIO()
     pandas.DataFrame({"t_s": np.arange(12.0)}).to_parquet(file)
-    with pytest.raises(DataError, match="0.0001 MB"):
+    with pytest.raises(DataError, match="9.5e-05 MB"):
         read_parquet(file.getvalue(), "x.parquet")
     monkeypatch.undo()
     assert len(read_parquet(file.getvalue(), "x.parquet")) == 12

@@ -12,8 +12,8 @@ from hbench.errors import DataError
 from hbench.store.files.bounded_read import LARGEST_UNPACKED
 from hbench.store.formats.barrier import reader_errors
 
-# One step of a path: a name, then (k) for an element or (:,k) for a column.
-_STEP = re.compile(r"(\w+)(?:\((?:\s*(\d+)\s*|\s*:\s*,\s*(\d+)\s*)\))?")
+# One step of a path: a name, then (k) for an element or (:,k) for a column, from 1.
+_STEP = re.compile(r"(\w+)(?:\((?:\s*([1-9]\d{,8})\s*|\s*:\s*,\s*([1-9]\d{,8})\s*)\))?")
 _FEW = 40  # columns that a message lists
 
 

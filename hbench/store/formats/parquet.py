@@ -15,6 +15,8 @@ from hbench.store.formats.packages import require_package
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+_FEW = 100  # rows read at a time: a text can be repeated in many rows
+
 
 def open_parquet(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """Return the columns of a file, read one by one."""
@@ -39,20 +41,21 @@ def _samples(content: Any, name: str) -> np.ndarray:
 
 
 def read_parquet(data: bytes, source: str) -> "DataFrame":
-    """Return a Parquet file's data frame. Raises ``DataError``, ``ConfigError`` and others."""
-    require_pyarrow()
+    """Return a Parquet file's data frame. Raises ``DataError`` and others."""
+    import pyarrow
     from pyarrow.parquet import ParquetFile
 
-    content = ParquetFile(io.BytesIO(data))
-    about = content.metadata
-    groups = [about.row_group(i).total_byte_size for i in range(about.num_row_groups)]
-    size = max(8 * about.num_rows * about.num_columns, sum(groups))
-    if size > LARGEST_UNPACKED:
-        raise DataError(
-            f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
-            "Check that it is the right file; save fewer columns, or split it.",
-        )
-    return content.read(use_threads=False).to_pandas(use_threads=False)
+    content, batches, size = ParquetFile(io.BytesIO(data)), [], 0
+    for batch in content.iter_batches(_FEW, use_threads=False):
+        batches.append(batch)
+        size += batch.nbytes
+        if size > LARGEST_UNPACKED:
+            raise DataError(
+                f"{source}: unpacks to more than {LARGEST_UNPACKED / 1e6:g} MB",
+                "Check that it is the right file; save fewer columns, or split it.",
+            )
+    table = pyarrow.Table.from_batches(batches, content.schema_arrow)
+    return table.to_pandas(use_threads=False)
 
 
 def require_pyarrow() -> None:
