@@ -36,7 +36,7 @@ def before(candidates):
     """The bench, and the simulations that do not depend on what is measured."""
     data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
     bench = parse_bench(data, "bench")
-    simulate = simulator(bench, PLAN, seed=100)
+    simulate = simulator(bench, PLAN)
     (runs,) = simulate([Hypothesis()], 2)
     known = MeasuredCampaign(bench, plant_of(bench), ()).balance_model(Hypothesis())
     return data, bench, simulate, runs, signatures(candidates, simulate, known, runs)

@@ -3,8 +3,10 @@
 import numpy as np
 
 from hbench.config.bench import Plant
-from hbench.config.scaling import scaled
+from hbench.config.schedule import parse_schedule
 from hbench.experiment.closed_loop import record
+from hbench.experiment.plan import plan_runs
+from hbench.reconcile import simulated_runs
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.hypothesis import Hypothesis
@@ -51,24 +53,15 @@ def compare(measured, modelled, bench, plant):
     return {one.name: one for one in ranked}, found
 
 
-def without_scatter(plant) -> Plant:
-    """Return the plant with the same friction at each stroke, which only a mean has to match."""
-    return scaled(plant, {f"friction.{side}.scatter": 0.0 for side in ("test", "load")})
-
-
-def simulator(bench, plan, seed):
+def simulator(bench, plan):
     """Return what makes the runs of a schedule with hypotheses of the bench's plant."""
-
-    def simulate(hypotheses, trials):
-        plants = [without_scatter(one.plant(plant_of(bench))) for one in hypotheses]
-        return [record(bench, plan, plant, seed=seed).runs for plant in plants]
-
-    return simulate
+    plans = plan_runs(parse_schedule(dict(plan), "test"), bench, "test").runs
+    return simulated_runs.simulator(bench, plant_of(bench), plans, spread=map)
 
 
 def reconciled(measured, bench, plan, seed=100):
     """Return the refitted model, and the gaps before and after."""
-    simulate, plant = simulator(bench, plan, seed), plant_of(bench)
+    simulate, plant = simulator(bench, plan), plant_of(bench)
     before = compare(measured, record(bench, plan, plant, seed=seed).runs, bench, plant)[0]
     own = MeasuredCampaign(bench, plant, tuple(prepare(run) for run in measured))
     (runs,) = simulate([Hypothesis()], 3)
