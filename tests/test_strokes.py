@@ -1,8 +1,13 @@
 """Cyclic strokes of made-up seals: bands, energy and slopes against the law that made them."""
 
+import json
+
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from hbench.cli.main import app
+from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
 from tests.support.seal_strokes import energy_j, half_band_n, stroke_campaign, write_strokes
@@ -49,3 +54,46 @@ def test_a_pause_of_the_log_leaves_the_stroke_without_energy_and_not_without_fri
     (band,) = results.bands
     assert (band.n, len(band.trials_energy_j)) == (5, 4)
     assert band.energy_j == pytest.approx(energy_j(4.0, SPEED), rel=2e-4)
+
+
+@pytest.fixture(scope="module")
+def seals(tmp_path_factory):
+    """Return the campaigns of two seals whose strokes have other speeds."""
+    folder = tmp_path_factory.mktemp("seals")
+    pk = {bar: (half - 1.0 + 0.4 * bar, middle) for bar, (half, middle) in SEAL.items()}
+    return tuple(
+        stroke_campaign(
+            write_strokes(folder / f"{label}-logs", label, bands, v, scatter_n=0.05, seed=seed),
+            folder / label,
+        )
+        for seed, (label, bands, v) in enumerate((("NAP310", SEAL, 0.0203), ("PK", pk, 0.0197)))
+    )
+
+
+def test_two_seals_have_a_difference_with_an_interval(seals, tmp_path):
+    done = CliRunner().invoke(app, ["compare", *map(str, seals), "--json", "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    assert [(band["label_a"], band["label_b"]) for band in found["bands"]] == [("NAP310", "PK")] * 4
+    assert len(found["curves"]) == 8 and found["notes"] == []
+    viscous = half_band_n(0.0, 0.0197) - half_band_n(0.0, 0.0203)
+    for band, bar in zip(found["bands"], SEAL, strict=True):
+        expected = 0.4 * bar - 1.0 + viscous
+        assert 0 < band["half_n"]["ci95"] < 0.2
+        assert abs(band["half_n"]["difference"] - expected) < 2 * band["half_n"]["ci95"]
+        assert not band["middle_n"]["real"]
+        energy = energy_j(0.4 * bar - 1.0, 0.0197) - energy_j(0.0, 0.0203)
+        assert abs(band["energy_j"]["difference"] - energy) < 2 * band["energy_j"]["ci95"]
+    (slope,) = found["band_trends"]
+    assert slope["half_slope_n_pa"]["difference"] == pytest.approx(0.4e-5, abs=0.03e-5)
+    page = (tmp_path / "comparison.html").read_text()
+    assert page.count("<svg") == 1  # half bands over pressure; each curve has one speed
+
+
+def test_another_tolerance_of_speed_leaves_strokes_unmatched(seals):
+    done = CliRunner().invoke(app, ["compare", *map(str, seals), "--speed-tolerance", "1 %"])
+    assert isinstance(done.exception, DataError)
+    assert "20.3 mm/s" in done.exception.message and "19.7 mm/s" in done.exception.message
+    for wrong in ("1 mm", "-1 %", "100 %"):
+        arguments = ["compare", *map(str, seals), f"--speed-tolerance={wrong}"]
+        assert isinstance(CliRunner().invoke(app, arguments).exception, ConfigError)

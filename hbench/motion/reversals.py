@@ -12,6 +12,9 @@ from hbench.motion.rest import BLOCK_S, rest_before_motion
 _TURN = 0.1
 _REST_S = 0.2  # shorter ones at the ends of a log are no rest
 _SAME_LENGTH, _SAME_DURATION = 0.10, 0.25  # relative differences of settled strokes
+# Relative difference of the speeds of strokes that count as the same speed: often it is not
+# controlled.
+SAME_STROKE_SPEED = 0.20
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,8 @@ from hbench.records.diagnosis import (
     Verdict,
 )
 from hbench.records.differences import (
+    BandDifference,
+    BandTrendDifference,
     CampaignDifferences,
     CurveDifference,
     Difference,
@@ -124,7 +126,9 @@ __all__ = [
     "QUANTITIES",
     "AddedEffect",
     "Band",
+    "BandDifference",
     "BandTrend",
+    "BandTrendDifference",
     "Basis",
     "BeforeAfter",
     "Block",

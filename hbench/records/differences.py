@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from hbench.records.flow import Curve, Direction, Provenance
+from hbench.records.flow import Band, BandTrend, Curve, Direction, Provenance
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,27 @@ class CurveDifference:
 
 
 @dataclass(frozen=True)
+class BandDifference:
+    """Two friction bands at the same load or pressure, and at the same speeds."""
+
+    a: Band
+    b: Band
+    half_n: Difference
+    middle_n: Difference
+    energy_j: Difference | None  # of a cycle; None where either has none
+
+
+@dataclass(frozen=True)
+class BandTrendDifference:
+    """Dependence of two series' friction bands on pressure."""
+
+    a: BandTrend
+    b: BandTrend
+    half_slope_n_pa: Difference
+    middle_slope_n_pa: Difference
+
+
+@dataclass(frozen=True)
 class CampaignDifferences:
     """All differences of two campaigns."""
 
@@ -76,3 +97,5 @@ class CampaignDifferences:
     same_instruments: bool  # their errors are the same in both
     curves: tuple[CurveDifference, ...]
     notes: tuple[str, ...]  # curves that could not be compared, with the reason
+    bands: tuple[BandDifference, ...] = ()
+    band_trends: tuple[BandTrendDifference, ...] = ()

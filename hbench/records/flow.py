@@ -73,6 +73,7 @@ class RunPlan:
     p_lp_ref_pa: float | None = None
     label: str = ""  # distinguishes series of one campaign, such as seals
     motion: Motion | None = None  # None for runs that another bench made
+    speed_is_measured: bool = False  # v_ref_m_s is the median of measured speeds: none was set
     # Positions to average over, of a stroke with a counterpart: those that both directions cover.
     x_low_m: float | None = None
     x_high_m: float | None = None

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from hbench.analysis.comparison import matching
+from hbench.analysis.comparison.band_differences import band_differences, trend_differences
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.errors import DataError
 from hbench.records import CampaignDifferences
@@ -13,11 +15,19 @@ from hbench.store.files.atomic import write_files
 from hbench.workflow.results import derive
 
 
-def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> CampaignDifferences:
+def compare(
+    a: Path,
+    b: Path,
+    *,
+    same_instruments: bool | None = None,
+    speed_tolerance: float | None = None,
+) -> CampaignDifferences:
     """Compare two campaigns; differences are B minus A.
 
     ``same_instruments`` means equal instrument errors in both campaigns; by default it is True for
-    benches of the same name and kind with equal instruments. Raises ``DataError``.
+    benches of the same name and kind with equal instruments. ``speed_tolerance`` is the largest
+    relative difference of speeds that count as the same, by default 2 %, or 20 % where no speed was
+    set; it does not concern curves over speed. Raises ``DataError``.
     """
     campaign_a, campaign_b = load_campaign(a), load_campaign(b)
     results_a, results_b = derive(campaign_a), derive(campaign_b)
@@ -35,7 +45,10 @@ def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> Campai
             and bench_a.instruments == bench_b.instruments
             and results_a.provenance.source == results_b.provenance.source
         )
-    curves, notes = campaign_differences(results_a, results_b, instruments, same_instruments)
+    both = results_a, results_b
+    tolerance = matching.speed_tolerance(*both) if speed_tolerance is None else speed_tolerance
+    curves, notes = campaign_differences(*both, instruments, same_instruments, tolerance)
+    bands = band_differences(*both, instruments, same_instruments, tolerance)
     if not curves:
         raise DataError(
             f"{a} and {b} have no curves in common: {'; '.join(notes) or 'neither has curves'}",
@@ -48,6 +61,8 @@ def compare(a: Path, b: Path, *, same_instruments: bool | None = None) -> Campai
         same_instruments,
         curves,
         notes,
+        bands,
+        trend_differences(*both, bands, instruments, same_instruments),
     )
 
 

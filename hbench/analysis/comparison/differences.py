@@ -1,32 +1,36 @@
-"""Differences between two campaigns, with their significance.
+"""Differences between the friction curves of two campaigns.
 
-Trials are independent, so a difference d = sum_i w_i m_i of means over trials has
-
-    se^2 = sum_i w_i^2 s_i^2 / n_i,    dof = se^4 / sum_i (w_i^2 s_i^2 / n_i)^2 / (n_i - 1)
-
-(Welch, Satterthwaite). For the instruments: if both campaigns were measured with the same ones,
-their errors are in both, and only the difference of the contributions counts; with different ones
-both contributions count. Curves are compared at A's speeds within B's range.
+Curves are compared at A's speeds within B's range. Curves with few speeds, which are points over
+pressure, also match at equal pressures, such as those of another bore.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from statistics import fmean
 
 import numpy as np
-from scipy.special import ndtr, stdtr
+from scipy.special import ndtr
 
+from hbench.analysis.comparison.difference_tests import (
+    NO_SCATTER,
+    corrected,
+    tested,
+    untested,
+    welch,
+)
+from hbench.analysis.comparison.matching import (
+    SPEED_TOLERANCE,
+    SetPoint,
+    by_label,
+    nearest_set_point,
+    series_key,
+)
 from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.rounding import ROUNDING
-from hbench.analysis.statistics.holm import holm
-from hbench.analysis.statistics.student import student_factor
-from hbench.analysis.uncertainty.budget import (
-    expanded,
-    friction_contributions,
-    mean_contributions,
-    root_sum_square,
-)
+from hbench.analysis.statistics.student import satterthwaite
+from hbench.analysis.uncertainty.budget import friction_contributions, mean_contributions
 from hbench.config.sensors import Instruments
 from hbench.records import (
     KINDS,
@@ -43,25 +47,8 @@ from hbench.records import (
 )
 from hbench.records.numbers import NORMAL_95
 
-SPEED_TOLERANCE = 0.02  # largest relative difference of two speeds with the same reference
-Contributions = dict[str, float]  # of instruments
+CurveKey = tuple
 Weights = Mapping[int, float]  # of a curve's points, by their numbers
-Terms = Sequence[tuple[float, Sequence[float]]]  # weight of a mean, and its trials
-
-
-def welch(terms: Terms) -> tuple[float, float] | None:
-    """Return standard error and degrees of freedom of sum_i w_i mean(trials_i).
-
-    None if a mean has fewer than two trials, or if no trials differ by more than rounding.
-    """
-    if any(len(trials) < 2 for _, trials in terms):
-        return None
-    variances = np.array([w**2 * np.var(trials, ddof=1) / len(trials) for w, trials in terms])
-    total = float(variances.sum())
-    if np.sqrt(total) <= ROUNDING * sum(abs(w) * np.abs(trials).max() for w, trials in terms):
-        return None
-    dof = np.array([len(trials) - 1 for _, trials in terms])
-    return float(np.sqrt(total)), float(total**2 / np.sum(variances**2 / dof))
 
 
 def campaign_differences(
@@ -69,49 +56,85 @@ def campaign_differences(
     b: Results,
     instruments: tuple[Instruments | None, Instruments | None],
     same_instruments: bool,
+    tolerance: float = SPEED_TOLERANCE,
 ) -> tuple[tuple[CurveDifference, ...], tuple[str, ...]]:
     """Compare the curves that both campaigns have; return them, and notes on the other curves.
 
     Curves are matched by kind, direction, load and rod-side pressure; also by label if either
-    campaign has several.
+    campaign has several. ``tolerance`` is the largest relative difference of two speeds of points
+    over pressure.
     """
-    labels = any(len({curve.label for curve in results.curves}) > 1 for results in (a, b))
+    labels = by_label(a, b)
     curves_a, curves_b = (
         {_key(curve, labels): sliding(curve) for curve in results.curves} for results in (a, b)
     )
     etas = [{_key(curve, labels): curve for curve in results.efficiency} for results in (a, b)]
     compared, notes = [], []
+    partners = {key: _partner(curve, key, curves_b) for key, curve in curves_a.items()}
     for key, curve in curves_a.items():
-        if key not in curves_b:
+        partner = partners[key]
+        if partner is None:
+            notes.append(f"{_name(curve)}: only in A")
             continue
-        difference = _curves(curve, curves_b[key], instruments, same_instruments)
+        other = curves_b[partner]
+        difference = _curves(curve, other, instruments, same_instruments, tolerance)
         if not difference.points:
-            notes.append(f"{_name(curve)}: the campaigns have no speeds in common")
+            notes.append(
+                f"{_name(curve)}: no speeds in common; {_speeds(curve)} in A and "
+                f"{_speeds(other)} in B"
+            )
             continue
-        if all(key in curves for curves in etas) and KINDS[curve.kind].has_constant_speed:
-            pair = (curve, etas[0][key]), (curves_b[key], etas[1][key])
-            difference = replace(difference, efficiency=_efficiency(*pair, same_instruments))
+        if key in etas[0] and partner in etas[1] and KINDS[curve.kind].has_constant_speed:
+            pair = (curve, etas[0][key]), (other, etas[1][partner])
+            efficiency = _efficiency(*pair, same_instruments, tolerance)
+            difference = replace(difference, efficiency=efficiency)
         compared.append(difference)
-    for name, curves, others in (("A", curves_a, curves_b), ("B", curves_b, curves_a)):
-        notes += [f"{_name(c)}: only in {name}" for key, c in curves.items() if key not in others]
+    paired = set(partners.values())
+    notes += [f"{_name(curve)}: only in B" for key, curve in curves_b.items() if key not in paired]
     return _corrected(compared), tuple(notes)
 
 
-def _key(curve: Curve | EfficiencyCurve, labels: bool) -> tuple:
-    reference = curve.kind, curve.direction, curve.f_load_n, curve.p_lr_ref_pa, curve.a_ref_m_s2
-    return (*reference, curve.label) if labels else reference
+def _key(curve: Curve | EfficiencyCurve, labels: bool) -> CurveKey:
+    return (*series_key(curve, labels), curve.direction, curve.a_ref_m_s2, curve.f_load_n)
+
+
+def _partner(curve: Curve, key: CurveKey, others: Mapping[CurveKey, Curve]) -> CurveKey | None:
+    """Return the key of the curve at the same load, or of few points at the same pressure."""
+    if key in others or curve.over_velocity:
+        return key if key in others else None
+    alike = {
+        other_key: _set_point(other)
+        for other_key, other in others.items()
+        if other_key[:-1] == key[:-1] and not other.over_velocity
+    }
+    return nearest_set_point(_set_point(curve), alike)
+
+
+def _set_point(curve: Curve) -> SetPoint:
+    pressures = [point.p_tp_pa for point in curve.points if point.p_tp_pa is not None]
+    return SetPoint(curve.f_load_n, fmean(pressures) if pressures else None)
+
+
+def _speeds(curve: Curve) -> str:
+    ends = {abs(curve.points[i].v_m_s): None for i in (0, -1)}
+    return " to ".join(f"{1e3 * v:.3g}" for v in ends) + " mm/s"
 
 
 def _name(curve: Curve) -> str:
     a = "" if curve.a_ref_m_s2 is None else f"{curve.a_ref_m_s2:.3g} m/s^2"
-    load = "" if curve.f_load_n is None else f"{curve.f_load_n:g} N"
+    load = "" if curve.f_load_n is None else f"{curve.f_load_n:.5g} N"
     return " ".join(filter(None, (curve.label, curve.kind, a, curve.direction, load)))
 
 
 def _curves(
-    a: Curve, b: Curve, instruments: tuple[Instruments | None, Instruments | None], same: bool
+    a: Curve,
+    b: Curve,
+    instruments: tuple[Instruments | None, Instruments | None],
+    same: bool,
+    tolerance: float,
 ) -> CurveDifference:
-    weights = [({i: 1.0}, _weights(abs(point.v_m_s), b)) for i, point in enumerate(a.points)]
+    speeds = [abs(point.v_m_s) for point in a.points]
+    weights = [({i: 1.0}, _weights(speed, b, tolerance)) for i, speed in enumerate(speeds)]
     weights = [(weights_a, weights_b) for weights_a, weights_b in weights if weights_b]
     points = tuple(
         FrictionDifference(
@@ -132,11 +155,12 @@ def _curves(
     )
 
 
-def _weights(speed: float, curve: Curve) -> Weights:
+def _weights(speed: float, curve: Curve, tolerance: float) -> Weights:
     """Return the weights of the point at a speed, or of its two neighbours, by their numbers."""
     v = [abs(point.v_m_s) for point in curve.points]
     near = min(range(len(v)), key=lambda i: abs(v[i] - speed))
-    if abs(v[near] - speed) <= SPEED_TOLERANCE * speed:
+    limit = SPEED_TOLERANCE if curve.over_velocity else tolerance
+    if abs(v[near] - speed) <= limit * speed:
         return {near: 1.0}
     low = max((i for i in range(len(v)) if v[i] < speed), key=lambda i: v[i], default=None)
     high = min((i for i in range(len(v)) if v[i] > speed), key=lambda i: v[i], default=None)
@@ -173,13 +197,14 @@ def _friction(
                 for i, w in weights.items()
             ]
             names = points[0][1]
-            contributions.append({n: sum(w * point[n] for w, point in points) for n in names})
+            if names:
+                contributions.append({n: sum(w * point[n] for w, point in points) for n in names})
     mean_a, mean_b = sums
     error = welch(terms)
     if error is None:
-        return _untested(mean_a, mean_b, "no scatter: a single trial")
+        return untested(mean_a, mean_b, NO_SCATTER)
     both = (contributions[0], contributions[1]) if len(contributions) == 2 else None
-    return _tested(mean_a, mean_b, *error, both, same)
+    return tested(mean_a, mean_b, *error, both, same)
 
 
 def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
@@ -203,46 +228,18 @@ def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
     return [(1.0, sums)]
 
 
-def _untested(a: float, b: float, reason: str) -> Difference:
-    return Difference(a, b, None, None, None, None, untested=reason)
-
-
-def _tested(
-    a: float,
-    b: float,
-    se: float,
-    dof: float,
-    contributions: tuple[Contributions, Contributions] | None,
-    same: bool,
-) -> Difference:
-    ci95 = student_factor(dof) * se
-    return Difference(
-        a=a,
-        b=b,
-        se=se,
-        ci95=float(ci95),
-        u95=None
-        if contributions is None
-        else expanded(float(ci95), _instruments_sigma(*contributions, same)),
-        p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
-    )
-
-
-def _instruments_sigma(a: Contributions, b: Contributions, same: bool) -> float:
-    if not same:
-        return float(np.hypot(root_sum_square(a), root_sum_square(b)))
-    names = {*a, *b}
-    return root_sum_square({name: b.get(name, 0.0) - a.get(name, 0.0) for name in names})
-
-
 def _efficiency(
-    a: tuple[Curve, EfficiencyCurve], b: tuple[Curve, EfficiencyCurve], same: bool
+    a: tuple[Curve, EfficiencyCurve],
+    b: tuple[Curve, EfficiencyCurve],
+    same: bool,
+    tolerance: float,
 ) -> Difference | None:
     """Return the difference of the means over the speeds at which both efficiencies are defined."""
+    limit = SPEED_TOLERANCE if b[0].over_velocity else tolerance
     pairs = []
     for point, eta in _with_efficiency(*a):
         for other, eta_b in _with_efficiency(*b):
-            if abs(other.v_m_s - point.v_m_s) <= SPEED_TOLERANCE * abs(point.v_m_s):
+            if abs(other.v_m_s - point.v_m_s) <= limit * abs(point.v_m_s):
                 pairs.append(((point, eta), (other, eta_b)))
     if not pairs:
         return None
@@ -252,15 +249,14 @@ def _efficiency(
     points = [point for pair in pairs for point in pair]
     errors = [eta.sigma_trials for _, eta in points if eta.sigma_trials is not None]
     if len(errors) < len(points):
-        return _untested(mean_a, mean_b, "no scatter: a single trial")
-    variance = np.array([(error / len(pairs)) ** 2 for error in errors])
-    total = float(variance.sum())
-    if np.sqrt(total) <= ROUNDING * max(abs(mean_a), abs(mean_b)):
-        return _untested(mean_a, mean_b, "no scatter between the trials")
-    dof = total**2 / np.sum(variance**2 / np.array([point.n - 1 for point, _ in points]))
+        return untested(mean_a, mean_b, NO_SCATTER)
+    variances = [(error / len(pairs)) ** 2 for error in errors]
+    se, dof = satterthwaite(variances, [point.n - 1 for point, _ in points])
+    if se <= ROUNDING * max(abs(mean_a), abs(mean_b)):
+        return untested(mean_a, mean_b, "no scatter between the trials")
     of_a, of_b = (mean_contributions([pair[side][1].parts for pair in pairs]) for side in (0, 1))
     both = (of_a, of_b) if of_a and of_b else None
-    return _tested(mean_a, mean_b, float(np.sqrt(total)), float(dof), both, same)
+    return tested(mean_a, mean_b, se, dof, both, same)
 
 
 def _with_efficiency(
@@ -283,7 +279,7 @@ def _parameters(a: Curve, b: Curve) -> Iterable[FitDifference]:
                 difference = _parameter_difference(p, other)
             else:
                 reason = "the points of a fit share their strokes"
-                difference = _untested(p.value, other.value, reason)
+                difference = untested(p.value, other.value, reason)
             yield FitDifference(fit_a.law, name, p.unit, difference)
 
 
@@ -293,22 +289,22 @@ def _parameter_difference(a: FitParameter, b: FitParameter) -> Difference:
     p is that of a normal distribution with the difference's 95 % interval.
     """
     if a.at_bound or b.at_bound:
-        return _untested(a.value, b.value, "at a bound")
+        return untested(a.value, b.value, "at a bound")
     if a.ci95 is None or b.ci95 is None or not np.isfinite([*a.ci95, *b.ci95]).all():
-        return _untested(a.value, b.value, "not determined in both")
+        return untested(a.value, b.value, "not determined in both")
     half = float(np.hypot((a.ci95[1] - a.ci95[0]) / 2, (b.ci95[1] - b.ci95[0]) / 2))
     if half <= ROUNDING * max(abs(a.value), abs(b.value)):
-        return _untested(a.value, b.value, "no scatter")
+        return untested(a.value, b.value, "no scatter")
     p_value = float(2 * ndtr(-NORMAL_95 * abs(b.value - a.value) / half))
     return Difference(a.value, b.value, half / NORMAL_95, half, None, p_value)
 
 
 def _corrected(curves: Sequence[CurveDifference]) -> tuple[CurveDifference, ...]:
     """Correct the p values of each kind for their number: points, means, efficiencies, fits."""
-    points = _holm([point.friction_n for curve in curves for point in curve.points])
-    means = _holm([curve.mean_n for curve in curves if curve.mean_n])
-    etas = _holm([curve.efficiency for curve in curves if curve.efficiency])
-    fits = _holm([p.value for curve in curves for p in curve.parameters])
+    points = corrected([point.friction_n for curve in curves for point in curve.points])
+    means = corrected([curve.mean_n for curve in curves if curve.mean_n])
+    etas = corrected([curve.efficiency for curve in curves if curve.efficiency])
+    fits = corrected([p.value for curve in curves for p in curve.parameters])
     return tuple(
         replace(
             curve,
@@ -319,11 +315,3 @@ def _corrected(curves: Sequence[CurveDifference]) -> tuple[CurveDifference, ...]
         )
         for curve in curves
     )
-
-
-def _holm(differences: Sequence[Difference]) -> Iterator[Difference]:
-    """Yield the differences with corrected p values, if they have one."""
-    p_values = [difference.p_value for difference in differences]
-    corrected = iter(holm([p for p in p_values if p is not None]).tolist())
-    for difference, p in zip(differences, p_values, strict=True):
-        yield difference if p is None else replace(difference, p_holm=next(corrected))

@@ -25,7 +25,7 @@ from hbench.analysis.rounding import distinct
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import Band, BandTrend, PressureLine
 
-_FEWEST = 3  # pressures of a line
+FEWEST = 3  # pressures of a line
 
 
 def band_trends(bands: Iterable[Band]) -> tuple[BandTrend, ...]:
@@ -38,7 +38,7 @@ def band_trends(bands: Iterable[Band]) -> tuple[BandTrend, ...]:
     for series in _series(bands):
         known = [(band.p_tp_pa, band) for band in series if band.p_tp_pa is not None]
         known.sort(key=lambda pair: pair[0])
-        if len(distinct(np.array([p for p, _ in known]))) >= _FEWEST:
+        if len(distinct(np.array([p for p, _ in known]))) >= FEWEST:
             trends.append(_trend([band for _, band in known], np.array([p for p, _ in known])))
     return tuple(trends)
 

@@ -14,6 +14,11 @@ def compare(
         help="Whether both were measured with the same sensors, whose errors then cancel. By "
         "default they are taken as the same if the benches have equal names and instruments.",
     ),
+    speed_tolerance: str = typer.Option(
+        None,
+        help="Largest relative difference of speeds that count as the same, such as '30 %'; by "
+        "default 2 %, or 20 % where no speed was set. Curves over speed are interpolated instead.",
+    ),
     output: Path = typer.Option(None, "-o", "--output", help="Folder for page, figures and JSON."),
     as_json: bool = typer.Option(False, "--json", help="Print comparison.json instead of tables."),
 ) -> None:
@@ -24,8 +29,25 @@ def compare(
     from hbench import workflow
     from hbench.report.comparison.text import differences_json, differences_text
 
-    comparison = workflow.compare(a, b, same_instruments=same_instruments)
+    tolerance = None if speed_tolerance is None else _ratio(speed_tolerance)
+    comparison = workflow.compare(
+        a, b, same_instruments=same_instruments, speed_tolerance=tolerance
+    )
     if output is not None:
         workflow.write_comparison(output, comparison)
         typer.echo(f"{output / 'comparison.html'}", err=True)
     typer.echo(differences_json(comparison) if as_json else differences_text(comparison))
+
+
+def _ratio(text: str) -> float:
+    """Return the value of ``--speed-tolerance``. Raises ``ConfigError``."""
+    from hbench.errors import ConfigError
+    from hbench.units import to_si
+
+    try:
+        ratio = to_si(text, "%")
+    except ValueError as error:
+        raise ConfigError(f"--speed-tolerance: {text!r} {error}") from None
+    if not 0 <= ratio < 1:
+        raise ConfigError(f"--speed-tolerance: is {text!r}; limits 0 % and below 100 %")
+    return ratio

@@ -1,15 +1,26 @@
-"""Figures of a comparison: both curves, and B less A below, for each direction and load."""
+"""Figures of a comparison: both curves or bands, and B less A below."""
+
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import CampaignDifferences, Curve, CurveDifference
+from hbench.records import (
+    BandDifference,
+    CampaignDifferences,
+    Curve,
+    CurveDifference,
+    Difference,
+)
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.series_words import kind_words, load_words
+from hbench.report.comparison.cells import label_of
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
+from hbench.units import from_si
 
 _CAPTION = (
     "Above: means of the trials with their 95 % intervals. Below: B less A; the bars are the 95 % "
@@ -17,9 +28,23 @@ _CAPTION = (
 )
 
 
+_BANDS_CAPTION = (
+    "Above: half bands, (F extending − F retracting) / 2, with the 95 % intervals of the trials. "
+    "Lines: least squares over pressure. Below: B less A; the bars are the 95 % interval of the "
+    "trials, wide pale ones add the instruments. Filled: the difference is significant."
+)
+
+
 def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
-    """Draw each pair of curves that has at least two speeds."""
+    """Draw the half bands of each series, and each pair of curves with at least two speeds."""
     sketches = []
+    for number, bands in enumerate(_series(differences), start=1):
+        if len(bands) < 2:
+            continue
+        with rc_context(style.RC):
+            figure = draw_bands(bands, differences)
+        title = ", ".join(filter(None, (label_of(bands[0]), "Half band over pressure")))
+        sketches.append(Sketch(f"bands-{number}", "bands", title, _BANDS_CAPTION, figure))
     for number, curve in enumerate(differences.curves):
         if len(curve.points) < 2:
             continue
@@ -28,6 +53,60 @@ def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
         title = figure.axes[0].get_title("left")
         sketches.append(Sketch(f"pair-{number + 1}", "comparison", title, _CAPTION, figure))
     return draw_sketches(sketches)
+
+
+def _series(differences: CampaignDifferences) -> Iterable[list[BandDifference]]:
+    """Return the bands with known pressures, by label and rod-side pressure."""
+    series: dict[tuple, list[BandDifference]] = {}
+    for band in differences.bands:
+        if band.a.p_tp_pa is not None and band.b.p_tp_pa is not None:
+            series.setdefault((band.a.label, band.a.p_lr_ref_pa), []).append(band)
+    return series.values()
+
+
+def draw_bands(bands: Sequence[BandDifference], differences: CampaignDifferences) -> Figure:
+    """Draw the half bands [N] of both over pressure [bar], and the difference below."""
+    figure = style.new_figure(height_in=5.0)
+    above, below = figure.subplots(2, sharex=True, height_ratios=(5, 3))
+    for index, side in enumerate("ab"):
+        own = [getattr(band, side) for band in bands]
+        label = f"{side.upper()}: {style.safe(_named(differences, index, own[0].label))}"
+        look = style.series_style(index)
+        rows = [(_bar(each.p_tp_pa), each.half_n, _or_nan(each.half_ci95_n)) for each in own]
+        above.errorbar(*np.array(sorted(rows)).T, label=label, **look, **style.POINTS)
+        for trend in (getattr(each, side) for each in differences.band_trends):
+            if any(band in trend.bands for band in own):
+                forces = [
+                    trend.half.intercept_n + trend.half.slope_n_pa * p for p in trend.pressures_pa
+                ]
+                line = {"color": look["color"], "label": f"_{side.upper()}, line", "zorder": 2}
+                above.plot([_bar(p) for p in trend.pressures_pa], forces, **line)
+    _draw_differences(
+        below,
+        np.array([_bar(band.a.p_tp_pa) for band in bands]),
+        [band.half_n for band in bands],
+    )
+    above.set_ylabel("Half band (N)")
+    below.set(xlabel="Chamber pressure (bar)", ylabel="B − A (N)")
+    style.start_at_zero(above)
+    above.set_ylim(bottom=min(0.0, above.get_ylim()[0]))
+    above.set_title("Half band over pressure")
+    style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
+    _mark(above, differences)
+    style.legend_above(figure, above, columns=1)
+    return figure
+
+
+def _named(differences: CampaignDifferences, index: int, label: str) -> str:
+    return ", ".join(filter(None, (differences.names[index], label)))
+
+
+def _bar(pressure_pa: float | None) -> float:
+    return np.nan if pressure_pa is None else from_si(pressure_pa, "bar")
+
+
+def _or_nan(value: float | None) -> float:
+    return np.nan if value is None else value
 
 
 def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> Figure:
@@ -40,20 +119,7 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
         bars = above.errorbar(*_columns(curve), label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
     v = 1e3 * np.abs([point.v_m_s for point in difference.points])
-    differences_n = [point.friction_n for point in difference.points]
-    u95 = [np.nan if d.u95 is None else d.u95 for d in differences_n]
-    ci95 = [np.nan if d.ci95 is None else d.ci95 for d in differences_n]
-    values = np.array([d.value for d in differences_n])
-    below.axhline(0, color="#374151", linewidth=0.9)
-    below.errorbar(v, values, u95, linestyle="none", color="#000000", elinewidth=5, alpha=0.18)
-    below.errorbar(v, values, ci95, linestyle="none", color="#000000", elinewidth=1.1, capsize=2.5)
-    real = np.array([d.real for d in differences_n])
-    for chosen, face in ((real, "#000000"), (~real, "white")):
-        label = "_B − A" if face == "white" else "_B − A, real"
-        look = {"color": "#000000", "markerfacecolor": face, "zorder": 4, "label": label}
-        (dots,) = below.plot(v[chosen], values[chosen], "o", **look)
-        halves = {"± B − A (N)": np.array(ci95)[chosen], "U95 (N)": np.array(u95)[chosen]}
-        behind(dots, halves)
+    _draw_differences(below, v, [point.friction_n for point in difference.points])
     above.set_ylabel("Friction |F| (N)")
     below.set(xlabel="Speed |v| (mm/s)", ylabel="B − A (N)")
     style.start_at_zero(above)
@@ -62,12 +128,34 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
     title = ", ".join(filter(None, (style.TITLES[difference.direction], kind, load)))
     above.set_title(f"Friction, {title[0].lower()}{title[1:]}")
     style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
+    _mark(above, differences)
+    style.legend_above(figure, above, columns=1)
+    return figure
+
+
+def _draw_differences(axes: Axes, x: np.ndarray, differences: Sequence[Difference]) -> None:
+    """Draw B less A over x, the significant differences filled."""
+    u95, ci95 = (
+        np.array([_or_nan(getattr(each, name)) for each in differences]) for name in ("u95", "ci95")
+    )
+    values = np.array([each.value for each in differences])
+    axes.axhline(0, color="#374151", linewidth=0.9)
+    axes.errorbar(x, values, u95, linestyle="none", color="#000000", elinewidth=5, alpha=0.18)
+    axes.errorbar(x, values, ci95, linestyle="none", color="#000000", elinewidth=1.1, capsize=2.5)
+    real = np.array([each.real for each in differences])
+    for chosen, face in ((real, "#000000"), (~real, "white")):
+        label = "_B − A" if face == "white" else "_B − A, real"
+        look = {"color": "#000000", "markerfacecolor": face, "zorder": 4, "label": label}
+        (dots,) = axes.plot(x[chosen], values[chosen], "o", **look)
+        behind(dots, {"± B − A (N)": ci95[chosen], "U95 (N)": u95[chosen]})
+
+
+def _mark(axes: Axes, differences: CampaignDifferences) -> None:
+    """Mark the figure of simulated campaigns."""
     sources = {differences.a.source, differences.b.source}
     if "simulated" in sources:
         mark = "simulated" if len(sources) == 1 else "one is simulated"
-        above.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
-    style.legend_above(figure, above, columns=1)
-    return figure
+        axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
 
 
 def _columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

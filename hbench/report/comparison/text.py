@@ -3,26 +3,40 @@
 import json
 from collections.abc import Iterable
 from dataclasses import asdict, replace
-from typing import Any
 
 from hbench.records import (
     CampaignDifferences,
-    Curve,
-    Difference,
+    CurveDifference,
     WordTable,
 )
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.series_words import kind_words
+from hbench.report.comparison.bands import (
+    band_table,
+    band_verdict,
+    bands_document,
+    slope_table,
+)
+from hbench.report.comparison.cells import (
+    cells,
+    difference_table,
+    label_of,
+    numbers,
+    percent,
+    signed,
+)
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import NONE, force, number, short, significant, with_interval
+from hbench.report.render.numbers import (
+    force,
+    number,
+)
 from hbench.report.render.style import TITLES
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
 SCHEMA = "hbench.comparison/1"
-_REAL, _NOT = "differs", "not significant"
 
 
 def differences_text(differences: CampaignDifferences) -> str:
@@ -33,10 +47,17 @@ def differences_text(differences: CampaignDifferences) -> str:
         _instruments(differences),
         "",
     ]
-    for table in (_means(differences), _parameters(differences)):
+    tables = (
+        band_table(differences),
+        slope_table(differences),
+        _means(differences),
+        _parameters(differences),
+    )
+    for table in tables:
         if table.rows:
             lines += [*table_lines(table), ""]
-    lines += [f"note: {note}" for note in differences.notes]
+    strokes = [_SET_UP] if differences.bands else []
+    lines += [f"note: {note}" for note in (*strokes, *differences.notes)]
     text = "\n".join(lines).rstrip()
     return text.replace("−", "-").replace("–", "-").replace("±", "+-").replace("²", "^2")
 
@@ -57,23 +78,24 @@ def differences_json(differences: CampaignDifferences) -> str:
                 "a_ref_m_s2": curve.a.a_ref_m_s2,
                 "label_a": curve.a.label,
                 "label_b": curve.b.label,
-                "friction_n": _numbers(curve.mean_n),
-                "efficiency": _numbers(curve.efficiency),
+                "friction_n": numbers(curve.mean_n),
+                "efficiency": numbers(curve.efficiency),
                 "points": [
                     {
                         "v_m_s": point.v_m_s,
                         "between": point.between,
-                        "friction_n": _numbers(point.friction_n),
+                        "friction_n": numbers(point.friction_n),
                     }
                     for point in curve.points
                 ],
                 "parameters": [
-                    {"law": p.law, "name": p.name, "unit": p.unit, **_numbers(p.value)}
+                    {"law": p.law, "name": p.name, "unit": p.unit, **numbers(p.value)}
                     for p in curve.parameters
                 ],
             }
             for curve in differences.curves
         ],
+        **bands_document(differences),
         "notes": differences.notes,
     }
     return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
@@ -81,11 +103,19 @@ def differences_json(differences: CampaignDifferences) -> str:
 
 def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
+    figures: dict[str, tuple[Drawing, ...]] = {"bands": (), "comparison": ()}
+    for drawing in drawings:
+        figures[drawing.section] = (*figures[drawing.section], drawing)
     sections = [
+        Section(
+            "Friction bands",
+            tables=(replace(band_table(differences), title=""), slope_table(differences)),
+            drawings=figures["bands"],
+        ),
         Section(
             "Differences of mean friction and efficiency",
             tables=(_means(differences),),
-            drawings=tuple(drawings),
+            drawings=figures["comparison"],
         ),
         Section("Fitted parameters", tables=(replace(_parameters(differences), title=""),)),
         Section("Speed by speed", tables=(_points(differences),)),
@@ -99,17 +129,26 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         tuple(
             section for section in sections if any(t.rows for t in section.tables) or section.items
         ),
-        _verdict(differences),
+        band_verdict(differences) or _verdict(differences),
         "simulated" if "simulated" in (differences.a.source, differences.b.source) else "",
     )
 
 
+_SET_UP = (
+    "Where the strokes of one file are trials, their interval does not contain what mounting a "
+    "seal again would change."
+)
 _METHOD = (
     "Friction as magnitude. A point is the mean of its trials; ± is the half-width of the 95 % "
     "interval of B less A, by Welch's t for the trials alone. U95 adds the instruments.",
-    "p is the probability of a difference this large between trials of the same cylinder, "
+    "p is the probability of a difference this large between equal cylinders, by the trials alone, "
     "corrected after Holm for the number of differences of its kind. A difference is significant "
     "where p is below 0.05 and the difference exceeds its U95.",
+    "Bands are compared at equal loads, or at pressures within 5 %. Speeds within 2 % count as the "
+    "same; within 20 % where no speed was set, as in strokes cut from a cycle. Labels must agree "
+    "only if a campaign has several. Half bands, middles and energies are tested by their trials, "
+    "slopes by their standard errors.",
+    _SET_UP,
     "Means are over the speeds of A that B has or encloses, each speed with the same weight. "
     "Steady runs count as independent in spite of drifts between passes. The points of a ramp or "
     "of steps share their strokes, so that a trial's mean is one value.",
@@ -117,13 +156,13 @@ _METHOD = (
 
 
 def _verdict(differences: CampaignDifferences) -> str:
-    means = [(each.a, each.mean_n) for each in differences.curves if each.mean_n is not None]
+    means = [(each, each.mean_n) for each in differences.curves if each.mean_n is not None]
     real = [(curve, mean) for curve, mean in means if mean.real]
     if not real:
         count = len(differences.curves)
         return f"No difference of mean friction is significant in any of {count} curves."
     means_text = "; ".join(
-        f"{_who(curve)}: {_signed(mean)} N ({_percent(mean)})" for curve, mean in real
+        f"{_who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real
     )
     return (
         f"Mean friction differs in {len(real)} of {len(differences.curves)} curves: {means_text}."
@@ -131,6 +170,9 @@ def _verdict(differences: CampaignDifferences) -> str:
 
 
 def _instruments(differences: CampaignDifferences) -> str:
+    tested = [each.mean_n for each in differences.curves if each.mean_n is not None]
+    if all(mean.u95 is None for mean in tested):
+        return "Tolerances of the instruments are not known: all intervals are those of the trials."
     if differences.same_instruments:
         return "Same instruments: their errors are in both, and cancel where the readings agree."
     return "Other instruments in each, or not known to be the same: the errors of both count."
@@ -144,8 +186,8 @@ def _means(differences: CampaignDifferences) -> WordTable:
             ("efficiency (%)", 100.0, curve.efficiency),
         ):
             if difference is not None:
-                rows.append((_who(curve.a), words, *_cells(difference, scale)))
-    return WordTable("Means over the speeds", ("Curve", "Mean of", *_HEAD), tuple(rows))
+                rows.append((_who(curve), words, *cells(difference, scale)))
+    return difference_table("Means over the speeds", ("Curve", "Mean of"), rows)
 
 
 def _parameters(differences: CampaignDifferences) -> WordTable:
@@ -155,75 +197,37 @@ def _parameters(differences: CampaignDifferences) -> WordTable:
             words, unit = label_and_unit(p.name, p.unit)
             scale = from_si(1.0, unit)
             rows.append(
-                (_who(curve.a), law_words(p.law), f"{words} ({unit})", *_cells(p.value, scale))
+                (_who(curve), law_words(p.law), f"{words} ({unit})", *cells(p.value, scale))
             )
-    return WordTable("Fitted parameters", ("Curve", "Law", "Parameter", *_HEAD), tuple(rows))
+    return difference_table("Fitted parameters", ("Curve", "Law", "Parameter"), rows)
 
 
 def _points(differences: CampaignDifferences) -> WordTable:
     rows = [
         (
-            _who(curve.a),
+            _who(curve),
             number(1e3 * point.v_m_s, 1) + (" *" if point.between else ""),
-            *_cells(point.friction_n, 1.0),
+            *cells(point.friction_n, 1.0),
         )
         for curve in differences.curves
+        if len(curve.points) > 1  # a single point is the mean
         for point in curve.points
     ]
     title = "Friction (N)"
     if any(point.between for each in differences.curves for point in each.points):
         title += "; * between two speeds of B"
-    return WordTable(title, ("Curve", "Velocity (mm/s)", *_HEAD), tuple(rows))
+    return difference_table(title, ("Curve", "Velocity (mm/s)"), rows)
 
 
-_HEAD = ("A", "B", "B − A", "U95", "p (Holm)", "Verdict")
-
-
-def _cells(difference: Difference, scale: float) -> tuple[str, ...]:
-    half = None if difference.ci95 is None else scale * difference.ci95
-    u95 = None if difference.u95 is None else scale * difference.u95
-    return (
-        significant(scale * difference.a, 4),
-        significant(scale * difference.b, 4),
-        with_interval(scale * difference.value, half),
-        NONE if u95 is None else significant(u95, 2),
-        NONE if difference.p_holm is None else _p(difference.p_holm),
-        difference.untested or (_REAL if difference.real else _NOT),
-    )
-
-
-def _p(value: float) -> str:
-    return "< 0.0001" if value < 1e-4 else significant(value, 2)
-
-
-def _signed(difference: Difference) -> str:
-    text = with_interval(difference.value, difference.u95 or difference.ci95)
-    return f"+{text}" if difference.value > 0 else text
-
-
-def _percent(difference: Difference) -> str:
-    if difference.a == 0:
-        return NONE
-    share = 100 * difference.value / abs(difference.a)
-    return f"{'+' if share > 0 else ''}{short(share)} %"
-
-
-def _numbers(difference: Difference | None) -> Any:
-    if difference is None:
-        return None
-    return {**asdict(difference), "difference": difference.value, "real": difference.real}
-
-
-def _who(curve: Curve) -> str:
-    load = "" if curve.f_load_n is None else force(curve.f_load_n)
-    kind = kind_words(curve)
-    return ", ".join(filter(None, (curve.label, kind, TITLES[curve.direction].lower(), load)))
+def _who(pair: CurveDifference) -> str:
+    load = "" if pair.a.f_load_n is None else force(pair.a.f_load_n)
+    words = (label_of(pair), kind_words(pair.a), TITLES[pair.direction].lower(), load)
+    return ", ".join(filter(None, words))
 
 
 def _name(differences: CampaignDifferences, which: int) -> str:
     campaign = (differences.a, differences.b)[which]
-    return ", ".join(
-        filter(
-            None, (differences.names[which], campaign.name, campaign.source, campaign.started[:10])
-        )
-    )
+    labels = {(curve.a, curve.b)[which].label for curve in differences.curves}
+    label = labels.pop() if len(labels) == 1 else ""
+    words = (differences.names[which], campaign.name, label, campaign.source, campaign.started[:10])
+    return ", ".join(filter(None, words))

@@ -111,7 +111,7 @@ def start_text(
     fields = {
         key: value
         for key, value in asdict(plan).items()
-        if key != "run" and value is not None and value != ""
+        if key != "run" and value is not None and value != "" and value is not False
     }
     fields["specimen"] = {k: v for k, v in fields["specimen"].items() if v is not None}
     text = _dump(fields)

@@ -33,7 +33,7 @@ _RANGES = {
     "duration_s": _TIME,
 }
 _TEXTS = ("kind", "label", "until")
-_FLAGS = ("closed",)
+_FLAGS = ("closed", "speed_is_measured")
 
 
 def check_number(name: str, value: Any) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from hbench.config.import_map import ImportMap
+from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.records import KINDS, RunPlan, Specimen
 from hbench.store.importing.channels import FileChannels, read_channels_by_map
 from hbench.store.importing.file_matches import FileMatch, match_files, refuse_empty
@@ -22,8 +23,7 @@ from hbench.store.importing.imported_run import (
 )
 from hbench.store.importing.sections import Section, Sections, cut
 
-# Relative gap between measured speeds of one nominal speed; strokes are often not controlled.
-_SAME_SPEED, _SAME_SPEED_OF_STROKES = 0.05, 0.20
+_SAME_SPEED = 0.05  # relative gap between measured speeds of one nominal speed
 _WRONG_SIGN = 0.2  # of the nominal load: a measured load beyond it has a sign
 
 
@@ -129,7 +129,7 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
     Where the name has no trial, the runs of one nominal speed are trials, in their order.
     """
     constant = KINDS[rules.kind].has_constant_speed
-    tolerance = _SAME_SPEED_OF_STROKES if rules.cut == "reversals" else _SAME_SPEED
+    tolerance = SAME_STROKE_SPEED if rules.cut == "reversals" else _SAME_SPEED
     nominal = (
         _nominal_speeds(pieces, tolerance)
         if constant
@@ -150,6 +150,7 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
                 specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
                 f_load_n=match.f_load_n,
                 label=match.label,
+                speed_is_measured=constant and match.speed_m_s is None,
                 x_low_m=low,
                 x_high_m=high,
             )

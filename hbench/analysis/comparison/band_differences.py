@@ -1,0 +1,200 @@
+"""Differences between the friction bands of two campaigns, and between their slopes.
+
+Bands match at equal loads or pressures if the speeds of both directions agree. A slope is compared
+where three of its pressures match; its standard errors and their degrees of freedom are combined as
+those of means are (Welch, Satterthwaite).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hbench.analysis.comparison.difference_tests import (
+    NO_SCATTER,
+    Contributions,
+    corrected,
+    tested,
+    untested,
+    welch,
+)
+from hbench.analysis.comparison.matching import (
+    SetPoint,
+    by_label,
+    nearest_set_point,
+    series_key,
+)
+from hbench.analysis.curves.band_trends import FEWEST, weights
+from hbench.analysis.statistics.student import satterthwaite
+from hbench.analysis.uncertainty.budget import friction_contributions
+from hbench.config.sensors import Instruments
+from hbench.records import (
+    Band,
+    BandDifference,
+    BandTrend,
+    BandTrendDifference,
+    Difference,
+    PressureLine,
+    Results,
+)
+
+Pair = tuple[Instruments | None, Instruments | None]
+OfInstruments = tuple[Contributions, Contributions] | None  # to a and to b; None: not known
+
+_HALF, _MIDDLE = (0.5, -0.5), (0.5, 0.5)  # shares of extending and retracting
+
+
+def band_differences(
+    a: Results, b: Results, instruments: Pair, same_instruments: bool, tolerance: float
+) -> tuple[BandDifference, ...]:
+    """Compare the bands that both campaigns have, in the order of A.
+
+    ``tolerance`` is the largest relative difference of two speeds that count as the same.
+    """
+    labels = by_label(a, b)
+    found = []
+    for band in a.bands:
+        other = _partner(band, b.bands, labels, tolerance)
+        if other is None:
+            continue
+        half = _of_instruments((band, other), _HALF, instruments)
+        middle = _of_instruments((band, other), _MIDDLE, instruments)
+        found.append(
+            BandDifference(
+                a=band,
+                b=other,
+                half_n=_difference(band, other, "half_n", half, same_instruments),
+                middle_n=_difference(band, other, "middle_n", middle, same_instruments),
+                energy_j=None
+                if band.energy_j is None or other.energy_j is None
+                else _difference(
+                    band, other, "energy_j", _of_energy((band, other), half), same_instruments
+                ),
+            )
+        )
+    halves = corrected([each.half_n for each in found])
+    middles = corrected([each.middle_n for each in found])
+    energies = corrected([each.energy_j for each in found if each.energy_j])
+    return tuple(
+        replace(
+            each,
+            half_n=next(halves),
+            middle_n=next(middles),
+            energy_j=next(energies) if each.energy_j else None,
+        )
+        for each in found
+    )
+
+
+def trend_differences(
+    a: Results,
+    b: Results,
+    bands: Sequence[BandDifference],
+    instruments: Pair,
+    same_instruments: bool,
+) -> tuple[BandTrendDifference, ...]:
+    """Compare the slopes over pressure of series with at least three compared ``bands``."""
+    found = []
+    for trend in a.band_trends:
+        for other in b.band_trends:
+            common = [d for d in bands if d.a in trend.bands and d.b in other.bands]
+            if len(common) < FEWEST:
+                continue
+            half, middle = (
+                _slope_parts((trend, other), shares, instruments) for shares in (_HALF, _MIDDLE)
+            )
+            found.append(
+                BandTrendDifference(
+                    a=trend,
+                    b=other,
+                    half_slope_n_pa=_slope(trend.half, other.half, half, same_instruments),
+                    middle_slope_n_pa=_slope(trend.middle, other.middle, middle, same_instruments),
+                )
+            )
+    halves = corrected([each.half_slope_n_pa for each in found])
+    middles = corrected([each.middle_slope_n_pa for each in found])
+    return tuple(
+        replace(each, half_slope_n_pa=next(halves), middle_slope_n_pa=next(middles))
+        for each in found
+    )
+
+
+def _partner(band: Band, others: Sequence[Band], labels: bool, tolerance: float) -> Band | None:
+    """Return the band of the same series, set-point and speeds."""
+    same = {
+        number: SetPoint(other.f_load_n, other.p_tp_pa)
+        for number, other in enumerate(others)
+        if series_key(other, labels) == series_key(band, labels)
+        and all(
+            abs(abs(theirs.v_m_s) - abs(ours.v_m_s)) <= tolerance * abs(ours.v_m_s)
+            for ours, theirs in ((band.extend, other.extend), (band.retract, other.retract))
+        )
+    }
+    number = nearest_set_point(SetPoint(band.f_load_n, band.p_tp_pa), same)
+    return None if number is None else others[number]
+
+
+def _difference(a: Band, b: Band, name: str, both: OfInstruments, same: bool) -> Difference:
+    """Return the difference of a number of two bands, such as ``half_n``."""
+    error = welch([(-1.0, getattr(a, f"trials_{name}")), (1.0, getattr(b, f"trials_{name}"))])
+    if error is None:
+        return untested(getattr(a, name), getattr(b, name), NO_SCATTER)
+    return tested(getattr(a, name), getattr(b, name), *error, both, same)
+
+
+def _slope(a: PressureLine, b: PressureLine, both: OfInstruments, same: bool) -> Difference:
+    se, dof = satterthwaite([a.slope_se_n_pa**2, b.slope_se_n_pa**2], [a.slope_dof, b.slope_dof])
+    if se == 0.0:
+        return untested(a.slope_n_pa, b.slope_n_pa, "no scatter")
+    return tested(a.slope_n_pa, b.slope_n_pa, se, dof, both, same)
+
+
+def _of_instruments(
+    bands: tuple[Band, Band], shares: tuple[float, float], instruments: Pair
+) -> OfInstruments:
+    """Return the instruments' contributions to half bands or middles, if known for both."""
+    a, b = (
+        _contributions(band, shares, known) for band, known in zip(bands, instruments, strict=True)
+    )
+    return (a, b) if a and b else None
+
+
+def _of_energy(bands: tuple[Band, Band], half: OfInstruments) -> OfInstruments:
+    """Return the contributions to the energies, which change as the half bands do."""
+    if half is None:
+        return None
+    a, b = (
+        {name: (band.energy_j or 0.0) / band.half_n * force for name, force in of_half.items()}
+        for band, of_half in zip(bands, half, strict=True)
+    )
+    return a, b
+
+
+def _slope_parts(
+    trends: tuple[BandTrend, BandTrend], shares: tuple[float, float], instruments: Pair
+) -> OfInstruments:
+    a, b = (
+        _weighted(
+            weights(np.array(trend.pressures_pa)).tolist(),
+            [_contributions(band, shares, known) for band in trend.bands],
+        )
+        for trend, known in zip(trends, instruments, strict=True)
+    )
+    return (a, b) if a and b else None
+
+
+def _contributions(
+    band: Band, shares: tuple[float, float], instruments: Instruments | None
+) -> Contributions:
+    if instruments is None:
+        return {}
+    directions = (band.extend, band.retract)
+    parts = [friction_contributions(point, band.specimen, instruments) for point in directions]
+    return _weighted(shares, parts)
+
+
+def _weighted(shares: Sequence[float], parts: Sequence[Contributions]) -> Contributions:
+    return {
+        name: sum(share * part[name] for share, part in zip(shares, parts, strict=True))
+        for name in parts[0]
+    }

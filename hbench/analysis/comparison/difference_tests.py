@@ -1,0 +1,86 @@
+"""Test of the difference of two numbers, one of each campaign.
+
+Trials are independent, so a difference d = sum_i w_i m_i of means over trials has
+
+    se^2 = sum_i w_i^2 s_i^2 / n_i,    dof = se^4 / sum_i (w_i^2 s_i^2 / n_i)^2 / (n_i - 1)
+
+(Welch, Satterthwaite). For the instruments: if both campaigns were measured with the same ones,
+their errors are in both, and only the difference of the contributions counts; with different ones
+both contributions count.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import stdtr
+
+from hbench.analysis.rounding import ROUNDING
+from hbench.analysis.statistics.holm import holm
+from hbench.analysis.statistics.student import satterthwaite, student_factor
+from hbench.analysis.uncertainty.budget import expanded, root_sum_square
+from hbench.records import Difference
+
+Contributions = dict[str, float]  # of instruments
+Terms = Sequence[tuple[float, Sequence[float]]]  # weight of a mean, and its trials
+
+NO_SCATTER = "no scatter: a single trial"
+
+
+def welch(terms: Terms) -> tuple[float, float] | None:
+    """Return standard error and degrees of freedom of sum_i w_i mean(trials_i).
+
+    None if a mean has fewer than two trials, or if no trials differ by more than rounding.
+    """
+    if any(len(trials) < 2 for _, trials in terms):
+        return None
+    variances = np.array([w**2 * np.var(trials, ddof=1) / len(trials) for w, trials in terms])
+    se, dof = satterthwaite(variances, [len(trials) - 1 for _, trials in terms])
+    size = sum(abs(w) * np.abs(trials).max() for w, trials in terms)
+    return None if se <= ROUNDING * size else (se, dof)
+
+
+def tested(
+    a: float,
+    b: float,
+    se: float,
+    dof: float,
+    contributions: tuple[Contributions, Contributions] | None,
+    same: bool,
+) -> Difference:
+    """Return the difference with its interval and p value.
+
+    ``contributions`` are the instruments' to a and to b, if known; ``same`` are the instruments of
+    both.
+    """
+    ci95 = student_factor(dof) * se
+    return Difference(
+        a=a,
+        b=b,
+        se=se,
+        ci95=float(ci95),
+        u95=None
+        if contributions is None
+        else expanded(float(ci95), _instruments_sigma(*contributions, same)),
+        p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
+    )
+
+
+def untested(a: float, b: float, reason: str) -> Difference:
+    """Return a difference without a test."""
+    return Difference(a, b, None, None, None, None, untested=reason)
+
+
+def corrected(differences: Sequence[Difference]) -> Iterator[Difference]:
+    """Yield the differences of one kind with p values after Holm, if they have one."""
+    p_values = [difference.p_value for difference in differences]
+    after = iter(holm([p for p in p_values if p is not None]).tolist())
+    for difference, p in zip(differences, p_values, strict=True):
+        yield difference if p is None else replace(difference, p_holm=next(after))
+
+
+def _instruments_sigma(a: Contributions, b: Contributions, same: bool) -> float:
+    if not same:
+        return float(np.hypot(root_sum_square(a), root_sum_square(b)))
+    names = {*a, *b}
+    return root_sum_square({name: b.get(name, 0.0) - a.get(name, 0.0) for name in names})

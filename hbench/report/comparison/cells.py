@@ -1,0 +1,77 @@
+"""Cells of a comparison: both numbers, their difference and its verdict."""
+
+from collections.abc import Iterable
+from dataclasses import asdict
+from typing import Any
+
+from hbench.records import (
+    BandDifference,
+    BandTrendDifference,
+    CurveDifference,
+    Difference,
+    WordTable,
+)
+from hbench.report.render.numbers import NONE, short, significant, with_interval
+
+_REAL, _NOT = "differs", "not significant"
+HEAD = ("A", "B", "B − A", "U95", "p (Holm)", "Verdict")
+
+
+def difference_table(
+    title: str, head: tuple[str, ...], rows: Iterable[tuple[str, ...]]
+) -> WordTable:
+    """Return a table whose rows end with ``cells``; without U95 where no row has one."""
+    rows = tuple(rows)
+    head = (*head, *HEAD)
+    u95 = head.index("U95")
+    if any(row[u95] != NONE for row in rows):
+        return WordTable(title, head, rows)
+    kept = [i for i in range(len(head)) if i != u95]
+    return WordTable(
+        title, tuple(head[i] for i in kept), tuple(tuple(row[i] for i in kept) for row in rows)
+    )
+
+
+def cells(difference: Difference, scale: float) -> tuple[str, ...]:
+    """Return the cells below ``HEAD``, in a unit that is ``scale`` of the SI's."""
+    half = None if difference.ci95 is None else scale * difference.ci95
+    u95 = None if difference.u95 is None else scale * difference.u95
+    return (
+        significant(scale * difference.a, 4),
+        significant(scale * difference.b, 4),
+        with_interval(scale * difference.value, half),
+        NONE if u95 is None else significant(u95, 2),
+        NONE if difference.p_holm is None else _p(difference.p_holm),
+        difference.untested or (_REAL if difference.real else _NOT),
+    )
+
+
+def _p(value: float) -> str:
+    return "< 0.0001" if value < 1e-4 else significant(value, 2)
+
+
+def signed(difference: Difference, scale: float = 1.0) -> str:
+    """Write the difference with its sign and its interval, with the instruments if known."""
+    half = difference.u95 or difference.ci95
+    text = with_interval(scale * difference.value, None if half is None else scale * half)
+    return f"+{text}" if difference.value > 0 else text
+
+
+def percent(difference: Difference) -> str:
+    """Write the difference as a share of A's number."""
+    if difference.a == 0:
+        return NONE
+    share = 100 * difference.value / abs(difference.a)
+    return f"{'+' if share > 0 else ''}{short(share)} %"
+
+
+def numbers(difference: Difference | None) -> Any:
+    """Return a difference with its verdict as JSON values."""
+    if difference is None:
+        return None
+    return {**asdict(difference), "difference": difference.value, "real": difference.real}
+
+
+def label_of(pair: BandDifference | BandTrendDifference | CurveDifference) -> str:
+    """Return the label of both; empty where the campaigns have different ones."""
+    return pair.a.label if pair.a.label == pair.b.label else ""
