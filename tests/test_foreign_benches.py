@@ -98,6 +98,16 @@ def test_a_log_of_several_speeds_becomes_a_run_a_speed_without_hydraulics(tmp_pa
         for point in curve.points:
             assert point.friction_n == pytest.approx(friction(point.v_m_s), abs=0.6)
             assert sign * point.friction_n > 0 and point.n == 2 and point.p_tp_pa is None
+    balance = next(b for b in results.motion_balances if "20" in b.label)
+    for name, truth in (
+        ("coulomb_n", COULOMB_N),
+        ("viscous_n_s_m", VISCOUS_N_S_M),
+        ("offset_n", OFFSET_N),
+        ("asymmetry_n_s_m", 0.0),
+    ):
+        stem, unit = name.split("_n", 1)
+        half_width = getattr(balance, f"{stem}_ci95_n{unit}")
+        assert abs(getattr(balance, name) - truth) < half_width < 0.2 * COULOMB_N, name
 
 
 def test_laws_of_a_bench_without_hydraulics_are_tried_on_files_left_out(tmp_path, rules):

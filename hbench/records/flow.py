@@ -399,6 +399,27 @@ class BandTrend:
 
 
 @dataclass(frozen=True)
+class MotionBalance:
+    """Friction of a bench without hydraulics, over three speeds or more in both directions.
+
+    Intervals are half-widths at 95 %.
+    """
+
+    kind: KindName
+    label: str
+    f_load_n: float | None
+    speeds_m_s: tuple[float, ...]
+    coulomb_n: float
+    coulomb_ci95_n: float
+    viscous_n_s_m: float
+    viscous_ci95_n_s_m: float
+    offset_n: float  # the same force in both directions
+    offset_ci95_n: float
+    asymmetry_n_s_m: float  # change of the middle of both directions with speed
+    asymmetry_ci95_n_s_m: float
+
+
+@dataclass(frozen=True)
 class Provenance:
     """Origin of the data: campaign, bench, firmware, software, settings."""
 

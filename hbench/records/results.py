@@ -8,6 +8,7 @@ from hbench.records.flow import (
     Curve,
     EfficiencyCurve,
     JointFit,
+    MotionBalance,
     Provenance,
     ScreenedRun,
 )
@@ -28,5 +29,6 @@ class Results:
     motions: Motions = Motions()
     joint_fits: tuple[JointFit, ...] = ()
     band_trends: tuple[BandTrend, ...] = ()
+    motion_balances: tuple[MotionBalance, ...] = ()  # without hydraulics
     headline: Headline = field(kw_only=True)
     quality: Quality = field(kw_only=True)

@@ -10,6 +10,7 @@ import numpy as np
 from hbench.analysis.by_kind import analyse_runs
 from hbench.analysis.curves.band_trends import band_trends
 from hbench.analysis.curves.bands import friction_bands
+from hbench.analysis.curves.motion_balance import motion_balances
 from hbench.analysis.fitting.fit import unfitted_curves
 from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
@@ -126,6 +127,7 @@ def derive(campaign: StoredCampaign, how: Fitting = _DEFAULT_FITTING) -> Results
         motions=analysed.motions,
         joint_fits=joint_fits(steady, how),
         band_trends=band_trends(bands),
+        motion_balances=motion_balances(steady),
         headline=headline(curves, efficiencies),
         quality=quality(screened, curves),
     )

@@ -88,6 +88,7 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     tables = (
         *_titled(page_tables.band_table(results), "Against pressure"),
         *_titled(page_tables.trend_table(results), "Lines over pressure"),
+        *_titled(page_tables.balance_table(results), "Balance of drive force and inertia"),
     )
     return Section("Friction", drawings=drawings, tables=tables)
 

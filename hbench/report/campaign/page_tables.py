@@ -146,6 +146,26 @@ def trend_table(results: Results) -> Table:
     return table(head, rows)
 
 
+def balance_table(results: Results) -> Table:
+    """Return Coulomb and viscous friction, offset and asymmetry of benches without hydraulics."""
+    rows = [
+        (
+            balance.label,
+            span([1e3 * v for v in balance.speeds_m_s]),
+            with_interval(balance.coulomb_n, balance.coulomb_ci95_n),
+            with_interval(balance.viscous_n_s_m, balance.viscous_ci95_n_s_m),
+            with_interval(balance.offset_n, balance.offset_ci95_n),
+            with_interval(balance.asymmetry_n_s_m, balance.asymmetry_ci95_n_s_m),
+        )
+        for balance in results.motion_balances
+    ]
+    head = (
+        *("Label", "Speeds (mm/s)", "Coulomb (N)", "Viscous (N s/m)", "Offset (N)"),
+        "Asymmetry (N s/m)",
+    )
+    return table(head, rows)
+
+
 def rejected_table(results: Results) -> Table:
     """Return the rejected runs, each with every reason."""
     rows = [

@@ -57,6 +57,7 @@ LAYOUTS: Layouts = {
     Results: {
         "schema": Constant(f"hbench.{NAME}"),
         **keys("provenance", "runs", "curves", "joint_fits", "efficiency", "bands", "band_trends"),
+        "motion_balances": "motion_balances",
         **{name: f"motions.{name}" for name in ("comparisons", "loops", "levels")},
         "leakage": "motions.leakages",
         "surfaces": "motions.surfaces",

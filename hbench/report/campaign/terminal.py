@@ -5,7 +5,7 @@ from collections import Counter
 from hbench.records import KINDS, Curve, Fit, JointFit, Results, WordTable
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.motion_rows import motion_lines
-from hbench.report.campaign.page_tables import OF_DIRECTIONS, band_table, trend_table
+from hbench.report.campaign.page_tables import OF_DIRECTIONS, balance_table, band_table, trend_table
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.render.numbers import short, span
@@ -62,6 +62,7 @@ def _band_tables(results: Results) -> tuple[WordTable, ...]:
     tables = (
         _words("Friction bands", band_table(results), OF_DIRECTIONS),
         _words("Friction bands over pressure", trend_table(results)),
+        _words("Balance of drive force and inertia", balance_table(results)),
     )
     return tuple(table for table in tables if table.rows)
 
