@@ -220,3 +220,44 @@ def test_signals_show_what_they_are():
     assert velocity_factor(t, force, v) is None
     assert roughness(t, x) < 0.1 < roughness(t, force)
     assert are_proportional(force, 5 - 0.01 * force) and not are_proportional(force, x)
+
+
+def test_volts_angles_and_sample_numbers_are_asked_for_or_taken_as_what_they_are(logs):
+    run = there_and_back(0.05, 1000.0)
+    columns = {
+        "Nr": np.arange(len(run["t_s"])),
+        "angle [deg]": 1e3 * run["x_m"],
+        "p_A [V]": run["p_tp_pa"] / 5e6,
+        "Channel 7 [bar]": run["p_tr_pa"] / 1e5,
+        "Torque [Nm]": run["f_applied_n"],
+    }
+    pd.DataFrame(columns).to_csv(logs / "a.csv", index=False)
+    rules = parse_yaml(suggest_map(logs).text)
+    assert rules["columns"] == {
+        "t_s": {"column": "Nr", "unit": "s", "scale": "???"},
+        "x_m": {"column": "angle [deg]", "unit": "deg"},
+        "p_tp_pa": {"column": "p_A [V]", "unit": "bar", "scale": "???"},
+        "p_tr_pa": {"column": "Channel 7 [bar]", "unit": "bar"},
+        "f_applied_n": {"column": "Torque [Nm]", "unit": "N m"},
+    }
+    assert rules["series"][0]["cylinder"] == {"displacement": "??? cm^3"}
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_any_table_gives_a_map_or_a_clear_refusal(logs, seed):
+    rng = np.random.default_rng(seed)
+    n, names = (
+        int(rng.choice([2, 5, 400])),
+        ["t", "Weg [mm]", "p1", "", "???", "yes", "p1", "F [V]"],
+    )
+    t = np.arange(n) * rng.choice([0.01, 10.0])
+    kinds = [t, -t, 0 * t, np.sin(t), rng.standard_normal(n), np.full(n, np.nan), 1e300 + t]
+    for file in "ab":
+        width = int(rng.integers(2, 6))
+        columns = [kinds[k] for k in rng.integers(0, len(kinds), width)]
+        frame = pd.DataFrame(np.column_stack(columns), columns=rng.choice(names, width))
+        frame.to_csv(logs / f"{file}_{seed}bar_1.csv", index=False, sep=rng.choice([";", ","]))
+    try:
+        assert "series" in parse_yaml(suggest_map(logs).text)
+    except DataError:
+        pass

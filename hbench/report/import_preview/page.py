@@ -188,10 +188,13 @@ def _zero(channel: PreviewedChannel) -> str:
 
 def run_table(file: PreviewedFile) -> Table:
     """Return the runs of a file with their verdicts."""
-    rows = [_run_row(run) for run in file.runs[:_MOST_RUNS]]
+    units = {channel.name: channel.unit for channel in file.channels}
+    speed_unit, factor = display(f"{units.get('x_m', 'm')}/s")
+    rows = [_run_row(run, factor) for run in file.runs[:_MOST_RUNS]]
+    force_unit = units.get("f_applied_n", units.get("f_drive_n", "N"))
     head = (
-        *("Run", "Trial", "Nominal speed (mm/s)", "Measured (mm/s)", "From (s)", "To (s)"),
-        *("Friction (N)", "Verdict"),
+        *("Run", "Trial", f"Nominal speed ({speed_unit})", f"Measured ({speed_unit})"),
+        *("From (s)", "To (s)", f"Friction ({force_unit})", "Verdict"),
     )
     title = "Runs"
     if len(file.runs) > _MOST_RUNS:
@@ -199,15 +202,15 @@ def run_table(file: PreviewedFile) -> Table:
     return _table(head, rows, {"Verdict"}, title)
 
 
-def _run_row(run: PreviewedRun) -> tuple[str | Cell, ...]:
+def _run_row(run: PreviewedRun, speed_factor: float) -> tuple[str | Cell, ...]:
     screened, plan = run.screened, run.screened.run.plan
     means = screened.means
     start, stop = window_of(run)
     return (
         plan.run.lstrip("0"),
         str(plan.trial),
-        significant(1e3 * plan.v_ref_m_s, 4),
-        NONE if means is None else significant(1e3 * means.v_m_s, 4),
+        significant(speed_factor * plan.v_ref_m_s, 4),
+        NONE if means is None else significant(speed_factor * means.v_m_s, 4),
         number(start, 2),
         number(stop, 2),
         NONE if means is None else significant(means.friction_n, 4),

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from hbench.config.import_layout import CHANNELS
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
-from hbench.store.suggesting.quantities import SI, Quantity, quantity_of
+from hbench.store.suggesting.quantities import Quantity, quantity_of
 from hbench.store.suggesting.samples import SampleColumn
 from hbench.store.suggesting.signals import (
     are_proportional,
@@ -15,6 +16,7 @@ from hbench.store.suggesting.signals import (
     velocity_factor,
 )
 from hbench.store.suggesting.time_base import TimeChoice
+from hbench.store.suggesting.units import ANGLES
 from hbench.units import parse_unit
 
 _QUANTITIES: dict[str, Quantity] = {
@@ -32,6 +34,14 @@ _QUANTITIES: dict[str, Quantity] = {
 _EXACT, _NAMED, _SUGGESTED = 10.0, 3.0, 1.5  # points of a name for a channel
 _STATED, _SAME_GROUP, _OTHER_GROUP, _WEAKER, _CONSTANT = 1.0, 1.0, -1.5, -1.0, -2.5
 _UNKNOWN_WORD = 0.2
+# Of channels of which the volts of a sensor are logged.
+_USUAL_UNITS: dict[Quantity, str] = {
+    "position": "mm",
+    "velocity": "mm/s",
+    "pressure": "bar",
+    "force": "N",
+    "valve": "V",
+}
 _SMOOTH = 0.1  # roughness of a position
 _NEAR_NOMINAL = 0.15  # of a nominal value in a file's name
 _BORES_M = (0.004, 1.0)  # of cylinders, to choose the unit of a force
@@ -105,10 +115,11 @@ def _travel(column: SampleColumn) -> float:
 
 def _named_choice(column: SampleColumn, channel: str, points: float, equals: int) -> Choice:
     certainty = SURE if column.meaning.is_sure and column.unit is not None else LIKELY
-    reason = "by its name"
+    reason = "by its unit" if column.meaning.by_unit else "by its name"
     if column.meaning.channel != channel and column.name != channel:
-        certainty, reason = GUESS, "by its unit" if column.unit else "by its name"
-        reason += ", in the order of the columns"
+        certainty, reason = GUESS, f"{reason}, in the order of the columns"
+    elif column.meaning.by_unit and _QUANTITIES[channel] == "pressure":
+        certainty, reason = GUESS, "by its unit and the number in its name"
     elif not column.meaning.is_sure and column.name != channel:
         certainty = LIKELY if column.unit is not None else GUESS
     elif equals > 1:
@@ -170,14 +181,14 @@ def _unit_of_nominal(
     fields: Sequence[Mapping[str, float]],
 ) -> str | None:
     """Return the unit in which the column has the nominal value of each file's name."""
-    nominal = [values.get(field, np.nan) for values in fields]
-    if len(set(nominal)) < 2 or not np.isfinite(nominal).all():
+    nominal = np.array([values.get(field, np.nan) for values in fields])
+    if len(set(nominal.tolist())) < 2 or not np.isfinite(nominal).all():
         return None
     medians = np.array([float(np.nanmedian(v)) for v in column.values])
     for unit in ("bar", "MPa", "kPa", "Pa", "psi", "N", "kN"):
         if quantity_of(unit) == quantity:
-            ratio = medians * parse_unit(unit).factor / np.array(nominal)
-            if np.mean(np.abs(ratio - 1) < _NEAR_NOMINAL) > 0.7:
+            away = np.abs(medians * parse_unit(unit).factor - nominal)
+            if np.mean(away < _NEAR_NOMINAL * np.abs(nominal)) > 0.7:
                 return unit
     return None
 
@@ -190,7 +201,13 @@ def _with_units(chosen: dict[str, Choice], time: TimeChoice) -> dict[str, Choice
         if choice is None:
             continue
         if choice.column.name == channel and choice.column.unit is None:
-            out[channel] = replace(choice, unit=SI[_QUANTITIES[channel]])
+            out[channel] = replace(choice, unit=CHANNELS[channel])
+        elif choice.unit and not _is_usable(channel, choice.unit):
+            unit = _USUAL_UNITS[_QUANTITIES[channel]]
+            reason = (
+                f"{choice.reason}; {choice.unit} in the file: give {unit} for each {choice.unit}"
+            )
+            out[channel] = replace(choice, unit=unit, scale=None, reason=reason)
         elif not choice.unit:
             unit, why = _assumed(channel, choice.column, out, time)
             certainty = GUESS if choice.certainty == GUESS else LIKELY
@@ -198,6 +215,11 @@ def _with_units(chosen: dict[str, Choice], time: TimeChoice) -> dict[str, Choice
                 choice, unit=unit, certainty=certainty, reason=f"{choice.reason}; {unit} {why}"
             )
     return out
+
+
+def _is_usable(channel: str, unit: str) -> bool:
+    """Return whether a unit is one of the channel's quantity, and not the volts of its sensor."""
+    return quantity_of(unit) == _QUANTITIES[channel]
 
 
 def _assumed(
@@ -216,6 +238,8 @@ def _assumed(
     if _QUANTITIES[channel] == "pressure":
         return ("Pa" if largest > 2e4 else "bar"), "assumed from its range"
     if channel == "f_applied_n":
+        if "x_m" in chosen and chosen["x_m"].unit in ANGLES:
+            return "N m", "assumed, with an angle as position"
         pressures = [chosen[c] for c in ("p_tp_pa", "p_tr_pa") if c in chosen and chosen[c].unit]
         highest = max((_largest_si(choice) for choice in pressures), default=0.0)
         smallest_n = np.pi / 4 * _BORES_M[0] ** 2 * highest

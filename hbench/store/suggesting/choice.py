@@ -16,4 +16,4 @@ class Choice:
     in_file: bool  # the file states the unit, so that the map need not
     certainty: str
     reason: str
-    scale: float = 1.0
+    scale: float | None = 1.0  # None: to be given by the user

@@ -58,7 +58,8 @@ def rows_dialect(
         return None
     width = widths.most_common(1)[0][0]
     full = [data and _width(cells) == width for (_, cells), data in zip(rows, is_data, strict=True)]
-    first = next(i for i in range(len(full)) if all(full[i : i + 3]))
+    lasting = (i for i in range(len(full)) if all(full[i : i + 3]))
+    first = next(lasting, full.index(True))
     above = list(rows[:first])
     sign = _comment_sign([line for number, line in lines if number < rows[first][0]])
     last_above = above[-1] if above else None

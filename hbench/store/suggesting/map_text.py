@@ -15,6 +15,7 @@ from hbench.store.suggesting.file_names import NamePattern
 from hbench.store.suggesting.motion import Motion
 from hbench.store.suggesting.samples import SampleColumn
 from hbench.store.suggesting.time_base import TimeChoice
+from hbench.store.suggesting.units import ANGLES
 from hbench.units import parse_unit
 from hbench.untrusted_text import printable
 
@@ -54,6 +55,12 @@ class SuggestedMap:
     columns: Sequence[SampleColumn]
     motion: Motion | None
     series: tuple[SuggestedSeries, ...]
+    unread: tuple[str, ...]  # columns that are no numbers
+
+    @property
+    def is_rotary(self) -> bool:
+        """Whether the position is an angle."""
+        return "x_m" in self.choices and self.choices["x_m"].unit in ANGLES
 
 
 def map_text(found: SuggestedMap) -> str:
@@ -116,7 +123,7 @@ def _columns(found: SuggestedMap) -> Iterator[str]:
     elif time.stated:
         yield _line("  # t_s:", f"{SURE}: the file states times; {_rate(time)}")
     else:
-        yield _line(f"  t_s: {{column: {_ASKED}, unit: s}}", "no column increases evenly")
+        yield _line(f"  t_s: {{column: {_ASKED}, unit: s}}", _no_time(found))
     for channel in ("x_m", *(c for c in CHANNELS if c != "x_m")):
         choice = found.choices.get(channel)
         if channel == "x_m" and choice is None:
@@ -179,7 +186,8 @@ def _series(found: SuggestedMap) -> Iterator[str]:
     yield _line("series:", "{...}: a number in the file name; *: any characters")
     anchor: SuggestedSeries | None = None
     usable = [series for series in found.series if not series.fault]
-    for series in usable or found.series:
+    shown = usable or list(found.series)
+    for series in shown:
         pattern = series.pattern
         count = len(pattern.names)
         label = pattern.label or found.folder
@@ -191,19 +199,26 @@ def _series(found: SuggestedMap) -> Iterator[str]:
             elif unit != {"speed": "mm/s", "load": "N", "pressure": "bar"}[field]:
                 yield _line(f"    {field}_unit: {unit}", f"{SURE}: in the names")
         if anchor is None or _other_bore(anchor.bore_m, series.bore_m):
-            several = anchor is None and len(usable) > 1
+            several = anchor is None and len(shown) > 1
             yield "    cylinder: &cylinder" if several else "    cylinder:"
-            about = "the bore"
-            if series.bore_m is not None:
-                about += f"; the balance of forces gives {1e3 * series.bore_m:.1f} mm"
-            yield _line(f"      piston_diameter: {UNFILLED} mm", about)
-            yield _line(f"      rod_diameter: {UNFILLED} mm", "0 mm if the chamber has no rod")
+            yield from _sizes(found, series)
             anchor = anchor or series
         else:
             yield _line("    cylinder: *cylinder", "assumed to be the same")
     for series in found.series if usable else ():
         if series.fault:
             yield from _comment(f"- files: {series.pattern.files}: {series.fault}", "  # ")
+
+
+def _sizes(found: SuggestedMap, series: SuggestedSeries) -> Iterator[str]:
+    if found.is_rotary:
+        yield _line(f"      displacement: {UNFILLED} cm^3", "volume for one radian")
+        return
+    about = "the bore"
+    if series.bore_m is not None:
+        about += f"; the balance of forces gives {1e3 * series.bore_m:.1f} mm"
+    yield _line(f"      piston_diameter: {UNFILLED} mm", about)
+    yield _line(f"      rod_diameter: {UNFILLED} mm", "0 mm if the chamber has no rod")
 
 
 def _other_bore(a: float | None, b: float | None) -> bool:
@@ -216,9 +231,7 @@ def _motion(found: SuggestedMap) -> Iterator[str]:
         yield _line("repeated_times: drop", "the clock is coarse: some times are equal")
     if motion is None:
         return
-    low, high = (1e3 * speed for speed in motion.speeds_m_s)
-    about = f"about {1e3 * motion.stroke_m:.3g} mm, {low:.3g} to {high:.3g} mm/s"
-    yield _line(f"cut: {motion.cut}", f"{LIKELY}: {motion.reason}; {about}")
+    yield _line(f"cut: {motion.cut}", f"{LIKELY}: {motion.reason}; {_about(found, motion)}")
     if motion.min_stroke_m is not None:
         text = f"min_stroke: {1e3 * motion.min_stroke_m:g} mm"
         yield _line(text, "a quarter of the travel; shorter strokes are left out")
@@ -233,13 +246,25 @@ def _motion(found: SuggestedMap) -> Iterator[str]:
         )
 
 
+def _about(found: SuggestedMap, motion: Motion) -> str:
+    """Return the usual length and the speeds of the strokes."""
+    factor, unit = (1.0, "rad") if found.is_rotary else (1e3, "mm")
+    speeds = dict.fromkeys(f"{factor * speed:.3g}" for speed in motion.speeds_m_s)
+    about = f"about {factor * motion.stroke_m:.3g} {unit}"
+    is_timed = found.time.choice is None or found.time.choice.scale is not None
+    return f"{about}, {' to '.join(speeds)} {unit}/s" if is_timed else about
+
+
 def _table(found: SuggestedMap) -> Iterator[str]:
-    yield from _comment(f"All columns of {found.files[0]}, with their range in the files read:")
+    sizes = {len(column.values[0]) for column in found.columns}
+    alike = f" ({sizes.pop()} samples)" if len(sizes) == 1 else ""
+    yield from _comment(f"All columns of {found.files[0]}{alike}; ranges in all files read:")
     for number, column in enumerate(found.columns, start=1):
         name = column.name or f"column {column.key}"
         unit = f" {column.unit}" if column.unit else ""
         known = column.known
         values = f"{known.min():.5g} to {known.max():.5g}{unit}" if len(known) else "date-times"
+        values += "" if alike else f" ({len(column.values[0])} samples)"
         yield printable(f"#   {number:<3} {name[:40]:<24} {values}").rstrip()
 
 
@@ -248,7 +273,9 @@ def _column(found: SuggestedMap, channel: str, choice: Choice) -> str:
     parts = [f"column: {key if isinstance(key, int) else _scalar(key, flow=True)}"]
     if not (_is_stated(found, choice) or (key == channel and choice.unit == CHANNELS[channel])):
         parts.append(f"unit: {_scalar(choice.unit, flow=True)}")
-    if choice.scale != 1.0:
+    if choice.scale is None:
+        parts.append(f"scale: {_ASKED}")
+    elif choice.scale != 1.0:
         parts.append(f"scale: {choice.scale:g}")
     return f"{{{', '.join(parts)}}}"
 
@@ -277,7 +304,15 @@ def _time_comment(time: TimeChoice) -> str:
     assert time.choice is not None
     name = time.choice.column.name
     named = f"{name!r}; " if name and isinstance(time.choice.column.key, int) else ""
-    return f"{named}{time.choice.certainty}: {time.choice.reason}; {_rate(time)}"
+    rate = "" if time.choice.scale is None else f"; {_rate(time)}"
+    return f"{named}{time.choice.certainty}: {time.choice.reason}{rate}"
+
+
+def _no_time(found: SuggestedMap) -> str:
+    if found.unread:
+        few = ", ".join(found.unread[:5])
+        return f"no times; neither numbers nor ISO 8601 date-times: {few}"
+    return "no times: no column increases evenly"
 
 
 def _rate(time: TimeChoice) -> str:

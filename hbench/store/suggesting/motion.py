@@ -57,8 +57,8 @@ def motion_of(
             cut, reason = "none", "each file is one stroke"
         strokes = moving
     elif 2 * both_ways > len(moving):
-        count = f"{len(strokes)} strokes in {len(moving)} files"
-        cut, reason = "reversals", count
+        count = "a file" if len(moving) == 1 else f"{len(moving)} files"
+        cut, reason = "reversals", f"{len(strokes)} strokes in {count}"
     else:
         cut, reason = "plateaus", "no complete stroke between reversals"
         strokes = moving

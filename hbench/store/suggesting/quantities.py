@@ -5,20 +5,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from hbench.store.suggesting.units import split_ending, split_unit
+from hbench.store.suggesting.units import ANGLES, split_ending, split_unit
 from hbench.units import parse_unit
 
 Quantity = Literal["time", "position", "velocity", "pressure", "force", "valve", ""]
 Side = Literal["piston", "rod", "supply", "load piston", "load rod", ""]
 
-# A unit of each quantity.
-SI = {
-    "time": "s",
-    "position": "m",
-    "velocity": "m/s",
-    "pressure": "Pa",
-    "force": "N",
-    "valve": "V",
+# A unit of each quantity, for linear and for rotary actuators.
+_UNITS: dict[Quantity, tuple[str, ...]] = {
+    "time": ("s",),
+    "position": ("m",),  # or one of ANGLES
+    "velocity": ("m/s", "rad/s"),
+    "pressure": ("Pa",),
+    "force": ("N", "N m"),
+    "valve": ("V",),
 }
 CHANNEL_OF = {  # of a quantity with its side
     ("time", ""): "t_s",
@@ -52,7 +52,7 @@ _REFERENCE = re.compile(
 _OTHER = re.compile(
     r"\b(flow|error|err|fehler|abweichung|pid|ff|feedforward|temp|temperature|temperatur|oil|oel"
     r"|volumenstrom|joystick|tank|status|state|index|sample|count|counter|nr|no|number|flag"
-    r"|u ?l ?[12]|datum|date|torque|moment|current|strom|angle|winkel|acc|acceleration"
+    r"|u ?l ?[12]|datum|date|current|strom|acc|acceleration"
     r"|beschleunigung)\b"
 )
 _WEAKER = re.compile(r"\b(raw|roh|dcv|valve|hose|out|signal|comp|compensated|adj|filtered|filt)\b")
@@ -74,7 +74,10 @@ _NAMES: dict[Quantity, tuple[re.Pattern[str], re.Pattern[str]]] = {
         re.compile(r"\b(rate)\b"),
     ),
     "force": (
-        re.compile(r"\b(f|force|kraft|kmd|load ?cell|f ?(applied|ext|last|mess|cyl|axial|load))\b"),
+        re.compile(
+            r"\b(f|force|kraft|torque|moment|drehmoment|kmd|load ?cell"
+            r"|f ?(applied|ext|last|mess|cyl|axial|load))\b"
+        ),
         re.compile(r"\b(load|last|lc|dms)\b"),
     ),
     "pressure": (
@@ -89,7 +92,8 @@ _NAMES: dict[Quantity, tuple[re.Pattern[str], re.Pattern[str]]] = {
     ),
     "position": (
         re.compile(
-            r"\b(x|pos|position|stroke|hub|weg|displacement|disp|travel|lvdt|extension|ausfahr)\b"
+            r"\b(x|pos|position|stroke|hub|weg|displacement|disp|travel|lvdt|extension|ausfahr"
+            r"|angle|winkel|phi)\b"
         ),
         re.compile(r"\b(s|y|z|lage|laser|distance|dist|abstand|length|laenge|l)\b"),
     ),
@@ -127,6 +131,7 @@ class Meaning:
     side: Side = ""  # of a pressure
     is_reference: bool = False
     is_sure: bool = False  # the name leaves no doubt
+    by_unit: bool = False  # the name says nothing about the quantity
     is_weaker: bool = False  # another signal of the same quantity is closer to the cylinder
     unit: str | None = None  # in the name
     group: frozenset[str] = frozenset()  # other words, such as a machine's or an axis's name
@@ -167,14 +172,14 @@ def _without(words: str, ignored: frozenset[str]) -> str:
 
 def quantity_of(unit: str | None) -> Quantity:
     """Return the quantity with a unit of this dimension; empty for none."""
-    for quantity, si in SI.items():
-        if unit is not None and parse_unit(unit).dimension == parse_unit(si).dimension:
-            return quantity  # type: ignore[return-value]
-    return ""
+    return next((q for q in _UNITS if unit is not None and _fits(q, unit)), "")
 
 
 def _fits(quantity: Quantity, unit: str) -> bool:
-    return parse_unit(unit).dimension == parse_unit(SI[quantity]).dimension
+    if unit in ANGLES:
+        return quantity == "position"
+    dimension = parse_unit(unit).dimension
+    return any(parse_unit(si).dimension == dimension for si in _UNITS[quantity])
 
 
 def words_of(name: str) -> str:
@@ -194,7 +199,8 @@ def _by_words(words: str, unit: str | None) -> Meaning:
     quantity, is_sure = _quantity(words, of_unit)
     if unit is not None and quantity and of_unit not in (quantity, "valve"):
         quantity = ""  # such as a position in bar
-    if not quantity and of_unit not in ("", "valve"):
+    by_unit = not quantity and of_unit not in ("", "valve")
+    if by_unit:
         quantity, is_sure = of_unit, False
     reference = quantity != "valve" and _REFERENCE.search(words) is not None
     side = _side(words) if quantity == "pressure" else ""
@@ -203,6 +209,7 @@ def _by_words(words: str, unit: str | None) -> Meaning:
         side=side,
         is_reference=reference,
         is_sure=is_sure,
+        by_unit=by_unit,
         is_weaker=quantity != "valve" and _WEAKER.search(words) is not None,
         unit=unit,
         group=_group(words, quantity, side),

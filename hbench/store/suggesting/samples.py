@@ -18,6 +18,7 @@ from hbench.store.suggesting.quantities import Meaning, common_words, meaning
 from hbench.store.suggesting.units import unit_in
 
 _MOST_COLUMNS = 300
+_LARGEST = 1e15  # of a number: a larger one is no measurement
 _WITH_DIALECT = ("text", "Excel")
 
 
@@ -32,6 +33,7 @@ class SampleFile:
     names: dict[int | str, str]  # as in the file; empty without a name
     units: dict[int | str, str]  # stated by the file, but for those in names
     own_times: dict[int | str, np.ndarray]  # [s] stated by the file
+    unread: tuple[str, ...]  # names of columns that are neither numbers nor date-times
 
     @property
     def signature(self) -> tuple:
@@ -100,9 +102,11 @@ def _sample(
     columns: dict[int | str, np.ndarray] = {}
     units, own_times = {}, {}
     names = _names(table, dialect)
+    unread = []
     for key in table.columns()[:_MOST_COLUMNS]:
         values = _values(table, key)
         if values is None or not printable_key(key):
+            unread.append(names.get(key, str(key)))
             continue
         columns[key] = values
         if unit := table.unit(key):
@@ -112,7 +116,16 @@ def _sample(
     if not columns:
         return None
     names = {key: names.get(key, str(key) if isinstance(key, str) else "") for key in columns}
-    return SampleFile(name, file_format.name, dialect, columns, names, units, own_times)
+    return SampleFile(
+        name=name,
+        format_name=file_format.name,
+        dialect=dialect,
+        columns=columns,
+        names=names,
+        units=units,
+        own_times=own_times,
+        unread=tuple(unread),
+    )
 
 
 def printable_key(key: int | str) -> bool:
@@ -138,7 +151,11 @@ def _values(table: Table, key: int | str) -> np.ndarray | None:
             empty = np.isnat(values)
         except DataError:
             return None
-    return None if len(values) < 2 or empty.all() else values
+    if len(values) < 2 or empty.all():
+        return None
+    if values.dtype.kind == "f" and np.nanmax(np.abs(values)) > _LARGEST:
+        return None
+    return values
 
 
 def sample_columns(files: Sequence[SampleFile]) -> list[SampleColumn]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from hbench.config.files.yaml_text import parse_yaml
+from hbench.config.import_layout import CHANNELS, LIMITS
 from hbench.config.import_map import UNFILLED, ImportMap, parse_import_map
 from hbench.errors import DataError, HbenchError
 from hbench.motion.plateaus import plateaus
@@ -148,6 +149,7 @@ def _found(
         columns=columns,
         motion=motion_of(channels, steady),
         series=tuple(series),
+        unread=files[0].unread,
     )
 
 
@@ -157,7 +159,12 @@ def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[s
     values = {
         channel: choice.column.values[i] * parse_unit(choice.unit).factor * choice.scale
         for channel, choice in choices.items()
-        if len(choice.column.values[i]) == len(t_s)
+        if len(choice.column.values[i]) == len(t_s) and choice.scale is not None
+    }
+    values = {
+        channel: y
+        for channel, y in values.items()
+        if not (np.abs(y) > LIMITS[CHANNELS[channel]]).any()  # else it is refused
     }
     if "x_m" not in values:
         return {}
@@ -176,8 +183,8 @@ def _signed(choices: dict[str, Choice], balance: ForceBalance) -> dict[str, Choi
         (balance.position_sign, ("x_m", "v_m_s", "v_ref_m_s")),
     ):
         for channel in channels if sign else ():
-            if channel in out:
-                choice = out[channel]
+            choice = out.get(channel)
+            if choice is not None and choice.scale is not None:
                 out[channel] = replace(
                     choice, scale=float(sign) * choice.scale, reason=f"{choice.reason}; {why}"
                 )
@@ -220,6 +227,7 @@ def _rules(found: SuggestedMap) -> ImportMap | str:
     """Return the map with assumed sizes, or why it is invalid."""
     text = map_text(found).replace(f"piston_diameter: {UNFILLED}", "piston_diameter: 40")
     text = text.replace(f"rod_diameter: {UNFILLED}", "rod_diameter: 0")
+    text = text.replace(f"displacement: {UNFILLED}", "displacement: 10")
     try:
         return parse_import_map(parse_yaml(text), "the suggested map")
     except HbenchError as error:
@@ -249,5 +257,4 @@ def _notes(found: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
     guesses += constants_of(found.choices)
     if guesses:
         yield f"guesses to check: {', '.join(guesses)}"
-    count = map_text(found).count(f"{UNFILLED} mm")
-    yield f"fill in {count} diameters, marked {UNFILLED}"
+    yield f"fill in what is marked {UNFILLED}: the size of the cylinder is not in the files"

@@ -14,6 +14,8 @@ from hbench.units import parse_unit
 _RATES_HZ = (5.0, 50e3)  # of a log in which a motion can be seen
 _REGULAR = 20.0  # times the median step: most steps are shorter
 _LEAST_STEPS = 0.3  # of the steps of a coarse clock are not zero
+_EVENLY = "increases evenly"
+_ASSUMED_STEP_S = 0.01  # between numbered samples, to look at their motion
 _DAYS = ((20e3, 60e3), (650e3, 800e3))  # of today in spreadsheets and in MATLAB
 _SHORT_DAY = 1e-3
 
@@ -40,7 +42,7 @@ def choose_time(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) ->
     named.sort(key=lambda c: (not c.meaning.is_sure, c.unit is None))
     dated = [c for c in columns if c.is_date_time]
     others = [c for c in columns if not c.is_date_time and not c.meaning.quantity]
-    for group, how in ((named, "by its name"), (dated, "date-times"), (others, "increases evenly")):
+    for group, how in ((named, "by its name"), (dated, "date-times"), (others, _EVENLY)):
         for column in group:
             seconds = _seconds(column)
             if all(_increases(t) for t in seconds[1]):
@@ -54,6 +56,10 @@ def choose_time(files: Sequence[SampleFile], columns: Sequence[SampleColumn]) ->
 
 
 def _choice(column: SampleColumn, unit: str, t_s: tuple[np.ndarray, ...], how: str) -> TimeChoice:
+    if how == _EVENLY and column.unit is None and _counts(column):
+        reason = "numbers of samples: give the seconds from one to the next as scale"
+        choice = Choice(column, "s", False, GUESS, reason, scale=None)
+        return TimeChoice(choice, tuple(np.arange(len(t)) * _ASSUMED_STEP_S for t in t_s))
     if column.is_date_time:
         certainty, reason = SURE, how
     elif column.unit is not None:
@@ -64,6 +70,11 @@ def _choice(column: SampleColumn, unit: str, t_s: tuple[np.ndarray, ...], how: s
     choice = Choice(column, unit, column.in_file and not column.is_date_time, certainty, reason)
     steps = np.concatenate([np.diff(t) for t in t_s])
     return TimeChoice(choice, t_s, repeats=bool((steps == 0).any()))
+
+
+def _counts(column: SampleColumn) -> bool:
+    """Return whether the column contains the numbers of its rows."""
+    return all(bool((np.diff(v[np.isfinite(v)]) == 1).all()) for v in column.values)
 
 
 def _seconds(column: SampleColumn) -> tuple[str, tuple[np.ndarray, ...]]:

@@ -28,7 +28,13 @@ _SPELLINGS = {
     **dict.fromkeys(("mmps", "mm_s", "mm/sec", "mm/sek", "mms", "mm/s"), "mm/s"),
     **dict.fromkeys(("cmps", "cm_s", "cm/s"), "cm/s"),
     **dict.fromkeys(("in/s", "ips", "in_s"), "in/s"),
+    **dict.fromkeys(("deg", "°", "degree", "degrees", "grad"), "deg"),
+    **dict.fromkeys(("deg/s", "°/s"), "deg/s"),
+    **dict.fromkeys(("rad/s", "1/s"), "rad/s"),
+    **dict.fromkeys(("nm", "n*m", "newtonmeter"), "N m"),
+    "knm": "kN m",
 }
+ANGLES = ("deg", "rad")  # units of a position that have no dimension
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\[\](){}<>]*(?:\([^()]*\))?)\s*[\])}>]\s*$")
 _SLASH = re.compile(r"\s+/\s*(\S+)\s*$|\s*,\s*(\S+)\s*$|\s+in\s+(\S+)\s*$")
 _ENDING = re.compile(r"[\s_.\-]+([^\s_.\-]+|mm?[_/]s)$")
@@ -41,7 +47,9 @@ def unit_in(text: str) -> str | None:
     spelled = _SPELLINGS.get(bare.lower().replace(" ", ""))
     for unit in (spelled, bare):
         try:
-            if unit and (unit[0].isalpha() or unit == "%") and any(parse_unit(unit).dimension):
+            if not unit or not unit[0].isalpha():
+                continue
+            if any(parse_unit(unit).dimension) or unit in ANGLES:
                 return unit
         except ValueError:
             continue
