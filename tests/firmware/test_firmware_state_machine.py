@@ -87,6 +87,7 @@ class Machine(RuleBasedStateMachine):
         self.expect(reply, "busy" if self.state == "running" else None)
         if reply == b"":
             self.settings, self.usable = self.board.settings_crc, bad is None
+            self.started = None
 
     @rule(row=st.lists(SEGMENTS, min_size=1, max_size=3))
     def write_schedule(self, row):
@@ -97,6 +98,7 @@ class Machine(RuleBasedStateMachine):
         if not busy:
             octets = self.board.segments_octets + self.board.steps_octets
             self.steps = binascii.crc_hqx(octets, CRC_START)
+            self.started = None
 
     @rule(wrong=st.sampled_from(((0, 0),) * 6 + ((1, 0), (0, 1), (0x8000, 0x8000))))
     def start(self, wrong):
@@ -106,10 +108,12 @@ class Machine(RuleBasedStateMachine):
     def expect_start(self, reply, crcs):
         sent = struct.unpack("<HH", crcs)
         request = (self.board.sequence, crcs)
-        if self.state == "running":
-            self.expect(reply, None if request == self.started else "busy")
-        elif self.state == "fault":
+        if self.state == "fault":
             self.expect(reply, "fault_latched")
+        elif request == self.started:
+            self.expect(reply, None)  # the repeated request, which has been obeyed
+        elif self.state == "running":
+            self.expect(reply, "busy")
         elif sent[0] != self.settings:
             self.expect(reply, "settings_differ")
         elif sent[1] != self.steps:
