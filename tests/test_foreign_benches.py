@@ -247,3 +247,31 @@ def test_a_campaign_of_a_foreign_bench_can_be_loaded_again(tmp_path, hydraulic, 
     imported()
     plans = load_campaign(tmp_path / "out").plans
     assert {plan.f_load_n for plan in plans} == {-1500.0}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"x_m": {"column": "Weg [mm]", "unit": "m"}}, ["x_m", "Weg", "mm"]),
+        ({"f_applied_n": {"column": "F (kN)", "unit": "N"}}, ["F (kN)", "kN"]),
+    ],
+)
+def test_a_unit_that_the_columns_name_contradicts_is_refused(
+    tmp_path, hydraulic, imported, change, words
+):
+    cylinder_log(tmp_path / "logs/a_1500N_1.csv")
+    path = tmp_path / "logs/a_1500N_1.csv"
+    for key, column in change.items():
+        old = hydraulic["columns"][key]["column"]
+        head, _, rest = path.read_text().partition("\n")
+        path.write_text(head.replace(old, column["column"]) + "\n" + rest)
+        hydraulic["columns"][key] = column
+    with pytest.raises(DataError) as caught:
+        imported()
+    assert all(word in caught.value.message for word in words[1:])
+
+
+def test_a_unit_that_the_files_name_contradicts_is_refused(tmp_path, hydraulic, imported):
+    hydraulic["series"][0]["files"] = "a_{load}kN_{trial}.csv"
+    with pytest.raises(ConfigError, match=r"\{load\}kN .*load_unit"):
+        imported()

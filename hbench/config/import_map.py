@@ -11,6 +11,7 @@ from hbench.config import quantity as q
 from hbench.config.files.loading import validate
 from hbench.config.import_layout import (
     CHANNELS,
+    DATE_TIME,
     ROTARY,
     Column,
     ForeignLoadCell,
@@ -27,6 +28,7 @@ from hbench.units import parse_unit, to_si
 UNFILLED = "???"  # a value of a suggested map that the user must give
 FIELDS = ("pressure", "load", "speed", "trial")  # of file names, besides factors
 _FIELD = re.compile(r"\{([^{}]*)\}")
+_UNIT_BEHIND = re.compile(r"\{(pressure|load|speed)\}([A-Za-z]+(?:_[a-z]+)?)")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
 
@@ -110,6 +112,15 @@ class ImportedCylinder(ConfigSection):
 NO_CYLINDER = ImportedCylinder.model_construct()
 
 
+def _contradicts(text: str, unit: str) -> bool:
+    """Return whether ``text`` is a unit of the same dimension as ``unit``, but another one."""
+    try:
+        found, wanted = parse_unit(text), parse_unit(unit)
+    except ValueError:
+        return False
+    return found.dimension == wanted.dimension and found.factor != wanted.factor
+
+
 class FileSeries(ConfigSection):
     """Files that belong together: one cylinder, one label, several trials, loads or speeds.
 
@@ -163,6 +174,13 @@ class FileSeries(ConfigSection):
             raise ValueError(
                 f"files: only {words} are possible in braces; add other names to 'factors'"
             )
+        for name, text in _UNIT_BEHIND.findall(self.files):
+            unit = getattr(self, f"{name}_unit")
+            if _contradicts(text.replace("_", "/"), unit):
+                raise ValueError(
+                    f"files: {{{name}}}{text} contradicts {name}_unit = {unit!r}; write "
+                    f"{name}_unit: {text.replace('_', '/')}"
+                )
         if len(set(self.fields)) < len(self.fields):
             raise ValueError("files: a field may occur only once")
         for name, si in (("pressure", "Pa"), ("load", "N"), ("speed", "m/s")):
@@ -243,6 +261,7 @@ class ImportMap(ConfigSection):
                     )
             if column.time is not None and (name == "t_s" or "t_s" not in self.columns):
                 raise ValueError(f"columns.{name}: time needs columns.t_s, which gives its unit")
+            _check_unit(name, column)
             check_column(name, column, self.format, self.wanted(name))
             if column.offset is not None:
                 _quantity(f"columns.{name}.offset", column.offset, self.unit(name))
@@ -278,6 +297,17 @@ class ImportMap(ConfigSection):
         for name, number in fields.items():
             text = text.replace(f"{{{name}}}", number.replace(",", "."))
         return _quantity(f"constants.{channel}", text, self.unit(channel))
+
+
+def _check_unit(name: str, column: Column) -> None:
+    if column.unit is None or column.unit == DATE_TIME:
+        return
+    try:
+        parse_unit(column.unit)
+    except ValueError as error:
+        volts = "; for an electrical signal write the channel's unit and a scale"
+        needed = f"; {name} needs a unit such as {CHANNELS[name]}{volts}"
+        raise ValueError(f"columns.{name}.unit: {error}{needed}") from None
 
 
 def _quantity(key: str, value: str, unit: str) -> float:

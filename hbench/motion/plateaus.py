@@ -27,6 +27,7 @@ _LEAST_SHARE = 0.5  # of a section's blocks have its speed, or longer blocks are
 _TREND = 0.05  # of the speed: a larger change along the section is a ramp
 _SLOW = 0.03  # of the speed: slower blocks at an end belong to a change of speed
 _ROUNDING = 1e-9
+_WANDERING = 0.01  # of the speed: slower changes of it are part of a plateau
 _LINE_SIGMAS = 4.0  # of the position's noise: a sample beyond is off the plateau's line
 
 
@@ -255,30 +256,34 @@ def _section(
     stop = int(np.searchsorted(t_s, speeds.t_s[blocks[-1]], side="right"))
     stop = max(stop, start + 1)
     half = (stop - start) // 2
-    if half >= 2:
-        stop += _on_line(t_s, x_m, slice(stop - half, stop), slice(stop, len(t_s)), noise_m)
-        ahead = slice(start - 1, None, -1) if start else slice(0, 0)
-        start -= _on_line(t_s, x_m, slice(start, start + half), ahead, noise_m)
+    # The last block at either end can contain the begin of a change of speed.
+    ends = int(np.searchsorted(t_s, t_s[start] + _BLOCK_S)) - start
+    if half > ends + 2:
+        known = slice(stop - half, stop - ends)
+        stop = known.stop + _on_line(t_s, x_m, known, slice(known.stop, len(t_s)), noise_m)
+        known = slice(start + ends, start + half)
+        ahead = slice(known.start - 1, None, -1)
+        start = known.start - _on_line(t_s, x_m, known, ahead, noise_m)
     return slice(start, stop)
 
 
 def _on_line(t_s: np.ndarray, x_m: np.ndarray, known: slice, further: slice, noise_m: float) -> int:
     """Return how many of the ``further`` samples, nearest first, lie on the line through others.
 
-    Where the piston stops, the position leaves the tolerance only after some time at the lost
-    speed, which is taken back.
+    Where the speed changes, the position leaves the tolerance only after some time, which is taken
+    back: that in which a piston that stops at once leaves it, and one block for a slow change.
     """
     t0, x0 = t_s[known].mean(), x_m[known].mean()
     v = mean_speed(t_s[known], x_m[known])
     away = t_s[further] - t0
     off = np.abs(x_m[further] - x0 - v * away)
     beyond = np.abs(away) - (t_s[known.stop - 1] - t_s[known.start]) / 2
-    tolerance = _LINE_SIGMAS * noise_m + _SLOW * abs(v) * np.abs(beyond)
+    tolerance = _LINE_SIGMAS * noise_m + _WANDERING * abs(v) * np.abs(beyond)
     outside = off > tolerance
     if not outside.any():
         return len(off)
     first = int(np.argmax(outside))
-    late = tolerance[first] / max(abs(v), 1e-12)
+    late = tolerance[first] / max(abs(v), 1e-12) + _BLOCK_S
     return max(int(np.sum(np.abs(away[:first]) < np.abs(away[first]) - late)) - 1, 0)
 
 

@@ -65,6 +65,12 @@ def zero_offset(t_s: np.ndarray, values: np.ndarray) -> ZeroOffset | None:
     se = float(np.std(means, ddof=1) / np.sqrt(len(means)))
     scatter = 1.4826 * float(np.median(np.abs(np.diff(means)))) / np.sqrt(2)
     step, at = largest_step(means, scatter)
+    trend = _trend(middles, means, scatter)
+    if step and trend:  # what explains more
+        parts = np.where(np.arange(len(means)) < at, means[:at].mean(), means[at:].mean())
+        line = means.mean() + trend * (middles - middles.mean()) / np.ptp(middles)
+        is_step = np.sum((means - parts) ** 2) < np.sum((means - line) ** 2)
+        step, trend = (step, 0.0) if is_step else (0.0, trend)
     return ZeroOffset(
         mean=float(y.mean()),
         se=se,
@@ -72,7 +78,7 @@ def zero_offset(t_s: np.ndarray, values: np.ndarray) -> ZeroOffset | None:
         stop_s=float(t[-1]),
         step=step,
         step_at_s=float((middles[at - 1] + middles[at]) / 2),
-        trend=_trend(middles, means, scatter),
+        trend=trend,
     )
 
 

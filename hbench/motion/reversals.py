@@ -73,6 +73,8 @@ def settled_strokes(t_s: np.ndarray, x_m: np.ndarray, pieces: Sequence[slice]) -
 def stroke_speed(t_s: np.ndarray, x_m: np.ndarray) -> float:
     """Return the signed speed of a stroke [m/s]: the slope over the middle half of its travel."""
     start, end = x_m[0], x_m[-1]
+    if start == end:
+        return 0.0
     travelled = (x_m - start) / (end - start)
     middle = (travelled > 0.25) & (travelled < 0.75)
     if middle.sum() < 3:

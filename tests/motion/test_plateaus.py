@@ -119,3 +119,13 @@ def test_of_two_strokes_the_longer_is_taken_and_the_return_is_not_part_of_it():
 def test_a_log_of_few_samples_has_no_plateau(n):
     t = np.arange(n) / 100
     assert plateaus(t, 0.1 * t) == []
+
+
+@pytest.mark.parametrize("rate", [100, 500, 1000])
+@pytest.mark.parametrize("a_m_s2", [0.5, 2.0, 5.0])
+@pytest.mark.parametrize("v", [0.1, 0.4])
+def test_braking_is_not_part_of_a_plateau(v, a_m_s2, rate):
+    """A mass of 100 kg at 2 m/s^2 turns 10 ms of braking into percents of friction."""
+    t, x, [(_, stop)] = trapezoids([v], rate, [0.8], a_m_s2=a_m_s2)
+    section = plateau_at(t, sensed(x, 5e-6, 0.0, 0.0, 1), v)
+    assert stop - 0.035 <= t[section][-1] <= stop + 0.002

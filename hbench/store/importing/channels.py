@@ -131,7 +131,7 @@ def _zeroed(
 def _subtraction(name: str, key: str, unit: str, zero: ZeroOffset) -> FileNote:
     text = (
         f"{key}: zero offset {{mean}} {unit} subtracted (standard error {{se}} {unit}), the mean "
-        "over {seconds} s at rest"
+        "over a rest of {seconds} s"
     )
     numbers = {"mean": zero.mean, "se": zero.se, "seconds": round(zero.seconds, 2)}
     return FileNote(name, text, numbers)
@@ -150,7 +150,7 @@ def _fault_of(zero: ZeroOffset, unit: str, tolerance: float) -> str:
     """Return why a rest is none: a step, a trend or too much noise; empty if it is one."""
     limit = f"limit {tolerance:.3g} {unit}"
     when = f"at rest from {zero.start_s:.2f} to {zero.stop_s:.2f} s"
-    if abs(zero.step) > tolerance and abs(zero.step) >= abs(zero.trend):
+    if abs(zero.step) > tolerance:
         return f"{when} it steps by {zero.step:.4g} {unit} at {zero.step_at_s:.2f} s; {limit}"
     if abs(zero.trend) > tolerance:
         return f"{when} it drifts by {zero.trend:.4g} {unit}; {limit}"

@@ -211,6 +211,11 @@ def _on_all(pieces: Sequence[Piece], unmatched: Sequence[str], rules: ImportMap)
             "rotary actuator: in all results 1 m stands for 1 rad, 1 N for 1 N m and an area of "
             "1 m^2 for 1 m^3/rad"
         )
+    if "{" not in rules.constants.get("f_applied_n", "{"):
+        yield (
+            "the applied force is a constant: if a load acts, it is part of the friction of each "
+            "direction, but not of half the difference of both (the bands)"
+        )
     unmatched = [name for name in unmatched if not name.endswith((".yaml", ".yml"))]  # a map
     if unmatched:
         yield f"files that match no series of the map: {len(unmatched)} ({listed(unmatched)})"

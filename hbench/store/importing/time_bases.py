@@ -1,5 +1,6 @@
 """Time bases of a file: the channels of an import map, grouped by their times."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -13,6 +14,8 @@ from hbench.store.files.number_columns import rounded_to_decimals
 from hbench.store.formats.table import Table
 from hbench.store.importing.file_notes import FileNote
 from hbench.units import parse_unit, to_si
+
+_IN_BRACKETS = re.compile(r"[(\[]\s*([^()\[\]]{1,20}?)\s*[)\]]\s*$")
 
 
 @dataclass(frozen=True)
@@ -123,6 +126,8 @@ def _in_si(table: Table, name: str, column: Column, rules: ImportMap, *, gaps: b
 def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> str:
     """Return a column's unit: the map's, the file's own, or SI. Raises ``DataError``."""
     wanted, in_file = rules.wanted(name), table.unit(column.column)
+    if in_file is None and column.scale in (1.0, -1.0):  # another scale converts units
+        in_file = _unit_in_name(column.column)
     if in_file is None:
         return column.unit or wanted
     where = f"{table.source}: column {column.column}: unit in the file is {in_file!r}"
@@ -139,6 +144,16 @@ def column_unit(table: Table, name: str, column: Column, rules: ImportMap) -> st
     if unit.dimension != parse_unit(wanted).dimension:
         raise DataError(f"{where}; {name} needs a unit such as {wanted}")
     return in_file
+
+
+def _unit_in_name(column: int | str) -> str | None:
+    """Return the unit in brackets at the end of a column's name, if it is a known one."""
+    match = _IN_BRACKETS.search(column) if isinstance(column, str) else None
+    try:
+        known = match is not None and any(parse_unit(match[1]).dimension)
+    except ValueError:
+        known = False
+    return match[1] if match is not None and known else None
 
 
 def _complete(
