@@ -9,71 +9,19 @@ from scipy import stats
 from hbench.analysis.comparison.band_differences import band_differences, trend_differences
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.matching import SetPoint, nearest_set_point, speed_tolerance
-from hbench.analysis.curves.band_trends import band_trends
-from hbench.analysis.curves.bands import friction_bands
 from hbench.analysis.statistics.holm import holm
-from hbench.analysis.summary.headline import headline
-from hbench.analysis.summary.quality import quality
 from hbench.config.sensors import Instruments
-from hbench.records import Provenance, Results, Run, RunPlan, ScreenedRun, Specimen
+from tests.support.analysis.drawn_seal import LARGE, drawn_seal
 
-BARS = (1.0, 3.0, 5.0, 7.0)
-SMALL, LARGE = Specimen(4.909e-4, 4.909e-4), Specimen(5.187e-4, 5.187e-4)
 STROKES = 0.20  # tolerance of their speeds
-
-
-@pytest.fixture
-def seal(make_curve):
-    """Return a function that draws the strokes of a seal at several pressures."""
-
-    def draw(
-        seed, label="A", *, level=4.0, slope=0.6, scatter=0.1, specimen=SMALL, speed=(8.3e-3, 6e-3),
-        pressure=1.0, bars=BARS, trials=5,
-    ):  # fmt: skip
-        rng = np.random.default_rng(seed)
-        curves = []
-        for bar in bars:
-            half = level + slope * bar + scatter * rng.standard_normal(trials)
-            for direction, sign, v in zip(("extend", "retract"), (1, -1), speed, strict=True):
-                drawn = sign * half - 0.4 * bar + scatter * rng.standard_normal(trials)
-                load = bar * 1e5 * specimen.area_piston_m2
-                made = make_curve([v], [1.0], direction, load)
-                point = replace(
-                    made.points[0],
-                    n=trials,
-                    friction_n=float(drawn.mean()),
-                    p_tp_pa=pressure * bar * 1e5,
-                    p_tr_pa=0.0,
-                    f_applied_n=load - float(drawn.mean()),
-                    trials=tuple(range(1, trials + 1)),
-                    trials_n=tuple(drawn.tolist()),
-                    trials_work_j=tuple((sign * 0.04 * drawn).tolist()),
-                )
-                curves.append(replace(made, points=(point,), label=label, specimen=specimen))
-        plan = RunPlan("0001", "steady", 1, 8.3e-3, specimen, speed_is_measured=True)
-        run = ScreenedRun(Run(plan, np.zeros(0), np.zeros(0)), (), None)
-        bands = friction_bands(curves)
-        return Results(
-            Provenance(label, "imported", "", "", "", ""),
-            (run,),
-            tuple(curves),
-            (),
-            bands,
-            (),
-            band_trends=band_trends(bands),
-            headline=headline(curves, ()),
-            quality=quality((), curves),
-        )
-
-    return draw
 
 
 def compared(a, b, known=(None, None), same=False, tolerance=STROKES):
     return band_differences(a, b, known, same, tolerance)
 
 
-def test_half_bands_middles_and_energies_are_compared_as_scipys_welch_test_does(seal):
-    a, b = seal(1), seal(2, "B", level=4.3)
+def test_half_bands_middles_and_energies_are_compared_as_scipys_welch_test_does():
+    a, b = drawn_seal(1), drawn_seal(2, "B", level=4.3)
     found = compared(a, b)
     assert [round(each.a.p_tp_pa / 1e5) for each in found] == [1, 3, 5, 7]
     for name in ("half_n", "middle_n", "energy_j"):
@@ -88,8 +36,8 @@ def test_half_bands_middles_and_energies_are_compared_as_scipys_welch_test_does(
         assert [getattr(each, name).p_holm for each in found] == pytest.approx(holm(p_values))
 
 
-def test_slopes_are_compared_with_welchs_degrees_of_freedom(seal):
-    a, b = seal(1), seal(2, "B", slope=1.4)
+def test_slopes_are_compared_with_welchs_degrees_of_freedom():
+    a, b = drawn_seal(1), drawn_seal(2, "B", slope=1.4)
     (found,) = trend_differences(a, b, compared(a, b), (None, None), False)
     lines = [trend.half for trend in (*a.band_trends, *b.band_trends)]
     squares = [line.slope_se_n_pa**2 for line in lines]
@@ -102,33 +50,36 @@ def test_slopes_are_compared_with_welchs_degrees_of_freedom(seal):
     assert not found.middle_slope_n_pa.real
 
 
-def test_the_slopes_interval_contains_the_truth_in_95_percent_and_rarely_cries_wolf(seal):
+def test_the_slopes_interval_contains_the_truth_in_95_percent_and_rarely_cries_wolf():
     held = []
     for seed in range(300):
-        a, b = seal(2 * seed), seal(2 * seed + 1, "B")
+        a, b = drawn_seal(2 * seed), drawn_seal(2 * seed + 1, "B")
         (found,) = trend_differences(a, b, compared(a, b), (None, None), False)
         held.append(abs(found.half_slope_n_pa.value) <= found.half_slope_n_pa.ci95)
     assert np.mean(held) > 0.93
 
 
-def test_a_slope_needs_three_pressures_of_both(seal):
-    a, b = seal(1), seal(2, "B", bars=(3.0, 5.0, 6.0))
+def test_a_slope_needs_three_pressures_of_both():
+    a, b = drawn_seal(1), drawn_seal(2, "B", bars=(3.0, 5.0, 6.0))
     bands = compared(a, b)
     assert [round(each.a.p_tp_pa / 1e5) for each in bands] == [3, 5]
     assert trend_differences(a, b, bands, (None, None), False) == ()
 
 
-def test_another_bore_is_compared_at_the_same_pressure(seal):
-    a, b = seal(1), seal(2, "B", specimen=LARGE, pressure=1.03)
+def test_another_bore_is_compared_at_the_same_pressure():
+    a, b = drawn_seal(1), drawn_seal(2, "B", specimen=LARGE, pressure=1.03)
     assert len(compared(a, b)) == 4
     curves, notes = campaign_differences(a, b, (None, None), False, STROKES)
     assert len(curves) == 8 and notes == ()
-    assert compared(a, seal(2, "B", specimen=LARGE, pressure=1.06)) == ()
+    assert compared(a, drawn_seal(2, "B", specimen=LARGE, pressure=1.06)) == ()
 
 
-def test_speeds_that_nobody_set_count_as_the_same_within_a_fifth(seal):
-    a = seal(1)
-    near, far = seal(2, "B", speed=(8.5e-3, 6.9e-3)), seal(2, "B", speed=(8.3e-3, 7.3e-3))
+def test_speeds_that_nobody_set_count_as_the_same_within_a_fifth():
+    a = drawn_seal(1)
+    near, far = (
+        drawn_seal(2, "B", speeds=(8.5e-3, 6.9e-3)),
+        drawn_seal(2, "B", speeds=(8.3e-3, 7.3e-3)),
+    )
     assert speed_tolerance(a, near) == 0.20
     curves, notes = campaign_differences(a, near, (None, None), False, speed_tolerance(a, near))
     assert len(curves) == 8 and notes == ()
@@ -138,20 +89,16 @@ def test_speeds_that_nobody_set_count_as_the_same_within_a_fifth(seal):
     assert len(curves) == len(notes) == 4 and all("retract" in note for note in notes)
 
 
-def test_set_speeds_must_agree_within_two_percent(seal):
-    def with_set_speed(results):
-        (run,) = results.runs
-        plan = replace(run.run.plan, speed_is_measured=False)
-        return replace(results, runs=(replace(run, run=replace(run.run, plan=plan)),))
-
-    a, b = with_set_speed(seal(1)), with_set_speed(seal(2, "B", speed=(8.5e-3, 6e-3)))
+def test_set_speeds_must_agree_within_two_percent():
+    set_ = {"speed_is_measured": False}
+    a, b = drawn_seal(1, **set_), drawn_seal(2, "B", speeds=(8.5e-3, 6e-3), **set_)
     assert speed_tolerance(a, b) == 0.02
     curves, notes = campaign_differences(a, b, (None, None), False, speed_tolerance(a, b))
     assert {curve.direction for curve in curves} == {"retract"} and len(notes) == 4
 
 
-def test_single_labels_may_differ_and_several_must_agree(seal):
-    a, b = seal(1, "A"), seal(2, "B")
+def test_single_labels_may_differ_and_several_must_agree():
+    a, b = drawn_seal(1, "A"), drawn_seal(2, "B")
     several = replace(a, curves=(*a.curves, *b.curves), bands=(*a.bands, *b.bands), band_trends=())
     assert len(compared(a, b)) == 4
     found = compared(several, b)
@@ -179,10 +126,10 @@ def instruments(of):
     )
 
 
-def test_a_constant_error_of_the_sensors_is_in_the_middle_and_not_in_the_half_band(seal):
+def test_a_constant_error_of_the_sensors_is_in_the_middle_and_not_in_the_half_band():
     """1 % of 500 N and, on both sides, of 10 bar on 4.909 cm^2: 5 N and twice 4.909 N."""
     known = instruments("full_scale")
-    (first, *_) = compared(seal(1), seal(2, "B"), (known, known), same=False)
+    (first, *_) = compared(drawn_seal(1), drawn_seal(2, "B"), (known, known), same=False)
     sigma = np.sqrt(2 * (5.0**2 + 2 * 4.909**2))
     assert first.middle_n.u95 == pytest.approx(
         np.hypot(first.middle_n.ci95, 1.96 * sigma), rel=1e-4
@@ -191,21 +138,21 @@ def test_a_constant_error_of_the_sensors_is_in_the_middle_and_not_in_the_half_ba
     assert first.energy_j.u95 == pytest.approx(first.energy_j.ci95)
 
 
-def test_a_gain_error_of_the_load_cell_changes_half_band_and_energy_alike(seal):
+def test_a_gain_error_of_the_load_cell_changes_half_band_and_energy_alike():
     known = instruments("reading")
-    (first, *_) = compared(seal(1), seal(2, "B", level=6.0), (known, known), same=False)
+    (first, *_) = compared(drawn_seal(1), drawn_seal(2, "B", level=6.0), (known, known), same=False)
     halves = np.hypot(*(0.01 * each.half_n for each in (first.a, first.b)))
     assert first.half_n.u95 == pytest.approx(np.hypot(first.half_n.ci95, 1.96 * halves), rel=1e-4)
     energies = np.hypot(*(0.01 * each.energy_j for each in (first.a, first.b)))
     expected = np.hypot(first.energy_j.ci95, 1.96 * energies)
     assert first.energy_j.u95 == pytest.approx(expected, rel=1e-4)
-    a, b = seal(1), seal(2, "B", slope=1.4)
+    a, b = drawn_seal(1), drawn_seal(2, "B", slope=1.4)
     (slope,) = trend_differences(a, b, compared(a, b), (known, known), False)
     gains = np.hypot(*(0.01 * t.half.slope_n_pa for t in (*a.band_trends, *b.band_trends)))
     expected = np.hypot(slope.half_slope_n_pa.ci95, 1.96 * gains)
     assert slope.half_slope_n_pa.u95 == pytest.approx(expected, rel=1e-4)
 
 
-def test_one_trial_gives_differences_without_an_interval(seal):
-    found = compared(seal(1, trials=1), seal(2, "B", trials=1))
+def test_one_trial_gives_differences_without_an_interval():
+    found = compared(drawn_seal(1, trials=1), drawn_seal(2, "B", trials=1))
     assert all(each.half_n.ci95 is None and each.half_n.untested for each in found)

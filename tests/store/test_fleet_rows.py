@@ -13,7 +13,7 @@ from hbench.errors import ConfigError, DataError
 from hbench.records import QUANTITIES, FleetNumber, FleetRow
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
 from hbench.store.fleet.rows import ROWS, FleetRows
-from hbench.store.fleet.table import FleetTable, cells_of, column_of, shown_path, write_table
+from hbench.store.fleet.table import FleetTable, cells_of, shown_path, write_table
 
 
 def campaign(folder):
@@ -142,7 +142,9 @@ def test_a_table_holds_each_number_with_its_interval_in_si_and_the_same_bytes_tw
     assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
     table = pq.read_table(tmp_path / "1")
     assert len(table) == 12_001 and len(set(table.column_names)) == len(table.column_names)
-    assert sum(name.endswith("_se") for name in table.column_names) == 2 * len(QUANTITIES)
+    assert sum(name.endswith("_se") for name in table.column_names) == sum(
+        len(quantity.sides) for quantity in QUANTITIES
+    )
     first = table.slice(0, 1).to_pylist()[0]
     assert first["friction_extend_n"] == 400.0 and first["friction_extend_n_high"] == 420.0
     assert first["b_viscous_retract_n_s_m"] == 2700.0
@@ -155,6 +157,8 @@ def test_a_table_holds_each_number_with_its_interval_in_si_and_the_same_bytes_tw
 
 
 def test_a_columns_name_ends_in_its_unit():
-    assert column_of("b_viscous_n_s_m", "extend") == "b_viscous_extend_n_s_m"
-    assert column_of("v_stribeck_m_s", "retract") == "v_stribeck_retract_m_s"
-    assert column_of("efficiency", "extend") == "efficiency_extend"
+    column = {quantity.name: quantity.column for quantity in QUANTITIES}
+    assert column["b_viscous_n_s_m"]("extend") == "b_viscous_extend_n_s_m"
+    assert column["v_stribeck_m_s"]("retract") == "v_stribeck_retract_m_s"
+    assert column["efficiency"]("extend") == "efficiency_extend"
+    assert column["half_band_n"](None) == "half_band_n"

@@ -77,15 +77,16 @@ def write_strokes(
 ) -> Path:
     """Write a log for each pressure of ``bands`` {bar: (half, middle) [N]} and the map.
 
-    ``scatter_n`` is the standard deviation of the half band from cycle to cycle.
+    ``scatter_n`` is the standard deviation of half band and middle from cycle to cycle.
     """
     rng = np.random.default_rng(seed)
     folder.mkdir(parents=True)
     for bar, (half, middle) in bands.items():
         t, x, v, a = motion(v_m_s, cycles, rate_hz)
         cycle = np.minimum((t / (t[-1] + 1e-9) * cycles).astype(int), cycles - 1)
-        level = half + scatter_n * rng.standard_normal(cycles)
-        friction = np.sign(v) * level[cycle] + middle + VISCOUS * v
+        halves = half + scatter_n * rng.standard_normal(cycles)
+        middles = middle + scatter_n * rng.standard_normal(cycles)
+        friction = np.sign(v) * halves[cycle] + middles[cycle] + VISCOUS * v
         force = bar * 1e5 * AREA_M2 - friction - MASS_KG * a
         rows = np.column_stack([t, 1e3 * x, np.full(len(t), bar), force])
         np.savetxt(

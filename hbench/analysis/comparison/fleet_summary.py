@@ -5,7 +5,7 @@ The table is read one column at a time, so that a million rows fit into memory.
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,25 +20,30 @@ from hbench.analysis.comparison.population import (
     trend_line,
 )
 from hbench.analysis.statistics.holm import holm
+from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.records import (
     QUANTITIES,
     Block,
     Deviation,
-    Direction,
     Fleet,
+    FleetCampaign,
+    FleetNumber,
     Quantity,
+    Side,
     Spread,
     Suspect,
     Trend,
 )
 from hbench.records.numbers import NORMAL_95
-from hbench.store.fleet.table import FleetTable, column_of, moment_of
+from hbench.store.fleet.table import SUFFIXES, FleetTable, moment_of
 
 _LISTED = 20  # campaigns: of the most deviating, and of the failed ones
 _MOST_KINDS = 10  # of reasons and protocols
+_MOST_ROWS = 50  # campaigns of a fleet that are listed one by one
 _SINGLE = 150  # campaigns that are drawn one by one; more are drawn in blocks
 _BLOCKS = 60
 _DAY_S = 86_400.0
+_ENDINGS = [f"_{suffix}" for suffix in SUFFIXES]
 _DIGITS = re.compile(r"\d+")
 
 
@@ -47,7 +52,7 @@ class _Sample:
     """Values of one quantity and direction over the compared campaigns."""
 
     quantity: Quantity
-    direction: Direction
+    direction: Side
     rows: np.ndarray  # (n,) of the table
     at: np.ndarray  # (n,) days since the first campaign, or number in the order of paths
     x: np.ndarray  # (n,)
@@ -61,7 +66,8 @@ def summarize(table: FleetTable, report_link: Callable[[str], str]) -> Fleet:
     """
     good = table.equals("failed", "")
     protocols = [pair for pair in table.counts("protocol") if pair[0]]
-    compared = good & table.equals("protocol", protocols[0][0] if protocols else "")
+    of_protocol = good & table.equals("protocol", protocols[0][0] if protocols else "")
+    compared = of_protocol & _at_common_speed(table.numbers("v_m_s"), of_protocol)
     moments = table.moments()
     known = moments[compared]
     by_date = len(known) > 0 and bool(np.isfinite(known).all()) and bool(np.ptp(known) > 0)
@@ -99,20 +105,63 @@ def summarize(table: FleetTable, report_link: Callable[[str], str]) -> Fleet:
         sources=tuple(pair for pair in table.counts("source") if pair[0]),
         protocols=tuple(protocols[:_MOST_KINDS]),
         compared=int(compared.sum()),
+        other_speeds=int((of_protocol & ~compared).sum()),
         by_date=by_date,
         first=moment_of(first) if by_date else None,
         last=moment_of(last) if by_date else None,
         spreads=tuple(spreads),
         outliers=int(outlier.sum()),
         worst=tuple(_suspects(table, worst, report_link)),
+        rows=tuple(_campaigns(table, np.flatnonzero(good), compared, spreads, report_link)),
     )
 
 
+def _at_common_speed(v_m_s: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Return which working speeds (rows,) are within 20 % of the median of the chosen ones.
+
+    Set speeds are part of the protocol; speeds that were not set may differ.
+    """
+    known = v_m_s[chosen & np.isfinite(v_m_s)]
+    if not len(known):
+        return np.ones(len(v_m_s), dtype=bool)
+    median = np.median(known)
+    return ~(np.abs(v_m_s - median) > SAME_STROKE_SPEED * median)
+
+
+def _campaigns(
+    table: FleetTable,
+    rows: np.ndarray,
+    compared: np.ndarray,
+    spreads: Sequence[Spread],
+    report_link: Callable[[str], str],
+) -> Iterator[FleetCampaign]:
+    """Yield the campaigns of a small fleet with their numbers."""
+    if len(rows) > _MOST_ROWS:
+        return
+    texts = [table.values(name, rows) for name in ("path", "name", "label", "quality", "v_m_s")]
+    columns = {
+        name: [table.values(f"{name}{ending}", rows) for ending in ("", *_ENDINGS)]
+        for name in (spread.quantity.column(spread.direction) for spread in spreads)
+    }
+    for i, (path, name, label, quality, v_m_s) in enumerate(zip(*texts, strict=True)):
+        cells = {column: [values[i] for values in four] for column, four in columns.items()}
+        numbers = {column: FleetNumber(*c) for column, c in cells.items() if c[0] is not None}
+        yield FleetCampaign(
+            path=path,
+            compared=bool(compared[rows[i]]),
+            name=name,
+            label=label,
+            quality=quality,
+            report=report_link(path),
+            v_m_s=v_m_s,
+            numbers=numbers,
+        )
+
+
 def _samples(table: FleetTable, compared: np.ndarray, at: np.ndarray) -> Iterator[_Sample]:
-    directions: tuple[Direction, ...] = ("extend", "retract")
     for quantity in QUANTITIES:
-        for direction in directions:
-            name = column_of(quantity.name, direction)
+        for direction in quantity.sides:
+            name = quantity.column(direction)
             x = table.numbers(name)
             rows = np.flatnonzero(compared & np.isfinite(x))
             if len(rows):

@@ -29,13 +29,9 @@ FEWEST = 3  # pressures of a line
 
 
 def band_trends(bands: Iterable[Band]) -> tuple[BandTrend, ...]:
-    """Return the trend of each series of bands with at least three pressures.
-
-    Bands of a series have the same kind, label, cylinder and rod-side pressure. Where a load has
-    bands at two speeds, slow and fast ones are a series each.
-    """
+    """Return the trend of each series of bands with at least three pressures."""
     trends = []
-    for series in _series(bands):
+    for series in band_series(bands):
         known = [(band.p_tp_pa, band) for band in series if band.p_tp_pa is not None]
         known.sort(key=lambda pair: pair[0])
         if len(distinct(np.array([p for p, _ in known]))) >= FEWEST:
@@ -43,13 +39,12 @@ def band_trends(bands: Iterable[Band]) -> tuple[BandTrend, ...]:
     return tuple(trends)
 
 
-def weights(pressures_pa: np.ndarray) -> np.ndarray:
-    """Return the weights (m,) [1/Pa] of values at pressures (m,) in the slope of their line."""
-    p = pressures_pa - pressures_pa.mean()
-    return p / (p @ p)
+def band_series(bands: Iterable[Band]) -> tuple[list[Band], ...]:
+    """Return the bands of each series, in their order.
 
-
-def _series(bands: Iterable[Band]) -> Iterable[list[Band]]:
+    Bands of a series have the same kind, label, cylinder and rod-side pressure. Where a load has
+    bands at two speeds, slow and fast ones are a series each.
+    """
     bands = tuple(bands)
     speeds: dict[tuple, list[float]] = defaultdict(list)
     for band in bands:
@@ -58,7 +53,13 @@ def _series(bands: Iterable[Band]) -> Iterable[list[Band]]:
     for band in bands:
         rank = sorted(speeds[*_key(band), band.f_load_n]).index(band.v_m_s)
         series[*_key(band), rank].append(band)
-    return series.values()
+    return tuple(series.values())
+
+
+def weights(pressures_pa: np.ndarray) -> np.ndarray:
+    """Return the weights (m,) [1/Pa] of values at pressures (m,) in the slope of their line."""
+    p = pressures_pa - pressures_pa.mean()
+    return p / (p @ p)
 
 
 def _key(band: Band) -> tuple:

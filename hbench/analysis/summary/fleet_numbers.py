@@ -1,12 +1,14 @@
-"""Means over the loads of a campaign's headline numbers and fitted parameters, for a fleet."""
+"""Means of a campaign's headline numbers, fitted parameters and friction bands, for a fleet."""
 
 import math
-from collections.abc import Callable
-from statistics import fmean
+from collections.abc import Callable, Iterator
+from statistics import fmean, stdev
 
+from hbench.analysis.curves.band_trends import band_series
 from hbench.records import (
     DIRECTIONS,
     KINDS,
+    Band,
     Curve,
     Direction,
     FleetNumber,
@@ -14,6 +16,7 @@ from hbench.records import (
     HeadlineSeries,
     Results,
     RunPlan,
+    Side,
 )
 
 _FITTED = {
@@ -24,13 +27,13 @@ _FITTED = {
 }
 
 
-def fleet_numbers(results: Results) -> dict[tuple[str, Direction], FleetNumber]:
-    """Return the mean of each quantity over the loads of a direction.
+def fleet_numbers(results: Results) -> dict[tuple[str, Side], FleetNumber]:
+    """Return the mean of each quantity over the loads of a direction, or over the series of bands.
 
     A quantity that one of the planned loads does not have is left out.
     """
     plans = [run.run.plan for run in results.runs]
-    numbers = {}
+    numbers: dict[tuple[str, Side], FleetNumber] = dict(_of_bands(results))
     for direction in DIRECTIONS:
         series = [each for each in results.headline.series if each.direction == direction]
         loads = _planned_loads(plans, direction)
@@ -47,6 +50,55 @@ def fleet_numbers(results: Results) -> dict[tuple[str, Direction], FleetNumber]:
             if known and len(known) == loads:  # else it is no mean over the same loads
                 numbers[name, direction] = _mean(known)
     return numbers
+
+
+def _of_bands(results: Results) -> Iterator[tuple[tuple[str, Side], FleetNumber]]:
+    """Yield half band, middle and energy at the median of the planned loads, and the slope."""
+    series = band_series(results.bands)
+    columns: dict[str, list[FleetNumber]] = {}
+    for bands in series:
+        loads = _loads_of_both(results, bands[0])
+        known = [band for band in bands if band.f_load_n in loads]
+        if len({band.f_load_n for band in known}) < len(loads):
+            continue
+        middle = sorted(known, key=lambda band: band.p_tp_pa or band.f_load_n or 0.0)
+        band = middle[(len(middle) - 1) // 2]
+        for name, value, ci95, trials in (
+            ("half_band_n", band.half_n, band.half_ci95_n, band.trials_half_n),
+            ("middle_n", band.middle_n, band.middle_ci95_n, band.trials_middle_n),
+            ("cycle_energy_j", band.energy_j, band.energy_ci95_j, band.trials_energy_j),
+        ):
+            if value is not None:
+                se = stdev(trials) / math.sqrt(len(trials)) if len(trials) > 1 else None
+                columns.setdefault(name, []).append(_with_half_width(value, ci95, se))
+        for trend in results.band_trends:
+            if band in trend.bands:
+                line = trend.half
+                slope = _with_half_width(line.slope_n_pa, line.slope_ci95_n_pa, line.slope_se_n_pa)
+                columns.setdefault("half_band_slope_n_pa", []).append(slope)
+    for name, column in columns.items():
+        if len(column) == len(series):
+            yield (name, None), _mean(column)
+
+
+def _loads_of_both(results: Results, band: Band) -> set[float | None]:
+    """Return the loads that both directions of a band's series were planned at."""
+    plans = [
+        run.run.plan
+        for run in results.runs
+        if (run.run.plan.kind, run.run.plan.label, run.run.plan.specimen, run.run.plan.p_lr_ref_pa)
+        == (band.kind, band.label, band.specimen, band.p_lr_ref_pa)
+    ]
+    extend, retract = (
+        {plan.f_load_n for plan in plans if plan.direction == direction} for direction in DIRECTIONS
+    )
+    return extend & retract
+
+
+def _with_half_width(value: float, half: float | None, se: float | None) -> FleetNumber:
+    if half is None:
+        return FleetNumber(value, se=se)
+    return FleetNumber(value, value - half, value + half, se)
 
 
 def _planned_loads(plans: list[RunPlan], direction: Direction) -> int:
@@ -66,10 +118,7 @@ def _curve(results: Results, series: HeadlineSeries) -> Curve:
 def _number(number: HeadlineNumber | None) -> FleetNumber | None:
     if number is None:
         return None
-    value, u95 = number.value, number.u95
-    if u95 is None:
-        return FleetNumber(value, se=number.se)
-    return FleetNumber(value, value - u95, value + u95, number.se)
+    return _with_half_width(number.value, number.u95, number.se)
 
 
 def _measured(number: HeadlineNumber | None) -> FleetNumber | None:

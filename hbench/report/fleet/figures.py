@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import DIRECTIONS, Fleet, Quantity, Spread
 from hbench.records.numbers import NORMAL_95
+from hbench.report.fleet.text import folder_name, without_condition
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
@@ -17,6 +18,8 @@ DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
 _COUNTED = "Campaigns in a class of values."
 _SINGLE = f"Bars: ±{NORMAL_95:.2f} standard errors of a campaign's own trials."
 _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % of them."
+_NAMED = 30  # campaigns: up to so many have their names below the axis
+_LONGEST = 16  # letters of such a name
 _DAYS = 2.0  # a shorter fleet is shown over hours
 
 
@@ -52,7 +55,7 @@ def draw_distribution(quantity: Quantity, spreads: Iterable[Spread], fleet: Flee
         middles = (edges[:-1] + edges[1:]) / 2
         axes.stairs(spread.counts, edges, fill=True, color=look["color"], alpha=0.2)
         axes.stairs(spread.counts, edges, color=look["color"], linewidth=1.6)
-        title = style.TITLES[spread.direction]
+        title = _title(spread)
         axes.plot(middles, spread.counts, linestyle="none", label=f"_{title}")
         median = quantity.scale * spread.median
         axes.axvline(median, color=look["color"], linestyle="--", linewidth=1.2)
@@ -78,7 +81,10 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
     x_label = (
         f"Time{since} ({'h' if hours else 'd'})" if fleet.by_date else "Number in order of path"
     )
-    axes.set(xlabel=x_label, ylabel=f"{_short(quantity.words)} ({quantity.unit})")
+    axes.set(xlabel=x_label, ylabel=f"{_short(quantity)} ({quantity.unit})")
+    if not fleet.by_date and 0 < len(names := _names(fleet)) <= _NAMED:
+        axes.set_xticks(range(1, len(names) + 1), names, rotation=40, ha="right", fontsize=8)
+        axes.set_xlabel("Campaign")
     _head(axes, quantity, fleet)
     style.read_as(figure, _read_as(spreads))
     style.legend_above(figure, axes)
@@ -87,7 +93,7 @@ def draw_drift(quantity: Quantity, spreads: Iterable[Spread], fleet: Fleet) -> F
 
 def _course(axes: Axes, spread: Spread, times: float) -> None:
     look, scale = _look(spread), spread.quantity.scale
-    title = style.TITLES[spread.direction]
+    title = _title(spread)
     at = times * np.array([block.at for block in spread.blocks])
     median, low, high = (
         scale * np.array([getattr(block, name) for block in spread.blocks])
@@ -108,28 +114,42 @@ def _course(axes: Axes, spread: Spread, times: float) -> None:
 
 
 def _look(spread: Spread) -> dict:
-    return style.series_style(DIRECTIONS.index(spread.direction))
+    return style.series_style(0 if spread.direction is None else DIRECTIONS.index(spread.direction))
+
+
+def _title(spread: Spread) -> str:
+    return "Campaigns" if spread.direction is None else style.TITLES[spread.direction]
 
 
 def _head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:
-    axes.set_title(_short(quantity.words))
+    axes.set_title(_short(quantity))
     sources = [source for source, _ in fleet.sources]
     if "simulated" in sources:
         mark = "simulated" if len(sources) == 1 else "some are simulated"
         axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
 
 
-def _short(title: str) -> str:
-    return title.partition(",")[0]
+def _short(quantity: Quantity) -> str:
+    return without_condition(quantity).partition(",")[0]
+
+
+def _names(fleet: Fleet) -> list[str]:
+    """Return the labels of the compared campaigns of a small fleet, or their folders."""
+    return [
+        style.safe(campaign.label or folder_name(campaign.path), _LONGEST)
+        for campaign in fleet.rows
+        if campaign.compared
+    ]
 
 
 def _outside(spreads: Iterable[Spread]) -> str:
     sentences = ["Dashed: medians."]
     for spread in spreads:
         if spread.below or spread.above:
+            side = "" if spread.direction is None else f"{_title(spread)}: "
             sentences.append(
-                f"{style.TITLES[spread.direction]}: {spread.below} campaigns lie further left and "
-                f"{spread.above} further right than the figure shows."
+                f"{side}{spread.below} campaigns lie further left and {spread.above} further right "
+                "than the figure shows."
             )
     return " ".join(sentences)
 

@@ -1,36 +1,43 @@
 """The page of a fleet: outliers, distributions, drifts. Its size does not grow with the fleet."""
 
 from collections.abc import Iterable, Iterator
-from pathlib import PurePath
 
 from hbench.records import Fleet, WordTable
 from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
 from hbench.report.fleet.text import (
     WORST_HEAD,
+    campaign_table,
     cells,
     fleet_verdict,
+    folder_name,
+    main_spreads,
+    of_side,
     others,
     spread_table,
     trend_table,
+    without_condition,
 )
 from hbench.report.render.document import BANNERS, Document, Section, Tile, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike
-from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Cell, Table
 
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
+_TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
 _METHOD = (
     (
         "Numbers",
         "Those of each campaign's report. Where a direction has several loads it is the mean over "
         "them, and only where all of them have the number. Its interval is the mean of theirs, as "
-        "wide as if their errors were the same.",
+        "wide as if their errors were the same. Half band, middle and energy of a cycle are those "
+        "at the median of the campaign's pressures.",
     ),
     (
         "Compared",
         "Only campaigns of the same kind: areas of piston and rod side, loads and working speed. "
+        "Where no speed was set, as in strokes cut from a cycle, a campaign counts if its speed is "
+        "within 20 % of their median. A single label names the cylinder and may differ. "
         "The page evaluates those of the most frequent kind; analyze the others in a separate "
         "call.",
     ),
@@ -89,7 +96,11 @@ def fleet_document(fleet: Fleet, drawings: Iterable[Drawing]) -> Document:
 
 
 def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
-    yield Section("Summary", tiles=tuple(_tiles(fleet)), tables=_protocols(fleet))
+    left_out = "{} campaigns of this kind at other speeds are left out."
+    remark = (left_out.format(fleet.other_speeds),) if fleet.other_speeds else ()
+    yield Section("Summary", remark, tiles=tuple(_tiles(fleet)), tables=_protocols(fleet))
+    if fleet.rows:
+        yield Section("Campaigns", _at_median(fleet), tables=(_campaigns(fleet),))
     if fleet.worst:
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
         none = (few,) if fleet.outliers < _LEAST else ()
@@ -112,14 +123,12 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
     yield Tile(str(fleet.outliers), "", "outliers", "method-outliers")
     drifts = sum(spread.trend is not None and spread.trend.real for spread in fleet.spreads)
     yield Tile(str(drifts), "", f"of {len(fleet.spreads)} numbers drift", "method-trends")
-    for spread in fleet.spreads:
-        if spread.quantity.name in ("friction_n", "efficiency"):
+    for spread in main_spreads(fleet):
+        if spread.quantity.name in _TILES:
             scale = spread.quantity.scale
-            caption = (
-                f"{spread.quantity.words.split()[0].lower()}, {TITLES[spread.direction].lower()}"
-            )
             value = alike((scale * spread.low, scale * spread.high))
-            caption = f"{caption}: 5 to 95 % of the campaigns"
+            words = f"{without_condition(spread.quantity)}{of_side(spread.direction)}"
+            caption = f"{words[0].lower()}{words[1:]}: 5 to 95 % of the campaigns"
             yield Tile(value, spread.quantity.unit, caption, "method-spread")
     for grade, count in fleet.qualities:
         yield Tile(str(count), "campaigns" if count != 1 else "campaign", f"data: {grade}")
@@ -135,10 +144,25 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     return (Table(("Campaigns", *text_columns), rows, text_columns, title=title),) if rows else ()
 
 
+def _at_median(fleet: Fleet) -> tuple[str, ...]:
+    if any(spread.direction is None for spread in fleet.spreads):
+        return ("Half band, middle and energy are those at the median pressure of a campaign.",)
+    return ()
+
+
+def _campaigns(fleet: Fleet) -> Table:
+    words = campaign_table(fleet)
+    rows = tuple(
+        (Cell(first, link=campaign.report), *map(Cell, rest))
+        for campaign, (first, *rest) in zip(fleet.rows, words.rows, strict=True)
+    )
+    return Table(words.head, rows, frozenset({"Campaign", "Label", "Remark"}))
+
+
 def _worst(fleet: Fleet) -> Table:
     rows = []
     for suspect in fleet.worst[: max(fleet.outliers, _LEAST)]:
-        name = PurePath(suspect.path).name or suspect.path
+        name = folder_name(suspect.path)
         flag = "outlier" if suspect.deviations[0].outlier else ""
         remarks = (
             *([] if suspect.started is None else [f"{suspect.started:%Y-%m-%d}"]),

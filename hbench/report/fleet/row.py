@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from datetime import UTC, datetime
 
-from hbench.records import DIRECTIONS, Direction, FleetNumber, FleetRow, Results, RunPlan
+from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, Side
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable
@@ -12,9 +12,12 @@ _LONGEST = 200  # characters of a campaign's own words
 
 
 def fleet_row(
-    path: str, results: Results, numbers: Mapping[tuple[str, Direction], FleetNumber]
+    path: str, results: Results, numbers: Mapping[tuple[str, Side], FleetNumber]
 ) -> FleetRow:
-    """Return the row of the campaign at ``path``; ``numbers`` are its means over the loads."""
+    """Return the row of the campaign at ``path``; ``numbers`` are its means over the loads.
+
+    The time of an imported campaign is not known: its start is that of the import.
+    """
     plans = [run.run.plan for run in results.runs]
     speed = results.headline.v_m_s
     provenance = results.provenance
@@ -25,8 +28,9 @@ def fleet_row(
         name=_line(provenance.name),
         source=provenance.source,
         bench=_line(provenance.bench),
+        label=_line(", ".join(_labels(plans))),
         seed=seed if isinstance(seed, int) and abs(seed) < 2**63 else None,
-        started=_moment(provenance.started),
+        started=None if provenance.source == "imported" else _moment(provenance.started),
         protocol=_protocol(plans, speed),
         area_piston_m2=specimen.area_piston_m2,
         area_rod_m2=specimen.area_rod_m2,
@@ -40,7 +44,10 @@ def fleet_row(
 
 
 def _protocol(plans: list[RunPlan], speed: float | None) -> str:
-    """Return the settings that must be equal for a comparison of cylinders."""
+    """Return the settings that must be equal for a comparison of cylinders.
+
+    A single label names the cylinder or the seal, which may differ; several must be equal.
+    """
     areas = sorted({(p.specimen.area_piston_m2, p.specimen.area_rod_m2) for p in plans})
     settings = ["; ".join(f"{short(1e6 * a)}/{short(1e6 * b)} mm²" for a, b in areas)]
     for direction in DIRECTIONS:
@@ -48,10 +55,17 @@ def _protocol(plans: list[RunPlan], speed: float | None) -> str:
         loads = dict.fromkeys(load_words(p.f_load_n, p.p_lr_ref_pa) or "no load" for p in chosen)
         if chosen:
             settings.append(f"{direction} {', '.join(loads)}")
-    settings += sorted({plan.label for plan in plans if plan.label})
-    if speed is not None:
+    labels = _labels(plans)
+    settings += labels if len(labels) > 1 else []
+    if any(plan.speed_is_measured for plan in plans):
+        settings.append("speed not set")
+    elif speed is not None:
         settings.append(f"{short(1e3 * speed)} mm/s")
     return _line("; ".join(settings))
+
+
+def _labels(plans: list[RunPlan]) -> list[str]:
+    return sorted({plan.label for plan in plans if plan.label})
 
 
 def _line(text: str) -> str:

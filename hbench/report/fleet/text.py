@@ -3,10 +3,21 @@
 import json
 from collections.abc import Iterator
 from dataclasses import asdict
+from pathlib import PurePath
 
-from hbench.records import Deviation, Fleet, Spread, Suspect, Trend, WordTable
+from hbench.records import (
+    Deviation,
+    Fleet,
+    FleetNumber,
+    Quantity,
+    Side,
+    Spread,
+    Suspect,
+    Trend,
+    WordTable,
+)
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import NONE, significant, with_ends
+from hbench.report.render.numbers import NONE, short, significant, with_ends
 from hbench.report.render.style import TITLES
 from hbench.report.render.terminal_table import table_lines
 
@@ -23,7 +34,15 @@ def fleet_text(fleet: Fleet) -> str:
         lines.append(
             f"{fleet.compared} of the most frequent kind are evaluated: {fleet.protocols[0][0]}"
         )
-    for table in (spread_table(fleet), trend_table(fleet), worst_table(fleet, _FEW)):
+    if fleet.other_speeds:
+        lines.append(f"{fleet.other_speeds} of them at other speeds are left out")
+    tables = (
+        campaign_table(fleet),
+        spread_table(fleet),
+        trend_table(fleet),
+        worst_table(fleet, _FEW),
+    )
+    for table in tables:
         if table.rows:
             lines += ["", *table_lines(table)]
     lines += ["", fleet_verdict(fleet)]
@@ -66,6 +85,44 @@ def fleet_verdict(fleet: Fleet) -> str:
     elif any(spread.trend is not None for spread in fleet.spreads):
         sentences.append("No drift is significant.")
     return " ".join(sentences)
+
+
+def main_spreads(fleet: Fleet) -> list[Spread]:
+    """Return the numbers to show first: those of friction bands, or else of each direction."""
+    listed = [spread for spread in fleet.spreads if spread.quantity.listed]
+    return [spread for spread in listed if spread.direction is None] or listed
+
+
+def campaign_table(fleet: Fleet) -> WordTable:
+    """Return a row a campaign of a small fleet: label, speed, and the main numbers."""
+    shown = main_spreads(fleet)
+    rows = []
+    for campaign in fleet.rows:
+        speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
+        numbers = (campaign.numbers.get(s.quantity.column(s.direction)) for s in shown)
+        cells = [_with_ends(n, s.quantity.scale) for n, s in zip(numbers, shown, strict=True)]
+        remark = "" if campaign.compared else "not compared"
+        rows.append((folder_name(campaign.path), campaign.label, speed, *cells, remark))
+    head = ("Campaign", "Label", "Speed (mm/s)", *map(name_of, shown), "Remark")
+    kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
+    return WordTable(
+        "Campaigns",
+        tuple(head[i] for i in kept),
+        tuple(tuple(row[i] for i in kept) for row in rows),
+    )
+
+
+def folder_name(path: str) -> str:
+    """Return the last part of a campaign's path."""
+    return PurePath(path).name or path
+
+
+def _with_ends(number: FleetNumber | None, scale: float) -> str:
+    if number is None:
+        return NONE
+    if number.low is None or number.high is None:
+        return significant(scale * number.value, 3)
+    return with_ends(scale * number.value, scale * number.low, scale * number.high)
 
 
 def spread_table(fleet: Fleet) -> WordTable:
@@ -140,8 +197,21 @@ def others(shown: Suspect) -> Iterator[str]:
 
 def name_of(number: Spread | Deviation) -> str:
     """Return the number's words with direction and unit."""
-    title = number.quantity.words.removesuffix(" at the working speed")
-    return f"{title}, {TITLES[number.direction].lower()} ({number.quantity.unit})"
+    title = without_condition(number.quantity)
+    return f"{title}{of_side(number.direction)} ({number.quantity.unit})"
+
+
+def without_condition(quantity: Quantity) -> str:
+    """Return the quantity's words without the speed or pressure that it is taken at."""
+    words = quantity.words
+    for condition in (" at the working speed", " at the median pressure"):
+        words = words.removesuffix(condition)
+    return words
+
+
+def of_side(side: Side) -> str:
+    """Return ``, extending`` or ``, retracting``; empty for both directions together."""
+    return "" if side is None else f", {TITLES[side].lower()}"
 
 
 def _change(spread: Spread, trend: Trend) -> str:
@@ -152,7 +222,7 @@ def _change(spread: Spread, trend: Trend) -> str:
 def _drift(spread: Spread, trend: Trend) -> str:
     title = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
     change = f"{_change(spread, trend)} {spread.quantity.unit}"
-    return f"{title}, {TITLES[spread.direction].lower()}: {change}"
+    return f"{title}{of_side(spread.direction)}: {change}"
 
 
 def _signed(text: str) -> str:

@@ -1,8 +1,8 @@
 """A fleet's table in Parquet, with a row per campaign in the order of their paths.
 
-Each number has four columns: ``NAME`` is the mean over the loads of a direction, ``NAME_low`` and
-``NAME_high`` its 95 % interval, ``NAME_se`` the standard error of the trials alone. The same rows
-give the same bytes.
+Each number has four columns: ``NAME`` is the mean over the loads of a direction, or over the bands
+of both, ``NAME_low`` and ``NAME_high`` its 95 % interval, ``NAME_se`` its standard error, of the
+trials alone. The same rows give the same bytes.
 """
 
 import os
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hbench.errors import DataError
-from hbench.records import DIRECTIONS, QUANTITIES, Direction, FleetRow
+from hbench.records import QUANTITIES, FleetRow, Quantity, Side
 from hbench.store.files.atomic import whole_file
 from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import printable
@@ -32,6 +32,7 @@ _PLAIN = {
     "name": "string",
     "source": "string",
     "bench": "string",
+    "label": "string",
     "seed": "int64",
     "started": "moment",
     "protocol": "string",
@@ -45,12 +46,6 @@ _PLAIN = {
 }
 
 
-def column_of(name: str, direction: Direction) -> str:
-    """Return the name of a number's column: ``friction_n`` is ``friction_extend_n``."""
-    unit = next((u for u in ("_n_s_m", "_m_s", "_n") if name.endswith(u)), "")
-    return f"{name.removesuffix(unit)}_{direction}{unit}"
-
-
 def cells_of(row: FleetRow) -> list[Any]:
     """Return a row as JSON values, in the order of the table's columns."""
     cells: list[Any] = []
@@ -61,8 +56,8 @@ def cells_of(row: FleetRow) -> list[Any]:
         elif name == "path":
             value = shown_path(row.path)
         cells.append(_finite(value))
-    for key in _numbers():
-        number = row.numbers.get(key)
+    for quantity, side in _numbers():
+        number = row.numbers.get((quantity.name, side))
         cells.append(_finite(number and number.value))
         cells += [_finite(number and getattr(number, suffix)) for suffix in SUFFIXES]
     return cells
@@ -134,8 +129,8 @@ class FleetTable:
         return self.column(name).take(rows).to_pylist()
 
 
-def _numbers() -> Iterator[tuple[str, Direction]]:
-    yield from ((quantity.name, d) for quantity in QUANTITIES for d in DIRECTIONS)
+def _numbers() -> Iterator[tuple[Quantity, Side]]:
+    yield from ((quantity, side) for quantity in QUANTITIES for side in quantity.sides)
 
 
 def _schema() -> "pa.Schema":
@@ -146,8 +141,8 @@ def _schema() -> "pa.Schema":
         "string": pa.string(), "int64": pa.int64(), "double": pa.float64(), "moment": moment,
     }  # fmt: skip
     fields = [(name, kinds[kind]) for name, kind in _PLAIN.items()]
-    for key in _numbers():
-        column = column_of(*key)
+    for quantity, side in _numbers():
+        column = quantity.column(side)
         columns = (column, *(f"{column}_{suffix}" for suffix in SUFFIXES))
         fields += [(name, pa.float64()) for name in columns]
     return pa.schema(fields)
