@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from scipy import stats
 
 from hbench import workflow
@@ -165,6 +166,59 @@ def test_the_middle_falls_with_pressure_as_the_data_states(campaign):
     slopes = {t.label: 1e5 * t.middle.slope_n_pa for t in campaign[1].band_trends}
     assert slopes["O-ring"] == pytest.approx(-0.36, abs=0.02)
     assert slopes["NAPN"] == pytest.approx(-0.51, abs=0.02)
+
+
+@pytest.fixture(scope="module")
+def one_each(tmp_path_factory):
+    """A campaign for each seal, as their owner would make them."""
+    folder = tmp_path_factory.mktemp("one-each")
+    rules = yaml.safe_load((ROOT / "configs" / "tudelft.yaml").read_text())
+    clock = lambda: datetime(2026, 1, 1, tzinfo=UTC)  # noqa: E731
+    for series in rules["series"]:
+        name = series["label"].replace(" ", "-")
+        map_file = folder / f"{name}.yaml"
+        map_file.write_text(yaml.safe_dump(rules | {"series": [series]}))
+        workflow.import_runs(DATA, folder / "seals" / name, map_file, clock)
+    return folder / "seals"
+
+
+def test_two_seals_differ_by_the_known_half_bands_and_slopes(one_each):
+    found = workflow.compare(one_each / "O-ring", one_each / "NAPN")
+    assert len(found.curves) == 8 and found.notes == ()
+    known = np.subtract(HALF_BANDS["NAPN"], HALF_BANDS["O-ring"])
+    for band, difference in zip(found.bands, known, strict=True):
+        assert band.half_n.value == pytest.approx(difference, abs=0.15)  # known to 0.1 N each
+        assert 0 < band.half_n.ci95 < 0.4 and band.half_n.real
+    (slope,) = found.band_trends
+    expected = np.polyfit([1, 3, 5, 7], known, 1)[0]
+    assert slope.half_slope_n_pa.value * 1e5 == pytest.approx(expected, abs=0.03)
+    assert slope.half_slope_n_pa.real and slope.half_slope_n_pa.ci95 * 1e5 < 0.5
+
+
+def test_another_bore_is_compared_where_the_speeds_agree(one_each):
+    """Speeds differ by 27 % at 1 bar and by 18 % at most at 7 bar."""
+    found = workflow.compare(one_each / "O-ring", one_each / "O-ring-25.7-mm")
+    assert [round(band.a.p_tp_pa / 1e5) for band in found.bands] == [7]
+    assert len(found.notes) == 6 and found.band_trends == ()
+    every = workflow.compare(one_each / "O-ring", one_each / "O-ring-25.7-mm", speed_tolerance=0.85)
+    assert len(every.bands) == 4 and len(every.band_trends) == 1
+    assert not any(band.half_n.real for band in every.bands)  # three reruns scatter by 1 to 3.5 N
+
+
+def test_a_fleet_has_a_row_for_each_seal_and_compares_those_of_one_bore(one_each, tmp_path):
+    silent = {"report": lambda *counts: None, "note": lambda text: None}
+    fleet = workflow.analyze_fleet(
+        [str(one_each)], tmp_path / "fleet", scheduler=None, speed_m_s=None, **silent
+    )
+    rows = {row.label: row for row in fleet.rows}
+    assert {label: row.compared for label, row in rows.items()} == {
+        "NAPN": True, "O-ring": True, "O-ring 25.7 mm": False
+    }  # fmt: skip
+    for label, halves in HALF_BANDS.items():
+        numbers = rows[label].numbers
+        assert numbers["half_band_n"].value == pytest.approx(halves[1], rel=0.03)  # 3 bar
+        slope = np.polyfit([1, 3, 5, 7], halves, 1)[0]
+        assert numbers["half_band_slope_n_pa"].value * 1e5 == pytest.approx(slope, rel=0.03)
 
 
 def test_no_file_is_another_ones_copy_and_a_copy_is_noticed(campaign, tmp_path):

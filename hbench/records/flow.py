@@ -377,9 +377,9 @@ class PressureLine:
     """Straight line of a force over chamber pressure, through the means of the pressures."""
 
     slope_n_pa: float
-    slope_ci95_n_pa: float  # half-width of the 95 % interval, of the pressures or of the trials
+    slope_ci95_n_pa: float  # half-width of the 95 % interval, of pressures and trials together
     slope_se_n_pa: float  # standard error of that interval
-    slope_dof: int  # degrees of freedom of that interval
+    slope_dof: float  # degrees of freedom of that interval
     intercept_n: float  # at zero pressure
     intercept_ci95_n: float
 

@@ -1,6 +1,7 @@
 """The rows of a fleet while it is made, where they come from, and its table."""
 
 import os
+import sqlite3
 import subprocess
 import sys
 from datetime import UTC, datetime
@@ -162,3 +163,16 @@ def test_a_columns_name_ends_in_its_unit():
     assert column["v_stribeck_m_s"]("retract") == "v_stribeck_retract_m_s"
     assert column["efficiency"]("extend") == "efficiency_extend"
     assert column["half_band_n"](None) == "half_band_n"
+
+
+def test_rows_of_another_layout_are_analyzed_again(tmp_path):
+    with FleetRows(tmp_path) as rows:
+        rows.register([("/a", False)])
+        rows.keep("/a", "print", False, ["/a"])
+    with FleetRows(tmp_path) as rows:
+        assert rows.fingerprint("/a") == "print"
+    with sqlite3.connect(tmp_path / ROWS) as older:
+        older.execute("PRAGMA user_version = 1")
+    older.close()
+    with FleetRows(tmp_path) as rows:
+        assert rows.fingerprint("/a") is None

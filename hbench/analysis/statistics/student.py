@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import stdtridf, stdtrit
 
 
 def student_factor(dof: float) -> float:
@@ -13,6 +13,11 @@ def student_factor(dof: float) -> float:
     belongs to three).
     """
     return float(stdtrit(dof, 0.975))
+
+
+def degrees_of_freedom(factor: float) -> float:
+    """Return the degrees of freedom whose ``student_factor`` is ``factor``."""
+    return float(stdtridf(0.975, factor))
 
 
 def satterthwaite(

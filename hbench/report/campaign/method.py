@@ -107,9 +107,10 @@ _NUMBERS = {
     "Energy of a cycle": "The integral of (F_T − F_applied) dx over a whole stroke in each "
     "direction, reversals included, for trials with complete logs. The inertia's work is zero "
     "from rest to rest.",
-    "Lines over pressure": "Least squares through the means of the pressures. The 95 % interval is "
-    "the wider one of two: Student's from the residuals (number of pressures − 2 degrees of "
-    "freedom), and Student's over the lines of the single trials. The first contains set-ups that "
-    "differ from pressure to pressure, the second set-ups that differ from trial to trial.",
+    "Lines over pressure": "Least squares through the means of the pressures. The half-width of "
+    "the 95 % interval is the root sum of squares of two: Student's from the residuals (number of "
+    "pressures − 2 degrees of freedom), and Student's over the lines of the single trials. The "
+    "first contains set-ups that differ from pressure to pressure, the second set-ups that differ "
+    "from trial to trial.",
     "Verdict on the data": RULE,
 }
