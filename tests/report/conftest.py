@@ -28,6 +28,7 @@ from hbench.records import (
 )
 from hbench.report.campaign.figures.all_figures import draw_all
 from tests.support.report.made_page import made_results
+from tests.support.shared import once
 
 SPECIMEN = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 T95_2DOF = 4.302653
@@ -256,7 +257,7 @@ def small():
 
 @pytest.fixture(scope="session")
 def drawings(small):
-    return draw_all(small)
+    return once("drawings-small", lambda: draw_all(small))
 
 
 @pytest.fixture(scope="session")

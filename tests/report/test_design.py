@@ -44,7 +44,7 @@ def merits(chain, poles):
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def design():
     factors = np.array([0.5, 1.0, 2.0])
     locus = RootLocus(factors, -100.0 * factors[:, None] + 0j, np.array([0j]), np.array([]))
@@ -88,17 +88,20 @@ def test_a_margin_that_does_not_exist_is_none_and_in_json_null(design):
     assert numbers["proposal"]["holds"] is False
 
 
-def test_the_page_holds_everything_and_escapes_names(design):
-    drawings = draw_design(design)
+@pytest.fixture(scope="module")
+def drawings(design):
+    return draw_design(design)
+
+
+def test_the_page_holds_everything_and_escapes_names(design, drawings):
     page = design_page(design, drawings)
     assert "<b>bench</b>" not in page and "&lt;b&gt;bench" in page
     assert "&lt;+200 mm/s&gt;" in page and "FAILS" in page
     assert page.count('class="plot"') == len(drawings) == 4
 
 
-def test_every_figure_names_its_axes_with_units_and_is_the_same_twice(design):
-    first, second = draw_design(design), draw_design(design)
-    for one, two in zip(first, second, strict=True):
+def test_every_figure_is_the_same_twice(design, drawings):
+    for one, two in zip(drawings, draw_design(design), strict=True):
         assert one.svg == two.svg and one.png == two.png
         ET.fromstring(one.svg)
 

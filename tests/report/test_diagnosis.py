@@ -173,8 +173,8 @@ def test_a_chambers_edges_are_told_by_the_direction(named):
 
 
 @pytest.fixture(scope="module")
-def drawings(named):
-    return draw_diagnosis(named)
+def drawings():
+    return made.drawings_of_named()
 
 
 def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
@@ -310,7 +310,7 @@ def test_a_leak_stands_in_each_run_and_goes_with_the_effect(named):
 
 def test_the_worst_runs_stand_first_on_the_terminal_and_the_page_has_more(named, drawings):
     (table,) = [one for one in diagnosis_tables(named) if one.head[0] == "run"]
-    assert "8 of 42)" in table.title
+    assert "8 of 20)" in table.title
     gaps = [float(row[table.head.index(words.STEPS["after"])]) for row in table.rows]
     assert gaps == sorted(gaps, reverse=True) and len(gaps) == 8
     assert gaps[0] == pytest.approx(max(one.gap.total.after for one in named.gap_runs), abs=0.01)

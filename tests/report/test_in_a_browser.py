@@ -8,13 +8,12 @@ import pytest
 
 from hbench.records import Line, Panel, Phenomenon, WordTable
 from hbench.report.campaign.figures.all_figures import draw_all
-from hbench.report.diagnosis.all_figures import draw_diagnosis
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
-from tests.support.reconcile.made_diagnosis import named
+from tests.support.reconcile.made_diagnosis import drawings_of_named, named
 from tests.support.report.browser import Browser
 from tests.support.report.made_fleet import made_table, summary_of
 from tests.support.report.made_page import page_html
@@ -32,11 +31,6 @@ def browser(require_tool, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def drawings(small):
-    return draw_all(small)
-
-
-@pytest.fixture(scope="module")
 def pages(small, seals, drawings, tmp_path_factory):
     """A campaign, one over pressure, a diagnosis, and a page of words too long for any line."""
     x = np.array([1.0, 2.0, 3.0])
@@ -47,7 +41,7 @@ def pages(small, seals, drawings, tmp_path_factory):
     texts = {
         "campaign": page_html(small, drawings),
         "seals": page_html(seals, draw_all(seals)),
-        "diagnosis": diagnosis_page(found, draw_diagnosis(found)),
+        "diagnosis": diagnosis_page(found, drawings_of_named()),
         "phenomenon": phenomenon_page(phenomenon, draw_phenomenon(phenomenon)),
     }
     folder = tmp_path_factory.mktemp("pages")

@@ -188,7 +188,7 @@ def test_rejected_runs_stand_with_their_reasons_and_fold_when_many(stribeck):
     assert "<details open>" not in page_html(many, ())
 
 
-def test_a_campaign_without_a_single_good_run_still_has_a_page(small):
+def test_a_campaign_without_a_single_good_run_still_has_a_page(small, undrawn):
     runs = tuple(replace(run, reasons=("truncated: x",), means=None) for run in small.runs)
     results = replace(small, runs=runs, curves=(), efficiency=())
     document = report_document(summarized(results), draw_all(results))
@@ -207,7 +207,7 @@ def test_a_parameter_without_an_interval_and_a_failed_fit_are_flagged(small):
     assert "not determined" in text and "not converged" in text
 
 
-def test_the_seals_page_tables_friction_against_pressure(seals):
+def test_the_seals_page_tables_friction_against_pressure(seals, undrawn):
     text = Parsed(page_html(seals, draw_all(seals))).text
     assert "Half band (N)" in text
     assert all(with_interval(b.middle_n, b.middle_ci95_n) in text for b in seals.bands)

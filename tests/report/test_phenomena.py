@@ -34,6 +34,11 @@ SHOWN = Phenomenon(
 )
 
 
+@pytest.fixture(scope="module")
+def drawings():
+    return draw_phenomenon(SHOWN)
+
+
 def test_points_share_the_colour_of_the_line_that_they_belong_to():
     theory, simulated, other, *_ = draw_panel(PANEL).axes[0].lines
     assert simulated.get_linestyle() == "None" and theory.get_linestyle() == "-"
@@ -49,15 +54,13 @@ def test_axes_carry_labels_scales_and_marks():
     assert axes.get_title("right") == "simulated"
 
 
-def test_the_same_phenomenon_gives_the_same_bytes():
-    first, second = draw_phenomenon(SHOWN), draw_phenomenon(SHOWN)
-    assert first == second
-    assert [drawing.name for drawing in first] == ["demo-a", "demo-b"]
+def test_the_same_phenomenon_gives_the_same_bytes(drawings):
+    assert drawings == draw_phenomenon(SHOWN)
+    assert [drawing.name for drawing in drawings] == ["demo-a", "demo-b"]
 
 
-def test_the_data_of_a_figure_reads_back():
-    drawing = draw_phenomenon(SHOWN)[0]
-    rows = list(csv.reader(io.StringIO(drawing.csv.decode())))
+def test_the_data_of_a_figure_reads_back(drawings):
+    rows = list(csv.reader(io.StringIO(drawings[0].csv.decode())))
     assert rows[0] == ["series", "Speed (mm/s)", "Force (N)"]
     assert [float(row[2]) for row in rows[1:] if row[0] == "simulated"] == [2.0, 5.0, 2501.0]
 
@@ -68,8 +71,8 @@ def test_the_table_has_found_beside_expected():
     assert re.search(r"other +N +3\.0000 +–", text)
 
 
-def test_the_page_needs_nothing_else_and_escapes_every_text():
-    page = phenomenon_page(SHOWN, draw_phenomenon(SHOWN))
+def test_the_page_needs_nothing_else_and_escapes_every_text(drawings):
+    page = phenomenon_page(SHOWN, drawings)
     assert "A &lt;demo&gt;" in page and "One &amp; two" in page and "&lt;y&gt;" in page
     assert page.count('class="plot"') == 2
     assert not re.search(r'(src|href)="(?!data:|#)', page)

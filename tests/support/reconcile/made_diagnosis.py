@@ -27,6 +27,8 @@ from hbench.records import (
     ResidualMap,
     Rival,
 )
+from hbench.report.diagnosis.all_figures import draw_diagnosis
+from hbench.report.render.figures import Drawing
 from tests.support import ROOT
 from tests.support.reconcile.rounds import schedule
 from tests.support.shared import once
@@ -35,6 +37,7 @@ BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
 GIVEN = {"valve": {"gain": "7.6e-7 m^2/V"}, "friction": {"test": {"viscous": "2600 N s/m"}}}
 LEAK = {"internal_leakage": {"test": "0.006 l/min/bar"}}
 FOUND = {"internal_leakage": {"test": "0.0058 l/min/bar"}}
+PLAN = schedule(trials=2, speeds=("20 mm/s", "150 mm/s"))
 SHOWN = {"v": ("v_m_s", "m/s"), "p_tp": ("p_tp_pa", "Pa"), "f_applied": ("f_applied_n", "N")}
 
 
@@ -100,7 +103,7 @@ def _runs(over, seed):
 
     def make():
         plant = parse_plant(BENCH, over, "plant")
-        made = record(parse_bench(BENCH, "bench"), schedule(), plant, seed=seed)
+        made = record(parse_bench(BENCH, "bench"), PLAN, plant, seed=seed)
         assert not made.stopped
         return made.runs
 
@@ -118,13 +121,18 @@ _WHY = {
 @cache
 def named() -> Diagnosis:
     """Return a leak that was found, and put right."""
-    return diagnosis()
+    return once("diagnosis-named", diagnosis)
+
+
+def drawings_of_named() -> tuple[Drawing, ...]:
+    """Return the figures of ``named``."""
+    return once("drawings-named", lambda: draw_diagnosis(named()))
 
 
 @cache
 def unknown() -> Diagnosis:
     """Return a leak that nothing explained."""
-    return diagnosis(found={})
+    return once("diagnosis-unknown", lambda: diagnosis(found={}))
 
 
 def ambiguous() -> Diagnosis:
