@@ -8,7 +8,8 @@ import pytest
 from hbench.records import FitParameter
 from hbench.report.campaign.quality import quality_table, quality_verdict
 from hbench.report.campaign.summary import summary_section
-from hbench.report.render.numbers import alike, number
+from hbench.report.render.numbers import alike, number, with_interval
+from tests.support.analysis.drawn_seal import drawn_seal
 from tests.support.report.made_page import summarized
 
 
@@ -45,6 +46,26 @@ def test_a_point_stands_for_a_speed_asked_for_only_if_it_is_near(small):
     assert all(one.v_m_s == pytest.approx(v) for one in series(small, 1.15 * v))
     assert all(one.friction_n is None for one in series(small, 0.5))
     assert "friction" not in str(summary_section(summarized(small, 0.5)).tiles[0].more)
+
+
+def test_strokes_of_one_speed_each_have_their_own_unless_a_speed_is_asked_for():
+    strokes = drawn_seal(1, speeds=(12e-3, 6e-3))
+    shown = {each.direction: each.v_m_s for each in strokes.headline.series}
+    assert shown == {"extend": 12e-3, "retract": 6e-3}
+    asked = summarized(strokes, 12e-3).headline.series
+    assert {each.direction: each.v_m_s for each in asked} == {"extend": 12e-3, "retract": None}
+    (tile, *_) = summary_section(strokes).tiles
+    assert "6–12 mm/s" in tile.more
+
+
+def test_half_band_and_slope_have_tiles_with_their_ranges_or_interval():
+    seal = drawn_seal(1)
+    tiles = {tile.unit: tile for tile in summary_section(seal).tiles if "half" in tile.more}
+    halves = [band.half_n for band in seal.bands]
+    assert tiles["N"].value == alike(halves)
+    line = seal.band_trends[0].half
+    expected = with_interval(1e5 * line.slope_n_pa, 1e5 * line.slope_ci95_n_pa)
+    assert tiles["N/bar"].value == expected
 
 
 def test_the_interval_is_that_of_trials_and_instruments_where_these_are_known(small):

@@ -31,20 +31,28 @@ def headline(
     """Return the headline numbers of each steady curve, or of each ramp without steady curves.
 
     The working speed is ``speed_m_s``, by default the median of the measured steady speeds. The
-    measured point next to it counts, up to ``V_TOLERANCE``; nothing is interpolated.
+    measured point next to it counts, up to ``V_TOLERANCE``; nothing is interpolated. Where all
+    curves have a single speed, such as strokes whose speed depends on the pressure, each has its
+    own by default.
     """
     curves, efficiency = tuple(curves), without_common_rod_pressure(efficiency)
     speed = _median_speed(curves) if speed_m_s is None else speed_m_s
     marked = without_common_rod_pressure(curves)
     ramps = [curve for curve in marked if KINDS[curve.kind].is_ramp]
     steady = any(KINDS[curve.kind].has_constant_speed for curve in marked)
+    own_speed = speed_m_s is None and all(
+        len(curve.points) == 1 for curve in curves if KINDS[curve.kind].has_constant_speed
+    )
     series, seen = [], set()
     for curve, original in zip(marked, curves, strict=True):
         kind = KINDS[curve.kind]
         if not (kind.has_constant_speed if steady else kind.is_ramp) or _key(curve) in seen:
             continue  # ramps of other accelerations
         seen.add(_key(curve))
-        point = _nearest(curve.points, speed) if steady else None
+        if own_speed and steady:
+            point: CurvePoint | None = curve.points[0]
+        else:
+            point = _nearest(curve.points, speed) if steady else None
         series.append(
             HeadlineSeries(
                 kind=curve.kind,

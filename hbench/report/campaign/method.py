@@ -67,7 +67,8 @@ _NUMBERS = {
     "U_95² = (t s/√n)² + (1.96 σ)². An instrument's error is the same in all points: it shifts a "
     "curve and changes its shape little.",
     "Working speed": "The median of the measured speeds, or the value of --speed. The measured "
-    "point next to it is used, up to a distance of {tolerance:g} %; nothing is interpolated.",
+    "point next to it is used, up to a distance of {tolerance:g} %; nothing is interpolated. Where "
+    "all curves have a single speed, each has its own unless --speed is given.",
     "Breakaway": "With ramps: the largest friction of the slowest ramp's first 20 mm, as the mean "
     "of its bin of velocity. Without ramps: F_s of Tustin's law (3.2), which is extrapolated to "
     "rest; its interval combines the parameter's with the instruments' at the slowest point.",

@@ -1,7 +1,7 @@
 """The first section of the page: friction at the working speed, breakaway, efficiency."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from statistics import median_low
 
 from hbench.records import KINDS, HeadlineNumber, HeadlineSeries, Results
@@ -43,7 +43,7 @@ def summary_section(results: Results) -> Section:
 def _tiles(results: Results) -> Iterable[Tile]:
     series = results.headline.series
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
-    at = f"friction at {number(1e3 * median_low(speeds), 0)} mm/s" if speeds else ""
+    at = f"friction at {_speed(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
     yield from _tile([each.friction_n for each in series], 1.0, "N", at, "working-speed")
     yield from _tile([each.breakaway_n for each in series], 1.0, "N", "breakaway", "breakaway")
     caption = "efficiency at that speed"
@@ -55,6 +55,14 @@ def _tiles(results: Results) -> Iterable[Tile]:
     good = sum(check.grade == "good" for check in checks)
     caption = f"data: {good} of {len(checks)} checks are good"
     yield Tile(results.quality.grade.capitalize(), "", caption)
+
+
+def _speed(tolerance: float, speeds_m_s: Collection[float]) -> str:
+    """Write the median of speeds that are the same, or else their range."""
+    middle = median_low(speeds_m_s)
+    if all(abs(v - middle) <= tolerance * middle for v in speeds_m_s):
+        return number(1e3 * middle, 0)
+    return span([1e3 * v for v in speeds_m_s])
 
 
 def _band_tiles(results: Results) -> Iterable[Tile]:
@@ -71,7 +79,7 @@ def _band_tiles(results: Results) -> Iterable[Tile]:
         widest = max(line.slope_ci95_n_pa for line in lines) / from_si(1.0, "bar")
         value = with_interval(slopes[0], widest) if len(slopes) == 1 else alike(slopes)
         most = f"; 95 % interval ±{significant(widest, 2)} N/bar at most" if len(slopes) > 1 else ""
-        caption = f"half band over pressure{most}"
+        caption = f"slope of the half band over pressure{most}"
         yield Tile(value, "N/bar", caption, "method-lines-over-pressure")
 
 
@@ -122,7 +130,7 @@ def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
 
 
 def _trials(estimate: HeadlineNumber | None) -> str:
-    return "" if estimate is None or estimate.ci95 is None else f"±{number(estimate.ci95)}"
+    return "" if estimate is None or estimate.ci95 is None else f"±{significant(estimate.ci95, 2)}"
 
 
 def _measured(results: Results) -> str:
