@@ -28,6 +28,7 @@ from hbench.units import parse_unit, to_si
 UNFILLED = "???"  # a value of a suggested map that the user must give
 FIELDS = ("pressure", "load", "speed", "trial")  # of file names, besides factors
 _FIELD = re.compile(r"\{([^{}]*)\}")
+_FIELD_UNITS = {"pressure": "Pa", "load": "N", "speed": "m/s"}
 _UNIT_BEHIND = re.compile(r"\{(pressure|load|speed)\}([A-Za-z]+(?:_[a-z]+)?)")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
@@ -112,13 +113,16 @@ class ImportedCylinder(ConfigSection):
 NO_CYLINDER = ImportedCylinder.model_construct()
 
 
-def _contradicts(text: str, unit: str) -> bool:
-    """Return whether ``text`` is a unit of the same dimension as ``unit``, but another one."""
-    try:
-        found, wanted = parse_unit(text), parse_unit(unit)
-    except ValueError:
-        return False
-    return found.dimension == wanted.dimension and found.factor != wanted.factor
+def units_behind(files: str) -> Iterator[tuple[str, str]]:
+    """Yield fields in ``files`` that are followed by a unit of theirs, such as ``{load}kN``."""
+    for name, text in _UNIT_BEHIND.findall(files):
+        unit = text.replace("_", "/")
+        try:
+            fits = parse_unit(unit).dimension == parse_unit(_FIELD_UNITS[name]).dimension
+        except ValueError:
+            continue
+        if fits:
+            yield name, unit
 
 
 class FileSeries(ConfigSection):
@@ -174,12 +178,13 @@ class FileSeries(ConfigSection):
             raise ValueError(
                 f"files: only {words} are possible in braces; add other names to 'factors'"
             )
-        for name, text in _UNIT_BEHIND.findall(self.files):
+        for name, behind in units_behind(self.files):
             unit = getattr(self, f"{name}_unit")
-            if _contradicts(text.replace("_", "/"), unit):
+            found, stated = parse_unit(behind), parse_unit(unit)
+            if found.dimension == stated.dimension and found != stated:
                 raise ValueError(
-                    f"files: {{{name}}}{text} contradicts {name}_unit = {unit!r}; write "
-                    f"{name}_unit: {text.replace('_', '/')}"
+                    f"files: {{{name}}} is followed by {behind}, which contradicts {name}_unit = "
+                    f"{unit!r}; write {name}_unit: {behind}"
                 )
         if len(set(self.fields)) < len(self.fields):
             raise ValueError("files: a field may occur only once")

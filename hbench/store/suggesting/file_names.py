@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pydantic import ValidationError
 
-from hbench.config.import_map import FIELDS, FileSeries
+from hbench.config.import_map import FIELDS, FileSeries, units_behind
 from hbench.store.importing.file_matches import name_pattern
 from hbench.store.suggesting.units import unit_in
 from hbench.units import parse_unit
@@ -52,7 +52,7 @@ class NamePattern:
 
     def values(self, name: str) -> dict[str, float]:
         """Return the values in SI of the fields with a unit in one of its names."""
-        match = name_pattern(FileSeries(label="", files=self.files)).fullmatch(name)
+        match = name_pattern(_series(self.files)).fullmatch(name)
         texts = match.groupdict() if match else {}
         return {
             field: float(texts[field].replace(",", ".")) * parse_unit(unit).factor
@@ -88,10 +88,16 @@ def name_patterns(names: Sequence[str]) -> list[NamePattern]:
 def _matched(files: str, names: Sequence[str]) -> list[str]:
     """Return the names that ``files`` of a series matches; none for braces of other meaning."""
     try:
-        series = FileSeries(label="", files=files)
+        series = _series(files)
     except ValidationError:
         return []
     return list(filter(name_pattern(series).fullmatch, names))
+
+
+def _series(files: str) -> FileSeries:
+    """Return a series of ``files`` with the units behind its fields. Raises ``ValueError``."""
+    units = {f"{name}_unit": unit for name, unit in units_behind(files)}
+    return FileSeries.model_validate({"label": "", "files": files, **units})
 
 
 def _literal(name: str) -> NamePattern:
