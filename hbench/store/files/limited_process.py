@@ -76,7 +76,12 @@ class LimitedProcess:
         try:
             pickle.dump(request, process.stdin)
             process.stdin.flush()
-            answer: tuple[bool, Any] = pickle.load(process.stdout)
+            content, sizes = pickle.load(process.stdout)
+            buffers = [bytearray(size) for size in sizes]
+            for buffer in buffers:
+                if process.stdout.readinto(buffer) < len(buffer):  # type: ignore[attr-defined]
+                    raise EOFError
+            answer: tuple[bool, Any] = pickle.loads(content, buffers=buffers)
             return answer
         except Exception:  # the pipe has ended, or what came through it is damaged
             is_late = not late.is_alive()
@@ -122,13 +127,17 @@ def serve(memory: int, disk: int, seconds: float) -> None:
         except EOFError:
             return
         _set_limits(memory, disk, seconds)
+        buffers: list[pickle.PickleBuffer] = []  # of arrays, which are not copied
         try:
-            answer = pickle.dumps((True, function(*arguments)))
+            content = pickle.dumps((True, function(*arguments)), 5, buffer_callback=buffers.append)
         except Exception as error:
-            answer = pickle.dumps((False, error))
-        answers.write(answer)
+            content, buffers = pickle.dumps((False, error)), []
+        parts = [buffer.raw() for buffer in buffers]
+        pickle.dump((content, [part.nbytes for part in parts]), answers)
+        for part in parts:
+            answers.write(part)
         answers.flush()
-        del function, arguments, answer
+        del function, arguments, content, buffers, parts
 
 
 def _set_limits(memory: int, disk: int, seconds: float) -> None:
