@@ -38,6 +38,7 @@ class LimitedProcess:
         self._process: subprocess.Popen[bytes] | None = None
         self._folder = ""
         self._lock = threading.Lock()
+        atexit.register(self.close)
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Return ``function(*arguments)``, called in the process.
@@ -103,7 +104,6 @@ class LimitedProcess:
             stderr=subprocess.DEVNULL,
             env={**os.environ, **_ONE_THREAD, "TMPDIR": self._folder, "TEMP": self._folder},
         )
-        atexit.register(self.close)
         return self._process
 
     def _reason(self, exit_code: int, is_late: bool) -> str:
@@ -124,7 +124,8 @@ def serve(memory: int, disk: int, seconds: float) -> None:
     while True:
         try:
             function, arguments = pickle.load(requests)
-        except EOFError:
+        except EOFError:  # the process that calls has ended without closing this one
+            shutil.rmtree(os.environ["TMPDIR"], ignore_errors=True)
             return
         _set_limits(memory, disk, seconds)
         buffers: list[pickle.PickleBuffer] = []  # of arrays, which are not copied
