@@ -65,22 +65,24 @@ def test_a_call_that_takes_too_long_is_ended_and_its_files_are_removed():
     assert not left.exists() and not left.parent.exists()
 
 
-def test_it_ends_with_the_process_that_started_it():
+def test_it_ends_with_the_process_that_started_it_and_removes_its_files():
     program = (
         f"import os, sys; sys.path[:] = {sys.path!r}\n"
         "from tests.support.faults import killers\n"
         "from hbench.store.files.limited_process import LimitedProcess\n"
-        "process = LimitedProcess(10**8, 0, 30.0)\n"
-        "print(process.call(killers.own_id), flush=True)\n"
+        "process = LimitedProcess(10**8, 10**6, 30.0)\n"
+        "print(process.call(killers.own_id), process.call(killers.temporary_file), flush=True)\n"
         "os._exit(0)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    number = int(done.stdout)
+    number, file = done.stdout.split()
     deadline = time.monotonic() + 20
     while time.monotonic() < deadline:
         try:
-            os.kill(number, 0)
+            os.kill(int(number), 0)
         except ProcessLookupError:
-            return
+            break
         time.sleep(0.05)
-    pytest.fail("it is still there")
+    else:
+        pytest.fail("it is still there")
+    assert not Path(file).parent.exists()

@@ -38,6 +38,7 @@ class LimitedProcess:
         self._process: subprocess.Popen[bytes] | None = None
         self._folder = ""
         self._lock = threading.Lock()
+        atexit.register(self.close)
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Return ``function(*arguments)``, called in the process.
@@ -76,7 +77,12 @@ class LimitedProcess:
         try:
             pickle.dump(request, process.stdin)
             process.stdin.flush()
-            answer: tuple[bool, Any] = pickle.load(process.stdout)
+            content, sizes = pickle.load(process.stdout)
+            buffers = [bytearray(size) for size in sizes]
+            for buffer in buffers:
+                if process.stdout.readinto(buffer) < len(buffer):  # type: ignore[attr-defined]
+                    raise EOFError
+            answer: tuple[bool, Any] = pickle.loads(content, buffers=buffers)
             return answer
         except Exception:  # the pipe has ended, or what came through it is damaged
             is_late = not late.is_alive()
@@ -98,7 +104,6 @@ class LimitedProcess:
             stderr=subprocess.DEVNULL,
             env={**os.environ, **_ONE_THREAD, "TMPDIR": self._folder, "TEMP": self._folder},
         )
-        atexit.register(self.close)
         return self._process
 
     def _reason(self, exit_code: int, is_late: bool) -> str:
@@ -119,16 +124,21 @@ def serve(memory: int, disk: int, seconds: float) -> None:
     while True:
         try:
             function, arguments = pickle.load(requests)
-        except EOFError:
+        except EOFError:  # the process that calls has ended without closing this one
+            shutil.rmtree(os.environ["TMPDIR"], ignore_errors=True)
             return
         _set_limits(memory, disk, seconds)
+        buffers: list[pickle.PickleBuffer] = []  # of arrays, which are not copied
         try:
-            answer = pickle.dumps((True, function(*arguments)))
+            content = pickle.dumps((True, function(*arguments)), 5, buffer_callback=buffers.append)
         except Exception as error:
-            answer = pickle.dumps((False, error))
-        answers.write(answer)
+            content, buffers = pickle.dumps((False, error)), []
+        parts = [buffer.raw() for buffer in buffers]
+        pickle.dump((content, [part.nbytes for part in parts]), answers)
+        for part in parts:
+            answers.write(part)
         answers.flush()
-        del function, arguments, answer
+        del function, arguments, content, buffers, parts
 
 
 def _set_limits(memory: int, disk: int, seconds: float) -> None:

@@ -123,7 +123,7 @@ class Arrays:
         values = self._values(column)
         if values.ndim != 1 or values.dtype.kind not in "fiu":
             raise self._not_a_column(column, values.shape, str(values.dtype))
-        values = values.astype(float)
+        values = values.astype(float, copy=False)
         bad = np.flatnonzero(np.isinf(values) if gaps else ~np.isfinite(values))
         if len(bad):
             raise DataError(

@@ -6,6 +6,7 @@ them take all memory. Their process may die; the file is then refused with its n
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from importlib import import_module
 from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -23,7 +24,7 @@ from hbench.store.formats.text import TextTable
 
 Result = TypeVar("Result")
 
-_process = LimitedProcess(memory=1_000_000_000, disk=LARGEST_BINARY, seconds=60.0)
+_process = LimitedProcess(memory=500_000_000, disk=LARGEST_BINARY, seconds=60.0)
 
 
 @contextmanager
@@ -40,6 +41,8 @@ def open_table(path: Path, layout: Format) -> Iterator[Table]:
         with open_here(path, layout) as table:
             yield table
         return
+    if file_format.package:
+        read_apart(path, _load, file_format.package)  # not a part of the file's memory
     opened = read_apart(path, _open, path, layout)
     if isinstance(opened, TextTable):
         with reader_errors(str(path)):
@@ -134,6 +137,10 @@ _numbers = count()
 def _barred(path: Path, function: Callable[..., Result], arguments: tuple) -> Result:
     with reader_errors(str(path)):
         return function(*arguments)
+
+
+def _load(package: str) -> None:
+    import_module(package)
 
 
 def _open(path: Path, layout: Format) -> _Head | TextTable:

@@ -89,7 +89,9 @@ def open_twincat(file: BinaryIO, source: str, layout: Format) -> ScopeTable:
     is_comma = separator != "," and any("," in cell for _, cells in full[:100] for cell in cells)
     return ScopeTable(
         names=tuple(names[:width]),
-        units=tuple(unit.partition(" ")[0] for unit in units[:width]),
+        units=tuple(unit.partition(" ")[0] for unit in [*units, *[""] * width][:width])
+        if units
+        else (),
         rows=[cells for _, cells in full],
         lines=np.array([line for line, _ in full]),
         layout=Format(separator=_SEPARATORS[separator], decimal="," if is_comma else "."),
