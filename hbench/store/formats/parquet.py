@@ -15,8 +15,6 @@ from hbench.store.formats.packages import require_package
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_FEW = 100  # rows read at a time: a text can be repeated in many rows
-
 
 def open_parquet(file: BinaryIO, source: str, layout: Format) -> Arrays:
     """Return the columns of a file, read one by one."""
@@ -41,21 +39,39 @@ def _samples(content: Any, name: str) -> np.ndarray:
 
 
 def read_parquet(data: bytes, source: str) -> "DataFrame":
-    """Return a Parquet file's data frame. Raises ``DataError`` and others."""
-    import pyarrow
-    from pyarrow.parquet import ParquetFile
+    """Return a Parquet file's data frame; texts are categories. Raises ``DataError`` and others."""
+    from pyarrow import types
+    from pyarrow.parquet import ParquetFile, read_schema
 
-    content, batches, size = ParquetFile(io.BytesIO(data)), [], 0
-    for batch in content.iter_batches(_FEW, use_threads=False):
-        batches.append(batch)
-        size += batch.nbytes
-        if size > LARGEST_UNPACKED:
-            raise DataError(
-                f"{source}: unpacks to more than {LARGEST_UNPACKED / 1e6:g} MB",
-                "Check that it is the right file; save fewer columns, or split it.",
-            )
-    table = pyarrow.Table.from_batches(batches, content.schema_arrow)
+    fields = read_schema(io.BytesIO(data))
+    texts = [f.name for f in fields if types.is_string(f.type) or types.is_large_string(f.type)]
+    content = ParquetFile(io.BytesIO(data), read_dictionary=texts)
+    about = content.metadata
+    _check_size(
+        sum(about.row_group(i).total_byte_size for i in range(about.num_row_groups)), source
+    )
+    table = content.read(use_threads=False)
+    _check_size(sum(_unpacked_size(chunk) for column in table for chunk in column.chunks), source)
     return table.to_pandas(use_threads=False)
+
+
+def _unpacked_size(values: Any) -> int:
+    """Return the bytes of an array whose repeated texts are written in full."""
+    from pyarrow import compute, types
+
+    if not types.is_dictionary(values.type):
+        return values.nbytes
+    lengths = compute.binary_length(values.dictionary).to_numpy(zero_copy_only=False)
+    numbers = values.indices.drop_null().to_numpy()
+    return 8 * len(values) + int(lengths[numbers].sum())
+
+
+def _check_size(size: int, source: str) -> None:
+    if size > LARGEST_UNPACKED:
+        raise DataError(
+            f"{source}: unpacks to {size / 1e6:.6g} MB; limit {LARGEST_UNPACKED / 1e6:g} MB",
+            "Check that it is the right file; save fewer columns, or split it.",
+        )
 
 
 def require_pyarrow() -> None:
