@@ -4,104 +4,29 @@ CPU time, the best of many runs in turn, so that a busy machine slows both alike
 printed (``pytest -s tests/benchmarks/test_plant_speed.py``).
 """
 
-import ctypes
-import subprocess
-import time
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from hbench.config.bench import parse_bench, parse_plant
+from hbench.config.bench import parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.model.build import plant_parameters
 from hbench.model.compiled import compiled
-from hbench.model.plant import (
-    P_LR,
-    RATE_L2,
-    TICK_S,
-    Z_L,
-    Z_T,
-    V,
-    X,
-    derivatives,
-    initial_state,
-    new_work,
-    step,
-)
+from hbench.model.plant import P_LR, TICK_S, V, derivatives, initial_state, new_work, step
 from hbench.model.simulation import simulate
+from tests.support.benchmarks import BENCH, STATES_IN_C, best_seconds, commands
 
-BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
-STATES_IN_C = [*range(X, RATE_L2 + 1), Z_T, Z_L]  # all but those of a pump
-ROUNDS = 40
 TOLERANCES = 10.0 ** -np.arange(3.0, 10.0, 0.25)
 METHODS = ("RK23", "RK45", "DOP853", "LSODA")
-
-
-@pytest.fixture(scope="module")
-def par():
-    return plant_parameters(parse_bench(read_yaml(BENCH), str(BENCH)))
-
-
-@pytest.fixture(scope="module")
-def start(par):
-    return initial_state(par, 0.1, 15e5, 20e5)
-
-
-def commands(ticks):
-    """As the control loop's: other ones at each tick."""
-    return np.array([0.7, 0.3, -1.4]) + np.random.default_rng(0).normal(0.0, 0.3, (ticks, 3))
 
 
 @compiled
 def advance(state, u, levels, par, work):
     for i in range(len(u)):
         step(state, u[i], levels, par, TICK_S, work)
-
-
-def best_seconds(*functions, rounds=ROUNDS):
-    """CPU time of each function, at the best of the rounds that they run in turn."""
-    best = [np.inf] * len(functions)
-    for _ in range(rounds):
-        for i, function in enumerate(functions):
-            before = time.process_time()
-            function()
-            best[i] = min(best[i], time.process_time() - before)
-    return best
-
-
-@pytest.fixture
-def plant_in_c(require_tool, par, tmp_path):
-    """Return ``run(state, commands)`` of plant.c, which advances the state."""
-    source, library = Path(__file__).with_name("plant.c"), tmp_path / "plant.so"
-    flags = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror"]
-    subprocess.run(
-        [require_tool("cc"), *flags, "-shared", "-fPIC", source, "-o", library, "-lm"], check=True
-    )
-
-    def cylinder(c):
-        f = c.friction
-        return (
-            *c[: c._fields.index("friction")],
-            *(f.coulomb, f.stiction, f.stribeck_velocity, f.stribeck_exponent),
-            *(f.viscous, f.bristle_stiffness, f.bristle_damping, f.piston_seal, f.rod_seal),
-        )
-
-    numbers = np.array(
-        [
-            *cylinder(par.test),
-            *cylinder(par.load),
-            *(par.mass_test_kg, par.mass_load_kg, par.bulk_modulus_pa),
-            *(par.supply.pressure_pa, par.supply.tank_pa, *par.valve, *par.end_stop),
-        ]
-    )
-    run = ctypes.CDLL(str(library)).run
-    array = np.ctypeslib.ndpointer(np.float64, flags="C")
-    run.restype, run.argtypes = None, (array, array, array, ctypes.c_size_t)
-    return lambda state, u: run(numbers, state, u, len(u))
 
 
 def test_the_plant_takes_at_most_1_3_times_the_time_of_plain_c(par, start, plant_in_c):
