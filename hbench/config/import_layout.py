@@ -28,7 +28,8 @@ CHANNELS = {
     "p_lp_ref_pa": "Pa",
 }
 ROTARY = {"m": "rad", "m/s": "rad/s", "N": "N m"}  # units of a rotary actuator's channels
-FLAGS = ("sensor_saturated", "valve_saturated")  # 0 or 1, in files of the default layout
+# 0 or 1, in files of the default layout.
+FLAGS = ("at_reference", "sensor_saturated", "valve_saturated")
 # By the unit of a channel: larger values are no measurements.
 LIMITS = {"s": 1e12, "m": 1e3, "m/s": 1e3, "Pa": 1e11, "N": 1e10, "V": 1e6}
 LONGEST_S = 1e6  # from a file's first sample to its last

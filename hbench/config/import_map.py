@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from hbench.config import quantity as q
+from hbench.config.campaign_settings import CampaignSettings
 from hbench.config.files.loading import validate
 from hbench.config.import_layout import (
     CHANNELS,
@@ -19,8 +20,6 @@ from hbench.config.import_layout import (
     check_column,
 )
 from hbench.config.quantity import ConfigSection
-from hbench.config.schedule import Screening
-from hbench.config.sensors import Instruments
 from hbench.errors import ConfigError
 from hbench.records import KINDS, kind_names
 from hbench.units import parse_unit, to_si
@@ -203,7 +202,7 @@ class FileSeries(ConfigSection):
         return self
 
 
-class ImportMap(ConfigSection):
+class ImportMap(CampaignSettings):
     """Map for ``hbench import``."""
 
     name: str
@@ -215,15 +214,10 @@ class ImportMap(ConfigSection):
     constants: dict[str, str] = {}
     load_cell: ForeignLoadCell | None = None  # f_applied_n is logged as a voltage: C.6
     series: tuple[FileSeries, ...] = Field(min_length=1, max_length=1000)
-    instruments: Instruments | None = None  # tolerances, for the expanded uncertainty
-    moving_mass: q.Mass | None = None  # of the test side: piston, rod and what they carry
-    # Anything that identifies the test, printed in the report: specimen, oil, operator, ...
-    details: dict[str, str] = Field(default={}, max_length=30)
     repeated_times: Literal["refuse", "drop"] = "refuse"  # drop: the first sample of each counts
     resample: q.Frequency | None = None
     cut: Literal["none", "reversals", "plateaus"] = "none"  # a run of each stroke or speed
     min_stroke: q.Length = 0.01  # shorter ones are left out, with a note
-    screening: Screening = Screening()
 
     @field_validator("kind")
     @classmethod
@@ -240,14 +234,6 @@ class ImportMap(ConfigSection):
         """Return a channel's unit."""
         unit = CHANNELS[channel]
         return ROTARY.get(unit, unit) if self.series[0].cylinder.rotary else unit
-
-    @field_validator("details")
-    @classmethod
-    def _printable(cls, details: dict[str, str]) -> dict[str, str]:
-        for name, text in details.items():
-            if not (name + text).isprintable() or len(name) > 40 or len(text) > 200:
-                raise ValueError(f"{name[:40]!r}: must be printable text of 200 characters at most")
-        return details
 
     @model_validator(mode="after")
     def _channels(self) -> "ImportMap":

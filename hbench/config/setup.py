@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from hbench.config.bench import Bench
-from hbench.config.import_map import ImportMap
+from hbench.config.campaign_settings import CampaignSettings
 from hbench.config.sensors import Instruments
 
 
@@ -16,8 +16,8 @@ class Setup:
     test_mass_kg: float | None  # of the test side: piston, rod and what they carry
 
     @classmethod
-    def of(cls, bench: Bench | None, rules: ImportMap | None) -> "Setup":
-        """Return the set-up of a bench file, or else that of an import map."""
+    def of(cls, bench: Bench | None, rules: CampaignSettings | None) -> "Setup":
+        """Return the set-up of a bench file, or else that of an import map or a settings file."""
         if bench is not None:
             return cls(bench, bench.instruments, bench.moving_mass.test)
         if rules is not None:

@@ -24,8 +24,10 @@ def export(folder: Path, destination: Path, kind: str) -> int:
         write_atomic(destination / "curves.mat", mat_curves(results.curves, results.joint_fits))
     runs = ((screened.run, "; ".join(screened.reasons)) for screened in screened_runs(campaign))
     bench = (campaign.header.get("bench") or {}).get("content")
+    files = {"bench.yaml": bench, "settings.yaml": campaign.exported_settings()}
+    beside = {name: content for name, content in files.items() if content}
     count = int(kind == "mat")
-    for name, data in FORMATS[kind](runs, bench):
+    for name, data in FORMATS[kind](runs, beside):
         write_atomic(destination / name, data)
         count += 1
     return count

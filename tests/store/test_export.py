@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from typer.testing import CliRunner
 
 from hbench import workflow
 from hbench.cli.main import app
 from hbench.store.campaign.folder import load_campaign
+from tests.support.seal_strokes import stroke_campaign, write_strokes
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 
@@ -34,21 +36,90 @@ def screened():
     return list(workflow.results.screened_runs(load_campaign(SAMPLES / "stribeck-small")))
 
 
+def brought_back(kind, tmp_path, campaign):
+    """Export a campaign, import the files, and return what the analysis gives."""
+    folder, again = tmp_path / kind, tmp_path / f"{kind}-again"
+    exports = ["export", str(campaign), "--format", kind, "-o", str(folder)]
+    for arguments in (exports, ["import", str(folder), "-o", str(again)]):
+        result = CliRunner().invoke(app, arguments)
+        assert result.exit_code == 0 and "note:" not in result.stderr, result.output
+    return workflow.analyze(again)
+
+
 @pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
 def test_an_exported_campaign_comes_back_by_import_with_the_same_curves(tmp_path, results, kind):
-    folder = exported(kind, tmp_path / kind)
-    again = tmp_path / "again"
-    result = CliRunner().invoke(app, ["import", str(folder), "-o", str(again)])
-    assert result.exit_code == 0 and "note:" not in result.stderr
-    found = workflow.analyze(again)
-    assert [len(curve.points) for curve in found.curves] == [len(c.points) for c in results.curves]
-    for ours, theirs in zip(results.curves, found.curves, strict=True):
-        assert (ours.direction, ours.f_load_n) == (theirs.direction, theirs.f_load_n)
-        assert ours.specimen == theirs.specimen
-        for p, q in zip(ours.points, theirs.points, strict=True):
-            # The window begins within a few samples: the reference counts as reached within 0.1 %.
-            assert abs(q.friction_n - p.friction_n) < 0.1 * p.ci95_n
-            assert q.ci95_n == pytest.approx(p.ci95_n, rel=0.2)
+    found = brought_back(kind, tmp_path, SAMPLES / "stribeck-small")
+    assert found.curves == results.curves
+    assert found.efficiency == results.efficiency
+
+
+@pytest.fixture
+def strokes(tmp_path):
+    """Campaigns of strokes without set speeds, with limits, instruments and cylinders of a map."""
+    logs = write_strokes(tmp_path / "logs", "seal", {0: (40, 5), 4: (60, 5)}, scatter_n=1.0)
+    write_strokes(tmp_path / "large", "large", {4: (90, 5)}, scatter_n=1.0, seed=1)
+    shutil.copy(tmp_path / "large" / "large_4bar.csv", logs)
+    rules = yaml.safe_load((logs / "map.yaml").read_text())
+    tolerance = {"tolerance": "0.5 %", "of": "full_scale"}
+    rules["instruments"] = {
+        "force": {**tolerance, "full_scale": "500 N"},
+        "pressure": {**tolerance, "full_scale": "10 bar"},
+    }
+    rules["moving_mass"] = "2 kg"
+    rules["details"] = {"oil": "none"}
+    (series,) = rules["series"]
+    cylinder = {"piston_diameter": "26 mm", "rod_diameter": "10 mm", "stroke": "50 mm"}
+    other = {"label": "large", "files": "large_{pressure}bar.csv", "cylinder": cylinder}
+    rules["series"] = [series, other]
+    (logs / "map.yaml").write_text(yaml.safe_dump(rules))
+    return stroke_campaign(logs, tmp_path / "campaign")
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
+def test_foreign_strokes_come_back_with_their_positions_cylinders_and_limits(
+    tmp_path, strokes, kind
+):
+    own = workflow.analyze(strokes)
+    plan = own.runs[0].run.plan
+    assert plan.speed_is_measured and plan.positions_m and own.curves[0].points[0].u95_n
+    found = brought_back(kind, tmp_path, strokes)
+    assert [run.run.plan for run in found.runs] == [run.run.plan for run in own.runs]
+    assert found.curves == own.curves
+    assert found.bands == own.bands and found.band_trends == own.band_trends
+    assert found.notes[-1] == own.notes[-1]
+    assert found.provenance.details["oil"] == "none"
+    first, again = (load_campaign(f) for f in (strokes, tmp_path / f"{kind}-again"))
+    assert again.setup() == first.setup() and again.screening() == first.screening()
+
+
+@pytest.mark.parametrize(
+    ("column", "cell", "words"),
+    [
+        ("speed_is_measured", "maybe", "expected True or False"),
+        ("x_low_m", "low", "expected a number"),
+        ("area_rod_m2", "", "missing, but other sizes of the cylinder are given"),
+    ],
+)
+def test_an_edited_index_is_refused_with_line_and_column(tmp_path, strokes, column, cell, words):
+    import pandas as pd
+
+    CliRunner().invoke(app, ["export", str(strokes), "-o", str(tmp_path / "csv")])
+    index = pd.read_csv(tmp_path / "csv" / "runs.csv", dtype=str)
+    index.loc[1, column] = cell
+    index.to_csv(tmp_path / "csv" / "runs.csv", index=False)
+    arguments = ["import", str(tmp_path / "csv"), "-o", str(tmp_path / "again")]
+    error = CliRunner().invoke(app, arguments).exception
+    assert f"line 3: {column} {cell!r}: {words}" in error.message
+
+
+def test_a_cylinder_of_the_index_that_contradicts_the_bench_file_is_reported(tmp_path):
+    folder = exported("csv", tmp_path / "csv")
+    text = (folder / "bench.yaml").read_text()
+    bench = yaml.safe_load(text)
+    bench["test_cylinder"]["piston_diameter"] = "50 mm"
+    (folder / "bench.yaml").write_text(yaml.safe_dump(bench))
+    result = CliRunner().invoke(app, ["import", str(folder), "-o", str(tmp_path / "again")])
+    assert "runs have another cylinder in the index than in bench.yaml" in result.stderr
 
 
 def test_rejected_runs_are_exported_with_their_reasons(tmp_path):
@@ -59,6 +130,19 @@ def test_rejected_runs_are_exported_with_their_reasons(tmp_path):
     assert len(rejected) > 3
     assert rejected.reason.str.contains("end_stop|off_reference|truncated").any()
     assert all((tmp_path / name).exists() for name in index.file)
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
+def test_an_incomplete_log_is_still_rejected_when_it_comes_back(tmp_path, kind):
+    copy = tmp_path / "bad-runs"
+    shutil.copytree(SAMPLES / "bad-runs", copy)
+    own = workflow.analyze(copy)
+    found = brought_back(kind, tmp_path, copy)
+    truncated = [run.reason for run in own.runs if "truncated" in run.reason]
+    assert (
+        truncated and [run.reason for run in found.runs if "truncated" in run.reason] == truncated
+    )
+    assert found.curves == own.curves
 
 
 def test_what_was_saturated_is_so_when_it_comes_back(tmp_path):

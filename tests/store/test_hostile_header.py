@@ -16,6 +16,7 @@ SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
     ("path", "value"),
     [
         *((("bench",), value) for value in (5, [], "x", {}, None, {"content": 5})),
+        *((("settings",), value) for value in (5, [], "x", {"content": 5}, {"content": {"x": 1}})),
         (("bench", "content"), {"name": "x"}),
         (("schedule",), 5),
         (("schedule", "content"), {"name": "x"}),

@@ -8,7 +8,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-SECTIONS = ("source", "bench", "schedule", "map", "log")  # the results depend on these
+SECTIONS = ("source", "bench", "schedule", "map", "settings", "log")  # the results depend on these
 
 
 def content_checksum(content: Any) -> str:

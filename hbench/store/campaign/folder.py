@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from hbench.config.bench import Bench, parse_bench
+from hbench.config.campaign_settings import CampaignSettings, parse_settings
 from hbench.config.import_map import parse_import_map
 from hbench.config.schedule import Screening, parse_schedule
 from hbench.config.setup import Setup
@@ -35,6 +36,10 @@ ADD_A_BENCH = (
     "Export the campaign with `hbench export`, add a bench file 'bench.yaml' to the exported "
     "folder, and import that folder."
 )
+_KNOWN = (  # sections of the header that are no details
+    *"name source created software bench firmware log schedule schema map settings notes".split(),
+)
+_WITH_SETTINGS = ("schedule", "map", "settings")  # sections of the header
 _SETTINGS = ("instruments", "sensors", "controllers", "limits", "screening")  # for the report
 
 
@@ -134,11 +139,11 @@ class StoredCampaign:
 
     def setup(self) -> Setup:
         """Return the instruments and the moving mass, as far as they are known."""
-        return Setup.of(self.bench(), self._parsed("map", parse_import_map))
+        return Setup.of(self.bench(), self._settings())
 
     def screening(self) -> Screening:
-        """Return the screening limits: of the schedule or import map, or the default ones."""
-        rules = self._parsed("schedule", parse_schedule) or self._parsed("map", parse_import_map)
+        """Return the screening limits: of the schedule, map or settings, or the default ones."""
+        rules = self._parsed("schedule", parse_schedule) or self._settings()
         return rules.screening if rules else Screening()
 
     def provenance(self) -> Provenance:
@@ -150,8 +155,7 @@ class StoredCampaign:
             k: v for content in contents if isinstance(content, dict) for k, v in content.items()
         }
         firmware = header.get("firmware") or {}
-        rules = self._parsed("map", parse_import_map)
-        known = ("name", "source", "created", "software", "bench", "firmware", "log", "schedule")
+        rules = self._settings()
         return Provenance(
             name=str(header["name"]),
             source=header["source"],
@@ -160,7 +164,7 @@ class StoredCampaign:
             started=str(header["created"]),
             stopped=max((e.stop.at for e in self.entries if e.stop), default=""),
             software={k: str(v) for k, v in (header.get("software") or {}).items()},
-            details={k: v for k, v in header.items() if k not in (*known, "schema", "map", "notes")}
+            details={k: v for k, v in header.items() if k not in _KNOWN}
             | (rules.details if rules else {}),
             settings={name: written[name] for name in _SETTINGS if name in written},
         )
@@ -189,7 +193,8 @@ class StoredCampaign:
     def runs(self) -> Iterator[Run]:
         """Read the runs of an imported campaign.
 
-        A missing or unreadable run has no samples; ``truncated`` states the reason.
+        A missing or unreadable run has no samples; ``truncated`` states the reason. A log that was
+        incomplete when it was exported is one here too.
         """
         for entry in self.latest:
             data, warnings = self._log(entry, ".csv")
@@ -198,7 +203,9 @@ class StoredCampaign:
                 run = parse_run(data, entry.plan, f"runs/{entry.plan.run}.csv") if data else empty
             except DataError as error:
                 run, warnings = empty, (*warnings, f"unreadable: {error.message}")
-            yield replace(run, truncated="; ".join(warnings))
+            why = {} if entry.stop is None else {entry.stop.outcome: entry.stop.why}
+            warnings = tuple(filter(None, (why.get("failed"), *warnings)))
+            yield replace(run, truncated="; ".join(warnings), aborted=why.get("aborted", ""))
 
     def _words(self, entry: Entry, channels: int) -> tuple[np.ndarray, tuple[str, ...]]:
         data, warnings = self._log(entry, ".dat")
@@ -236,6 +243,22 @@ class StoredCampaign:
                     return attempt, ()
         changed = f"changed: runs/{path.name} was changed after it was written (SHA-256 differs)"
         return data, warnings or (changed,)
+
+    def _settings(self) -> CampaignSettings | None:
+        """Return the settings of an imported campaign: its map, or an exported settings file."""
+        rules: CampaignSettings | None = self._parsed("map", parse_import_map)
+        return rules or self._parsed("settings", parse_settings)
+
+    def exported_settings(self) -> dict[str, Any]:
+        """Return the settings as they are written, for an export; empty if all are defaults."""
+        contents = [(self.header.get(key) or {}).get("content") for key in _WITH_SETTINGS]
+        return {
+            key: content[key]
+            for content in contents
+            if isinstance(content, dict)
+            for key in CampaignSettings.model_fields
+            if key in content
+        }
 
     def _parsed(self, key: str, parse: Callable[[dict, str], Any]) -> Any:
         """Return a section's content, parsed. A fault in it is a ``DataError``."""

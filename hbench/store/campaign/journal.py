@@ -31,6 +31,7 @@ from hbench.untrusted_text import printable
 
 SCHEMA = "hbench.campaign/1"
 REQUIRED = ("name", "source", "created")
+_SECTIONS = ("bench", "schedule", "map", "settings")  # with a content of their own
 
 _ONE_LINE = 2**30
 _RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,99}")
@@ -177,10 +178,10 @@ def _check_header(header: dict[str, Any], source: str) -> None:
         raise DataError(
             f"{source}: source is {header['source']!r}; expected one of {', '.join(sources)}"
         )
-    for key in ("bench", "schedule", "map", "software", "firmware", "log"):
+    for key in (*_SECTIONS, "software", "firmware", "log"):
         section = header.get(key, {})
         whole = isinstance(section, dict)
-        if whole and section and key in ("bench", "schedule", "map"):
+        if whole and section and key in _SECTIONS:
             whole = isinstance(section.get("content"), dict)
         if not whole:
             raise DataError(f"{source}: {key}: is not a section written by hbench")

@@ -99,10 +99,13 @@ def parse_run(data: bytes, plan: RunPlan, source: str) -> Run:
 
 
 def run_of(channels: Mapping[str, np.ndarray], plan: RunPlan) -> Run:
-    """Return the run with ``channels``, each (n,) in SI; a logged reference marks its samples."""
+    """Return the run with ``channels``, each (n,) in SI.
+
+    Samples at the reference speed are marked by ``at_reference``, or else by a logged reference.
+    """
     run: dict[str, Any] = {name: values for name, values in channels.items() if name in _IN_RUN}
     run |= {name: channels[name] > 0 for name in FLAGS if name in channels}
-    if (v_ref := run.get("v_ref_m_s")) is not None:
+    if "at_reference" not in run and (v_ref := run.get("v_ref_m_s")) is not None:
         margin = max(_SAME_SPEED_M_S, _SAME_SPEED * abs(plan.v_ref_m_s))
         run["at_reference"] = np.abs(v_ref - plan.v_ref_m_s) <= margin
     return Run(plan=plan, **run)

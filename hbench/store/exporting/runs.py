@@ -2,12 +2,13 @@
 
 CSV consists of an index ``runs.csv``, a CSV file per run and ``bench.yaml``. Parquet contains the
 same tables. A MATLAB file contains a struct array ``runs`` with each run's channels in its field
-``log``; ``bench.yaml`` is beside it. ``hbench import`` reads each of them back without a map.
+``log``; ``bench.yaml`` is beside it. ``settings.yaml`` contains the screening limits and, without a
+bench file, the instruments. ``hbench import`` reads each of them back without a map.
 Sample times are unchanged, and a channel that the bench does not have is left out.
 """
 
 import io
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ import numpy as np
 import yaml
 
 from hbench.config.import_layout import CHANNELS, FLAGS
-from hbench.records import Run, RunPlan
+from hbench.records import Run
 from hbench.store.campaign.run_csv import format_run
 from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import as_cell
@@ -23,31 +24,33 @@ from hbench.untrusted_text import as_cell
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_FREE_TEXTS = ("label", "reason")  # from files of other people
+_FREE_TEXTS = ("label", "reason", "truncated", "aborted")  # from files of other people
 
 Files = Iterator[tuple[str, bytes]]  # paths below the folder, and contents
+Beside = Mapping[str, Mapping[str, Any]]  # contents of YAML files beside the index, by their names
 
 _CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 _INDEX = (
     *"run file kind label trial v_ref_m_s a_ref_m_s2 f_load_n p_lr_ref_pa p_lp_ref_pa".split(),
-    *"accepted reason".split(),
+    *"x_low_m x_high_m speed_is_measured area_piston_m2 area_rod_m2 stroke_m".split(),
+    *"truncated aborted accepted reason".split(),
 )
 
 
-def csv_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
+def csv_files(runs: Iterable[tuple[Run, str]], beside: Beside) -> Files:
     """Yield the files in the default layout of ``hbench import``."""
     rows = []
     for run, reason in runs:
         name = f"runs/{run.plan.run}.csv"
-        rows.append(_row(run.plan, name, reason))
+        rows.append(_row(run, name, reason))
         yield name, b"".join(format_run(channels(run)))
     for row in rows:
         row |= {name: as_cell(row[name]) for name in _FREE_TEXTS}
     yield "runs.csv", _frame(rows).to_csv(index=False, lineterminator="\n").encode()
-    yield from _bench_file(bench)
+    yield from _files_beside(beside)
 
 
-def parquet_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
+def parquet_files(runs: Iterable[tuple[Run, str]], beside: Beside) -> Files:
     """Yield a table per run, with the run's id in a column, and the index of runs.
 
     Raises ``ConfigError`` if pyarrow is not installed.
@@ -58,14 +61,14 @@ def parquet_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None)
     rows = []
     for run, reason in runs:
         name = f"runs/{run.plan.run}.parquet"
-        rows.append(_row(run.plan, name, reason))
+        rows.append(_row(run, name, reason))
         table = pd.DataFrame({"run": run.plan.run, **channels(run)})
         yield name, table.to_parquet(engine="pyarrow", index=False)
     yield "runs.parquet", _frame(rows).to_parquet(engine="pyarrow", index=False)
-    yield from _bench_file(bench)
+    yield from _files_beside(beside)
 
 
-def mat_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> Files:
+def mat_files(runs: Iterable[tuple[Run, str]], beside: Beside) -> Files:
     """Yield ``campaign.mat`` (version 5) with the struct array ``runs``: plan, verdict, log."""
     from scipy.io import savemat
 
@@ -73,13 +76,13 @@ def mat_files(runs: Iterable[tuple[Run, str]], bench: dict[str, Any] | None) -> 
     kind = [(name, object) for name in (*names, "log")]
     rows = []
     for run, reason in runs:
-        row = _row(run.plan, "", reason)
+        row = _row(run, "", reason)
         values = [np.nan if row[name] is None else row[name] for name in names]
         rows.append((*values, channels(run)))
     data = io.BytesIO()
     savemat(data, {"runs": np.array(rows, dtype=kind)}, do_compression=True, oned_as="column")
     yield "campaign.mat", data.getvalue()
-    yield from _bench_file(bench)
+    yield from _files_beside(beside)
 
 
 def channels(run: Run) -> dict[str, np.ndarray]:
@@ -88,13 +91,15 @@ def channels(run: Run) -> dict[str, np.ndarray]:
     return {name: 1 * values for name, values in logged.items() if values is not None}
 
 
-def _bench_file(bench: dict[str, Any] | None) -> Files:
-    if bench is not None:
-        yield "bench.yaml", yaml.safe_dump(bench, sort_keys=False, allow_unicode=True).encode()
+def _files_beside(beside: Beside) -> Files:
+    for name, content in beside.items():
+        yield name, yaml.safe_dump(content, sort_keys=False, allow_unicode=True).encode()
 
 
-def _row(plan: RunPlan, file: str, reason: str) -> dict[str, Any]:
-    cells = {name: getattr(plan, name, None) for name in _INDEX}
+def _row(run: Run, file: str, reason: str) -> dict[str, Any]:
+    plan = run.plan
+    cells = {name: getattr(plan, name, getattr(plan.specimen, name, None)) for name in _INDEX}
+    cells |= {"truncated": run.truncated, "aborted": run.aborted}
     return cells | {"file": file, "accepted": not reason, "reason": reason}
 
 
@@ -104,7 +109,7 @@ def _frame(rows: list[dict[str, Any]]) -> "DataFrame":
     return pd.DataFrame(rows, columns=list(_INDEX))
 
 
-FORMATS: dict[str, Callable[[Iterable[tuple[Run, str]], dict[str, Any] | None], Files]] = {
+FORMATS: dict[str, Callable[[Iterable[tuple[Run, str]], Beside], Files]] = {
     "csv": csv_files,
     "parquet": parquet_files,
     "mat": mat_files,

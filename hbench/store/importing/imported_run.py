@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from hbench.config.import_layout import Format
-from hbench.records import RunPlan
+from hbench.records import Outcome, RunPlan
 from hbench.store.files.bounded_read import check_inside
 from hbench.store.formats.opening import open_foreign
 from hbench.store.formats.reading import open_table
@@ -47,6 +47,8 @@ class ImportedRun:
     log: StoredLog
     file: SourceFile
     lines: tuple[int, int]  # its first and last line in the file, from 1
+    outcome: Outcome = "done"  # failed: the log is known to be incomplete
+    why: str = ""  # of another outcome than done
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ class ImportedRuns:
     runs: tuple[ImportedRun, ...]
     notes: tuple[str, ...]
     bench: dict[str, Any] | None = None  # the header's section, if the folder has a bench file
+    settings: dict[str, Any] | None = None  # the same for a settings file
 
 
 @contextmanager

@@ -75,6 +75,8 @@ def _import(
         imported = read_indexed(source, store)
         if imported.bench is not None:
             header["bench"] = imported.bench
+        if imported.settings is not None:
+            header["settings"] = imported.settings
     else:
         content = read_yaml(map_path)
         rules = parse_import_map(content, str(map_path))
@@ -126,7 +128,7 @@ def _journal_item(run: ImportedRun, at: datetime) -> str:
     except ValueError as error:  # such as the trial 0, by the file's name
         raise DataError(f"{run.file.name}: {error}") from None
     origin = {"file": run.file.name, "lines": list(run.lines), "sha256": run.file.sha256}
-    stop = Stop(at.isoformat(), "done", run.log.samples, run.log.sha256)
+    stop = Stop(at.isoformat(), run.outcome, run.log.samples, run.log.sha256, run.why)
     return journal.start_text(run.plan, at, origin) + journal.stop_text(stop)
 
 

@@ -2,7 +2,8 @@
 
 The index is ``runs.csv`` (a CSV or Parquet file per run), ``runs.parquet`` (the same), or
 ``campaign.mat`` with the struct array ``runs``, which contains the logs too. An optional
-``bench.yaml`` beside it describes the cylinder and the bench.
+``bench.yaml`` beside it describes the cylinder and the bench, a ``settings.yaml`` the screening
+limits and instruments.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -13,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from hbench.config.bench import parse_bench
+from hbench.config.campaign_settings import parse_settings
 from hbench.config.files.loading import read_yaml
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.records import KINDS, RunPlan, Specimen, kind_names
+from hbench.records import KINDS, Outcome, RunPlan, Specimen, kind_names
 from hbench.store.campaign.journal import check_run_id
 from hbench.store.campaign.plan_fields import check_number
 from hbench.store.campaign.run_csv import read_channels
@@ -38,12 +40,16 @@ from hbench.store.importing.imported_run import (
 from hbench.untrusted_text import from_cell
 
 INDICES = ("runs.csv", "runs.parquet", "campaign.mat")
-BENCH = "bench.yaml"
+BENCH, SETTINGS = "bench.yaml", "settings.yaml"
 
 _REQUIRED = ("run", "file", "v_ref_m_s")
-_OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa")
-_COLUMNS = (*_REQUIRED, "kind", "trial", "label", *_OPTIONAL)
+_OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa", "x_low_m", "x_high_m")
+_CYLINDER = ("area_piston_m2", "area_rod_m2", "stroke_m")
+_TEXTS = ("label", "truncated", "aborted")
+_COLUMNS = (*_REQUIRED, "kind", "trial", "speed_is_measured", *_TEXTS, *_OPTIONAL, *_CYLINDER)
 _OF_EXPORT = ("accepted", "reason")  # ignored: the screening is repeated
+_FLAGS = {"": False, "0": False, "false": False, "1": True, "true": True}
+_SAME_AREA = 1e-3  # relative difference of areas, by rounding
 # The reference bench's cylinder, 40/25/400 mm, for logs without a bench file.
 _REFERENCE = Specimen(area_piston_m2=1.25664e-3, area_rod_m2=7.65763e-4, stroke_m=0.4)
 
@@ -68,13 +74,15 @@ def read_indexed(folder: Path, store: StoreLog) -> ImportedRuns:
     index, log = (_mat_index if name.endswith(".mat") else _table_index)(folder, name)
     for column in (*_REQUIRED, *(name for name in index.names if name in _COLUMNS)):
         index.position(column)
-    bench, specimen, notes = _bench(folder, name)
+    has_cylinders = {"area_piston_m2", "area_rod_m2"} <= set(index.names)
+    bench, specimen, notes = _bench(folder, name, has_cylinders)
     known = (*_COLUMNS, *_OF_EXPORT)
     notes += _left_out(name, [column for column in index.names if column not in known])
     runs: list[ImportedRun] = []
     lines: dict[str, int] = {}
-    for row, cells in enumerate(index.rows):
-        plan, file_name = _plan(index, row, dict(zip(index.names, cells, strict=True)), specimen)
+    for row, values in enumerate(index.rows):
+        cells = {name: v.strip() for name, v in zip(index.names, values, strict=True)}
+        plan, file_name = _plan(index, row, cells, specimen)
         if plan.run in lines:
             raise _fault(index, row, "run", plan.run, f"occurs in line {lines[plan.run]} too")
         lines[plan.run] = index.lines[row]
@@ -82,9 +90,35 @@ def read_indexed(folder: Path, store: StoreLog) -> ImportedRuns:
             channels, unknown = read_channels(table)
             first, last = table.lines_of(np.array([0, len(channels["t_s"]) - 1])).tolist()
         notes += _left_out(file.name, [column for column in unknown if column != "run"])
-        runs.append(ImportedRun(plan, store(file.name, plan.run, channels), file, (first, last)))
+        stored = store(file.name, plan.run, channels)
+        outcome, why = _outcome(index, row, cells)
+        runs.append(ImportedRun(plan, stored, file, (first, last), outcome, why))
         del table, channels  # before the next ones are read
-    return ImportedRuns(tuple(runs), (*notes, *_unlisted(folder, name, runs)), bench)
+    if bench is not None:
+        notes += _other_cylinders(runs, specimen)
+    beside = _unlisted(folder, name, runs)
+    return ImportedRuns(tuple(runs), (*notes, *beside), bench, _settings(folder))
+
+
+def _other_cylinders(runs: Sequence[ImportedRun], specimen: Specimen) -> tuple[str, ...]:
+    """Report runs whose cylinder in the index is not that of the bench file."""
+    areas = [(run.plan.specimen.area_piston_m2, run.plan.specimen.area_rod_m2) for run in runs]
+    given = (specimen.area_piston_m2, specimen.area_rod_m2)
+    others = sum(not np.allclose(area, given, rtol=_SAME_AREA, atol=0) for area in areas)
+    note = (
+        f"{others} runs have another cylinder in the index than in {BENCH}: that of the index is "
+        "used; remove the columns of areas for the other"
+    )
+    return (note,) if others else ()
+
+
+def _settings(folder: Path) -> dict[str, Any] | None:
+    path = folder / SETTINGS
+    if not path.exists():
+        return None
+    content = read_yaml(path)
+    parse_settings(content, str(path))
+    return {"file": SETTINGS, "content": content}
 
 
 def _unlisted(folder: Path, index: str, runs: Sequence[ImportedRun]) -> Iterator[str]:
@@ -153,8 +187,12 @@ def _left_out(name: str, columns: Sequence[str]) -> tuple[str, ...]:
     return (note,) if columns else ()
 
 
-def _bench(folder: Path, index: str) -> tuple[dict[str, Any] | None, Specimen, tuple[str, ...]]:
+def _bench(
+    folder: Path, index: str, has_cylinders: bool
+) -> tuple[dict[str, Any] | None, Specimen, tuple[str, ...]]:
     path = folder / BENCH
+    if not path.exists() and has_cylinders:
+        return None, _REFERENCE, ()
     if not path.exists():
         note = (
             f"no {BENCH} beside {index}: the reference bench's test cylinder is assumed "
@@ -171,7 +209,6 @@ def _plan(
     index: TextTable, row: int, cells: dict[str, str], specimen: Specimen
 ) -> tuple[RunPlan, str]:
     """Return the plan and the file of one row of the index."""
-    cells = {name: cell.strip() for name, cell in cells.items()}
     kind = cells.get("kind") or "steady"
     if kind not in KINDS:
         raise _fault(index, row, "kind", kind, f"expected one of {kind_names()}")
@@ -186,18 +223,47 @@ def _plan(
         kind=kind,
         trial=int(trial),
         v_ref_m_s=_number(index, row, "v_ref_m_s", cells["v_ref_m_s"]),
-        specimen=specimen,
-        label=_label(index, row, cells.get("label", "")),
+        specimen=_specimen(index, row, cells, specimen),
+        speed_is_measured=_flag(index, row, "speed_is_measured", cells),
+        label=_text(index, row, "label", cells),
         **references,
     )
     return plan, cells["file"]
 
 
-def _label(index: TextTable, row: int, cell: str) -> str:
-    label = from_cell(cell)
-    if not label.isprintable():
-        raise _fault(index, row, "label", cell, "expected printable characters")
-    return label
+def _specimen(index: TextTable, row: int, cells: dict[str, str], of_bench: Specimen) -> Specimen:
+    """Return the run's cylinder; without areas in the index that of the bench file."""
+    given = {name: cells[name] for name in _CYLINDER if cells.get(name)}
+    if not given:
+        return of_bench
+    for name in ("area_piston_m2", "area_rod_m2"):
+        if name not in given:
+            raise _fault(index, row, name, "", "missing, but other sizes of the cylinder are given")
+    numbers = {name: _number(index, row, name, cell) for name, cell in given.items()}
+    return Specimen(**numbers)
+
+
+def _flag(index: TextTable, row: int, column: str, cells: dict[str, str]) -> bool:
+    cell = cells.get(column, "")
+    if cell.lower() not in _FLAGS:
+        raise _fault(index, row, column, cell, "expected True or False")
+    return _FLAGS[cell.lower()]
+
+
+def _outcome(index: TextTable, row: int, cells: dict[str, str]) -> tuple[Outcome, str]:
+    """Return the outcome of an exported run, and why it is not ``done``."""
+    if aborted := _text(index, row, "aborted", cells):
+        return "aborted", aborted
+    truncated = _text(index, row, "truncated", cells)
+    return ("failed", truncated) if truncated else ("done", "")
+
+
+def _text(index: TextTable, row: int, column: str, cells: dict[str, str]) -> str:
+    cell = cells.get(column, "")
+    text = from_cell(cell)
+    if not text.isprintable():
+        raise _fault(index, row, column, cell, "expected printable characters")
+    return text
 
 
 def _number(index: TextTable, row: int, column: str, cell: str) -> float:

@@ -1,0 +1,34 @@
+"""What the analysis of foreign logs needs besides them: screening limits and instruments."""
+
+from typing import Any
+
+from pydantic import Field, field_validator
+
+from hbench.config import quantity as q
+from hbench.config.files.loading import validate
+from hbench.config.quantity import ConfigSection
+from hbench.config.schedule import Screening
+from hbench.config.sensors import Instruments
+
+
+class CampaignSettings(ConfigSection):
+    """Settings of an imported campaign: of its map, or the ``settings.yaml`` of an export."""
+
+    instruments: Instruments | None = None  # tolerances, for the expanded uncertainty
+    moving_mass: q.Mass | None = None  # of the test side: piston, rod and what they carry
+    # Anything that identifies the test, printed in the report: specimen, oil, operator, ...
+    details: dict[str, str] = Field(default={}, max_length=30)
+    screening: Screening = Screening()
+
+    @field_validator("details")
+    @classmethod
+    def _printable(cls, details: dict[str, str]) -> dict[str, str]:
+        for name, text in details.items():
+            if not (name + text).isprintable() or len(name) > 40 or len(text) > 200:
+                raise ValueError(f"{name[:40]!r}: must be printable text of 200 characters at most")
+        return details
+
+
+def parse_settings(data: dict[str, Any], source: str) -> CampaignSettings:
+    """Check the mapping of a settings file. Raises ``ConfigError``."""
+    return validate(CampaignSettings, data, source)
