@@ -4,6 +4,7 @@ import io
 import json
 import re
 from dataclasses import asdict, astuple, replace
+from unittest.mock import ANY
 
 import numpy as np
 import pandas as pd
@@ -213,6 +214,25 @@ def test_text_that_a_spreadsheet_would_run_is_made_text(stribeck, lead):
     assert table["label"][0][1:].replace("\r", "\n") == hostile.replace("\r", "\n")
     # Negative numbers stay numbers.
     assert read(curves_csv(stribeck))["v_m_s"].min() == pytest.approx(-0.2)
+
+
+def test_the_summary_shows_the_intervals_of_trials_and_instruments(stribeck):
+    curve = stribeck.curves[0]
+    points = [replace(p, ci95_n=None, u95_n=None) for p in curve.points]
+    points[0] = replace(curve.points[0], friction_n=512.345, ci95_n=3.14, u95_n=None)
+    points[1] = replace(curve.points[1], ci95_n=41.2, u95_n=66.6)
+
+    def cells(*points):
+        curves = (replace(curve, points=tuple(points)),)
+        lines = summary_text(replace(stribeck, curves=curves)).splitlines()[3:5]
+        return [re.split(r"  +", line)[3:6] for line in lines]
+
+    head, found = cells(*points[:3])
+    assert head == ["friction N", "trials +- N", "U95 +- N"]
+    assert found[1:] == ["3.1 to 41 (2 of 3)", "67 (1 of 3)"]
+    assert cells(*points[:2])[1][1:] == ["3.1 to 41", "67 (1 of 2)"]
+    assert cells(points[0]) == [["friction N", "trials +- N", "fit"], ["512.3", "3.1", ANY]]
+    assert cells(*points[2:4])[0][1:2] == ["fit"]  # nothing is known
 
 
 def test_the_summary_names_counts_reasons_and_bounds_in_plain_ascii(stribeck):

@@ -1,6 +1,10 @@
-"""Results for a terminal: runs, reasons for rejection, and a line for each curve."""
+"""Results for a terminal: runs, reasons for rejection, and a line for each curve.
+
+Intervals are half-widths at 95 %: of the trials, and U95 of trials and instruments.
+"""
 
 from collections import Counter
+from collections.abc import Sequence
 
 from hbench.records import KINDS, Curve, Fit, JointFit, Results, WordTable
 from hbench.records.rod_pressure import without_common_rod_pressure
@@ -8,7 +12,7 @@ from hbench.report.campaign.motion_rows import motion_lines
 from hbench.report.campaign.page_tables import OF_DIRECTIONS, balance_table, band_table, trend_table
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
-from hbench.report.render.numbers import short, span
+from hbench.report.render.numbers import short, significant, span, with_interval
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.word_tables import Table
 
@@ -22,14 +26,17 @@ def summary_text(results: Results) -> str:
     several = len(kinds) > 1 or not all(kind.has_constant_speed for kind in kinds)
     kind_counts = ", ".join(f"{count} {kind.display_name}" for kind, count in kinds.items())
     of_kinds = f" ({kind_counts})" if several else ""
-    rows = [["direction", "load", "speeds mm/s", "friction N", "fit"]]
-    for curve in without_common_rod_pressure(results.curves):
+    curves = without_common_rod_pressure(results.curves)
+    intervals = _known_intervals(curves)
+    rows = [["direction", "load", "speeds mm/s", "friction N", *intervals, "fit"]]
+    for curve in curves:
         rows.append(
             [
                 " ".join(filter(None, (curve.label, kind_words(curve), curve.direction))),
                 load_words(curve.f_load_n, curve.p_lr_ref_pa) or "not set",
                 span([1e3 * abs(point.v_m_s) for point in curve.points]),
                 _friction_words(curve),
+                *(_interval_words(curve, field) for field in intervals.values()),
                 "; ".join(_fit_words(fit) for fit in curve.fits[:1]) or "-",
             ]
         )
@@ -54,7 +61,29 @@ def _friction_words(curve: Curve) -> str:
     if len(curve.points) != 1:
         return span([sign * point.friction_n for point in curve.points])
     (point,) = curve.points
-    return short(sign * point.friction_n) + (f" +- {short(point.ci95_n)}" if point.ci95_n else "")
+    return with_interval(sign * point.friction_n, point.ci95_n).partition(" ±")[0]
+
+
+def _known_intervals(curves: Sequence[Curve]) -> dict[str, str]:
+    """Return the headings of the intervals that any point has, with their fields."""
+    points = [point for curve in curves for point in curve.points]
+    headings = {"trials +- N": "ci95_n", "U95 +- N": "u95_n"}
+    return {
+        heading: field
+        for heading, field in headings.items()
+        if any(getattr(point, field) is not None for point in points)
+    }
+
+
+def _interval_words(curve: Curve, field: str) -> str:
+    """Write the range of the points' half-widths, and how many have one unless all have."""
+    halves = [getattr(point, field) for point in curve.points]
+    known = [half for half in halves if half is not None]
+    if not known:
+        return "-"
+    low, high = (significant(half, 2) for half in (min(known), max(known)))
+    text = low if low == high else f"{low}–{high}"
+    return text if len(known) == len(halves) else f"{text} ({len(known)} of {len(halves)})"
 
 
 def _band_tables(results: Results) -> tuple[WordTable, ...]:
