@@ -183,6 +183,93 @@ def test_a_cranes_jib_is_the_axis_that_moves(logs):
     assert [series["files"] for series in rules["series"]] == ["JibSineTest_230425.csv"]
 
 
+def driven(folder, name, force, **columns):
+    """Write strokes of a stage with a drive, without hydraulics."""
+    run = there_and_back(0.05, 0.0)
+    logged = {"t [s]": run["t_s"], "x [mm]": 1e3 * run["x_m"], **columns}
+    v = np.gradient(run["x_m"], run["t_s"])
+    logged[force] = friction(np.where(abs(v) < 0.02, 0, v))
+    pd.DataFrame(logged).to_csv(folder / name, index=False)
+
+
+@pytest.mark.parametrize(
+    ("column", "certainty"),
+    [("Motorkraft [N]", "sure"), ("drive force [N]", "sure"), ("Force [N]", "guess")],
+)
+def test_a_force_without_pressures_is_the_drives(logs, imported, column, certainty):
+    driven(logs, "stage_1.csv", column)
+    rules, results = imported(logs)
+    assert rules["columns"]["f_drive_n"] == {"column": column, "unit": "N"}
+    assert "f_applied_n" not in rules["columns"] and "cylinder" not in rules["series"][0]
+    text = suggest_map(logs).text
+    lines = text[text.index("name:") :].splitlines()
+    assert not any("???" in line for line in lines if not line.lstrip().startswith("#"))
+    (line,) = (line for line in text.splitlines() if line.startswith("  f_drive_n:"))
+    above = text[: text.index(line)].splitlines()[-2:]
+    assert any(f"; {certainty}: " in part for part in (line, *above))
+    (extend,) = (c for c in results.curves if c.direction == "extend")
+    assert extend.points[0].friction_n == pytest.approx(friction(0.05), rel=0.02)
+
+
+def test_a_drives_force_against_the_motion_is_turned(logs):
+    driven(logs, "stage_1.csv", "Antriebskraft (N)")
+    table = pd.read_csv(logs / "stage_1.csv")
+    table["Antriebskraft (N)"] *= -1
+    table.to_csv(logs / "stage_1.csv", index=False)
+    text = suggest_map(logs).text
+    assert parse_yaml(text)["columns"]["f_drive_n"]["scale"] == -1
+    assert "sign by the friction" in " ".join(text.replace("#", "").split())
+
+
+def test_a_force_stays_the_load_cells_where_a_pressure_is_known(logs):
+    for bar in (2, 4):
+        driven(logs, f"seal_{bar}bar.csv", "Force [N]")
+    assert "f_applied_n" in parse_yaml(suggest_map(logs).text)["columns"]
+
+
+def test_fields_of_names_and_columns_with_few_values_are_factors(logs, imported):
+    n = len(there_and_back(0.05, 0.0)["t_s"])
+    noise = np.random.default_rng(0).normal(0, 0.1, n)
+    for current in (0, 1):
+        for oil, warm in (("cold", 20.3), ("warm", 41.8)):
+            for trial in (1, 2):
+                warmth = warm + noise + 0.2 * trial
+                name = f"{oil}_{current}A_{trial}.csv"
+                driven(logs, name, "F_Motor [N]", **{"T_Oel": noise, "Temp [°C]": warmth})
+    rules, results = imported(logs)
+    assert {s["files"]: s["factors"] for s in rules["series"]} == {
+        "cold_{current}A_{trial}.csv": {"current": "A", "temperature": "21 °C"},
+        "warm_{current}A_{trial}.csv": {"current": "A", "temperature": "42 °C"},
+    }
+    labels = {curve.label for curve in results.curves}
+    assert "cold, current 1 A, temperature 21 °C" in labels and len(labels) == 4
+
+
+def test_several_values_of_a_column_in_a_series_are_reported(logs):
+    for trial, warm in enumerate((20.0, 40.0, 20.0), start=1):
+        driven(logs, f"a_{trial}.csv", "F_Motor [N]", **{"Temperatur (K)": np.full(2110, warm)})
+    text = suggest_map(logs).text
+    assert "factors" not in parse_yaml(text)["series"][0]
+    assert "Temperatur (K) has the values 20 K, 40 K in these files" in text
+
+
+def test_filtered_columns_that_are_left_out_are_reported(logs):
+    run = there_and_back(0.05, 1000.0)
+    names = {"t_s": "t [s]", "x_m": "x [m]", "p_tp_pa": "pA [Pa]", "p_tr_pa": "pB [Pa]"}
+    table = {name: run[key] for key, name in names.items()}
+    table |= {"pA_filt [Pa]": run["p_tp_pa"], "pA_raw [Pa]": run["p_tp_pa"]}
+    table |= {"F_filtered [N]": run["f_applied_n"], "F [N]": run["f_applied_n"]}
+    pd.DataFrame(table).to_csv(logs / "a.csv", index=False)
+    suggestion = suggest_map(logs)
+    columns = parse_yaml(suggestion.text)["columns"]
+    assert (columns["p_tp_pa"]["column"], columns["f_applied_n"]["column"]) == ("pA [Pa]", "F [N]")
+    assert "p_tp_pa is pA [Pa]; left out: pA_filt [Pa] (filtered), pA_raw [Pa] (raw)" in (
+        suggestion.notes
+    )
+    assert "f_applied_n is F [N]; left out: F_filtered [N] (filtered)" in suggestion.notes
+    assert "left out: F_filtered [N] (filtered)" in suggestion.text
+
+
 def test_a_suggested_map_is_refused_until_it_is_filled_in(logs):
     np.savetxt(logs / "a.csv", np.column_stack(list(one_stroke(0.05, 0).values())), delimiter=",")
     rules = parse_yaml(suggest_map(logs).text)

@@ -152,6 +152,21 @@ NAMES = {
     "one file": (["run_1.mat"], {"run_{trial}.mat": ""}),
     "a single date": (["JibSineTest_230425.csv"], {"JibSineTest_230425.csv": "JibSineTest 230425"}),
     "folders": (["a/x.csv", "b/x.csv"], {"a/x.csv": "a x", "b/x.csv": "b x"}),
+    "factors": (
+        [
+            f"MR_{i}A_{t}C_{v}mms_{k}.csv"
+            for i in ("0", "0,5")
+            for t in (20, 60)
+            for v in (20, 50)
+            for k in (1, 2)
+        ],
+        {"MR_{current}A_{temperature}C_{speed}mms_{trial}.csv": "MR"},
+    ),
+    "words of factors": (
+        [f"temp{t}_seal_{k}.csv" for t in (20, 40, 60) for k in (1, 2)],
+        {"temp{temperature}_seal_{trial}.csv": "seal"},
+    ),
+    "one temperature": (["a_20C_1.csv", "a_20C_2.csv"], {"a_20C_{trial}.csv": "a 20C"}),
     "braces": (["x{y}.csv"], {}),
 }
 

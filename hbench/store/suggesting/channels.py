@@ -25,6 +25,7 @@ _QUANTITIES: dict[str, Quantity] = {
     "p_tp_pa": "pressure",
     "p_tr_pa": "pressure",
     "f_applied_n": "force",
+    "f_drive_n": "force",
     "p_s_pa": "pressure",
     "p_lp_pa": "pressure",
     "p_lr_pa": "pressure",
@@ -66,7 +67,29 @@ def choose_channels(
         taken = {choice.column.key for choice in chosen.values()}
         unknown = [c for c in free if c.key not in taken and not c.meaning.quantity]
         chosen |= _by_data(_one_each(unknown), time, fields, chosen)
-    return _with_units(chosen, time)
+    return _with_units(_with_drive(chosen, fields), time)
+
+
+def _with_drive(
+    chosen: dict[str, Choice], fields: Sequence[Mapping[str, float]]
+) -> dict[str, Choice]:
+    """Take a force as that of the drive where there is no pressure, and only there."""
+    out = dict(chosen)
+    is_rotary = "x_m" in chosen and chosen["x_m"].unit in ANGLES
+    if is_rotary or any(channel in chosen for channel in ("p_tp_pa", "p_tr_pa")):
+        if "f_drive_n" in out and out["f_drive_n"].column.name != "f_drive_n":
+            drive = out.pop("f_drive_n")  # of a drive that loads the cylinder
+            out.setdefault("f_applied_n", drive)
+        return out
+    has_pressure = any("pressure" in values for values in fields)
+    if "f_drive_n" not in out and "f_applied_n" in out and not has_pressure:
+        force = out.pop("f_applied_n")
+        reason = (
+            f"{force.reason}, since no pressure is logged; a load cell is f_applied_n, with the "
+            "pressures under constants"
+        )
+        out["f_drive_n"] = replace(force, certainty=GUESS, reason=reason)
+    return out
 
 
 def _by_name(columns: Sequence[SampleColumn], time: TimeChoice) -> dict[str, Choice]:
@@ -237,7 +260,7 @@ def _assumed(
         return ("mm/s" if largest > 5 else "m/s"), "assumed from its range"
     if _QUANTITIES[channel] == "pressure":
         return ("Pa" if largest > 2e4 else "bar"), "assumed from its range"
-    if channel == "f_applied_n":
+    if _QUANTITIES[channel] == "force":
         if "x_m" in chosen and chosen["x_m"].unit in ANGLES:
             return "N m", "assumed, with an angle as position"
         pressures = [chosen[c] for c in ("p_tp_pa", "p_tr_pa") if c in chosen and chosen[c].unit]

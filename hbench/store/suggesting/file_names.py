@@ -1,9 +1,10 @@
 """Patterns of file names: the numbers for speed, load, pressure and trial."""
 
+import dataclasses
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from pydantic import ValidationError
@@ -23,6 +24,19 @@ _UNIT = re.compile(
     r"[ _-]?(mm[_-]?s|mmps|cm[_-]?s|m[_-]?s|mps|kN|N|MPa|kPa|mbar|bar|psi)(?![a-z])", re.IGNORECASE
 )
 _FIELD_OF = {"mm/s": "speed", "cm/s": "speed", "m/s": "speed", "N": "load", "kN": "load"}
+# A factor's unit, directly behind a number.
+_FACTOR_UNIT = re.compile(r"(mA|A|°C|deg_?C|C|K|Hz|rpm)(?![A-Za-z0-9])")
+_FACTORS = {
+    **{"mA": ("current", "mA"), "A": ("current", "A"), "Hz": ("frequency", "Hz")},
+    **dict.fromkeys(("°C", "degC", "deg_C", "C"), ("temperature", "°C")),
+    **{"K": ("temperature", "K"), "rpm": ("rotation", "rpm")},
+}
+# Words before a factor without a unit.
+_FACTOR_WORDS = {
+    "current": re.compile(r"(?<![a-z])(current|strom)[ _=-]?$", re.IGNORECASE),
+    "temperature": re.compile(r"(?<![a-z])(temp|temperature|temperatur)[ _=-]?$", re.IGNORECASE),
+}
+_MOST_VALUES = 12  # of a factor
 _DEFAULT_UNITS = {"speed": "mm/s", "load": "N", "pressure": "bar"}
 # Words before a number without a unit.
 _WORDS = {
@@ -49,10 +63,13 @@ class NamePattern:
     units: dict[str, str]  # of its fields
     assumed: tuple[str, ...]  # fields whose unit is not in the names
     label: str
+    factors: dict[str, str] = dataclasses.field(
+        default_factory=dict
+    )  # its other fields, with their units
 
     def values(self, name: str) -> dict[str, float]:
         """Return the values in SI of the fields with a unit in one of its names."""
-        match = name_pattern(_series(self.files)).fullmatch(name)
+        match = name_pattern(_series(self.files, self.factors)).fullmatch(name)
         texts = match.groupdict() if match else {}
         return {
             field: float(texts[field].replace(",", ".")) * parse_unit(unit).factor
@@ -78,26 +95,27 @@ def name_patterns(names: Sequence[str]) -> list[NamePattern]:
         patterns += _patterns(group)
     alone = []
     for pattern in patterns:
-        if set(_matched(pattern.files, names)) == set(pattern.names):
+        if set(_matched(pattern, names)) == set(pattern.names):
             alone.append(pattern)
         else:
             alone += map(_literal, pattern.names)
-    return _labelled([p for p in alone if _matched(p.files, p.names)])
+    return _labelled([p for p in alone if _matched(p, p.names)])
 
 
-def _matched(files: str, names: Sequence[str]) -> list[str]:
-    """Return the names that ``files`` of a series matches; none for braces of other meaning."""
+def _matched(pattern: NamePattern, names: Sequence[str]) -> list[str]:
+    """Return the names that a pattern matches; none for braces of other meaning."""
     try:
-        series = _series(files)
+        series = _series(pattern.files, pattern.factors)
     except ValidationError:
         return []
     return list(filter(name_pattern(series).fullmatch, names))
 
 
-def _series(files: str) -> FileSeries:
+def _series(files: str, factors: Mapping[str, str]) -> FileSeries:
     """Return a series of ``files`` with the units behind its fields. Raises ``ValueError``."""
     units = {f"{name}_unit": unit for name, unit in units_behind(files)}
-    return FileSeries.model_validate({"label": "", "files": files, **units})
+    given = {"label": "", "files": files, "factors": dict(factors), **units}
+    return FileSeries.model_validate(given)
 
 
 def _literal(name: str) -> NamePattern:
@@ -117,11 +135,12 @@ def _patterns(names: list[str]) -> Iterator[NamePattern]:
             if i not in fields and varied[i] and len(number.text) > _LONGEST_TRIAL
         ]
         by_files[_with_fields(name, found, fields, stars)].append(name)
-    units = {field: unit for field, unit in fields.values() if field != "trial"}
+    factors = {field: unit for field, unit in fields.values() if field not in FIELDS}
+    units = {f: unit for f, unit in fields.values() if f != "trial" and f not in factors}
     assumed = tuple(f for f, u in units.items() if not u)
     units = {field: unit or _DEFAULT_UNITS[field] for field, unit in units.items()}
     for files, matched in by_files.items():
-        yield NamePattern(files, tuple(matched), units, assumed, "")
+        yield NamePattern(files, tuple(matched), units, assumed, "", factors)
 
 
 def _numbers(name: str) -> Iterator[_Number]:
@@ -158,6 +177,11 @@ def _fields(
             if i not in fields and varied[i] and is_plain and free(field):
                 if _WORDS[field].search(name[: number.start]):
                     fields[i] = field, ""
+    for i, number in enumerate(numbers):
+        if i not in fields and varied[i] and len({row[i].text for row in rows}) <= _MOST_VALUES:
+            factor = _factor(name, number)
+            if factor is not None and free(factor[0]):
+                fields[i] = factor
     rest = [i for i in range(len(numbers)) if i not in fields and _is_trial(rows, i)]
     worded = [i for i in rest if _WORDS["trial"].search(name[: numbers[i].start])]
     at_end = [i for i in rest if not name[numbers[i].stop :].strip("_- ").lstrip(".").isalpha()]
@@ -173,6 +197,16 @@ def _fields(
             fields[choice[-1]] = "trial", ""
             break
     return fields
+
+
+def _factor(name: str, number: _Number) -> tuple[str, str] | None:
+    """Return the name and unit of the factor that a number is, or None."""
+    if behind := _FACTOR_UNIT.match(name, number.stop):
+        return _FACTORS[behind[1]]
+    before = name[: number.start]
+    found = (factor for factor, word in _FACTOR_WORDS.items() if word.search(before))
+    factor = None if number.field or len(number.text) > _LONGEST_VALUE else next(found, None)
+    return None if factor is None else (factor, "")
 
 
 def _is_trial(rows: list[list[_Number]], i: int) -> bool:
@@ -196,15 +230,13 @@ def _labelled(patterns: list[NamePattern]) -> list[NamePattern]:
     short = [_label(p.files.rpartition("/")[2]) for p in patterns]
     long = [_label(p.files) for p in patterns]
     labels = [s if short.count(s) == 1 and s else w for s, w in zip(short, long, strict=True)]
-    return [
-        NamePattern(p.files, p.names, p.units, p.assumed, label)
-        for p, label in zip(patterns, labels, strict=True)
-    ]
+    return [replace(p, label=label) for p, label in zip(patterns, labels, strict=True)]
 
 
 def _label(files: str) -> str:
     text = _ENDING.sub("", files)
     text = re.sub(rf"\{{({'|'.join(FIELDS)})\}}({_UNIT.pattern})?", "\0", text, flags=re.IGNORECASE)
-    for pattern in _WORDS.values():
+    text = re.sub(rf"\{{[a-z]+\}}({_FACTOR_UNIT.pattern})?", "\0", text)
+    for pattern in (*_WORDS.values(), *_FACTOR_WORDS.values()):
         text = re.sub(rf"{pattern.pattern[:-1]}\0", "\0", text, flags=re.IGNORECASE)
     return " ".join(re.sub(r"[\0_/* ]+", " ", text).split()).strip(" -.=#")

@@ -4,13 +4,14 @@ import json
 import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.import_layout import CHANNELS, Format
 from hbench.config.import_map import UNFILLED
 from hbench.config.schedule import Screening
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
+from hbench.store.suggesting.factors import ColumnFactor
 from hbench.store.suggesting.file_names import NamePattern
 from hbench.store.suggesting.motion import Motion
 from hbench.store.suggesting.samples import SampleColumn
@@ -26,7 +27,11 @@ _SIGNS = (
     "Value = number * scale in the unit, plus offset. x_m must increase when the cylinder extends, "
     "and f_applied_n must be positive when it opposes extension: otherwise add scale: -1."
 )
-_SIDES = {"p_tp_pa": "piston side; ", "p_tr_pa": "rod side; "}
+_SIDES = {
+    "p_tp_pa": "piston side; ",
+    "p_tr_pa": "rod side; ",
+    "f_drive_n": "force of the drive, positive when it extends; ",
+}
 _PNEUMATIC_PA = 1.2e6  # a higher pressure is hydraulic
 _SETTLE_M = Screening().settle_travel
 
@@ -38,6 +43,8 @@ class SuggestedSeries:
     pattern: NamePattern
     bore_m: float | None = None  # by the balance of forces
     fault: str = ""  # why the map can't read them
+    # Factors with their values in the files that were read.
+    factors: Mapping[ColumnFactor, tuple[float, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -56,11 +63,17 @@ class SuggestedMap:
     motion: Motion | None
     series: tuple[SuggestedSeries, ...]
     unread: tuple[str, ...]  # columns that are no numbers
+    left_out: Mapping[str, tuple[str, ...]]  # other columns of a chosen channel
 
     @property
     def is_rotary(self) -> bool:
         """Whether the position is an angle."""
         return "x_m" in self.choices and self.choices["x_m"].unit in ANGLES
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether a drive without hydraulics moves the specimen, which has no cylinder then."""
+        return "f_drive_n" in self.choices
 
 
 def map_text(found: SuggestedMap) -> str:
@@ -139,6 +152,13 @@ def _columns(found: SuggestedMap) -> Iterator[str]:
 
 
 def _missing(found: SuggestedMap) -> Iterator[str]:
+    if found.is_driven:
+        if "f_applied_n" not in found.choices:
+            yield from _entry(
+                f"  # f_applied_n: {{column: {_ASKED}, unit: N}}",
+                "load cell; without one the applied force is 0",
+            )
+        return
     unit = next((c.unit for name, c in found.choices.items() if name.startswith("p_")), "bar")
     for channel, what in (
         ("p_tp_pa", f"pressure on the piston side, {unit}"),
@@ -159,6 +179,8 @@ def _constants(found: SuggestedMap) -> Iterator[str]:
         "p_tp_pa": ("0 bar", "if the piston side is open to the air"),
         "f_applied_n": ('"{load} N"', "a known load, such as a weight; or 0 N without a load"),
     }
+    if found.is_driven:
+        return
     missing = {channel: line for channel, line in lines.items() if channel not in found.choices}
     for channel in constants_of(found.choices):
         value, when = missing.pop(channel)
@@ -193,11 +215,14 @@ def _series(found: SuggestedMap) -> Iterator[str]:
         label = pattern.label or found.folder
         yield _line(f"  - label: {_scalar(label)}", f"{count} file{'s' * (count > 1)}")
         yield f"    files: {_scalar(pattern.files)}"
-        for field, unit in pattern.units.items():
-            if field in pattern.assumed:
-                yield _line(f"    {field}_unit: {unit}", f"{GUESS}: no unit in the names")
-            elif unit != {"speed": "mm/s", "load": "N", "pressure": "bar"}[field]:
-                yield _line(f"    {field}_unit: {unit}", f"{SURE}: in the names")
+        for name, unit in pattern.units.items():
+            if name in pattern.assumed:
+                yield _line(f"    {name}_unit: {unit}", f"{GUESS}: no unit in the names")
+            elif unit != {"speed": "mm/s", "load": "N", "pressure": "bar"}[name]:
+                yield _line(f"    {name}_unit: {unit}", f"{SURE}: in the names")
+        yield from _factors(series)
+        if found.is_driven:
+            continue
         if anchor is None or _other_bore(anchor.bore_m, series.bore_m):
             several = anchor is None and len(shown) > 1
             yield "    cylinder: &cylinder" if several else "    cylinder:"
@@ -208,6 +233,28 @@ def _series(found: SuggestedMap) -> Iterator[str]:
     for series in found.series if usable else ():
         if series.fault:
             yield from _comment(f"- files: {series.pattern.files}: {series.fault}", "  # ")
+
+
+def _factors(series: SuggestedSeries) -> Iterator[str]:
+    """Yield the factors: fields of the names, and columns with one value in a series."""
+    units = series.pattern.factors
+    alone = {f: values[0] for f, values in series.factors.items() if len(values) == 1}
+    given = [f"{name}: {_scalar(unit, flow=True)}" for name, unit in units.items()]
+    given += [f"{f.name}: {_scalar(f.text(value), flow=True)}" for f, value in alone.items()]
+    if given:
+        why = [f"{LIKELY}: fields of the names"] if units else []
+        why += [
+            f"{f.column} is about {f.text(value)} in the files read" for f, value in alone.items()
+        ]
+        yield from _entry(f"    factors: {{{', '.join(given)}}}", "; ".join(why))
+    for factor, values in series.factors.items():
+        if factor not in alone:
+            several = ", ".join(map(factor.text, sorted(values)))
+            yield from _comment(
+                f"factors: {factor.column} has the values {several} in these files; to separate "
+                f"their curves write a series for each, with factors: {{{factor.name}: VALUE}}",
+                "    # ",
+            )
 
 
 def _sizes(found: SuggestedMap, series: SuggestedSeries) -> Iterator[str]:
@@ -295,6 +342,8 @@ def _choice_comment(found: SuggestedMap, channel: str, choice: Choice) -> str:
     parts = [f"{choice.certainty}: {choice.reason}"]
     if _is_stated(found, choice):
         parts.append(f"{choice.unit} in the file")
+    if channel in found.left_out:
+        parts.append(f"left out: {', '.join(found.left_out[channel])}")
     if isinstance(choice.column.key, int) and choice.column.name:
         parts.insert(0, repr(choice.column.name))
     return _SIDES.get(channel, "") + "; ".join(parts)

@@ -40,7 +40,7 @@ _PARTS = (
     *("geschwindigkeit", "zeit", "stempel", "seite", "seitig", "sensor", "signal", "aufnehmer"),
     *("dose", "zelle", "mess", "last", "axial", "zug", "soll", "ist", "wert", "ventil", "pumpe"),
     *("system", "versorgung", "ueber", "raum", "kammer", "spannung", "ansteuerung", "stell"),
-    *("groesse", "laser", "laenge", "speise"),
+    *("groesse", "laser", "laenge", "speise", "motor", "antrieb", "spindel"),
 )
 _COMPOUND = re.compile(rf"(?:(?:{'|'.join(_PARTS)})(?:n|s|en|er)?)+")
 _PART = re.compile("|".join(_PARTS))
@@ -61,6 +61,8 @@ _NEUTRAL = re.compile(
     r"|test|channel|kanal|ch|raum|kammer|chamber|side|seite|end|aufnehmer|dose|zelle|cell|ueber"
     r"|piston|kolben|rod|stange|abs|rel|dot|raw|dcv|and|the|of|der|des|im|am)\b"
 )
+# Words of a force that a drive without hydraulics exerts.
+_DRIVE = re.compile(r"\b(motor|drive|antrieb|spindle|spindel|actuator|aktor)\b")
 # By quantity: names that leave no doubt, and words that suggest it.
 _NAMES: dict[Quantity, tuple[re.Pattern[str], re.Pattern[str]]] = {
     "valve": (
@@ -135,12 +137,15 @@ class Meaning:
     is_weaker: bool = False  # another signal of the same quantity is closer to the cylinder
     unit: str | None = None  # in the name
     group: frozenset[str] = frozenset()  # other words, such as a machine's or an axis's name
+    is_drive: bool = False  # a force is that of the drive
 
     @property
     def channel(self) -> str:
         """Name of the channel in an import map; empty if there is none."""
         if self.is_reference:
             return "v_ref_m_s" if self.quantity == "velocity" else ""
+        if self.is_drive:
+            return "f_drive_n"
         return CHANNEL_OF.get((self.quantity, self.side), "")
 
 
@@ -204,6 +209,7 @@ def _by_words(words: str, unit: str | None) -> Meaning:
         quantity, is_sure = of_unit, False
     reference = quantity != "valve" and _REFERENCE.search(words) is not None
     side = _side(words) if quantity == "pressure" else ""
+    is_drive = quantity == "force" and _DRIVE.search(words) is not None
     return Meaning(
         quantity=quantity,
         side=side,
@@ -212,7 +218,8 @@ def _by_words(words: str, unit: str | None) -> Meaning:
         by_unit=by_unit,
         is_weaker=quantity != "valve" and _WEAKER.search(words) is not None,
         unit=unit,
-        group=_group(words, quantity, side),
+        group=_group(_DRIVE.sub(" ", words) if is_drive else words, quantity, side),
+        is_drive=is_drive,
     )
 
 

@@ -11,13 +11,15 @@ from hbench.config.files.yaml_text import parse_yaml
 from hbench.config.import_layout import CHANNELS, LIMITS
 from hbench.config.import_map import UNFILLED, ImportMap, parse_import_map
 from hbench.errors import DataError, HbenchError
-from hbench.motion.plateaus import plateaus
+from hbench.motion.plateaus import Plateau, plateaus
 from hbench.store.importing.file_matches import FileMatch, match_files
 from hbench.store.importing.file_notes import listed
 from hbench.store.importing.importer import check_source
 from hbench.store.importing.mapped_files import cut_file, read_mapped_file
 from hbench.store.suggesting.channels import choose_channels
 from hbench.store.suggesting.choice import GUESS, Choice
+from hbench.store.suggesting.duplicates import duplicates
+from hbench.store.suggesting.factors import column_factors
 from hbench.store.suggesting.file_names import NamePattern, name_patterns
 from hbench.store.suggesting.force_balance import ForceBalance, force_balance
 from hbench.store.suggesting.map_text import (
@@ -48,9 +50,9 @@ class Suggestion:
 def suggest_map(folder: Path) -> Suggestion:
     """Suggest a map for the files below ``folder``.
 
-    The map is complete but for sizes of the cylinder, which are ``???``; what else could not be
-    determined is a comment. Raises ``ConfigError``, and ``DataError`` if no file contains a table
-    of numbers.
+    The map is complete but for sizes of a hydraulic cylinder, which are ``???``; what else could
+    not be determined is a comment. Raises ``ConfigError``, and ``DataError`` if no file contains a
+    table of numbers.
     """
     check_source(folder)
     names = sorted(
@@ -131,12 +133,18 @@ def _found(
     channels = [_channels(i, time, choices) for i in range(len(files))]
     steady = [plateaus(c["t_s"], c["x_m"]) if c else [] for c in channels]
     balance = force_balance(channels, steady)
-    choices = _signed(choices, balance)
+    choices = _signed(_drive_signed(choices, channels, steady), balance)
+    factors = column_factors(columns, files[0].units)
     series = []
     for pattern in alike:
         own = [i for i, file in enumerate(files) if file.name in pattern.names]
         of_series = force_balance([channels[i] for i in own], [steady[i] for i in own])
-        series.append(SuggestedSeries(pattern, of_series.bore_m))
+        values = {
+            f: tuple(dict.fromkeys(f.values[i] for i in own))
+            for f in factors
+            if f.name not in pattern.factors
+        }
+        series.append(SuggestedSeries(pattern, of_series.bore_m, factors=values))
     return SuggestedMap(
         folder=folder.resolve().name,
         files=tuple(file.name for file in files),
@@ -150,6 +158,7 @@ def _found(
         motion=motion_of(channels, steady),
         series=tuple(series),
         unread=files[0].unread,
+        left_out=duplicates(columns, choices),
     )
 
 
@@ -194,6 +203,26 @@ def _signed(choices: dict[str, Choice], balance: ForceBalance) -> dict[str, Choi
             choice = out[channel]
             out[channel] = replace(choice, certainty=GUESS, reason=f"{choice.reason}; {warning}")
     return out
+
+
+def _drive_signed(
+    choices: dict[str, Choice],
+    channels: Sequence[Mapping[str, np.ndarray]],
+    steady: Sequence[Sequence[Plateau]],
+) -> dict[str, Choice]:
+    """Turn the sign of a drive's force that acts against the motion at constant speed."""
+    choice = choices.get("f_drive_n")
+    means: dict[bool, list[float]] = {True: [], False: []}
+    for file, found in zip(channels, steady, strict=True):
+        for plateau in found if "f_drive_n" in file else ():
+            mean = float(np.nanmean(file["f_drive_n"][plateau.section]))
+            means[plateau.v_m_s > 0].append(mean)
+    if choice is None or not all(means.values()):
+        return choices
+    if np.mean(means[True]) >= np.mean(means[False]):
+        return choices
+    reason = f"{choice.reason}; sign by the friction, which opposes the motion"
+    return choices | {"f_drive_n": replace(choice, scale=-1.0, reason=reason)}
 
 
 def _verified(
@@ -253,8 +282,12 @@ def _notes(found: SuggestedMap, faults: Mapping[str, str]) -> Iterator[str]:
             yield f"not in the map: {series.pattern.files} ({count} files): {series.fault}"
     if isinstance(rules := _rules(found), str):
         yield f"the map is not complete: {rules}"
+    for channel, names in found.left_out.items():
+        used = found.choices[channel].column.name
+        yield f"{channel} is {used}; left out: {', '.join(names)}"
     guesses = [c for c, choice in found.choices.items() if choice.certainty == GUESS]
     guesses += constants_of(found.choices)
     if guesses:
         yield f"guesses to check: {', '.join(guesses)}"
-    yield f"fill in what is marked {UNFILLED}: the size of the cylinder is not in the files"
+    if not found.is_driven:
+        yield f"fill in what is marked {UNFILLED}: the size of the cylinder is not in the files"
