@@ -150,8 +150,9 @@ def test_what_cannot_be_read_is_refused_and_nothing_is_left(
 
 def test_campaign_is_not_imported_over(bring_in):
     bring_in()
-    with pytest.raises(ConfigError, match="out: "):
+    with pytest.raises(ConfigError, match="out: contains a campaign") as caught:
         bring_in()
+    assert "-o" in caught.value.hint and "--resume" not in caught.value.hint
 
 
 def test_missing_folder_is_named(tmp_path, at):

@@ -54,7 +54,9 @@ class CampaignWriter:
     @classmethod
     def create(cls, folder: Path, header: Mapping[str, Any]) -> "CampaignWriter":
         """Begin a campaign. Raises ``ConfigError`` if ``folder`` contains one already."""
-        refuse_existing(folder)
+        refuse_existing(
+            folder, "Choose another folder, or continue an interrupted campaign with --resume."
+        )
         write_atomic(folder / JOURNAL, journal.journal_header(header).encode())
         return cls(folder)
 
@@ -309,13 +311,10 @@ def _read_journal(path: Path) -> bytes:
     return read_file(path, LARGEST_JOURNAL, hint)
 
 
-def refuse_existing(folder: Path) -> None:
-    """Raise ``ConfigError`` if ``folder`` contains a campaign already."""
+def refuse_existing(folder: Path, hint: str) -> None:
+    """Raise ``ConfigError`` with ``hint`` if ``folder`` contains a campaign already."""
     if (folder / JOURNAL).exists():
-        raise ConfigError(
-            f"{folder}: contains a campaign already",
-            "Choose another folder, or continue an interrupted campaign with --resume.",
-        )
+        raise ConfigError(f"{folder}: contains a campaign already", hint)
 
 
 def write_results(folder: Path, files: Mapping[str, bytes]) -> None:

@@ -55,7 +55,9 @@ def import_folder(
     ``DataError`` naming file and line; then no campaign is written.
     """
     check_source(source)
-    refuse_existing(destination)
+    refuse_existing(
+        destination, "Give another folder with -o: an import does not add to a campaign."
+    )
     check_inside(destination, destination / "runs")
     with temporary_folder(destination / _PART):
         return _import(source, destination, map_path, software, at)
