@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from hbench.config.quantity import ConfigSection, SignedVoltage
+from hbench.config.quantity import ConfigSection, QuantityText, SignedVoltage
 from hbench.config.sensors import LoadCell
 from hbench.units import parse_unit
 
@@ -53,7 +53,7 @@ class Column(ConfigSection):
     time: ColumnName | None = None
     unit: str | None = None
     scale: float = Field(default=1.0, allow_inf_nan=False)
-    offset: str | None = None  # a quantity: "-1.25 bar"
+    offset: QuantityText | None = None  # a quantity: "-1.25 bar"
     # rest: its mean at rest before the motion is subtracted; none: the values are taken as they are
     zero: Literal["rest", "none"] = "none"
 

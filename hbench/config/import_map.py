@@ -28,6 +28,7 @@ UNFILLED = "???"  # a value of a suggested map that the user must give
 FIELDS = ("pressure", "load", "speed", "trial")  # of file names, besides factors
 _FIELD = re.compile(r"\{([^{}]*)\}")
 _FIELD_UNITS = {"pressure": "Pa", "load": "N", "speed": "m/s"}
+_USUAL_UNITS = {"Pa": "bar", "m": "mm", "m/s": "mm/s"}  # of examples in messages
 _UNIT_BEHIND = re.compile(r"\{(pressure|load|speed)\}([A-Za-z]+(?:_[a-z]+)?)")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
@@ -211,7 +212,7 @@ class ImportMap(CampaignSettings):
     columns: dict[str, Column] = Field(min_length=2)  # t_s may be missing if files state times
     # Channel: quantity, for channels that are known but not logged. It may contain a field of the
     # file names, as in "{load} N".
-    constants: dict[str, str] = {}
+    constants: dict[str, q.QuantityText] = {}
     load_cell: ForeignLoadCell | None = None  # f_applied_n is logged as a voltage: C.6
     series: tuple[FileSeries, ...] = Field(min_length=1, max_length=1000)
     repeated_times: Literal["refuse", "drop"] = "refuse"  # drop: the first sample of each counts
@@ -303,7 +304,7 @@ def _check_unit(name: str, column: Column) -> None:
 
 def _quantity(key: str, value: str, unit: str) -> float:
     try:
-        return to_si(value, unit)
+        return to_si(value, _USUAL_UNITS.get(unit, unit))
     except ValueError as error:
         raise ValueError(f"{key} = {value!r}: {error}") from None
 

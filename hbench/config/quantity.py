@@ -32,6 +32,15 @@ def quantity(unit: str, **limits: float) -> BeforeValidator:
     return BeforeValidator(read)
 
 
+def _as_text(value: object) -> object:
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return str(value) if is_number else value
+
+
+# A quantity whose dimension is checked later; a number without a unit is refused then.
+QuantityText = Annotated[str, BeforeValidator(_as_text)]
+
+
 class ConfigSection(BaseModel):
     """Section of a configuration file: refuses unknown keys, and is frozen."""
 

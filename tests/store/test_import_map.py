@@ -2,6 +2,7 @@
 
 import math
 import re
+from datetime import date
 
 import numpy as np
 import pytest
@@ -226,6 +227,26 @@ def test_strokes_shorter_than_the_limit_leave_nothing(bring_in, rules):
     ],
 )
 def test_map_that_cannot_work_is_refused(rules, change, message):
+    with pytest.raises(ConfigError, match=message):
+        parse_import_map({**rules, **change}, "map.yaml")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"constants": {"p_tr_pa": 0}}, "constants.p_tr_pa = '0': has no unit; write .* '0 bar'"),
+        (
+            {"columns": {"t_s": {"column": 1, "unit": "ms"},
+                         "x_m": {"column": 2, "unit": "mm", "offset": -1.5}}},
+            "columns.x_m.offset = '-1.5': has no unit; write for example '-1.5 mm'",
+        ),
+        ({"details": {"serial": 17}}, 'details.serial = 17: must be text; put it in quotes: "17"'),
+        ({"details": {"day": date(2024, 5, 1)}}, 'text; put it in quotes: "2024-05-01"'),
+        ({"details": {"used": True}}, "details.used = True: must be text; put it in quotes$"),
+        ({"name": None}, "name = None: must be text$"),
+    ],
+)  # fmt: skip
+def test_a_number_in_place_of_text_is_refused_with_what_to_write(rules, change, message):
     with pytest.raises(ConfigError, match=message):
         parse_import_map({**rules, **change}, "map.yaml")
 

@@ -3,6 +3,7 @@
 import difflib
 import hashlib
 from collections.abc import Iterator
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
@@ -178,6 +179,8 @@ def _explain(
     if fault["type"] in _MESSAGES:
         message = _MESSAGES[fault["type"]].format(**fault.get("ctx", {}))
     value = fault["input"]
+    if fault["type"] == "string_type" and isinstance(value, (bool, int, float, date)):
+        message += "; put it in quotes" + ("" if isinstance(value, bool) else f': "{value}"')
     if fault["type"] == "tuple_type" and isinstance(value, str):
         message = f"must be a list: [{brief(value)[1:-1]}]"
     if fault["type"] == "unknown_kind" and isinstance(value, dict):
