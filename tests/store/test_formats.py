@@ -251,6 +251,31 @@ def test_a_sheet_is_read_with_preamble_and_row_of_units(bring_in, rules, workboo
     np.testing.assert_allclose(run.f_applied_n, (2 - T) * 1e3)
 
 
+@pytest.mark.parametrize("units", [[], [["s", "mm", "bar", "kN"]]], ids=["", "with units"])
+def test_a_title_above_the_header_of_a_sheet_gives_the_headers_line(
+    bring_in, rules, workbook, units
+):
+    title = [["Seal 12, 40 bar"], ["operator", "A. Smith"], []]
+    workbook([*title, ["t", "x", "p", "f"], *units, *NUMBERS])
+    rules["columns"]["t_s"] = {"column": "t", "unit": "s"}
+    rules["format"] = {"sheet": "log", "units_row": bool(units)}
+    with pytest.raises(DataError, match=r"a\.xlsx: line [24]: found") as caught:
+        bring_in("a.xlsx")
+    hint = "Line 4 looks like the header: write 'preamble: 3' in the map's 'format'."
+    assert caught.value.hint == hint
+    rules["format"]["preamble"] = 3
+    np.testing.assert_allclose(bring_in("a.xlsx")[0].t_s, T)
+
+
+def test_a_title_as_wide_as_the_header_gives_the_headers_line(bring_in, rules, workbook):
+    workbook([["bench", "2", "seal", "12"], ["t", "x", "p", "f"], *NUMBERS])
+    rules["columns"]["t_s"] = {"column": "t", "unit": "s"}
+    rules["format"] = {"sheet": "log"}
+    with pytest.raises(DataError, match="no column 't'") as caught:
+        bring_in("a.xlsx")
+    assert "Line 2 looks like the header: write 'preamble: 1'" in caught.value.hint
+
+
 @pytest.mark.parametrize(
     "moment",
     [

@@ -211,6 +211,28 @@ def test_map_that_cannot_work_is_refused(rules, change, message):
         parse_import_map({**rules, **change}, "map.yaml")
 
 
+@pytest.mark.parametrize(
+    ("text", "layout", "line"),
+    [
+        ("Bench 2\n\nt,x,p,f\n0,1,2,3\n1,2,3,4\n", {}, 3),
+        ("Bench 2\nt;x;p;f\ns;mm;bar;N\n0,5;1;2;3\n1;2;3;4\n",
+         {"separator": "semicolon", "decimal": ",", "units_row": True}, 2),
+        ('"Bench 2"\nt,x,p,f\n0,1,2,3\n', {}, 2),
+    ],
+)  # fmt: skip
+def test_a_title_above_the_header_gives_the_headers_line(text, layout, line):
+    with pytest.raises(DataError, match="found . columns") as caught:
+        parse_table(text.encode(), "a.csv", Format(**layout))
+    assert caught.value.hint.startswith(f"Line {line} looks like the header: write 'preamble: ")
+
+
+@pytest.mark.parametrize("text", ["a\n1,2\n3,4\n", "a,b\n1,2\n3,4,5\n", "a\nb,c\nd,e\n"])
+def test_without_a_row_that_looks_like_a_header_the_keys_of_the_layout_are_listed(text):
+    with pytest.raises(DataError, match="found . columns") as caught:
+        parse_table(text.encode(), "a.csv", Format())
+    assert caught.value.hint.startswith("Set 'format' in the map")
+
+
 def test_a_missing_column_is_told_with_those_that_are_there(bring_in, rules):
     rules["columns"]["f_applied_n"]["column"] = "force"
     with pytest.raises(DataError, match="1.csv: .*'force'.*: t, x, p, f") as told:

@@ -25,6 +25,10 @@ class PlainRows:
     def __iter__(self) -> Iterator[list[str]]:
         return (line.split(self._separator)[: self._width] for line in self._lines)
 
+    def whole(self) -> Iterator[list[str]]:
+        """Yield all cells of each row."""
+        return (line.split(self._separator) for line in self._lines)
+
     def unequal(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the number and the cells of each row without ``width`` cells.
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from itertools import islice
+from itertools import chain, islice
 from typing import BinaryIO, ClassVar
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
+from hbench.store.formats.header_row import layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t"}
@@ -68,7 +69,7 @@ class TextTable:
                 mapped = self.layout != Format() or len(self.names) == 1
                 raise DataError(
                     f"{self.source}: no column {column!r}; the file has: {header}",
-                    _FORMAT if mapped else "",
+                    layout_hint(self.rows, self.lines, self.layout, _FORMAT) if mapped else "",
                 )
             if self.names.count(column) > 1:
                 raise DataError(
@@ -165,7 +166,7 @@ def open_text(file: BinaryIO, source: str, layout: Format) -> TextTable:
 def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
     """Read a table. Raises ``DataError`` naming the line whose number of columns differs."""
     numbers, texts = _lines_of_data(decoded(data), layout)
-    top, _, below = _cells(texts, numbers, layout, source, _rows_above(layout))
+    top, above, below = _cells(texts, numbers, layout, source, _rows_above(layout))
     texts, numbers = texts[below:], numbers[below:]
     separator = _DELIMITERS.get(layout.separator)
     rows: list[list[str]] | PlainRows
@@ -174,7 +175,7 @@ def parse_table(data: bytes, source: str, layout: Format) -> TextTable:
         rows = PlainRows(texts, separator, len(first_row))
     else:
         rows, numbers, _ = _cells(texts, numbers, layout, source)
-    return _table(top, rows, numbers, layout, source)
+    return _table(top, rows, [*above, *numbers], layout, source)
 
 
 def table_of_rows(
@@ -182,7 +183,7 @@ def table_of_rows(
 ) -> TextTable:
     """Return the table in ``rows`` of cells. Raises ``DataError`` as ``parse_table`` does."""
     above = _rows_above(layout)
-    return _table(rows[:above], rows[above:], lines[above:], layout, source)
+    return _table(rows[:above], rows[above:], lines, layout, source)
 
 
 def _rows_above(layout: Format) -> int:
@@ -196,19 +197,21 @@ def _table(
     layout: Format,
     source: str,
 ) -> TextTable:
-    """Return the table of ``rows`` of data below the ``top`` rows; ``lines`` are their numbers."""
+    """Return the table of ``rows`` of data below the ``top`` rows; ``lines`` has all numbers."""
     names = tuple(name.strip() for name in top[0]) if layout.header and top else ()
     units = tuple(top[layout.header]) if layout.units_row and len(top) > layout.header else ()
     if not len(rows):
         skipped = layout.preamble + _rows_above(layout)
         raise DataError(f"{source}: no rows of data after the first {skipped} lines")
     width = len(names) or len(rows[0])
+    all_lines, lines = lines, lines[len(top) :]
+    whole = rows.whole() if isinstance(rows, PlainRows) else rows
     for row, cells in _unequal(rows, width):
         text = _DELIMITERS.get(layout.separator, " ").join(cells)
         raise DataError(
             f"{source}: line {lines[row]}: found {len(cells)} columns in "
             f"{text[:60]!r}; expected {width}",
-            _FORMAT,
+            layout_hint(chain(top, whole), all_lines, layout, _FORMAT),
         )
     if units and len(units) < width:
         raise DataError(f"{source}: the row of units has {len(units)} columns; expected {width}")

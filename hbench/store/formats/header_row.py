@@ -1,0 +1,61 @@
+"""The row of a table that looks like its header, for hints about a layout that does not fit."""
+
+from collections.abc import Iterable, Sequence
+from itertools import islice
+
+import numpy as np
+
+from hbench.config.import_layout import Format
+
+_MOST_ROWS = 60
+_MOST_BETWEEN = 3  # rows between header and data, such as units
+_NUMERIC = 0.5  # of the cells of a row of data
+
+
+def layout_hint(
+    rows: Iterable[Sequence[str]], lines: Sequence[int] | np.ndarray, layout: Format, otherwise: str
+) -> str:
+    """Return a hint with the line of the header, or ``otherwise`` where none is found.
+
+    ``rows`` are the cells of the rows that the ``layout`` leaves, ``lines`` their numbers from 1.
+    """
+    line = header_line(rows, lines, layout)
+    if line is None or line == layout.preamble + 1:
+        return otherwise
+    return f"Line {line} looks like the header: write 'preamble: {line - 1}' in the map's 'format'."
+
+
+def header_line(
+    rows: Iterable[Sequence[str]], lines: Sequence[int] | np.ndarray, layout: Format
+) -> int | None:
+    """Return the line of the first row of names as wide as the row of numbers below it."""
+    first = [_stripped(row) for row in islice(rows, _MOST_ROWS)]
+    shares = [_numeric_share(row, layout) for row in first]
+    for i, names in enumerate(first):
+        if len(names) < 2 or shares[i]:
+            continue
+        below = range(i + 1, min(i + 2 + _MOST_BETWEEN, len(first)))
+        data = next((k for k in below if shares[k] >= _NUMERIC), None)
+        if data is not None and all(len(first[k]) == len(names) for k in range(i, data + 1)):
+            return int(lines[i])
+    return None
+
+
+def _stripped(row: Sequence[str]) -> list[str]:
+    """Return a row's cells without blank ones at its end."""
+    cells = [cell.strip() for cell in row]
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+def _numeric_share(cells: Sequence[str], layout: Format) -> float:
+    return sum(_is_number(cell, layout) for cell in cells) / max(1, len(cells))
+
+
+def _is_number(cell: str, layout: Format) -> bool:
+    try:
+        float(cell.replace(layout.thousands or " ", "").replace(layout.decimal, "."))
+    except ValueError:
+        return False
+    return True
