@@ -167,6 +167,44 @@ def test_without_rest_before_the_motion_there_is_no_zero(bring_in, rules):
         bring_in(*at_rest_then_moving(0.4, 17.0))
 
 
+@pytest.mark.parametrize(
+    ("back_bar", "offset", "instruments", "words"),
+    [
+        (5.0, None, None, ("5 bar; limit 1.3 bar, 2 % of its range", "offset: -5 bar")),
+        (-5.0, "1 bar", None, ("-4 bar; limit 1.2 bar, 2 % of its range", "offset: 5 bar")),
+        (
+            0.3,
+            None,
+            0.2,
+            ("0.3 bar; limit 0.2 bar, the instrument's tolerance", "offset: -0.3 bar"),
+        ),
+        (0.15, None, 0.2, None),
+        (1.0, None, None, None),
+    ],
+)
+def test_a_pressure_that_acts_at_rest_is_no_zero_offset(
+    bring_in, rules, back_bar, offset, instruments, words
+):
+    t, x, _, f = at_rest_then_moving(1.5, 0.0)
+    p = back_bar + 60.0 * (t > 1.5)
+    rules["columns"]["p_tp_pa"] |= {"zero": "rest"} | ({"offset": offset} if offset else {})
+    if instruments is not None:
+        tolerance = {"tolerance": "1 %", "of": "full_scale"}
+        rules["instruments"] = {
+            "force": {**tolerance, "full_scale": "100 kN"},
+            "pressure": {**tolerance, "full_scale": f"{100 * instruments} bar"},
+        }
+    if words is None:
+        run, *_ = bring_in(t, x, p, f)
+        assert abs(run.p_tp_pa[t < 1.4]).max() < 1e-6
+        return
+    with pytest.raises(DataError) as caught:
+        bring_in(t, x, p, f)
+    assert "a.csv: p_tp_pa: no zero offset: at rest from 0.00 to 1.4" in caught.value.message
+    assert words[0] in caught.value.message
+    assert "'zero: none'" in caught.value.hint and words[1] in caught.value.hint
+
+
 def test_the_zero_of_a_position_is_not_told_by_rest(rules):
     rules["columns"]["x_m"]["zero"] = "rest"
     with pytest.raises(ConfigError, match="columns.x_m: .*zero"):

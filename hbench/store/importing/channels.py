@@ -16,8 +16,10 @@ from hbench.store.importing.clipping import clipped_samples
 from hbench.store.importing.file_notes import FileNote
 from hbench.store.importing.resampling import interval_means, whole_intervals
 from hbench.store.importing.time_bases import TimeBase, column_unit, read_time_bases
+from hbench.units import from_si, to_si
 
 _ZERO_TOLERANCE = 0.01  # of a channel's range in the file
+_NO_ZERO = 0.02  # of a pressure's range in the file: a larger mean at rest is a pressure
 _NO_REST = (
     "Write 'zero: none' in the map if the values have no offset, or give it as 'offset': a load "
     "may act on the sensor before the motion."
@@ -123,9 +125,32 @@ def _zeroed(
         tolerance = _zero_tolerance(channels[key], key, rules)
         if fault := _fault_of(zero, rules.unit(key), tolerance):
             raise DataError(f"{source}: {key}: no zero offset: {fault}", _NO_REST)
+        if key.startswith("p_"):
+            _refuse_pressure_at_rest(channels[key], zero, key, source, rules)
         out[key] = channels[key] - zero.mean
         zeros[key] = zero
     return out, zeros
+
+
+def _refuse_pressure_at_rest(
+    values: np.ndarray, zero: ZeroOffset, key: str, source: str, rules: ImportMap
+) -> None:
+    """Raise ``DataError`` for a mean at rest beyond a sensor's error: a pressure may act there."""
+    if rules.instruments is not None:
+        limit, of = rules.instruments.pressure.largest, "the instrument's tolerance"
+    else:
+        limit = _NO_ZERO * float(max(np.nanmax(values), 0) - min(np.nanmin(values), 0))
+        of = f"{100 * _NO_ZERO:g} % of its range"
+    if abs(zero.mean) > limit:
+        given = rules.columns[key].offset
+        offset = (0.0 if given is None else to_si(given, "bar")) - zero.mean
+        mean, most, needed = (from_si(value, "bar") for value in (zero.mean, limit, offset))
+        raise DataError(
+            f"{source}: {key}: no zero offset: at rest from {zero.start_s:.2f} to "
+            f"{zero.stop_s:.2f} s it is {mean:.4g} bar; limit {most:.3g} bar, {of}",
+            "Write 'zero: none' in the map if this pressure acts at rest; if the sensor is off by "
+            f"it, give 'offset: {needed:.4g} bar' instead of 'zero: rest'.",
+        )
 
 
 def _subtraction(name: str, key: str, unit: str, zero: ZeroOffset) -> FileNote:
