@@ -1,12 +1,15 @@
 """Benches that are not built like hbench's: a motor, a rotary actuator, several speeds in a log."""
 
+import json
 from datetime import UTC, datetime
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 
 from hbench import workflow
+from hbench.analysis.comparison.differences import campaign_differences
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.folder import load_campaign
 
@@ -108,6 +111,36 @@ def test_a_log_of_several_speeds_becomes_a_run_a_speed_without_hydraulics(tmp_pa
         stem, unit = name.split("_n", 1)
         half_width = getattr(balance, f"{stem}_ci95_n{unit}")
         assert abs(getattr(balance, name) - truth) < half_width < 0.2 * COULOMB_N, name
+
+
+def test_factors_have_columns_of_their_own_and_match_series_of_other_labels(
+    tmp_path, rules, imported
+):
+    for warmth in (20, 40):
+        axis_log(tmp_path / f"logs/axis_{warmth}C_1.csv", (0.02, 0.06, 0.15), warmth)
+    rules["series"][0]["factors"]["grease"] = "PTFE"
+    _, own = imported()
+    tables = {
+        name: pd.read_csv(tmp_path / f"out/results/{name}.csv") for name in ("curves", "runs")
+    }
+    for table in tables.values():
+        after = list(table.columns).index("label") + 1
+        assert list(table.columns[after : after + 2]) == ["factor_grease", "factor_warmth"]
+        assert set(table["factor_warmth"]) == {"20 °C", "40 °C"}
+        assert (table["label"] == "axis, grease PTFE, warmth " + table["factor_warmth"]).all()
+    document = json.loads((tmp_path / "out/results/results.json").read_text())
+    assert document["curves"][0]["factors"] == {"warmth": "20 °C", "grease": "PTFE"}
+    assert document["runs"][-1]["factors"]["warmth"] == "40 °C"
+
+    rules["series"][0] |= {"label": "other axis", "factors": {"warmth": "°C", "grease": "none"}}
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+    workflow.import_runs(tmp_path / "logs", tmp_path / "b", tmp_path / "map.yaml", clock)
+    other = workflow.analyze(tmp_path / "b")
+    compared, notes = campaign_differences(own, other, (None, None), False)
+    assert len(compared) == 4 and not notes
+    for pair in compared:
+        assert pair.a.factor_values["warmth"] == pair.b.factor_values["warmth"]
+        assert pair.b.label.startswith("other axis, ")
 
 
 def test_laws_of_a_bench_without_hydraulics_are_tried_on_files_left_out(tmp_path, rules):

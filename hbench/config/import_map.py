@@ -151,12 +151,12 @@ class FileSeries(ConfigSection):
         """The fields in ``files``."""
         return _FIELD.findall(self.files)
 
-    def factors_in(self, fields: Mapping[str, str]) -> list[str]:
-        """Return the factors as text, with the values in a file's name."""
-        return [
-            f"{name} {fields[name]} {value}".rstrip() if name in fields else f"{name} {value}"
+    def factors_in(self, fields: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
+        """Return each factor with its value, which may be in the ``fields`` of a file's name."""
+        return tuple(
+            (name, f"{fields[name]} {value}".rstrip() if name in fields else value)
             for name, value in self.factors.items()
-        ]
+        )
 
     @field_validator("factors")
     @classmethod

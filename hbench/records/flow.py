@@ -18,6 +18,8 @@ from hbench.records.numbers import Count, FloatOrNan, KindName
 Direction = Literal["extend", "retract"]
 DIRECTIONS: tuple[Direction, Direction] = ("extend", "retract")
 Outcome = Literal["done", "aborted", "failed"]
+# What else was varied, such as ("current", "0.5 A"); the label contains it too.
+Factors = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,12 @@ class RunPlan:
     # Positions to average over, of a stroke with a counterpart: those that both directions cover.
     x_low_m: float | None = None
     x_high_m: float | None = None
+    factors: Factors = ()
+
+    @property
+    def factor_values(self) -> dict[str, str]:
+        """Value of each factor, such as a current or a lubricant, with its unit."""
+        return dict(self.factors)
 
     @property
     def planned_motion(self) -> Motion:
@@ -284,6 +292,12 @@ class Curve:
     fits: tuple[Fit, ...] = ()
     a_ref_m_s2: float | None = None  # of a ramp
     selection: Selection | None = None  # None with fewer than two laws or seven speeds
+    factors: Factors = ()
+
+    @property
+    def factor_values(self) -> dict[str, str]:
+        """Value of each factor, such as a current or a lubricant, with its unit."""
+        return dict(self.factors)
 
     @property
     def over_velocity(self) -> bool:
@@ -344,6 +358,7 @@ class EfficiencyCurve:
     points: tuple[EfficiencyPoint, ...]
     mean: MeanEfficiency | None = None  # None where no point has an efficiency
     a_ref_m_s2: float | None = None  # of a ramp
+    factors: Factors = ()
 
 
 @dataclass(frozen=True)
@@ -370,6 +385,7 @@ class Band:
     trials_energy_j: tuple[float, ...]  # of the trials that have it
     extend: CurvePoint
     retract: CurvePoint
+    factors: Factors = ()
 
 
 @dataclass(frozen=True)

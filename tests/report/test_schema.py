@@ -20,7 +20,16 @@ from tests.support.reconcile import made_diagnosis as made
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 # Objects of no fixed names.
 BY_NAME = ("software", "details", "settings", "parameters", "intervals", "parts", "parameters_si")
-BY_NAME += ("balances", "signals", "open_loop", "refitted", "gaps", "not_tried", "next_schedule")
+BY_NAME += (
+    "factors",
+    "balances",
+    "signals",
+    "open_loop",
+    "refitted",
+    "gaps",
+    "not_tried",
+    "next_schedule",
+)
 
 
 def objects(value, key=""):

@@ -70,6 +70,7 @@ def strokes(tmp_path):
     (series,) = rules["series"]
     cylinder = {"piston_diameter": "26 mm", "rod_diameter": "10 mm", "stroke": "50 mm"}
     other = {"label": "large", "files": "large_{pressure}bar.csv", "cylinder": cylinder}
+    other["factors"] = {"grease": 'PTFE, "white"', "temperature": "20 °C"}
     rules["series"] = [series, other]
     (logs / "map.yaml").write_text(yaml.safe_dump(rules))
     return stroke_campaign(logs, tmp_path / "campaign")
@@ -82,6 +83,7 @@ def test_foreign_strokes_come_back_with_their_positions_cylinders_and_limits(
     own = workflow.analyze(strokes)
     plan = own.runs[0].run.plan
     assert plan.speed_is_measured and plan.positions_m and own.curves[0].points[0].u95_n
+    assert own.curves[-1].factor_values["temperature"] == "20 °C"
     found = brought_back(kind, tmp_path, strokes)
     assert [run.run.plan for run in found.runs] == [run.run.plan for run in own.runs]
     assert found.curves == own.curves
@@ -97,6 +99,8 @@ def test_foreign_strokes_come_back_with_their_positions_cylinders_and_limits(
     [
         ("speed_is_measured", "maybe", "expected True or False"),
         ("x_low_m", "low", "expected a number"),
+        ("factors", "[1]", 'expected {"name": "value"}'),
+        ("factors", "{", 'expected {"name": "value"}'),
         ("area_rod_m2", "", "missing, but other sizes of the cylinder are given"),
     ],
 )

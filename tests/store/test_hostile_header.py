@@ -33,6 +33,7 @@ SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
         (("runs", 0, "plan", "specimen"), 5),
         *((("runs", 0, "plan", "kind"), value) for value in ("nan", "creep", [], None)),
         *((("runs", 0, "plan", "label"), value) for value in (5, ["a"], {})),
+        *((("runs", 0, "plan", "factors"), value) for value in (5, "a", ["a"], {"a": 1}, {1: "a"})),
         *((("runs", 0, "plan", "trial"), value) for value in (10**400, 0, -1, 1e300, True)),
         *(
             (("runs", 0, "plan", "specimen", "area_piston_m2"), value)

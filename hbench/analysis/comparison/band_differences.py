@@ -19,8 +19,9 @@ from hbench.analysis.comparison.difference_tests import (
     welch,
 )
 from hbench.analysis.comparison.matching import (
+    Distinction,
     SetPoint,
-    by_label,
+    distinction,
     nearest_set_point,
     series_key,
 )
@@ -51,10 +52,10 @@ def band_differences(
 
     ``tolerance`` is the largest relative difference of two speeds that count as the same.
     """
-    labels = by_label(a, b)
+    distinct = distinction(a, b)
     found = []
     for band in a.bands:
-        other = _partner(band, b.bands, labels, tolerance)
+        other = _partner(band, b.bands, distinct, tolerance)
         if other is None:
             continue
         half = _of_instruments((band, other), _HALF, instruments)
@@ -119,12 +120,14 @@ def trend_differences(
     )
 
 
-def _partner(band: Band, others: Sequence[Band], labels: bool, tolerance: float) -> Band | None:
+def _partner(
+    band: Band, others: Sequence[Band], distinct: Distinction, tolerance: float
+) -> Band | None:
     """Return the band of the same series, set-point and speeds."""
     same = {
         number: SetPoint(other.f_load_n, other.p_tp_pa)
         for number, other in enumerate(others)
-        if series_key(other, labels) == series_key(band, labels)
+        if series_key(other, distinct) == series_key(band, distinct)
         and all(
             abs(abs(theirs.v_m_s) - abs(ours.v_m_s)) <= tolerance * abs(ours.v_m_s)
             for ours, theirs in ((band.extend, other.extend), (band.retract, other.retract))

@@ -21,8 +21,9 @@ from hbench.analysis.comparison.difference_tests import (
 )
 from hbench.analysis.comparison.matching import (
     SPEED_TOLERANCE,
+    Distinction,
     SetPoint,
-    by_label,
+    distinction,
     nearest_set_point,
     series_key,
 )
@@ -60,15 +61,15 @@ def campaign_differences(
 ) -> tuple[tuple[CurveDifference, ...], tuple[str, ...]]:
     """Compare the curves that both campaigns have; return them, and notes on the other curves.
 
-    Curves are matched by kind, direction, load and rod-side pressure; also by label if either
-    campaign has several. ``tolerance`` is the largest relative difference of two speeds of points
-    over pressure.
+    Curves are matched by kind, direction, load and rod-side pressure; also by label and factors
+    if either campaign has several. ``tolerance`` is the largest relative difference of two speeds
+    of points over pressure.
     """
-    labels = by_label(a, b)
+    distinct = distinction(a, b)
     curves_a, curves_b = (
-        {_key(curve, labels): sliding(curve) for curve in results.curves} for results in (a, b)
+        {_key(curve, distinct): sliding(curve) for curve in results.curves} for results in (a, b)
     )
-    etas = [{_key(curve, labels): curve for curve in results.efficiency} for results in (a, b)]
+    etas = [{_key(curve, distinct): curve for curve in results.efficiency} for results in (a, b)]
     compared, notes = [], []
     partners = {key: _partner(curve, key, curves_b) for key, curve in curves_a.items()}
     for key, curve in curves_a.items():
@@ -94,8 +95,8 @@ def campaign_differences(
     return _corrected(compared), tuple(notes)
 
 
-def _key(curve: Curve | EfficiencyCurve, labels: bool) -> CurveKey:
-    return (*series_key(curve, labels), curve.direction, curve.a_ref_m_s2, curve.f_load_n)
+def _key(curve: Curve | EfficiencyCurve, distinct: Distinction) -> CurveKey:
+    return (*series_key(curve, distinct), curve.direction, curve.a_ref_m_s2, curve.f_load_n)
 
 
 def _partner(curve: Curve, key: CurveKey, others: Mapping[CurveKey, Curve]) -> CurveKey | None:

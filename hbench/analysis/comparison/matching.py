@@ -1,4 +1,4 @@
-"""Matching of the series of two campaigns: labels, loads, pressures, speeds."""
+"""Matching of the series of two campaigns: labels, factors, loads, pressures, speeds."""
 
 from collections.abc import Hashable, Mapping
 from typing import NamedTuple, TypeVar
@@ -20,12 +20,28 @@ class SetPoint(NamedTuple):
     p_tp_pa: float | None
 
 
-def by_label(a: Results, b: Results) -> bool:
-    """Return whether labels must agree: either campaign has several.
+class Distinction(NamedTuple):
+    """What distinguishes the series of either campaign, and must agree in both."""
 
-    A single label names the cylinder or the seal, which may differ.
-    """
-    return any(len({curve.label for curve in results.curves}) > 1 for results in (a, b))
+    labels: bool  # a single label names the cylinder or the seal, which may differ
+    factors: frozenset[str]  # those with several values
+
+
+def distinction(a: Results, b: Results) -> Distinction:
+    """Return whether labels, without their factors, and which factors must agree."""
+    labels, factors = False, set()
+    for curves in (a.curves, b.curves):
+        labels |= len({_label(curve) for curve in curves}) > 1
+        values = [dict(curve.factors) for curve in curves]
+        names = {name for each in values for name in each}
+        factors |= {name for name in names if len({each.get(name) for each in values}) > 1}
+    return Distinction(labels, frozenset(factors))
+
+
+def _label(series: Band | Curve | EfficiencyCurve) -> str:
+    """Return a label without the factors at its end."""
+    factors = "".join(f", {name} {value}" for name, value in series.factors)
+    return series.label.removesuffix(factors)
 
 
 def speed_tolerance(a: Results, b: Results) -> float:
@@ -38,9 +54,11 @@ def speed_tolerance(a: Results, b: Results) -> float:
     return SAME_STROKE_SPEED if measured else SPEED_TOLERANCE
 
 
-def series_key(series: Band | Curve | EfficiencyCurve, labels: bool) -> tuple:
+def series_key(series: Band | Curve | EfficiencyCurve, distinct: Distinction) -> tuple:
     """Return what series must have in common besides direction, load and speed."""
-    return series.kind, series.p_lr_ref_pa, series.label if labels else None
+    factors = frozenset(factor for factor in series.factors if factor[0] in distinct.factors)
+    label = _label(series) if distinct.labels else None
+    return series.kind, series.p_lr_ref_pa, label, factors
 
 
 def same_set_point(a: SetPoint, b: SetPoint) -> bool:

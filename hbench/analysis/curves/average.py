@@ -26,6 +26,7 @@ def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
             f_load_n=runs[0].run.plan.f_load_n,
             p_lr_ref_pa=runs[0].run.plan.p_lr_ref_pa,
             label=runs[0].run.plan.label,
+            factors=runs[0].run.plan.factors,
             specimen=runs[0].run.plan.specimen,
             points=tuple(
                 sorted(

@@ -47,6 +47,7 @@ def _band(curve: Curve, extend: CurvePoint, retract: CurvePoint) -> Band:
     return Band(
         kind=curve.kind,
         label=curve.label,
+        factors=curve.factors,
         specimen=curve.specimen,
         f_load_n=curve.f_load_n,
         p_lr_ref_pa=curve.p_lr_ref_pa,

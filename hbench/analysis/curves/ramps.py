@@ -58,6 +58,7 @@ def ramp_curves(
             plan.specimen,
             (),
             a_ref_m_s2=plan.a_ref_m_s2,
+            factors=plan.factors,
         )
         curves.append(_curve(template, trials, abs(plan.v_ref_m_s)))
     return tuple(curve for curve in curves if curve.points), tuple(notes)

@@ -116,6 +116,7 @@ def efficiency_curve(curve: Curve, instruments: Instruments | None) -> Efficienc
         points=points,
         mean=_mean([point for point in points if point.efficiency is not None]),
         a_ref_m_s2=curve.a_ref_m_s2,
+        factors=curve.factors,
     )
 
 

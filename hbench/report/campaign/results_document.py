@@ -66,6 +66,7 @@ LAYOUTS: Layouts = {
     ScreenedRun: {
         "run": "run.plan.run",
         **{name: f"run.plan.{name}" for name in _PLAN},
+        "factors": "run.plan.factor_values",
         "accepted": "accepted",
         "reason": NullIfEmpty("reason"),
         **keys("reasons", "notes"),
@@ -73,7 +74,11 @@ LAYOUTS: Layouts = {
         **{name: f"means.{name}" for name in _MEANS},
         "work_j": "work_j",
     },
-    Curve: keys(*SERIES, "specimen", "points", "fits", "selection"),
+    Curve: {
+        **keys(*SERIES),
+        "factors": "factor_values",
+        **keys("specimen", "points", "fits", "selection"),
+    },
     Fit: all_fields(Fit, without=("line", "beyond")),
     Selection: {
         **keys("laws", "difference_n2", "difference_se_n2"),
@@ -82,7 +87,7 @@ LAYOUTS: Layouts = {
     },
     EfficiencyCurve: keys(*SERIES, "points", "mean"),
     EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
-    Band: all_fields(Band, without=("extend", "retract")),
+    Band: all_fields(Band, without=("extend", "retract", "factors")),
     BandTrend: {
         **keys("kind", "label", "specimen", "p_lr_ref_pa", "pressures_pa", "half", "middle"),
     },

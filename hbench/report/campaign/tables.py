@@ -1,10 +1,10 @@
 """Results as CSV (SI, the unit in each name). A number that does not exist is an empty cell."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from typing import Any
 
-from hbench.records import Curve, EfficiencyCurve, Fit, Results
+from hbench.records import Curve, EfficiencyCurve, Factors, Fit, Results
 from hbench.report.campaign.results_document import SERIES, results_json, row
 from hbench.report.render.csv_text import csv_text
 
@@ -13,16 +13,20 @@ CsvRow = dict[str, Any]
 
 def runs_csv(results: Results) -> str:
     """Return one row a run, rejected ones included."""
-    return csv_text(_RUN_COLUMNS, map(row, results.runs))
+    factors = _factors(run.run.plan.factors for run in results.runs)
+    rows = (row(run) | _cells(run.run.plan.factors, factors) for run in results.runs)
+    return csv_text(_with_factors(_RUN_COLUMNS, factors), rows)
 
 
 def curves_csv(results: Results) -> str:
-    """Return one row a point of a friction curve."""
+    """Return one row a point of a friction curve, with a column for each factor."""
+    factors = _factors(curve.factors for curve in results.curves)
     rows = []
     for curve in results.curves:
+        series = {**_series(curve), **_cells(curve.factors, factors)}
         for point in curve.points:
-            rows.append({**_series(curve), **asdict(point), "runs": " ".join(point.runs)})
-    return csv_text(_CURVE_COLUMNS, rows)
+            rows.append({**series, **asdict(point), "runs": " ".join(point.runs)})
+    return csv_text(_with_factors(_CURVE_COLUMNS, factors), rows)
 
 
 def fits_csv(results: Results) -> str:
@@ -40,6 +44,22 @@ def fits_csv(results: Results) -> str:
         series = dict.fromkeys(SERIES) | {"kind": joint.kind, "label": joint.label}
         rows += [parameter for fit in joint.fits for parameter in _fit_rows(series, fit)]
     return csv_text(_FIT_COLUMNS, rows)
+
+
+def _factors(series: Iterable[Factors]) -> tuple[str, ...]:
+    """Return the names of all factors, each once."""
+    return tuple(dict.fromkeys(name for factors in series for name, _ in factors))
+
+
+def _cells(factors: Factors, names: tuple[str, ...]) -> CsvRow:
+    values = dict(factors)
+    return {f"factor_{name}": values.get(name) for name in names}
+
+
+def _with_factors(columns: tuple[str, ...], names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the columns with those of factors after the label."""
+    after = columns.index("label") + 1
+    return (*columns[:after], *(f"factor_{name}" for name in names), *columns[after:])
 
 
 def _series(curve: Curve | EfficiencyCurve) -> CsvRow:

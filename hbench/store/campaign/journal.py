@@ -114,6 +114,9 @@ def start_text(
         for key, value in asdict(plan).items()
         if key != "run" and value is not None and value != "" and value is not False
     }
+    del fields["factors"]
+    if plan.factors:
+        fields["factors"] = plan.factor_values
     fields["specimen"] = {k: v for k, v in fields["specimen"].items() if v is not None}
     text = _dump(fields)
     lines = [f"- run: '{check_run_id(plan.run, 'campaign')}'", f"  plan: {text}"]

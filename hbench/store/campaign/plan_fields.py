@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from hbench.records import KINDS, Motion, RunPlan, Segment, Specimen, kind_names
+from hbench.records import KINDS, Factors, Motion, RunPlan, Segment, Specimen, kind_names
 
 _LENGTH, _SPEED, _SLOPE = (-1e3, 1e3), (-1e3, 1e3), (-1e6, 1e6)
 _FORCE, _PRESSURE, _TIME = (-1e10, 1e10), (-1e11, 1e11), (0, 1e6)
@@ -54,11 +54,13 @@ def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:
     """Return the plan in ``fields``. Raises ``ValueError``, ``TypeError``, ``KeyError``."""
     fields = dict(fields)
     specimen, motion = dict(fields.pop("specimen")), fields.pop("motion", None)
+    factors = read_factors(fields.pop("factors", {}))
     if fields["v_ref_m_s"] is None or fields["kind"] not in KINDS:
         raise ValueError(f"kind is {fields['kind']!r}; expected one of {kind_names()}")
     _check(fields)
     _check(specimen)
-    plan = RunPlan(run=run, **fields, specimen=Specimen(**specimen), motion=_motion(motion))
+    fields |= {"motion": _motion(motion), "factors": factors}
+    plan = RunPlan(run=run, **fields, specimen=Specimen(**specimen))
     if 0 < plan.specimen.area_piston_m2 < _LEAST_AREA_M2:
         raise ValueError(
             f"area_piston_m2 is {plan.specimen.area_piston_m2:g}; expected {_LEAST_AREA_M2:g} or "
@@ -67,6 +69,18 @@ def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:
     if plan.specimen.area_rod_m2 > plan.specimen.area_piston_m2:
         raise ValueError("area_rod_m2, the annulus, is larger than area_piston_m2")
     return plan
+
+
+def read_factors(values: Any) -> Factors:
+    """Return factors, given as a mapping or as pairs. Raises ``ValueError``."""
+    try:
+        factors = dict(values)
+    except (TypeError, ValueError):
+        raise ValueError("factors is not a mapping of names to values") from None
+    for text in (*factors, *factors.values()):
+        if not isinstance(text, str) or not text.isprintable():
+            raise ValueError(f"factors has {str(text)[:40]!r}, which is not printable text")
+    return tuple(factors.items())
 
 
 def _motion(fields: Mapping[str, Any] | None) -> Motion | None:

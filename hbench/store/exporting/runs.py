@@ -8,6 +8,7 @@ Sample times are unchanged, and a channel that the bench does not have is left o
 """
 
 import io
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -24,7 +25,7 @@ from hbench.untrusted_text import as_cell
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_FREE_TEXTS = ("label", "reason", "truncated", "aborted")  # from files of other people
+_FREE_TEXTS = ("label", "factors", "reason", "truncated", "aborted")  # from files of other people
 
 Files = Iterator[tuple[str, bytes]]  # paths below the folder, and contents
 Beside = Mapping[str, Mapping[str, Any]]  # contents of YAML files beside the index, by their names
@@ -33,7 +34,7 @@ _CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 _INDEX = (
     *"run file kind label trial v_ref_m_s a_ref_m_s2 f_load_n p_lr_ref_pa p_lp_ref_pa".split(),
     *"x_low_m x_high_m speed_is_measured area_piston_m2 area_rod_m2 stroke_m".split(),
-    *"truncated aborted accepted reason".split(),
+    *"factors truncated aborted accepted reason".split(),
 )
 
 
@@ -99,6 +100,7 @@ def _files_beside(beside: Beside) -> Files:
 def _row(run: Run, file: str, reason: str) -> dict[str, Any]:
     plan = run.plan
     cells = {name: getattr(plan, name, getattr(plan.specimen, name, None)) for name in _INDEX}
+    cells["factors"] = json.dumps(plan.factor_values, ensure_ascii=False) if plan.factors else ""
     cells |= {"truncated": run.truncated, "aborted": run.aborted}
     return cells | {"file": file, "accepted": not reason, "reason": reason}
 

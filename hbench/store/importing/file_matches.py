@@ -47,7 +47,13 @@ class FileMatch:
     @property
     def label(self) -> str:
         """Label of the series with its factors, which separate curves as the label does."""
-        return ", ".join([self.series.label, *self.series.factors_in(self.fields)])
+        factors = (f"{name} {value}" for name, value in self.factors)
+        return ", ".join([self.series.label, *factors])
+
+    @property
+    def factors(self) -> tuple[tuple[str, str], ...]:
+        """Each factor of the series with its value for this file."""
+        return self.series.factors_in(self.fields)
 
     @property
     def order(self) -> tuple[float, float, float, str, int]:

@@ -6,6 +6,7 @@ The index is ``runs.csv`` (a CSV or Parquet file per run), ``runs.parquet`` (the
 limits and instruments.
 """
 
+import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -18,9 +19,9 @@ from hbench.config.campaign_settings import parse_settings
 from hbench.config.files.loading import read_yaml
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
-from hbench.records import KINDS, Outcome, RunPlan, Specimen, kind_names
+from hbench.records import KINDS, Factors, Outcome, RunPlan, Specimen, kind_names
 from hbench.store.campaign.journal import check_run_id
-from hbench.store.campaign.plan_fields import check_number
+from hbench.store.campaign.plan_fields import check_number, read_factors
 from hbench.store.campaign.run_csv import read_channels
 from hbench.store.files.bounded_read import check_inside, read_file
 from hbench.store.formats.arrays import Arrays
@@ -45,7 +46,7 @@ BENCH, SETTINGS = "bench.yaml", "settings.yaml"
 _REQUIRED = ("run", "file", "v_ref_m_s")
 _OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa", "x_low_m", "x_high_m")
 _CYLINDER = ("area_piston_m2", "area_rod_m2", "stroke_m")
-_TEXTS = ("label", "truncated", "aborted")
+_TEXTS = ("label", "factors", "truncated", "aborted")
 _COLUMNS = (*_REQUIRED, "kind", "trial", "speed_is_measured", *_TEXTS, *_OPTIONAL, *_CYLINDER)
 _OF_EXPORT = ("accepted", "reason")  # ignored: the screening is repeated
 _FLAGS = {"": False, "0": False, "false": False, "1": True, "true": True}
@@ -226,6 +227,7 @@ def _plan(
         specimen=_specimen(index, row, cells, specimen),
         speed_is_measured=_flag(index, row, "speed_is_measured", cells),
         label=_text(index, row, "label", cells),
+        factors=_factors(index, row, cells),
         **references,
     )
     return plan, cells["file"]
@@ -256,6 +258,17 @@ def _outcome(index: TextTable, row: int, cells: dict[str, str]) -> tuple[Outcome
         return "aborted", aborted
     truncated = _text(index, row, "truncated", cells)
     return ("failed", truncated) if truncated else ("done", "")
+
+
+def _factors(index: TextTable, row: int, cells: dict[str, str]) -> Factors:
+    """Return the factors of an exported run, written as JSON."""
+    text = _text(index, row, "factors", cells)
+    if not text:
+        return ()
+    try:
+        return read_factors(json.loads(text))
+    except (ValueError, RecursionError):
+        raise _fault(index, row, "factors", text, 'expected {"name": "value"}') from None
 
 
 def _text(index: TextTable, row: int, column: str, cells: dict[str, str]) -> str:

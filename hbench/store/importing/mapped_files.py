@@ -150,6 +150,7 @@ def plans_of(pieces: Sequence[Piece], rules: ImportMap) -> list[RunPlan]:
                 specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
                 f_load_n=match.f_load_n,
                 label=match.label,
+                factors=match.factors,
                 speed_is_measured=constant and match.speed_m_s is None,
                 x_low_m=low,
                 x_high_m=high,
