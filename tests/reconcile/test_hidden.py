@@ -17,6 +17,7 @@ from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 from hbench.protocol.dictionary import RECORD
 from hbench.store.campaign.folder import load_campaign
 from tests.support import ROOT
+from tests.support.hidden.background import PRESSURES, SIDES, VALVES, wandering
 from tests.support.hidden.cases import cases, small_sample, truth
 from tests.support.hidden.draws import drawn
 from tests.support.hidden.instruments import astray, rewritten
@@ -47,7 +48,7 @@ def test_the_hidden_plants_do_not_import_the_catalogues_laws():
 
 
 def test_what_diagnoses_can_list_the_cases_without_their_laws():
-    for name in ("cases", "draws", "sizes"):
+    for name in ("background", "cases", "draws", "sizes"):
         assert not any(m.startswith("hbench") for m in imported(FOLDER / f"{name}.py"))
 
 
@@ -78,6 +79,51 @@ def test_sizes_follow_the_severity_and_the_seed_alone():
             assert shares and all(0.8 <= abs(share) <= 1.2 for share in shares)
             assert size.signed or min(shares) > 0
         assert truth(case) == truth(case)
+
+
+def test_every_bench_has_small_errors_within_the_class_of_its_valves_and_sensors():
+    """Uniform up to a limit, independent of what else is hidden."""
+    many = [truth(case).background for case in cases()]
+    limits = {
+        "valve_gain": (VALVES, 0.05),
+        "valve_null_v": (VALVES, 0.05),
+        "pressure_offset_pa": (PRESSURES, 0.08e5),
+        "pressure_drift_pa": (PRESSURES, 0.05e5),
+        "pressure_gain": (PRESSURES, 1e-3),
+    }
+    for name, (keys, limit) in limits.items():
+        drawn_errors = np.array([list(getattr(one, name).values()) for one in many])
+        assert all(tuple(getattr(one, name)) == keys for one in many)
+        assert np.abs(drawn_errors).max(axis=0) == pytest.approx(limit, rel=0.03)
+        assert np.std(drawn_errors, axis=0) == pytest.approx(limit / np.sqrt(3), rel=0.15)
+        assert np.abs(np.corrcoef(drawn_errors.T) - np.eye(len(keys))).max() < 0.2
+    assert 4.8 < max(abs(one.cell_offset_n) for one in many) < 5.0
+    assert 0.0029 < max(abs(one.cell_gain) for one in many) < 0.003
+    assert all(0.01 <= one.wander[side] <= 0.03 for one in many for side in SIDES)
+    assert drawn({}, 7).background == drawn({"supply_droop": 1.0}, 7).background
+
+
+def test_an_error_of_a_sensor_that_is_an_effect_is_larger_than_its_class_allows(bench):
+    """At the largest reading of these campaigns, for the mildest severity that is listed."""
+    force, pressure = bench.instruments.force, bench.instruments.pressure
+    assert force.of == pressure.of == "reading"
+    at_5_kn, at_supply = force.tolerance * 5e3, pressure.tolerance * bench.supply.pressure
+    least = {name: 0.8 * 0.5 * min(size.amounts.values()) for name, size in KNOWN.items()}
+    assert least["load_cell_gain"] * 5e3 > at_5_kn and least["load_cell_offset"] > at_5_kn
+    assert least["pressure_offset"] > at_supply
+    assert 0.8 * min(OUTSIDE["pressure_drift"].amounts.values()) > at_supply
+    assert 0.8 * min(OUTSIDE["cell_crosstalk"].amounts.values()) * 50e5 > at_5_kn
+
+
+def test_the_level_of_friction_wanders_from_run_to_run():
+    """Its standard deviation and correlation, over many runs; the first run is no exception."""
+    change = wandering(0.02, 20_000, np.random.default_rng(1))
+    assert np.std(change) == pytest.approx(0.02, rel=0.05)
+    for lag in (1, 2, 3):
+        shifted = np.corrcoef(change[lag:], change[:-lag])[0, 1]
+        assert shifted == pytest.approx(0.8**lag, abs=0.04)
+    firsts = [wandering(0.02, 2, np.random.default_rng(seed))[0] for seed in range(2000)]
+    assert np.std(firsts) == pytest.approx(0.02, rel=0.06)
 
 
 # ---- laws, called as Python: what they do at the point that sizes.py gives them for
@@ -140,6 +186,32 @@ def test_valves_lose_their_lap_and_open_further_one_way(par):
     assert added == pytest.approx([-0.4 * 0.05 * 120 / 150, 0, 0])
 
 
+def test_each_valve_has_a_gain_and_a_null_of_its_own(par):
+    added, _ = law("valve_spread", par, test=0.05, load_1=-0.02, null_load_2=0.03)
+    assert added == pytest.approx([0.4 * 0.05, 0.3 * 0.02, 0.03])
+    added, _ = law("valve_spread", par, load_2=0.05, null_load_2=0.1)
+    assert added == pytest.approx([0, 0, 1.05 * 2.1 - 2.0])
+
+
+def test_ports_are_laminar_below_a_drop_and_sharp_edged_above(par):
+    """At a drop of 70 bar to the supply 0.7 % less, at 1 bar less by a factor of sqrt(2)."""
+    added, _ = law("laminar_ports", par, transition=1e5)
+    assert added[0] == pytest.approx(1e-4 * (np.sqrt(70 / 71) - 1))
+    assert added[1] == pytest.approx(-5e-5 * (np.sqrt(48 / 49) - 1))
+    low = STATE.copy()
+    low[P_LP] = 3e5
+    added, _ = law("laminar_ports", par, state=low, transition=1e5)
+    assert added[2] == pytest.approx(-6e-5 * (np.sqrt(0.5) - 1))
+    assert added[:4].sum() + added[5] == pytest.approx(added[4])
+
+
+def test_ripple_and_wandering_levels_are_shares_of_dry_friction(par):
+    added, _ = law("bore_ripple", par, share=0.02, period=0.8)  # a quarter wave at 0.2 m
+    assert added[2:4] == pytest.approx([0.02 * 300, 0.0], abs=1e-9)
+    added, _ = law("friction_level", par, test=0.03, load=-0.01)
+    assert added[2:4] == pytest.approx([9.0, -2.5])
+
+
 def test_lags_follow_and_come_to_rest_where_they_should(par):
     still = STATE.copy()
     still[[AT, AT + 2, AT + 4]] = OPENED
@@ -194,7 +266,16 @@ def test_instruments_err_as_drawn_and_nothing_else_in_the_log_changes(bench):
     names = [word.name for word in RECORD]
     words = np.full((50, len(names)), 20000, np.uint16)
     words[:, names.index("v")] = np.arange(50) * 100  # 0.2 m/s^2 of 2e-5 m/s
-    hidden = replace(drawn({}, 1), gauge_curvature=0.0)
+    perfect = replace(
+        drawn({}, 1).background,
+        **dict.fromkeys(
+            ("pressure_offset_pa", "pressure_drift_pa", "pressure_gain"),
+            dict.fromkeys(PRESSURES, 0.0),
+        ),
+        cell_offset_n=0.0,
+        cell_gain=0.0,
+    )
+    hidden = replace(drawn({}, 1), gauge_curvature=0.0, background=perfect)
 
     def changed(effects, session=0.5):
         return rewritten(words, replace(hidden, effects=effects), sensors, 100.0, session)
@@ -217,6 +298,24 @@ def test_instruments_err_as_drawn_and_nothing_else_in_the_log_changes(bench):
     counts = shown.per_unit[2] * 50e5 + shown.zero[2]
     assert (counts - sensors.zero[2]) / sensors.per_unit[2] == pytest.approx(50e5 + 5.5e4)
     assert shown.per_unit[3:] == sensors.per_unit[3:] and shown.zero[3:] == sensors.zero[3:]
+    small = replace(
+        perfect,
+        pressure_offset_pa=dict.fromkeys(PRESSURES, 8e3),
+        pressure_drift_pa=dict.fromkeys(PRESSURES, -4e3),
+        pressure_gain=dict.fromkeys(PRESSURES, 1e-3),
+        cell_offset_n=5.0,
+        cell_gain=3e-3,
+    )
+    usual = replace(hidden, background=small)
+    for session in (0.0, 0.5, 1.0):
+        shown = astray(sensors, usual, np.zeros(7), session)
+        for i in range(1, 6):
+            counts = shown.per_unit[i] * 50e5 + shown.zero[i]
+            value = (counts - sensors.zero[i]) / sensors.per_unit[i]
+            assert value == pytest.approx(50e5 + 5e3 + 8e3 - 4e3 * session)
+    difference = rewritten(words, usual, sensors, 100.0, 0.5).astype(float) - words
+    expected = (5.0 + 3e-3 * force) * newtons
+    assert difference[:, names.index("f_applied")] == pytest.approx(expected, abs=0.51)
 
 
 # ---- campaigns, in a process of their own
@@ -267,7 +366,7 @@ def test_the_command_writes_campaigns_that_do_not_tell_what_is_hidden(tmp_path, 
         assert "hidden" not in text and "droop" not in text
         sag[name] = np.mean([bench.supply.pressure - run.p_s_pa[50:].mean() for run in runs])
     drooping = sag.pop("supply_droop-clear-2")
-    assert drooping > 0.5e5 and max(map(abs, sag.values())) < 0.1e5
+    assert drooping > 0.5e5 and max(map(abs, sag.values())) < 0.3e5  # of the transducer's class
     again = tmp_path / "again"
     again.mkdir()
     for name, campaign in written(again, "small").items():

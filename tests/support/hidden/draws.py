@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tests.support.hidden.background import Background, draw_background
 from tests.support.hidden.sizes import KNOWN, OUTSIDE, Size
 
 # Factors on a bench file's values, each drawn between 1 - s and 1 + s.
@@ -29,8 +30,8 @@ _SPREADS = {
             "viscous": 0.15,
             "bristle_stiffness": 0.15,
             "stribeck_exponent": 0.10,
-            "piston_seal": 0.02,  # more would be an effect of the catalogue
-            "rod_seal": 0.02,
+            "piston_seal": 0.10,  # 8 N at 50 bar, a third of the mildest seal friction hidden
+            "rod_seal": 0.10,
         }.items()
     },
 }
@@ -46,7 +47,7 @@ class Drawn:
     scatter: float  # of friction's level from stroke to stroke
     noise: float  # factor on the converter's
     gain_curvature: float  # share by which the valves' gains fall over 3 V
-    ripple_n: float  # of friction along the bores ...
+    ripple_share: float  # of dry friction along both bores ...
     ripple_period_m: float
     ripple_phase: float
     gauge_curvature: float  # of the load cell, at 6 kN
@@ -54,6 +55,7 @@ class Drawn:
     bulk_modulus: float
     valve_gain: float
     zero_counts: float
+    background: Background
 
 
 def drawn(effects: Mapping[str, float], seed: int) -> Drawn:
@@ -66,7 +68,7 @@ def drawn(effects: Mapping[str, float], seed: int) -> Drawn:
         scatter=rng.uniform(0.01, 0.03),
         noise=rng.uniform(0.7, 1.5),
         gain_curvature=rng.uniform(-0.003, 0.003),
-        ripple_n=rng.uniform(1.0, 3.0),
+        ripple_share=rng.uniform(0.01, 0.02),
         ripple_period_m=rng.uniform(0.08, 0.25),
         ripple_phase=rng.uniform(0, 2 * np.pi),
         gauge_curvature=rng.uniform(-5e-4, 5e-4),
@@ -74,6 +76,7 @@ def drawn(effects: Mapping[str, float], seed: int) -> Drawn:
         bulk_modulus=0.005,
         valve_gain=0.001,
         zero_counts=0.5,
+        background=draw_background(seed),
         effects={
             name: _coefficients((KNOWN | OUTSIDE)[name], severity, rng)
             for name, severity in effects.items()

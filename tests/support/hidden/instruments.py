@@ -16,19 +16,24 @@ def astray(
 ) -> SensorParameters:
     """Return the pressure transducers' errors, and zeros that are off by ``zero_counts`` (7,).
 
-    A transducer with an offset has a little of a gain error too. ``session`` goes from 0 to 1.
+    A transducer whose offset is an effect has a little of a gain error too. ``session`` goes from
+    0 to 1.
     """
-    offsets = {name: pa for name, pa in hidden.effects.get("pressure_offset", {}).items()}
-    gains = {name: 0.1 * pa / 50e5 for name, pa in offsets.items()}
-    for name, pa in hidden.effects.get("pressure_drift", {}).items():
-        offsets[name] = offsets.get(name, 0.0) + pa * session
+    errors, effects = hidden.background, hidden.effects
+    offsets, gains = dict(errors.pressure_offset_pa), dict(errors.pressure_gain)
+    for name, pa in effects.get("pressure_offset", {}).items():
+        offsets[name] += pa
+        gains[name] += 0.1 * pa / 50e5
+    for drift in (errors.pressure_drift_pa, effects.get("pressure_drift", {})):
+        for name, pa in drift.items():
+            offsets[name] += pa * session
     per_unit = [
         counts * (1 + gains.get(name, 0.0))
         for name, counts in zip(SENSORS, sensors.per_unit, strict=True)
     ]
     zero = [
-        own + float(shift) + counts * offsets.get(name, 0.0)
-        for name, own, shift, counts in zip(
+        at_zero + float(shift) + counts * offsets.get(name, 0.0)
+        for name, at_zero, shift, counts in zip(
             SENSORS, sensors.zero, zero_counts, sensors.per_unit, strict=True
         )
     ]
@@ -60,6 +65,7 @@ def _load_cell_error(
     """Gain that grows with the force, offset that drifts, pressure that gets in; the background."""
     effects = hidden.effects
     error = hidden.gauge_curvature * force * np.abs(force) / 6e3
+    error = error + hidden.background.cell_offset_n + hidden.background.cell_gain * force
     error = error + effects.get("load_cell_gain", {}).get("error", 0.0) * force * (
         1 + 0.2 * force / 5e3
     )

@@ -19,6 +19,7 @@ from hbench.experiment.campaign_header import campaign_header
 from hbench.experiment.plan import plan_runs
 from hbench.experiment.recorder import LOG_CHANNELS
 from hbench.experiment.runner import run_campaign
+from hbench.model.build import plant_parameters
 from hbench.model.sensors import sensor_parameters
 from hbench.protocol.dictionary import RECORD_FLAGS
 from hbench.records import Outcome, RawRun, Run, RunPlan
@@ -26,12 +27,12 @@ from hbench.rig.client import BoardClient
 from hbench.rig.virtual import VirtualRig
 from hbench.store.campaign.folder import CampaignWriter
 from hbench.workflow import Experiment
+from tests.support.hidden.background import SIDES, wandering
 from tests.support.hidden.cases import Case, truth
 from tests.support.hidden.draws import Drawn
 from tests.support.hidden.instruments import astray, rewritten
 from tests.support.hidden.laws.table import EFFECTS
 
-_SIDES = ("test", "load")
 _RIGID = (
     0.4  # of an added mass; the rest is a column of oil, which damps what the rigid part excites
 )
@@ -122,7 +123,7 @@ class _Rewriting:
 
 
 class _Rig(VirtualRig):
-    """A rig with a hidden plant, which is a little different in each pass of trials."""
+    """A rig with a hidden plant, a little different in each pass of trials and in each run."""
 
     def __init__(self, bench: Bench, hidden: Drawn, plans: Sequence[RunPlan], seed: int):
         plant = plant_of(bench, hidden)
@@ -134,6 +135,7 @@ class _Rig(VirtualRig):
         )
         self._hidden, self._plans = hidden, list(plans)
         self._rng = np.random.default_rng([seed, 21])
+        self._plant, self._levels = plant, _levels(hidden, len(plans), seed)
         self._rate_hz = bench.controllers.log_rate
         self._true, self._sensors = self._bench.par, sensor_parameters(plant.sensors)
         self._next = 0
@@ -168,7 +170,17 @@ class _Rig(VirtualRig):
 
     def _become(self) -> None:
         sensors = astray(self._sensors, self._hidden, self._zeros, self._session)
-        self._bench = self._bench._replace(par=self._par, sensors=sensors)
+        levels = self._levels[min(self._next, len(self._levels) - 1)]
+        plant = self._plant.model_copy(update={"effects": _rows(self._hidden, levels)})
+        par = self._par._replace(effects=plant_parameters(plant).effects)
+        self._bench = self._bench._replace(par=par, sensors=sensors)
+
+
+def _levels(hidden: Drawn, runs: int, seed: int) -> list[dict[str, float]]:
+    """Return the relative change of each cylinder's dry friction, run by run."""
+    rng = np.random.default_rng([seed, 23])
+    change = {side: wandering(hidden.background.wander[side], runs, rng) for side in SIDES}
+    return [{side: float(change[side][run]) for side in SIDES} for run in range(runs)]
 
 
 def _pass(plan: RunPlan) -> tuple[str, str, int]:
@@ -180,15 +192,15 @@ def plant_of(bench: Bench, hidden: Drawn) -> Plant:
     plant = Plant.model_construct(**{key: getattr(bench, key) for key in Plant.model_fields})
     plant = scaled(plant, hidden.factors | {"sensors.adc.noise": hidden.noise})
     added = hidden.effects.get("added_mass", {"test": 0.0, "load": 0.0})
-    masses = {side: getattr(plant.moving_mass, side) + _RIGID * added[side] for side in _SIDES}
+    masses = {side: getattr(plant.moving_mass, side) + _RIGID * added[side] for side in SIDES}
     pair = plant.friction
     return plant.model_copy(
         update={
             "moving_mass": plant.moving_mass.model_copy(update=masses),
             "friction": pair.model_copy(
-                update={side: _friction(getattr(pair, side), hidden) for side in _SIDES}
+                update={side: _friction(getattr(pair, side), hidden) for side in SIDES}
             ),
-            "effects": _rows(hidden),
+            "effects": _rows(hidden, dict.fromkeys(SIDES, 0.0)),
         }
     )
 
@@ -210,12 +222,20 @@ def _friction(law: Any, hidden: Drawn) -> Any:
     return Leuven.model_construct(**values)
 
 
-def _rows(hidden: Drawn) -> dict[str, dict[str, str]]:
-    """Return the section ``effects``: the laws of ``laws/table.py`` alone."""
+def _rows(hidden: Drawn, levels: Mapping[str, float]) -> dict[str, dict[str, str]]:
+    """Return the section ``effects``: the laws of ``laws/table.py`` alone.
+
+    ``levels`` are relative changes of the cylinders' dry friction.
+    """
+    errors = hidden.background
+    nulls = {f"null_{valve}": volts for valve, volts in errors.valve_null_v.items()}
     background = {
+        "valve_spread": errors.valve_gain | nulls,
+        "laminar_ports": {"transition": errors.transition_pa},
+        "friction_level": dict(levels),
         "gain_curvature": {"share": hidden.gain_curvature},
         "bore_ripple": {
-            "force": hidden.ripple_n,
+            "share": hidden.ripple_share,
             "period": hidden.ripple_period_m,
             "phase": hidden.ripple_phase,
         },
@@ -226,6 +246,6 @@ def _rows(hidden: Drawn) -> dict[str, dict[str, str]]:
         if row is not None:
             units = {key: one.unit for key, one in row.coefficients.items()}
             if name == "added_mass":
-                values = values | {side: (1 - _RIGID) * values[side] for side in _SIDES}
+                values = values | {side: (1 - _RIGID) * values[side] for side in SIDES}
             section[f"hidden_{name}"] = {key: f"{v!r} {units[key]}" for key, v in values.items()}
     return section

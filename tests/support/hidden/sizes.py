@@ -2,6 +2,13 @@
 
 A law's coefficients are ``amounts``, times severity and a draw of +-20 %, and ``shape``, drawn
 between two limits. Where there are several amounts one or more of them are chosen.
+
+A sensor's error is an effect only beyond its class, which is 1 % of the reading for forces and
+0.8 % for pressures in ``configs/bench-aau.yaml``. The smallest error hidden, 0.4 times the amount
+at severity 0.5, is therefore larger than the class at the largest reading: 50 N at 5 kN and
+1.2 bar at the supply's 150 bar. The amounts of 4 bar, 150 N and 4 % give 1.6 bar, 60 N and 1.6 %.
+Errors outside the catalogue have severities of 1 and 2 and are 0.8 times the amount at least:
+3.2 bar of drift, and 100 N of crosstalk at 50 bar.
 """
 
 from collections.abc import Mapping
@@ -60,10 +67,10 @@ KNOWN: dict[str, Size] = {
     ),
     "end_cushion": Size({"damping": 1.7e5}, shape={"length": (0.09, 0.11)}),
     "added_mass": Size({"test": 20.0, "load": 20.0}, shape={"time": (0.8e-3, 1.2e-3)}),
-    "load_cell_gain": Size({"error": 0.02}, signed=True),
-    "load_cell_offset": Size({"force": 30.0}, signed=True),
+    "load_cell_gain": Size({"error": 0.04}, signed=True),
+    "load_cell_offset": Size({"force": 150.0}, signed=True),
     "pressure_offset": Size(
-        {f"p_{name}": 0.5 * BAR for name in ("tp", "tr", "lp", "lr", "s")}, signed=True
+        {f"p_{name}": 4.0 * BAR for name in ("tp", "tr", "lp", "lr", "s")}, signed=True
     ),
     "velocity_filter_lag": Size({"time": 2e-3}),
 }  # fmt: skip
@@ -82,6 +89,6 @@ OUTSIDE: dict[str, Size] = {
     "guide_misalignment": Size({"share": 0.05}),
     "bore_chatter": Size({"force": 25.0}, shape={"period": (0.03, 0.05), "phase": (0.0, 6.28)}),
     "rest_film": Size({"share": 0.5}, shape={"length": (0.05, 0.08), "time": (0.3, 0.8)}),
-    "cell_crosstalk": Size({"p_tp": 0.8 / BAR, "p_tr": 0.8 / BAR}, signed=True),
-    "pressure_drift": Size({"p_tp": 1.0 * BAR, "p_lp": 1.0 * BAR}, signed=True),
+    "cell_crosstalk": Size({"p_tp": 2.5 / BAR, "p_tr": 2.5 / BAR}, signed=True),
+    "pressure_drift": Size({"p_tp": 4.0 * BAR, "p_lp": 4.0 * BAR}, signed=True),
 }  # fmt: skip

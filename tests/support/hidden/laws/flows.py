@@ -64,6 +64,16 @@ def valve_asymmetry(u, c, state, at, rates, par):
     )
 
 
+def valve_spread(u, c, state, at, rates, par):
+    """Background: each valve has its own gain error g and null n [V], (1 + g) (u + n)."""
+    test, load_1, load_2, null_test, null_1, null_2 = c
+    return Openings(
+        (1.0 + test) * (u.test + null_test),
+        (1.0 + load_1) * (u.load_1 + null_1),
+        (1.0 + load_2) * (u.load_2 + null_2),
+    )
+
+
 def gain_curvature(u, c, state, at, rates, par):
     """Background: the gain of every valve falls a little with its opening."""
     (share,) = c
@@ -93,6 +103,27 @@ def entrained_air(oil, c, state, at, rates, par):
         compliance(oil.beta_lp, state[P_LP], fraction, dissolved),
         compliance(oil.beta_lr, state[P_LR], fraction, dissolved),
     )
+
+
+@inlined
+def through_port(q, p, p_supply, p_tank, transition):
+    """Flow of a port whose edge is sharp for large drops alone: q sqrt(|dp| / (|dp| + p_t))."""
+    drop = abs(p_supply - p if q > 0.0 else p - p_tank)
+    return q * sqrt(drop / (drop + transition))
+
+
+def laminar_ports(q, c, state, at, rates, par):
+    """Background: the valves' flow is laminar below a pressure drop, Q ~ dp / sqrt(|dp| + p_t)."""
+    (transition,) = c
+    if transition == 0.0:
+        return q
+    p_s, p_t = state[P_S], par.supply.tank_pa
+    tp = through_port(q.tp, state[P_TP], p_s, p_t, transition)
+    tr = through_port(q.tr, state[P_TR], p_s, p_t, transition)
+    lp = through_port(q.lp, state[P_LP], p_s, p_t, transition)
+    lr = through_port(q.lr, state[P_LR], p_s, p_t, transition)
+    drawn = max(tp, 0.0) + max(tr, 0.0) + max(lp, 0.0) + max(lr, 0.0)
+    return ChamberFlows(tp, tr, lp, lr, drawn, drawn - (tp + tr + lp + lr), q.fluidity)
 
 
 def raised_tank(oil, c, state, at, rates, par):

@@ -138,12 +138,18 @@ def added_mass(f, c, state, at, rates, par):
 
 
 def bore_ripple(f, c, state, at, rates, par):
-    """Background: a few newtons along the bores of both cylinders."""
-    force, period, phase = c
-    if force == 0.0:
+    """Background: dry friction varies by a share along the bores of both cylinders."""
+    share, period, phase = c
+    if share == 0.0:
         return f
     angle = 2.0 * pi * state[X] / period + phase
-    return rougher(f, force * sin(angle), force * cos(angle))
+    return rougher(f, share * sin(angle) * f.dry_t, share * cos(angle) * f.dry_l)
+
+
+def friction_level(f, c, state, at, rates, par):
+    """Background: dry friction of this run against that of the bench; ``measure.py`` changes it."""
+    test, load = c
+    return rougher(f, test * f.dry_t, load * f.dry_l)
 
 
 def guide_misalignment(f, c, state, at, rates, par):

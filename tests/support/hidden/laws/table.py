@@ -24,6 +24,12 @@ EFFECTS = {
         "valve_lag": _row(
             _FLOWS, {"time": "s", "damping": "1"}, 6, openings=flows.valve_lag
         ),
+        "valve_spread": _row(
+            _FLOWS,
+            {"test": "1", "load_1": "1", "load_2": "1"}
+            | {"null_test": "V", "null_load_1": "V", "null_load_2": "V"},
+            openings=flows.valve_spread,
+        ),
         "valve_deadband": _row(
             _FLOWS, {"test": "V", "load": "V"}, openings=flows.valve_deadband
         ),
@@ -31,6 +37,9 @@ EFFECTS = {
         "gain_curvature": _row(_FLOWS, {"share": "1"}, openings=flows.gain_curvature),
         "valve_play": _row(_FLOWS, {"width": "V"}, 3, openings=flows.valve_play),
         "flow_force": _row(_FLOWS, {"share": "1"}, openings=flows.flow_force),
+        "laminar_ports": _row(
+            _FLOWS, {"transition": "Pa"}, flows=flows.laminar_ports
+        ),  # before the leaks, which are not of the valves
         "entrained_air": _row(
             _FLOWS, {"fraction": "1", "dissolved": "Pa"}, oil=flows.entrained_air
         ),
@@ -87,7 +96,10 @@ EFFECTS = {
         "added_mass": _row(
             _FORCES, {"test": "kg", "load": "kg", "time": "s"}, 1, friction=friction.added_mass
         ),
-        "bore_ripple": _row(_FORCES, _WAVE, friction=friction.bore_ripple),
+        "bore_ripple": _row(
+            _FORCES, {"share": "1", "period": "m", "phase": "1"}, friction=friction.bore_ripple
+        ),
+        "friction_level": _row(_FORCES, _SHARES, friction=friction.friction_level),
         "bore_chatter": _row(_FORCES, _WAVE, friction=friction.bore_chatter),
         "guide_misalignment": _row(
             _FORCES, {"share": "1"}, friction=friction.guide_misalignment
