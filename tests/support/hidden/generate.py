@@ -27,13 +27,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--cases", default="small", help="stored, small, all, or a part of their names"
     )
     parser.add_argument("--schedule", type=Path, default=DISCRIMINATE)
+    parser.add_argument(
+        "--csv",
+        choices=("index", "map"),
+        help="write them as logs of another bench too, to OUT-index or OUT-map; see foreign.py",
+    )
     given = parser.parse_args(arguments)
     lists = {"stored": stored, "small": small_sample, "all": cases}
     if given.cases in lists:
         listed = lists[given.cases]()
     else:
         listed = tuple(case for case in cases() if given.cases in case.name)
-    return write_all(listed, given.schedule, given.out)
+    code = write_all(listed, given.schedule, given.out)
+    if given.csv:
+        write_logs(listed, given.out, given.csv)
+    return code
 
 
 def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
@@ -56,6 +64,19 @@ def write_all(listed: Sequence[Case], schedule: Path, out: Path) -> int:
         stopped += bool(why)
         print(f"{done}/{len(missing)} {name} {why}", flush=True)
     return int(stopped > 0)
+
+
+def write_logs(listed: Sequence[Case], out: Path, layout: str) -> None:
+    """Write the campaigns in ``out`` as logs to ``out-LAYOUT``. Those that exist are kept."""
+    from tests.support.hidden.foreign import LAYOUTS
+
+    logs = out.with_name(f"{out.name}-{layout}")
+    for case in listed:
+        if (out / case.name).exists() and not (logs / case.name).exists():
+            part = logs / f".{case.name}.part"
+            shutil.rmtree(part, ignore_errors=True)
+            LAYOUTS[layout](out / case.name, part)
+            part.rename(logs / case.name)
 
 
 def _write(schedule: Path, out: Path, case: Case) -> tuple[str, str]:
