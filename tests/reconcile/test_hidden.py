@@ -17,6 +17,7 @@ from hbench.model.sensors import FRACTION, sensor_parameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 from hbench.protocol.dictionary import RECORD
 from hbench.store.campaign.folder import load_campaign
+from hbench.workflow import load_experiment
 from tests.support import ROOT
 from tests.support.hidden.background import PRESSURES, SIDES, VALVES, wandering
 from tests.support.hidden.cases import cases, small_sample, truth
@@ -317,6 +318,29 @@ def test_instruments_err_as_drawn_and_nothing_else_in_the_log_changes(bench):
     difference = rewritten(words, usual, sensors, 100.0, 0.5).astype(float) - words
     expected = (5.0 + 3e-3 * force) * newtons
     assert difference[:, names.index("f_applied")] == pytest.approx(expected, abs=0.51)
+
+
+# ---- plans
+
+
+def test_the_second_plan_shares_no_operating_point_with_the_first():
+    first, second = (
+        load_experiment(path, None).plans
+        for path in (ROOT / "configs" / "discriminate.yaml", FOLDER / "second.yaml")
+    )
+    assert {plan.kind for plan in second} == {plan.kind for plan in first}
+    assert 100 <= len(second) <= 140
+
+    def values(plans, name):
+        return {getattr(plan, name) for plan in plans} - {0.0}
+
+    for name in ("v_ref_m_s", "f_load_n", "p_lr_ref_pa"):
+        assert not values(first, name) & values(second, name), name
+    starts = [{plan.planned_motion.x_start_m for plan in plans} for plans in (first, second)]
+    assert not starts[0] & starts[1]
+    for kind in {plan.kind for plan in second}:  # early and late in the campaign
+        numbers = [i for i, plan in enumerate(second) if plan.kind == kind]
+        assert numbers[0] < len(second) / 3 and numbers[-1] > len(second) * 2 / 3
 
 
 # ---- campaigns, in a process of their own
