@@ -5,11 +5,13 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 
 from hbench.analysis.screening.calibrate import calibrate
+from hbench.config.import_layout import FLAGS
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
@@ -17,11 +19,14 @@ from hbench.model.sensors import FRACTION, sensor_parameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 from hbench.protocol.dictionary import RECORD
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.exporting.runs import channels
+from hbench.store.importing.importer import import_folder
 from hbench.workflow import load_experiment
 from tests.support import ROOT
 from tests.support.hidden.background import PRESSURES, SIDES, VALVES, wandering
 from tests.support.hidden.cases import cases, small_sample, truth
 from tests.support.hidden.draws import drawn
+from tests.support.hidden.foreign import write_index, write_mapped
 from tests.support.hidden.instruments import astray, rewritten
 from tests.support.hidden.laws.table import EFFECTS as HIDDEN
 from tests.support.hidden.sizes import KNOWN, OUTSIDE
@@ -341,6 +346,53 @@ def test_the_second_plan_shares_no_operating_point_with_the_first():
     for kind in {plan.kind for plan in second}:  # early and late in the campaign
         numbers = [i for i, plan in enumerate(second) if plan.kind == kind]
         assert numbers[0] < len(second) / 3 and numbers[-1] > len(second) * 2 / 3
+
+
+# ---- campaigns as logs of another bench
+
+STORED = ROOT / "data_samples" / "blind" / "none-5"
+
+
+def imported_back(source, destination, map_file=None):
+    import_folder(source, destination, map_file, {}, datetime(2026, 1, 1, tzinfo=UTC))
+    return list(load_campaign(destination).runs())
+
+
+@pytest.fixture(scope="module")
+def stored_runs(bench):
+    return [calibrate(raw, bench) for raw in load_campaign(STORED).raw_runs()]
+
+
+def test_an_index_of_logs_keeps_all_of_a_campaign_but_its_motions(tmp_path, stored_runs):
+    write_index(STORED, tmp_path / "logs")
+    runs = imported_back(tmp_path / "logs", tmp_path / "campaign")
+    for run, source in zip(runs, stored_runs, strict=True):
+        assert run.plan == replace(source.plan, motion=None)
+        for name, values in channels(source).items():
+            assert np.array_equal(getattr(run, name), values), name
+
+
+def test_logs_with_a_map_keep_kind_speed_load_trial_and_channels(tmp_path, stored_runs):
+    """To nine digits, in other units. Each kind is a folder, its runs sorted by file name."""
+    write_mapped(STORED, tmp_path / "logs")
+
+    def point(run):
+        plan = run.plan
+        return plan.kind, plan.v_ref_m_s, plan.f_load_n, plan.trial, len(run.t_s), run.x_m[0]
+
+    sources = sorted(stored_runs, key=point)
+    runs = []
+    for folder in sorted((tmp_path / "logs").iterdir()):
+        runs += imported_back(folder, tmp_path / folder.name, folder / "map.yaml")
+    for run, source in zip(sorted(runs, key=point), sources, strict=True):
+        assert run.plan.kind == source.plan.kind and run.plan.trial == source.plan.trial
+        assert abs(run.plan.v_ref_m_s) == pytest.approx(abs(source.plan.v_ref_m_s))
+        if run.plan.kind == "steady":  # of a triangle both directions are as fast
+            assert run.plan.v_ref_m_s == pytest.approx(source.plan.v_ref_m_s)
+        assert run.plan.f_load_n == pytest.approx(source.plan.f_load_n)
+        for name, values in channels(source).items():
+            if name not in FLAGS:
+                assert getattr(run, name) == pytest.approx(values, rel=1e-8, abs=1e-9), name
 
 
 # ---- campaigns, in a process of their own

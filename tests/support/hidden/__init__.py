@@ -4,7 +4,8 @@
 
 writes the campaigns of ``small`` or ``all`` cases to ``OUT/NAME``, on all cores. Each is a campaign
 folder as ``hbench run --plant`` makes it, of ``configs/discriminate.yaml`` unless ``--schedule``
-names another. ``second.yaml`` is a plan on which no threshold is tuned. ``cases.py`` lists
+names another. ``second.yaml`` is a plan on which no threshold is tuned. ``--csv index`` and
+``--csv map`` also write the campaigns as logs of another bench (``foreign.py``). ``cases.py`` lists
 the cases; ``truth(case)`` returns what was put in.
 
 The plants differ from the model's in everything that a bench file knows badly (``draws.py``) and
