@@ -8,7 +8,7 @@ A sensor's error is an effect only beyond its class, which is 1 % of the reading
 at severity 0.5, is therefore larger than the class at the largest reading: 50 N at 5 kN and
 1.2 bar at the supply's 150 bar. The amounts of 4 bar, 150 N and 4 % give 1.6 bar, 60 N and 1.6 %.
 Errors outside the catalogue have severities of 1 and 2 and are 0.8 times the amount at least:
-3.2 bar of drift, and 100 N of crosstalk at 50 bar.
+3.2 bar of drift, and 64 N of crosstalk at 50 bar.
 """
 
 from collections.abc import Mapping
@@ -89,6 +89,6 @@ OUTSIDE: dict[str, Size] = {
     "guide_misalignment": Size({"share": 0.05}),
     "bore_chatter": Size({"force": 25.0}, shape={"period": (0.03, 0.05), "phase": (0.0, 6.28)}),
     "rest_film": Size({"share": 0.5}, shape={"length": (0.05, 0.08), "time": (0.3, 0.8)}),
-    "cell_crosstalk": Size({"p_tp": 2.5 / BAR, "p_tr": 2.5 / BAR}, signed=True),
+    "cell_crosstalk": Size({"p_tp": 1.6 / BAR, "p_tr": 1.6 / BAR}, signed=True),
     "pressure_drift": Size({"p_tp": 4.0 * BAR, "p_lp": 4.0 * BAR}, signed=True),
 }  # fmt: skip
