@@ -53,6 +53,11 @@ def sensor_parameters(sensors: Sensors) -> SensorParameters:
     )
 
 
+def ideal_sensors() -> SensorParameters:
+    """Return sensors that read SI."""
+    return SensorParameters((1.0,) * N_CHANNELS, (0.0,) * N_CHANNELS, 0.0, 0.0, False)
+
+
 def sensor_gains(sensors: Sensors) -> dict[str, tuple[float, float]]:
     """Return the calibration of each channel: value = gain * counts + offset, in SI.
 

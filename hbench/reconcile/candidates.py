@@ -1,10 +1,10 @@
-"""Candidate effects: evaluation by signature or by simulation, and acceptance.
+"""Candidate effects: evaluation by their columns or in full, and acceptance.
 
 The searches in campaigns (``search.py``) and in imported strokes (``strokes/stroke_search.py``)
 share this evaluation.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,24 +12,30 @@ import numpy as np
 
 from hbench.reconcile.evidence import (
     CrossValidation,
+    Fit,
     cost,
     cross_validate,
     log_likelihood,
     maximum_likelihood,
     score,
 )
-from hbench.reconcile.gaps.columns import ModelColumn
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, Simulate, typical_size
-from hbench.reconcile.linearised import LinearisedModel, hypothesis_at, linearise
-from hbench.reconcile.measured_campaign import MeasurementInterface
+from hbench.reconcile.hypothesis import (
+    CoefficientKey,
+    Hypothesis,
+    effect_coefficients,
+    shape_coefficients,
+    typical_size,
+)
+from hbench.reconcile.linearised import LinearisedModel, Measured, hypothesis_at, linearise
 from hbench.records import Candidate
 
 TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogue's order
 NULLS = 200  # random null data sets
 _QUANTILE = 0.98  # of the largest null scores
 _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger one counts
-_REFIT_ROUNDS = 2  # of simulation and fit
-_NEGLIGIBLE_STEP = 0.05  # priors of nuisances and typical sizes; no new simulation below
+_REFIT_ROUNDS = 8  # of evaluation and fit
+_FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it
+_NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluation below
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,7 @@ class AcceptanceCriteria:
 
 
 # 5 nats are odds of 150 to 1. A quarter is enough: the remainder may be other effects.
-CRITERIA = AcceptanceCriteria(score=5.0, explained=0.25, size=0.2)
+CRITERIA = AcceptanceCriteria(score=5.0, explained=0.25, size=0.35)
 
 
 def indistinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
@@ -66,7 +72,7 @@ def indistinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
 
 @dataclass(frozen=True)
 class EvaluatedCandidate:
-    """Candidate effect, with the model about its own simulation if it was simulated."""
+    """Candidate effect, with the model at its fitted coefficients if it was tried there."""
 
     candidate: Candidate
     model: LinearisedModel | None
@@ -76,98 +82,144 @@ class EvaluatedCandidate:
 class CandidateEvaluator:
     """Evaluation of candidate effects on one set of measurements."""
 
-    measured: MeasurementInterface
-    simulate: Simulate
-    trials: int
-    signatures: Mapping[CoefficientKey, ModelColumn]
+    measured: Measured
     train: np.ndarray  # indices of the operating points in use
     candidates: tuple[str, ...]
 
-    def simulate_at(self, hypothesis: Hypothesis) -> LinearisedModel | None:
-        """Simulate a hypothesis and linearise about it; None where the board stops."""
-        (runs,) = self.simulate([hypothesis], self.trials)
-        if runs is None:
-            return None
-        return linearise(self.measured, hypothesis, runs, self.signatures)
+    def linearise_at(self, start: LinearisedModel, hypothesis: Hypothesis) -> LinearisedModel:
+        """Return the model at a hypothesis, with the columns of ``start``."""
+        return linearise(self.measured, hypothesis, start.columns, start.gap_map)
+
+    def with_columns(self, model: LinearisedModel, names: Iterable[str]) -> LinearisedModel:
+        """Return a model with the columns ``names`` computed at its hypothesis."""
+        columns = {**model.columns, **self.measured.columns(model.hypothesis, names)}
+        return linearise(self.measured, model.hypothesis, columns, model.gap_map)
 
     def refit(self, start: LinearisedModel, effects: Sequence[str]) -> LinearisedModel:
         """Refit the nuisances and the coefficients of ``effects``; never return a worse model."""
-        coefficients = start.coefficients_of(effects)
-        current, current_cost = start, self._cost(start, coefficients)
+        chosen = start.index(effects)
+        names = [start.data.names[i] for i in chosen]
+        current = start
         for _ in range(_REFIT_ROUNDS):
-            chosen = current.index(coefficients)
-            beta = maximum_likelihood(current.data, current.priors, chosen, self.train)[0]
-            if np.abs(beta).max() < _NEGLIGIBLE_STEP:
+            beta = self._fit(current, effects)
+            if np.abs(beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
                 break
-            refitted = self.simulate_at(
-                hypothesis_at(current, self.measured.plant, coefficients, beta)
-            )
-            if refitted is None:
+            better = self._step_towards(current, effects, beta)
+            if better is None:
                 break
-            refitted_cost = self._cost(refitted, coefficients)
-            if refitted_cost > current_cost + CRITERIA.score:
-                break
-            current, current_cost = refitted, refitted_cost
+            current = self.with_columns(better, names)
         return current
 
-    def _cost(self, model: LinearisedModel, coefficients: Sequence[CoefficientKey]) -> float:
-        return cost(model.data, model.priors, model.index(coefficients), self.train)
+    def _step_towards(
+        self, current: LinearisedModel, effects: Sequence[str], beta: np.ndarray
+    ) -> LinearisedModel | None:
+        """Return the model at a step towards ``beta`` that is better; None where none is."""
+        chosen, before = current.index(effects), self._cost(current, effects)
+        for share in (1.0, 0.5, 0.25):
+            hypothesis = hypothesis_at(current, self.measured.plant, chosen, share * beta)
+            model = self.linearise_at(current, hypothesis)
+            if self._cost(model, effects) < before:
+                return model
+        return None
+
+    def _fit(self, model: LinearisedModel, effects: Sequence[str]) -> np.ndarray:
+        """Return the most likely steps of the columns of ``model.index(effects)``."""
+        return maximum_likelihood(
+            model.data, model.priors(effects), model.index(effects), self.train
+        )[0]
+
+    def _cost(self, model: LinearisedModel, effects: Sequence[str]) -> float:
+        return cost(model.data, model.priors(effects), model.index(effects), self.train)
 
     def _cross_validate(self, model: LinearisedModel, effects: Sequence[str]) -> CrossValidation:
-        chosen = model.index(model.coefficients_of(effects))
-        return cross_validate(model.data, model.priors, chosen, self.train)
+        return cross_validate(model.data, model.priors(effects), model.index(effects), self.train)
 
-    def _evaluate_by_signature(
-        self, model: LinearisedModel, base: Sequence[int], name: str
+    def _evaluate_linearly(
+        self, model: LinearisedModel, added: tuple[str, ...], name: str
     ) -> EvaluatedCandidate:
-        coefficients = model.coefficients_of([name])
-        more = [i for i in model.index(coefficients) if i not in base]
-        joined = [*base, *more]
-        gain = float(score(model.data, model.priors, base, more, self.train)[0])
-        beta = maximum_likelihood(model.data, model.priors, joined, self.train)[0][len(base) :]
-        before = cross_validate(model.data, model.priors, base, self.train)
-        after = cross_validate(model.data, model.priors, joined, self.train)
-        values = {
-            which: float(step) * typical_size(which)
-            for which, step in zip(coefficients, beta, strict=True)
-        }
+        joined = (*added, name)
+        gain = self.score_of(model, added, name, None)[0]
+        chosen, beta = model.index(joined), self._fit(model, joined)
+        values = self._values(model, name, chosen, beta)
+        before, after = (self._cross_validate(model, effects) for effects in (added, joined))
         share = explained_share(name, model, before, after)
-        return EvaluatedCandidate(_candidate(name, gain, share, values, "linear"), None)
+        return EvaluatedCandidate(self._candidate(name, float(gain), share, values, "linear"), None)
 
-    def _evaluate_by_simulation(
-        self, model: LinearisedModel, added: tuple[str, ...], names: Sequence[str]
-    ) -> dict[str, EvaluatedCandidate]:
-        """Simulate candidates with the coefficients of the linear fit and evaluate them."""
-        before = self._cross_validate(model, added)
-        hypotheses = []
-        for name in names:
-            coefficients = model.coefficients_of((*added, name))
-            beta = maximum_likelihood(
-                model.data, model.priors, model.index(coefficients), self.train
-            )[0]
-            hypotheses.append(hypothesis_at(model, self.measured.plant, coefficients, beta))
-        evaluated = {}
-        simulated = self.simulate(hypotheses, self.trials)
-        for name, hypothesis, runs in zip(names, hypotheses, simulated, strict=True):
-            if runs is None:
-                continue
-            with_effect = linearise(self.measured, hypothesis, runs, self.signatures, model.gap_map)
-            chosen = with_effect.index(with_effect.coefficients_of((*added, name)))
-            after = cross_validate(with_effect.data, with_effect.priors, chosen, self.train)
-            gain = float((log_likelihood(after) - log_likelihood(before))[0])
-            beta = maximum_likelihood(with_effect.data, with_effect.priors, chosen, self.train)[
-                0
-            ].tolist()
-            steps = dict(zip(chosen, beta, strict=True))
-            values = {
-                which: hypothesis.coefficient(which)
-                + steps[with_effect.column(which)] * typical_size(which)
-                for which in with_effect.coefficients_of([name])
-            }
-            share = explained_share(name, model, before, after)
-            candidate = _candidate(name, gain, share, values, "simulated")
-            evaluated[name] = EvaluatedCandidate(candidate, with_effect)
-        return evaluated
+    def score_of(
+        self,
+        model: LinearisedModel,
+        added: Sequence[str],
+        name: str,
+        signs: np.ndarray | None,
+    ) -> np.ndarray:
+        """Return a candidate's score (b,) about a model, or its scores on nulls."""
+        joined = (*added, name)
+        return score(
+            model.data,
+            Fit(model.index(added), model.priors(added)),
+            Fit(model.index(joined), model.priors(joined)),
+            [model.column(which) for which in model.coefficients_of([name])],
+            self.train,
+            signs,
+        )
+
+    def _values(
+        self, model: LinearisedModel, name: str, chosen: Sequence[int], beta: np.ndarray
+    ) -> dict[CoefficientKey, float]:
+        steps = dict(zip(chosen, beta.tolist(), strict=True))
+        return {
+            which: model.hypothesis.coefficient(which)
+            + steps[model.column(which)] * typical_size(which)
+            for which in model.coefficients_of([name])
+        }
+
+    def _evaluate_in_full(
+        self, model: LinearisedModel, added: tuple[str, ...], name: str
+    ) -> EvaluatedCandidate:
+        """Evaluate a candidate at its fitted coefficients, and with its shape where that helps."""
+        best = self._evaluate_at_best(model, model, added, name)
+        shapes = [".".join(which) for which in shape_coefficients(name)]
+        if shapes and best.model is not None and best.candidate.score > 0:
+            shaped = self.with_columns(best.model, shapes)
+            with_shape = self._evaluate_at_best(model, shaped, added, name)
+            if with_shape.candidate.score > best.candidate.score + CRITERIA.score:
+                return with_shape
+        return best
+
+    def _evaluate_at_best(
+        self, model: LinearisedModel, start: LinearisedModel, added: tuple[str, ...], name: str
+    ) -> EvaluatedCandidate:
+        joined = (*added, name)
+        before, with_effect = self._cross_validate(model, added), start
+        for _ in range(_FULL_ROUNDS):
+            better = self._step_towards(with_effect, joined, self._fit(with_effect, joined))
+            if better is None:
+                break
+            with_effect = better
+        after = self._cross_validate(with_effect, joined)
+        gain = float((log_likelihood(after) - log_likelihood(before))[0])
+        chosen = with_effect.index(joined)
+        values = self._values(with_effect, name, chosen, self._fit(with_effect, joined))
+        share = explained_share(name, model, before, after)
+        candidate = self._candidate(name, gain, share, values, "full")
+        return EvaluatedCandidate(candidate, with_effect)
+
+    def _candidate(
+        self,
+        name: str,
+        gain: float,
+        share: float,
+        values: Mapping[CoefficientKey, float],
+        tried: Literal["full", "linear"],
+    ) -> Candidate:
+        """Return a candidate; one within its tolerance has the size 0."""
+        limits = self.measured.tolerances
+        sizes = {w: abs(value) for w, value in values.items() if w in effect_coefficients(name)}
+        beyond = any(value > limits.get(which, 0.0) for which, value in sizes.items())
+        largest = max((value / typical_size(which) for which, value in sizes.items()), default=0.0)
+        parameters = {key: value for (_, key), value in values.items()}
+        size = largest if beyond else 0.0
+        return Candidate(name, gain, share, size, parameters, tried, CRITERIA.score)
 
 
 def explained_share(
@@ -187,15 +239,3 @@ def explained_share(
 
     total = excess(before)
     return 1 - excess(after) / total if total > 0 else 0.0
-
-
-def _candidate(
-    name: str,
-    gain: float,
-    share: float,
-    values: Mapping[CoefficientKey, float],
-    tried: Literal["simulated", "linear"],
-) -> Candidate:
-    size = max((abs(value) / typical_size(which) for which, value in values.items()), default=0.0)
-    parameters = {key: value for (_, key), value in values.items()}
-    return Candidate(name, gain, share, size, parameters, tried, CRITERIA.score)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hbench.config.bench import Bench, Plant
-from hbench.errors import DataError
+from hbench.config.sensors import Instruments
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.diagnosis_fields import (
     added_effect,
@@ -18,23 +18,23 @@ from hbench.reconcile.diagnosis_fields import (
     residual_map,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.gaps.columns import ModelColumn, residuals_of_runs
-from hbench.reconcile.gaps.gap_map import gaps, point_of
+from hbench.reconcile.gaps.gap_map import point_of
+from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.gaps.overlays import overlays
 from hbench.reconcile.gaps.regions import regions
-from hbench.reconcile.gaps.tables import GapComparison
-from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, Simulate
-from hbench.reconcile.linearised import LinearisedModel, linearise
+from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
+from hbench.reconcile.hypothesis import Hypothesis, typical_size
+from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import (
+    balance_model,
     channels_missing,
     incomplete_reason,
-    prepare,
-    residuals,
 )
+from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.nuisance import BACKGROUND, standard_deviation
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search import CampaignSearch, SearchResult
-from hbench.reconcile.signatures import signatures
 from hbench.reconcile.verdict import (
     data_shortfalls,
     decide_verdict,
@@ -42,19 +42,28 @@ from hbench.reconcile.verdict import (
     unexplained_gaps,
     unmeasured_channels,
 )
-from hbench.records import AddedEffect, Diagnosis, Gap, Provenance, Run
+from hbench.records import AddedEffect, Diagnosis, Overlay, Provenance, Run, RunPlan
 
 HELD_OUT = 5  # every fifth operating point is held out from refit and search
 _FIRST_HELD_OUT = 2
-_DRAWS = 3  # of the parameters' uncertainty, for the floor
+# Share of a signal's range: a fifth of the 1 % to which data sheets state cylinders and valves.
+MATERIAL = 0.002
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
-_MOST_TRIALS = 3  # of a simulation
-
+_NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
+_ASSUMED = (
+    "No instruments are stated. Tolerances of 1 % of the largest reading are assumed: errors of "
+    "sensors below that are not named."
+)
+_NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
+_STOPPED = "The simulated board stops before the end of the campaign: no gaps of signals."
 
 ProposeExperiment = Callable[
     [Mapping[str, Hypothesis], Mapping[str, float]], tuple[str, dict[str, Any]] | None
 ]
 """Returns the experiment that distinguishes hypotheses, in words and as a schedule."""
+
+Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Run, ...] | None]]
+"""Simulates one run of each operating point of some plans; None where the board stops."""
 
 
 @dataclass(frozen=True)
@@ -62,62 +71,31 @@ class ReconcileTask:
     """Task of a diagnosis: runs of a campaign and a model of its bench."""
 
     provenance: Provenance
-    bench: Bench
+    bench: Bench | None  # None: its board is unknown
     model: str  # file name
     plant: Plant  # of the model
     plant_data: Mapping[str, Any]  # sections of the model's file
     runs: tuple[Run, ...]
-    simulate: Simulate
-    propose: ProposeExperiment = lambda rivals, scatter: None
-
-
-@dataclass(frozen=True)
-class BaselineSimulation:
-    """Simulated runs of the given model, and the signatures of the effects about it.
-
-    It does not depend on the measurement.
-    """
-
-    runs: tuple[Run, ...]
-    signatures: Mapping[CoefficientKey, ModelColumn]
-
-
-def simulate_baseline(task: ReconcileTask, names: Sequence[str]) -> BaselineSimulation:
-    """Simulate the given model, without effects and with each of the effects ``names``.
-
-    Raises ``DataError`` where the board stops with the given model.
-    """
-    (runs,) = task.simulate([Hypothesis()], _trials(task.runs))
-    if runs is None:
-        raise DataError(
-            f"{task.model}: the simulated board stops before the end of the campaign",
-            f"Check the model with `hbench run --port sim --plant {task.model}`.",
-        )
-    model = MeasuredCampaign(task.bench, task.plant, ()).balance_model(Hypothesis())
-    return BaselineSimulation(runs, signatures(names, task.simulate, model, runs))
+    instruments: Instruments | None
+    material: float = MATERIAL
+    simulate: Simulate | None = None  # None: the runs can't be simulated
+    propose: ProposeExperiment | None = None
 
 
 def run_search(
-    task: ReconcileTask, baseline: BaselineSimulation, names: Sequence[str]
-) -> tuple[LinearisedModel, SearchResult, np.ndarray]:
-    """Return the given model, the result of the search, and the indices of held-out points.
+    task: ReconcileTask, names: Sequence[str]
+) -> tuple[MeasuredCampaign, SearchResult, np.ndarray]:
+    """Return the measured campaign, the result of the search, and indices of held-out points.
 
-    Raises ``DataError`` where no operating point has two trials.
+    Raises ``DataError`` for uneven samples.
     """
-    logs = tuple(prepare(run) for run in task.runs)
-    measured = MeasuredCampaign(task.bench, task.plant, logs)
-    given = linearise(measured, Hypothesis(), baseline.runs, baseline.signatures)
-    points = np.arange(len(given.gap_map.points))
-    held_out = points % HELD_OUT == _FIRST_HELD_OUT
-    search = CampaignSearch(
-        measured,
-        task.simulate,
-        _trials(task.runs),
-        baseline.signatures,
-        points[~held_out],
-        tuple(names),
+    measured = MeasuredCampaign(
+        task.bench, task.plant, task.instruments, sessions(task.runs), task.material
     )
-    return given, search.run(given), points[held_out]
+    points = np.arange(len({point_of(run.plan) for run in task.runs}))
+    held_out = points % HELD_OUT == _FIRST_HELD_OUT
+    search = CampaignSearch(measured, points[~held_out], tuple(names))
+    return measured, search.run(), points[held_out]
 
 
 def diagnose(task: ReconcileTask) -> Diagnosis:
@@ -130,44 +108,40 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
     if shortfalls := data_shortfalls(usable):
         every = tuple((shortfalls | missing).values())
         return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
-    trials = Counter(point_of(run.plan) for run in usable)
-    repeated = {point for point, count in trials.items() if count > 1}
-    task = replace(task, runs=tuple(run for run in usable if point_of(run.plan) in repeated))
+    task = replace(task, runs=usable)
     names, not_tried = _observable_effects(task.runs, task.plant)
-    baseline = simulate_baseline(task, names)
-    simulated = {name for name, _ in baseline.signatures}
-    stopped = "the simulated board stops, even with a quarter of the effect's typical size"
-    not_tried |= {name: stopped for name in names if name not in simulated}
-    given, result, held_out = run_search(task, baseline, names)
-    return _assembled(task, given, result, held_out, not_tried, tuple(missing.values()), left_out)
+    measured, result, held_out = run_search(task, names)
+    return _assembled(
+        task, measured, result, held_out, not_tried, tuple(missing.values()), left_out
+    )
 
 
 def _assembled(
     task: ReconcileTask,
-    given: LinearisedModel,
+    measured: MeasuredCampaign,
     result: SearchResult,
     held_out: np.ndarray,
     not_tried: Mapping[str, str],
     missing: tuple[str, ...],
     left_out: tuple[str, ...],
 ) -> Diagnosis:
-    measured = MeasuredCampaign(task.bench, task.plant, tuple(prepare(run) for run in task.runs))
     refitted, final = result.refitted, result.final
     points = final.gap_map.points
     held_out_points = frozenset(points[i] for i in held_out)
     train = np.setdiff1d(np.arange(len(points)), held_out)
     estimates = fit_coefficients(task.plant, final, result.names, train)
-    drawn = task.simulate(estimates.draws(_DRAWS), _trials(task.runs))
-    comparison = GapComparison(
-        measured.logs,
-        tuple(
-            (model.runs, measured.balance_model(model.hypothesis))
-            for model in (given, refitted, final)
+    balances = BalanceStages(
+        (
+            result.given.gap_map.in_units_of(refitted.gap_map),
+            refitted.gap_map,
+            final.gap_map.in_units_of(refitted.gap_map),
         ),
-        [runs for runs in drawn if runs is not None],
+        _uncertain(final, estimates),
     )
-    where = ranked_gaps(measured, refitted)
-    unexplained = unexplained_gaps(ranked_gaps(measured, final))
+    runs = tuple(run for log in measured.logs for run in log.runs)
+    simulated, overlaid, notes = _verification(task, result, held_out_points)
+    where = ranked_gaps(refitted.gap_map, _allowed(measured, refitted))
+    unexplained = unexplained_gaps(ranked_gaps(balances.maps[2], _allowed(measured, refitted)))
     last = result.steps[-1]
     rivals = {
         each.candidate.name: each.model.hypothesis
@@ -175,7 +149,7 @@ def _assembled(
         if each.candidate in last.ambiguous and each.model
     }
     scatter = {gap.name: gap.scatter for gap in where}
-    proposal = task.propose(rivals, scatter) if rivals else None
+    proposal = task.propose(rivals, scatter) if rivals and task.propose else None
     verdict, why = decide_verdict(result, unexplained)
     return Diagnosis(
         provenance=task.provenance,
@@ -189,33 +163,65 @@ def _assembled(
         rest=unexplained,
         next_experiment=proposal[0] if proposal else None,
         next_schedule=proposal[1] if proposal else None,
-        gap_heldout=comparison.table(held_out_points),
-        gap_train=comparison.table(frozenset(points) - held_out_points),
-        gap_runs=comparison.runs(held_out_points),
+        gap_heldout=gap_table(balances, simulated, held_out_points),
+        gap_train=gap_table(balances, simulated, frozenset(points) - held_out_points),
+        gap_runs=gaps_of_runs([run.plan for run in runs], balances, simulated, held_out_points),
         ranking=tuple(each.candidate for each in result.steps[0].evaluated),
         threshold=result.steps[0].evaluated[0].candidate.threshold,
         refitted=estimates.factors(),
         residuals_before=residual_map(refitted, held_out_points),
         residuals_after=residual_map(final, held_out_points),
-        overlays=overlays(
-            task.runs,
-            refitted.runs,
-            final.runs,
-            measured.balance_model(Hypothesis()),
-            held_out_points,
-        ),
-        heldout_runs=tuple(
-            run.plan.run for run in task.runs if point_of(run.plan) in held_out_points
-        ),
+        overlays=overlaid,
+        heldout_runs=tuple(run.plan.run for run in runs if point_of(run.plan) in held_out_points),
         not_tried=dict(not_tried),
         missing=missing,
         left_out=left_out,
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
+        notes=(*result.notes, *notes, *([] if task.instruments else [_ASSUMED])),
     )
 
 
-def _trials(runs: Sequence[Run]) -> int:
-    return min(_MOST_TRIALS, max(Counter(point_of(run.plan) for run in runs).values()))
+def _uncertain(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
+    """Return the variance (w, c) of the residuals by the parameters' uncertainty, in scatters."""
+    names = [final.data.names[i] for i in estimates.chosen]
+    columns = np.stack([np.nan_to_num(final.columns[name]) for name in names], axis=-1)
+    variance = np.einsum("wcj,jk,wck->wc", columns, estimates.covariance, columns, optimize=True)
+    return variance / final.gap_map.scatter**2
+
+
+def _allowed(measured: MeasuredCampaign, model: LinearisedModel) -> np.ndarray:
+    """Return the root mean square (c,) of what sensors within their tolerances may cause."""
+    squares = np.zeros(len(model.gap_map.names))
+    for which, limit in measured.tolerances.items():
+        if EFFECTS[which[0]].of_sensor:
+            change = model.columns[".".join(which)] / typical_size(which)
+            squares += standard_deviation(limit) ** 2 * np.nanmean(change**2, axis=0)
+    return np.sqrt(squares)
+
+
+def _verification(
+    task: ReconcileTask, result: SearchResult, held_out: frozenset
+) -> tuple[SimulatedStages | None, tuple[Overlay, ...], tuple[str, ...]]:
+    """Compare the signals of the runs with those of the models given, refitted and final.
+
+    The runs of the same schedule are simulated in closed loop with the firmware.
+    """
+    trials = Counter(point_of(run.plan) for run in task.runs)
+    runs = [run for run in task.runs if run.plan.motion and trials[point_of(run.plan)] > 1]
+    if task.simulate is None:
+        return None, (), (_NOT_SIMULATED,)
+    if not runs:
+        return None, (), (_NO_TRIALS,)
+    hypotheses = [model.hypothesis for model in (result.given, result.refitted, result.final)]
+    simulated = [
+        each for each in task.simulate(hypotheses, [run.plan for run in runs]) if each is not None
+    ]
+    if len(simulated) < len(hypotheses):
+        return None, (), (_STOPPED,)
+    models = [balance_model(task.bench, each.plant(task.plant)) for each in hypotheses]
+    stages = SimulatedStages(runs, list(zip(simulated, models, strict=True)))
+    shown = overlays(runs, simulated[1], simulated[2], models[1], held_out)
+    return stages, shown, ()
 
 
 def _usable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]:
@@ -223,8 +229,6 @@ def _usable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]
     usable, left_out = [], []
     for run in runs:
         reason = run.aborted or incomplete_reason(run)
-        if not reason and run.plan.motion is None:
-            reason = "its planned motion is unknown, so it can't be simulated"
         if reason:
             left_out.append(f"run {run.plan.run}: {reason}")
         else:
@@ -243,20 +247,15 @@ def _observable_effects(
             for balance in row.balances
             if all(channels_missing(run, balance) for run in runs)
         ]
-        if name in plant.effects:
+        if name in BACKGROUND:
+            not_tried[name] = "it tells benches apart: refitted with the parameters of the model"
+        elif name in plant.effects:
             not_tried[name] = "the model already contains it; its coefficients are not changed"
         elif len(without) == len(row.balances):
             not_tried[name] = f"no run has the channels of {', '.join(without)}"
         else:
             observable.append(name)
     return tuple(observable), not_tried
-
-
-def ranked_gaps(measured: MeasuredCampaign, model: LinearisedModel) -> tuple[Gap, ...]:
-    """Return the gaps of a model's balances, largest first."""
-    balances = measured.balance_model(model.hypothesis)
-    logs = [residuals(log, balances) for log in measured.logs]
-    return gaps(logs, residuals_of_runs(model.runs, balances))[0]
 
 
 def _added_effects(

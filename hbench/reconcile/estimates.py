@@ -22,11 +22,11 @@ _AT_BOUND = 1e-6  # priors and typical sizes
 
 @dataclass(frozen=True)
 class ParameterEstimates:
-    """Most likely parameters about a linearised model: nuisances, then ``coefficients``."""
+    """Most likely parameters about a linearised model: nuisances and coefficients of effects."""
 
     plant: Any  # the given model: a ``Plant`` or part of one
     model: LinearisedModel
-    coefficients: tuple[CoefficientKey, ...]
+    chosen: tuple[int, ...]  # (q,) indices of the model's columns
     beta: np.ndarray  # (q,)
     covariance: np.ndarray  # (q, q)
     dof: np.ndarray  # (q,)
@@ -35,34 +35,47 @@ class ParameterEstimates:
 
     def hypothesis(self, beta: np.ndarray) -> Hypothesis:
         """Return the hypothesis at some beta (q,)."""
-        return hypothesis_at(self.model, self.plant, self.coefficients, beta)
+        return hypothesis_at(self.model, self.plant, self.chosen, beta)
 
     def factors(self) -> dict[str, FitParameter]:
         """Return the factors on the nuisances, by dotted path."""
-        values = self.hypothesis(self.beta).factors
+        values, priors = self.hypothesis(self.beta).factors, nuisances(self.plant)
         factors = {}
-        for i, (path, prior) in enumerate(nuisances(self.plant).items()):
-            value, half_width = values[path], prior * self._half_width(i)
+        for i, name in enumerate(self._names):
+            if not name.startswith("/"):
+                continue
+            path = name[1:]
+            value, half_width = values[path], priors[path] * self._half_width(i)
             ends = (float(value * np.exp(-half_width)), float(value * np.exp(half_width)))
-            se = prior * value * float(np.sqrt(self.covariance[i, i]))
+            se = priors[path] * value * float(np.sqrt(self.covariance[i, i]))
             factors[path] = self._parameter(i, value, se, ends, "1")
         return factors
 
     def of_effect(self, name: str) -> dict[str, FitParameter]:
         """Return an effect's coefficients in the units of the catalogue."""
-        hypothesis = self.hypothesis(self.beta)
-        first, parameters = len(self.beta) - len(self.coefficients), {}
-        for i, which in enumerate(self.coefficients, start=first):
-            if which[0] != name:
+        parameters = {}
+        for i, column in enumerate(self._names):
+            effect, _, key = column.partition(".")
+            if effect != name:
                 continue
-            unit = EFFECTS[name].coefficients[which[1]].unit
+            which = effect, key
+            unit = EFFECTS[name].coefficients[key].unit
             size = typical_size(which) / parse_unit(unit).factor
-            value = hypothesis.coefficient(which) / parse_unit(unit).factor
+            start = self.model.hypothesis.coefficient(which) / parse_unit(unit).factor
+            value = start + size * float(self.beta[i])
             half_width = size * self._half_width(i)
             se = size * float(np.sqrt(self.covariance[i, i]))
             ends = (value - half_width, value + half_width)
-            parameters[which[1]] = self._parameter(i, value, se, ends, unit)
+            parameters[key] = self._parameter(i, value, se, ends, unit)
         return parameters
+
+    def degrees_of_freedom(self, which: CoefficientKey) -> float:
+        """Return the degrees of freedom of a coefficient."""
+        return float(self.dof[self.chosen.index(self.model.column(which))])
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(self.model.data.names[i] for i in self.chosen)
 
     def draws(self, count: int, seed: int = 1) -> list[Hypothesis]:
         """Return hypotheses drawn from the parameters' uncertainty, within their bounds."""
@@ -97,11 +110,8 @@ def fit_coefficients(
     plant: Any, model: LinearisedModel, names: Sequence[str], train: np.ndarray
 ) -> ParameterEstimates:
     """Fit the nuisances and the coefficients of the effects ``names`` to the points ``train``."""
-    coefficients = model.coefficients_of(names)
-    chosen = model.index(coefficients)
-    beta = maximum_likelihood(model.data, model.priors, chosen, train)[0]
-    covariance, dof = intervals(model.data, model.priors, chosen, beta, train)
-    priors = model.priors.select(chosen)
-    return ParameterEstimates(
-        plant, model, coefficients, beta, covariance, dof, priors.low, priors.high
-    )
+    chosen, priors = tuple(model.index(names)), model.priors(names)
+    beta = maximum_likelihood(model.data, priors, chosen, train)[0]
+    covariance, dof = intervals(model.data, priors, chosen, beta, train)
+    bounds = priors.select(chosen)
+    return ParameterEstimates(plant, model, chosen, beta, covariance, dof, bounds.low, bounds.high)

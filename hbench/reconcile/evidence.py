@@ -19,7 +19,9 @@ a candidate these are its own residuals: what it does not explain, however large
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,6 +42,22 @@ class Products:
     noise: np.ndarray  # (p, g) expected sum of squares of d's noise
     windows: np.ndarray  # (p, g) number of windows
     groups: tuple[tuple[str, str], ...]  # (g,) balance and motion
+
+    def summed_columns(self, points: np.ndarray) -> np.ndarray:
+        """Return the products of the columns (g, q, q) over some operating points."""
+        key = points.tobytes()
+        if key not in self._sums:
+            self._sums[key] = self.columns[points].sum(axis=0)
+        return self._sums[key]
+
+    @cached_property
+    def _sums(self) -> dict[bytes, np.ndarray]:
+        return {}
+
+    @cached_property
+    def nonzero(self) -> np.ndarray:
+        """Which columns (g, q) change a group."""
+        return np.einsum("pgjj->gj", self.columns) > 0
 
 
 @dataclass(frozen=True)
@@ -65,9 +83,10 @@ def maximum_likelihood(
     chosen: Sequence[int],
     points: np.ndarray,
     signs: np.ndarray | None = None,
+    groups: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the most likely beta (b, chosen) over some ``points``; ``signs`` (b, p) make nulls."""
-    selected, sums = priors.select(chosen), _summed(data, chosen, points, signs)
+    selected, sums = priors.select(chosen), _summed(data, chosen, points, signs, groups)
     noise = np.broadcast_to(sums.noise, (len(sums.mixed), len(sums.noise)))
     from_noise = _reweighted_fit(sums, selected, noise)
     centre = np.tile(np.clip(selected.centre, selected.low, selected.high), (len(sums.mixed), 1))
@@ -96,7 +115,7 @@ def _reweighted_fit(sums: "_Sums", priors: Priors, variance: np.ndarray) -> np.n
     """
     for _ in range(_REWEIGHTINGS):
         weight = sums.points / (sums.windows * variance)
-        curved = np.einsum("bg,gjk->bjk", weight, sums.columns)
+        curved = np.tensordot(weight, sums.columns, axes=1)
         driven = np.einsum("bg,bgj->bj", weight, sums.mixed)
         beta = np.zeros_like(driven)
         fixed = np.zeros_like(driven, bool)
@@ -139,45 +158,42 @@ def intervals(
     return covariance * np.outer(wider, wider), np.maximum(share.T @ sums.points - 1, 1.0)
 
 
+class Fit(NamedTuple):
+    """Columns of a fit and the priors of all columns."""
+
+    chosen: Sequence[int]
+    priors: Priors
+
+
 def score(
     data: Products,
-    priors: Priors,
-    base: Sequence[int],
+    before: Fit,
+    after: Fit,
     more: Sequence[int],
     points: np.ndarray,
     signs: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Return the cross-validated gain in ln L (b,) when ``more`` columns join ``base``."""
-    part, shared, joined, groups = _touched(data, base, more)
-    if signs is not None and signs.ndim == 3:
-        signs = signs[:, :, groups]
-    before = log_likelihood(cross_validate(part, priors, shared, points, signs))
-    return log_likelihood(cross_validate(part, priors, joined, points, signs)) - before
+    """Return the cross-validated gain in ln L (b,) of one fit over another.
+
+    They differ in the columns ``more``, which one of them lacks or keeps within a tolerance.
+    """
+    groups = _touched(data, before.chosen, more)
+    gains = []
+    for fit in (before, after):
+        chosen = [j for j in fit.chosen if data.nonzero[groups, j].any()]
+        prediction = cross_validate(data, fit.priors, chosen, points, signs, groups)
+        gains.append(log_likelihood(prediction))
+    return gains[1] - gains[0]
 
 
-def _touched(
-    data: Products, base: Sequence[int], more: Sequence[int]
-) -> tuple[Products, list[int], list[int], np.ndarray]:
+def _touched(data: Products, base: Sequence[int], more: Sequence[int]) -> np.ndarray:
     """Return the groups that ``more`` columns change, or that share a column with these.
 
-    The others cancel in a score. Also returns the columns of ``base`` in these groups, the columns
-    of both, and the mask (g,) of the groups.
+    The others cancel in a score.
     """
-    nonzero = np.einsum("pgjj->gj", data.columns) > 0  # (g, q)
-    groups = nonzero[:, list(more)].any(axis=1)
-    shared = [j for j in base if nonzero[groups, j].any()]
-    groups |= nonzero[:, shared].any(axis=1)
-    part = replace(
-        data,
-        **{
-            name: getattr(data, name)[:, groups]
-            for name in ("columns", "mixed", "squares", "noise", "windows")
-        },
-        groups=tuple(
-            group for group, selected in zip(data.groups, groups, strict=True) if selected
-        ),
-    )
-    return part, shared, [*shared, *more], groups
+    groups = data.nonzero[:, list(more)].any(axis=1)
+    shared = [j for j in base if data.nonzero[groups, j].any()]
+    return np.flatnonzero(groups | data.nonzero[:, shared].any(axis=1))
 
 
 @dataclass(frozen=True)
@@ -196,15 +212,16 @@ def cross_validate(
     chosen: Sequence[int],
     points: np.ndarray,
     signs: np.ndarray | None = None,
+    groups: np.ndarray | None = None,
 ) -> CrossValidation:
-    """Predict each fold of the operating points by a fit to the others."""
+    """Predict each fold of the operating points by a fit to the others; ``groups`` are indices."""
     total = np.zeros(1)
     for number in range(min(FOLDS, len(points))):
         fold = np.arange(len(points)) % FOLDS == number
-        beta = maximum_likelihood(data, priors, chosen, points[~fold], signs)
-        sums = _summed(data, chosen, points[fold], signs)
+        beta = maximum_likelihood(data, priors, chosen, points[~fold], signs, groups)
+        sums = _summed(data, chosen, points[fold], signs, groups)
         total = total + sums.squared_residuals(beta)
-    whole = _summed(data, chosen, points, signs)
+    whole = _summed(data, chosen, points, signs, groups)
     return CrossValidation(total / whole.windows, whole.noise, whole.points, whole.windows)
 
 
@@ -244,8 +261,8 @@ class _Sums:
 
     def squared_residuals(self, beta: np.ndarray) -> np.ndarray:
         """Return sums (b, g) of (d - beta c)^2."""
-        crossed = np.einsum("bj,bgj->bg", beta, self.mixed)
-        curved = np.einsum("bj,gjk,bk->bg", beta, self.columns, beta, optimize=True)
+        crossed = (self.mixed @ beta[:, :, None])[:, :, 0]
+        curved = np.sum((beta @ self.columns) * beta, axis=2).T
         return np.maximum(self.squares - 2 * crossed + curved, 0.0)
 
     def variance(self, beta: np.ndarray) -> np.ndarray:
@@ -253,26 +270,33 @@ class _Sums:
 
 
 def _summed(
-    data: Products, chosen: Sequence[int], points: np.ndarray, signs: np.ndarray | None
+    data: Products,
+    chosen: Sequence[int],
+    points: np.ndarray,
+    signs: np.ndarray | None,
+    groups: np.ndarray | None = None,
 ) -> _Sums:
-    index = np.ix_(points, np.arange(data.mixed.shape[1]), np.array(chosen, dtype=int))
-    windows = data.windows[points].sum(axis=0)
-    mixed, squares = data.mixed[index], data.squares[points].sum(axis=0)
+    if groups is None:
+        groups = np.arange(data.squares.shape[1])
+    columns = np.array(chosen, dtype=int)
+    at = np.ix_(points, groups)
+    windows, squares = data.windows[at].sum(axis=0), data.squares[at].sum(axis=0)
+    mixed = data.mixed[np.ix_(points, groups, columns)]
     if signs is None:
         mixed = mixed.sum(axis=0)[None]
     elif signs.ndim == 2:
-        mixed = np.einsum("bp,pgj->bgj", signs[:, points], mixed)
+        mixed = np.tensordot(signs[:, points], mixed, axes=1)
     else:
-        mixed = np.einsum("bpg,pgj->bgj", signs[:, points], mixed)
-        squares = np.einsum("bpg,pg->bg", signs[:, points] ** 2, data.squares[points])
-    columns = data.columns[points].sum(axis=0)[:, list(chosen)][:, :, list(chosen)]
+        turned = signs[np.ix_(np.arange(len(signs)), points, groups)]
+        mixed = np.einsum("bpg,pgj->bgj", turned, mixed)
+        squares = np.einsum("bpg,pg->bg", turned**2, data.squares[at])
     return _Sums(
-        columns=columns,
+        columns=data.summed_columns(points)[np.ix_(groups, columns, columns)],
         mixed=mixed,
         squares=squares,
-        noise=np.maximum(data.noise[points].sum(axis=0) / np.maximum(windows, 1), 1e-12),
+        noise=np.maximum(data.noise[at].sum(axis=0) / np.maximum(windows, 1), 1e-12),
         windows=np.maximum(windows, 1),
-        points=(data.windows[points] > 0).sum(axis=0),
+        points=(data.windows[at] > 0).sum(axis=0),
     )
 
 

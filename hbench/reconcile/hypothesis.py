@@ -1,6 +1,6 @@
 """Hypothesis: the given plant with factors on its nuisance parameters and with effects."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -45,13 +45,6 @@ class Hypothesis:
         name, key = which
         row = EFFECTS[name].coefficients[key]
         return self.effects.get(name, {}).get(key, row.to_si(row.default))
-
-
-Simulate = Callable[[Sequence[Hypothesis], int], Iterable[Any]]
-"""Simulates the campaign's runs for each hypothesis, with the given number of trials.
-
-Yields None for a hypothesis with which the board stops.
-"""
 
 
 def effect_coefficients(name: str) -> tuple[CoefficientKey, ...]:

@@ -1,77 +1,144 @@
-"""Measurement side of the search: the interface, and the runs of a campaign."""
+"""Runs of a campaign as measurements of the search: residuals and columns along their logs."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+
+import numpy as np
 
 from hbench.config.bench import Bench, Plant
-from hbench.config.scaling import scaled
-from hbench.reconcile.gaps.columns import ModelColumn, residuals_of_runs
-from hbench.reconcile.gaps.gap_map import GapMap, gap_map, point_of
+from hbench.config.sensors import Instruments
+from hbench.model.effects.catalogue import EFFECTS, read_effects
+from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
+from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
+from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import (
     BALANCES,
     BalanceModel,
-    PreparedRun,
     balance_model,
-    residuals,
+    balance_values,
+    operating_conditions,
+    rounding_error,
 )
-from hbench.reconcile.nuisance import slopes
-from hbench.records import Run
+from hbench.reconcile.measured.session import PRESSURES, Session
+from hbench.reconcile.nuisance import nuisances, tolerances
+from hbench.reconcile.steps import stepped
 
-
-class MeasurementInterface(Protocol):
-    """Measurement interface of the search."""
-
-    @property
-    def plant(self) -> Any:
-        """The given model: a ``Plant`` or part of one."""
-
-    def gap_map(self, hypothesis: Hypothesis, simulated: Any) -> GapMap:
-        """Return the differences between the measured runs and those simulated."""
-
-    def slopes(self, factors: Mapping[str, float]) -> dict[str, ModelColumn]:
-        """Return the derivatives of the measured balances by the logarithm of each nuisance."""
-
-    def signatures_at(
-        self, hypothesis: Hypothesis, signatures: Mapping[CoefficientKey, ModelColumn]
-    ) -> Mapping[CoefficientKey, ModelColumn]:
-        """Return the signatures of the coefficients at a hypothesis, from those of the model."""
+_STEP = 1e-3  # of a logarithm
+_SHARE = 0.05  # of a typical size: its law is nearly a line over this step
+_COLUMN_STEP_S = 2.5e-3  # of the laws' states: derivatives need not be as exact as residuals
+_LEVEL_SCATTER = 0.04  # of dry friction from run to run, standard deviation: assumed
 
 
 @dataclass(frozen=True)
 class MeasuredCampaign:
-    """Runs of a campaign, with the bench and the given model."""
+    """Runs of a campaign in their order, with the bench and the given model."""
 
-    bench: Bench
+    bench: Bench | None  # None: the board and its sensors are unknown
     plant: Plant  # of the given model
-    logs: tuple[PreparedRun, ...]
+    instruments: Instruments | None
+    logs: tuple[Session, ...]
+    material: float  # share of a signal's range: a smaller deviation does not matter
 
     @cached_property
-    def first_trials(self) -> tuple[PreparedRun, ...]:
-        """The first run of each operating point."""
-        return tuple({point_of(log.run.plan): log for log in reversed(self.logs)}.values())
+    def tolerances(self) -> Mapping[CoefficientKey, float]:
+        """Limits [SI] of the coefficients that are nuisances within them."""
+        pressure = max(np.max(log.channels[name]) for log in self.logs for name in PRESSURES)
+        force = max(np.abs(log.channels["f_applied_n"]).max() for log in self.logs)
+        return tolerances(self.instruments, float(pressure), float(force))
+
+    @cached_property
+    def start(self) -> Hypothesis:
+        """The given model, with the values of all coefficients that are nuisances."""
+        given, effects = read_effects(self.plant.effects), {}
+        for name in dict.fromkeys(name for name, _ in self.tolerances):
+            rows = EFFECTS[name].coefficients.items()
+            effects[name] = {key: row.to_si(row.default) for key, row in rows} | given.get(name, {})
+        return Hypothesis(effects=effects)
 
     def balance_model(self, hypothesis: Hypothesis) -> BalanceModel:
-        """Return the balances' model with a hypothesis' factors; simulations have its effects."""
-        return balance_model(self.bench, scaled(self.plant, hypothesis.factors))
+        """Return the balances' model of a hypothesis."""
+        return balance_model(self.bench, hypothesis.plant(self.plant))
 
-    def gap_map(self, hypothesis: Hypothesis, simulated: Sequence[Run]) -> GapMap:
-        """Return the differences between the measured runs and those simulated."""
+    def _coarse_model(self, hypothesis: Hypothesis) -> BalanceModel:
+        return replace(self.balance_model(hypothesis), step_s=_COLUMN_STEP_S)
+
+    def gap_map(self, hypothesis: Hypothesis) -> GapMap:
+        """Return the residuals of all runs, with the levels of friction that are not known."""
         model = self.balance_model(hypothesis)
-        measured = [residuals(log, model) for log in self.logs]
-        return gap_map(measured, residuals_of_runs(simulated, model))
+        values = _values(self.logs, model)
+        residuals = log_map(self._windows, BALANCES, values, rounding_error(model))
+        material = self.material * self._ranges(model) / residuals.scatter[0]
+        levels = tuple(self._levels(model, residuals))
+        return replace(residuals, levels=levels, material=material)
 
-    def slopes(self, factors: Mapping[str, float]) -> dict[str, ModelColumn]:
-        """Return the derivatives of the measured balances by the logarithm of each nuisance."""
-        logs = self.first_trials
-        points = [point_of(log.run.plan) for log in logs]
-        by_path = slopes(logs, self.bench, self.plant, factors, BALANCES)
-        return {path: dict(zip(points, runs, strict=True)) for path, runs in by_path.items()}
+    def _ranges(self, model: BalanceModel) -> np.ndarray:
+        """Return the largest magnitude (c,) of what each balance is made of."""
+        v = np.abs(np.concatenate([log.velocity_m_s for log in self.logs])).max()
+        test, load = model.par.test, model.par.load
+        areas = test.area_piston_m2, test.area_rod_m2, load.area_piston_m2, load.area_rod_m2
+        forces = [np.abs(log.channels["f_applied_n"]).max() for log in self.logs]
+        force = max(forces) or model.par.supply.pressure_pa * test.area_piston_m2
+        return np.array(
+            [*(area * v for area in areas), force, force, v, model.par.supply.pressure_pa]
+        )
 
-    def signatures_at(
-        self, hypothesis: Hypothesis, signatures: Mapping[CoefficientKey, ModelColumn]
-    ) -> Mapping[CoefficientKey, ModelColumn]:
-        """Return the signatures unchanged: effects hardly change each other's signature."""
-        return signatures
+    @cached_property
+    def _windows(self) -> Windows:
+        model = self.balance_model(self.start)
+        runs, counts = [run for log in self.logs for run in log.runs], [0]
+        for log in self.logs:
+            counts.append(counts[-1] + len(log.runs))
+        conditions = zip(*(operating_conditions(log, model) for log in self.logs), strict=True)
+        return Windows(
+            np.concatenate(
+                [log.run_of_window + first for log, first in zip(self.logs, counts, strict=False)]
+            ),
+            tuple(point_of(run.plan) for run in runs),
+            *(np.concatenate(values) for values in conditions),
+        )
+
+    def _levels(self, model: BalanceModel, residuals: GapMap) -> Iterable[RunLevel]:
+        """Yield a level of friction for each run and cylinder."""
+        edges = np.flatnonzero(np.diff(residuals.run)) + 1
+        starts = [0, *edges.tolist(), len(residuals.run)]
+        raised = replace(model, levels=(1.0 + _STEP, 1.0 + _STEP))
+        dry = (_values(self._smooth, raised) - _values(self._smooth, model)) / _STEP
+        with np.errstate(invalid="ignore"):
+            change = np.nan_to_num(_LEVEL_SCATTER * dry / residuals.scatter)
+        for balance in (BALANCES.index(name) for name in ("force_test", "force_load")):
+            for start, stop in zip(starts[:-1], starts[1:], strict=True):
+                windows = slice(start, stop)
+                yield RunLevel(windows, balance, change[windows, balance], 1.0)
+
+    @cached_property
+    def _smooth(self) -> tuple[Session, ...]:
+        return tuple(log.smoothed() for log in self.logs)
+
+    def columns(self, hypothesis: Hypothesis, names: Iterable[str]) -> Columns:
+        """Return the columns ``names`` at a hypothesis: changes by one unit, times -1.
+
+        By finite differences along the logs, on all cores.
+        """
+        before = _values(self._smooth, self._coarse_model(hypothesis))
+        wanted = list(names)
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            columns = pool.map(lambda name: self._column(hypothesis, name, before), wanted)
+            return dict(zip(wanted, columns, strict=True))
+
+    def _column(self, hypothesis: Hypothesis, name: str, before: np.ndarray) -> np.ndarray:
+        size = _STEP if name.startswith("/") else _SHARE
+        at_step, share = stepped(hypothesis, name, nuisances(self.plant), size)
+        after = _values(self._smooth, self._coarse_model(at_step))
+        change = (before - after) / share
+        if name.startswith("/"):
+            return change
+        touched = np.isin(BALANCES, EFFECTS[name.partition(".")[0]].balances)
+        return np.where(touched, change, 0.0)
+
+
+def _values(logs: Sequence[Session], model: BalanceModel) -> np.ndarray:
+    return np.concatenate([balance_values(log, model) for log in logs])

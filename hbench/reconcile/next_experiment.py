@@ -68,7 +68,7 @@ def _separation(
         plans = plan_runs(schedule, bench, "next").runs
     except ConfigError:
         return 0.0
-    simulated = simulator(bench, plant, plans, spread=map)(tuple(rivals.values()), 1)
+    simulated = simulator(bench, plant, spread=map)(tuple(rivals.values()), plans)
     model = balance_model(bench, plant)
     columns = [
         mean_column(residuals_of_runs(runs, model)) for runs in simulated if runs is not None

@@ -1,63 +1,64 @@
-"""Nuisance parameters: known parameters with uncertain values, refitted before the search.
+"""Nuisance parameters: what a bench file knows only roughly, refitted before the search.
 
-Each is a factor on a value of the plant file, with a prior (standard deviation of its logarithm)
-and bounds at three standard deviations, so that no nuisance can absorb an effect. Balances share
-nuisances only within a group: a residual of friction cannot change the valve's gain.
+Two kinds. A factor on a value of the plant file has a prior (standard deviation of its logarithm)
+and bounds at three of them. A coefficient of an effect has a tolerance: instruments within their
+class and valves of one type differ by so much, so it is no effect below that limit. Inside it is
+taken as equally likely (JCGM 100, 4.3.7: standard deviation a / sqrt 3), and bounded by it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from math import sqrt
 from typing import Any
 
-import numpy as np
-
-from hbench.config.bench import Bench, Plant
-from hbench.config.scaling import scaled, value_paths
+from hbench.config.bench import Plant
+from hbench.config.scaling import value_paths
+from hbench.config.sensors import Instrument, Instruments
 from hbench.errors import ConfigError
-from hbench.reconcile.measured.balances import FLOWS, PreparedRun, balance_model, residuals
+from hbench.reconcile.hypothesis import CoefficientKey
 
-_FRICTION = {
-    "coulomb": 0.3,
-    "stiction": 0.3,
-    "stribeck_velocity": 0.2,
-    "viscous": 0.3,
-    "bristle_stiffness": 0.3,
-    "stribeck_force": 0.3,
+_FRICTION = {  # a first guess of a seal's friction may be off by a factor of 5
+    "coulomb": 0.8,
+    "stiction": 0.8,
+    "stribeck_velocity": 0.5,
+    "viscous": 0.8,
+    "bristle_stiffness": 0.5,
+    "stribeck_force": 0.8,
 }
-# Priors of the nuisances of each group of balances: assumed accuracy of a bench file's values.
-GROUPS: Mapping[tuple[str, ...], Mapping[str, float]] = {
-    FLOWS: {
-        "valve.gain": 0.1,
-        "valve.bandwidth": 0.04,
-        "oil.bulk_modulus": 0.3,
-        "test_cylinder.dead_volume_piston": 0.3,
-        "test_cylinder.dead_volume_rod": 0.3,
-        "load_cylinder.dead_volume_piston": 0.3,
-        "load_cylinder.dead_volume_rod": 0.3,
-    },
+# Assumed accuracy of a plant file's values, as standard deviations of their logarithms.
+FACTORS: Mapping[str, float] = {
+    "supply.pressure": 0.02,
+    "supply.tank": 0.3,
+    "valve.gain": 0.15,
+    "valve.bandwidth": 0.04,
+    "oil.bulk_modulus": 0.3,
+    "test_cylinder.dead_volume_piston": 0.3,
+    "test_cylinder.dead_volume_rod": 0.3,
+    "load_cylinder.dead_volume_piston": 0.3,
+    "load_cylinder.dead_volume_rod": 0.3,
     **{
-        (f"force_{side}",): {
+        path: prior
+        for side in ("test", "load")
+        for path, prior in {
             f"moving_mass.{side}": 0.2,
             **{f"friction.{side}.{name}": prior for name, prior in _FRICTION.items()},
-        }
-        for side in ("test", "load")
+        }.items()
     },
 }
 BOUND = 3.0  # priors
-_STEP = 1e-3  # of a logarithm, for its derivative
+# Of valves of one type: 10 %, 2 % of 10 V, 3 % at 3 V, an orifice's 1/2 to 0.6.
+_VALVE = {"curvature": 0.01, "exponent": 0.1}
+_EACH_VALVE = {"gain": 0.1, "null": 0.2}
+ASSUMED_TOLERANCE = 0.01  # of sensors whose tolerance is not stated: a usual industrial class
+BACKGROUND = frozenset({"valve_trim", "pressure_gain"})  # rows that only tell benches apart
 
 
 def nuisances(plant: Any) -> dict[str, float]:
-    """Return the priors of the nuisances that a plant, or part of a plant, has, by dotted path.
+    """Return the priors of the factors that a plant, or part of a plant, has, by dotted path.
 
     Left out are values of zero, sections that a part of a plant does not have, and parameters of
     other friction laws. Raises ``ConfigError`` for a path that no plant has.
     """
-    return {
-        path: prior
-        for priors in GROUPS.values()
-        for path, prior in priors.items()
-        if nuisance_value(plant, path)
-    }
+    return {path: prior for path, prior in FACTORS.items() if nuisance_value(plant, path)}
 
 
 def nuisance_value(plant: Any, path: str) -> float:
@@ -75,33 +76,47 @@ def nuisance_value(plant: Any, path: str) -> float:
     return value
 
 
-def slopes(
-    logs: Sequence[PreparedRun],
-    bench: Bench,
-    plant: Plant,
-    factors: Mapping[str, float],
-    names: tuple[str, ...],
-) -> dict[str, list[np.ndarray]]:
-    """Return each run's derivative (m, names) of the balances by the logarithm of each factor.
+def tolerances(
+    instruments: Instruments | None, largest_pa: float, largest_n: float
+) -> dict[CoefficientKey, float]:
+    """Return the limits [SI] of coefficients that no bench is free of.
 
-    ``factors`` are the current ones on ``plant``.
+    ``largest_pa`` and ``largest_n`` are the largest readings: where a tolerance is of the reading,
+    an offset may be as large as there. Without instruments 1 % of the largest reading is assumed.
     """
-    of_plant = nuisances(plant)
-    derivatives = {}
-    for balances, priors in GROUPS.items():
-        model = balance_model(bench, scaled(plant, factors))
-        before = [residuals(log, model, balances).values for log in logs]
-        column = [balances.index(name) if name in balances else -1 for name in names]
-        for path in priors:
-            if path not in of_plant:
-                continue
-            log_factor = np.log(factors.get(path, 1.0))
-            step = -_STEP if log_factor > 0 else _STEP  # towards a factor of 1
-            stepped = {**factors, path: float(np.exp(log_factor + step))}
-            model_after = balance_model(bench, scaled(plant, stepped))
-            after = [residuals(log, model_after, balances).values for log in logs]
-            derivatives[path] = [
-                np.where(np.array(column) >= 0, ((b - a) / step)[:, column], 0.0)
-                for a, b in zip(before, after, strict=True)
-            ]
-    return derivatives
+    limits = {
+        ("valve_trim", f"{kind}_{valve}"): limit
+        for valve in ("test", "load_1", "load_2")
+        for kind, limit in _EACH_VALVE.items()
+    } | {("valve_trim", kind): limit for kind, limit in _VALVE.items()}
+    pressure, force = _stated(instruments, largest_pa, largest_n)
+    for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s"):
+        limits["pressure_offset", name] = _offset(pressure, largest_pa)
+        limits["pressure_gain", name] = pressure.tolerance
+    limits["load_cell_gain", "error"] = force.tolerance
+    limits["load_cell_offset", "force"] = _offset(force, largest_n)
+    return limits
+
+
+def _stated(
+    instruments: Instruments | None, largest_pa: float, largest_n: float
+) -> tuple[Instrument, Instrument]:
+    """Return the tolerances of pressure transducers and load cell, assumed where not stated."""
+    if instruments is not None:
+        return instruments.pressure, instruments.force
+    assumed = {"tolerance": ASSUMED_TOLERANCE, "of": "reading"}
+    return (
+        Instrument.model_validate({**assumed, "full_scale": largest_pa}),
+        Instrument.model_validate({**assumed, "full_scale": largest_n}),
+    )
+
+
+def _offset(instrument: Instrument, largest: float) -> float:
+    """Return the largest offset within a tolerance."""
+    at = largest if instrument.of == "reading" else instrument.full_scale
+    return instrument.tolerance * at
+
+
+def standard_deviation(limit: float) -> float:
+    """Return that of a value anywhere within +-``limit``."""
+    return limit / sqrt(3)

@@ -1,13 +1,13 @@
 """Search for effects of the catalogue that a model does not contain, one after another.
 
-Each candidate is first evaluated about the refitted model by its signature (``evidence.score``).
-The best are then simulated with their fitted coefficients and evaluated again. An effect is added
-if, by cross-validation over operating points,
+Each candidate is first evaluated about the refitted model by its columns (``evidence.score``). The
+best are then evaluated in full, at their fitted coefficients. An effect is added if, by
+cross-validation over operating points,
 
     its score exceeds 5 nats and the 98 % quantile of the largest null score: null data sets are the
     candidate's own residuals with random signs, over all candidates for the same balances,
     it explains more than a quarter of the excess gap in the balances it touches, and
-    its coefficient is at least a fifth of the typical size.
+    its coefficient is at least a third of the typical size, and beyond its tolerance.
 
 Candidates whose scores are close to the best one form an ambiguous set, and none is added.
 """
@@ -27,18 +27,22 @@ from hbench.reconcile.candidates import (
     EvaluatedCandidate,
     indistinguishable,
 )
-from hbench.reconcile.evidence import log_likelihood, random_signs, score
-from hbench.reconcile.gaps.columns import residuals_of_runs
-from hbench.reconcile.hypothesis import shape_coefficients, typical_size
+from hbench.reconcile.evidence import random_signs
+from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.hypothesis import effect_coefficients
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.signatures import signature
+from hbench.reconcile.nuisance import nuisances
 from hbench.records import Candidate
 
-_MOST_SIMULATED = 6  # candidates
-_LEAST_SHARE = 0.3  # of the best score; candidates below are not simulated
-_LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not simulated
+_MOST_IN_FULL = 6  # candidates
+_LEAST_SHARE = 0.3  # of the best score; candidates below are not evaluated in full
+_LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not evaluated in full
 _MOST_EFFECTS = 4
+_REFUSED = (
+    "The refit of the model's parameters is refused: it makes the held-out runs worse (gap "
+    "{before:.2f} to {after:.2f})."
+)
 
 
 @dataclass(frozen=True)
@@ -53,11 +57,13 @@ class SearchStep:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """Refitted model, steps of the search, and final model."""
+    """Given and refitted model, steps of the search, and final model."""
 
+    given: LinearisedModel
     refitted: LinearisedModel
     steps: tuple[SearchStep, ...]
     final: LinearisedModel
+    notes: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -71,72 +77,61 @@ class CampaignSearch(CandidateEvaluator):
 
     measured: MeasuredCampaign
 
-    def run(self, given: LinearisedModel) -> SearchResult:
+    def run(self) -> SearchResult:
         """Refit the nuisances of the given model, then search for effects."""
-        current = refitted = self.refit(given, ())
+        given, refitted, notes = self._refitted()
+        keys = [".".join(c) for name in self.candidates for c in effect_coefficients(name)]
+        new = [key for key in keys if key not in refitted.columns]
+        current = refitted = self.with_columns(refitted, new)
         steps: list[SearchStep] = []
-        search = self
         while len(steps) < _MOST_EFFECTS:
-            step, with_effect = search._step(current, _added(steps))
+            step, with_effect = self._step(current, _added(steps))
             steps.append(step)
             if with_effect is None:
                 break
-            search, current = search._with_shape(with_effect, _added(steps))
-        return SearchResult(refitted, tuple(steps), current)
+            current = with_effect
+        return SearchResult(given, refitted, tuple(steps), current, notes)
 
-    def _with_shape(
-        self, model: LinearisedModel, added: tuple[str, ...]
-    ) -> tuple["CampaignSearch", LinearisedModel]:
-        """Give the effect that was added last the shape that cross-validation supports."""
-        before = log_likelihood(self._cross_validate(model, added))
-        balances = self.measured.balance_model(model.hypothesis)
-        best_gain, best = CRITERIA.score, (self, model)
-        for which in shape_coefficients(added[-1]):
-            reshaped = model.hypothesis.with_coefficients(
-                {which: model.hypothesis.coefficient(which) + typical_size(which)}
-            )
-            (runs,) = self.simulate([reshaped], 1)
-            if runs is None:
-                continue
-            column = signature(
-                which[0],
-                residuals_of_runs(runs, balances),
-                residuals_of_runs(model.runs, balances),
-            )
-            search = replace(self, signatures={**self.signatures, which: column})
-            start = search._linearise_like(model, model)
-            refitted = search.refit(start, added)
-            scaled_alike = search._linearise_like(refitted, model)
-            after = log_likelihood(search._cross_validate(scaled_alike, added))
-            gain = float((after - before)[0])
-            if gain > best_gain:
-                best_gain, best = gain, (search, refitted)
-        return best
+    def _refitted(self) -> tuple[LinearisedModel, LinearisedModel, tuple[str, ...]]:
+        """Return the given and the refitted model; the given one again if the refit is no better.
 
-    def _linearise_like(
-        self, model: LinearisedModel, reference: LinearisedModel
-    ) -> LinearisedModel:
-        """Linearise about a model's hypothesis with the scatter of ``reference``."""
-        return linearise(
-            self.measured, model.hypothesis, model.runs, self.signatures, reference.gap_map
+        The second refit has the scatter of the first, in which the given model's gaps have no part.
+        """
+        start = self.measured.start
+        names = [f"/{path}" for path in nuisances(self.measured.plant)]
+        names += [".".join(which) for which in self.measured.tolerances]
+        given = linearise(self.measured, start, self.measured.columns(start, names))
+        first = self.refit(given, ())
+        first = linearise(self.measured, first.hypothesis, first.columns)
+        refitted = self.refit(first, ())
+        held_out = np.setdiff1d(np.arange(len(given.gap_map.points)), self.train)
+        held_out = held_out if len(held_out) else self.train
+        before, after = (
+            _mean_square(model.gap_map.in_units_of(first.gap_map), held_out)
+            for model in (given, refitted)
         )
+        if after <= before:
+            return given, refitted, ()
+        unchanged = linearise(self.measured, start, given.columns, first.gap_map)
+        return given, unchanged, (_REFUSED.format(before=before**0.5, after=after**0.5),)
 
     def _step(
         self, model: LinearisedModel, added: tuple[str, ...]
     ) -> tuple[SearchStep, LinearisedModel | None]:
         """Return a step of the search, and the refitted model if an effect was added."""
-        base = model.index(model.coefficients_of(added))
         names = [
             name for name in self.candidates if name not in added and model.coefficients_of([name])
         ]
-        by_signature = _best_first(self._evaluate_by_signature(model, base, name) for name in names)
-        best = by_signature[0].candidate.score if by_signature else 0.0
+        linear = _best_first(self._evaluate_linearly(model, added, name) for name in names)
+        best = linear[0].candidate.score if linear else 0.0
         least = max(_LEAST_SHARE * best, _LEAST_PROMISING * CRITERIA.score)
-        promising = [each.candidate.name for each in by_signature if each.candidate.score > least]
-        simulated = self._evaluate_by_simulation(model, added, promising[:_MOST_SIMULATED])
+        promising = [each.candidate.name for each in linear if each.candidate.score > least]
+        in_full = {
+            name: self._evaluate_in_full(model, added, name) for name in promising[:_MOST_IN_FULL]
+        }
         evaluated = _best_first(
-            self._with_threshold(simulated.get(each.candidate.name, each), model, base, names)
-            for each in by_signature
+            self._with_threshold(in_full.get(each.candidate.name, each), added, names)
+            for each in linear
         )
         accepted = {
             each.candidate.name: (each.candidate, each.model)
@@ -153,31 +148,30 @@ class CampaignSearch(CandidateEvaluator):
         return step, self.refit(with_effect, (*added, name))
 
     def _with_threshold(
-        self,
-        evaluated: EvaluatedCandidate,
-        model: LinearisedModel,
-        base: Sequence[int],
-        names: Sequence[str],
+        self, evaluated: EvaluatedCandidate, added: tuple[str, ...], names: Sequence[str]
     ) -> EvaluatedCandidate:
         """Return a candidate with the threshold of its score, if it could be accepted.
 
-        Null data sets are the residuals about its own simulation with random signs, without the
+        Null data sets are the residuals at its own coefficients with random signs, without the
         part that it explains.
         """
-        candidate = evaluated.candidate
-        if evaluated.model is None or not CRITERIA.accepts(candidate):
+        candidate, model = evaluated.candidate, evaluated.model
+        if model is None or not CRITERIA.accepts(candidate):
             return evaluated
-        data = evaluated.model.data
         signs = random_signs(NULLS, len(model.gap_map.points), seed=1)
-        largest = np.zeros(NULLS)
+        largest, null = np.zeros(NULLS), model.about_itself([candidate.name])
         balances = set(EFFECTS[candidate.name].balances)
         for name in names:
             if balances.issuperset(EFFECTS[name].balances):
-                more = [i for i in model.index(model.coefficients_of([name])) if i not in base]
-                null_scores = score(data, model.priors, base, more, self.train, signs)
-                largest = np.maximum(largest, null_scores)
+                largest = np.maximum(largest, self.score_of(null, added, name, signs))
         threshold = CRITERIA.threshold(largest)
         return replace(evaluated, candidate=replace(candidate, threshold=threshold))
+
+
+def _mean_square(residuals: GapMap, points: np.ndarray) -> float:
+    """Return the mean square of the residuals at some operating points, in scatters."""
+    chosen = residuals.select_points(points)
+    return float(np.nanmean((chosen.difference / chosen.scatter) ** 2))
 
 
 def _best_first(evaluated: Iterable[EvaluatedCandidate]) -> tuple[EvaluatedCandidate, ...]:

@@ -7,7 +7,7 @@ from hbench.config.scaling import scaled
 from hbench.experiment.closed_loop import record_plans
 from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.gaps.gap_map import point_of
-from hbench.reconcile.hypothesis import Hypothesis, Simulate
+from hbench.reconcile.hypothesis import Hypothesis
 from hbench.records import Run, RunPlan
 
 _SEED = 20_011  # of the sensors' noise
@@ -19,19 +19,20 @@ _Task = tuple[int, Bench, Plant, tuple[RunPlan, ...]]
 def simulator(
     bench: Bench,
     plant: Plant,
-    plans: Sequence[RunPlan],
     report: Callable[[int, int], None] = lambda done, of: None,
     spread: Callable[[Callable, Sequence], Iterable] = map_on_cores,
-) -> Simulate:
-    """Return a function that simulates the runs of ``plans`` with hypotheses of ``plant``.
+) -> Callable[[Sequence[Hypothesis], Sequence[RunPlan]], list[tuple[Run, ...] | None]]:
+    """Return a function that simulates plans with hypotheses of ``plant``; None: the board stops.
 
-    Friction has no scatter from stroke to stroke, so that one trial gives the mean. ``report``
-    receives the number of completed simulations and the total. ``spread`` maps over many
+    One trial of each operating point gives the mean: friction has no scatter from stroke to stroke.
+    ``report`` receives the number of completed simulations and the total. ``spread`` maps over many
     simulations; pass ``map`` to run them in sequence.
     """
 
-    def simulate(hypotheses: Sequence[Hypothesis], trials: int) -> Iterable[tuple[Run, ...] | None]:
-        chosen = _first_trials(plans, trials)
+    def simulate(
+        hypotheses: Sequence[Hypothesis], plans: Sequence[RunPlan]
+    ) -> list[tuple[Run, ...] | None]:
+        chosen = tuple({point_of(plan): plan for plan in reversed(plans)}.values())[::-1]
         tasks = [
             (i, bench, _without_scatter(hypothesis.plant(plant)), chosen)
             for i, hypothesis in enumerate(hypotheses)
@@ -54,15 +55,3 @@ def _simulate(task: _Task) -> tuple[int, tuple[Run, ...] | None]:
 
 def _without_scatter(plant: Plant) -> Plant:
     return scaled(plant, {f"friction.{side}.scatter": 0.0 for side in ("test", "load")})
-
-
-def _first_trials(plans: Sequence[RunPlan], trials: int) -> tuple[RunPlan, ...]:
-    """Return the first ``trials`` runs of each operating point, in the order of the plans."""
-    counts: dict = {}
-    chosen = []
-    for plan in plans:
-        point = point_of(plan)
-        counts[point] = counts.get(point, 0) + 1
-        if counts[point] <= trials:
-            chosen.append(plan)
-    return tuple(chosen)

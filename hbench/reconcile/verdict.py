@@ -1,6 +1,5 @@
 """Verdict of a search, and what the data do not contain."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from hbench.analysis.screening.calibrate import RUN_FIELDS
@@ -11,7 +10,7 @@ from hbench.records import KINDS, Candidate, Gap, Run, RunPlan, Verdict
 
 UNEXPLAINED_GAP = 2.0  # trial scatters
 _SIGNIFICANCE = 0.1  # p
-FEWEST_POINTS = 8  # operating points with two trials
+FEWEST_POINTS = 8  # operating points
 NO_RESIDUALS = "The residuals of the refitted model are within the scatter of the trials."
 MISSING: Mapping[str, str] = {
     "speeds": "three or more speeds, to separate effects that grow with speed from the others",
@@ -27,8 +26,14 @@ MISSING: Mapping[str, str] = {
 
 
 def unexplained_gaps(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
-    """Return the gaps that are structured and too large for the scatter of the trials."""
-    return tuple(gap for gap in ranked if gap.gap > UNEXPLAINED_GAP and gap.p_value < _SIGNIFICANCE)
+    """Return the gaps that are structured, material and too large for the scatter of the trials."""
+    return tuple(
+        gap
+        for gap in ranked
+        if gap.gap > UNEXPLAINED_GAP
+        and gap.p_value < _SIGNIFICANCE
+        and not gap.deviation <= gap.material
+    )
 
 
 def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:
@@ -78,13 +83,11 @@ def data_shortfalls(runs: Sequence[Run]) -> dict[str, str]:
     With a single speed or a single load too many effects have the same signature.
     """
     plans = [run.plan for run in runs]
-    repeated = sum(count > 1 for count in Counter(map(point_of, plans)).values())
+    points = len(set(map(point_of, plans)))
     speeds = {abs(plan.v_ref_m_s) for plan in plans if KINDS[plan.kind].has_constant_speed}
     shortfalls = {}
-    if repeated < FEWEST_POINTS:
-        shortfalls["points"] = (
-            f"operating points with two or more trials: {repeated}, at least {FEWEST_POINTS} needed"
-        )
+    if points < FEWEST_POINTS:
+        shortfalls["points"] = f"operating points: {points}, at least {FEWEST_POINTS} needed"
     codes = []
     if len(speeds) < 2 and not any(KINDS[plan.kind].covers_speeds for plan in plans):
         codes.append("speeds")

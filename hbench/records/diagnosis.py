@@ -25,6 +25,10 @@ class Gap:
     p_value: FloatOrNan  # after Holm
     scatter: FloatOrNan  # root mean square of s, in the balance's unit
     windows: int
+    # Root mean squares in the balance's unit; nan where strokes are compared.
+    deviation: FloatOrNan = float("nan")  # structured part, without the noise of single windows
+    material: FloatOrNan = float("nan")  # a smaller deviation does not matter
+    allowed: FloatOrNan = float("nan")  # that the instruments' tolerances may cause
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ class Candidate:
     explained: FloatOrNan  # share of the excess gap removed at held-out operating points
     size: FloatOrNan  # largest coefficient over its typical size
     parameters: dict[str, FloatOrNan]
-    tried: Literal["simulated", "linear"]  # with a simulation of its own, or by its signature alone
+    tried: Literal["full", "linear"]  # at its fitted coefficients, or by its columns alone
     threshold: FloatOrNan = 0.0  # that its score must exceed
 
 

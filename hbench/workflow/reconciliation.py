@@ -14,6 +14,7 @@ from hbench.report.render.figures import figure_files
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.stored_diagnosis import FILE_NAME
 from hbench.store.files.atomic import remove_files, write_files
+from hbench.workflow.results import calibrated_runs
 
 _OPTIONAL = ("next.yaml", "gaps_by_run.csv")  # files of some diagnoses only
 
@@ -23,26 +24,31 @@ def reconcile(
     model_file: Path,
     report: Callable[[int, int], None],
     series: str | None = None,
+    material: float = 0.002,
 ) -> Diagnosis:
     """Find where a campaign and a model disagree, and which effect is missing in the model.
 
     The model is a bench file, or a plant file applied to the campaign's bench. ``report`` gets the
-    numbers of finished and of all simulations. An imported campaign's motion can't be simulated;
-    the steady strokes of one ``series`` are compared instead, which must be specified if there are
-    several. Raises ``ConfigError``, ``DataError``.
+    numbers of finished and of all simulations. Logs of a whole bench, with chamber pressures and
+    commands, are compared along their samples, whoever made them. Of other imported logs the steady
+    strokes of one ``series`` are compared, which must be specified if there are several.
+    Deviations below a share ``material`` of a signal's range do not matter. Raises ``ConfigError``,
+    ``DataError``.
     """
     # Slow imports: they compile.
-    from hbench.workflow import closed_loop_diagnosis
+    from hbench.workflow import campaign_diagnosis
     from hbench.workflow.stroke_diagnosis import diagnosed_strokes
 
     campaign = load_campaign(folder)
-    if campaign.imported:
+    runs = tuple(calibrated_runs(campaign))
+    if campaign.imported and not campaign_diagnosis.has_whole_bench(runs):
         return diagnosed_strokes(campaign, model_file, series)
     if series is not None:
-        raise ConfigError(f"--series: {folder} is not an imported campaign", "Remove --series.")
-    bench = campaign.bench()
-    assert bench is not None  # missing in imported campaigns only
-    return closed_loop_diagnosis.diagnosed(campaign, bench, model_file, report)
+        raise ConfigError(
+            f"--series: {folder} has the channels of a whole bench, which are compared together",
+            "Remove --series.",
+        )
+    return campaign_diagnosis.diagnosed(campaign, runs, model_file, material, report)
 
 
 def write_diagnosis(folder: Path, diagnosis: Diagnosis) -> None:

@@ -89,14 +89,19 @@ def _fitting(path: Path | None) -> Fitting:
     return _DEFAULT_FITTING if path is None else parse_fitting(read_yaml(path), str(path))
 
 
+def calibrated_runs(campaign: StoredCampaign) -> Iterator[Run]:
+    """Yield the runs of a campaign in SI units, read one at a time."""
+    bench = campaign.bench()
+    if campaign.imported or bench is None:  # only imported campaigns can have no bench
+        yield from campaign.runs()
+    else:
+        yield from (calibrate(raw, bench) for raw in campaign.raw_runs())
+
+
 def screened_runs(campaign: StoredCampaign) -> Iterator[ScreenedRun]:
     """Yield the runs of a campaign with their verdicts, read one at a time."""
-    bench, rules = campaign.bench(), campaign.screening()
-    if campaign.imported or bench is None:  # only imported campaigns can have no bench
-        runs = campaign.runs()
-    else:
-        runs = (calibrate(raw, bench) for raw in campaign.raw_runs())
-    for run in runs:
+    rules = campaign.screening()
+    for run in calibrated_runs(campaign):
         yield screen(run, rules)
 
 

@@ -85,5 +85,5 @@ def _labelled(run: Run, addition: str) -> Run:
 
 def write_replay(destination: Path, replay: Replay) -> None:
     """Write the runs as ``hbench export`` does, each labelled as simulated, and the numbers."""
-    files = dict(csv_files(((run, "") for run in replay.runs), replay.bench))
+    files = dict(csv_files(((run, "") for run in replay.runs), {"bench.yaml": replay.bench}))
     write_files(destination, files | {"replay.json": replay_json(replay).encode()})

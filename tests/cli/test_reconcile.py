@@ -32,7 +32,7 @@ def finds(monkeypatch):
     """Return a function that sets what the search will find."""
 
     def set_(found):
-        monkeypatch.setattr("hbench.workflow.closed_loop_diagnosis.diagnosed", lambda *given: found)
+        monkeypatch.setattr("hbench.workflow.campaign_diagnosis.diagnosed", lambda *given: found)
 
     return set_
 
@@ -78,8 +78,8 @@ def speed_of_60_mm_s(plan):
 LACKING = {
     "one speed": (speed_of_60_mm_s, (), [MISSING["speeds"]]),
     "one load": (lambda plan: plan.f_load_n == 5000, (), [MISSING["loads"]]),
-    "one trial": (
-        lambda plan: plan.trial == 1, (), ["trials: 0, at least 8"]
+    "few points": (
+        lambda plan: plan.kind == "triangle", (), ["operating points: ", "at least 8"]
     ),
     "one chamber": (
         lambda plan: True,

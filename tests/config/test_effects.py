@@ -70,6 +70,7 @@ def test_the_catalogue_is_complete_and_its_typical_sizes_are_in_range():
         *("load_friction", "direction_asymmetry", "friction_lag", "presliding"),
         *("position_friction", "oil_warming", "end_cushion", "tank_back_pressure", "added_mass"),
         *("load_cell_gain", "load_cell_offset", "pressure_offset", "velocity_filter_lag"),
+        *("valve_trim", "pressure_gain"),
     }
     for row in EFFECTS.values():
         assert set(row.balances) <= set(BALANCES)
@@ -77,5 +78,25 @@ def test_the_catalogue_is_complete_and_its_typical_sizes_are_in_range():
         for one in row.coefficients.values():
             one.read(f"{one.typical or one.default} {one.unit}")
     assert {name for name, row in EFFECTS.items() if row.of_sensor} == {
-        *("load_cell_gain", "load_cell_offset", "pressure_offset", "velocity_filter_lag")
+        *("load_cell_gain", "load_cell_offset", "pressure_offset", "velocity_filter_lag"),
+        "pressure_gain",
+    }
+    assert {name for name, row in EFFECTS.items() if row.builds_up} == {"oil_warming"}
+
+
+def test_rows_of_valves_and_transducers_have_a_coefficient_for_each_of_them():
+    valves = ("test", "load_1", "load_2")
+    assert set(EFFECTS["valve_trim"].coefficients) == {
+        *(f"gain_{valve}" for valve in valves),
+        *(f"null_{valve}" for valve in valves),
+        *("curvature", "exponent"),
+    }
+    transducers = {"p_tp", "p_tr", "p_lp", "p_lr", "p_s"}
+    assert set(EFFECTS["pressure_gain"].coefficients) == transducers
+    assert set(EFFECTS["pressure_offset"].coefficients) == transducers
+    read = read_effects({"valve_trim": {"null_load_1": "-50 mV", "exponent": "0.1 1"}})
+    assert read["valve_trim"] == {
+        **dict.fromkeys(EFFECTS["valve_trim"].coefficients, 0.0),
+        "null_load_1": pytest.approx(-0.05),
+        "exponent": 0.1,
     }

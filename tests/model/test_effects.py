@@ -11,8 +11,8 @@ from hbench.errors import ConfigError
 from hbench.model.build import plant_parameters
 from hbench.model.effects.applied import compose
 from hbench.model.effects.catalogue import EFFECTS, Effect, changed_by, with_effects
-from hbench.model.effects.couplings import OilProperties
-from hbench.model.effects.flows import with_air
+from hbench.model.effects.couplings import ChamberFlows, OilProperties
+from hbench.model.effects.flows import port_exponent, with_air
 from hbench.model.noise import new_noise
 from hbench.model.plant import (
     P_LP,
@@ -137,6 +137,52 @@ def test_an_asymmetric_valve_is_one_with_another_gain_in_each_direction(par, sta
     gain = np.array([1 + way * 0.1, 1 - way * 0.05, 1 + way * 0.05])
     one, other = run(uneven, start, u), run(par, start, u * gain)
     assert one.state[:, X : P_LR + 1] == pytest.approx(other.state[:, X : P_LR + 1], rel=1e-9)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_valves_with_gains_of_their_own_are_those_with_other_commands(par, start, way):
+    """At each instant: the same opening times 1 + g, with a g for each valve."""
+    trimmed = with_effects(
+        par, {"valve_trim": {"gain_test": 0.1, "gain_load_1": -0.05, "gain_load_2": 0.02}}
+    )
+    u = way * np.array([0.7, 0.3, -1.4])
+    one, other = run(trimmed, start, u), run(par, start, u * [1.1, 0.95, 1.02])
+    assert one.state[:, X : P_LR + 1] == pytest.approx(other.state[:, X : P_LR + 1], rel=1e-9)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_nulls_and_curvature_shift_the_command_of_a_steady_velocity(par, start, way):
+    """u + k |u| u + u_0 of a held command: once the spools are there, motion is the same."""
+    nulls, k = np.array([0.05, -0.03, 0.1]), 0.02
+    values = {"null_test": 0.05, "null_load_1": -0.03, "null_load_2": 0.1, "curvature": k}
+    u = way * np.array([0.7, 0.3, -1.4])
+    trimmed = run(with_effects(par, {"valve_trim": values}), start, u)
+    other = run(par, start, u + k * np.abs(u) * u + nulls)
+    plain = run(par, start, u)
+    steady = slice(-2000, None)
+    speed = [each.state[steady, V].mean() for each in (trimmed, other, plain)]
+    assert speed[0] == pytest.approx(speed[1], rel=2e-3)
+    assert speed[0] != pytest.approx(speed[2], rel=6e-3)
+
+
+@pytest.mark.parametrize("n", [-0.1, 0.05, 0.3])
+def test_a_ports_exponent_changes_the_power_of_the_drop_and_nothing_at_50_bar(par, start, n):
+    """Q = k u sqrt(50 bar) (dP / 50 bar)^(1/2 + n), to the tank and from the supply."""
+    state = np.array(start)
+    state[[P_TP, P_TR, P_LP, P_LR, P_S]] = np.array([100, 32, 52, 149, 150]) * BAR
+    sharp = np.array([1.0, -2.0, 3.0, 0.5]) * np.sqrt(np.array([50, 30, 98, 1]) * BAR)
+    before = ChamberFlows(*sharp, 7.0, 8.0, 1.0)
+    c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, n)
+    after = port_exponent(before, c, state, FIRST, np.zeros(len(state)), par)
+    drops = np.array([50, 30, 98, 1]) / 50  # Lp from the supply: 150 - 52 bar
+    power = np.array([1.0, -2.0, 3.0, 0.5]) * np.sqrt(50 * BAR) * drops ** (0.5 + n)
+    assert np.array(after[:4]) == pytest.approx(power)
+    assert after[:1] == pytest.approx(before[:1]) and after.fluidity == before.fluidity
+    supplied = np.maximum(power, 0.0).sum() - np.maximum(sharp, 0.0).sum()
+    assert after.drawn - before.drawn == pytest.approx(supplied)
+    kept = sum(after[:4]) - sum(before[:4])  # continuity: what is drawn and not kept returns
+    assert after.returned - before.returned == pytest.approx(supplied - kept)
+    assert port_exponent(before, (0.0,) * 8, state, FIRST, np.zeros(len(state)), par) == before
 
 
 @pytest.mark.parametrize("way", [1, -1])
@@ -376,6 +422,7 @@ def test_sensor_errors_show_in_their_channels_alone(bench: Bench):
         "load_cell_gain": [0, 0, 0, 0, 0, 0, 60],
         "load_cell_offset": [0, 0, 0, 0, 0, 0, 30],
         "pressure_offset": [0, *[0.5 * BAR] * 5, 0],
+        "pressure_gain": [0, *(0.01 * values[1:6]), 0],
     }.items():
         par = changed_by("sensors", sensor_parameters(sensors), {name: typical(name)})
         words = np.zeros(7, np.uint16)

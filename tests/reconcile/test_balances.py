@@ -14,7 +14,6 @@ from hbench.reconcile.measured.balances import (
     BALANCE_UNITS,
     BALANCES,
     balance_model,
-    prepare,
     residuals,
 )
 from hbench.records import Run, RunPlan, Specimen
@@ -106,7 +105,7 @@ def made_up(chamber=0, leak=0.0, drag_test=0.0, drag_load=0.0, lag=LAG, sag=0.0)
 
 
 def of(run, known, name):
-    found = residuals(prepare(run), known)
+    found = residuals(run, known)
     return found.values[3:-1, BALANCES.index(name)]  # a valve's start and 20 mm are left out
 
 
@@ -134,7 +133,7 @@ def test_kinematics_lack_the_lag_that_the_model_does_not_know(known):
     run, _ = made_up()
     assert np.abs(of(run, known, "kinematics")).max() < 1e-6
     slower, _ = made_up(lag=LAG + 3e-3)
-    found = residuals(prepare(slower), known)
+    found = residuals(slower, known)
     a = slope(np.interp(np.arange(0, 1.6, FINE_S), slower.t_s, slower.v_m_s))
     expected = 3e-3 * np.interp(found.t_s, np.arange(0, 1.6, FINE_S), a)
     off = found.values[:, BALANCES.index("kinematics")] - expected
@@ -148,7 +147,7 @@ def test_a_sagging_supply_is_below_the_models(known):
 
 def test_a_missing_channel_leaves_out_what_needs_it(known):
     run, _ = made_up()
-    found = residuals(prepare(replace(run, p_lp_pa=None)), known)
+    found = residuals(replace(run, p_lp_pa=None), known)
     seen = dict(zip(BALANCES, np.isfinite(found.values).any(axis=0).tolist(), strict=True))
     assert seen == dict.fromkeys(BALANCE_UNITS, False) | dict.fromkeys(
         ("force_test", "kinematics", "supply"), True
@@ -156,9 +155,46 @@ def test_a_missing_channel_leaves_out_what_needs_it(known):
     assert np.isnan(found.load_n).all()
 
 
-def test_uneven_samples_are_refused():
+def test_uneven_samples_are_refused(known):
     run, _ = made_up()
     t = run.t_s.copy()
     t[50:] += 0.02
     with pytest.raises(DataError, match=r"run 0001: .*0\.01 to 0\.03 s"):
-        prepare(replace(run, t_s=t))
+        residuals(replace(run, t_s=t), known)
+
+
+@pytest.mark.parametrize(
+    ("effects", "channel", "reading"),
+    [
+        ({"pressure_gain": {"p_tp": "2 %"}}, "p_tp_pa", lambda p: 1.02 * p),
+        ({"pressure_offset": {"p_lr": "-0.8 bar"}}, "p_lr_pa", lambda p: p - 0.8e5),
+        ({"pressure_gain": {"p_s": "-1 %"}}, "p_s_pa", lambda p: 0.99 * p),
+        ({"load_cell_gain": {"error": "3 %"}}, "f_applied_n", lambda f: 1.03 * f),
+        ({"load_cell_offset": {"force": "-20 N"}}, "f_applied_n", lambda f: f - 20.0),
+    ],
+)
+def test_readings_are_corrected_for_the_errors_of_their_sensors(
+    known, bench, bench_data, effects, channel, reading
+):
+    """With the effect in the model all balances are those of the true values."""
+    right = balance_model(
+        bench,
+        parse_plant(
+            bench_data, {"friction": {"test": STATIC, "load": STATIC}, "effects": effects}, ""
+        ),
+    )
+    run, _ = made_up()
+    wrong = replace(run, **{channel: reading(getattr(run, channel))})
+    true, corrected, raw = (
+        residuals(*pair).values for pair in ((run, known), (wrong, right), (wrong, known))
+    )
+    scale = np.array([*[1e-4] * 4, 1e3, 1e3, 0.1, 150e5])
+    assert np.abs((corrected - true) / scale).max() < 1e-9
+    assert np.abs((raw - true) / scale).max() > 1e-3
+
+
+def test_logs_that_are_rounded_have_the_resolution_of_their_words(known):
+    run, _ = made_up()
+    resolution = dict(zip(BALANCES, residuals(run, known).resolution, strict=True))
+    assert set(known.word_steps) >= {"p_s", "f_applied", "x"}
+    assert resolution["flow_tp"] == 0.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hbench.reconcile.diagnose import _observable_effects
+from hbench.reconcile.nuisance import BACKGROUND
 from hbench.records import Run, RunPlan, Specimen
 
 CHANNELS = (
@@ -42,3 +43,10 @@ def test_effects_that_the_channels_cannot_tell_are_left_out_with_the_reason(
     assert gone <= set(not_tried)
     assert not set(told) & set(not_tried)
     assert all(balance in not_tried[name] for name in gone)
+
+
+def test_effects_that_only_tell_benches_apart_are_refitted_and_never_tried(bench):
+    told, not_tried = _observable_effects([run()], bench)
+    assert BACKGROUND == {"valve_trim", "pressure_gain"}
+    assert BACKGROUND <= set(not_tried) and not BACKGROUND & set(told)
+    assert all("refitted" in not_tried[name] for name in BACKGROUND)

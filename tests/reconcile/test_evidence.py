@@ -8,9 +8,11 @@ from scipy.optimize import minimize
 
 from hbench.analysis.statistics.student import student_factor
 from hbench.reconcile.evidence import (
+    Fit,
     Priors,
     Products,
     _touched,
+    cost,
     cross_validate,
     intervals,
     log_likelihood,
@@ -158,12 +160,18 @@ def test_random_signs_are_fair_and_repeatable():
 # ---- scores
 
 
+def gain(data, free, base, more, signs=None):
+    """Score of some columns more, with the same priors."""
+    before, after = Fit(base, free), Fit([*base, *more], free)
+    return score(data, before, after, more, everywhere(data), signs)
+
+
 def scores(truth, more, count=40):
     found = []
     for seed in range(count):
         raw = drawn(np.random.default_rng(seed), truth)
         data = raw.products()
-        found.append(score(data, freedom(len(truth)), [0], more, everywhere(data))[0])
+        found.append(gain(data, freedom(len(truth)), [0], more)[0])
     return np.array(found)
 
 
@@ -186,8 +194,8 @@ def test_the_true_column_gains_what_theory_says():
 def test_the_null_of_a_true_column_gains_nothing():
     raw = drawn(np.random.default_rng(5), [1.0])
     data = raw.products()
-    null = score(data, freedom(1), [], [0], everywhere(data), random_signs(100, 30, seed=1))
-    true = score(data, freedom(1), [], [0], everywhere(data))[0]
+    null = gain(data, freedom(1), [], [0], random_signs(100, 30, seed=1))
+    true = gain(data, freedom(1), [], [0])[0]
     assert np.median(null) < 0.5 and true > 3 * null.max()
 
 
@@ -198,16 +206,80 @@ def test_groups_that_a_candidate_does_not_touch_change_no_score():
     shown = np.array([[1, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]], bool)  # (g, q)
     data = Drawn(raw.d, raw.columns * shown[:, None]).products()
     free, points = freedom(4), everywhere(data)
-    part, base, joined, groups = _touched(data, [0, 2], [1])
-    assert list(groups) == [True, True, False, False] and part.groups == data.groups[:2]
-    assert base == [0] and joined == [0, 1]
+    assert list(_touched(data, [0, 2], [1])) == [0, 1]
 
     def whole(chosen):
         return log_likelihood(cross_validate(data, free, chosen, points))[0]
 
-    assert score(data, free, [0, 2], [1], points)[0] == pytest.approx(
+    assert gain(data, free, [0, 2], [1])[0] == pytest.approx(
         whole([0, 2, 1]) - whole([0, 2]), abs=1e-6
     )
+
+
+def test_a_group_that_shares_a_nuisance_with_a_touched_one_counts():
+    """Column 0 is in all groups, column 1 in the first: a better beta_0 shows in the others."""
+    rng = np.random.default_rng(12)
+    raw = drawn(rng, [1.0, 2.0], spread=(0.3, 0.3, 0.3))
+    shown = np.array([[1, 1], [1, 0], [1, 0]], bool)
+    columns = raw.columns * shown[:, None]
+    columns[:, 0, :, 1] += columns[:, 0, :, 0]  # the effect looks like the nuisance there
+    d = raw.d - raw.columns @ [1.0, 2.0] + columns @ [1.0, 2.0]
+    data = Drawn(d, columns).products()
+    assert list(_touched(data, [0], [1])) == [0, 1, 2]
+    first = cross_validate(data, freedom(2), [0], everywhere(data), groups=np.array([0]))
+    assert first.variance.shape == (1, 1)
+    whole = [
+        log_likelihood(cross_validate(data, freedom(2), chosen, everywhere(data)))[0]
+        for chosen in ([0], [0, 1])
+    ]
+    assert gain(data, freedom(2), [0], [1])[0] == pytest.approx(whole[1] - whole[0])
+
+
+def test_a_column_within_its_tolerance_gains_only_what_lies_beyond():
+    """Both fits have the column; one of them bounds it: a truth inside the bound gains nothing."""
+    tight, wide = freedom(1, prior=0.5, low=-1.0, high=1.0), freedom(1)
+    gains = {}
+    for truth in (0.5, 3.0):
+        data = drawn(np.random.default_rng(9), [truth]).products()
+        before, after = Fit([0], tight), Fit([0], wide)
+        gains[truth] = score(data, before, after, [0], everywhere(data))[0]
+    assert abs(gains[0.5]) < 1.0
+    spread = np.array([0.3, 1.0, 4.0])
+    best = 15 * np.sum(np.log1p(2.0**2 / spread**2))  # what is beyond the bound is 2
+    assert gains[3.0] == pytest.approx(best, rel=0.15)
+
+
+def test_the_cost_of_a_model_as_it_is_is_that_of_its_windows_and_priors():
+    """No column has taken anything from d: beta = 0, and priors that are centred elsewhere."""
+    raw = drawn(np.random.default_rng(10), [0.3, 0.0])
+    free, points = freedom(2, centre=[1.0, -2.0], prior=[2.0, 1.0]), np.arange(3, 28)
+    expected = raw.cost(np.zeros(2), free, [0, 1], points)
+    assert cost(raw.products(), free, [0, 1], points) == pytest.approx(expected)
+    fewer = raw.cost(np.zeros(1), free, [1], points)
+    assert cost(raw.products(), free, [1], points) == pytest.approx(fewer)
+    assert expected - fewer == pytest.approx(0.5 * (1.0 / 2.0) ** 2)
+
+
+def test_the_fit_costs_no_more_than_the_model_as_it_is():
+    """The cost of the model that has taken the fitted step."""
+    rng = np.random.default_rng(11)
+    raw, free, points = drawn(rng, [1.5, -0.7]), freedom(2), np.arange(30)
+    beta = maximum_likelihood(raw.products(), free, [0, 1], points)[0]
+    moved = Drawn(raw.d - raw.columns @ beta, raw.columns).products()
+    about = Priors(free.centre - beta, free.sigma, free.low - beta, free.high - beta)
+    assert cost(moved, about, [0, 1], points) == pytest.approx(raw.cost(beta, free, [0, 1], points))
+    assert cost(moved, about, [0, 1], points) < cost(raw.products(), free, [0, 1], points) - 5
+
+
+def test_groups_that_contradict_one_another_are_fitted_near_the_best_of_all_maxima():
+    """Every place between is worse; a search decides by 3 nats."""
+    for seed in range(4):
+        raw = drawn(np.random.default_rng(seed), [0.0], spread=(0.05, 0.05, 0.05), windows=6)
+        d = raw.d + np.array([0.0, 3.0, 3.0])[:, None] * raw.columns[..., 0]
+        own, free, points = Drawn(d, raw.columns), freedom(1), np.arange(30)
+        beta = maximum_likelihood(own.products(), free, [0], points)[0]
+        costs = [own.cost(np.array([b]), free, [0], points) for b in np.linspace(-4, 4, 801)]
+        assert own.cost(beta, free, [0], points) < min(costs) + 1.0
 
 
 def test_points_left_out_are_predicted_by_the_others_alone():

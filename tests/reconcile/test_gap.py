@@ -8,6 +8,7 @@ from scipy.stats import kstest
 
 from hbench.errors import DataError
 from hbench.reconcile.gaps.gap_map import (
+    RunLevel,
     _paired_trials,
     _permutation_p_values,
     gaps,
@@ -188,3 +189,28 @@ def test_a_run_has_no_gap_where_it_was_not_compared():
     assert np.isnan(found[seen[4].plan.run][2])
     assert np.isfinite(found[seen[4].plan.run][:2]).all()
     assert np.isfinite(found[seen[7].plan.run]).all()
+
+
+def test_a_map_of_means_has_one_run_for_each_operating_point():
+    """Its windows count as one run: nothing changes between trials any more."""
+    rng = np.random.default_rng(12)
+    _, found = gaps(drawn(rng, 3), drawn(rng, 3))
+    assert np.array_equal(found.run, found.point)
+    assert found.white is None and found.material is None and found.levels == ()
+    part = found.select_points(np.array([2, 5]))
+    assert np.array_equal(np.unique(part.run), [2, 5]) and len(part.t_s) == 2 * WINDOWS
+    assert part.points == found.points
+
+
+def test_another_maps_units_are_its_scatter_and_what_it_knows_of_the_runs():
+    rng = np.random.default_rng(13)
+    _, one = gaps(drawn(rng, 3), drawn(rng, 3))
+    level = RunLevel(slice(0, WINDOWS), 1, np.ones(WINDOWS), 1.0)
+    other = replace(
+        one, scatter=2 * one.scatter, white=np.ones(3), material=np.full(3, 0.1), levels=(level,)
+    )
+    found = one.in_units_of(other)
+    assert found.scatter is other.scatter and found.levels == (level,)
+    assert found.white is other.white and found.material is other.material
+    assert found.difference is one.difference
+    assert found.select_points(np.array([1])).levels == ()  # slices of all windows

@@ -18,6 +18,7 @@ from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilPrope
 from hbench.model.sensors import FRACTION, sensor_parameters
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, V, X
 from hbench.protocol.dictionary import RECORD
+from hbench.reconcile.nuisance import BACKGROUND
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.runs import channels
 from hbench.store.importing.importer import import_folder
@@ -63,7 +64,7 @@ def test_the_cases_are_those_that_the_benchmark_needs():
     listed = cases()
     assert len({case.name for case in listed}) == len({case.seed for case in listed}) == len(listed)
     groups = {group: [c for c in listed if c.group == group] for group in ("single", "none")}
-    assert set(KNOWN) == set(EFFECTS)
+    assert set(KNOWN) == set(EFFECTS) - BACKGROUND
     for name in KNOWN:
         for severity in (0.5, 1.0, 2.0):
             assert [c.effects for c in groups["single"]].count({name: severity}) >= 3

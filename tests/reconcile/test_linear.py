@@ -1,13 +1,16 @@
-"""Hypotheses and their columns' products, against plain algebra and a plant file's reading."""
+"""Linearised models: products, priors and hypotheses, against plain algebra."""
+
+from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 import pytest
 
-from hbench.config.bench import parse_plant
+from hbench.config.bench import Plant, parse_plant
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import EFFECTS, read_effects
-from hbench.reconcile.gaps.columns import column_difference, mean_column
-from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
+from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import (
     Hypothesis,
     effect_coefficients,
@@ -16,24 +19,23 @@ from hbench.reconcile.hypothesis import (
 )
 from hbench.reconcile.linearised import (
     MOTIONS,
-    LinearisedModel,
     _products,
-    _scatter_at,
+    _take_out,
     hypothesis_at,
+    linearise,
     window_motions,
 )
-from hbench.reconcile.measured.balances import WindowedRun
-from hbench.reconcile.nuisance import nuisances
-from hbench.reconcile.signatures import disjoint_groups, signature
-from hbench.records import RunPlan, Specimen
+from hbench.reconcile.nuisance import BOUND, nuisances
 from tests.support.reconcile.rounds import plant_of
 
 NAMES = ("flow_tp", "flow_tr", "supply")
 LEAK = ("internal_leakage", "test")
 DROOP = ("supply_droop", "slope")
+NULL = ("valve_trim", "null_test")
 
 
 def a_map(rng, lengths=(7, 5, 9), v_m_s=None):
+    """Runs of these lengths, each at an operating point of its own."""
     w = sum(lengths)
     difference = rng.standard_normal((w, 3))
     difference[rng.random((w, 3)) < 0.2] = np.nan
@@ -47,31 +49,50 @@ def a_map(rng, lengths=(7, 5, 9), v_m_s=None):
         x_m=at,
         v_m_s=rng.choice([0.0, 0.1], w) if v_m_s is None else np.asarray(v_m_s),
         load_n=at,
-        point=np.repeat(np.arange(len(lengths)), lengths),
+        point=(point := np.repeat(np.arange(len(lengths)), lengths)),
         points=tuple("abcdef"[: len(lengths)]),
+        run=point,
     )
 
 
-def linear(hypothesis=None, lacking=None):
-    return LinearisedModel(hypothesis or Hypothesis(), (), lacking, None, None)
+@dataclass(frozen=True)
+class Made:
+    """Measurement of a map that is the same for every hypothesis."""
+
+    plant: Plant
+    map: GapMap
+    tolerances: dict
+
+    def gap_map(self, hypothesis):
+        return self.map
+
+    def columns(self, hypothesis, names):
+        return {name: np.ones_like(self.map.difference) for name in names}
 
 
-# ---- columns
+@pytest.fixture
+def measured(bench):
+    """Tolerance of the test valve's null: 0.2 V, which is four typical sizes."""
+    return Made(plant_of(bench), a_map(np.random.default_rng(9)), {NULL: 0.2})
+
+
+def model_of(measured, names, hypothesis=None):
+    hypothesis = hypothesis or Hypothesis()
+    return linearise(measured, hypothesis, measured.columns(hypothesis, names))
+
+
+# ---- products
 
 
 def test_products_are_those_of_the_windows_that_are_compared():
-    """By hand, a window at a time; a column may be shorter than its point, or not there."""
+    """By hand, a window at a time; a column without a number is a column without a change."""
     rng = np.random.default_rng(1)
     found = a_map(rng)
-    found.noise[3, :2] = np.nan  # where the other simulation has no window
-    columns = {
-        "one": {
-            point: rng.standard_normal((n, 3)) for point, n in zip("abc", (7, 4, 12), strict=True)
-        },
-        "two": {"b": rng.standard_normal((5, 3))},
-    }
-    data = _products(found, (found.scatter, found.noise), columns)
-    motion, starts = window_motions(found), (0, 7, 12)
+    found.noise[3, :2] = np.nan
+    columns = {name: rng.standard_normal((21, 3)) for name in ("one", "two")}
+    columns["one"][11] = np.nan
+    data = _products(found, columns)
+    motion = window_motions(found)
     expected = np.zeros((3, 9, 3, 3))
     noise, windows = np.zeros((3, 9)), np.zeros((3, 9))
     for w in range(21):
@@ -80,10 +101,7 @@ def test_products_are_those_of_the_windows_that_are_compared():
             if not np.isfinite(found.difference[w, c] + found.noise[w, c]):
                 continue
             row = [found.difference[w, c]]
-            for column in columns.values():
-                own = column.get("abc"[p], np.zeros((0, 3)))
-                k = w - starts[p]
-                row.append(own[k, c] if k < len(own) else 0.0)
+            row += [np.nan_to_num(column[w, c]) for column in columns.values()]
             row = np.array(row) / found.scatter[w, c]
             group = c * len(MOTIONS) + motion[w]
             expected[p, group] += np.outer(row, row)
@@ -110,61 +128,203 @@ def test_a_single_window_moves_as_fast_as_it_is_whatever_its_neighbours_do():
     assert len(window_motions(a_map(rng, ()))) == 0
     found = window_motions(a_map(rng, (1, 3, 1), [0.1, 0.0, 0.05, 0.1, 0.0]))
     assert [MOTIONS[k] for k in found] == ["steady", *["unsteady"] * 3, "rest"]
+    found = window_motions(a_map(rng, (3, 1, 3), [0.1] * 4 + [0.0] * 3))
+    assert [MOTIONS[k] for k in found] == ["steady"] * 4 + ["rest"] * 3
 
 
-def test_scatters_of_another_map_stand_at_the_windows_of_the_same_point():
-    """Where there are fewer, the last of the point goes on; points may come in another order."""
+# ---- runs measured window by window
+
+
+SIGMA, BETWEEN, RUNS, PER_RUN = 2.0, 0.0, 60, 40
+
+
+def noise_map(rng, between=BETWEEN, shift=0.0, material=None, levels=()):
+    """Map of 20 points of three runs: white windows, runs whose means differ by ``between``."""
+    run = np.repeat(np.arange(RUNS), PER_RUN)
+    values = SIGMA * rng.standard_normal((RUNS * PER_RUN, 1)) + shift
+    values += between * rng.standard_normal(RUNS)[run][:, None]
+    at, v = np.zeros(len(run)), np.where(run % 2, 0.1, -0.1)
+    windows = Windows(run, tuple(i // 3 for i in range(RUNS)), at, at, v, at)
+    made = log_map(windows, ("flow_tp",), values, np.zeros(1))
+    return replace(made, material=material, levels=levels)
+
+
+def sums(found):
+    """Sums over all windows, in squares of the noise of a window: squares, least variance."""
+    data = _products(found, {})
+    unit = (SIGMA / found.scatter[0, 0]) ** 2 * RUNS * PER_RUN
+    return data.squares.sum() / unit, data.noise.sum() / unit
+
+
+def test_squares_without_noise_are_unbiased():
+    """White noise leaves 0 but for a few per cent, its own squares would be 1; a shift stays."""
+    for shift in (0.0, 0.5 * SIGMA, 3 * SIGMA):
+        left = [sums(noise_map(np.random.default_rng(seed), 0.0, shift))[0] for seed in range(20)]
+        assert np.mean(left) == pytest.approx((shift / SIGMA) ** 2, abs=0.1)
+
+
+def test_the_least_variance_is_the_chance_of_the_noises_own_squares():
+    """sqrt(2 / n) of n white windows; their sum of squares scatters by as much."""
+    found = [sums(noise_map(np.random.default_rng(seed))) for seed in range(60)]
+    chance = sqrt(2 / (RUNS * PER_RUN))
+    between = 1 / PER_RUN  # of means of white windows
+    assert np.mean([least for _, least in found]) == pytest.approx(chance + between, rel=0.1)
+    assert np.std([left for left, _ in found]) < 4 * chance
+
+
+def test_what_changes_from_run_to_run_is_no_gap():
+    found = [sums(noise_map(np.random.default_rng(seed), SIGMA)) for seed in range(20)]
+    squares, least = np.mean(found, axis=0)
+    assert squares == pytest.approx(1.0, rel=0.1)  # still in d
+    assert least == pytest.approx(1.0, rel=0.15)
+
+
+@pytest.mark.parametrize("material", [0.5, 2.0])
+def test_deviations_that_do_not_matter_raise_the_least_variance_by_their_square(material):
+    rng = np.random.default_rng(3)
+    plain = noise_map(rng)
+    raised = replace(plain, material=np.array([material]))
+    before, after = (_products(each, {}) for each in (plain, raised))
+    assert after.noise - before.noise == pytest.approx(after.windows * material**2)
+    assert after.squares == pytest.approx(before.squares)
+    still = replace(raised, v_m_s=0 * plain.v_m_s)
+    assert _products(still, {}).noise.sum() == pytest.approx(
+        _products(replace(plain, v_m_s=0 * plain.v_m_s), {}).noise.sum()
+    )  # at rest nothing has a direction
+
+
+# ---- levels of runs
+
+
+@pytest.mark.parametrize("ridge", [0.2, 1.0, 5.0])
+def test_a_level_that_is_not_known_is_whitened(ridge):
+    """W (1 + c c' / ridge) W' = 1, for a change of any shape and size."""
     rng = np.random.default_rng(4)
-    unit = a_map(rng, (4, 3))
-    other = GapMap(**{**a_map(rng, (2, 6)).__dict__, "points": ("b", "a")})
-    scatter, noise = _scatter_at(unit, other)
-    rows = [4, 5, 0, 1, 2, 3, 3, 3]
-    assert np.array_equal(scatter, unit.scatter[rows])
-    assert np.array_equal(noise, unit.noise[rows])
+    for size in (0.01, 1.0, 30.0):
+        change = size * rng.standard_normal(12)
+        taken = np.eye(12)
+        _take_out(taken, RunLevel(slice(0, 12), 0, change, ridge))
+        covariance = np.eye(12) + np.outer(change, change) / ridge
+        assert taken @ covariance @ taken.T == pytest.approx(np.eye(12), abs=1e-8)
 
 
-def trial(speed, values, names=NAMES):
-    plan = RunPlan("0001", "steady", 1, speed, Specimen(1e-3, 8e-4))
-    at = np.arange(len(values), dtype=float)
-    return WindowedRun(plan, names, np.asarray(values, float), at, at, at, at, np.zeros(len(names)))
-
-
-def test_columns_are_means_of_trials_and_differ_where_both_have_windows():
+def test_residuals_with_a_level_drawn_for_each_run_become_white():
+    """Means of runs scatter as those of white windows, and columns lose the same share."""
     rng = np.random.default_rng(5)
-    first, second, other = rng.standard_normal((6, 3)), rng.standard_normal((4, 3)), np.ones((2, 3))
-    slow, fast = (
-        mean_column([trial(0.1, first), trial(0.1, second), trial(0.2, other)]),
-        mean_column([trial(0.1, np.ones((9, 3)))]),
+    run = np.repeat(np.arange(RUNS), PER_RUN)
+    change = 0.5 + 0.2 * rng.standard_normal(RUNS * PER_RUN)
+    levels = tuple(
+        RunLevel(slice(i * PER_RUN, (i + 1) * PER_RUN), 0, change[run == i], 1.0)
+        for i in range(RUNS)
     )
-    (point,) = fast
-    assert slow[point] == pytest.approx((first[:4] + second) / 2)
-    assert column_difference(slow, fast).keys() == {point}
-    assert column_difference(slow, fast)[point] == pytest.approx((first[:4] + second) / 2 - 1)
+    drawn = rng.standard_normal((400, RUNS))[:, run] * change
+    raw = rng.standard_normal((400, RUNS * PER_RUN)) + drawn
+    rows = raw.T.copy()
+    for level in levels:
+        _take_out(rows[level.windows], level)
+    unit = [level.change / np.linalg.norm(level.change) for level in levels]
+    after = [rows[level.windows].T @ way for level, way in zip(levels, unit, strict=True)]
+    before = [raw[:, level.windows] @ way for level, way in zip(levels, unit, strict=True)]
+    assert np.var(after) == pytest.approx(1.0, rel=0.03)
+    assert np.var(before) > 5
+    assert np.var(rows) == pytest.approx(1.0, rel=0.01)
 
 
-# ---- signatures
-
-
-def test_packed_effects_share_no_balance_and_none_is_lost():
-    wanted = [one for name in EFFECTS for one in effect_coefficients(name)]
-    groups = disjoint_groups(wanted)
-    assert sorted(one for group in groups for one in group) == sorted(wanted)
-    assert len(groups) < 0.75 * len(wanted)
-    for group in groups:
-        touched = [balance for name, _ in group for balance in EFFECTS[name].balances]
-        assert len(set(touched)) == len(touched)
-
-
-def test_a_signature_is_the_change_in_the_effects_own_balances_where_it_is_seen():
-    """supply_droop touches supply alone; internal_leakage the flows, if noise does not hide it."""
+def test_columns_of_a_balance_lose_the_level_and_those_of_others_do_not():
+    """By hand for one run: residuals and columns are both multiplied by W."""
     rng = np.random.default_rng(6)
-    base = [trial(0.1, 0.01 * rng.standard_normal((40, 3))) for _ in range(3)]
-    change = np.array([0.5, 0.0, -2.0])
-    made = [trial(0.1, change + 0.01 * rng.standard_normal((40, 3)))]
-    (droop,) = signature("supply_droop", made, base).values()
-    (leak,) = signature("internal_leakage", made, base).values()
-    assert droop[:, 2] == pytest.approx(-2.0, abs=0.1) and not droop[:, :2].any()
-    assert leak[:, 0] == pytest.approx(0.5, abs=0.1) and not leak[:, 1:].any()
+    found = a_map(rng, (8, 6), [0.1] * 14)
+    found.difference[:] = rng.standard_normal((14, 3))
+    change = rng.standard_normal(8)
+    level = RunLevel(slice(0, 8), 1, change, 0.5)
+    column = rng.standard_normal((14, 3))
+    before, after = (
+        _products(replace(found, levels=levels), {"one": column}) for levels in ((), (level,))
+    )
+    square = change @ change
+    whiten = np.eye(8) - (1 - sqrt(0.5 / (0.5 + square))) * np.outer(change, change) / square
+    own = slice(0, 8)
+    d, c = (whiten @ (each[own, 1] / found.scatter[own, 1]) for each in (found.difference, column))
+    group = len(MOTIONS) + 1  # flow_tr, steady
+    assert after.squares[0, group] == pytest.approx(d @ d)
+    assert after.mixed[0, group, 0] == pytest.approx(d @ c)
+    assert after.columns[0, group, 0, 0] == pytest.approx(c @ c)
+    assert before.squares[0, group] != pytest.approx(d @ d)
+    others = np.delete(np.arange(9), group)
+    assert np.array_equal(before.squares[:, others], after.squares[:, others])
+    assert np.array_equal(before.squares[1], after.squares[1])
+
+
+def test_a_level_without_a_change_takes_nothing():
+    rows = np.random.default_rng(7).standard_normal((5, 2))
+    taken = rows.copy()
+    _take_out(taken, RunLevel(slice(0, 5), 0, np.zeros(5), 1.0))
+    assert np.array_equal(taken, rows)
+
+
+# ---- priors
+
+
+def test_factors_have_their_priors_about_the_plant_that_was_given(measured):
+    """At a factor of two priors: the centre is two priors back, and the bounds with it."""
+    width = nuisances(measured.plant)["valve.gain"]
+    moved = Hypothesis({"valve.gain": float(np.exp(2 * width))})
+    model = model_of(measured, ["/valve.gain"], moved)
+    for priors in (model.tight, model.wide, model.priors([])):
+        assert priors.centre == pytest.approx([-2.0]) and priors.sigma == pytest.approx([1.0])
+        assert priors.low == pytest.approx([-BOUND - 2]) and priors.high == pytest.approx(
+            [BOUND - 2]
+        )
+    assert model.nuisances == (0,)
+
+
+def test_coefficients_with_a_tolerance_are_nuisances_within_it(measured):
+    """0.2 V is four typical sizes; at 0.05 V one of them is used up."""
+    at = Hypothesis().with_coefficients({NULL: 0.05})
+    model = model_of(measured, ["/valve.gain", "valve_trim.null_test", "internal_leakage.test"], at)
+    assert model.nuisances == (0, 1)
+    tight = model.priors([]).select([1])
+    assert tight.centre == pytest.approx([-1.0])
+    assert tight.sigma == pytest.approx([4 / sqrt(3)])
+    assert tight.low == pytest.approx([-5.0]) and tight.high == pytest.approx([3.0])
+    wide = model.priors(["valve_trim"]).select([1])
+    assert wide.sigma == pytest.approx([10.0]) and wide.centre == pytest.approx([-1.0])
+    assert wide.low == pytest.approx([-41.0]) and wide.high == pytest.approx([39.0])  # 2 V
+
+
+def test_effects_take_part_in_a_fit_only_where_they_are_tried(measured):
+    names = ["/valve.gain", "valve_trim.null_test", "internal_leakage.test", "supply_droop.slope"]
+    model = model_of(measured, names)
+    assert model.index([]) == [0, 1]
+    assert model.index(["supply_droop"]) == [0, 1, 3]
+    assert model.coefficients_of(["internal_leakage", "supply_droop"]) == (LEAK, DROOP)
+    assert model.column(DROOP) == 3
+    tried = model.priors(["supply_droop"])
+    assert np.isfinite(tried.sigma).tolist() == [True, True, False, True]
+    assert tried.low[3] == 0.0  # no negative slope
+
+
+def test_a_model_about_itself_has_its_tolerances_about_its_coefficients(measured):
+    """For data that the model itself makes: 0.05 V is the middle, not 0 V."""
+    at = Hypothesis().with_coefficients({NULL: 0.05})
+    model = model_of(measured, ["/valve.gain", "valve_trim.null_test"], at)
+    found = model.about_itself(["valve_trim"]).tight
+    assert found.centre == pytest.approx([0.0, 0.0])
+    assert found.low[1] == pytest.approx(-4.0) and found.high[1] == pytest.approx(4.0)
+    assert found.sigma == pytest.approx(model.tight.sigma)
+    assert model.about_itself([]).tight.centre == pytest.approx(model.tight.centre)
+
+
+def test_a_reference_gives_the_scatter(measured):
+    rng = np.random.default_rng(10)
+    other = replace(measured.map, scatter=rng.uniform(1, 3, (21, 3)))
+    columns = measured.columns(Hypothesis(), ["/valve.gain"])
+    found = linearise(measured, Hypothesis(), columns, other)
+    assert found.gap_map.scatter is other.scatter
+    assert found.gap_map.difference is measured.map.difference
+    assert found.data.squares == pytest.approx(
+        _products(measured.map.in_units_of(other), columns).squares
+    )
 
 
 # ---- hypotheses
@@ -225,17 +385,21 @@ def test_effects_of_the_plant_that_was_given_stay_beside_those_of_the_hypothesis
     assert found["supply_droop"]["slope"] == 0.0
 
 
-def test_steps_are_taken_in_priors_and_typical_sizes(bench):
-    """A factor moves by exp(prior * step), a coefficient by its typical size."""
-    plant = plant_of(bench)
-    priors = nuisances(plant)
+def test_steps_are_taken_in_priors_and_typical_sizes(measured):
+    """A factor moves by exp(prior * step), a coefficient by its typical size; others stay."""
+    priors = nuisances(measured.plant)
     paths = list(priors)
-    start = linear(Hypothesis({paths[0]: 1.2}).with_coefficients({LEAK: 1e-12}))
-    beta = np.linspace(-1, 1, len(paths) + 2)
-    found = hypothesis_at(start, plant, (LEAK, DROOP), beta)
+    names = [*(f"/{path}" for path in paths), ".".join(LEAK), ".".join(DROOP)]
+    start = Hypothesis({paths[0]: 1.2}).with_coefficients({LEAK: 1e-12})
+    model = model_of(measured, names, start)
+    beta = np.linspace(-1, 1, len(names))
+    found = hypothesis_at(model, measured.plant, range(len(names)), beta)
     for path, step in zip(paths, beta, strict=False):
         before = 1.2 if path == paths[0] else 1.0
         assert found.factors[path] == pytest.approx(before * np.exp(priors[path] * step))
     assert found.coefficient(LEAK) == pytest.approx(1e-12 + beta[-2] * typical_size(LEAK))
     assert found.coefficient(DROOP) == pytest.approx(beta[-1] * typical_size(DROOP))
-    assert start.hypothesis.coefficient(LEAK) == 1e-12
+    assert model.hypothesis.coefficient(LEAK) == 1e-12
+    some = hypothesis_at(model, measured.plant, [len(paths)], np.array([2.0]))
+    assert some.factors == {paths[0]: 1.2} and DROOP[0] not in some.effects
+    assert some.coefficient(LEAK) == pytest.approx(1e-12 + 2 * typical_size(LEAK))

@@ -1,18 +1,31 @@
-"""Paths of nuisance parameters: of the given plant, of another law, or of no plant at all."""
+"""Nuisance parameters: paths of factors on a plant, and tolerances of coefficients."""
 
+from math import sqrt
+
+import numpy as np
 import pytest
 
 from hbench.config.bench import Bench, Plant
 from hbench.config.scaling import value_paths
+from hbench.config.sensors import ForceInstrument, Instruments, PressureInstrument
 from hbench.config.stroke_model import parse_strokes
 from hbench.errors import ConfigError
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile import nuisance
-from hbench.reconcile.nuisance import GROUPS, nuisance_value, nuisances
+from hbench.reconcile.hypothesis import effect_coefficients, typical_size
+from hbench.reconcile.nuisance import (
+    BACKGROUND,
+    FACTORS,
+    nuisance_value,
+    nuisances,
+    standard_deviation,
+    tolerances,
+)
 from tests.support.reconcile.rounds import plant_of
 
 
 def test_every_path_is_one_of_a_plant_file(bench):
-    paths = {path for priors in GROUPS.values() for path in priors}
+    paths = set(FACTORS)
     assert paths <= value_paths(Plant) < value_paths(Bench)
     of_plant = nuisances(plant_of(bench))
     assert paths - set(of_plant) == {f"friction.{side}.stribeck_force" for side in ("test", "load")}
@@ -24,7 +37,7 @@ def test_every_path_is_one_of_a_plant_file(bench):
 def test_a_mistyped_path_is_an_error_and_no_missing_nuisance(bench, monkeypatch, path):
     with pytest.raises(ConfigError, match=path):
         nuisance_value(bench, path)
-    monkeypatch.setattr(nuisance, "GROUPS", {("supply",): {path: 0.1}})
+    monkeypatch.setattr(nuisance, "FACTORS", {path: 0.1})
     with pytest.raises(ConfigError, match=path):
         nuisances(bench)
 
@@ -51,3 +64,72 @@ def test_a_part_of_a_plant_has_the_nuisances_of_its_own_sections_and_law(bench):
     assert nuisance_value(bench, "friction.test.viscous") == friction.viscous
     assert nuisance_value(plant, "friction.test.bristle_stiffness") == 0.0
     assert nuisance_value(plant, "valve.gain") == 0.0
+
+
+# ---- tolerances
+
+
+def instruments(of_force, of_pressure) -> Instruments:
+    """1 % with a full scale of 20 kN, and 0.5 % with one of 250 bar."""
+    return Instruments(
+        force=ForceInstrument.model_construct(tolerance=0.01, of=of_force, full_scale=2e4),
+        pressure=PressureInstrument.model_construct(
+            tolerance=0.005, of=of_pressure, full_scale=250e5
+        ),
+    )
+
+
+PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
+
+
+@pytest.mark.parametrize(
+    ("of", "pressure", "force"),
+    [("full_scale", 1.25e5, 200.0), ("reading", 0.005 * 120e5, 0.01 * 4e3)],
+)
+def test_an_offset_is_as_large_as_the_tolerance_at_full_scale_or_at_the_largest_reading(
+    of, pressure, force
+):
+    """120 bar and 4 kN are the largest readings; a gain is off by the tolerance in both cases."""
+    found = tolerances(instruments(of, of), 120e5, 4e3)
+    for name in PRESSURES:
+        assert found["pressure_offset", name] == pytest.approx(pressure)
+        assert found["pressure_gain", name] == pytest.approx(0.005)
+    assert found["load_cell_offset", "force"] == pytest.approx(force)
+    assert found["load_cell_gain", "error"] == pytest.approx(0.01)
+
+
+def test_force_and_pressure_may_be_specified_differently():
+    found = tolerances(instruments("reading", "full_scale"), 120e5, 4e3)
+    assert found["load_cell_offset", "force"] == pytest.approx(40.0)
+    assert found["pressure_offset", "p_s"] == pytest.approx(1.25e5)
+
+
+def test_without_instruments_one_per_cent_of_the_largest_reading_is_assumed():
+    found = tolerances(None, 120e5, 4e3)
+    assert found.keys() == tolerances(instruments("reading", "reading"), 1.0, 1.0).keys()
+    assert found["pressure_offset", "p_s"] == pytest.approx(1.2e5)
+    assert found["load_cell_offset", "force"] == pytest.approx(40.0)
+    assert found["pressure_gain", "p_tp"] == found["load_cell_gain", "error"] == 0.01
+    for valve in ("test", "load_1", "load_2"):
+        assert found["valve_trim", f"gain_{valve}"] == pytest.approx(0.1)
+        assert found["valve_trim", f"null_{valve}"] == pytest.approx(0.2)
+    assert found["valve_trim", "curvature"] * 3 == pytest.approx(0.03)  # 3 % at 3 V
+    assert 0.5 + found["valve_trim", "exponent"] == pytest.approx(0.6)
+
+
+def test_a_tolerance_is_of_every_coefficient_that_an_effect_of_it_switches_on():
+    """A key that no row has would never be fitted; a half of one would be an effect."""
+    found = tolerances(instruments("reading", "full_scale"), 120e5, 4e3)
+    for name in {effect for effect, _ in found}:
+        assert {which for which in found if which[0] == name} == set(effect_coefficients(name))
+    assert BACKGROUND <= {effect for effect, _ in found} <= set(EFFECTS)
+    for (name, key), limit in found.items():
+        row = EFFECTS[name].coefficients[key]
+        assert row.to_si(row.low) <= -limit and limit <= row.to_si(row.high)
+        assert 0.1 < limit / typical_size((name, key)) < 20
+
+
+def test_a_tolerance_is_a_uniform_distribution():
+    drawn = np.random.default_rng(0).uniform(-0.7, 0.7, 100_000)
+    assert standard_deviation(0.7) == pytest.approx(drawn.std(), rel=0.01)
+    assert standard_deviation(0.7) == pytest.approx(0.7 / sqrt(3))

@@ -17,7 +17,7 @@ def made_up(lacking):
     difference[:, 0] += lacking(v, load, x, t)
     at = np.zeros(4000, dtype=int)
     size = np.ones((4000, 2))
-    return GapMap(("own", "other"), difference, size, noise, t, x, v, load, at, ("only",))
+    return GapMap(("own", "other"), difference, size, noise, t, x, v, load, at, ("only",), at)
 
 
 def of(axis, found):

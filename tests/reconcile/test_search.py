@@ -1,7 +1,6 @@
 """Searches for effects that the virtual rig was given, with a short plan and few candidates."""
 
 from dataclasses import replace
-from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,44 +15,30 @@ from hbench.reconcile.diagnose import HELD_OUT
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.evidence import Priors, Products
-from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.linearised import LinearisedModel, linearise
-from hbench.reconcile.measured.balances import prepare
-from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.search import CampaignSearch
-from hbench.reconcile.signatures import signatures
 from tests.support import ROOT
-from tests.support.reconcile.rounds import plant_of, schedule, simulator
+from tests.support.reconcile.rounds import campaign_of, schedule
 
 PLAN = schedule(trials=2, speeds=("30 mm/s", "120 mm/s"))  # 10 operating points
 CANDIDATES = ("internal_leakage", "tank_back_pressure", "supply_droop")
 UNTUNED = {"oil": {"bulk_modulus": "680 bar"}, "valve": {"gain": "7.5e-7 m^2/V"}}
 
 
-@cache
-def before(candidates):
-    """The bench, and the simulations that do not depend on what is measured."""
-    data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
-    bench = parse_bench(data, "bench")
-    simulate = simulator(bench, PLAN)
-    (runs,) = simulate([Hypothesis()], 2)
-    known = MeasuredCampaign(bench, plant_of(bench), ()).balance_model(Hypothesis())
-    return data, bench, simulate, runs, signatures(candidates, simulate, known, runs)
-
-
 def searched(effects, seed=5, candidates=CANDIDATES):
     """Search a campaign with these effects; return result, estimates and held-out points."""
-    data, bench, simulate, runs, seen = before(candidates)
+    data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
+    bench = parse_bench(data, "bench")
     hidden = parse_plant(data, merge(UNTUNED, {"effects": effects}), "hidden")
     made = record(bench, PLAN, hidden, seed=seed)
     assert not made.stopped
-    own = MeasuredCampaign(bench, plant_of(bench), tuple(prepare(run) for run in made.runs))
-    given = linearise(own, Hypothesis(), runs, seen)
-    points = np.arange(len(given.gap_map.points))
+    own = campaign_of(made.runs, bench)
+    points = np.arange(len({point_of(run.plan) for run in made.runs}))
     out = points[points % HELD_OUT == 2]
     train = np.setdiff1d(points, out)
-    found = CampaignSearch(own, simulate, 2, seen, train, candidates).run(given)
+    found = CampaignSearch(own, train, candidates).run()
     return found, fit_coefficients(own.plant, found.final, found.names, train), out
 
 
@@ -96,20 +81,6 @@ def test_two_effects_are_found_one_after_the_other():
         assert gap(found.final, name, out) < 1.5
 
 
-def test_what_builds_up_over_the_runs_is_simulated_with_all_trials():
-    """Warmth after one trial is not that of the second."""
-    asked = set()
-
-    def stopped(hypotheses, trials):
-        asked.update((name, trials) for one in hypotheses for name in one.effects)
-        return [None] * len(hypotheses)
-
-    _, bench, _, runs, _ = before(CANDIDATES)
-    known = MeasuredCampaign(bench, plant_of(bench), ()).balance_model(Hypothesis())
-    assert signatures(("oil_warming", "supply_droop"), stopped, known, runs) == {}
-    assert asked == {("oil_warming", 2), ("supply_droop", 1)}
-
-
 @pytest.mark.slow
 def test_intervals_hold_the_truth_of_an_effect_of_the_catalogues_own_law():
     """Two leaks and the two untuned parameters of 20 campaigns."""
@@ -134,17 +105,19 @@ def test_intervals_hold_the_truth_of_an_effect_of_the_catalogues_own_law():
 
 @pytest.mark.parametrize(("found", "moves"), [(1.0, True), (12.0, False)])
 def test_a_model_moves_to_where_it_lacks_less_and_not_to_where_it_lacks_more(found, moves):
-    """What a simulation makes of the best step may be worse than before it."""
+    """What the laws make of the best step may be worse than before it."""
     scatter = np.random.default_rng(4).standard_normal(40)
     before, cushion = lacking(scatter + 6 * lacking(scatter)[1])
     there, _ = lacking(found * scatter)
 
-    class Simulated(CampaignSearch):
-        def simulate_at(self, hypothesis):
+    class Stepped(CampaignSearch):
+        def linearise_at(self, start, hypothesis):
             return there
 
-    measured = SimpleNamespace(plant=None)
-    search = Simulated(measured, None, 1, {}, np.arange(40), ("end_cushion",))
+        def with_columns(self, model, names):
+            return model
+
+    search = Stepped(SimpleNamespace(plant=None, tolerances={}), np.arange(40), ("end_cushion",))
     assert search.refit(before, ("end_cushion",)) is (there if moves else before)
 
 
@@ -167,9 +140,14 @@ def lacking(force_test):
         groups=(("force_test", "steady"),),
     )
     nothing = np.zeros(0)
-    at = GapMap(("force_test",), *[nothing] * 8, points=tuple(range(points)))
+    at = GapMap(("force_test",), *[nothing] * 8, points=tuple(range(points)), run=nothing)
     free = Priors(np.zeros(2), np.full(2, 10.0), np.array([0.0, -50.0]), np.full(2, 50.0))
-    return LinearisedModel(Hypothesis(), (), at, data, free), cushion
+    off = Priors(np.zeros(2), np.full(2, np.nan), np.zeros(2), np.zeros(2))
+    return LinearisedModel(Hypothesis(), at, {}, data, off, free), cushion
+
+
+def search_of(candidates):
+    return CampaignSearch(SimpleNamespace(tolerances={}), np.arange(40), candidates)
 
 
 def test_an_effect_that_few_points_hold_is_judged_by_what_it_leaves():
@@ -177,13 +155,12 @@ def test_an_effect_that_few_points_hold_is_judged_by_what_it_leaves():
     scatter = np.random.default_rng(4).standard_normal(40)
     after, cushion = lacking(scatter)
     before, _ = lacking(scatter + 6 * cushion)
-    train = np.arange(40)
-    search = CampaignSearch(None, None, 1, {}, train, ("end_cushion", "position_friction"))
-    one = search._evaluate_by_signature(before, [], "end_cushion").candidate
+    search = search_of(("end_cushion", "position_friction"))
+    one = search._evaluate_linearly(before, (), "end_cushion").candidate
     assert one.score > 10 and one.explained > 0.5
     here, left = (
         search._with_threshold(
-            EvaluatedCandidate(one, there), before, [], search.candidates
+            EvaluatedCandidate(one, there), (), search.candidates
         ).candidate.threshold
         for there in (before, after)
     )
@@ -194,13 +171,11 @@ def test_what_leaves_much_has_a_high_threshold():
     """A bore that explains a little of what the cushion does."""
     scatter = np.random.default_rng(4).standard_normal(40)
     before, _ = lacking(scatter + 20 * lacking(scatter)[1])
-    search = CampaignSearch(None, None, 1, {}, np.arange(40), ("end_cushion", "position_friction"))
+    search = search_of(("end_cushion", "position_friction"))
     one = replace(
-        search._evaluate_by_signature(before, [], "position_friction").candidate,
+        search._evaluate_linearly(before, (), "position_friction").candidate,
         explained=1.0,
         score=9.0,
     )
-    threshold = search._with_threshold(
-        EvaluatedCandidate(one, before), before, [], search.candidates
-    )
+    threshold = search._with_threshold(EvaluatedCandidate(one, before), (), search.candidates)
     assert threshold.candidate.threshold > 9

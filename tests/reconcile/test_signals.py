@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import fsolve
 
 from hbench.config.bench import parse_plant
-from hbench.reconcile.measured.balances import balance_model, prepare
+from hbench.reconcile.measured.balances import balance_model
 from hbench.reconcile.measured.window_signals import (
     OPEN_LOOP_SIGNALS,
     SIGNALS,
@@ -92,7 +92,7 @@ def test_under_constant_commands_it_settles_at_the_steady_motion_of_the_measured
 
 def test_signals_are_means_and_friction_is_what_force_leaves(known):
     run = logged(150e5)
-    found = signals(prepare(run), known)
+    found = signals(run, known)
     column = dict(zip(SIGNALS, found.values.T, strict=True))
     v, p_tp, p_tr, p_lp, p_lr = steady(150e5)
     friction = 0.9 * p_tp * A_P - p_tr * A_R - (p_lp * A_P - p_lr * A_R + 300 + 2000 * v)
@@ -103,8 +103,8 @@ def test_signals_are_means_and_friction_is_what_force_leaves(known):
 
 def test_without_commands_nothing_can_be_followed(known):
     run = replace(logged(150e5), u_l1_v=None)
-    assert np.isnan(open_loop_errors(prepare(run), known).values).all()
-    found = signals(prepare(run), known)
+    assert np.isnan(open_loop_errors(run, known).values).all()
+    found = signals(run, known)
     seen = dict(zip(SIGNALS, np.isfinite(found.values).all(axis=0).tolist(), strict=True))
     assert seen == dict.fromkeys(SIGNALS, True) | {"u_l1": False}
     assert set(OPEN_LOOP_SIGNALS) < set(SIGNALS)

@@ -10,6 +10,7 @@ from hbench.reconcile.strokes.series import stroke_pairs
 from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE, StrokeTask, diagnose_strokes
 from hbench.reconcile.verdict import MISSING
 from hbench.records import Provenance, Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
+from hbench.units import to_si
 
 BORE_M = 0.040
 AREA = np.pi / 4 * BORE_M**2
@@ -28,8 +29,11 @@ MODEL = {
 BARS = (10, 20, 30, 45, 60)
 
 
-def strokes(friction, bars=BARS, trials=3, seed=0, gain=1.0, ways=(1, -1)):
-    """Runs at constant pressures; ``friction(bar)`` [N], the same both ways, and 1 % scatter."""
+def strokes(friction, bars=BARS, trials=3, seed=0, gain=1.0, ways=(1, -1), tilt=0.0):
+    """Runs at constant pressures; ``friction(bar)`` [N], the same both ways, and 1 % scatter.
+
+    ``tilt`` is the change of the load cell's force over a stroke, as a share of it.
+    """
     rng, screened = np.random.default_rng(seed), []
     for trial in range(1, trials + 1):
         for bar in bars:
@@ -44,15 +48,23 @@ def strokes(friction, bars=BARS, trials=3, seed=0, gain=1.0, ways=(1, -1)):
                 means = SteadyMeans(
                     0.0, 1.0, 100, speed, f_test - applied, f_test, applied, bar * 1e5, 0.0
                 )
-                run = Run(plan, np.zeros(0), np.zeros(0))
+                t = np.linspace(0.0, 1.0, 101)
+                along = way * (t - 0.5)  # of the stroke
+                run = Run(
+                    plan,
+                    t,
+                    0.05 * along,
+                    p_tp_pa=np.full(len(t), bar * 1e5),
+                    f_applied_n=applied + tilt * f_test * along,
+                )
                 screened.append(ScreenedRun(run, (), means))
     return tuple(screened)
 
 
-def diagnosed(**series):
-    plant = parse_strokes(MODEL, "model")
+def diagnosed(model=MODEL, **series):
+    plant = parse_strokes(model, "model")
     made = Provenance("made", "imported", "", "", "2026-01-01", "2026-01-01")
-    return diagnose_strokes(StrokeTask(made, "model.yaml", plant, MODEL, series))
+    return diagnose_strokes(StrokeTask(made, "model.yaml", plant, model, series))
 
 
 def saturating(most, half):
@@ -87,6 +99,32 @@ def test_a_load_cell_that_shows_too_much_is_not_taken_for_friction():
     assert effect.name == "load_cell_gain"
     assert effect.parameters["error"].value == pytest.approx(2.0, rel=0.05)
     assert GAIN_NOTE in found.notes
+
+
+@pytest.mark.parametrize("gain", [1.02, 1.06])
+def test_a_middle_that_changes_within_the_stroke_is_no_gain(gain):
+    """A gain is the same along a stroke at constant pressure, so its mean proves nothing."""
+    tilted = diagnosed(one=strokes(lambda bar: 42.0, gain=gain, tilt=0.8 * (gain - 1)))
+    assert not tilted.effects and not tilted.alternatives
+    assert tilted.verdict == "unknown" and [gap.name for gap in tilted.rest] == ["force_middle"]
+    assert "within a stroke" in tilted.not_tried["load_cell_gain"]
+    level = diagnosed(one=strokes(lambda bar: 42.0, gain=gain, tilt=0.2 * (gain - 1)))
+    assert [effect.name for effect in level.effects] == ["load_cell_gain"]
+
+
+@pytest.mark.parametrize("guess", ["0.2 N", "1 N", "40 N", "2 kN"])
+def test_the_first_guess_of_friction_has_no_influence(guess):
+    friction = {**MODEL["friction"]["test"], "coulomb": guess, "stiction": guess}
+    model = {**MODEL, "friction": {"test": friction}}
+    soft, hard = strokes(saturating(120, 120)), strokes(saturating(40, 120), seed=1)
+    of_guess, reference = (diagnosed(each, soft=soft, hard=hard) for each in (model, MODEL))
+    assert of_guess.verdict == "named"
+    (effect,), (expected,) = of_guess.effects, reference.effects
+    assert effect.name == "seal_pressure_friction"
+    for key, parameter in effect.parameters.items():
+        assert parameter.value == pytest.approx(expected.parameters[key].value, rel=1e-4, abs=1e-12)
+    revised, before = (d.revised["friction"]["test"]["coulomb"] for d in (of_guess, reference))
+    assert to_si(revised, "N") == pytest.approx(to_si(before, "N"), rel=1e-4)
 
 
 @pytest.mark.parametrize(

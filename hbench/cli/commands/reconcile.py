@@ -22,6 +22,9 @@ def reconcile(
     series: str | None = typer.Option(
         None, help="Label of the series to use, for an imported campaign with several."
     ),
+    material: float = typer.Option(
+        0.2, min=0.0, max=100.0, help="Smaller deviations do not matter: % of a signal's range."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json instead of tables."),
 ) -> None:
     """Find where CAMPAIGN and a model disagree, identify the missing effect, and add it.
@@ -38,7 +41,7 @@ def reconcile(
 
     progress = ProgressLine(sys.stderr)
     try:
-        diagnosis = workflow.reconcile(campaign, model, progress.counted, series)
+        diagnosis = workflow.reconcile(campaign, model, progress.counted, series, material / 100)
     finally:
         progress.close()
     workflow.write_diagnosis(output, diagnosis)

@@ -54,6 +54,7 @@ def _c(unit: str, typical: float, low: float, high: float, default: float = 0.0)
 
 _FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
 _FORCES = ("force_test", "force_load")
+_VALVES = ("test", "load_1", "load_2")
 _LINEAR = _c("1", 0, 0.3, 3, 1)  # exponent
 _LEAK = _c("l/min/bar", 3e-3, 0, 1)
 _BOTH_SHARE = {"test": _c("%", 5, -50, 50), "load": _c("%", 5, -50, 50)}
@@ -61,6 +62,16 @@ _BAR = _c("bar", 0.5, -20, 20)
 
 # Effects at the same place act in this order.
 _CATALOGUE: dict[str, Effect] = {
+    "valve_trim": Effect(
+        "each valve has a gain and a null of its own",
+        {
+            **{f"gain_{valve}": _c("%", 5, -50, 50) for valve in _VALVES},
+            **{f"null_{valve}": _c("V", 0.05, -2, 2) for valve in _VALVES},
+            "curvature": _c("1/V", 0.005, -0.1, 0.1),
+            "exponent": _c("1", 0.02, -0.2, 0.5),
+        },
+        _FLOWS, {"openings": flows.valve_trim, "flows": flows.port_exponent},
+    ),
     "valve_lag": Effect(
         "each valve's opening follows its spool with a first-order lag",
         {"time": _c("ms", 3, 0.1, 100)},
@@ -179,6 +190,11 @@ _CATALOGUE: dict[str, Effect] = {
         {"p_tp": _BAR, "p_tr": _BAR, "p_lp": _BAR, "p_lr": _BAR, "p_s": _BAR},
         (*_FLOWS, *_FORCES, "supply"), {"sensors": instruments.pressure_offset},
     ),
+    "pressure_gain": Effect(
+        "a transducer shows a share too much",
+        {name: _c("%", 1, -20, 20) for name in ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")},
+        (*_FLOWS, *_FORCES, "supply"), {"sensors": instruments.pressure_gain},
+    ),
     "velocity_filter_lag": Effect(
         "the board's velocity filter is slower than the bench file says",
         {"time": _c("ms", 2, 0, 50)},
@@ -216,6 +232,11 @@ def with_effects(par: PlantParameters, values: Values) -> PlantParameters:
         )
     if all(set(MOVING).isdisjoint(EFFECTS[name].laws) for name in values):
         return par
+    return with_all_effects(par, values)
+
+
+def with_all_effects(par: PlantParameters, values: Values) -> PlantParameters:
+    """Add all effects, those without ``values`` with their defaults: one type for the compiler."""
     par = par._replace(effects=tuple(_in_order(name, values.get(name, {})) for name in EFFECTS))
     if _unchecked:
         check_neutral(_unchecked, par)

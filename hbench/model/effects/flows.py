@@ -18,6 +18,58 @@ PRESSURE_PA = 50e5
 ATMOSPHERE_PA = 1.013e5  # the plant's pressures are gauge pressures
 
 
+def valve_trim(
+    u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> Openings:  # fmt: skip
+    """Valves of one type are not equal: u (1 + g + k |u|) + u_0. c: g [1], then u_0 [V], of T, L1,
+    L2, the curvature k [1/V] of all, and an exponent for ``port_exponent``.
+
+    g is the deviation from the gain of the bench file, u_0 the null bias.
+    """
+    g_t, g_1, g_2, null_t, null_1, null_2, k, _ = c
+    return Openings(
+        trimmed(u.test, g_t, null_t, k),
+        trimmed(u.load_1, g_1, null_1, k),
+        trimmed(u.load_2, g_2, null_2, k),
+    )
+
+
+@inlined
+def trimmed(u: float, gain: float, null: float, curvature: float) -> float:
+    """Opening [V] of one valve; u itself, to the bit, where all is 0."""
+    return u + (gain + curvature * abs(u)) * u + null
+
+
+def port_exponent(
+    q: ChamberFlows, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> ChamberFlows:  # fmt: skip
+    """Ports are no sharp orifices: Q grows with dP^(1/2 + n), the same at 50 bar. c: see above.
+
+    The edges of a real spool are rounded, and small drops laminar (Merritt 1967, section 3.4).
+    """
+    n = c[7]
+    if n == 0.0:
+        return q
+    p_s, p_t = state[P_S], par.supply.tank_pa
+    tp = q.tp * port_factor(q.tp, state[P_TP], p_s, p_t, n)
+    tr = q.tr * port_factor(q.tr, state[P_TR], p_s, p_t, n)
+    lp = q.lp * port_factor(q.lp, state[P_LP], p_s, p_t, n)
+    lr = q.lr * port_factor(q.lr, state[P_LR], p_s, p_t, n)
+    more = max(tp, 0.0) + max(tr, 0.0) + max(lp, 0.0) + max(lr, 0.0)
+    more -= max(q.tp, 0.0) + max(q.tr, 0.0) + max(q.lp, 0.0) + max(q.lr, 0.0)
+    total = (tp + tr + lp + lr) - (q.tp + q.tr + q.lp + q.lr)
+    return ChamberFlows(tp, tr, lp, lr, q.drawn + more, q.returned + more - total, q.fluidity)
+
+
+@inlined
+def port_factor(q: float, p: float, p_supply: float, p_tank: float, n: float) -> float:
+    """Factor on the flow of a port, from the drop across it."""
+    drop = abs(p_supply - p if q > 0.0 else p - p_tank)
+    return (max(drop, 1e3) / PRESSURE_PA) ** n
+
+
 def valve_lag(
     u: Openings, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
     par: PlantParameters,

@@ -34,6 +34,13 @@ def pressure_offset(sensors: "SensorParameters", c: Coefficients) -> "SensorPara
     return sensors._replace(zero=tuple(zeros))
 
 
+def pressure_gain(sensors: "SensorParameters", c: Coefficients) -> "SensorParameters":
+    """Each transducer shows (1 + e) P. c: e [1] of Tp, Tr, Lp, Lr and the supply."""
+    gains = list(sensors.per_unit)
+    gains[_PRESSURES] = [gain * (1.0 + e) for gain, e in zip(gains[_PRESSURES], c, strict=True)]
+    return sensors._replace(per_unit=tuple(gains))
+
+
 def slower_filter(controllers: Controllers, c: Coefficients) -> Controllers:
     """Return the board's controllers with a velocity filter (D.11) slower by c [s].
 

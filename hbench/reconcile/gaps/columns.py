@@ -5,7 +5,7 @@ from collections.abc import Hashable, Sequence
 import numpy as np
 
 from hbench.reconcile.gaps.gap_map import by_point
-from hbench.reconcile.measured.balances import BalanceModel, WindowedRun, prepare, residuals
+from hbench.reconcile.measured.balances import BalanceModel, WindowedRun, residuals
 from hbench.records import Run
 
 ModelColumn = dict[Hashable, np.ndarray]  # by operating point: (m, balances)
@@ -13,7 +13,7 @@ ModelColumn = dict[Hashable, np.ndarray]  # by operating point: (m, balances)
 
 def residuals_of_runs(runs: Sequence[Run], model: BalanceModel) -> list[WindowedRun]:
     """Return the residuals of all balances for each run."""
-    return [residuals(prepare(run), model) for run in runs]
+    return [residuals(run, model) for run in runs]
 
 
 def mean_column(runs: Sequence[WindowedRun]) -> ModelColumn:

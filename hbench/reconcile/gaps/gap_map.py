@@ -45,6 +45,16 @@ _NEGLIGIBLE_SPREAD = 1e-8  # of ln s^2, beyond chance: nu_0 of 1e8
 
 
 @dataclass(frozen=True)
+class RunLevel:
+    """Level of one run in one balance that is not known, such as that of its friction."""
+
+    windows: slice
+    balance: int  # its index
+    change: np.ndarray  # (m,) by one standard deviation of the level, in scatters
+    ridge: float  # variance of the residuals, in squares of the scatter
+
+
+@dataclass(frozen=True)
 class GapMap:
     """Differences of all compared windows, with their operating points: w windows, c names."""
 
@@ -58,6 +68,10 @@ class GapMap:
     load_n: np.ndarray  # (w,)
     point: np.ndarray  # (w,) index of the operating point
     points: tuple[Hashable, ...]  # keys of the operating points, see ``point_of``
+    run: np.ndarray  # (w,) index of the run, or of the operating point for means of its runs
+    levels: tuple[RunLevel, ...] = ()  # of runs
+    white: np.ndarray | None = None  # (c,) share of s^2 that a window has for itself; None: unknown
+    material: np.ndarray | None = None  # (c,) smaller deviations do not matter, in scatters
 
     @property
     def excess(self) -> np.ndarray:
@@ -65,11 +79,23 @@ class GapMap:
         with np.errstate(divide="ignore", invalid="ignore"):
             return (self.difference**2 - self.noise) / self.scatter**2
 
+    def in_units_of(self, other: "GapMap") -> "GapMap":
+        """Return the same windows with the scatter of another map."""
+        return replace(
+            self,
+            scatter=other.scatter,
+            noise=other.noise,
+            white=other.white,
+            material=other.material,
+            levels=other.levels,
+        )
+
     def select_points(self, points: np.ndarray) -> "GapMap":
         """Return the windows of the operating points with these indices."""
         selected = np.isin(self.point, points)
-        rows = ("difference", "scatter", "noise", "t_s", "x_m", "v_m_s", "load_n", "point")
-        return replace(self, **{name: getattr(self, name)[selected] for name in rows})
+        rows = ("difference", "scatter", "noise", "t_s", "x_m", "v_m_s", "load_n", "point", "run")
+        chosen = {name: getattr(self, name)[selected] for name in rows}
+        return replace(self, **chosen, levels=())
 
     def gaps_by_bin(self, bins: np.ndarray) -> np.ndarray:
         """Return gaps (b, c) of the windows in each bin 0..b-1; ``bins`` (w,) numbers them.
@@ -250,8 +276,9 @@ def _gap_map(pairs: Sequence[_Pair]) -> GapMap:
         x_m=operating("x_m"),
         v_m_s=operating("v_m_s"),
         load_n=operating("load_n"),
-        point=np.repeat(np.arange(len(pairs)), [pair.r.shape[1] for pair in pairs]),
+        point=(point := np.repeat(np.arange(len(pairs)), [pair.r.shape[1] for pair in pairs])),
         points=tuple(pair.point for pair in pairs),
+        run=point,
     )
 
 

@@ -5,7 +5,7 @@ from collections.abc import Hashable, Sequence
 import numpy as np
 
 from hbench.reconcile.gaps.gap_map import gap_map, point_of
-from hbench.reconcile.measured.balances import BalanceModel, prepare
+from hbench.reconcile.measured.balances import BalanceModel
 from hbench.reconcile.measured.window_signals import signal_field, signals
 from hbench.records import Overlay, Run
 
@@ -24,9 +24,9 @@ def overlays(
     held_out, *simulated = (
         [run for run in runs if point_of(run.plan) in points] for runs in (measured, before, after)
     )
-    means = [signals(prepare(run), model) for run in held_out]
+    means = [signals(run, model) for run in held_out]
     map_before, map_after = (
-        gap_map(means, [signals(prepare(run), model) for run in runs]) for runs in simulated
+        gap_map(means, [signals(run, model) for run in runs]) for runs in simulated
     )
     reductions = []
     for i, point in enumerate(map_before.points):

@@ -2,127 +2,139 @@
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 
 from hbench.reconcile.gaps.gap_map import GapMap, column_means, gap_map, point_of, run_gaps
-from hbench.reconcile.measured.balances import (
-    BalanceModel,
-    PreparedRun,
-    WindowedRun,
-    prepare,
-    residuals,
-)
+from hbench.reconcile.measured.balances import BalanceModel, WindowedRun
 from hbench.reconcile.measured.window_signals import open_loop_errors, signals
-from hbench.records import BeforeAfter, GapTable, Run, RunGap
+from hbench.records import BeforeAfter, GapTable, Run, RunGap, RunPlan
 
-Logs = Sequence[PreparedRun]
-Evaluate = Callable[[PreparedRun, BalanceModel], WindowedRun]
-_EVALUATIONS: Mapping[str, Evaluate] = {
-    "balances": residuals,
+_EVALUATIONS: Mapping[str, Callable[[Run, BalanceModel], WindowedRun]] = {
     "signals": signals,
     "open_loop": open_loop_errors,
 }
 
 
-class GapComparison:
-    """Comparison of the models before, refitted and after with the measured runs."""
+@dataclass(frozen=True)
+class BalanceStages:
+    """Residuals of the models before, refitted and after, in the scatter of the second."""
+
+    maps: tuple[GapMap, GapMap, GapMap]
+    uncertain: np.ndarray  # (w, c) variance by the parameters' uncertainty, in squares of scatters
+
+    def over(self, windows: np.ndarray) -> dict[str, BeforeAfter]:
+        """Return the gaps of the chosen windows (w,), by balance."""
+        with np.errstate(invalid="ignore"):
+            columns = [
+                np.sqrt(np.maximum(1 + column_means(each.excess[windows]), 0.0))
+                for each in self.maps
+            ]
+        floor = np.sqrt(1 + column_means(self.uncertain[windows]))
+        return _by_name(self.maps[0].names, columns, floor)
+
+
+class SimulatedStages:
+    """Signals of measured runs and of those of the models before, refitted and after."""
 
     def __init__(
         self,
-        measured: Logs,
-        models: tuple[tuple[Sequence[Run], BalanceModel], ...],
-        uncertain: Sequence[Sequence[Run]],
+        measured: Sequence[Run],
+        simulated: Sequence[tuple[Sequence[Run], BalanceModel]],
     ):
-        """Evaluate all runs.
+        self._points = {run.plan.run: point_of(run.plan) for run in measured}
+        self._maps: dict[str, list[GapMap]] = {}
+        self._runs: dict[str, list[dict[str, np.ndarray]]] = {}
+        for name, evaluate in _EVALUATIONS.items():
+            pairs = [
+                (_evaluated(evaluate, measured, model), _evaluated(evaluate, runs, model))
+                for runs, model in simulated
+            ]
+            self._maps[name] = [gap_map(*pair) for pair in pairs]
+            self._runs[name] = [run_gaps(*pair) for pair in pairs]
 
-        ``models`` are the model as given, refitted, and with the effects: simulated runs and the
-        balances' model of each. ``uncertain`` are runs of the last one with parameters drawn from
-        their uncertainty.
-        """
-        simulated = [([prepare(run) for run in runs], model) for runs, model in models]
-        drawn = [[prepare(run) for run in runs] for runs in uncertain]
-        self._plans = [log.run.plan for log in measured]
-        self._comparisons = {
-            name: _Comparison(evaluate, measured, simulated, drawn)
-            for name, evaluate in _EVALUATIONS.items()
-        }
-
-    def table(self, points: frozenset[Hashable]) -> GapTable:
-        """Return the gaps over some operating points."""
-        return _gap_table({name: each.over(points) for name, each in self._comparisons.items()})
-
-    def runs(self, held_out: frozenset[Hashable]) -> tuple[RunGap, ...]:
-        """Return the gaps of each run; ``held_out`` are operating points."""
-        return tuple(
-            RunGap(
-                plan,
-                point_of(plan) in held_out,
-                _gap_table(
-                    {name: each.of_run(plan.run) for name, each in self._comparisons.items()}
-                ),
-            )
-            for plan in self._plans
-        )
-
-
-class _Comparison:
-    """Balances or signals of the measured runs and of the runs of each model."""
-
-    def __init__(
-        self,
-        evaluate: Evaluate,
-        measured: Logs,
-        simulated: Sequence[tuple[Logs, BalanceModel]],
-        drawn: Sequence[Logs],
-    ):
-        pairs = [
-            (_evaluated(evaluate, measured, model), _evaluated(evaluate, logs, model))
-            for logs, model in simulated
-        ]
-        self._maps = [gap_map(*pair) for pair in pairs]
-        self._runs = [run_gaps(*pair) for pair in pairs]
-        self._points = {log.run.plan.run: point_of(log.run.plan) for log in measured}
-        last, model = pairs[-1][1], simulated[-1][1]
-        self._drawn = [gap_map(last, _evaluated(evaluate, logs, model)) for logs in drawn]
-
-    def over(self, points: frozenset[Hashable]) -> dict[str, BeforeAfter]:
-        return self._by_name([_gaps(_at(each, points)) for each in self._maps], points)
-
-    def of_run(self, run: str) -> dict[str, BeforeAfter]:
-        return self._by_name([gaps[run] for gaps in self._runs], frozenset({self._points[run]}))
-
-    def _by_name(
-        self, columns: Sequence[np.ndarray], points: frozenset[Hashable]
-    ) -> dict[str, BeforeAfter]:
-        """Return the gaps, one column a model, with the floors of ``points``, by name."""
-        reference = _at(self._maps[-1], points)
-        floors = [_structured(_at(each, points), reference) for each in self._drawn]
-        floor = np.sqrt(1 + np.mean(floors, axis=0)) if floors else np.ones(len(reference.names))
+    def over(self, points: frozenset[Hashable]) -> dict[str, dict[str, BeforeAfter]]:
+        """Return the gaps over some operating points, by evaluation and signal."""
         return {
-            name: BeforeAfter(*[float(column[i]) for column in (*columns, floor)])
-            for i, name in enumerate(reference.names)
-            if all(np.isfinite(column[i]) for column in columns)
+            name: _by_name(maps[0].names, [_gaps(_at(each, points)) for each in maps])
+            for name, maps in self._maps.items()
+        }
+
+    def of_run(self, run: str) -> dict[str, dict[str, BeforeAfter]]:
+        """Return the gaps of a run; none where its operating point has no second trial."""
+        return {
+            name: _by_name(self._maps[name][0].names, [gaps[run] for gaps in stages])
+            for name, stages in self._runs.items()
+            if all(run in gaps for gaps in stages)
         }
 
 
-def _evaluated(evaluate: Evaluate, logs: Logs, model: BalanceModel) -> list[WindowedRun]:
-    """Evaluate each log; open loops are compiled and run in parallel threads."""
+def gap_table(
+    balances: BalanceStages, simulated: SimulatedStages | None, points: frozenset[Hashable]
+) -> GapTable:
+    """Return the gaps over some operating points."""
+    reference = balances.maps[0]
+    chosen = np.isin(reference.point, [reference.points.index(point) for point in points])
+    signals_of = simulated.over(points) if simulated and _repeated(simulated, points) else {}
+    return _table(balances.over(chosen), signals_of)
+
+
+def gaps_of_runs(
+    plans: Sequence[RunPlan],
+    balances: BalanceStages,
+    simulated: SimulatedStages | None,
+    held_out: frozenset[Hashable],
+) -> tuple[RunGap, ...]:
+    """Return the gaps of each run, in the order of the maps; ``held_out`` are points."""
+    run = balances.maps[0].run
+    return tuple(
+        RunGap(
+            plan,
+            point_of(plan) in held_out,
+            _table(balances.over(run == i), simulated.of_run(plan.run) if simulated else {}),
+        )
+        for i, plan in enumerate(plans)
+    )
+
+
+def _repeated(simulated: SimulatedStages, points: frozenset[Hashable]) -> bool:
+    return any(points & set(maps[0].points) for maps in simulated._maps.values())
+
+
+def _evaluated(
+    evaluate: Callable[[Run, BalanceModel], WindowedRun], runs: Sequence[Run], model: BalanceModel
+) -> list[WindowedRun]:
+    """Evaluate each run; open loops are compiled and run in parallel threads."""
     with ThreadPoolExecutor() as pool:
-        return list(pool.map(lambda log: evaluate(log, model), logs))
+        return list(pool.map(lambda run: evaluate(run, model), runs))
 
 
-def _gap_table(columns: dict[str, dict[str, BeforeAfter]]) -> GapTable:
-    balances = columns["balances"].values()
+def _by_name(
+    names: Sequence[str], columns: Sequence[np.ndarray], floor: np.ndarray | None = None
+) -> dict[str, BeforeAfter]:
+    floor = np.ones(len(names)) if floor is None else floor
+    return {
+        name: BeforeAfter(*[float(column[i]) for column in (*columns, floor)])
+        for i, name in enumerate(names)
+        if all(np.isfinite(column[i]) for column in columns)
+    }
+
+
+def _table(
+    balances: dict[str, BeforeAfter], simulated: dict[str, dict[str, BeforeAfter]]
+) -> GapTable:
+    values = balances.values()
     total = BeforeAfter(
         *(
-            float(np.sqrt(np.mean([getattr(balance, step) ** 2 for balance in balances])))
-            if balances
+            float(np.sqrt(np.mean([getattr(balance, step) ** 2 for balance in values])))
+            if values
             else float("nan")
             for step in ("before", "refitted", "after", "floor")
         )
     )
-    return GapTable(total=total, **columns)
+    signals_of, open_loop = simulated.get("signals", {}), simulated.get("open_loop", {})
+    return GapTable(total=total, balances=balances, signals=signals_of, open_loop=open_loop)
 
 
 def _at(differences: GapMap, points: frozenset[Hashable]) -> GapMap:
@@ -133,11 +145,3 @@ def _at(differences: GapMap, points: frozenset[Hashable]) -> GapMap:
 def _gaps(differences: GapMap) -> np.ndarray:
     with np.errstate(invalid="ignore"):
         return np.sqrt(np.maximum(1 + column_means(differences.excess), 0.0))
-
-
-def _structured(differences: GapMap, reference: GapMap) -> np.ndarray:
-    """Return the mean square (c,) of a difference of models over the measured scatter."""
-    scatter = np.sqrt(column_means(reference.scatter**2))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = column_means(differences.difference**2 - differences.noise) / scatter**2
-    return np.maximum(np.nan_to_num(ratio, posinf=0.0), 0.0)

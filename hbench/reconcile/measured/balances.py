@@ -10,28 +10,41 @@ Residual of each balance, by name and unit; P, V, Q of the chamber, V_0 its volu
     supply         Pa    measured supply pressure less the source's
 
 Continuity P'/beta + V'/V = Q/V (2.1 to 2.8) contains the derivative of ln V(x), so neither pressure
-nor position is differentiated. Q follows from the measured pressures and the valve's spool, which
-is computed from the logged command (2.16). Within a record a signal is a parabola with the record's
-mean. Friction follows the measured motion. Over the first 20 mm it depends on the unknown initial
-state, so force balances are nan there, as they are where a channel is missing.
+nor position is differentiated. Flows and friction are those of the laws along the log
+(``along.py``), with the effects of the model; readings are corrected for the errors of its sensors.
+Within a record a signal is a parabola with the record's mean. A balance is nan where a channel is
+missing.
 
 The flow balance of a pump (see ``model/supply.py``) is divided by its regulation slope
 Q_max / band.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from hbench.analysis.identification.driven_law import driven_friction
-from hbench.analysis.screening.sample_friction import LoggedMotion, logged_motion
-from hbench.config.bench import Bench, Plant
+from hbench.config.bench import Bench, Controllers, Plant
+from hbench.config.sensors import Sensors
 from hbench.model.build import plant_parameters
-from hbench.model.parameters import CylinderParameters, PlantParameters
-from hbench.model.sensors import FRACTION, sensor_gains
-from hbench.reconcile.measured.orifices import chamber_flows, pump_flow
-from hbench.reconcile.measured.weak import Window, sampling, window
+from hbench.model.effects.catalogue import (
+    EFFECTS,
+    changed_by,
+    read_effects,
+    with_all_effects,
+)
+from hbench.model.parameters import PlantParameters
+from hbench.model.sensors import (
+    FRACTION,
+    SENSORS,
+    SensorParameters,
+    ideal_sensors,
+    sensor_gains,
+    sensor_parameters,
+)
+from hbench.reconcile.measured.along import STEP_S, AlongLog, Start, along
+from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session, sessions
+from hbench.reconcile.measured.sources import pump_flow
 from hbench.records import Run, RunPlan
 
 BALANCE_UNITS = {
@@ -46,11 +59,10 @@ BALANCE_UNITS = {
 }
 BALANCES = tuple(BALANCE_UNITS)
 FLOWS = BALANCES[:4]
-CHAMBERS = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")
+CHAMBERS = PRESSURES[:4]
 _TEST_FORCES = ("p_tp_pa", "p_tr_pa", "f_applied_n")
-_COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 _CHANNELS = {
-    **dict.fromkeys(FLOWS, ("p_s_pa", *CHAMBERS, *_COMMANDS)),
+    **dict.fromkeys(FLOWS, ("p_s_pa", *CHAMBERS, *COMMANDS)),
     "force_test": _TEST_FORCES,
     "force_load": (*_TEST_FORCES, "p_lp_pa", "p_lr_pa"),
     "kinematics": ("v_m_s",),
@@ -58,13 +70,23 @@ _CHANNELS = {
 }
 
 
+# Of the effects' states, those that go on from one log to the next.
+_BUILDS_UP = np.repeat(
+    [row.builds_up for row in EFFECTS.values()], [row.states for row in EFFECTS.values()]
+)
+_FIRST = 5  # samples whose mean gives the friction that a log starts with
+
+
 @dataclass(frozen=True)
 class BalanceModel:
-    """Model of a bench for the balances: the plant's parameters, and how the board measures."""
+    """Model of a bench for the balances: the plant with its effects, and how it is measured."""
 
-    par: PlantParameters
-    velocity_lag_s: float
+    par: PlantParameters  # with effects
+    sensors: Mapping[str, tuple[float, float]]  # a, b by channel: reading = a * value + b
+    velocity_lag_s: float | None  # of the logged velocity; None: not known
     word_steps: Mapping[str, float]  # resolution of the sensors' log words, by channel, in SI
+    levels: tuple[float, float] = (1.0, 1.0)  # of dry friction, test and load cylinder
+    step_s: float = STEP_S  # of the laws' states
 
 
 @dataclass(frozen=True)
@@ -81,78 +103,157 @@ class WindowedRun:
     resolution: np.ndarray  # (names,) standard deviation that the log's rounding causes
 
 
-@dataclass(frozen=True)
-class PreparedRun:
-    """Run with its model-independent quantities: the window, and the motion if force is known."""
-
-    run: Run
-    window: Window
-    motion: LoggedMotion | None
-
-    def channels(self, *names: str) -> list[np.ndarray] | None:
-        """Return the channels with these names, in order; None if any is missing."""
-        return run_channels(self.run, *names)
-
-
-def prepare(run: Run) -> PreparedRun:
-    """Prepare a run for its balances. Raises ``DataError`` for uneven samples."""
-    run_window = window(sampling(run))
-    known = run_channels(run, *_TEST_FORCES) and run_window.count(len(run.t_s))
-    return PreparedRun(run, run_window, logged_motion(run, 0.0) if known else None)
-
-
-def balance_model(bench: Bench, plant: Plant | None = None) -> BalanceModel:
-    """Return the model of a bench; ``plant`` replaces its physics.
+def balance_model(bench: Bench | None, plant: Plant) -> BalanceModel:
+    """Return the model of a plant, measured by a bench; None: a bench whose board is unknown.
 
     The board computes D.11 from the position of the last tick, so its velocity lags by tau_c and
-    half a tick.
+    half a tick. Raises ``ConfigError`` for effects that are not in the catalogue.
     """
-    lag = bench.controllers.velocity_filter + 0.5 / bench.controllers.rate
+    effects = read_effects(plant.effects)
+    par = with_all_effects(plant_parameters(plant.model_copy(update={"effects": {}})), effects)
+    if bench is None:
+        return BalanceModel(par, _sensor_maps(ideal_sensors(), ideal_sensors(), effects), None, {})
+    board: Controllers = changed_by("board", bench.controllers, effects)
     steps = {name: gain / FRACTION for name, (gain, _) in sensor_gains(bench.sensors).items()}
-    return BalanceModel(plant_parameters(plant or bench), lag, steps)
+    maps = _sensor_maps(
+        sensor_parameters(_sensors(plant, bench)), sensor_parameters(bench.sensors), effects
+    )
+    return BalanceModel(par, maps, board.velocity_filter + 0.5 / board.rate, steps)
 
 
-def windowed_run(
-    log: PreparedRun,
-    names: tuple[str, ...],
-    values: np.ndarray,
-    resolution: np.ndarray,
-    load: CylinderParameters,
-) -> WindowedRun:
-    """Return window values with their operating conditions; ``load`` is the load cylinder."""
-    run, win = log.run, log.window
-    f_load = np.full(win.count(len(run.t_s)), np.nan)
-    if run.p_lp_pa is not None and run.p_lr_pa is not None:
-        f_load = win.mean(run.p_lp_pa * load.area_piston_m2 - run.p_lr_pa * load.area_rod_m2)
+def _sensors(plant: Plant, bench: Bench) -> Sensors:
+    return plant.sensors or bench.sensors
+
+
+def _sensor_maps(
+    own: SensorParameters, assumed: SensorParameters, effects: Mapping[str, Mapping[str, float]]
+) -> dict[str, tuple[float, float]]:
+    """Return each channel's reading as a * value + b: (a, b), by channel."""
+    actual = changed_by("sensors", own, effects)
+    return {
+        name: (actual.per_unit[i] / assumed.per_unit[i],
+               (actual.zero[i] - assumed.zero[i]) / assumed.per_unit[i])
+        for i, name in enumerate(SENSORS)
+    }  # fmt: skip
+
+
+def residuals(run: Run, model: BalanceModel) -> WindowedRun:
+    """Return the residuals of all balances of a single run. Raises ``DataError``."""
+    (session,) = sessions([run])
+    values = balance_values(session, model)
     return WindowedRun(
-        plan=run.plan,
-        names=names,
-        values=values,
-        t_s=win.mean(run.t_s) - run.t_s[0],
-        x_m=win.mean(run.x_m),
-        v_m_s=win.rate(run.x_m),
-        load_n=f_load,
-        resolution=resolution,
+        run.plan, BALANCES, values, *operating_conditions(session, model), rounding_error(model)
     )
 
 
-def residuals(
-    log: PreparedRun, model: BalanceModel, names: tuple[str, ...] = BALANCES
-) -> WindowedRun:
-    """Return the residuals of the balances in ``names``.
+def rounding_error(model: BalanceModel) -> np.ndarray:
+    """Return the standard deviation (8,) that the log's rounding causes in each balance.
 
     A constant supply pressure is logged as a constant word, so averaging does not reduce its
     rounding error. The noise of the other signals dithers theirs.
     """
-    values: dict[str, np.ndarray] = {}
-    for balances, compute in _BALANCE_FUNCTIONS:
-        if set(balances) & set(names):
-            values |= compute(log, model)
-    missing = np.full(log.window.count(len(log.run.t_s)), np.nan)
-    columns = np.column_stack([values.get(name, missing) for name in names])
-    step = model.word_steps["p_s"]
-    rounding = np.where(np.array(names) == "supply", step / np.sqrt(12), 0.0)
-    return windowed_run(log, names, columns, rounding, model.par.load)
+    step = model.word_steps.get("p_s", 0.0)
+    return np.where(np.array(BALANCES) == "supply", step / np.sqrt(12), 0.0)
+
+
+def operating_conditions(
+    session: Session, model: BalanceModel
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return time since the run's start, position, velocity and load of the windows, each (w,)."""
+    starts = session.channels["t_s"][session.edges[:-1]][session.run_of_window]
+    p_lp, p_lr = session.channels["p_lp_pa"], session.channels["p_lr_pa"]
+    load = model.par.load
+    f_load = session.mean(p_lp * load.area_piston_m2 - p_lr * load.area_rod_m2)
+    measured = np.array([run.p_lp_pa is not None for run in session.runs])
+    return (
+        session.mean(session.channels["t_s"]) - starts,
+        session.mean(session.channels["x_m"]),
+        session.rate(session.channels["x_m"]),
+        np.where(measured[session.run_of_window], f_load, np.nan),
+    )
+
+
+def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
+    """Return the residuals (w, 8) of all balances of a session.
+
+    States of effects that build up over many runs go from one log to the next.
+    """
+    par = model.par
+    signals = _signals(session, model)
+    p_tp, p_tr, p_lp, p_lr, p_s = signals[2:7]
+    f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
+    f_load = p_lp * par.load.area_piston_m2 - p_lr * par.load.area_rod_m2
+    applied = _true(session.channels["f_applied_n"], model.sensors["f_applied"])
+    means = _along(session, signals, model, (f_test - applied, applied - f_load))
+    swelling = session.rate(means.compression + means.log_volume)
+    volume = np.exp(session.mean(means.log_volume))
+    flows = volume * (swelling - session.mean(means.per_volume))
+    acceleration = session.second(signals[0])
+    test = session.mean(f_test - applied - means.friction_test) - par.mass_test_kg * acceleration
+    load = session.mean(applied - f_load - means.friction_load) - par.mass_load_kg * acceleration
+    lag, v = model.velocity_lag_s, session.channels["v_m_s"]
+    kinematics = session.rate(signals[0]) - session.mean(v) - (lag or 0.0) * session.rate(v)
+    supply = _supply(p_s, means, session, par)
+    values = np.column_stack([*flows, test, load, kinematics, supply])
+    return np.where(_compared(session, model)[session.run_of_window], values, np.nan)
+
+
+def _compared(session: Session, model: BalanceModel) -> np.ndarray:
+    """Return which balances (r, 8) the channels of each run determine."""
+    has = np.array([[not channels_missing(run, name) for name in BALANCES] for run in session.runs])
+    if model.velocity_lag_s is None:
+        has[:, BALANCES.index("kinematics")] = False
+    if model.par.supply.has_pump:  # its flow is compared with that of the valves
+        has[:, BALANCES.index("supply")] &= has[:, 0]
+    return has
+
+
+def _along(
+    session: Session, signals: np.ndarray, model: BalanceModel, forces: tuple[np.ndarray, ...]
+) -> AlongLog:
+    """Return the laws along all logs; ``forces`` are the measured frictions of both cylinders."""
+    carried, levels = np.zeros(len(_BUILDS_UP)), np.array(model.levels)
+    parts = []
+    for start, stop in zip(session.edges[:-1], session.edges[1:], strict=True):
+        first = slice(start, min(start + _FIRST, stop))
+        friction = float(forces[0][first].mean()), float(forces[1][first].mean())
+        log = np.ascontiguousarray(signals[:, start:stop])
+        at = Start(friction, carried)
+        part, end = along(log, session.window.dt_s, model.par, at, levels, model.step_s)
+        carried = np.where(_BUILDS_UP, end, 0.0)
+        parts.append(part)
+    return AlongLog(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))
+
+
+def _signals(session: Session, model: BalanceModel) -> np.ndarray:
+    """Return what drives the laws (10, n), see ``along``."""
+    pressures = [
+        _true(session.channels[field], model.sensors[name])
+        for name, field in zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)
+    ]
+    x = _true(session.channels["x_m"], model.sensors["x"])
+    commands = [session.channels[name] for name in COMMANDS]
+    return np.vstack([x, session.velocity_m_s, *pressures, *commands])
+
+
+def _true(reading: np.ndarray, sensor: tuple[float, float]) -> np.ndarray:
+    a, b = sensor
+    return reading if (a, b) == (1.0, 0.0) else (reading - b) / a
+
+
+def _supply(p_s: np.ndarray, means: AlongLog, session: Session, par: PlantParameters) -> np.ndarray:
+    source = par.supply
+    if not source.has_pump:
+        return session.mean(p_s - means.supply_pa)
+    delivered = np.concatenate(
+        [
+            pump_flow(p_s[start:stop], session.window.dt_s, source)
+            for start, stop in zip(session.edges[:-1], session.edges[1:], strict=True)
+        ]
+    )
+    relief = source.relief_gain * np.maximum(p_s - source.relief_pa, 0.0)
+    net = session.mean(delivered - means.drawn - relief - source.leakage * p_s)
+    return (source.capacity * session.rate(p_s) - net) * source.band_pa / source.flow_m3_s
 
 
 def channels_missing(run: Run, balance: str) -> tuple[str, ...]:
@@ -170,75 +271,3 @@ def incomplete_reason(run: Run) -> str:
     """Return why a run's log is incomplete; empty for a complete one."""
     inside = f"{run.missing_records} records are missing inside the log"
     return run.truncated or (inside if run.missing_records else "")
-
-
-def _flows_and_supply(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
-    run, win, par = log.run, log.window, model.par
-    values: dict[str, np.ndarray] = {}
-    p_s = run.p_s_pa
-    if p_s is not None and not par.supply.has_pump:
-        values["supply"] = win.mean(p_s) - par.supply.pressure_pa
-    chambers, valves = log.channels(*CHAMBERS), log.channels(*_COMMANDS)
-    if p_s is None or chambers is None or valves is None:
-        return values
-    pressures, commands = np.array(chambers), np.array(valves)
-    flows = chamber_flows(run.x_m, pressures, p_s, commands, win.dt_s, par)
-    for i, name in enumerate(FLOWS):
-        swelling = win.rate(pressures[i] / par.bulk_modulus_pa + flows.log_volume[i])
-        volume = np.exp(win.mean(flows.log_volume[i]))
-        values[name] = volume * (swelling - win.mean(flows.per_volume[i]))
-    if par.supply.has_pump:
-        source = par.supply
-        delivered = pump_flow(p_s, win.dt_s, source)
-        relief = source.relief_gain * np.maximum(p_s - source.relief_pa, 0.0)
-        net = win.mean(delivered - flows.drawn - relief - source.leakage * p_s)
-        residual = source.capacity * win.rate(p_s) - net
-        values["supply"] = residual * source.band_pa / source.flow_m3_s
-    return values
-
-
-def _force_test(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
-    par, test = model.par, model.par.test
-    channels = log.channels(*_TEST_FORCES)
-    if log.motion is None or channels is None:
-        return {}
-    p_tp, p_tr, f_applied = channels
-    f_test = p_tp * test.area_piston_m2 - p_tr * test.area_rod_m2
-    friction = driven_friction(log.motion, test.friction)
-    unbalanced = f_test - f_applied - friction
-    return {"force_test": _force_residual(log, log.motion, unbalanced, par.mass_test_kg)}
-
-
-def _force_load(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
-    par, load = model.par, model.par.load
-    channels = log.channels("f_applied_n", "p_lp_pa", "p_lr_pa")
-    if log.motion is None or channels is None:
-        return {}
-    f_applied, p_lp, p_lr = channels
-    f_load = p_lp * load.area_piston_m2 - p_lr * load.area_rod_m2
-    friction = driven_friction(replace(log.motion, p_p_pa=p_lp, p_r_pa=p_lr), load.friction)
-    unbalanced = f_applied - f_load - friction
-    return {"force_load": _force_residual(log, log.motion, unbalanced, par.mass_load_kg)}
-
-
-def _force_residual(
-    log: PreparedRun, motion: LoggedMotion, unbalanced_n: np.ndarray, mass_kg: float
-) -> np.ndarray:
-    win = log.window
-    residual = win.mean(unbalanced_n) - mass_kg * win.second(log.run.x_m)
-    return np.where(motion.compared[win.starts(len(unbalanced_n))], residual, np.nan)
-
-
-def _kinematics(log: PreparedRun, model: BalanceModel) -> dict[str, np.ndarray]:
-    run, win, lag = log.run, log.window, model.velocity_lag_s
-    if run.v_m_s is None:
-        return {}
-    return {"kinematics": win.rate(run.x_m) - win.mean(run.v_m_s) - lag * win.rate(run.v_m_s)}
-
-
-_BALANCE_FUNCTIONS = (
-    ((*FLOWS, "supply"), _flows_and_supply),
-    (("force_test",), _force_test),
-    (("force_load",), _force_load),
-    (("kinematics",), _kinematics),
-)

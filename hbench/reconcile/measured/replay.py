@@ -15,7 +15,6 @@ from hbench.config.bench import Bench, Plant
 from hbench.errors import DataError
 from hbench.model.effects.catalogue import changed_by, read_effects
 from hbench.model.sensors import SENSORS, sensor_gains, sensor_parameters
-from hbench.model.simulated_bench import as_run
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.weak import sampling
 from hbench.reconcile.measured.window_signals import INPUTS, OPEN_LOOP_CHANNELS, SIGNALS, open_loop
@@ -30,7 +29,7 @@ def replay_runs(
     runs: Sequence[Run], bench: Bench, plant: Plant
 ) -> tuple[tuple[Run, ...], tuple[str, ...]]:
     """Return the runs as simulated with ``plant`` on ``bench``, and the reasons of omitted runs."""
-    model = balance_model(as_run(bench, plant), plant)
+    model = balance_model(bench, plant)
     errors = _sensor_errors(bench, plant)
     corrections = {name: (1 / a, -b / a) for name, (a, b) in errors.items()}
     replays, omitted = [], []

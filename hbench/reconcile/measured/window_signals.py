@@ -37,11 +37,11 @@ from hbench.model.sensing import sensed
 from hbench.model.sensors import N_CHANNELS, SENSORS
 from hbench.reconcile.measured.balances import (
     BalanceModel,
-    PreparedRun,
     WindowedRun,
+    operating_conditions,
     run_channels,
-    windowed_run,
 )
+from hbench.reconcile.measured.session import Session, sessions
 from hbench.records import Run
 
 # Fields of a run by channel.
@@ -58,21 +58,22 @@ def signal_field(name: str) -> str | None:
     return _FIELDS.get(name)
 
 
-def signals(log: PreparedRun, model: BalanceModel) -> WindowedRun:
+def signals(run: Run, model: BalanceModel) -> WindowedRun:
     """Return the means of ``SIGNALS`` in SI; friction is 2.12 with the weak acceleration."""
-    return _windowed(log, model, SIGNALS, _means(log, model, SIGNALS))
+    return _windowed(run, model, SIGNALS, _means(run, model, SIGNALS))
 
 
-def open_loop_errors(log: PreparedRun, model: BalanceModel) -> WindowedRun:
+def open_loop_errors(run: Run, model: BalanceModel) -> WindowedRun:
     """Return measured less open-loop means of ``OPEN_LOOP_SIGNALS``.
 
     nan without commands and pressures.
     """
     names = OPEN_LOOP_SIGNALS
-    if log.channels(*(_FIELDS[name] for name in OPEN_LOOP_CHANNELS)) is None:
-        return _windowed(log, model, names, _nan(log, names))
-    predicted = replace(log, run=open_loop(log.run, model))
-    return _windowed(log, model, names, _means(log, model, names) - _means(predicted, model, names))
+    if run_channels(run, *(_FIELDS[name] for name in OPEN_LOOP_CHANNELS)) is None:
+        return _windowed(run, model, names, _means(run, model, names) * np.nan)
+    predicted = open_loop(run, model)
+    values = _means(run, model, names) - _means(predicted, model, names)
+    return _windowed(run, model, names, values)
 
 
 def open_loop(run: Run, model: BalanceModel) -> Run:
@@ -96,7 +97,7 @@ def open_loop(run: Run, model: BalanceModel) -> Run:
     state = _first_state(run, par, [pressure[0] for pressure in pressures], inputs[:, 0])
     memory = np.concatenate([state[V : V + 1], np.zeros(3)])
     _simulate(
-        par, state, inputs, ticks, TICK_S / model.velocity_lag_s, memory, np.ones(2),
+        par, state, inputs, ticks, TICK_S / (model.velocity_lag_s or TICK_S), memory, np.ones(2),
         np.zeros(N_CHANNELS), new_work(par), out,
     )  # fmt: skip
     simulated = {_FIELDS[name]: row for name, row in zip(SENSORS, out[:-1], strict=True)}
@@ -151,30 +152,29 @@ def _simulate(
             step(state, memory[1:], levels, par, TICK_S, work)
 
 
-def _means(log: PreparedRun, model: BalanceModel, names: tuple[str, ...]) -> np.ndarray:
-    columns = [_mean(log, model, name) for name in names]
-    return np.column_stack(columns)
+def _means(run: Run, model: BalanceModel, names: tuple[str, ...]) -> np.ndarray:
+    (session,) = sessions([run])
+    return np.column_stack([_mean(session, model, name) for name in names])
 
 
-def _mean(log: PreparedRun, model: BalanceModel, name: str) -> np.ndarray:
-    run, win, par = log.run, log.window, model.par
+def _mean(session: Session, model: BalanceModel, name: str) -> np.ndarray:
+    (run,), par, channels = session.runs, model.par, session.channels
+    missing = np.full(int(session.counts.sum()), np.nan)
     if name != "friction":
-        signal = getattr(run, _FIELDS[name])
-        return _nan(log, (name,))[:, 0] if signal is None else win.mean(signal)
-    channels = log.channels("p_tp_pa", "p_tr_pa", "f_applied_n")
-    if log.motion is None or channels is None:
-        return _nan(log, (name,))[:, 0]
-    p_tp, p_tr, f_applied = channels
-    f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
-    return win.mean(f_test - f_applied) - par.mass_test_kg * win.second(run.x_m)
-
-
-def _nan(log: PreparedRun, names: tuple[str, ...]) -> np.ndarray:
-    return np.full((log.window.count(len(log.run.t_s)), len(names)), np.nan)
+        field = _FIELDS[name]
+        return missing if getattr(run, field) is None else session.mean(channels[field])
+    if run_channels(run, "p_tp_pa", "p_tr_pa", "f_applied_n") is None:
+        return missing
+    f_test = channels["p_tp_pa"] * par.test.area_piston_m2
+    f_test = f_test - channels["p_tr_pa"] * par.test.area_rod_m2
+    unbalanced = session.mean(f_test - channels["f_applied_n"])
+    return unbalanced - par.mass_test_kg * session.second(channels["x_m"])
 
 
 def _windowed(
-    log: PreparedRun, model: BalanceModel, names: tuple[str, ...], values: np.ndarray
+    run: Run, model: BalanceModel, names: tuple[str, ...], values: np.ndarray
 ) -> WindowedRun:
-    rounding = np.array([model.word_steps.get(name, 0.0) for name in names]) / np.sqrt(12)
-    return windowed_run(log, names, values, rounding, model.par.load)
+    (session,) = sessions([run])
+    steps = np.array([model.word_steps.get(name, 0.0) for name in names])
+    conditions = operating_conditions(session, model)
+    return WindowedRun(run.plan, names, values, *conditions, steps / np.sqrt(12))

@@ -7,7 +7,6 @@ import numpy as np
 
 from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.strokes.series import STROKE_BALANCES, MeasuredStrokes
 from hbench.reconcile.strokes.stroke_search import SeriesSearch
@@ -18,39 +17,35 @@ StageGaps = dict[str, GapMap]  # before, refitted, after: of some points, parame
 
 
 def gaps_at(
-    search: SeriesSearch, given: LinearisedModel, names: Sequence[str], points: np.ndarray
+    search: SeriesSearch, start: LinearisedModel, names: Sequence[str], points: np.ndarray
 ) -> StageGaps:
     """Return the gap maps of ``points``: model as given, refitted and with effects."""
-    refitted = search.refit(given, ())
+    refitted = search.refit(start, ())
     after = search.refit(refitted, names) if names else refitted
-    stages = {"before": given.gap_map}
+    stages = {"before": search.before}
     for stage, model, effects in (("refitted", refitted, ()), ("after", after, names)):
         best = search.estimates(model, effects)
-        stages[stage] = _simulated_gaps(search.measured, best.hypothesis(best.beta))
+        residuals = search.measured.gap_map(best.hypothesis(best.beta))
+        stages[stage] = residuals.in_units_of(start.gap_map)
     return {stage: differences.select_points(points) for stage, differences in stages.items()}
 
 
 def leave_each_load_out(
-    search: SeriesSearch, given: LinearisedModel, names: Sequence[str]
+    search: SeriesSearch, start: LinearisedModel, names: Sequence[str]
 ) -> list[StageGaps]:
     """Return the gap maps of each load, with parameters from the other loads."""
-    points = np.arange(len(given.gap_map.points))
+    points = np.arange(len(start.gap_map.points))
     return [
-        gaps_at(replace(search, train=np.setdiff1d(points, [load])), given, names, np.array([load]))
+        gaps_at(replace(search, train=np.setdiff1d(points, [load])), start, names, np.array([load]))
         for load in points
     ]
 
 
-def _simulated_gaps(strokes: MeasuredStrokes, hypothesis: Hypothesis) -> GapMap:
-    (simulated,) = strokes.simulate([hypothesis], 1)
-    return strokes.gap_map(hypothesis, simulated)
-
-
 def gap_floor(strokes: MeasuredStrokes, best: ParameterEstimates) -> np.ndarray:
     """Return the gaps (2,) of a correct model with parameters as uncertain as these."""
-    centre = _simulated_gaps(strokes, best.hypothesis(best.beta))
+    centre = strokes.gap_map(best.hypothesis(best.beta))
     squares = [
-        ((_simulated_gaps(strokes, drawn).difference - centre.difference) / centre.scatter) ** 2
+        ((strokes.gap_map(drawn).difference - centre.difference) / centre.scatter) ** 2
         for drawn in best.draws(_DRAWS)
     ]
     return np.sqrt(1 + np.mean(squares, axis=(0, 1)))

@@ -1,71 +1,54 @@
 """Steady strokes of another bench, whose motion is not simulated, as measurements of the search.
 
-The residual of a stroke's means is r = F_T - F_applied - F_fT(v, P), without acceleration. A pair
-of strokes, one in each direction at one load, is one window of two balances:
+The residual of a stroke's means is the model's reading of the load cell less the measured one. For
+ideal sensors it is r = F_T - F_applied - F_fT(v, P), without acceleration: a force against
+extension that the model does not contain. A pair of strokes, one in each direction at one load, is
+one window of two balances:
 
     force_band     N    (r_extend - r_retract) / 2: half the friction band, free of force offsets
     force_middle   N    (r_extend + r_retract) / 2: the part that is the same in both directions
 
-The simulation of a stroke is the load cell's force at the measured velocity and pressures. Effects
-act as in the plant (``model/effects/applied.py``) on a state of these means, with their own states
-at equilibrium, and in the sensors. The piston is at mid-stroke, since a mean over a stroke has no
-position. Load cylinder, valves and oil are unknown.
+The model reads the load cell at the measured velocity and pressures. Effects act as in the plant
+(``model/effects/applied.py``) on a state of these means, with their own states at equilibrium, and
+in the sensors. The piston is at mid-stroke, since a mean over a stroke has no position. Load
+cylinder, valves and oil are unknown.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from hbench.analysis.rounding import is_constant
+from hbench.config.bench import Bore
 from hbench.config.scaling import scaled
 from hbench.config.stroke_model import StrokePlant
-from hbench.model.build import friction_parameters
-from hbench.model.effects.applied import friction_effects
-from hbench.model.effects.catalogue import EFFECTS, changed_by, read_effects, with_effects
-from hbench.model.friction.laws import steady_friction, steady_parts
-from hbench.model.parameters import (
-    CylinderParameters,
-    EndStopParameters,
-    PlantParameters,
-    SupplyParameters,
-    ValveParameters,
-)
-from hbench.model.plant import P_TP, P_TR, V, bristles_end, n_states
+from hbench.model.effects.catalogue import EFFECTS, changed_by, read_effects
+from hbench.model.parameters import PlantParameters
 from hbench.model.sensors import N_CHANNELS, SensorParameters
-from hbench.reconcile.gaps.columns import ModelColumn, mean_column
-from hbench.reconcile.gaps.gap_map import GapMap, gap_map
-from hbench.reconcile.hypothesis import (
-    CoefficientKey,
-    Hypothesis,
-    effect_coefficients,
-    typical_size,
-)
+from hbench.reconcile.gaps.gap_map import GapMap, by_point, gap_map, gaps, point_of
+from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, effect_coefficients
+from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import WindowedRun
-from hbench.reconcile.nuisance import nuisances
-from hbench.records import KINDS, RunPlan, ScreenedRun, SteadyMeans
+from hbench.reconcile.nuisance import BACKGROUND, nuisances
+from hbench.reconcile.steps import stepped
+from hbench.reconcile.strokes.load_cell import (
+    Stroke,
+    load_cell_reading,
+    plant_with_test_cylinder,
+)
+from hbench.reconcile.strokes.within_stroke import change_over_window, contradiction
+from hbench.records import KINDS, Gap, Run, RunPlan, ScreenedRun, SteadyMeans
 
 STROKE_BALANCES = ("force_band", "force_middle")
-_STROKE_M = 1.0  # arbitrary: the piston is at mid-stroke
-_STEP = 1e-3  # finite difference of a logarithm, and of an effect's state
+_STEP = 1e-3  # of a logarithm, and of typical sizes
 _NEGLIGIBLE_N = 1e-9  # change of force by a typical size
 _LEAST_SHARE = 0.1  # of a coefficient's larger change; a smaller change is set to zero
+_MAGNITUDES = {"coulomb", "stiction", "stribeck_force", "viscous"}  # of friction
 _LAWS = {"friction", "sensors"}  # of effects that can act on a stroke's forces
 _IDEAL_SENSORS = SensorParameters((1.0,) * N_CHANNELS, (0.0,) * N_CHANNELS, 0.0, 0.0, False)
-_P_TP, _P_TR, _FORCE = 1, 2, 6  # of sensors.CHANNELS
-
-
-@dataclass(frozen=True)
-class Stroke:
-    """Means over one steady stroke, or over the strokes of one trial."""
-
-    t_s: float  # centre of its window
-    v_m_s: float
-    p_tp_pa: float
-    p_tr_pa: float  # 0 for a plunger
-    f_applied_n: float
 
 
 @dataclass(frozen=True)
@@ -89,7 +72,7 @@ def stroke_pairs(screened: Iterable[ScreenedRun]) -> tuple[StrokePair, ...]:
         if run.accepted and KINDS[plan.kind].has_constant_speed and means is not None:
             load = replace(plan, run="", trial=0, v_ref_m_s=0.0)
             by_trial = strokes.setdefault(load, defaultdict(list))
-            by_trial[plan.trial, plan.direction].append(_stroke(means))
+            by_trial[plan.trial, plan.direction].append(_stroke(run.run, means))
     repeated = any(len({trial for trial, _ in by_trial}) > 1 for by_trial in strokes.values())
     pairs = []
     for load, by_trial in strokes.items():
@@ -101,86 +84,37 @@ def stroke_pairs(screened: Iterable[ScreenedRun]) -> tuple[StrokePair, ...]:
     return tuple(pairs)
 
 
-def _stroke(means: SteadyMeans) -> Stroke:
+def _stroke(run: Run, means: SteadyMeans) -> Stroke:
     assert means.p_tp_pa is not None and means.f_applied_n is not None  # of an accepted run
     centre = (means.t_start_s + means.t_stop_s) / 2
-    return Stroke(centre, means.v_m_s, means.p_tp_pa, means.p_tr_pa or 0.0, means.f_applied_n)
+    return Stroke(
+        t_s=centre,
+        v_m_s=means.v_m_s,
+        p_tp_pa=means.p_tp_pa,
+        p_tr_pa=means.p_tr_pa or 0.0,
+        f_applied_n=means.f_applied_n,
+        change_n=change_over_window(run, means),
+    )
 
 
 def _mean(strokes: Sequence[Stroke]) -> Stroke:
     return Stroke(*np.mean([astuple(stroke) for stroke in strokes], axis=0).tolist())
 
 
-def plant_with_test_cylinder(plant: StrokePlant) -> PlantParameters:
-    """Return plant parameters in which only the test cylinder has values of the model."""
-    bore, friction = plant.test_cylinder, friction_parameters(plant.friction.test)
-    areas = bore.area_piston_m2, bore.area_rod_m2
-    test = CylinderParameters(*areas, _STROKE_M, 1e-3, 1e-3, 0.5 * _STROKE_M, friction)
-    par = PlantParameters(
-        test=test,
-        load=test,
-        mass_test_kg=1.0,
-        mass_load_kg=1.0,
-        bulk_modulus_pa=1e9,
-        supply=SupplyParameters(False, *[0.0] * 11),
-        valve=ValveParameters(*[1.0] * 4),
-        end_stop=EndStopParameters(0.0, 0.0),
-        substeps=1,
-    )
-    return with_effects(par, read_effects(plant.effects))
+def _lost_force(stroke: Stroke, areas: Bore) -> float:
+    """Return F_T - F_applied [N] of a stroke."""
+    f_test = stroke.p_tp_pa * areas.area_piston_m2 - stroke.p_tr_pa * areas.area_rod_m2
+    return f_test - stroke.f_applied_n
 
 
-def load_cell_reading(stroke: Stroke, par: PlantParameters, sensors: SensorParameters) -> float:
-    """Return the load cell's reading [N] in a model at a stroke's velocity and pressures."""
-    p_tp, p_tr = (
-        (logged - sensors.zero[i]) / sensors.per_unit[i]
-        for i, logged in ((_P_TP, stroke.p_tp_pa), (_P_TR, stroke.p_tr_pa))
-    )
-    state = np.zeros(n_states(par))
-    state[[V, P_TP, P_TR]] = stroke.v_m_s, p_tp, p_tr
-    _set_to_equilibrium(state, par)
-    level, _, more, _ = friction_effects(1.0, 1.0, state, par, par.effects, np.zeros(len(state)))
-    dry, viscous = steady_parts(stroke.v_m_s, p_tp, p_tr, level, par.test.friction)
-    force = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2 - dry - viscous - more
-    return float(sensors.per_unit[_FORCE] * force + sensors.zero[_FORCE])
-
-
-def _set_to_equilibrium(state: np.ndarray, par: PlantParameters) -> None:
-    """Set the effects' own states to equilibrium by one Newton step.
-
-    Their rates are linear in them at constant speed.
-    """
-    first = bristles_end(par)
-    count = len(state) - first
-    if not count:
-        return
-
-    def rates(stepped: int | None) -> np.ndarray:
-        at, out = state.copy(), np.zeros(len(state))
-        if stepped is not None:
-            at[first + stepped] += _STEP
-        friction_effects(1.0, 1.0, at, par, par.effects, out)
-        return out[first:]
-
-    initial = rates(None)
-    if not initial.any():
-        return
-    slope = np.column_stack([(rates(i) - initial) / _STEP for i in range(count)])
-    state[first:] -= np.linalg.lstsq(slope, initial, rcond=None)[0]
-
-
-def force_residual(stroke: Stroke, par: PlantParameters) -> float:
-    """Return the residual of a stroke [N]: F_T - F_applied - F_fT, friction without effects."""
-    test = par.test
-    friction = steady_friction(stroke.v_m_s, stroke.p_tp_pa, stroke.p_tr_pa, test.friction)
-    f_test = stroke.p_tp_pa * test.area_piston_m2 - stroke.p_tr_pa * test.area_rod_m2
-    return f_test - stroke.f_applied_n - friction
-
-
-def pair_residuals(pair: StrokePair, par: PlantParameters) -> WindowedRun:
+def pair_residuals(
+    pair: StrokePair, par: PlantParameters, sensors: SensorParameters
+) -> WindowedRun:
     """Return the residuals of a pair as one window, with the means of both strokes."""
     out, back = pair.extend, pair.retract
-    r_out, r_back = force_residual(out, par), force_residual(back, par)
+    r_out, r_back = (
+        load_cell_reading(stroke, par, sensors) - stroke.f_applied_n for stroke in (out, back)
+    )
     speed, load = (out.v_m_s - back.v_m_s) / 2, (out.f_applied_n + back.f_applied_n) / 2
     return WindowedRun(
         plan=pair.plan,
@@ -201,109 +135,115 @@ class MeasuredStrokes:
     plant: StrokePlant  # the given model
     pairs: tuple[StrokePair, ...]
 
-    def simulate(
-        self, hypotheses: Sequence[Hypothesis], trials: int
-    ) -> list[tuple[StrokePair, ...]]:
-        """Return the mean pairs as simulated with each hypothesis; ``trials`` has no effect."""
-        return [self._simulated(hypothesis) for hypothesis in hypotheses]
+    @cached_property
+    def levels(self) -> dict[str, float]:
+        """Factors on friction's magnitudes with which the mean half band is the measured one.
 
-    def _simulated(self, hypothesis: Hypothesis) -> tuple[StrokePair, ...]:
-        plant = hypothesis.plant(self.plant)
-        par = plant_with_test_cylinder(plant)
-        sensors = changed_by("sensors", _IDEAL_SENSORS, read_effects(plant.effects))
+        All are equal: the level of friction is measured, so that of the given model is no evidence.
+        Where effects of the given model exceed the band, it is kept.
+        """
+        names = [path for path in nuisances(self.plant) if path.split(".")[-1] in _MAGNITUDES]
+        raised = Hypothesis(factors=dict.fromkeys(names, 1.0 + _STEP))
+        half_band = self._values(Hypothesis())[:, 0].mean()
+        friction = (half_band - self._values(raised)[:, 0].mean()) / _STEP
+        level = 1.0 + half_band / friction if friction > 0 else 1.0
+        return dict.fromkeys(names, float(level) if level > 0 else 1.0)
 
-        def simulated(stroke: Stroke) -> Stroke:
-            return replace(stroke, f_applied_n=load_cell_reading(stroke, par, sensors))
+    @property
+    def levelled(self) -> "MeasuredStrokes":
+        """The same strokes with the factors ``levels`` applied to the given model."""
+        return replace(self, plant=scaled(self.plant, self.levels))
 
-        return tuple(
-            replace(pair, extend=simulated(pair.extend), retract=simulated(pair.retract))
-            for pair in self.mean_pairs
-        )
+    @property
+    def tolerances(self) -> Mapping[CoefficientKey, float]:
+        """Limits [SI] of the coefficients that are nuisances within them: none is known."""
+        return {}
 
     @cached_property
     def mean_pairs(self) -> tuple[StrokePair, ...]:
-        """The mean pair of each load, which a hypothesis simulates."""
-        loads: dict[RunPlan, list[StrokePair]] = defaultdict(list)
+        """The mean pair of each load, in the order of the gap map."""
+        loads: dict[Hashable, list[StrokePair]] = defaultdict(list)
         for pair in self.pairs:
-            loads[pair.plan].append(pair)
+            loads[point_of(pair.plan)].append(pair)
         return tuple(
             StrokePair(
-                load, _mean([pair.extend for pair in own]), _mean([pair.retract for pair in own])
+                own[0].plan,
+                _mean([pair.extend for pair in own]),
+                _mean([pair.retract for pair in own]),
             )
-            for load, own in loads.items()
+            for own in loads.values()
         )
 
-    def residuals(self, hypothesis: Hypothesis, pairs: Sequence[StrokePair]) -> list[WindowedRun]:
-        """Return residuals with a hypothesis' factors; simulated pairs contain its effects."""
-        par = plant_with_test_cylinder(scaled(self.plant, hypothesis.factors))
-        return [pair_residuals(pair, par) for pair in pairs]
+    def gap_map(self, hypothesis: Hypothesis) -> GapMap:
+        """Return the residuals of the loads with a hypothesis. Raises ``DataError``."""
+        residuals = self._residuals(hypothesis, self.pairs)
+        return gap_map(residuals, _exact(residuals))
 
-    def gap_map(self, hypothesis: Hypothesis, simulated: Sequence[StrokePair]) -> GapMap:
-        """Return the differences between the measured strokes and those simulated."""
-        return gap_map(
-            self.residuals(hypothesis, self.pairs), self.residuals(hypothesis, simulated)
+    def ranked_gaps(self, hypothesis: Hypothesis) -> tuple[Gap, ...]:
+        """Return the gaps of both balances with a hypothesis, largest first."""
+        residuals = self._residuals(hypothesis, self.pairs)
+        return gaps(residuals, _exact(residuals))[0]
+
+    def contradiction(self, name: str) -> str:
+        """Return why an effect can't explain the mean of both directions; empty if it can."""
+        areas = self.plant.test_cylinder
+        extend, retract = (
+            np.array([(_lost_force(stroke, areas), stroke.change_n) for stroke in strokes])
+            for strokes in (
+                [pair.extend for pair in self.mean_pairs],
+                [pair.retract for pair in self.mean_pairs],
+            )
         )
+        return contradiction(name, extend, retract)
 
-    def slopes(self, factors: Mapping[str, float]) -> dict[str, ModelColumn]:
-        """Return the derivatives of the measured balances by the logarithm of each nuisance."""
-        before = mean_column(self.residuals(Hypothesis(factors), self.mean_pairs))
-        derivatives = {}
-        for path in nuisances(self.plant):
-            value = factors.get(path, 1.0)
-            step = -_STEP if value > 1 else _STEP  # towards a factor of 1
-            stepped = Hypothesis({**factors, path: value * float(np.exp(step))})
-            after = mean_column(self.residuals(stepped, self.mean_pairs))
-            derivatives[path] = {
-                point: (after[point] - values) / step for point, values in before.items()
-            }
-        return derivatives
+    def columns(self, hypothesis: Hypothesis, names: Iterable[str]) -> Columns:
+        """Return the columns ``names`` at a hypothesis: changes by one unit, times -1.
 
-    def signatures_at(
-        self, hypothesis: Hypothesis, signatures: Iterable[CoefficientKey]
-    ) -> dict[CoefficientKey, ModelColumn]:
-        """Return the signatures at a hypothesis: a share of friction scales with the friction."""
-        before = self._column(hypothesis, hypothesis)
-        return {which: self._signature(hypothesis, which, before) for which in signatures}
-
-    def _column(self, hypothesis: Hypothesis, simulated_with: Hypothesis) -> ModelColumn:
-        return mean_column(self.residuals(hypothesis, self._simulated(simulated_with)))
-
-    def _signature(
-        self, hypothesis: Hypothesis, which: CoefficientKey, before: ModelColumn
-    ) -> ModelColumn:
-        """Return the change of the balances by a coefficient's typical size, from the slope.
-
-        A change below a tenth of that of the other balance is set to zero.
+        By finite differences at the mean strokes of each load.
         """
-        row = EFFECTS[which[0]].coefficients[which[1]]
-        step, current = _STEP * typical_size(which), hypothesis.coefficient(which)
-        step = max(step, row.to_si(row.low) - current)
-        if current + step > row.to_si(row.high):
-            step = -step
-        stepped = hypothesis.with_coefficients({which: current + step})
-        scale = typical_size(which) / step
-        after = self._column(hypothesis, stepped)
-        column = {point: scale * (after[point] - values) for point, values in before.items()}
-        most = np.max([np.abs(values).max(axis=0) for values in column.values()], axis=0)
-        keep = (most > _LEAST_SHARE * most.max()) & (most > _NEGLIGIBLE_N)
-        return {point: np.where(keep, values, 0.0) for point, values in column.items()}
+        before = self._values(hypothesis)
+        return {name: self._column(hypothesis, name, before) for name in names}
 
     @cached_property
-    def signatures(self) -> dict[CoefficientKey, ModelColumn]:
-        """The coefficients that change the mean of a steady stroke, with their columns."""
-        acting = [name for name, row in EFFECTS.items() if not _LAWS.isdisjoint(row.laws)]
+    def observable(self) -> tuple[CoefficientKey, ...]:
+        """The coefficients of effects that change the mean of a steady stroke."""
+        acting = [
+            name
+            for name, row in EFFECTS.items()
+            if name not in BACKGROUND and not _LAWS.isdisjoint(row.laws)
+        ]
         wanted = dict.fromkeys(which for name in acting for which in effect_coefficients(name))
         if not self._rod_side_measured:
             wanted.pop(("pressure_offset", "p_tr"), None)
-        columns = self.signatures_at(Hypothesis(), wanted)
-        return {
-            which: column
-            for which, column in columns.items()
-            if any(values.any() for values in column.values())
-        }
+        columns = self.columns(Hypothesis(), map(".".join, wanted))
+        return tuple(which for which in wanted if columns[".".join(which)].any())
+
+    def _residuals(self, hypothesis: Hypothesis, pairs: Sequence[StrokePair]) -> list[WindowedRun]:
+        plant = hypothesis.plant(self.plant)
+        par = plant_with_test_cylinder(plant)
+        sensors = changed_by("sensors", _IDEAL_SENSORS, read_effects(plant.effects))
+        return [pair_residuals(pair, par, sensors) for pair in pairs]
+
+    def _values(self, hypothesis: Hypothesis) -> np.ndarray:
+        """Return the residuals (w, 2) of the mean pairs."""
+        return np.concatenate([run.values for run in self._residuals(hypothesis, self.mean_pairs)])
+
+    def _column(self, hypothesis: Hypothesis, name: str, before: np.ndarray) -> np.ndarray:
+        """Return a column; one of an effect is zero where it is below a tenth of the other."""
+        after, share = stepped(hypothesis, name, nuisances(self.plant), _STEP)
+        change = (before - self._values(after)) / share
+        if name.startswith("/"):
+            return change
+        most = np.abs(change).max(axis=0)
+        return np.where((most > _LEAST_SHARE * most.max()) & (most > _NEGLIGIBLE_N), change, 0.0)
 
     @property
     def _rod_side_measured(self) -> bool:
         """Whether the rod-side pressure varies: a constant but for rounding is not a channel."""
         strokes = [stroke for pair in self.pairs for stroke in (pair.extend, pair.retract)]
         return not is_constant(np.array([stroke.p_tr_pa for stroke in strokes]))
+
+
+def _exact(residuals: Sequence[WindowedRun]) -> list[WindowedRun]:
+    """Return the residuals of a model that is exact, one run for each operating point."""
+    return [replace(runs[0], values=0 * runs[0].values) for runs in by_point(residuals).values()]

@@ -20,7 +20,6 @@ from hbench.reconcile.diagnosis_fields import (
     residual_map,
 )
 from hbench.reconcile.estimates import ParameterEstimates
-from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.revised_model import revised
@@ -147,10 +146,11 @@ def _assembled(
     missing: tuple[str, ...],
     left_out: tuple[str, ...],
 ) -> Diagnosis:
-    search, given = series[0]
+    search, start = series[0]
     result = search_series(series)
     names, strokes = result.names, search.measured
     estimates = search.estimates(result.final, names)
+    factors = search.factors(estimates)
     ruled_out = {name: why for step in result.steps for name, why in step.ruled_out.items()}
     no_change = "does not change the mean of a steady stroke"
     not_tried = {name: no_change for name in EFFECTS if name not in search.candidates}
@@ -158,21 +158,21 @@ def _assembled(
     undecided = {step.balance for step in result.steps if step.ambiguous}
     unexplained = tuple(
         gap
-        for gap in unexplained_gaps(_ranked_gaps(strokes, result.final))
+        for gap in unexplained_gaps(strokes.ranked_gaps(result.final.hypothesis))
         if gap.name not in undecided
     )
     verdict, why = _decide_verdict(result, unexplained)
-    by_load = leave_each_load_out(search, given, names)
+    by_load = leave_each_load_out(search, start, names)
     held_out = gap_table(by_load)
-    points = frozenset(given.gap_map.points)
+    points = frozenset(start.gap_map.points)
     indices = np.arange(len(points))
-    train = gap_table([gaps_at(search, given, names, indices)], gap_floor(strokes, estimates))
+    train = gap_table([gaps_at(search, start, names, indices)], gap_floor(strokes, estimates))
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
         verdict=verdict,
         why=why,
-        where=_ranked_gaps(strokes, result.refitted),
+        where=strokes.ranked_gaps(result.refitted.hypothesis),
         regions=regions(result.refitted.gap_map),
         effects=_added_effects(result, estimates, indices),
         alternatives=alternatives,
@@ -184,7 +184,7 @@ def _assembled(
         gap_runs=(),
         ranking=result.steps[0].evaluated,
         threshold=result.steps[0].evaluated[0].threshold,
-        refitted=estimates.factors(),
+        refitted=factors,
         residuals_before=residual_map(result.refitted, points),
         residuals_after=residual_map(result.final, points),
         overlays=(),
@@ -192,14 +192,9 @@ def _assembled(
         not_tried=not_tried | ruled_out,
         missing=missing,
         left_out=left_out,
-        revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
-        notes=tuple(_notes(labels, search, given, result, by_load)),
+        revised=revised(task.plant_data, factors, estimates.hypothesis(estimates.beta)),
+        notes=tuple(_notes(labels, search, start, result, by_load)),
     )
-
-
-def _ranked_gaps(strokes: MeasuredStrokes, model: LinearisedModel) -> tuple[Gap, ...]:
-    measured = strokes.residuals(model.hypothesis, strokes.pairs)
-    return gaps(measured, strokes.residuals(model.hypothesis, model.runs))[0]
 
 
 def _decide_verdict(result: StrokeSearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:
@@ -258,7 +253,7 @@ def _added_effects(
 def _notes(
     labels: Sequence[str],
     search: SeriesSearch,
-    given: LinearisedModel,
+    start: LinearisedModel,
     result: StrokeSearchResult,
     by_load: Sequence[StageGaps],
 ) -> Iterator[str]:
@@ -272,7 +267,7 @@ def _notes(
     )
     alternatives = [candidate.name for step in result.steps for candidate in step.ambiguous]
     for name in alternatives:
-        more = leave_each_load_out(search, given, (*result.names, name))
+        more = leave_each_load_out(search, start, (*result.names, name))
         yield f"The same errors with {name} in addition: {force_errors(more)}."
     if "load_cell_gain" in (*alternatives, *result.names):
         yield GAIN_NOTE

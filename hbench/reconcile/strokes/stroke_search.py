@@ -7,10 +7,11 @@ it. Operating points are few, so null data sets are drawn by rotation (``evidenc
 
 Series of one cylinder on one bench differ only in the seal, so they share the verdict: scores and
 null scores are summed. Effects that do not depend on the seal must have one coefficient in all
-series; an effect whose coefficients differ beyond their 95 % intervals is ruled out.
+series; an effect whose coefficients differ beyond their 95 % intervals is ruled out. So is an
+effect in the middle that can't cause its change within a stroke (``within_stroke.py``).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -27,11 +28,13 @@ from hbench.reconcile.candidates import (
     indistinguishable,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients, whole_dof
-from hbench.reconcile.evidence import rotated, score
+from hbench.reconcile.evidence import rotated
+from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel, linearise
+from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.strokes.series import STROKE_BALANCES, MeasuredStrokes
-from hbench.records import Candidate
+from hbench.records import Candidate, FitParameter
 
 OF_THE_SEAL = ("seal_pressure_friction", "direction_asymmetry")
 # 3 nats are odds of 20 to 1, which four operating points can reach.
@@ -40,28 +43,54 @@ _CRITERIA = AcceptanceCriteria(score=3.0, explained=0.5, size=0.1)
 
 @dataclass(frozen=True)
 class SeriesSearch(CandidateEvaluator):
-    """Evaluation of candidates on the strokes of one series."""
+    """Evaluation of candidates on the strokes of one series.
 
-    measured: MeasuredStrokes
+    The search starts with the given model's friction at the level that was measured, so a first
+    guess of it has no influence.
+    """
+
+    measured: MeasuredStrokes  # levelled
+    levels: Mapping[str, float]  # factors by which the given model was levelled
+    before: GapMap  # residuals of the given model
+
+    def refit(self, start: LinearisedModel, effects: Sequence[str]) -> LinearisedModel:
+        """Refit the nuisances and the coefficients of ``effects``; all columns at the result."""
+        model = super().refit(start, effects)
+        return self.with_columns(model, model.columns)
 
     def evaluate(
         self, model: LinearisedModel, added: tuple[str, ...], names: Sequence[str]
     ) -> dict[str, EvaluatedCandidate]:
-        """Evaluate candidates with a simulation of each."""
-        return self._evaluate_by_simulation(model, added, names)
+        """Evaluate candidates at their fitted coefficients, with the textbook's shape."""
+        return {name: self._evaluate_at_best(model, model, added, name) for name in names}
 
     def null_scores(
         self, model: LinearisedModel, added: tuple[str, ...], name: str, seed: int
     ) -> np.ndarray:
         """Return a candidate's scores on null data sets."""
-        base = model.index(model.coefficients_of(added))
-        more = [i for i in model.index(model.coefficients_of([name])) if i not in base]
-        nulls = rotated(model.data, NULLS, seed)
-        return score(model.data, model.priors, base, more, self.train, nulls)
+        return self.score_of(model, added, name, rotated(model.data, NULLS, seed))
 
     def estimates(self, model: LinearisedModel, names: Sequence[str]) -> ParameterEstimates:
         """Return the parameters about a model with the effects ``names``."""
         return fit_coefficients(self.measured.plant, model, names, self.train)
+
+    def factors(self, estimates: ParameterEstimates) -> dict[str, FitParameter]:
+        """Return the factors on the given model's values, by dotted path."""
+        return {
+            path: _times(parameter, self.levels.get(path, 1.0))
+            for path, parameter in estimates.factors().items()
+        }
+
+
+def _times(parameter: FitParameter, level: float) -> FitParameter:
+    """Return a factor that is ``level`` times another."""
+    se, ends = parameter.se, parameter.ci95
+    return replace(
+        parameter,
+        value=level * parameter.value,
+        se=None if se is None else level * se,
+        ci95=None if ends is None else (level * ends[0], level * ends[1]),
+    )
 
 
 @dataclass(frozen=True)
@@ -80,7 +109,6 @@ class StrokeSearchStep:
 class StrokeSearchResult:
     """Models and steps of the search in the first series."""
 
-    given: LinearisedModel
     refitted: LinearisedModel
     steps: tuple[StrokeSearchStep, ...]
     final: LinearisedModel
@@ -92,19 +120,21 @@ class StrokeSearchResult:
 
 
 def start_search(strokes: MeasuredStrokes) -> tuple[SeriesSearch, LinearisedModel]:
-    """Return the search of a series and the given model. Raises ``DataError``."""
-    signatures = strokes.signatures
-    names = tuple(dict.fromkeys(name for name, _ in signatures))
-    (simulated,) = strokes.simulate([Hypothesis()], 1)
-    given = linearise(strokes, Hypothesis(), simulated, signatures)
-    points = np.arange(len(given.gap_map.points))
-    return SeriesSearch(strokes, strokes.simulate, 1, signatures, points, names), given
+    """Return the search of a series and the levelled model. Raises ``DataError``."""
+    measured = strokes.levelled
+    names = [f"/{path}" for path in nuisances(measured.plant)]
+    names += map(".".join, measured.observable)
+    start = linearise(measured, Hypothesis(), measured.columns(Hypothesis(), names))
+    points = np.arange(len(start.gap_map.points))
+    effects = tuple(dict.fromkeys(name for name, _ in measured.observable))
+    before = strokes.gap_map(Hypothesis()).in_units_of(start.gap_map)
+    return SeriesSearch(measured, points, effects, strokes.levels, before), start
 
 
 def search_series(series: Sequence[tuple[SeriesSearch, LinearisedModel]]) -> StrokeSearchResult:
     """Search for effects; ``series`` are those of one cylinder, the requested one first."""
     searches = [search for search, _ in series]
-    models = [search.refit(given, ()) for search, given in series]
+    models = [search.refit(start, ()) for search, start in series]
     refitted, steps = models[0], []
     assumed: tuple[str, ...] = ()
     for balance in STROKE_BALANCES:
@@ -119,7 +149,7 @@ def search_series(series: Sequence[tuple[SeriesSearch, LinearisedModel]]) -> Str
                 break
     names = tuple(step.added for step in steps if step.added)
     final = models[0] if assumed == names else searches[0].refit(refitted, names)
-    return StrokeSearchResult(series[0][1], refitted, tuple(steps), final)
+    return StrokeSearchResult(refitted, tuple(steps), final)
 
 
 def _step(
@@ -148,14 +178,19 @@ def _step(
         for name in names
     )
     candidates = tuple(ranked(tuple(summed), lambda candidate: candidate.score, TIE))
-    simulated = {name: [_model_of(of_series[name]) for of_series in evaluated] for name in names}
+    with_effect = {name: [_model_of(of_series[name]) for of_series in evaluated] for name in names}
     accepted = [candidate for candidate in candidates if _CRITERIA.accepts(candidate)]
     ruled_out = {}
     for candidate in accepted:
+        if balance == "force_middle":
+            reasons = [search.measured.contradiction(candidate.name) for search in searches]
+            if reason := next(filter(None, reasons), ""):
+                ruled_out[candidate.name] = reason
+                continue
         if candidate.name not in OF_THE_SEAL:
             estimates = [
                 search.estimates(model, (*added, candidate.name))
-                for search, model in zip(searches, simulated[candidate.name], strict=True)
+                for search, model in zip(searches, with_effect[candidate.name], strict=True)
             ]
             if reason := _inconsistency(estimates, candidate.name):
                 ruled_out[candidate.name] = reason
@@ -167,7 +202,7 @@ def _step(
     ambiguous, name = indistinguishable(accepted), accepted[0].name
     extended = [
         search.refit(model, (*added, name))
-        for search, model in zip(searches, simulated[name], strict=True)
+        for search, model in zip(searches, with_effect[name], strict=True)
     ]
     if len(ambiguous) > 1:
         return StrokeSearchStep(
@@ -194,7 +229,7 @@ def _largest_null_scores(
 
 
 def _model_of(evaluated: EvaluatedCandidate) -> LinearisedModel:
-    assert evaluated.model is not None  # strokes are always simulated
+    assert evaluated.model is not None  # candidates are always evaluated in full
     return evaluated.model
 
 
@@ -217,7 +252,7 @@ def _inconsistency(estimates: Sequence[ParameterEstimates], name: str) -> str:
             b = of_series[1][key]
             if a.se is None or b.se is None:
                 continue
-            dof = whole_dof(min(_degrees_of_freedom(each, name, key) for each in pair))
+            dof = whole_dof(min(each.degrees_of_freedom((name, key)) for each in pair))
             if abs(a.value - b.value) > student_factor(dof) * np.hypot(a.se, b.se):
                 return (
                     f"{key} differs between series of this cylinder with different seals: "
@@ -225,8 +260,3 @@ def _inconsistency(estimates: Sequence[ParameterEstimates], name: str) -> str:
                     f"{b.se:.1g}; only an effect of the seal may differ"
                 )
     return ""
-
-
-def _degrees_of_freedom(estimates: ParameterEstimates, name: str, key: str) -> float:
-    index = estimates.coefficients.index((name, key)) - len(estimates.coefficients)
-    return estimates.dof[index]

@@ -31,13 +31,13 @@ _REGIONS = (
     "colour of 1."
 )
 _MAPS = (
-    "Residuals of the worst balances over velocity and load, measured less simulated, in units of "
-    "the trials' scatter. A dot is the mean of neighbouring windows; its size grows with their "
+    "Residuals of the worst balances over velocity and load, in units of the trials' scatter. "
+    "A dot is the mean of neighbouring windows; its size grows with their "
     "number. All panels share the colour scale."
 )
 _SHAPE = (
-    "Residuals of this balance, measured less simulated, one point a window of 0.16 s, in units of "
-    "the trials' scatter (grey band: ±1). Black: medians of bins with equal numbers of windows, "
+    "Residuals of this balance, one point a window of 0.16 s, in units of the trials' scatter "
+    "(grey band: ±1). Black: medians of bins with equal numbers of windows, "
     "extending (>) and retracting (<). Points beyond the axis are drawn at its edge."
 )
 _HELD_OUT = " Coloured: held-out runs; grey: runs that the model was fitted to."
@@ -47,9 +47,9 @@ _OVERLAY = (
 )
 _RANKING = (
     "Score of each candidate at held-out operating points, and the share of the excess gap that it "
-    "explains there. Vertical line: its threshold; for a simulated candidate that could be named, "
-    "drawn at random from its residuals. Filled: simulated with the effect; hollow: estimated from "
-    "its signature alone. Blue: named or in the ambiguous set."
+    "explains there. Vertical line: its threshold; for a candidate that could be named, drawn "
+    "at random from its residuals. Filled: evaluated in full, with the effect in the model; "
+    "hollow: by its linear signature alone. Blue: named or in the ambiguous set."
 )
 _REFITTED = (
     "Factors on poorly known values of the model, fitted before the search for effects, with "

@@ -149,12 +149,12 @@ def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
     }
     for row, candidate in enumerate(chosen):
         colour = AFTER if candidate.name in named else "#9ca3af"
-        look = {"color": colour} if candidate.tried == "simulated" else {"facecolor": "white"}
+        look = {"color": colour} if candidate.tried == "full" else {"facecolor": "white"}
         look["label"] = f"_{candidate.tried}"
         axes.barh(row, candidate.score, height=0.62, edgecolor=colour, linewidth=1.4, **look)
         axes.annotate(
             _remark(candidate),
-            (max(candidate.score, 0.0), row),
+            (max(candidate.score, candidate.threshold), row),
             (4, 0),
             va="center",
             fontsize=9,

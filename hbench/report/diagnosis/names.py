@@ -1,9 +1,10 @@
 """Display names and units of balances, signals and axes."""
 
+from math import isfinite
 from typing import Any, NamedTuple
 
 from hbench.records import Diagnosis, FitParameter, Gap
-from hbench.report.render.numbers import number, significant, with_ends
+from hbench.report.render.numbers import NONE, number, significant, with_ends
 from hbench.units import from_si
 
 
@@ -82,10 +83,12 @@ def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
     return {step: title for step, title in STEPS.items() if diagnosis.effects or step != "after"}
 
 
-def scatter_words(gap: Gap) -> str:
-    """Write the trials' scatter in a balance."""
+def in_unit(gap: Gap, value: float) -> str:
+    """Write a value of a balance's residual, such as its scatter, in the balance's unit."""
+    if not isfinite(value):
+        return NONE
     display = balance(gap.name)
-    return f"{significant(shown(gap.scatter, display), 2)} {display.unit}".strip()
+    return f"{significant(shown(value, display), 2)} {display.unit}".strip()
 
 
 def share(value: float) -> str:

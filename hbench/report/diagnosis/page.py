@@ -15,20 +15,23 @@ _SENSOR = (
     "instrument rather than the model."
 )
 _CLOSED = (
-    "The balances decide, and the closed loop confirms. Small errors of all values add up in the "
-    "closed loop; its floor includes them. Refitted: the model with its poorly known values fitted "
+    "The balances decide; the same schedule, simulated in closed loop, confirms. Small errors of "
+    "all values add up in the closed loop. Refitted: the model with its poorly known values fitted "
     "and no effect added."
 )
 _RUNS = (
-    "A single run is compared with the mean of the simulated runs. Its gap includes its own "
-    "scatter and is 1 for a correct model. The last columns show the worst balance and signals of "
-    "the run, at the last step. gaps_by_run.csv beside this page contains every run and signal."
+    "The gap of a single run includes its own scatter and is 1 for a correct model. The last "
+    "columns show the worst balance and signals of the run, at the last step. gaps_by_run.csv "
+    "beside this page contains every run and signal."
 )
 _WHERE = (
     "A balance is a law that the measured signals must obey: continuity of the oil in a chamber, "
-    "forces on either side of the load cell, position against velocity, the supply. Its residual "
-    "is compared with that of simulated runs of the refitted model. p: the probability of such a "
-    "gap for a correct model, corrected after Holm."
+    "forces on either side of the load cell, position against velocity, the supply. It is "
+    "evaluated along the measured logs with the laws of the refitted model. p: the probability of "
+    "such a gap for a correct model, corrected after Holm. Deviation: root mean square of the "
+    "residual without the noise of single windows; below the next column it does not matter. "
+    "Tolerances allow: what sensors within their tolerances may cause in a model that is not "
+    "refitted."
 )
 _WHICH = (
     "Score: gain of log-likelihood at held-out operating points. Explains: share of the excess gap "

@@ -10,7 +10,7 @@ from scipy.stats import binned_statistic_2d
 
 from hbench.records import Diagnosis, ResidualMap
 from hbench.records.diagnosis import REST_M_S
-from hbench.report.diagnosis.names import AXES, balance, scatter_words, shown
+from hbench.report.diagnosis.names import AXES, balance, in_unit, shown
 from hbench.report.render import style
 from hbench.report.render.series import behind
 
@@ -75,7 +75,7 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
         axes.set_xlabel(f"{axis.title.capitalize()} ({axis.unit})")
     _colour_bars(figure, panels, sides[0])
     style.head(panels[0, 0], balance(name).title, diagnosis, panels[0, -1])
-    (scatter,) = (scatter_words(gap) for gap in diagnosis.where if gap.name == name)
+    (scatter,) = (in_unit(gap, gap.scatter) for gap in diagnosis.where if gap.name == name)
     panels[0, 2].set_title(
         f"1 scatter = {scatter}", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
     )
@@ -90,9 +90,11 @@ def _limits(values: np.ndarray) -> tuple[float, float]:
 
 
 def worst(diagnosis: Diagnosis) -> list[str]:
-    """Return the balances with significant gaps, or else the worst one."""
+    """Return the balances with significant gaps that matter, or else the worst one."""
     known = [gap for gap in diagnosis.where if gap.name in diagnosis.residuals_before.names]
-    significant = [gap.name for gap in known if gap.p_value < 0.05]
+    significant = [
+        gap.name for gap in known if gap.p_value < 0.05 and not gap.deviation <= gap.material
+    ]
     return significant or [gap.name for gap in known[:1]]
 
 

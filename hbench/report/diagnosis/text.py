@@ -16,8 +16,8 @@ from hbench.report.diagnosis.names import (
     EDGES,
     DisplayName,
     balance,
+    in_unit,
     parameter_text,
-    scatter_words,
     share,
     signal,
     steps_of,
@@ -149,12 +149,16 @@ def where_table(diagnosis: Diagnosis) -> WordTable:
             number(gap.gap, 2),
             number(gap.structured, 2),
             p_words(gap.p_value),
-            scatter_words(gap),
+            in_unit(gap, gap.scatter),
+            in_unit(gap, gap.deviation),
+            in_unit(gap, gap.material),
+            in_unit(gap, gap.allowed),
             str(gap.windows),
         )
         for gap in diagnosis.where
     )
-    head = ("balance", "gap", "structured", "p (Holm)", "trial scatter", "windows")
+    units = ("trial scatter", "deviation", "matters above", "tolerances allow")
+    head = ("balance", "gap", "structured", "p (Holm)", *units, "windows")
     return WordTable("Where the refitted model disagrees", head, rows)
 
 
@@ -246,7 +250,7 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
             number(candidate.threshold, 1),
             share(candidate.explained),
             f"{number(candidate.size, 2)} x typical",
-            "simulated" if candidate.tried == "simulated" else "by its signature",
+            "in full" if candidate.tried == "full" else "linearly",
         )
         for candidate in candidates
     )

@@ -5,8 +5,7 @@
 generates the campaigns of ``hidden`` in ``OUT`` (a process of its own: its laws and plants are
 others than the catalogue's and the model's), reconciles each with ``configs/model-aau.yaml``, and
 prints the verdicts and the confusion table. What is there already is not made again, and the seeds
-of a cell are far apart in the order, so that a part is a sample of the whole. Campaigns share the
-simulations of the model as it is given, which are the same for all.
+of a cell are far apart in the order, so that a part is a sample of the whole.
 """
 
 import json
@@ -14,29 +13,30 @@ import subprocess
 import sys
 import time
 from dataclasses import asdict, dataclass
-from functools import cache, partial
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[3]))  # behind the installed hbench
 
 import numpy as np
 
-from hbench.analysis.screening.calibrate import calibrate
-from hbench.config.bench import parse_plant
+from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import map_on_cores
-from hbench.reconcile.diagnose import ReconcileTask, ranked_gaps, run_search, simulate_baseline
+from hbench.reconcile.diagnose import ReconcileTask, run_search
 from hbench.reconcile.diagnosis_fields import gap_of_balances
-from hbench.reconcile.measured.balances import prepare
-from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.simulated_runs import simulator
+from hbench.reconcile.gaps.log_map import ranked_gaps
+from hbench.reconcile.measured.balances import BALANCES
+from hbench.reconcile.nuisance import BACKGROUND
 from hbench.reconcile.verdict import decide_verdict, unexplained_gaps
 from hbench.store.campaign.folder import load_campaign
+from hbench.workflow.results import calibrated_runs
 from tests.support import ROOT
 
 GENERATE = Path(__file__).parents[1] / "hidden" / "generate.py"
 MODEL = ROOT / "configs" / "model-aau.yaml"
+BENCH = ROOT / "configs" / "bench-aau.yaml"
+CANDIDATES = tuple(name for name in EFFECTS if name not in BACKGROUND)
 
 
 @dataclass(frozen=True)
@@ -55,14 +55,13 @@ class Outcome:
     seconds: float  # of CPU
 
 
-def outcome(folder: Path, prior=None) -> Outcome:
+def outcome(folder: Path) -> Outcome:
     """Reconcile one campaign, in this process alone."""
     started = time.process_time()
     task = task_of(folder)
-    names = tuple(EFFECTS)
-    given, found, out = run_search(task, prior or simulate_baseline(task, names), names)
-    own = MeasuredCampaign(task.bench, task.plant, tuple(prepare(run) for run in task.runs))
-    left = unexplained_gaps(ranked_gaps(own, found.final))
+    measured, found, out = run_search(task, CANDIDATES)
+    final = found.final.gap_map.in_units_of(found.refitted.gap_map)
+    left = unexplained_gaps(ranked_gaps(final, np.zeros(len(BALANCES))))
     verdict, _ = decide_verdict(found, left)
     best = found.steps[0].evaluated[0].candidate
     touched = EFFECTS[best.name].balances
@@ -75,29 +74,19 @@ def outcome(folder: Path, prior=None) -> Outcome:
         first=(best.name, best.score, best.explained, best.size),
         threshold=best.threshold,
         before=gap_of_balances(found.refitted.gap_map, touched, out),
-        after=gap_of_balances(found.final.gap_map, touched, out),
+        after=gap_of_balances(final, touched, out),
         seconds=time.process_time() - started,
     )
 
 
 def task_of(folder: Path) -> ReconcileTask:
+    """Return the task of a campaign: made by ``hbench run``, or imported."""
     campaign = load_campaign(folder)
-    bench = campaign.bench()
-    content = campaign.header["bench"]["content"]
+    bench = campaign.bench() or parse_bench(read_yaml(BENCH), str(BENCH))
+    content = (campaign.header.get("bench") or {}).get("content") or read_yaml(BENCH)
     plant = parse_plant(content, read_yaml(MODEL), MODEL.name)
-    runs = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())
-    one_by_one = simulator(bench, plant, campaign.plans, spread=map)
-    return ReconcileTask(campaign.provenance(), bench, MODEL.name, plant, {}, runs, one_by_one)
-
-
-@cache
-def _prior(folder: Path):
-    """Return the simulations of the model, which are the same for all campaigns of a plan."""
-    return simulate_baseline(task_of(folder), tuple(EFFECTS))
-
-
-def _one(first: Path, folder: Path) -> Outcome:
-    return outcome(folder, _prior(first))
+    runs, instruments = tuple(calibrated_runs(campaign)), campaign.setup().instruments
+    return ReconcileTask(campaign.provenance(), bench, MODEL.name, plant, {}, runs, instruments)
 
 
 def outcomes(folder: Path) -> list[Outcome]:
@@ -109,7 +98,7 @@ def outcomes(folder: Path) -> list[Outcome]:
         done = {row["name"]: _read(row) for row in rows}
     campaigns = sorted((one.parent for one in folder.glob("[!.]*/campaign.yaml")), key=_turn)
     left = [one for one in campaigns if one.name not in done]
-    for one in map_on_cores(partial(_one, campaigns[0]), left) if left else ():
+    for one in map_on_cores(outcome, left) if left else ():
         done[one.name] = one
         with known.open("a") as file:
             file.write(json.dumps(asdict(one)) + "\n")
@@ -131,7 +120,7 @@ def _turn(folder: Path) -> tuple[int, str]:
 def row(one: Outcome) -> str:
     """Return a line of the listing."""
     name, score, share, size = one.first
-    said = "+".join(one.named) or "|".join(one.ambiguous) or "-"
+    said = "+".join(one.named) or "|".join(one.close) or "-"
     return (
         f"{one.name:44} {one.verdict:9} {said:40} best {name:22} {score:7.1f}/{one.threshold:5.1f} "
         f"{share:5.0%} {size:5.2f}  {one.before:6.2f} -> {one.after:5.2f}  "
@@ -141,7 +130,7 @@ def row(one: Outcome) -> str:
 
 def first_said(one: Outcome) -> tuple[str, ...]:
     """Return what stands first: the named effect, or the ambiguous set, or nothing."""
-    return one.named[:1] or one.ambiguous
+    return one.named[:1] or one.close
 
 
 def tables(truth: dict, found: list[Outcome]) -> str:

@@ -1,17 +1,16 @@
-"""Rounds of simulate, refit, compare on the virtual rig, as a workflow would put them together."""
+"""Rounds of refit and compare on the virtual rig, as a workflow would put them together."""
 
 import numpy as np
 
 from hbench.config.bench import Plant
 from hbench.config.schedule import parse_schedule
-from hbench.experiment.closed_loop import record
 from hbench.experiment.plan import plan_runs
-from hbench.reconcile import simulated_runs
+from hbench.reconcile.diagnose import MATERIAL
 from hbench.reconcile.estimates import fit_coefficients
-from hbench.reconcile.gaps.gap_map import gaps
-from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.linearised import linearise
-from hbench.reconcile.measured.balances import balance_model, prepare, residuals
+from hbench.reconcile.gaps.gap_map import gaps, point_of
+from hbench.reconcile.gaps.log_map import ranked_gaps
+from hbench.reconcile.measured.balances import BALANCES, balance_model, residuals
+from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.search import CampaignSearch
 
@@ -48,29 +47,32 @@ def plant_of(bench) -> Plant:
 def compare(measured, modelled, bench, plant):
     """Return the ranked gaps by name, and the map."""
     known = balance_model(bench, plant)
-    sides = [[residuals(prepare(run), known) for run in runs] for runs in (measured, modelled)]
+    sides = [[residuals(run, known) for run in runs] for runs in (measured, modelled)]
     ranked, found = gaps(*sides)
     return {one.name: one for one in ranked}, found
 
 
-def simulator(bench, plan):
-    """Return what makes the runs of a schedule with hypotheses of the bench's plant."""
-    plans = plan_runs(parse_schedule(dict(plan), "test"), bench, "test").runs
-    return simulated_runs.simulator(bench, plant_of(bench), plans, spread=map)
+def plans_of(bench, plan):
+    """Return the runs of a schedule."""
+    return plan_runs(parse_schedule(dict(plan), "test"), bench, "test").runs
 
 
-def reconciled(measured, bench, plan, seed=100):
-    """Return the refitted model, and the gaps before and after."""
-    simulate, plant = simulator(bench, plan), plant_of(bench)
-    before = compare(measured, record(bench, plan, plant, seed=seed).runs, bench, plant)[0]
-    own = MeasuredCampaign(bench, plant, tuple(prepare(run) for run in measured))
-    (runs,) = simulate([Hypothesis()], 3)
-    given = linearise(own, Hypothesis(), runs, {})
-    train = np.arange(len(given.gap_map.points))
-    here = CampaignSearch(own, simulate, 3, {}, train, ()).refit(given, ())
-    refitted = here.hypothesis.plant(plant)
-    after = compare(measured, record(bench, plan, refitted, seed=seed + 1).runs, bench, refitted)[0]
-    return fit_coefficients(plant, here, (), train).factors(), before, after
+def campaign_of(runs, bench, plant=None):
+    """Return runs as measurements of the search; the model is the bench's plant."""
+    own = plant or plant_of(bench)
+    return MeasuredCampaign(bench, own, bench.instruments, sessions(runs), MATERIAL)
+
+
+def reconciled(measured, bench):
+    """Return the refitted factors, and the gaps before and after."""
+    own = campaign_of(measured, bench)
+    points = np.arange(len({point_of(run.plan) for run in measured}))
+    result = CampaignSearch(own, points, ()).run()
+    factors = fit_coefficients(own.plant, result.refitted, (), points).factors()
+    allowed = np.zeros(len(BALANCES))
+    given = result.given.gap_map.in_units_of(result.refitted.gap_map)
+    before, after = (ranked_gaps(each, allowed) for each in (given, result.refitted.gap_map))
+    return factors, {one.name: one for one in before}, {one.name: one for one in after}
 
 
 def table(title, ranked):

@@ -1,0 +1,158 @@
+"""Residuals of the measured runs themselves, whose trials need not begin at the same moment.
+
+A run's windows are compared with a model that is evaluated along the same log, so nothing is
+averaged over the trials. The scatter of a balance is that of a single window:
+
+    s^2 = variance of a window for itself
+          + variance of the runs' means between the trials of an operating point
+
+The first is the smaller of two estimates, of the median run, as a gap is in some runs only: half
+the mean of (r_i - r_(i+2))^2 within a run, windows that share no sample, and the same between the
+windows of two trials, less their mean. Each contains more than noise where the other does not: what
+is fast, and trials that begin at different moments.
+"""
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from hbench.analysis.rounding import ROUNDING, ranked
+from hbench.analysis.statistics.holm import holm
+from hbench.reconcile.gaps.gap_map import GapMap, column_means
+from hbench.records import Gap
+
+_APART = 2  # windows
+_PERMUTATIONS = 999
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of all runs, w in all."""
+
+    run: np.ndarray  # (w,) index of the run
+    points: tuple[Hashable, ...]  # of the runs, see ``point_of``
+    t_s: np.ndarray  # (w,) since the run's start
+    x_m: np.ndarray  # (w,)
+    v_m_s: np.ndarray  # (w,)
+    load_n: np.ndarray  # (w,)
+
+
+def log_map(
+    windows: Windows, names: tuple[str, ...], values: np.ndarray, resolution: np.ndarray
+) -> GapMap:
+    """Return the map of the residuals ``values`` (w, c); ``resolution`` (c,) is their rounding."""
+    keys = tuple(dict.fromkeys(windows.points))
+    point_of_run = np.array([keys.index(point) for point in windows.points])
+    noise = _noise(values, windows.run, point_of_run) + resolution**2
+    scatter = np.sqrt(noise + between_runs(values, windows.run, point_of_run))
+    scatter = np.where(scatter > 0, scatter, np.nan)
+    return GapMap(
+        names=names,
+        difference=values,
+        scatter=np.tile(scatter, (len(values), 1)),
+        noise=np.tile(scatter**2, (len(values), 1)),
+        t_s=windows.t_s,
+        x_m=windows.x_m,
+        v_m_s=windows.v_m_s,
+        load_n=windows.load_n,
+        point=point_of_run[windows.run],
+        points=keys,
+        run=windows.run,
+        white=noise / scatter**2,
+    )
+
+
+def _noise(values: np.ndarray, run: np.ndarray, point_of_run: np.ndarray) -> np.ndarray:
+    """Return the variance (c,) that a window has for itself; see above."""
+    runs = np.split(values, np.flatnonzero(np.diff(run)) + 1)
+    inside = [
+        0.5 * column_means((own[_APART:] - own[:-_APART]) ** 2) for own in runs if len(own) > _APART
+    ]
+    between = []
+    for point in np.unique(point_of_run):
+        trials = [runs[i] for i in np.flatnonzero(point_of_run == point)]
+        for first, second in pairwise(trials):
+            m = min(len(first), len(second))
+            difference = first[:m] - second[:m]
+            between.append(0.5 * column_means((difference - column_means(difference)) ** 2))
+    estimates = [_median(np.array(each)) for each in (inside, between) if each]
+    return np.fmin.reduce(estimates)
+
+
+def _median(variances: np.ndarray) -> np.ndarray:
+    """Return the median (c,) of the finite variances (k, c); nan without any."""
+    median = np.full(variances.shape[1], np.nan)
+    compared = np.isfinite(variances).any(axis=0)
+    median[compared] = np.nanmedian(variances[:, compared], axis=0)
+    return median
+
+
+def between_runs(values: np.ndarray, run: np.ndarray, point_of_run: np.ndarray) -> np.ndarray:
+    """Return the variance (c,) between the means of an operating point's runs; 0 without."""
+    means = _run_means(values, run, len(point_of_run))
+    squares, dof = np.zeros(values.shape[1]), np.zeros(values.shape[1])
+    for point in np.unique(point_of_run):
+        own = means[point_of_run == point]
+        centred = own - column_means(own)
+        squares += np.nansum(centred**2, axis=0)
+        dof += np.maximum(np.isfinite(own).sum(axis=0) - 1, 0)
+    return squares / np.maximum(dof, 1)
+
+
+def _run_means(values: np.ndarray, run: np.ndarray, runs: int) -> np.ndarray:
+    """Return the means (runs, c) of each run's windows; nan where nothing is compared."""
+    usable = np.isfinite(values)
+    sums, counts = np.zeros((runs, values.shape[1])), np.zeros((runs, values.shape[1]))
+    np.add.at(sums, run, np.where(usable, values, 0.0))
+    np.add.at(counts, run, usable)
+    with np.errstate(invalid="ignore"):
+        return sums / np.where(counts > 0, counts, np.nan)
+
+
+def ranked_gaps(residuals: GapMap, allowed: np.ndarray, seed: int = 0) -> tuple[Gap, ...]:
+    """Return the gaps of all balances, largest first; ``allowed`` (c,) is what tolerances explain.
+
+    The p-value is that of a permutation test: the means of the runs of a correct model have random
+    signs. Whole runs are turned at random 999 times.
+    """
+    assert residuals.white is not None and residuals.material is not None
+    p_values = holm(_sign_p_values(residuals, np.random.default_rng(seed)))
+    scatter = residuals.scatter[0]
+    d = residuals.difference / scatter
+    mean_square = column_means(d**2)
+    gaps = []
+    for i, name in enumerate(residuals.names):
+        windows = int(np.isfinite(d[:, i]).sum())
+        if not windows:
+            continue
+        gap = float(np.sqrt(mean_square[i]))
+        structured = float(np.sqrt(max(mean_square[i] - residuals.white[i], 0.0)))
+        gaps.append(
+            Gap(
+                name=name,
+                gap=gap,
+                structured=float(np.sqrt(max(gap**2 - 1, 0.0))),
+                p_value=float(p_values[i]),
+                scatter=float(scatter[i]),
+                windows=windows,
+                deviation=structured * float(scatter[i]),
+                material=float(residuals.material[i] * scatter[i]),
+                allowed=float(allowed[i]),
+            )
+        )
+    return tuple(ranked(gaps, lambda balance: balance.gap, ROUNDING))
+
+
+def _sign_p_values(residuals: GapMap, rng: np.random.Generator) -> np.ndarray:
+    """Return p-values (c,): the share of random signs with a sum over trials at least as large."""
+    first = np.unique(residuals.run, return_index=True)[1]
+    points = residuals.point[first]
+    means = np.nan_to_num(_run_means(residuals.difference, residuals.run, len(first)))
+    trials = (points[:, None] == np.arange(len(residuals.points))).astype(float)
+    signs = rng.choice([-1.0, 1.0], (_PERMUTATIONS, len(first)))
+    observed = ((trials.T @ means) ** 2).sum(axis=0)
+    turned = np.einsum("br,rc,rp->bpc", signs, means, trials, optimize=True)
+    larger = (turned**2).sum(axis=1) >= observed * (1 - 1e-9)
+    return (1 + larger.sum(axis=0)) / (1 + _PERMUTATIONS)

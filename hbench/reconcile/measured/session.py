@@ -1,0 +1,112 @@
+"""Logs of one session end to end, so that a balance is evaluated for all of them at once."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from hbench.reconcile.measured.weak import Window, sampling, window
+from hbench.records import Run
+
+PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
+COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
+_SMOOTHED, _ORDER = 7, 4  # samples; of the polynomial of the velocity
+
+
+@dataclass(frozen=True)
+class Session:
+    """Logs of r runs with the same sampling, in their order: n samples, w windows."""
+
+    runs: tuple[Run, ...]
+    window: Window
+    channels: dict[str, np.ndarray]  # (n,) by field of ``Run``; 0 where a run does not have it
+    velocity_m_s: np.ndarray  # (n,) of the position
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """First sample of each run (r + 1,), and the number of samples."""
+        return np.cumsum([0, *(len(run.t_s) for run in self.runs)])
+
+    @cached_property
+    def counts(self) -> np.ndarray:
+        """Number of windows of each run (r,)."""
+        return np.array([self.window.count(len(run.t_s)) for run in self.runs])
+
+    @cached_property
+    def run_of_window(self) -> np.ndarray:
+        """Index (w,) of each window's run."""
+        return np.repeat(np.arange(len(self.runs)), self.counts)
+
+    @cached_property
+    def _samples(self) -> np.ndarray:
+        """Samples (w, k) of each window."""
+        starts = [
+            self.window.starts(len(run.t_s)) + first
+            for run, first in zip(self.runs, self.edges, strict=False)
+        ]
+        return np.concatenate(starts)[:, None] + np.arange(len(self.window.value))
+
+    def mean(self, y: np.ndarray) -> np.ndarray:
+        """Return <y> (..., w) of the samples (..., n)."""
+        return y[..., self._samples] @ self.window.value
+
+    def rate(self, y: np.ndarray) -> np.ndarray:
+        """Return <y'> (..., w)."""
+        return y[..., self._samples] @ self.window.slope
+
+    def second(self, y: np.ndarray) -> np.ndarray:
+        """Return <y''> (..., w)."""
+        return y[..., self._samples] @ self.window.bend
+
+    def smoothed(self) -> "Session":
+        """Return the session with smoothed pressures, for the derivatives of its balances.
+
+        Columns with dP/dt would contain the noise of the residuals themselves, and a fit would
+        follow it.
+        """
+        smooth = {name: self._filtered(self.channels[name], 2, 0) for name in PRESSURES}
+        return replace(self, channels={**self.channels, **smooth})
+
+    def _filtered(self, y: np.ndarray, order: int, derivative: int) -> np.ndarray:
+        return _filtered(y, self.edges, order, derivative, self.window.dt_s)
+
+
+def sessions(runs: Iterable[Run]) -> tuple[Session, ...]:
+    """Return the sessions of some runs: one for each sampling. Raises ``DataError``."""
+    by_sampling: dict[float, list[Run]] = {}
+    for run in runs:
+        by_sampling.setdefault(float(f"{sampling(run):.6g}"), []).append(run)
+    return tuple(_session(tuple(own), dt_s) for dt_s, own in by_sampling.items())
+
+
+def _session(runs: Sequence[Run], dt_s: float) -> Session:
+    channels = {
+        name: np.concatenate([_channel(run, name) for run in runs])
+        for name in ("t_s", "x_m", "v_m_s", "f_applied_n", *PRESSURES, *COMMANDS)
+    }
+    edges = np.cumsum([0, *(len(run.t_s) for run in runs)])
+    velocity = _filtered(channels["x_m"], edges, _ORDER, 1, dt_s)
+    return Session(tuple(runs), window(dt_s), channels, velocity)
+
+
+def _channel(run: Run, name: str) -> np.ndarray:
+    values = getattr(run, name)
+    return np.zeros(len(run.t_s)) if values is None else values
+
+
+def _filtered(
+    y: np.ndarray, edges: np.ndarray, order: int, derivative: int, dt_s: float
+) -> np.ndarray:
+    """Filter each run by a polynomial through seven samples (Savitzky and Golay)."""
+    from scipy.signal import savgol_filter  # slow import
+
+    out = np.empty_like(y)
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        part = y[start:stop]
+        if len(part) >= _SMOOTHED:
+            part = savgol_filter(part, _SMOOTHED, order, deriv=derivative, delta=dt_s)
+        elif derivative:
+            part = np.gradient(part, dt_s) if len(part) > 1 else np.zeros_like(part)
+        out[start:stop] = part
+    return out

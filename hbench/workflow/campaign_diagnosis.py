@@ -1,0 +1,51 @@
+"""Diagnosis of a campaign along its logs, measured with hbench or imported."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from hbench.config.bench import plant_sections
+from hbench.config.files.loading import read_yaml
+from hbench.reconcile.diagnose import ReconcileTask, diagnose
+from hbench.reconcile.measured.balances import FLOWS, channels_missing
+from hbench.reconcile.next_experiment import next_experiment
+from hbench.reconcile.simulated_runs import simulator
+from hbench.records import Diagnosis, Run
+from hbench.store.campaign.folder import StoredCampaign
+from hbench.workflow.board import physics_of
+
+
+def has_whole_bench(runs: Sequence[Run]) -> bool:
+    """Return whether commands and chamber pressures of some run determine flows and forces."""
+    return any(not channels_missing(run, FLOWS[0]) for run in runs)
+
+
+def diagnosed(
+    campaign: StoredCampaign,
+    runs: Sequence[Run],
+    model_file: Path,
+    material: float,
+    report: Callable[[int, int], None],
+) -> Diagnosis:
+    """Diagnose the runs of a campaign. Raises ``ConfigError``, ``DataError``."""
+    bench = campaign.bench()
+    content: dict[str, Any] = (campaign.header.get("bench") or {}).get("content") or {}
+    sections = plant_sections(content, read_yaml(model_file), str(model_file))
+    plant = physics_of(content, model_file)
+    assert plant is not None  # there is a file
+    simulate = simulator(bench, plant, report) if bench and not campaign.imported else None
+    return diagnose(
+        ReconcileTask(
+            provenance=campaign.provenance(),
+            bench=bench,
+            model=model_file.name,
+            plant=plant,
+            plant_data=sections,
+            runs=tuple(runs),
+            instruments=campaign.setup().instruments,
+            material=material,
+            simulate=simulate,
+            propose=partial(next_experiment, bench, plant) if bench else None,
+        )
+    )

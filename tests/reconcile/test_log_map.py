@@ -1,0 +1,125 @@
+"""Maps of windows that are made up: white noise and differences between runs of known sizes."""
+
+import numpy as np
+import pytest
+
+from hbench.reconcile.gaps.log_map import Windows, between_runs, log_map
+
+RUNS, TRIALS, LENGTH = 120, 3, 30
+NAMES = ("first", "second")
+SIGMA = np.array([2.0, 1e-7])
+
+
+def windows_of(lengths, trials=TRIALS):
+    run = np.repeat(np.arange(len(lengths)), lengths)
+    at = np.arange(len(run), dtype=float)
+    points = tuple(f"point {i // trials}" for i in range(len(lengths)))
+    return Windows(run, points, at, 2 * at, 3 * at, 4 * at)
+
+
+def made(rng, noise=1.0, between=0.0, gap=0.0, lengths=(LENGTH,) * RUNS, resolution=0.0):
+    """Sizes in SIGMA; ``gap`` is a mean of all windows of a point, drawn for each."""
+    windows = windows_of(lengths)
+    point = np.array([int(key.split()[1]) for key in windows.points])
+    levels = between * rng.standard_normal((len(lengths), 2))
+    gaps = gap * rng.standard_normal((int(point.max()) + 1, 2))[point]
+    white = noise * rng.standard_normal((len(windows.run), 2))
+    values = SIGMA * (white + (levels + gaps)[windows.run])
+    return log_map(windows, NAMES, values, resolution * SIGMA), values
+
+
+@pytest.mark.parametrize(("noise", "between"), [(1.0, 0.0), (1.0, 0.5), (0.3, 1.0)])
+def test_scatter_is_that_of_single_windows_and_of_runs(noise, between):
+    """s^2 = noise^2 + between^2 + noise^2 / n, the last from the mean of n windows."""
+    of_runs = between**2 + noise**2 / LENGTH
+    drawn = [made(np.random.default_rng(seed), noise, between)[0] for seed in range(12)]
+    squares = np.mean([(found.scatter[0] / SIGMA) ** 2 for found in drawn], axis=0)
+    own = np.mean([found.white * (found.scatter[0] / SIGMA) ** 2 for found in drawn], axis=0)
+    assert squares == pytest.approx(noise**2 + of_runs, rel=0.1)
+    assert own == pytest.approx(noise**2, rel=0.1)
+    for found in drawn:
+        assert np.array_equal(found.scatter, np.tile(found.scatter[0], (RUNS * LENGTH, 1)))
+        assert found.noise == pytest.approx(found.scatter**2)
+
+
+def test_the_noise_is_that_of_a_window_for_runs_of_any_length():
+    """A median run's is a few per cent lower than the mean."""
+    for length in (20, 60):
+        white = []
+        for seed in range(30):
+            found, _ = made(np.random.default_rng(seed), lengths=(length,) * 60)
+            white.append((found.white * found.scatter[0] ** 2 / SIGMA**2).mean())
+        assert np.mean(white) == pytest.approx(1.0, abs=0.12)
+
+
+def test_a_gap_of_operating_points_is_no_scatter():
+    rng = np.random.default_rng(1)
+    plain, (found, _) = made(rng)[0], made(rng, gap=5.0)
+    assert found.scatter[0] == pytest.approx(plain.scatter[0], rel=0.1)
+    assert found.difference.std(axis=0) / SIGMA == pytest.approx([5.0, 5.0], rel=0.3)
+
+
+def test_a_gap_in_a_few_runs_is_no_noise():
+    """It changes from window to window, in a tenth of the operating points."""
+    rng = np.random.default_rng(2)
+    windows, values = windows_of((LENGTH,) * RUNS), None
+    values = SIGMA * rng.standard_normal((RUNS * LENGTH, 2))
+    strange = windows.run < RUNS // 10
+    values[strange] += SIGMA * 20 * np.sin(windows.t_s[strange])[:, None]
+    found = log_map(windows, NAMES, values, np.zeros(2))
+    assert found.white * found.scatter[0] ** 2 == pytest.approx(SIGMA**2, rel=0.1)
+
+
+def test_windows_of_neighbouring_runs_are_not_compared():
+    """Runs at levels that are far apart, each at a point of its own: no noise but their own."""
+    rng = np.random.default_rng(3)
+    windows = windows_of((20,) * 90, trials=1)
+    values = SIGMA * (rng.standard_normal((1800, 2)) + 1e3 * windows.run[:, None])
+    found = log_map(windows, NAMES, values, np.zeros(2))
+    assert found.scatter[0] / SIGMA == pytest.approx(np.ones(2), rel=0.1)
+    assert found.white == pytest.approx(np.ones(2))  # single trials do not differ
+
+
+def test_rounding_is_part_of_the_noise():
+    found, _ = made(np.random.default_rng(4), noise=0.0, resolution=0.1)
+    assert found.scatter[0] / SIGMA == pytest.approx([0.1, 0.1])
+    assert found.white == pytest.approx([1.0, 1.0])
+
+
+def test_without_any_scatter_nothing_is_compared():
+    found, _ = made(np.random.default_rng(5), noise=0.0)
+    assert np.isnan(found.scatter).all() and np.isnan(found.excess).all()
+
+
+def test_a_balance_that_some_runs_do_not_have_is_that_of_the_others():
+    rng = np.random.default_rng(6)
+    windows = windows_of((LENGTH,) * RUNS)
+    values = SIGMA * rng.standard_normal((RUNS * LENGTH, 2))
+    values[windows.run % 2 == 0, 1] = np.nan
+    found = log_map(windows, NAMES, values, np.zeros(2))
+    assert found.scatter[0] / SIGMA == pytest.approx([1.0, 1.0], rel=0.1)
+    values[:, 1] = np.nan
+    without = log_map(windows, NAMES, values, np.zeros(2))
+    assert np.isnan(without.scatter[:, 1]).all()
+    assert without.scatter[0, 0] == pytest.approx(found.scatter[0, 0])
+
+
+def test_windows_keep_their_runs_points_and_conditions():
+    found, values = made(np.random.default_rng(7), lengths=(5, 9, 4, 7))
+    assert found.points == ("point 0", "point 1")
+    assert np.array_equal(found.run, np.repeat(range(4), (5, 9, 4, 7)))
+    assert np.array_equal(found.point, np.repeat((0, 1), (18, 7)))
+    assert found.difference is values
+    assert np.array_equal(found.v_m_s, 3 * found.t_s)
+    part = found.select_points(np.array([1]))
+    assert np.array_equal(part.run, np.full(7, 3)) and part.difference.shape == (7, 2)
+
+
+def test_variance_between_runs_is_pooled_over_operating_points():
+    """By hand: means 1, 3 and 2, 2, 5 about their own centres: (2 + 6) / (1 + 2)."""
+    means = np.array([1.0, 3.0, 2.0, 2.0, 5.0, 99.0])
+    run = np.repeat(np.arange(6), 4)
+    values = (means[run] + np.tile([-1.0, 1.0, -2.0, 2.0], 6))[:, None]
+    points = np.array([0, 0, 1, 1, 1, 2])
+    assert between_runs(values, run, points) == pytest.approx([8 / 3])
+    assert between_runs(values[:4], run[:4], points[:1]) == pytest.approx([0.0])

@@ -1,0 +1,165 @@
+"""Runs of one session end to end: each has the values that it has alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hbench.config.bench import parse_plant
+from hbench.errors import DataError
+from hbench.model.plant import initial_state
+from hbench.reconcile.measured.balances import (
+    BALANCES,
+    balance_model,
+    balance_values,
+    operating_conditions,
+    residuals,
+)
+from hbench.reconcile.measured.session import sessions
+from hbench.records import Run
+from tests.support.reconcile.exact_logs import logged, smooth_strokes
+
+EFFECTS = {
+    "tank_back_pressure": {"resistance": "0.05 bar min^2/l^2"},
+    "friction_lag": {"time": "60 ms"},
+}
+
+ROUNDING = np.array([*[1e-14] * 4, 1e-6, 1e-6, 1e-10, 1e-3])
+
+
+@pytest.fixture(scope="module")
+def model(bench_data):
+    """With effects, so that something goes on along a log; residuals of another plant's logs."""
+    return balance_model(None, parse_plant(bench_data, {"effects": EFFECTS}, ""))
+
+
+@pytest.fixture(scope="module")
+def runs(bench_data):
+    """Four runs of different lengths, with noise."""
+    par = balance_model(None, parse_plant(bench_data, {}, "")).par
+    rng, made = np.random.default_rng(0), []
+    for number, seconds in enumerate((2.6, 1.3, 3.0, 2.0)):
+        start = initial_state(par, 0.12 + 0.03 * number, 15e5, (18 + number) * 1e5)
+        log, _ = logged(f"{number:04d}", par, start, smooth_strokes(seconds), trial=number)
+        noisy = log.p_tp_pa + 1e4 * rng.standard_normal(len(log.t_s))
+        made.append(replace(log, p_tp_pa=noisy, t_s=log.t_s + 7.0 * number))
+    return tuple(made)
+
+
+def same(values, others):
+    """But for the rounding of sums, which is another one in longer matrices."""
+    assert values.shape == others.shape
+    np.testing.assert_allclose(values / ROUNDING, others / ROUNDING, rtol=0, atol=1)
+
+
+def halved(run):
+    """The run with means over two records."""
+    arrays = {
+        name: value.reshape(-1, 2).mean(axis=1)
+        for name, value in vars(run).items()
+        if isinstance(value, np.ndarray) and value.shape == run.t_s.shape
+    }
+    return replace(run, **arrays)
+
+
+def test_values_of_several_runs_are_those_of_single_runs(model, runs):
+    (together,) = sessions(runs)
+    values = balance_values(together, model)
+    edges = np.cumsum([0, *together.counts])
+    assert len(values) == edges[-1] and np.array_equal(together.counts, [31, 15, 36, 24])
+    for number, run in enumerate(runs):
+        own = slice(edges[number], edges[number + 1])
+        (alone,) = sessions([run])
+        same(values[own], balance_values(alone, model))
+        same(values[own], residuals(run, model).values)
+        assert np.all(together.run_of_window[own] == number)
+        for both, single in zip(
+            operating_conditions(together, model), operating_conditions(alone, model), strict=True
+        ):
+            assert both[own] == pytest.approx(single, rel=1e-12)
+    assert np.isfinite(values[:, BALANCES.index("flow_tp")]).all()
+
+
+def test_no_window_reaches_over_the_end_of_a_run(model, runs):
+    """Another run beside it changes no window, however different it is."""
+    strange = replace(runs[1], p_tp_pa=3 * runs[1].p_tp_pa, x_m=0.3 - runs[1].x_m)
+    (one,), (other,) = sessions(runs[:2]), sessions([runs[0], strange])
+    first = slice(0, one.counts[0])
+    values = [balance_values(each, model) for each in (one, other)]
+    same(values[0][first], values[1][first])
+    assert np.abs(values[0] - values[1])[one.counts[0] :, 0].max() > 1e-6
+
+
+def test_each_sampling_is_a_session_of_its_own_and_runs_keep_their_order(model, runs):
+    slow = [halved(run) for run in runs[:2]]
+    found = sessions([runs[0], slow[0], runs[1], slow[1]])
+    assert [[run.plan.run for run in one.runs] for one in found] == [["0000", "0001"]] * 2
+    assert [one.window.dt_s for one in found] == pytest.approx([0.01, 0.02])
+    assert [len(one.window.value) for one in found] == [16, 8]
+    for one in found:
+        values = balance_values(one, model)
+        single = [residuals(run, model).values for run in one.runs]
+        same(values, np.concatenate(single))
+
+
+def test_a_missing_channel_is_missing_in_its_own_run_alone(model, runs):
+    without = replace(runs[1], p_lp_pa=None)
+    (found,) = sessions([runs[0], without, runs[2]])
+    values = balance_values(found, model)
+    compared = [np.isfinite(values[found.run_of_window == i]).all(axis=0) for i in range(3)]
+    whole = np.array([name != "kinematics" for name in BALANCES])  # the board is unknown
+    needs_none_of_it = np.isin(BALANCES, ("force_test", "supply"))
+    assert np.array_equal(compared, [whole, needs_none_of_it, whole])
+    load = operating_conditions(found, model)[3]
+    assert np.array_equal(np.isnan(load), found.run_of_window == 1)
+
+
+def test_a_run_that_is_shorter_than_a_window_has_none(model, runs):
+    short = replace(
+        runs[1],
+        **{
+            name: value[:5]
+            for name, value in vars(runs[1]).items()
+            if isinstance(value, np.ndarray) and value.shape == runs[1].t_s.shape
+        },
+    )
+    (found,) = sessions([runs[0], short, runs[2]])
+    assert list(found.counts) == [31, 0, 36]
+    values = balance_values(found, model)
+    same(values[:31], residuals(runs[0], model).values)
+    same(values[31:], residuals(runs[2], model).values)
+    (only,) = sessions([short])
+    assert balance_values(only, model).shape == (0, len(BALANCES))
+
+
+def test_velocity_is_the_derivative_of_the_position(runs):
+    (found,) = sessions(runs[:2])
+    assert found.velocity_m_s == pytest.approx(found.channels["v_m_s"], abs=2e-4)
+    assert np.abs(found.velocity_m_s).max() > 0.05
+
+
+def test_smoothed_pressures_keep_parabolas_and_lose_noise(runs):
+    (found,) = sessions(runs)
+    smooth = found.smoothed()
+    own = slice(found.edges[1], found.edges[2])
+    t = found.channels["t_s"][own] - found.channels["t_s"][own][0]
+    parabola = 50e5 + 3e5 * t - 2e5 * t**2
+    channels = {name: value.copy() for name, value in found.channels.items()}
+    channels["p_tr_pa"][own] = parabola
+    kept = replace(found, channels=channels).smoothed()
+    assert kept.channels["p_tr_pa"][own] == pytest.approx(parabola, rel=1e-9)
+    rough, soft = (
+        np.diff(each.channels["p_tp_pa"][: found.edges[1]], 3).std() for each in (found, smooth)
+    )
+    assert soft < 0.5 * rough
+    for name in ("x_m", "u_t_v", "f_applied_n"):
+        assert smooth.channels[name] is found.channels[name]
+
+
+def test_uneven_samples_and_a_single_one_are_refused(runs):
+    t = runs[0].t_s.copy()
+    t[50:] += 0.02
+    with pytest.raises(DataError, match=r"run 0000: .*0\.01 to 0\.03 s"):
+        sessions([runs[1], replace(runs[0], t_s=t)])
+    with pytest.raises(DataError, match=r"run 0000: 1 samples"):
+        sessions([Run(runs[0].plan, t_s=np.zeros(1), x_m=np.zeros(1))])
