@@ -18,7 +18,7 @@ from hbench.reconcile.diagnosis_fields import (
     residual_map,
 )
 from hbench.reconcile.estimates import ParameterEstimates, fit_coefficients
-from hbench.reconcile.gaps.gap_map import point_of
+from hbench.reconcile.gaps.gap_map import column_means, point_of
 from hbench.reconcile.gaps.log_map import ranked_gaps
 from hbench.reconcile.gaps.overlays import overlays
 from hbench.reconcile.gaps.regions import regions
@@ -195,7 +195,7 @@ def _allowed(measured: MeasuredCampaign, model: LinearisedModel) -> np.ndarray:
     for which, limit in measured.tolerances.items():
         if EFFECTS[which[0]].of_sensor:
             change = model.columns[".".join(which)] / typical_size(which)
-            squares += standard_deviation(limit) ** 2 * np.nanmean(change**2, axis=0)
+            squares += standard_deviation(limit) ** 2 * np.nan_to_num(column_means(change**2))
     return np.sqrt(squares)
 
 

@@ -181,7 +181,7 @@ def _products(residuals: GapMap, columns: Columns) -> Products:
     for j, column in enumerate(columns.values(), start=1):
         matrix[:, :, j] = np.nan_to_num(column) * per_unit
     if residuals.material is not None:
-        matrix[:, :, -1] = residuals.material * np.sign(residuals.v_m_s)[:, None]
+        matrix[:, :, -1] = np.nan_to_num(residuals.material) * np.sign(residuals.v_m_s)[:, None]
     for level in residuals.levels:
         _take_out(matrix[level.windows, level.balance], level)
     motion = window_motions(residuals)
@@ -236,7 +236,7 @@ def _without_noise(
     sum of squares: both are the least variance of a group.
     """
     assert residuals.white is not None  # of a map of logs
-    white = np.repeat(residuals.white, len(MOTIONS))
+    white = np.repeat(np.nan_to_num(residuals.white), len(MOTIONS))
     with np.errstate(divide="ignore", invalid="ignore"):
         chance = white * np.sqrt(2 / counts.sum(axis=0))
     first = np.unique(residuals.run, return_index=True)[1]

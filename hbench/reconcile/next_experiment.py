@@ -12,10 +12,9 @@ from hbench.config.files.loading import parse_yaml
 from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
-from hbench.reconcile.gaps.columns import column_difference, mean_column, residuals_of_runs
 from hbench.reconcile.gaps.gap_map import column_means
 from hbench.reconcile.hypothesis import Hypothesis
-from hbench.reconcile.measured.balances import BALANCES, balance_model
+from hbench.reconcile.measured.balances import BALANCES, balance_model, residuals
 from hbench.reconcile.simulated_runs import simulator
 
 _LIBRARY = "discriminate.yaml"
@@ -70,15 +69,20 @@ def _separation(
         return 0.0
     simulated = simulator(bench, plant, spread=map)(tuple(rivals.values()), plans)
     model = balance_model(bench, plant)
-    columns = [
-        mean_column(residuals_of_runs(runs, model)) for runs in simulated if runs is not None
+    logs = [
+        [residuals(run, model).values for run in runs] for runs in simulated if runs is not None
     ]
-    if len(columns) < len(rivals):
+    if len(logs) < len(rivals):
         return 0.0
     unit = np.array([scatter.get(name, np.inf) for name in BALANCES])
-    return min(_distance(column_difference(a, b), unit) for a, b in combinations(columns, 2))
+    return min(_distance(one, other, unit) for one, other in combinations(logs, 2))
 
 
-def _distance(difference: Mapping[Any, np.ndarray], unit: np.ndarray) -> float:
-    square = column_means((np.concatenate(list(difference.values())) / unit) ** 2)
+def _distance(one: list[np.ndarray], other: list[np.ndarray], unit: np.ndarray) -> float:
+    """Return the largest difference of two sets of runs over the balances, in scatters."""
+    lengths = [min(len(a), len(b)) for a, b in zip(one, other, strict=True)]
+    difference = np.concatenate(
+        [a[:m] - b[:m] for a, b, m in zip(one, other, lengths, strict=True)]
+    )
+    square = column_means((difference / unit) ** 2)
     return float(np.sqrt(max(np.nanmax(square) - _NOISE, 0.0)))
