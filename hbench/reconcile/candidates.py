@@ -26,7 +26,13 @@ from hbench.reconcile.hypothesis import (
     shape_coefficients,
     typical_size,
 )
-from hbench.reconcile.linearised import LinearisedModel, Measured, hypothesis_at, linearise
+from hbench.reconcile.linearised import (
+    LinearisedModel,
+    Measured,
+    hypothesis_at,
+    linearise,
+    linearise_residuals,
+)
 from hbench.records import Candidate
 
 TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogue's order
@@ -93,7 +99,7 @@ class CandidateEvaluator:
     def with_columns(self, model: LinearisedModel, names: Iterable[str]) -> LinearisedModel:
         """Return a model with the columns ``names`` computed at its hypothesis."""
         columns = {**model.columns, **self.measured.columns(model.hypothesis, names)}
-        return linearise(self.measured, model.hypothesis, columns, model.gap_map)
+        return linearise_residuals(self.measured, model.hypothesis, model.gap_map, columns)
 
     def refit(self, start: LinearisedModel, effects: Sequence[str]) -> LinearisedModel:
         """Refit the nuisances and the coefficients of ``effects``; never return a worse model."""

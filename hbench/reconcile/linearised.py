@@ -37,8 +37,11 @@ class Measured(Protocol):
     def tolerances(self) -> Mapping[CoefficientKey, float]:
         """Limits [SI] of the coefficients that are nuisances within them."""
 
-    def gap_map(self, hypothesis: Hypothesis) -> GapMap:
-        """Return the residuals of the measured runs with a hypothesis."""
+    def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
+        """Return the residuals of the measured runs with a hypothesis.
+
+        Their scatter is that of a ``reference``, if there is one.
+        """
 
     def columns(self, hypothesis: Hypothesis, names: Iterable[str]) -> Columns:
         """Return the columns ``names`` at a hypothesis."""
@@ -103,9 +106,14 @@ def linearise(
     reference: GapMap | None = None,
 ) -> LinearisedModel:
     """Linearise about a hypothesis with these columns; ``reference`` provides the scatter."""
-    residuals = measured.gap_map(hypothesis)
-    if reference is not None:
-        residuals = residuals.in_units_of(reference)
+    residuals = measured.gap_map(hypothesis, reference)
+    return linearise_residuals(measured, hypothesis, residuals, columns)
+
+
+def linearise_residuals(
+    measured: Measured, hypothesis: Hypothesis, residuals: GapMap, columns: Columns
+) -> LinearisedModel:
+    """Linearise about a hypothesis whose residuals are known."""
     widths = nuisances(measured.plant)
     tight, wide = [], []
     for name in columns:
@@ -198,8 +206,10 @@ def _products(residuals: GapMap, columns: Columns) -> Products:
             at = slice(k, None, len(MOTIONS))
             sums[p, at] = part @ part.transpose(0, 2, 1)
             counts[p, at] = usable[members].sum(axis=0)
-    squares, noises = sums[:, :, 0, 0], _noises(residuals, relative, usable, motion)
-    if residuals.white is not None:
+    squares = sums[:, :, 0, 0]
+    if residuals.white is None:
+        noises = _noises(residuals, relative, usable, motion)
+    else:
         squares, noises = _without_noise(residuals, matrix[:, :, 0], squares, counts)
         noises = noises + sums[:, :, -1, -1]
     return Products(
@@ -231,9 +241,9 @@ def _without_noise(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the sums of squares (p, g) without the noise of single windows, and their error.
 
-    ``d`` (w, c) are residuals in scatters. What remains is structured. It can't be told apart from
-    what changes between the trials of an operating point, nor from the chance of the noise's own
-    sum of squares: both are the least variance of a group.
+    ``d`` (w, c) are residuals in scatters. What remains is structured. It is no evidence below what
+    changes between the trials of an operating point plus the chance error of the noise's own sum
+    of squares: that is the least variance of a group.
     """
     assert residuals.white is not None  # of a map of logs
     white = np.repeat(np.nan_to_num(residuals.white), len(MOTIONS))

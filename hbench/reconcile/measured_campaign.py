@@ -66,10 +66,15 @@ class MeasuredCampaign:
     def _coarse_model(self, hypothesis: Hypothesis) -> BalanceModel:
         return replace(self.balance_model(hypothesis), step_s=_COLUMN_STEP_S)
 
-    def gap_map(self, hypothesis: Hypothesis) -> GapMap:
-        """Return the residuals of all runs, with the levels of friction that are not known."""
+    def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
+        """Return the residuals of all runs, with the levels of friction that are not known.
+
+        A ``reference`` gives all but the residuals.
+        """
         model = self.balance_model(hypothesis)
         values = _values(self.logs, model)
+        if reference is not None:
+            return replace(reference, difference=values)
         residuals = log_map(self._windows, BALANCES, values, rounding_error(model))
         material = self.material * self._ranges(model) / residuals.scatter[0]
         levels = tuple(self._levels(model, residuals))

@@ -63,8 +63,8 @@ class Made:
     map: GapMap
     tolerances: dict
 
-    def gap_map(self, hypothesis):
-        return self.map
+    def gap_map(self, hypothesis, reference=None):
+        return self.map if reference is None else self.map.in_units_of(reference)
 
     def columns(self, hypothesis, names):
         return {name: np.ones_like(self.map.difference) for name in names}

@@ -241,7 +241,7 @@ def test_a_level_of_friction_that_a_run_has_is_hardly_a_gap(bench, bench_data, c
         def __init__(self, levels):
             self.levels = levels
 
-        def gap_map(self, hypothesis):
+        def gap_map(self, hypothesis, reference=None):
             return replace(found, difference=made, levels=self.levels, white=None)
 
     def squares(levels):
@@ -251,6 +251,17 @@ def test_a_level_of_friction_that_a_run_has_is_hardly_a_gap(bench, bench_data, c
     sizes = [level.change @ level.change for level in found.levels]
     assert without == pytest.approx(sum(sizes))
     assert with_levels == pytest.approx(sum(size / (1 + size) for size in sizes))
+
+
+def test_a_reference_gives_the_scatter_and_the_levels_and_nothing_else(campaign):
+    """In its units the residuals of a hypothesis are those that it has for itself."""
+    reference = campaign.gap_map(Hypothesis())
+    other = Hypothesis(factors={"valve.gain": 1.2})
+    found, own = campaign.gap_map(other, reference), campaign.gap_map(other)
+    assert np.array_equal(found.difference, own.difference, equal_nan=True)
+    assert not np.array_equal(own.scatter, reference.scatter, equal_nan=True)
+    for name in ("scatter", "noise", "white", "material", "levels", "run", "point"):
+        assert getattr(found, name) is getattr(reference, name)
 
 
 def test_the_search_starts_with_all_coefficients_that_have_a_tolerance(bench_data, campaign, bench):

@@ -54,6 +54,11 @@ class SimulatedStages:
             self._maps[name] = [gap_map(*pair) for pair in pairs]
             self._runs[name] = [run_gaps(*pair) for pair in pairs]
 
+    @property
+    def points(self) -> frozenset[Hashable]:
+        """Operating points with gaps: those with a second trial."""
+        return frozenset(point for maps in self._maps.values() for point in maps[0].points)
+
     def over(self, points: frozenset[Hashable]) -> dict[str, dict[str, BeforeAfter]]:
         """Return the gaps over some operating points, by evaluation and signal."""
         return {
@@ -76,7 +81,7 @@ def gap_table(
     """Return the gaps over some operating points."""
     reference = balances.maps[0]
     chosen = np.isin(reference.point, [reference.points.index(point) for point in points])
-    signals_of = simulated.over(points) if simulated and _repeated(simulated, points) else {}
+    signals_of = simulated.over(points) if simulated and points & simulated.points else {}
     return _table(balances.over(chosen), signals_of)
 
 
@@ -96,10 +101,6 @@ def gaps_of_runs(
         )
         for i, plan in enumerate(plans)
     )
-
-
-def _repeated(simulated: SimulatedStages, points: frozenset[Hashable]) -> bool:
-    return any(points & set(maps[0].points) for maps in simulated._maps.values())
 
 
 def _evaluated(

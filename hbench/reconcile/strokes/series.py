@@ -174,10 +174,14 @@ class MeasuredStrokes:
             for own in loads.values()
         )
 
-    def gap_map(self, hypothesis: Hypothesis) -> GapMap:
-        """Return the residuals of the loads with a hypothesis. Raises ``DataError``."""
+    def gap_map(self, hypothesis: Hypothesis, reference: GapMap | None = None) -> GapMap:
+        """Return the residuals of the loads with a hypothesis, in the scatter of a ``reference``.
+
+        Raises ``DataError``.
+        """
         residuals = self._residuals(hypothesis, self.pairs)
-        return gap_map(residuals, _exact(residuals))
+        own = gap_map(residuals, _exact(residuals))
+        return own if reference is None else own.in_units_of(reference)
 
     def ranked_gaps(self, hypothesis: Hypothesis) -> tuple[Gap, ...]:
         """Return the gaps of both balances with a hypothesis, largest first."""
