@@ -43,11 +43,10 @@ from hbench.reconcile.verdict import (
     unmeasured_channels,
 )
 from hbench.records import AddedEffect, Diagnosis, Overlay, Provenance, Run, RunPlan
+from hbench.records.diagnosis import MATERIAL
 
 HELD_OUT = 5  # every fifth operating point is held out from refit and search
 _FIRST_HELD_OUT = 2
-# Share of a signal's range: a fifth of the 1 % to which data sheets state cylinders and valves.
-MATERIAL = 0.002
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
 _NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
 _ASSUMED = (
@@ -85,10 +84,7 @@ class ReconcileTask:
 def run_search(
     task: ReconcileTask, names: Sequence[str]
 ) -> tuple[MeasuredCampaign, SearchResult, np.ndarray]:
-    """Return the measured campaign, the result of the search, and indices of held-out points.
-
-    Raises ``DataError`` for uneven samples.
-    """
+    """Return the measured campaign, the result of the search, and indices of held-out points."""
     measured = MeasuredCampaign(
         task.bench, task.plant, task.instruments, sessions(task.runs), task.material
     )
@@ -248,7 +244,7 @@ def _observable_effects(
             if all(channels_missing(run, balance) for run in runs)
         ]
         if name in BACKGROUND:
-            not_tried[name] = "it tells benches apart: refitted with the parameters of the model"
+            not_tried[name] = "every bench has it; it is refitted with the parameters of the model"
         elif name in plant.effects:
             not_tried[name] = "the model already contains it; its coefficients are not changed"
         elif len(without) == len(row.balances):

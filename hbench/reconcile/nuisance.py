@@ -49,7 +49,8 @@ BOUND = 3.0  # priors
 _VALVE = {"curvature": 0.01, "exponent": 0.1}
 _EACH_VALVE = {"gain": 0.1, "null": 0.2}
 ASSUMED_TOLERANCE = 0.01  # of sensors whose tolerance is not stated: a usual industrial class
-BACKGROUND = frozenset({"valve_trim", "pressure_gain"})  # rows that only tell benches apart
+# Effects that every bench has: refitted, never named.
+BACKGROUND = frozenset({"valve_trim", "pressure_gain"})
 
 
 def nuisances(plant: Any) -> dict[str, float]:

@@ -1,5 +1,6 @@
 """Records: the products of every command, as frozen dataclasses."""
 
+from hbench.records.bands import Band, BandTrend, MotionBalance, PressureLine
 from hbench.records.design import (
     Check,
     ControlLoop,
@@ -48,8 +49,6 @@ from hbench.records.fleet import (
 )
 from hbench.records.flow import (
     DIRECTIONS,
-    Band,
-    BandTrend,
     Curve,
     CurvePoint,
     Direction,
@@ -63,9 +62,7 @@ from hbench.records.flow import (
     LogChannel,
     MeanEfficiency,
     Motion,
-    MotionBalance,
     Outcome,
-    PressureLine,
     Provenance,
     RawRun,
     Run,

@@ -13,6 +13,8 @@ from hbench.records.numbers import FloatOrNan
 
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
 REST_M_S = 2e-3  # windows with a lower speed are at rest
+# Share of a signal's range: a fifth of the 1 % to which data sheets state cylinders and valves.
+MATERIAL = 0.002
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from hbench.records.flow import Band, BandTrend, Curve, Direction, Provenance
+from hbench.records.bands import Band, BandTrend
+from hbench.records.flow import Curve, Direction, Provenance
 
 
 @dataclass(frozen=True)

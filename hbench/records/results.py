@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass, field
 
+from hbench.records.bands import Band, BandTrend, MotionBalance
 from hbench.records.flow import (
-    Band,
-    BandTrend,
     Curve,
     EfficiencyCurve,
     JointFit,
-    MotionBalance,
     Provenance,
     ScreenedRun,
 )

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TypeVar
 
-from hbench.records.flow import Band, BandTrend, Curve, EfficiencyCurve, RunPlan
+from hbench.records.bands import Band, BandTrend
+from hbench.records.flow import Curve, EfficiencyCurve, RunPlan
 from hbench.records.summary import HeadlineSeries
 
 SeriesRecord = TypeVar(

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from hbench.errors import ConfigError
 from hbench.records import Diagnosis
+from hbench.records.diagnosis import MATERIAL
 from hbench.report.diagnosis.all_figures import draw_diagnosis
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
 from hbench.report.diagnosis.page import diagnosis_page
@@ -24,7 +25,7 @@ def reconcile(
     model_file: Path,
     report: Callable[[int, int], None],
     series: str | None = None,
-    material: float = 0.002,
+    material: float = MATERIAL,
 ) -> Diagnosis:
     """Find where a campaign and a model disagree, and which effect is missing in the model.
 

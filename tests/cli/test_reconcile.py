@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import pytest
 import yaml
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from hbench.cli.main import app
 from hbench.errors import ConfigError
 from hbench.reconcile.strokes.stroke_diagnosis import FEWEST_LOADS
 from hbench.reconcile.verdict import MISSING
+from hbench.records.diagnosis import MATERIAL
 from tests.support import ROOT
 from tests.support.reconcile import made_diagnosis as made
 from tests.support.reconcile.thinned import thinned
@@ -43,6 +45,11 @@ def test_the_verdict_is_on_stdout_and_the_page_in_the_folder(finds, tmp_path):
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith("named: internal_leakage")
     assert (tmp_path / "out" / "report.html").is_file()
+
+
+def test_deviations_that_do_not_matter_are_those_of_the_library():
+    (option,) = (p for p in get_command(app).commands["reconcile"].params if p.name == "material")
+    assert option.default == pytest.approx(100 * MATERIAL)
 
 
 def test_json_on_stdout_is_the_file(finds, tmp_path):

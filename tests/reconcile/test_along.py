@@ -16,24 +16,13 @@ from hbench.reconcile.measured.balances import (
     channels_missing,
 )
 from hbench.reconcile.measured.session import sessions
+from tests.support.pump import PUMP
 from tests.support.reconcile.exact_logs import RECORD_S, logged, record_means, smooth_strokes
 
 BAR = 1e5
 FORCES = ("force_test", "force_load")
 # Flows are up to 1e-4 m^3/s, dry friction 100 N, and the supply has 150 bar.
 LIMITS = {**dict.fromkeys(FLOWS, 2e-8), **dict.fromkeys(FORCES, 0.5), "supply": 200.0}
-
-PUMP = {
-    "flow": "30 l/min",
-    "cut_off": "152 bar",
-    "band": "20 bar",
-    "compensator_lag": "190 ms",
-    "swash_lag": "20 ms",
-    "relief": "165 bar",
-    "relief_gain": "1.2 l/min/bar",
-    "leakage": "6.6e-3 l/min/bar",
-    "capacity": "0.6 cm^3/bar",
-}
 
 # Residuals that the model without the effect has, at least: 20 limits. A state that is late by
 # half a step of 1 ms would leave a tenth of that of a lag of 5 ms: two limits.

@@ -189,6 +189,12 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     assert page.index('<h2 id="the-gap') < page.index('<h2 id="residuals')
 
 
+def test_a_closed_loop_is_told_only_where_signals_were_simulated(named):
+    gaps = replace(named.gap_heldout, signals={}, open_loop={})
+    assert "simulated in closed loop" in diagnosis_page(named, ())
+    assert "simulated in closed loop" not in diagnosis_page(replace(named, gap_heldout=gaps), ())
+
+
 def test_an_unknown_disagreement_is_shown_first_against_velocity_position_time_and_load(
     unknown, undrawn
 ):

@@ -26,6 +26,7 @@ import numpy as np
 
 from hbench.config.bench import Bench, Controllers, Plant
 from hbench.config.sensors import Sensors
+from hbench.errors import DataError
 from hbench.model.build import plant_parameters
 from hbench.model.effects.catalogue import (
     EFFECTS,
@@ -45,6 +46,7 @@ from hbench.model.sensors import (
 from hbench.reconcile.measured.along import STEP_S, AlongLog, Start, along
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
+from hbench.reconcile.measured.weak import sampling
 from hbench.records import Run, RunPlan
 
 BALANCE_UNITS = {
@@ -268,6 +270,12 @@ def run_channels(run: Run, *names: str) -> list[np.ndarray] | None:
 
 
 def incomplete_reason(run: Run) -> str:
-    """Return why a run's log is incomplete; empty for a complete one."""
+    """Return why a run's log is incomplete or unevenly sampled; empty for a complete one."""
     inside = f"{run.missing_records} records are missing inside the log"
-    return run.truncated or (inside if run.missing_records else "")
+    if reason := run.truncated or (inside if run.missing_records else ""):
+        return reason
+    try:
+        sampling(run)
+    except DataError as error:
+        return error.message.removeprefix(f"run {run.plan.run}: ")
+    return ""

@@ -12,11 +12,9 @@ import numpy as np
 
 from hbench.analysis.screening.calibrate import RUN_FIELDS
 from hbench.config.bench import Bench, Plant
-from hbench.errors import DataError
 from hbench.model.effects.catalogue import changed_by, read_effects
 from hbench.model.sensors import SENSORS, sensor_gains, sensor_parameters
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
-from hbench.reconcile.measured.weak import sampling
 from hbench.reconcile.measured.window_signals import INPUTS, OPEN_LOOP_CHANNELS, SIGNALS, open_loop
 from hbench.records import Run, SignalError
 
@@ -75,13 +73,7 @@ def _omission_reason(run: Run) -> str:
     missing = [field for field in fields if getattr(run, field) is None]
     if missing:
         return f"the model needs {', '.join(missing)}"
-    if reason := incomplete_reason(run):
-        return reason
-    try:
-        sampling(run)
-    except DataError as error:
-        return error.message
-    return ""
+    return incomplete_reason(run)
 
 
 def _sensor_errors(bench: Bench, plant: Plant) -> dict[str, tuple[float, float]]:

@@ -46,24 +46,6 @@ class Window(NamedTuple):
         """Return the first sample of each window (m,)."""
         return np.arange(self.count(n)) * self.step
 
-    def mean(self, y: np.ndarray) -> np.ndarray:
-        """Return <y> (..., m) of the samples (..., n)."""
-        return self._weighted_sums(y, self.value)
-
-    def rate(self, y: np.ndarray) -> np.ndarray:
-        """Return <y'> (..., m), in the unit of y per second."""
-        return self._weighted_sums(y, self.slope)
-
-    def second(self, y: np.ndarray) -> np.ndarray:
-        """Return <y''> (..., m), in the unit of y per second squared."""
-        return self._weighted_sums(y, self.bend)
-
-    def _weighted_sums(self, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        if y.shape[-1] < len(weights):
-            return np.zeros((*y.shape[:-1], 0))
-        windows = np.lib.stride_tricks.sliding_window_view(y, len(weights), axis=-1)
-        return windows[..., :: self.step, :] @ weights
-
 
 def window(dt_s: float, width_s: float = WIDTH_S) -> Window:
     """Return the window for samples ``dt_s`` apart: an even number of samples, at least 8."""

@@ -14,10 +14,10 @@ _SENSOR = (
     "An effect of a sensor is an error of the measurement, not of the bench. Correct the "
     "instrument rather than the model."
 )
+_REFITTED = "Refitted: the model with its poorly known values fitted and no effect added."
 _CLOSED = (
     "The balances decide; the same schedule, simulated in closed loop, confirms. Small errors of "
-    "all values add up in the closed loop. Refitted: the model with its poorly known values fitted "
-    "and no effect added."
+    "all values add up in the closed loop."
 )
 _RUNS = (
     "The gap of a single run includes its own scatter and is 1 for a correct model. The last "
@@ -58,13 +58,14 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     def drawn(section: str) -> tuple[Drawing, ...]:
         return tuple(drawing for drawing in drawings if drawing.section == section)
 
+    closed = (_CLOSED,) if diagnosis.gap_heldout.signals else ()
     shape = Section(
         "Shape of the residuals" if diagnosis.verdict == "unknown" else "Residuals of each balance",
         drawings=drawn("shape"),
     )
     gap = Section(
         "The gap before and after" if diagnosis.effects else "The gap",
-        (_CLOSED, f"Held-out runs: {held}."),
+        (*closed, _REFITTED, f"Held-out runs: {held}."),
         drawings=drawn("gap"),
         tables=text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs"),
         parts=_run_part(diagnosis),

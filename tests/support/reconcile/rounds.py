@@ -5,7 +5,6 @@ import numpy as np
 from hbench.config.bench import Plant
 from hbench.config.schedule import parse_schedule
 from hbench.experiment.plan import plan_runs
-from hbench.reconcile.diagnose import MATERIAL
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.gaps.gap_map import gaps, point_of
 from hbench.reconcile.gaps.log_map import ranked_gaps
@@ -13,6 +12,7 @@ from hbench.reconcile.measured.balances import BALANCES, balance_model, residual
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.search import CampaignSearch
+from hbench.records.diagnosis import MATERIAL
 
 
 def schedule(trials=3, speeds=("20 mm/s", "60 mm/s", "150 mm/s")):
@@ -64,7 +64,7 @@ def campaign_of(runs, bench, plant=None):
 
 
 def reconciled(measured, bench):
-    """Return the refitted factors, and the gaps before and after."""
+    """Return the refitted hypothesis, its factors, and the gaps before and after."""
     own = campaign_of(measured, bench)
     points = np.arange(len({point_of(run.plan) for run in measured}))
     result = CampaignSearch(own, points, ()).run()
@@ -72,7 +72,8 @@ def reconciled(measured, bench):
     allowed = np.zeros(len(BALANCES))
     given = result.given.gap_map.in_units_of(result.refitted.gap_map)
     before, after = (ranked_gaps(each, allowed) for each in (given, result.refitted.gap_map))
-    return factors, {one.name: one for one in before}, {one.name: one for one in after}
+    ranked = ({one.name: one for one in each} for each in (before, after))
+    return result.refitted.hypothesis, factors, *ranked
 
 
 def table(title, ranked):
