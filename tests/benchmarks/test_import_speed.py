@@ -1,4 +1,4 @@
-"""``import`` of text logs, against pandas reading and writing the same files.
+"""``import`` of logs, against pandas (and scipy) reading and writing the same files.
 
 ``pytest -s -m slow tests/benchmarks/test_import_speed.py`` imports 40 MB and prints the times.
 """
@@ -55,6 +55,13 @@ def timed(call):
     return time.process_time() - before
 
 
+def wall(call):
+    """Wall time [s], which contains that of the process that reads."""
+    before = time.perf_counter()
+    call()
+    return time.perf_counter() - before
+
+
 def compare(folder, out):
     """Return the seconds of an import, of pandas' ``read_csv``, and of its ``to_csv``."""
     files = sorted(folder.glob("*.csv"))
@@ -81,6 +88,36 @@ def test_an_import_takes_less_time_than_pandas_to_read_and_write(logs, tmp_path)
 def test_forty_files_of_a_megabyte(logs, tmp_path):
     ours, read, write = compare(logs(40, 1_000_000), tmp_path / "out")
     assert ours < read + write
+
+
+def test_an_import_of_matlab_files_takes_less_time_than_scipy_and_pandas(logs, tmp_path):
+    """All digits of each float are written; the process that reads starts before the clock."""
+    from scipy.io import loadmat, savemat
+
+    folder = logs(4, 500_000)
+    rng = np.random.default_rng(2)
+    for file in sorted(folder.glob("*.csv")):
+        frame = pd.read_csv(file)
+        noisy = {name: frame[name] + rng.normal(0, 1e-6, len(frame)) for name in ("x", "v", "f")}
+        savemat(file.with_suffix(".mat"), {name: frame[name].to_numpy() for name in frame} | noisy)
+        file.unlink()
+    rules = folder / "map.yaml"
+    rules.write_text(rules.read_text().replace("{load}.csv", "{load}.mat"))
+    files = sorted(folder.glob("*.mat"))
+
+    def as_csv():
+        for file in files:
+            columns = {name: v.ravel() for name, v in loadmat(file).items() if name[0] != "_"}
+            pd.DataFrame(columns).to_csv(tmp_path / "out.csv")
+
+    import_folder(folder, tmp_path / "first", rules, {}, AT)
+    ours = wall(lambda: import_folder(folder, tmp_path / "out", rules, {}, AT))
+    theirs = wall(as_csv)
+    megabytes = sum(file.stat().st_size for file in files) / 1e6
+    print(
+        f"\nimport of {megabytes:.1f} MB of MATLAB files: {ours:.2f} s, {ours / theirs:.2f} times"
+    )
+    assert ours < theirs
 
 
 def test_memory_does_not_grow_with_the_number_of_files(logs, tmp_path):

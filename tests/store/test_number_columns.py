@@ -41,7 +41,7 @@ def test_every_float_is_read_back(made):
 def test_columns_have_as_many_decimals_as_they_need():
     made = [np.array([0.0, -12.5, 3.25]), np.array([1e5, 2, 3]), np.array([1e-7, np.pi, np.nan])]
     rows = b"".join(formatted_rows(made)).decode().split()
-    assert rows == ["0.00,100000.0,1e-07", "-12.50,2.0,3.141592653589793", "3.25,3.0,nan"]
+    assert rows == ["0.00,100000.0,1e-7", "-12.50,2.0,3.141592653589793", "3.25,3.0,nan"]
 
 
 @settings(max_examples=50)

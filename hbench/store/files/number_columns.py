@@ -7,6 +7,7 @@ as its values need, from digits that numpy computes; other columns have all digi
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from pydantic_core import to_json
 
 _LARGEST = 10**15  # whole numbers up to here, and quotients by powers of ten up to here, are exact
 _FEW = 100  # values that are tested before all are
@@ -67,7 +68,8 @@ def _is_near_whole(values: np.ndarray) -> bool:
 
 def _all_digits(values: np.ndarray) -> np.ndarray:
     """Return cells (n, width) of characters, 0 where there is none."""
-    cells = np.array(list(map(repr, values.tolist())), dtype=bytes)
+    numbers = to_json(values.tolist(), inf_nan_mode="constants")  # ten times as fast as repr
+    cells = np.array(numbers[1:-1].replace(b"NaN", b"nan").split(b","))
     return cells.view(np.uint8).reshape(len(values), -1)
 
 
