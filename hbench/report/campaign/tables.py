@@ -1,4 +1,7 @@
-"""Results as CSV (SI, the unit in each name). A number that does not exist is an empty cell."""
+"""Results as CSV (SI, the unit in each name). A number that does not exist is an empty cell.
+
+What else was varied, the factors of imported runs, has a column each.
+"""
 
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
@@ -13,20 +16,17 @@ CsvRow = dict[str, Any]
 
 def runs_csv(results: Results) -> str:
     """Return one row a run, rejected ones included."""
-    factors = _factors(run.run.plan.factors for run in results.runs)
-    rows = (row(run) | _cells(run.run.plan.factors, factors) for run in results.runs)
-    return csv_text(_with_factors(_RUN_COLUMNS, factors), rows)
+    return _csv(_RUN_COLUMNS, ((run.run.plan.factors, row(run)) for run in results.runs))
 
 
 def curves_csv(results: Results) -> str:
-    """Return one row a point of a friction curve, with a column for each factor."""
-    factors = _factors(curve.factors for curve in results.curves)
-    rows = []
-    for curve in results.curves:
-        series = {**_series(curve), **_cells(curve.factors, factors)}
-        for point in curve.points:
-            rows.append({**series, **asdict(point), "runs": " ".join(point.runs)})
-    return csv_text(_with_factors(_CURVE_COLUMNS, factors), rows)
+    """Return one row a point of a friction curve."""
+    rows = (
+        (curve.factors, {**_series(curve), **asdict(point), "runs": " ".join(point.runs)})
+        for curve in results.curves
+        for point in curve.points
+    )
+    return _csv(_CURVE_COLUMNS, rows)
 
 
 def fits_csv(results: Results) -> str:
@@ -34,32 +34,35 @@ def fits_csv(results: Results) -> str:
 
     A law of all loads has no direction and no load.
     """
-    rows = [
-        parameter
+    rows: list[tuple[Factors, CsvRow]] = [
+        (curve.factors, parameter)
         for curve in results.curves
         for fit in curve.fits
         for parameter in _fit_rows(_series(curve), fit)
     ]
     for joint in results.joint_fits:
         series = dict.fromkeys(SERIES) | {"kind": joint.kind, "label": joint.label}
-        rows += [parameter for fit in joint.fits for parameter in _fit_rows(series, fit)]
-    return csv_text(_FIT_COLUMNS, rows)
+        rows += [((), parameter) for fit in joint.fits for parameter in _fit_rows(series, fit)]
+    return _csv(_FIT_COLUMNS, rows)
 
 
-def _factors(series: Iterable[Factors]) -> tuple[str, ...]:
-    """Return the names of all factors, each once."""
-    return tuple(dict.fromkeys(name for factors in series for name, _ in factors))
-
-
-def _cells(factors: Factors, names: tuple[str, ...]) -> CsvRow:
-    values = dict(factors)
-    return {f"factor_{name}": values.get(name) for name in names}
-
-
-def _with_factors(columns: tuple[str, ...], names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the columns with those of factors after the label."""
+def _csv(columns: tuple[str, ...], rows: Iterable[tuple[Factors, CsvRow]]) -> str:
+    """Return the text of a table whose factors have a column each, after the label."""
+    rows = list(rows)
+    names = tuple(dict.fromkeys(name for factors, _ in rows for name, _ in factors))
     after = columns.index("label") + 1
-    return (*columns[:after], *(f"factor_{name}" for name in names), *columns[after:])
+    columns = (*columns[:after], *map(_factor_column, names), *columns[after:])
+    return csv_text(
+        columns,
+        (
+            cells | {_factor_column(name): dict(factors).get(name) for name in names}
+            for factors, cells in rows
+        ),
+    )
+
+
+def _factor_column(name: str) -> str:
+    return f"factor_{name}"
 
 
 def _series(curve: Curve | EfficiencyCurve) -> CsvRow:
@@ -92,17 +95,17 @@ def _fit_rows(series: CsvRow, fit: Fit) -> list[CsvRow]:
 
 def efficiency_csv(results: Results) -> str:
     """Return one row a point of an efficiency curve."""
-    rows = [
-        {**_series(curve), **asdict(point)}
+    rows = (
+        (curve.factors, {**_series(curve), **asdict(point)})
         for curve in results.efficiency
         for point in curve.points
-    ]
-    return csv_text(_EFFICIENCY_COLUMNS, rows)
+    )
+    return _csv(_EFFICIENCY_COLUMNS, rows)
 
 
 def bands_csv(results: Results) -> str:
     """Return one row a pressure that both directions were measured at."""
-    return csv_text(_BAND_COLUMNS, map(row, results.bands))
+    return _csv(_BAND_COLUMNS, ((band.factors, row(band)) for band in results.bands))
 
 
 def band_trends_csv(results: Results) -> str:
@@ -112,8 +115,8 @@ def band_trends_csv(results: Results) -> str:
         series = {name: getattr(trend, name) for name in ("kind", "label", "p_lr_ref_pa")}
         series |= {"p_low_pa": trend.pressures_pa[0], "p_high_pa": trend.pressures_pa[-1]}
         for name, line in (("half", trend.half), ("middle", trend.middle)):
-            rows.append({**series, "quantity": name, **asdict(line)})
-    return csv_text(_TREND_COLUMNS, rows)
+            rows.append((trend.bands[0].factors, {**series, "quantity": name, **asdict(line)}))
+    return _csv(_TREND_COLUMNS, rows)
 
 
 _MEANS = (

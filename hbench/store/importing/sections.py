@@ -13,6 +13,7 @@ from hbench.records import KINDS
 from hbench.store.importing.file_notes import FileNote
 
 _BLOCK_S = 0.1
+_AS_FAST = 0.9  # of the top speed: as fast, but for noise
 _LEAST_SHARED = 0.2  # of a stroke: positions that both directions cover
 
 Positions = tuple[float, float]  # lowest and highest [m]
@@ -165,12 +166,17 @@ def _shared_positions(
 
 
 def _top_speed(channels: dict[str, np.ndarray], kind: str, speed: float | None) -> float:
-    """Return the top speed [m/s] of a non-steady run, with the sign of its reference or motion."""
+    """Return the top speed [m/s] of a non-steady run, with the sign of its reference or motion.
+
+    If it moves equally fast in both directions, the sign is that of the first.
+    """
     v_ref = channels.get("v_ref_m_s")
     if KINDS[kind].is_at_rest:
         return 0.0
     if v_ref is not None and np.isfinite(v_ref).any():
         return float(v_ref[np.nanargmax(np.abs(v_ref))])
     measured = block_speeds(channels["t_s"], channels["x_m"], _BLOCK_S).v_m_s
-    fastest = float(measured[np.argmax(np.abs(measured))]) if len(measured) else 0.0
+    top = np.abs(measured).max(initial=0.0)
+    first = np.flatnonzero(np.abs(measured) >= _AS_FAST * top)[:1]
+    fastest = float(np.copysign(top, measured[first[0]])) if len(first) else 0.0
     return float(f"{fastest:.3g}") if speed is None else float(np.copysign(speed, fastest))
