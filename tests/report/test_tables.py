@@ -243,17 +243,21 @@ def test_the_summary_names_counts_reasons_and_bounds_in_plain_ascii(stribeck):
     assert len([line for line in text.splitlines() if line.startswith(("extend", "retract"))]) == 8
 
 
-def test_factors_have_a_column_in_every_table_of_series(small):
+@pytest.mark.parametrize(
+    ("campaign", "series", "write"),
+    [
+        ("small", "curves", curves_csv),
+        ("small", "curves", fits_csv),
+        ("small", "efficiency", efficiency_csv),
+        ("seals", "bands", bands_csv),
+    ],
+)
+def test_factors_have_a_column_in_every_table_of_series(request, campaign, series, write):
     """Series without them have empty cells."""
-    oil = (("oil", "HLP 46"),)
-    made = replace(
-        small,
-        curves=(replace(small.curves[0], factors=oil), *small.curves[1:]),
-        efficiency=(replace(small.efficiency[0], factors=oil), *small.efficiency[1:]),
-        bands=(replace(small.bands[0], factors=oil), *small.bands[1:]),
-    )
-    for write in (curves_csv, fits_csv, efficiency_csv, bands_csv):
-        table = pd.read_csv(io.StringIO(write(made)))
-        assert table.columns[list(table.columns).index("label") + 1] == "factor_oil"
-        assert table["factor_oil"].iloc[0] == "HLP 46" and table["factor_oil"].isna().any()
-        assert "factor_oil" not in write(small)
+    results = request.getfixturevalue(campaign)
+    first, *others = getattr(results, series)
+    made = replace(results, **{series: (replace(first, factors=(("oil", "HLP 46"),)), *others)})
+    table = pd.read_csv(io.StringIO(write(made)))
+    assert table.columns[list(table.columns).index("label") + 1] == "factor_oil"
+    assert table["factor_oil"].iloc[0] == "HLP 46" and table["factor_oil"].isna().any()
+    assert "factor_oil" not in write(results)
