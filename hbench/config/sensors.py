@@ -1,6 +1,7 @@
 """Sensors with their signal path to the converter, and tolerances of the instruments."""
 
-from typing import Annotated, Literal
+from math import sqrt
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -74,17 +75,42 @@ class Sensors(ConfigSection):
         return -cell.level / per_newton, (self.adc.reference - cell.level) / per_newton
 
 
-class Instrument(ConfigSection):
-    """The stated tolerance of an instrument."""
+Distribution = Literal["rectangular", "triangular", "normal", "standard"]
+# Standard uncertainty of a stated tolerance: its divisor (JCGM 100, 4.3.3, 4.3.7 and 4.3.9).
+DIVISORS: dict[Distribution, float] = {
+    "rectangular": sqrt(3),  # limits, such as those of a data sheet
+    "triangular": sqrt(6),  # limits that are seldom reached
+    "normal": 2.0,  # expanded uncertainty with k = 2, such as that of a certificate
+    "standard": 1.0,  # standard uncertainty, as the source reads its tolerances (6.15)
+}
+
+
+class ErrorSource(ConfigSection):
+    """One source of an instrument's error, such as its zero or its hysteresis."""
 
     tolerance: q.Ratio
-    of: Literal["reading", "full_scale"]
+    of: Literal["reading", "full_scale"] = "full_scale"
+    distribution: Distribution = "rectangular"
+    dof: float | None = Field(default=None, ge=1, allow_inf_nan=False)  # None: infinite
+    common: bool = False  # one error in all transducers, calibrated against one standard
+    source: str = "assumed"  # certificate with number and date, or data sheet
+
+
+class Instrument(ErrorSource):
+    """The accuracy class of an instrument, and further sources of its error."""
+
     full_scale: float
+    further: dict[str, ErrorSource] = Field(default={}, max_length=20)  # by name
 
     @property
     def largest(self) -> float:
         """The tolerance at full scale."""
         return self.tolerance * self.full_scale
+
+    def standard_uncertainty(self, source: ErrorSource, reading: float) -> float:
+        """Return that of a reading by one source of error; with the sign of the reading."""
+        base = reading if source.of == "reading" else self.full_scale
+        return source.tolerance * base / DIVISORS[source.distribution]
 
 
 class ForceInstrument(Instrument):
@@ -99,8 +125,37 @@ class PressureInstrument(Instrument):
     full_scale: q.Pressure
 
 
+class Geometry(ConfigSection):
+    """Tolerances of the cylinder's dimensions and of the load cell's alignment."""
+
+    bore: q.Tolerance = 0.0  # of the diameter
+    rod: q.Tolerance = 0.0  # of the diameter
+    alignment: q.Angle = 0.0  # between the load cell and the motion
+    distribution: Distribution = "rectangular"
+    source: str = "assumed"
+
+
 class Instruments(ConfigSection):
-    """Tolerances for the efficiency's uncertainty (equations 6.16 to 6.19)."""
+    """Tolerances of the instruments, for the uncertainty of friction and efficiency."""
 
     force: ForceInstrument
     pressure: PressureInstrument
+    geometry: Geometry = Geometry()
+    expansion: Literal["t_95", "k_2"] = "t_95"  # of the combined uncertainty: Student's factor, 2
+
+    @property
+    def as_printed(self) -> "Instruments":
+        """The source's own reading: tolerances are standard uncertainties, nothing else counts."""
+        printed: dict[str, Any] = {
+            "distribution": "standard",
+            "dof": None,
+            "common": False,
+            "further": {},
+        }
+        return self.model_copy(
+            update={
+                "force": self.force.model_copy(update=printed),
+                "pressure": self.pressure.model_copy(update=printed),
+                "geometry": Geometry(),
+            }
+        )

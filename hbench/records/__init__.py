@@ -79,6 +79,8 @@ from hbench.records.identification import (
     IdentifiedLaw,
     ModelErrors,
     RampComparison,
+    Replay,
+    SignalError,
     Trace,
 )
 from hbench.records.import_preview import (
@@ -109,7 +111,6 @@ from hbench.records.phenomenon import (
     Phenomenon,
     WordTable,
 )
-from hbench.records.replay import Replay, SignalError
 from hbench.records.results import Results
 from hbench.records.summary import (
     Basis,

@@ -222,7 +222,12 @@ class CurvePoint:
     trials_f_test_n: tuple[float, ...]  # F_T of each trial
     runs: tuple[str, ...]
     sigma_instruments_n: float | None = None  # 6.15 for 5.1; None where they are not known
-    u95_n: float | None = None  # half-width of the 95 % interval of trials and instruments
+    u95_n: float | None = None  # expanded uncertainty of trials and instruments
+    u95_dof: float | None = None  # its effective degrees of freedom; None: infinite
+    u95_monte_carlo_n: float | None = None  # half-width of the interval of drawn errors (JCGM 101)
+    # The inputs' parts of sigma by name, with their signs: an error has the same sign at all
+    # points of a campaign.
+    parts_n: dict[str, float] = field(default_factory=dict)
     trials_work_j: tuple[float | None, ...] = ()  # work of each trial's strokes, where known
 
 
@@ -328,9 +333,12 @@ class EfficiencyPoint:
     reason: str = ""
     sigma_combined: float | None = None  # both
     ci95: float | None = None  # half-width of Student's interval of the trials
-    u95: float | None = None  # half-width of the 95 % interval of trials and instruments
-    # The instruments' parts of sigma by name, with their signs: an error has the same sign at
-    # all points of a campaign.
+    u95: float | None = None  # expanded uncertainty of trials and instruments
+    u95_dof: float | None = None  # its effective degrees of freedom; None: infinite
+    u95_monte_carlo: float | None = None  # half-width of the interval of drawn errors (JCGM 101)
+    sigma_as_printed: float | None = None  # 6.16 with tolerances as standard uncertainties
+    # The inputs' parts of sigma by name, with their signs: an error has the same sign at all
+    # points of a campaign.
     parts: dict[str, float] = field(default_factory=dict)
 
 

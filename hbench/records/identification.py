@@ -1,11 +1,14 @@
-"""Results of ``identify``: friction laws of the test cylinder and their verification. In SI."""
+"""Results of ``identify``: friction laws of the test cylinder and their verification. In SI.
+
+And those of ``simulate``, which runs a model under the measured valve commands.
+"""
 
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from hbench.records.flow import Direction, Fit, Provenance
+from hbench.records.flow import Direction, Fit, Provenance, Run
 
 PARTS = ("steady", "unsteady", "rest")  # of a verification run
 
@@ -86,3 +89,26 @@ class Identification:
     followed: tuple[Followed, ...]  # the first trial of each profile and load
     left_out: tuple[str, ...]  # runs that took no part, each with its reason
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class SignalError:
+    """Root mean square error of a simulated signal, in ``unit``."""
+
+    signal: str
+    unit: str
+    off: float  # over all runs
+    worst: float  # of the worst run
+    worst_run: str
+
+
+@dataclass(frozen=True)
+class Replay:
+    """SIMULATED runs of a model under measured valve commands and supply pressure."""
+
+    provenance: Provenance  # of the measured campaign
+    model: str  # file name
+    bench: dict[str, Any]  # the campaign's bench file, under a name that says simulated
+    runs: tuple[Run, ...]  # labelled as simulated; commands and supply are the measured ones
+    off: tuple[SignalError, ...]  # by signal
+    left_out: tuple[str, ...]  # runs that could not be simulated, each with its reason

@@ -19,6 +19,7 @@ from hbench.analysis.screening.screen import screen
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
+from hbench.analysis.uncertainty.monte_carlo import checked_by_monte_carlo
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import DataError
@@ -35,9 +36,12 @@ if TYPE_CHECKING:
 _DEFAULT_FITTING = Fitting()
 
 
-def analyze(folder: Path, fit_file: Path | None = None) -> Results:
-    """Screen, average and fit a campaign; write its tables to ``results/``."""
-    results = derive(load_campaign(folder), _fitting(fit_file))
+def analyze(folder: Path, fit_file: Path | None = None, *, monte_carlo: bool = False) -> Results:
+    """Screen, average and fit a campaign; write its tables to ``results/``.
+
+    ``monte_carlo`` checks the expanded uncertainties by drawn errors of the instruments.
+    """
+    results = derive(load_campaign(folder), _fitting(fit_file), monte_carlo=monte_carlo)
     write_results(folder, _tables(results))
     return results
 
@@ -48,11 +52,12 @@ def report(
     *,
     form: str = "html",
     speed_m_s: float | None = None,
+    monte_carlo: bool = False,
 ) -> Results:
     """Analyze a campaign and write tables, figures and ``report.`` ``form`` to ``results/``.
 
     ``form`` is html, md or pdf. ``speed_m_s`` is the working speed of the headline numbers, by
-    default the median of the measured speeds.
+    default the median of the measured speeds. ``monte_carlo`` as in ``analyze``.
     """
     from hbench.report.campaign.figures.all_figures import draw_all  # slow import: matplotlib
     from hbench.report.campaign.page import report_document
@@ -61,7 +66,7 @@ def report(
     from hbench.report.render.figures import figure_files
     from hbench.report.render.markdown import markdown
 
-    results = derive(load_campaign(folder), _fitting(fit_file))
+    results = derive(load_campaign(folder), _fitting(fit_file), monte_carlo=monte_carlo)
     if speed_m_s is not None:
         results = at_working_speed(results, speed_m_s)
     drawings = draw_all(results)
@@ -105,7 +110,9 @@ def screened_runs(campaign: StoredCampaign) -> Iterator[ScreenedRun]:
         yield screen(run, rules)
 
 
-def derive(campaign: StoredCampaign, how: Fitting = _DEFAULT_FITTING) -> Results:
+def derive(
+    campaign: StoredCampaign, how: Fitting = _DEFAULT_FITTING, *, monte_carlo: bool = False
+) -> Results:
     """Screen, average and fit a campaign; nothing is written. Raises ``DataError``.
 
     Accepted steady runs, most of a large campaign, are kept without their samples.
@@ -120,7 +127,11 @@ def derive(campaign: StoredCampaign, how: Fitting = _DEFAULT_FITTING) -> Results
     analysed = analyse_runs(screened, setup, how)
     steady, curves = analysed.steady, (*analysed.steady, *analysed.moving)
     efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
-    limitations = not_computed(screened, efficiencies, instruments)
+    checks: tuple[str, ...] = ()
+    if monte_carlo:
+        steady, efficiencies, checks = checked_by_monte_carlo(steady, efficiencies, instruments)
+        curves = (*steady, *analysed.moving)
+    limitations = checks + not_computed(screened, efficiencies, instruments)
     bands = friction_bands(steady)
     return Results(
         provenance=campaign.provenance(),

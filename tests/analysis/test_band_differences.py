@@ -10,6 +10,7 @@ from hbench.analysis.comparison.band_differences import band_differences, trend_
 from hbench.analysis.comparison.differences import campaign_differences
 from hbench.analysis.comparison.matching import SetPoint, nearest_set_point, speed_tolerance
 from hbench.analysis.statistics.holm import holm
+from hbench.analysis.statistics.student import degrees_of_freedom
 from hbench.config.sensors import Instruments
 from tests.support.analysis.drawn_seal import LARGE, drawn_seal
 
@@ -126,14 +127,20 @@ def instruments(of):
     )
 
 
+def expanded(difference, limit):
+    """Expanded uncertainty (JCGM 100, G.2b) of the trials' difference and a rectangular error."""
+    sigma = limit / np.sqrt(3)
+    combined = np.hypot(difference.se, sigma)
+    dof = combined**4 / difference.se**4 * degrees_of_freedom(difference.ci95 / difference.se)
+    return stats.t.ppf(0.975, dof) * combined
+
+
 def test_a_constant_error_of_the_sensors_is_in_the_middle_and_not_in_the_half_band():
     """1 % of 500 N and, on both sides, of 10 bar on 4.909 cm^2: 5 N and twice 4.909 N."""
     known = instruments("full_scale")
     (first, *_) = compared(drawn_seal(1), drawn_seal(2, "B"), (known, known), same=False)
-    sigma = np.sqrt(2 * (5.0**2 + 2 * 4.909**2))
-    assert first.middle_n.u95 == pytest.approx(
-        np.hypot(first.middle_n.ci95, 1.96 * sigma), rel=1e-4
-    )
+    limit = np.sqrt(2 * (5.0**2 + 2 * 4.909**2))
+    assert first.middle_n.u95 == pytest.approx(expanded(first.middle_n, limit), rel=1e-4)
     assert first.half_n.u95 == pytest.approx(first.half_n.ci95)
     assert first.energy_j.u95 == pytest.approx(first.energy_j.ci95)
 
@@ -142,15 +149,15 @@ def test_a_gain_error_of_the_load_cell_changes_half_band_and_energy_alike():
     known = instruments("reading")
     (first, *_) = compared(drawn_seal(1), drawn_seal(2, "B", level=6.0), (known, known), same=False)
     halves = np.hypot(*(0.01 * each.half_n for each in (first.a, first.b)))
-    assert first.half_n.u95 == pytest.approx(np.hypot(first.half_n.ci95, 1.96 * halves), rel=1e-4)
+    assert first.half_n.u95 == pytest.approx(expanded(first.half_n, halves), rel=1e-4)
     energies = np.hypot(*(0.01 * each.energy_j for each in (first.a, first.b)))
-    expected = np.hypot(first.energy_j.ci95, 1.96 * energies)
-    assert first.energy_j.u95 == pytest.approx(expected, rel=1e-4)
+    assert first.energy_j.u95 == pytest.approx(expanded(first.energy_j, energies), rel=1e-4)
     a, b = drawn_seal(1), drawn_seal(2, "B", slope=1.4)
     (slope,) = trend_differences(a, b, compared(a, b), (known, known), False)
     gains = np.hypot(*(0.01 * t.half.slope_n_pa for t in (*a.band_trends, *b.band_trends)))
-    expected = np.hypot(slope.half_slope_n_pa.ci95, 1.96 * gains)
-    assert slope.half_slope_n_pa.u95 == pytest.approx(expected, rel=1e-4)
+    assert slope.half_slope_n_pa.u95 == pytest.approx(
+        expanded(slope.half_slope_n_pa, gains), rel=1e-4
+    )
 
 
 def test_one_trial_gives_differences_without_an_interval():

@@ -13,8 +13,9 @@ from hbench.analysis.uncertainty.efficiency import (
     driving_side,
     efficiency_curve,
     efficiency_of,
-    instrument_contributions,
+    efficiency_parts,
 )
+from hbench.analysis.uncertainty.input_errors import MeasuredForces, input_errors
 from hbench.config.sensors import Instruments
 from hbench.records import Specimen
 
@@ -37,7 +38,10 @@ def forces(v, f_applied, friction, p_tr=20e5):
 
 
 def instrument_sigma(state, tolerances):
-    return root_sum_square(instrument_contributions(state, tolerances))
+    """As printed: tolerances are standard uncertainties."""
+    measured = MeasuredForces(state.f_applied_n, state.p_tp_pa, state.p_tr_pa)
+    errors = input_errors(tolerances.as_printed, measured, state.specimen)
+    return root_sum_square(efficiency_parts(state, errors))
 
 
 HYDRAULICS = forces(0.1, 2000.0, 400.0)  # eta = 2000/2400
@@ -133,7 +137,9 @@ def test_points_of_a_curve(make_curve):
     found = efficiency_curve(curve, instruments())
     assert (found.direction, found.f_load_n) == ("extend", 2000.0)
     assert [point.efficiency for point in found.points] == pytest.approx([0.8, 2000 / 2400])
-    assert found.points[1].sigma == pytest.approx(instrument_sigma(HYDRAULICS, instruments()))
+    printed = instrument_sigma(HYDRAULICS, instruments())
+    assert found.points[1].sigma_as_printed == pytest.approx(printed)
+    assert found.points[1].sigma == pytest.approx(printed / np.sqrt(3))
     assert found.points[0].sigma_trials is None and found.points[0].reason == ""
 
 
@@ -190,7 +196,10 @@ def test_the_trials_part_is_the_standard_error_of_their_efficiencies_and_student
     assert found.ci95 == pytest.approx((high - low) / 2) and found.u95 is None
     known = efficiency_curve(replace(curve, points=(point,)), instruments()).points[0]
     assert known.ci95 == found.ci95
-    assert known.u95 == pytest.approx(np.hypot(found.ci95, 1.959964 * known.sigma))
+    combined = np.hypot(found.sigma_trials, known.sigma)
+    dof = combined**4 / (found.sigma_trials**4 / 2)  # JCGM 100, G.2b
+    assert known.u95_dof == pytest.approx(dof)
+    assert known.u95 == pytest.approx(stats.t.ppf(0.975, dof) * combined)
 
 
 @pytest.mark.parametrize(("v", "expected"), [(0.1, 2000 / 2400), (-0.1, 1600 / 2000)])

@@ -73,7 +73,7 @@ def test_all_pages_can_be_reached_from_the_readme():
     ],
 )
 def test_each_kind_of_error_has_its_exit_code_words_and_hint(error, code, monkeypatch, capsys):
-    def fail(*_):
+    def fail(*_, **_options):
         raise error("wrong", "Right.")
 
     monkeypatch.setattr(workflow, "analyze", fail)
@@ -86,9 +86,8 @@ def test_each_kind_of_error_has_its_exit_code_words_and_hint(error, code, monkey
 
 def test_a_bug_is_exit_code_1_with_a_traceback_and_ctrl_c_130():
     for error, code, words in (("KeyError(3)", 1, "KeyError: 3"), ("KeyboardInterrupt", 130, "")):
-        spoilt = (
-            f"from hbench import workflow\ndef fail(*_): raise {error}\nworkflow.analyze = fail"
-        )
+        fail = f"def fail(*_, **_more): raise {error}"
+        spoilt = f"from hbench import workflow\n{fail}\nworkflow.analyze = fail"
         done = subprocess.run(
             [sys.executable, "-c", f"{spoilt}\n{NAMED}", "analyze", "demo"],
             capture_output=True,

@@ -19,7 +19,16 @@ from tests.support.reconcile import made_diagnosis as made
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 # Objects of no fixed names.
-BY_NAME = ("software", "details", "settings", "parameters", "intervals", "parts", "parameters_si")
+BY_NAME = (
+    "software",
+    "details",
+    "settings",
+    "parameters",
+    "intervals",
+    "parts",
+    "parts_n",
+    "parameters_si",
+)
 BY_NAME += (
     "factors",
     "balances",

@@ -18,7 +18,11 @@ from scipy.special import stdtr
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import satterthwaite, student_factor
-from hbench.analysis.uncertainty.budget import expanded, root_sum_square
+from hbench.analysis.uncertainty.budget import (
+    StandardUncertainty,
+    combined,
+    root_sum_square,
+)
 from hbench.records import Difference
 
 Contributions = dict[str, float]  # of instruments
@@ -61,9 +65,14 @@ def tested(
         ci95=float(ci95),
         u95=None
         if contributions is None
-        else expanded(float(ci95), _instruments_sigma(*contributions, same)),
+        else _expanded(StandardUncertainty(se, dof), _instruments_sigma(*contributions, same)),
         p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
     )
+
+
+def _expanded(trials: StandardUncertainty, sigma_instruments: float) -> float:
+    """Return the expanded uncertainty at 95 %; that of the instruments is taken as known."""
+    return combined([trials, StandardUncertainty(sigma_instruments)]).expanded()
 
 
 def untested(a: float, b: float, reason: str) -> Difference:

@@ -5,6 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import stdtridf, stdtrit
 
+from hbench.records.numbers import NORMAL_95
+
+_NEARLY_NORMAL = 1e9
+
 
 def student_factor(dof: float) -> float:
     """Return t with P(|T| <= t) = 0.95 for ``dof`` degrees of freedom.
@@ -12,7 +16,7 @@ def student_factor(dof: float) -> float:
     4.303 for the two degrees of freedom of three trials (equation 6.3; the 3.182 printed there
     belongs to three).
     """
-    return float(stdtrit(dof, 0.975))
+    return float(stdtrit(dof, 0.975)) if dof < _NEARLY_NORMAL else NORMAL_95
 
 
 def degrees_of_freedom(factor: float) -> float:
@@ -32,4 +36,5 @@ def satterthwaite(
     total = float(u2.sum())
     if total == 0.0:
         return 0.0, float(dof.min())
-    return float(np.sqrt(total)), float(total**2 / np.sum(u2**2 / dof))
+    spread = float(np.sum(u2**2 / dof))
+    return float(np.sqrt(total)), total**2 / spread if spread > 0 else float("inf")

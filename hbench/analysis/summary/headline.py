@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from statistics import median_low, stdev
 
+from hbench.analysis.uncertainty.budget import StandardUncertainty, combined
 from hbench.records import (
     KINDS,
     Basis,
@@ -115,7 +116,9 @@ def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
         low, high = stiction.ci95
         half = max(stiction.value - low, high - stiction.value)
         slowest = min(curve.points, key=lambda point: abs(point.v_m_s))
-        u95 = math.hypot(half, NORMAL_95 * (slowest.sigma_instruments_n or 0.0))
+        of_fit = StandardUncertainty(half / NORMAL_95)
+        of_inputs = StandardUncertainty(slowest.sigma_instruments_n or 0.0)
+        u95 = combined([of_fit, of_inputs]).expanded()
         return HeadlineNumber(stiction.value, u95, half, stiction.se, "extrapolated")
     return None
 

@@ -1,57 +1,76 @@
-"""Uncertainty budgets: contributions of each instrument and of the trials (6.11 to 6.19).
+"""Uncertainty budgets: parts of each input and of the trials, combined and expanded (JCGM 100).
 
-    instruments (type B)   sigma_B^2 = sum_k (c_k delta_k)^2,  c_k = df / dx_k
-    trials (type A)        sigma_A^2 = S^2 / n
-    combined               sigma^2 = sigma_A^2 + sigma_B^2
+    inputs (type B)     u_k = c_k u(x_k): its change of the result, see ``input_errors.py``
+    trials (type A)     u_A = s / sqrt(n), n - 1 degrees of freedom
+    combined            u^2 = u_A^2 + sum_k u_k^2                                    (10; 6.15)
+    effective dof       u^4 / (u_A^4 / (n - 1) + sum_k u_k^4 / dof_k)                (G.2b)
+    expanded            U = k u, k Student's factor at 95 % for these, or 2          (G.6.4)
 
-delta_k is the stated tolerance of instrument k, used as a standard uncertainty as in 6.15. An
-instrument's error is the same at all points of a campaign: a gain that is 1 % high is so at every
-speed and does not average out. So the contributions c_k delta_k keep their signs, and those of a
-mean over points are means of the contributions. Trials are independent from point to point.
+An input's error is the same at all points of a campaign and does not average out: the parts of a
+mean over points are means of the parts, with their signs. Trials are independent from point to
+point.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from hbench.config.sensors import Instrument, Instruments
+from hbench.analysis.statistics.student import satterthwaite, student_factor
+from hbench.analysis.uncertainty.input_errors import InputError, MeasuredForces, input_errors
+from hbench.config.sensors import Instruments
 from hbench.records import Curve, CurvePoint, Specimen
-from hbench.records.numbers import NORMAL_95
-
-LOAD_CELL = "load cell"
-PISTON_SIDE, ROD_SIDE = "piston-side pressure", "rod-side pressure"
 
 
-def tolerances(
-    instruments: Instruments, f_applied_n: float, p_tp_pa: float, p_tr_pa: float | None
-) -> dict[str, float]:
-    """Return the tolerance of each instrument [N, Pa]; a tolerance of reading has its sign."""
-    deltas = {
-        LOAD_CELL: _tolerance(instruments.force, f_applied_n),
-        PISTON_SIDE: _tolerance(instruments.pressure, p_tp_pa),
-    }
-    if p_tr_pa is not None:
-        deltas[ROD_SIDE] = _tolerance(instruments.pressure, p_tr_pa)
-    return deltas
+class StandardUncertainty(NamedTuple):
+    """Standard uncertainty and its degrees of freedom."""
+
+    value: float
+    dof: float = np.inf
+
+    def expanded(self, instruments: Instruments | None = None) -> float:
+        """Return the expanded uncertainty, with the factor that the instruments' file asks for."""
+        if instruments is not None and instruments.expansion == "k_2":
+            return 2 * self.value
+        return student_factor(self.dof) * self.value
+
+
+def combined(parts: Sequence[StandardUncertainty]) -> StandardUncertainty:
+    """Return the uncertainty of a sum of independent parts, with effective degrees of freedom."""
+    value, dof = satterthwaite([part.value**2 for part in parts], [part.dof for part in parts])
+    return StandardUncertainty(value, dof)
+
+
+def errors_of(
+    point: CurvePoint, specimen: Specimen, instruments: Instruments
+) -> tuple[InputError, ...]:
+    """Return the errors of a point's inputs.
+
+    None without hydraulics: the tolerance of the drive's force is not known.
+    """
+    if point.p_tp_pa is None:
+        return ()
+    forces = MeasuredForces(point.f_applied_n, point.p_tp_pa, point.p_tr_pa)
+    return input_errors(instruments, forces, specimen)
+
+
+def friction_parts(errors: Sequence[InputError]) -> dict[str, float]:
+    """Return the parts [N] of each input in F_T - F_applied (5.1), with their signs."""
+    return {error.name: error.f_test_n - error.f_applied_n for error in errors}
 
 
 def friction_contributions(
     point: CurvePoint, specimen: Specimen, instruments: Instruments
 ) -> dict[str, float]:
-    """Return the instruments' contributions [N] to P_Tp A_p - P_Tr A_r - F_applied (5.1).
+    """Return the inputs' parts [N] in a point's friction; empty without hydraulics."""
+    return friction_parts(errors_of(point, specimen, instruments))
 
-    Empty without hydraulics: the tolerance of the drive's force is not known.
-    """
-    if point.p_tp_pa is None:
-        return {}
-    derivatives = {
-        LOAD_CELL: -1.0,
-        PISTON_SIDE: specimen.area_piston_m2,
-        ROD_SIDE: -specimen.area_rod_m2,
-    }
-    deltas = tolerances(instruments, point.f_applied_n, point.p_tp_pa, point.p_tr_pa)
-    return {name: derivatives[name] * delta for name, delta in deltas.items()}
+
+def of_inputs(parts: Mapping[str, float], errors: Sequence[InputError]) -> StandardUncertainty:
+    """Return the uncertainty of independent ``parts`` with the degrees of freedom of ``errors``."""
+    dof = {error.name: error.dof for error in errors}
+    return combined([StandardUncertainty(part, dof[name]) for name, part in parts.items()])
 
 
 def root_sum_square(contributions: Mapping[str, float]) -> float:
@@ -64,18 +83,8 @@ def mean_contributions(points: Sequence[Mapping[str, float]]) -> dict[str, float
     return {name: float(np.mean([point[name] for point in points])) for name in points[0]}
 
 
-def expanded(ci95_trials: float, sigma_instruments: float) -> float:
-    """Return the half-width of the 95 % interval of trials and instruments combined.
-
-    It is the root sum of squares of Student's interval of the trials and 1.96 sigma of the
-    instruments. Its coverage is 95 to 98 % (three trials), against 92 % with the effective degrees
-    of freedom of Welch and Satterthwaite.
-    """
-    return float(np.hypot(ci95_trials, NORMAL_95 * sigma_instruments))
-
-
 def with_instruments(curve: Curve, instruments: Instruments | None) -> Curve:
-    """Return the curve with the instruments' uncertainty of each friction, if they are known."""
+    """Return the curve with the expanded uncertainty of each friction, if it is known."""
     if instruments is None:
         return curve
     points = tuple(_with_instruments(p, curve.specimen, instruments) for p in curve.points)
@@ -85,14 +94,23 @@ def with_instruments(curve: Curve, instruments: Instruments | None) -> Curve:
 def _with_instruments(
     point: CurvePoint, specimen: Specimen, instruments: Instruments
 ) -> CurvePoint:
-    contributions = friction_contributions(point, specimen, instruments)
-    if not contributions:
+    errors = errors_of(point, specimen, instruments)
+    if not errors:
         return point
-    sigma = root_sum_square(contributions)
-    u95 = None if point.ci95_n is None else expanded(point.ci95_n, sigma)
-    return replace(point, sigma_instruments_n=sigma, u95_n=u95)
+    parts = friction_parts(errors)
+    inputs = of_inputs(parts, errors)
+    point = replace(point, sigma_instruments_n=inputs.value, parts_n=parts)
+    if point.ci95_n is None:
+        return point
+    whole = combined([of_trials(point.ci95_n, point.n), inputs])
+    return replace(point, u95_n=whole.expanded(instruments), u95_dof=finite_or_none(whole.dof))
 
 
-def _tolerance(instrument: Instrument, reading: float) -> float:
-    base = reading if instrument.of == "reading" else instrument.full_scale
-    return instrument.tolerance * base
+def of_trials(ci95: float, n: int) -> StandardUncertainty:
+    """Return the standard uncertainty of the mean of ``n`` trials with this interval."""
+    return StandardUncertainty(ci95 / student_factor(n - 1), n - 1)
+
+
+def finite_or_none(dof: float) -> float | None:
+    """Return degrees of freedom, None where they are infinite."""
+    return float(dof) if np.isfinite(dof) else None

@@ -7,6 +7,7 @@ not defined.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -14,14 +15,15 @@ import numpy as np
 from hbench.analysis.rounding import ROUNDING, exceeds
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import (
-    LOAD_CELL,
-    PISTON_SIDE,
-    ROD_SIDE,
-    expanded,
+    StandardUncertainty,
+    combined,
+    errors_of,
+    finite_or_none,
     mean_contributions,
+    of_inputs,
     root_sum_square,
-    tolerances,
 )
+from hbench.analysis.uncertainty.input_errors import InputError
 from hbench.config.sensors import Instruments
 from hbench.records import (
     Curve,
@@ -94,6 +96,12 @@ def driving_side(forces: SteadyForces) -> tuple[Literal["hydraulics", "load"] | 
     return side, ""
 
 
+def forces_of(point: CurvePoint, specimen: Specimen) -> SteadyForces:
+    """Return the forces at a point of a curve."""
+    pressures = point.p_tp_pa, point.p_tr_pa
+    return SteadyForces(point.v_m_s, point.f_applied_n, *pressures, specimen, point.f_test_n)
+
+
 def efficiency_of(forces: SteadyForces) -> float | None:
     """Return the efficiency 6.10 for the driving side; None if it is not defined."""
     side, _ = driving_side(forces)
@@ -120,36 +128,29 @@ def efficiency_curve(curve: Curve, instruments: Instruments | None) -> Efficienc
     )
 
 
-def instrument_contributions(forces: SteadyForces, instruments: Instruments) -> dict[str, float]:
-    """Return the contributions of 6.16 with the derivatives 6.17 to 6.19, or of the inverse.
+def efficiency_parts(forces: SteadyForces, errors: Sequence[InputError]) -> dict[str, float]:
+    """Return the parts of 6.16 with the derivatives 6.17 to 6.19, or of the inverse.
 
     Empty if the efficiency is not defined.
 
-    eta = F_a / F_T:  d/dF_a = 1/F_T,  d/dP_Tp = -F_a A_p / F_T^2,  d/dP_Tr = F_a A_r / F_T^2
-    eta = F_T / F_a:  d/dF_a = -F_T/F_a^2,  d/dP_Tp = A_p / F_a,  d/dP_Tr = -A_r / F_a
+    eta = F_a / F_T:  d/dF_a = 1/F_T,  d/dF_T = -F_a / F_T^2
+    eta = F_T / F_a:  d/dF_a = -F_T/F_a^2,  d/dF_T = 1 / F_a
     """
     side, _ = driving_side(forces)
-    if side is None or forces.p_tp_pa is None:
+    if side is None:
         return {}
     f_applied, f_test = forces.f_applied_n, forces.f_test_n
     if side == "hydraulics":
         by_applied, by_test = 1 / f_test, -f_applied / f_test**2
     else:
         by_applied, by_test = -f_test / f_applied**2, 1 / f_applied
-    derivatives = {
-        LOAD_CELL: by_applied,
-        PISTON_SIDE: by_test * forces.specimen.area_piston_m2,
-        ROD_SIDE: -by_test * forces.specimen.area_rod_m2,
-    }
-    deltas = tolerances(instruments, f_applied, forces.p_tp_pa, forces.p_tr_pa)
-    return {name: derivatives[name] * delta for name, delta in deltas.items()}
+    return {each.name: by_applied * each.f_applied_n + by_test * each.f_test_n for each in errors}
 
 
 def _point(
     point: CurvePoint, specimen: Specimen, instruments: Instruments | None
 ) -> EfficiencyPoint:
-    pressures = point.p_tp_pa, point.p_tr_pa
-    forces = SteadyForces(point.v_m_s, point.f_applied_n, *pressures, specimen, point.f_test_n)
+    forces = forces_of(point, specimen)
     side, reason = driving_side(forces)
     if side is None:
         return EfficiencyPoint(point.v_m_s, None, None, None, reason)
@@ -159,20 +160,43 @@ def _point(
         reasons.append("above 1: measured friction has the motion's direction: check the sensors")
     if instruments is None:
         reasons.append("no sigma: the tolerances of the instruments are not known")
-    contributions = {} if instruments is None else instrument_contributions(forces, instruments)
-    sigma = root_sum_square(contributions) if contributions else None
     sigma_trials = _trials_error(point, _RATIO[side])
-    ci95 = None if sigma_trials is None else student_factor(point.n - 1) * sigma_trials
-    return EfficiencyPoint(
+    of_trials = EfficiencyPoint(
         v_m_s=point.v_m_s,
         efficiency=value,
-        sigma=sigma,
+        sigma=None,
         sigma_trials=sigma_trials,
         reason="; ".join(reasons),
-        sigma_combined=_combined(sigma, sigma_trials),
-        ci95=ci95,
-        u95=None if ci95 is None or sigma is None else expanded(ci95, sigma),
-        parts=contributions,
+        ci95=None if sigma_trials is None else student_factor(point.n - 1) * sigma_trials,
+    )
+    if instruments is None:
+        return of_trials
+    return _with_instruments(of_trials, point, forces, instruments)
+
+
+def _with_instruments(
+    efficiency: EfficiencyPoint, point: CurvePoint, forces: SteadyForces, instruments: Instruments
+) -> EfficiencyPoint:
+    errors = errors_of(point, forces.specimen, instruments)
+    if not errors:
+        return efficiency
+    parts = efficiency_parts(forces, errors)
+    printed = errors_of(point, forces.specimen, instruments.as_printed)
+    inputs = of_inputs(parts, errors)
+    known = replace(
+        efficiency,
+        sigma=inputs.value,
+        sigma_as_printed=root_sum_square(efficiency_parts(forces, printed)),
+        parts=parts,
+    )
+    if efficiency.sigma_trials is None:
+        return known
+    whole = combined([StandardUncertainty(efficiency.sigma_trials, point.n - 1), inputs])
+    return replace(
+        known,
+        sigma_combined=whole.value,
+        u95=whole.expanded(instruments),
+        u95_dof=finite_or_none(whole.dof),
     )
 
 

@@ -9,12 +9,16 @@ import typer
 if TYPE_CHECKING:
     from hbench.records import Results
 
+_MONTE_CARLO = typer.Option(
+    False, "--monte-carlo", help="Check the expanded uncertainties by drawn errors (JCGM 101)."
+)
 _FIT = typer.Option(None, help="Fit file with laws, bounds, weights, loss and bootstrap.")
 
 
 def analyze(
     campaign: Path = typer.Argument(help="Campaign folder."),
     fit: Path | None = _FIT,
+    monte_carlo: bool = _MONTE_CARLO,
     as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
 ) -> None:
     """Screen, average and fit CAMPAIGN's runs; write results.json and tables to its results folder.
@@ -23,7 +27,7 @@ def analyze(
     """
     from hbench import workflow
 
-    typer.echo(_result(workflow.analyze(campaign, fit), as_json))
+    typer.echo(_result(workflow.analyze(campaign, fit, monte_carlo=monte_carlo), as_json))
 
 
 class ReportFormat(StrEnum):
@@ -47,6 +51,7 @@ def report(
         help="Working speed of the headline numbers, such as '100 mm/s'; by default the median of "
         "the measured speeds.",
     ),
+    monte_carlo: bool = _MONTE_CARLO,
     as_json: bool = typer.Option(False, "--json", help="Print results.json instead of a table."),
 ) -> None:
     """Analyze CAMPAIGN and write results/report.html with figures and tables.
@@ -56,7 +61,7 @@ def report(
     from hbench import workflow
 
     v = None if speed is None else speed_m_s(speed)
-    results = workflow.report(campaign, fit, form=form.value, speed_m_s=v)
+    results = workflow.report(campaign, fit, form=form.value, speed_m_s=v, monte_carlo=monte_carlo)
     typer.echo(f"{campaign / 'results' / f'report.{form.value}'}", err=True)
     typer.echo(_result(results, as_json))
 

@@ -62,10 +62,11 @@ _NUMBERS = {
     "Point and interval": "A point is the mean of the accepted trials of one reference. Its 95 % "
     "interval is ± t s/√n with Student's t for n − 1 degrees of freedom (4.303 for three trials) "
     "and s the standard deviation of the trials. One trial has no interval.",
-    "Instruments": "σ of friction by first-order propagation of the tolerances of force and "
-    "pressures (6.15) through 5.1; the tolerances count as standard uncertainties. "
-    "U_95² = (t s/√n)² + (1.96 σ)². An instrument's error is the same in all points: it shifts a "
-    "curve and changes its shape little.",
+    "Instruments": "σ of friction by first-order propagation (6.15) of the instruments' errors "
+    "through 5.1. A tolerance a is a limit unless the bench file says otherwise: its standard "
+    "uncertainty is a/√3 (JCGM 100, 4.3.7). U_95 = k √(s²/n + σ²), with Student's t at 95 % as k, "
+    "for the effective degrees of freedom of Welch and Satterthwaite. An instrument's error is "
+    "the same in all points: it shifts a curve and changes its shape little.",
     "Working speed": "The median of the measured speeds, or the value of --speed. The measured "
     "point next to it is used, up to a distance of {tolerance:g} %; nothing is interpolated. Where "
     "all curves have a single speed, each has its own unless --speed is given.",
@@ -97,9 +98,10 @@ _NUMBERS = {
     "V/β dp/dt less the flow displaced by the piston; conditional on the bench file's bulk "
     "modulus and volumes.",
     "Efficiency": "F_applied/F_T (6.10) where the oil drives the load, and its inverse where the "
-    "load drives the oil. Its σ comes from the tolerances of force and pressures by first-order "
-    "propagation (6.16 to 6.19); all points share it, so that a mean over speeds does "
-    "not reduce it. ± is U_95, of trials and instruments as that of friction.",
+    "load drives the oil. Its σ comes from the same errors by first-order propagation (6.16 to "
+    "6.19); all points share it, so that a mean over speeds does not reduce it. ± is U_95, of "
+    "trials and instruments as that of friction. The source takes tolerances themselves as "
+    "standard uncertainties; its σ stands beside it.",
     "Half band and middle": "(F_extend − F_retract)/2 and (F_extend + F_retract)/2. A constant "
     "error in force shifts both directions alike and cancels in the half band, but shifts the "
     "middle. Both are formed in each trial of both directions; their intervals are Student's over "

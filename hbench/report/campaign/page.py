@@ -54,6 +54,7 @@ def report_document(
         _friction(results, figures.get("friction", ())),
         *_fits(results),
         *_moving(results, figures),
+        *_budget(results),
         *_efficiency(results, figures.get("efficiency", ())),
         *more,
         _rejected(results, figures.get("rejected", ())),
@@ -132,6 +133,17 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
         if drawings := figures.get(name):
             messages = (Section(items=table.messages),) if table.messages else ()
             yield Section(name.capitalize(), drawings=drawings, tables=(table,), parts=messages)
+
+
+def _budget(results: Results) -> tuple[Section, ...]:
+    table = page_tables.friction_budget_table(results)
+    if not table.rows:
+        return ()
+    text = (
+        "Friction at the working speed with the standard uncertainty of each input (JCGM 100). "
+        "u: combined, ν: its effective degrees of freedom, k: coverage factor.",
+    )
+    return (Section("Uncertainty of friction", text, tables=(table,), anchor="uncertainty"),)
 
 
 def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:

@@ -1,6 +1,8 @@
 """Tables of the page: records as rows of text, in display units."""
 
 from collections.abc import Iterable
+from math import hypot, sqrt
+from statistics import stdev
 
 from hbench.records import (
     Curve,
@@ -62,6 +64,7 @@ def efficiency_table(results: Results) -> Table:
             number(1e3 * point.v_m_s, 2),
             _percent(point.efficiency),
             _percent(point.sigma),
+            _percent(point.sigma_as_printed),
             _percent(point.sigma_trials),
             _percent(point.u95),
             point.reason,
@@ -73,10 +76,42 @@ def efficiency_table(results: Results) -> Table:
         "Velocity (mm/s)",
         "Efficiency (%)",
         "σ of instruments (%)",
+        "σ as printed, 6.16 (%)",
         "s.e. of trials (%)",
         "U95 of both (%)",
     )
     return table((*WHO, *head, "Remark"), rows)
+
+
+def friction_budget_table(results: Results) -> Table:
+    """Return friction at the working speed and the parts of its uncertainty, largest first."""
+    rows = []
+    for curve in without_common_rod_pressure(results.curves):
+        speeds = {series.v_m_s for series in results.headline.series if series.kind == curve.kind}
+        for point in curve.points:
+            if point.u95_n is None or point.ci95_n is None or abs(point.v_m_s) not in speeds:
+                continue
+            trials = stdev(point.trials_n) / sqrt(point.n)
+            sigmas = {name: abs(part) for name, part in point.parts_n.items()} | {"trials": trials}
+            ranked = sorted(sigmas, key=lambda name: -sigmas[name])
+            combined = hypot(*sigmas.values())
+            rows.append(
+                (
+                    *who(curve),
+                    number(1e3 * point.v_m_s, 2),
+                    with_interval(point.friction_n, point.u95_n),
+                    significant(combined, 2),
+                    _degrees_of_freedom(point.u95_dof),
+                    significant(point.u95_n / combined, 3),
+                    ", ".join(f"{name} {significant(sigmas[name], 2)}" for name in ranked),
+                )
+            )
+    head = ("Velocity (mm/s)", "Friction ± U95 (N)", "u (N)", "ν", "k", "Parts of u (N)")
+    return table((*WHO, *head), rows, words=("Parts of u (N)",))
+
+
+def _degrees_of_freedom(dof: float | None) -> str:
+    return "∞" if dof is None else "> 100" if dof > 100 else number(dof)
 
 
 def budget_table(results: Results) -> Table:
@@ -99,7 +134,7 @@ def budget_table(results: Results) -> Table:
             )
         )
     head = ("Speeds", "Mean efficiency (%)", "σ (%)", "Parts of σ (%)")
-    return table((*WHO, *head), rows)
+    return table((*WHO, *head), rows, words=("Parts of σ (%)",))
 
 
 def band_table(results: Results) -> Table:
@@ -190,7 +225,7 @@ _ROD_SIDE = "P_Lr (bar)"
 WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
 OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
 _RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
-_WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark", "Parts of σ (%)"})
+_WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
 _WHERE_GIVEN = (
     *("Label", "Kind", _ROD_SIDE, "Remark"),
     *("U95 with instruments (N)", "Energy of a cycle (J)"),

@@ -1,0 +1,113 @@
+"""Errors of the inputs of friction and efficiency: what one standard uncertainty of each changes.
+
+    F_T = P_Tp A_p - P_Tr A_r,   A_p = pi D^2 / 4,   A_r = pi (D^2 - d^2) / 4
+    dF_T / dP_Tp = A_p,  dF_T / dP_Tr = -A_r
+    dF_T / dD = (P_Tp - P_Tr) pi D / 2,  dF_T / dd = P_Tr pi d / 2      bore D, rod d
+
+A load cell that is off the motion's axis by an angle a reads F cos a: at most 1 - cos a too little.
+An input's error is the same at all points of a campaign: a gain that is 1 % high is so at every
+speed. So changes have signs. An error that all transducers share, by the standard of their
+calibration, is one input: their changes are added (JCGM 100, 5.2.2, correlation 1).
+"""
+
+from collections.abc import Iterator
+from math import cos, inf, pi, sqrt
+from typing import NamedTuple
+
+from hbench.config.sensors import DIVISORS, Distribution, Geometry, Instrument, Instruments
+from hbench.records import Specimen
+
+LOAD_CELL = "load cell"
+PISTON_SIDE, ROD_SIDE = "piston-side pressure", "rod-side pressure"
+_ALL_PRESSURES = "pressures"
+
+
+class MeasuredForces(NamedTuple):
+    """Means of a point that its inputs' errors change."""
+
+    f_applied_n: float
+    p_tp_pa: float
+    p_tr_pa: float | None  # None for a plunger
+
+
+class InputError(NamedTuple):
+    """Change of the forces by one standard uncertainty of an input."""
+
+    name: str
+    f_test_n: float
+    f_applied_n: float
+    standard_uncertainty: float  # of the input, in ``unit``; its sign tells that of the change
+    unit: str  # SI
+    distribution: Distribution
+    dof: float
+    source: str
+
+
+def input_errors(
+    instruments: Instruments, forces: MeasuredForces, specimen: Specimen
+) -> tuple[InputError, ...]:
+    """Return the errors of all inputs of a point, those of the instruments' classes first."""
+    merged: dict[str, InputError] = {}
+    for error in (
+        *_of_instrument(LOAD_CELL, instruments.force, forces.f_applied_n, (0.0, 1.0), "N"),
+        *_of_pressures(instruments.pressure, forces, specimen),
+        *_of_geometry(instruments.geometry, forces, specimen),
+    ):
+        same = merged.get(error.name)
+        if same is not None:
+            error = error._replace(
+                f_test_n=same.f_test_n + error.f_test_n,
+                f_applied_n=same.f_applied_n + error.f_applied_n,
+            )
+        merged[error.name] = error
+    return tuple(merged.values())
+
+
+def _of_pressures(
+    transducer: Instrument, forces: MeasuredForces, specimen: Specimen
+) -> Iterator[InputError]:
+    sides = [(PISTON_SIDE, forces.p_tp_pa, specimen.area_piston_m2)]
+    if forces.p_tr_pa is not None:
+        sides.append((ROD_SIDE, forces.p_tr_pa, -specimen.area_rod_m2))
+    for name, reading, area in sides:
+        yield from _of_instrument(name, transducer, reading, (area, 0.0), "Pa")
+
+
+def _of_instrument(
+    name: str, instrument: Instrument, reading: float, slopes: tuple[float, float], unit: str
+) -> Iterator[InputError]:
+    """Yield the errors of a reading; ``slopes`` are those of F_T and F_applied over it."""
+    for kind, source in {"": instrument, **instrument.further}.items():
+        u = instrument.standard_uncertainty(source, reading)
+        whose = _ALL_PRESSURES if source.common and unit == "Pa" else name
+        yield InputError(
+            f"{whose}, {kind}" if kind else whose,
+            slopes[0] * u,
+            slopes[1] * u,
+            u,
+            unit,
+            source.distribution,
+            source.dof or inf,
+            source.source,
+        )
+
+
+def _of_geometry(
+    geometry: Geometry, forces: MeasuredForces, specimen: Specimen
+) -> Iterator[InputError]:
+    p_tp, p_tr = forces.p_tp_pa, forces.p_tr_pa or 0.0
+    bore_m = sqrt(4 * specimen.area_piston_m2 / pi)
+    rod_m = sqrt(4 * max(specimen.area_piston_m2 - specimen.area_rod_m2, 0.0) / pi)
+    short = 1 - cos(geometry.alignment)
+    inputs = (
+        ("bore", geometry.bore, (p_tp - p_tr) * pi * bore_m / 2, 0.0, "m"),
+        ("rod", geometry.rod, p_tr * pi * rod_m / 2, 0.0, "m"),
+        ("load cell alignment", short, 0.0, forces.f_applied_n, "1"),
+    )
+    for name, limit, by_test, by_applied, unit in inputs:
+        if limit:
+            u = limit / DIVISORS[geometry.distribution]
+            yield InputError(
+                name, by_test * u, by_applied * u, u, unit, geometry.distribution, inf,
+                geometry.source,
+            )  # fmt: skip
