@@ -1,8 +1,12 @@
-"""Runs of imported files: the top speed of motions that are not steady."""
+"""Runs of imported files: positions that strokes share, the top speed of unsteady motions."""
+
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+import yaml
 
+from hbench import workflow
 from hbench.store.importing.sections import _top_speed
 
 
@@ -21,3 +25,66 @@ def test_a_triangle_has_the_sign_of_its_first_motion_whatever_the_noise(directio
 def test_a_log_without_motion_has_no_speed():
     t_s = np.arange(0, 1, 0.01)
     assert _top_speed({"t_s": t_s, "x_m": np.zeros(100)}, "triangle", None) == 0.0
+
+
+def ramped(lengths_m, v_m_s=0.06, home_ramp_s=0.1, rate_hz=200, travel_m=0.25):
+    """Strokes out, each at speed after a ramp of its own length, and home again at once."""
+    speeds = [np.zeros(rate_hz // 2)]
+    for length in lengths_m:
+        up = np.linspace(0.0, v_m_s, max(round(2 * length / v_m_s * rate_hz), 2))
+        down = np.linspace(v_m_s, 0.0, round(home_ramp_s * rate_hz))
+        flat = round((travel_m - (up.sum() + down.sum()) / rate_hz) / v_m_s * rate_hz)
+        out = np.concatenate([up, np.full(flat, v_m_s), down])
+        back = round((out.sum() / rate_hz - v_m_s * home_ramp_s) / v_m_s * rate_hz)
+        home = np.concatenate([-down[::-1], np.full(back, -v_m_s), -down])
+        speeds += [out, np.zeros(rate_hz // 2), home, np.zeros(rate_hz // 2)]
+    v = np.concatenate(speeds)
+    return np.arange(len(v)) / rate_hz, 0.05 + np.cumsum(v) / rate_hz, v
+
+
+@pytest.fixture
+def half_bands(tmp_path):
+    """Return a function: half bands of strokes against a load that rises by 80 kN/m."""
+
+    def of(lengths_m):
+        t_s, x_m, v = ramped(lengths_m)
+        load_n = 15e3 + 80e3 * (x_m - 0.05)
+        p_bar = (load_n + 240.0 * np.tanh(v / 1e-4)) / 1.2566e-3 / 1e5
+        p_bar += np.random.default_rng(4).normal(0, 0.02, len(t_s))
+        (tmp_path / "logs").mkdir()
+        table = np.column_stack([t_s, 1e3 * x_m, p_bar])
+        np.savetxt(tmp_path / "logs" / "a.csv", table, "%.4f", ",", header="t,x,p", comments="")
+        columns = {"t_s": ("t", "s"), "x_m": ("x", "mm"), "p_tp_pa": ("p", "bar")}
+        rules = {
+            "name": "uneven",
+            "kind": "steady",
+            "columns": {key: {"column": c, "unit": unit} for key, (c, unit) in columns.items()},
+            "constants": {"p_tr_pa": "0 bar", "f_applied_n": "0 N"},
+            "cut": "reversals",
+            "screening": {"friction_drift": "50 kN"},
+            "series": [
+                {
+                    "label": "a",
+                    "files": "a.csv",
+                    "cylinder": {"piston_diameter": "40 mm", "rod_diameter": "0 mm"},
+                }
+            ],
+        }
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules))
+        at = datetime(2026, 1, 1, tzinfo=UTC)
+        workflow.import_runs(
+            tmp_path / "logs", tmp_path / "campaign", tmp_path / "map.yaml", lambda: at
+        )
+        (band,) = workflow.analyze(tmp_path / "campaign").bands
+        return band.trials_half_n
+
+    return of
+
+
+def test_half_bands_are_of_the_positions_that_a_stroke_and_the_one_back_both_cover(half_bands):
+    """A load of 80 kN/m over 20 mm more in one direction would add 800 N."""
+    assert half_bands([0.003, 0.04, 0.01, 0.06]) == pytest.approx([240.0] * 4, abs=2.0)
+
+
+def test_a_stroke_that_shares_few_positions_with_the_one_back_is_left_out(half_bands):
+    assert half_bands([0.003, 0.19, 0.01, 0.004]) == pytest.approx([240.0] * 3, abs=2.0)

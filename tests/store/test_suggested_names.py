@@ -122,6 +122,8 @@ def test_a_unit_of_another_quantity_contradicts_the_name():
         ("mm/sec", "mm/s"),
         ("°C", None),
         ("-", None),
+        ("pa", "Pa"),
+        ("pA", None),  # the pressure at port A
     ],
 )
 def test_units_are_understood_in_usual_spellings(text, unit):

@@ -72,6 +72,8 @@ def driving_side(forces: SteadyForces) -> tuple[Literal["hydraulics", "load"] | 
     f_test, f_applied = forces.f_test_n, forces.f_applied_n
     if forces.piston_n == 0 and forces.rod_n == 0:
         return None, "no hydraulic power: both chambers have zero pressure"
+    if f_applied == 0:
+        return None, "no power into or out of the load: F_applied is 0 N"
     whole = abs(forces.piston_n) + abs(forces.rod_n)
     least = MIN_FORCE_SHARE * whole
     into_load, from_fluid = (

@@ -1,12 +1,13 @@
 """``hbench import``: import of another bench's logs."""
 
 import shlex
+from collections import Counter
 from pathlib import Path
 
 import typer
 
 from hbench.cli.printed import AS_JSON, as_object
-from hbench.errors import ConfigError
+from hbench.errors import ConfigError, ExitCode
 
 
 def import_(
@@ -61,6 +62,7 @@ def _import(source: Path, output: Path, map_file: Path | None, as_json: bool) ->
 
 def _preview(source: Path, map_file: Path, folder: Path, as_json: bool) -> None:
     from hbench import workflow
+    from hbench.report.campaign.reasons import code_of
 
     preview = workflow.preview_import(source, map_file)
     page = workflow.write_import_preview(folder, preview)
@@ -69,6 +71,7 @@ def _preview(source: Path, map_file: Path, folder: Path, as_json: bool) -> None:
     _print_notes(tuple(f"{name}: {error}" for name, error in errors.items()))
     runs = preview.runs
     accepted = sum(run.screened.accepted for run in runs)
+    reasons = Counter(code_of(text) for run in runs for text in run.screened.reasons)
     if as_json:
         numbers = {"files": len(preview.files), "runs": len(runs), "accepted": accepted}
         unmatched = list(preview.unmatched)
@@ -78,8 +81,10 @@ def _preview(source: Path, map_file: Path, folder: Path, as_json: bool) -> None:
     else:
         typer.echo(
             f"{page}: {len(preview.files)} files, {len(errors)} errors; {len(runs)} runs, "
-            f"{accepted} accepted"
+            f"{accepted} accepted{''.join(f', {n} {code}' for code, n in reasons.most_common())}"
         )
+    if errors and not runs:
+        raise typer.Exit(ExitCode.DATA)
 
 
 def _suggest(source: Path, as_json: bool) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 from hbench.config.import_layout import Format
 from hbench.errors import DataError
 from hbench.store.files.bounded_read import read_whole
+from hbench.store.formats.date_times import parse_date_time
 from hbench.store.formats.header_row import layout_hint
 from hbench.store.formats.plain_rows import PlainRows, with_points
 
@@ -121,7 +122,7 @@ class TextTable:
                 self._converted.update(zip(needed, values, strict=True))
 
     def date_times(self, column: int | str, *, gaps: bool = False) -> np.ndarray:
-        """Return a column (n,) of ISO 8601 date-times as datetime64 in UTC; ``gaps`` allows NaT.
+        """Return a column (n,) of date-times as datetime64 in UTC; ``gaps`` allows NaT.
 
         Raises ``DataError`` naming the line.
         """
@@ -133,14 +134,14 @@ class TextTable:
             if gaps and cell.lower() in _GAPS:
                 continue
             try:
-                time = datetime.fromisoformat(cell)
+                time = parse_date_time(cell)
                 first = first or time
                 time - first  # with and without an offset from UTC don't mix
                 times[row] = (time.astimezone(UTC) if time.tzinfo else time).replace(tzinfo=None)
             except (ValueError, TypeError, OverflowError):
                 raise DataError(
                     f"{self.source}: {self.where(row)}: column {column}: found {cell[:60]!r}; "
-                    "expected a date-time such as 2024-05-01T12:00:00.25"
+                    "expected a date-time such as 2024-05-01T12:00:00.25 or 01.05.2024 12:00:00,25"
                 ) from None
         return times
 

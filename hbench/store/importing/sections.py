@@ -1,6 +1,7 @@
 """Cutting of a file's channels into the sections that become runs."""
 
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
@@ -17,6 +18,7 @@ _AS_FAST = 0.9  # of the top speed: as fast, but for noise
 _LEAST_SHARED = 0.2  # of a stroke: positions that both directions cover
 
 Positions = tuple[float, float]  # lowest and highest [m]
+_NOWHERE: Positions = (np.inf, -np.inf)
 
 
 @dataclass(frozen=True)
@@ -134,11 +136,16 @@ def _at_reversals(
         )
     speeds = [stroke_speed(t_s[p], x_m[p]) for p in pieces]
     shared = _shared_positions(t_s, x_m, pieces, speeds, rules)
-    if shared is None and min(speeds) < 0 < max(speeds):
-        text = "extending and retracting share too few positions after settling: not compared there"
-        notes.append(FileNote(name, text))
-    sections = (Section(p, v, shared) for p, v in zip(pieces, speeds, strict=True))
-    return Sections(tuple(sections), tuple(notes))
+    if shared is None:
+        if min(speeds) < 0 < max(speeds):
+            text = "extending and retracting share too few positions after settling: not compared"
+            notes.append(FileNote(name, text))
+        return Sections(tuple(map(Section, pieces, speeds)), tuple(notes))
+    if few := sum(positions is None for positions in shared):
+        text = "{count} strokes share too few positions with the stroke back and are left out"
+        notes.append(FileNote(name, text, {"count": few}))
+    compared = zip(pieces, speeds, shared, strict=True)
+    return Sections(tuple(Section(*each) for each in compared if each[2]), tuple(notes))
 
 
 def _shared_positions(
@@ -147,22 +154,44 @@ def _shared_positions(
     pieces: tuple[slice, ...],
     speeds: list[float],
     rules: ImportMap,
-) -> Positions | None:
-    """Return the positions that settled strokes of both directions cover; None if they are few."""
-    covered: dict[bool, list[Positions]] = {True: [], False: []}
-    for piece, v in zip(pieces, speeds, strict=True):
-        t, x = t_s[piece], x_m[piece]
-        part = settled(
-            t, x, plateau_at(t, x, v), rules.screening.settle_time, rules.screening.settle_travel
-        )
-        if part.stop - part.start > 1:
-            covered[v > 0].append((float(x[part].min()), float(x[part].max())))
-    if not all(covered.values()):
+) -> list[Positions | None] | None:
+    """Return the positions that each settled stroke and the stroke back both cover.
+
+    They lie inside those that the median strokes of both directions cover. None for a stroke where
+    they are few; None instead of the list where those of the medians are few.
+    """
+    covered = [
+        _covered(t_s[piece], x_m[piece], v, rules) for piece, v in zip(pieces, speeds, strict=True)
+    ]
+    out, back = ([i for i, v in enumerate(speeds) if (v > 0) == way] for way in (True, False))
+    settled_ones = [[covered[i] for i in own if covered[i] != _NOWHERE] for own in (out, back)]
+    if not all(settled_ones):
         return None
-    ends = [np.median(np.array(positions), axis=0) for positions in covered.values()]
-    low, high = float(max(end[0] for end in ends)), float(min(end[1] for end in ends))
-    travel = float(np.median([np.ptp(x_m[piece]) for piece in pieces]))
-    return (low, high) if high - low >= _LEAST_SHARED * travel else None
+    ends = [np.median(np.array(own), axis=0).tolist() for own in settled_ones]
+    common = _intersection(*ends)
+    least = _LEAST_SHARED * float(np.median([np.ptp(x_m[piece]) for piece in pieces]))
+    if common[1] - common[0] < least:
+        return None
+    shared: list[Positions | None] = [None] * len(pieces)
+    for pair in zip_longest(out, back):
+        strokes = [i for i in pair if i is not None]
+        own = _intersection(common, *(covered[i] for i in strokes))
+        if own[1] - own[0] >= least:
+            for i in strokes:
+                shared[i] = own
+    return shared
+
+
+def _covered(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float, rules: ImportMap) -> Positions:
+    """Return the positions of a stroke's settled part."""
+    limits = rules.screening
+    part = settled(t_s, x_m, plateau_at(t_s, x_m, v_m_s), limits.settle_time, limits.settle_travel)
+    x = x_m[part]
+    return (float(x.min()), float(x.max())) if len(x) > 1 else _NOWHERE
+
+
+def _intersection(*positions: Positions) -> Positions:
+    return max(low for low, _ in positions), min(high for _, high in positions)
 
 
 def _top_speed(channels: dict[str, np.ndarray], kind: str, speed: float | None) -> float:

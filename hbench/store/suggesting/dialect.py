@@ -5,9 +5,9 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 
 from hbench.config.import_layout import Format
+from hbench.store.formats.date_times import parse_date_time
 from hbench.store.suggesting.units import unit_in
 
 _SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "whitespace": None}  # by preference
@@ -88,12 +88,12 @@ def is_number(cell: str, decimal: str, thousands: str | None) -> bool:
 
 
 def is_date_time(cell: str) -> bool:
-    """Return whether a cell is a date with a time of day in ISO 8601."""
+    """Return whether a cell is a date with a time of day."""
     cell = cell.strip()
-    if len(cell) < 15 or ":" not in cell:
+    if len(cell) < 14 or ":" not in cell:
         return False
     try:
-        datetime.fromisoformat(cell)
+        parse_date_time(cell)
     except ValueError:
         return False
     return True

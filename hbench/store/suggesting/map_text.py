@@ -360,7 +360,7 @@ def _time_comment(time: TimeChoice) -> str:
 def _no_time(found: SuggestedMap) -> str:
     if found.unread:
         few = ", ".join(found.unread[:5])
-        return f"no times; neither numbers nor ISO 8601 date-times: {few}"
+        return f"no times; neither numbers nor date-times such as 2024-12-24 18:30:00: {few}"
     return "no times: no column increases evenly"
 
 

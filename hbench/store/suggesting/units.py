@@ -44,6 +44,8 @@ def unit_in(text: str) -> str | None:
     """Return the unit of hbench that a text such as ``[kN]`` or ``sec`` means, or None."""
     bare = text.strip().strip("[]{}<>").strip()
     bare = bare[1:-1].strip() if bare.startswith("(") and bare.endswith(")") else bare
+    if bare == "pA":  # the pressure at port A
+        return None
     spelled = _SPELLINGS.get(bare.lower().replace(" ", ""))
     for unit in (spelled, bare):
         try:
