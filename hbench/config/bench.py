@@ -14,6 +14,7 @@ from hbench.config import quantity as q
 from hbench.config.effects import Effects
 from hbench.config.files.loading import validate
 from hbench.config.friction import FrictionPair
+from hbench.config.identity import Identified, Text
 from hbench.config.quantity import ConfigSection
 from hbench.config.sensors import Instruments, Sensors
 
@@ -59,10 +60,11 @@ class MovingMass(ConfigSection):
 
 
 class Oil(ConfigSection):
-    """Density and effective bulk modulus of the oil."""
+    """Density, effective bulk modulus and grade of the oil."""
 
     bulk_modulus: q.BulkModulus
     density: q.Density
+    grade: Text = ""  # such as HLP 46, for the report
 
 
 class Pump(ConfigSection):
@@ -185,7 +187,7 @@ class Programmer(ConfigSection):
         return self
 
 
-class Bench(Plant):
+class Bench(Plant, Identified):
     """Bench: physics, controllers, limits and instruments."""
 
     name: str

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from hbench.config import quantity as q
 from hbench.config.experiments import NOT_ADAPTIVE, ExperimentSection, Steady
 from hbench.config.files.loading import validate
+from hbench.config.identity import Identified
 from hbench.config.quantity import ConfigSection
 from hbench.config.velocities import AdaptiveSpeeds
 
@@ -42,7 +43,7 @@ class Screening(ConfigSection):
         return max(self.low_speed_error, self.low_speed_error_relative * speed)
 
 
-class Schedule(ConfigSection):
+class Schedule(Identified):
     """Schedule of a campaign: experiments in order, or as passes of one trial over all of them.
 
     Passes put the trials of a point far apart in time, so that drift appears as their scatter and

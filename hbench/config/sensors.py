@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from hbench.config import quantity as q
+from hbench.config.identity import Calibration
 from hbench.config.quantity import ConfigSection
 
 
@@ -100,6 +101,7 @@ class Instrument(ErrorSource):
     """The accuracy class of an instrument, and further sources of its error."""
 
     full_scale: float
+    calibration: Calibration = Calibration()
     further: dict[str, ErrorSource] = Field(default={}, max_length=20)  # by name
 
     @property

@@ -71,6 +71,7 @@ class FleetRow:
     source: str = ""
     bench: str = ""
     label: str = ""  # of the series; several with commas between
+    specimen: str = ""  # serial number
     seed: int | None = None  # of the virtual rig
     started: datetime | None = None
     # What must be the same where cylinders are compared: diameters, loads, working speed if set.

@@ -14,7 +14,7 @@ from hbench.analysis.curves.motion_balance import motion_balances
 from hbench.analysis.fitting.fit import unfitted_curves
 from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
-from hbench.analysis.screening.limitations import not_computed
+from hbench.analysis.screening.limitations import not_computed, overdue
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
@@ -131,15 +131,26 @@ def derive(
     if monte_carlo:
         steady, efficiencies, checks = checked_by_monte_carlo(steady, efficiencies, instruments)
         curves = (*steady, *analysed.moving)
-    limitations = checks + not_computed(screened, efficiencies, instruments)
+    provenance = campaign.provenance()
+    limitations = (
+        *overdue(instruments, provenance.started),
+        *checks,
+        *not_computed(screened, efficiencies, instruments),
+    )
     bands = friction_bands(steady)
     return Results(
-        provenance=campaign.provenance(),
+        provenance=provenance,
         runs=screened,
         curves=curves,
         efficiency=efficiencies,
         bands=bands,
-        notes=(*campaign.warnings, *limitations, *unfitted_curves(steady), *analysed.notes),
+        notes=(
+            *campaign.warnings,
+            *overdue(instruments, provenance.started),
+            *limitations,
+            *unfitted_curves(steady),
+            *analysed.notes,
+        ),
         motions=analysed.motions,
         joint_fits=joint_fits(steady, how),
         band_trends=band_trends(bands),

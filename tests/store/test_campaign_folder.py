@@ -1,12 +1,14 @@
 import os
 import re
+from datetime import date
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
-from hbench.config.schedule import Screening
+from hbench.analysis.screening.limitations import overdue
+from hbench.config.schedule import Screening, parse_schedule
 from hbench.errors import ConfigError, DataError
 from hbench.store.campaign.dsp_log import parse_words
 from hbench.store.campaign.folder import CampaignWriter, load_campaign, write_results
@@ -227,3 +229,33 @@ def test_a_journal_of_absurd_size_is_refused_before_it_is_read(folder, writer):
     os.truncate(folder / "campaign.yaml", 40_000_000_000)
     with pytest.raises(DataError, match=r"campaign\.yaml: .*\b40000 MB.* 8 MB"):
         load_campaign(folder)
+
+
+def test_a_schedule_adds_to_the_bench_files_identity_and_an_overdue_calibration_is_noted(
+    folder, header
+):
+    bench = yaml.safe_load((CONFIGS / "bench-aau.yaml").read_text())
+    schedule = yaml.safe_load((CONFIGS / "demo.yaml").read_text())
+    bench["specimen"] = {"serial": "none", "seals": "NBR 70"}
+    bench["instruments"]["force"]["calibration"] = {"due": date(2026, 1, 15)}
+    schedule["specimen"] = {"serial": 4711}
+    schedule["test"] = {"number": "T-8", "date": date(2026, 2, 1)}
+    header["bench"] = {"file": "bench-aau.yaml", "content": bench}
+    header["schedule"] = {"file": "demo.yaml", "content": schedule}
+    CampaignWriter.create(folder, header)
+    campaign = load_campaign(folder)
+    settings = campaign.provenance().settings
+    assert settings["specimen"] == {"serial": 4711, "seals": "NBR 70"}
+    assert settings["test"] == {"number": "T-8", "date": "2026-02-01"}
+    assert list(settings)[:3] == ["specimen", "test", "oil"]
+    instruments = campaign.setup().instruments
+    assert instruments.force.calibration.due == date(2026, 1, 15)
+    (note,) = overdue(instruments, "2026-02-01T08:00:00+00:00")
+    assert "load cell" in note and "2026-01-15" in note
+    assert not overdue(instruments, "2026-01-15T08:00:00+00:00")
+
+
+def test_an_identity_that_cannot_be_printed_names_its_key(folder, header):
+    with pytest.raises(ConfigError, match=r"s\.yaml: specimen\.serial = .*printable"):
+        schedule = yaml.safe_load((CONFIGS / "demo.yaml").read_text())
+        parse_schedule(schedule | {"specimen": {"serial": "a\x00"}}, "s.yaml")

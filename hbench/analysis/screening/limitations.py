@@ -24,6 +24,20 @@ def not_computed(
     return (*_friction(screened), *_efficiency(curves), *_tolerances(curves, instruments))
 
 
+def overdue(instruments: Instruments | None, started: str) -> tuple[str, ...]:
+    """Return notes on instruments whose calibration was due before ``started`` (ISO 8601)."""
+    if instruments is None:
+        return ()
+    return tuple(
+        f"calibration of {name}: due {due}, before this campaign of {started[:10]}"
+        for name, instrument in (
+            ("the load cell", instruments.force),
+            ("the pressure transducers", instruments.pressure),
+        )
+        if (due := instrument.calibration.due) is not None and str(due) < started[:10]
+    )
+
+
 def _friction(screened: Sequence[ScreenedRun]) -> list[str]:
     rejected = [r.run for r in screened if not r.accepted and _moves(r.run)]
     counts = Counter(tuple(missing_friction_channels(run)) for run in rejected if len(run.t_s))

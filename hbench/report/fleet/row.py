@@ -29,6 +29,7 @@ def fleet_row(
         source=provenance.source,
         bench=_line(provenance.bench),
         label=_line(", ".join(_labels(plans))),
+        specimen=_line(str(provenance.settings.get("specimen", {}).get("serial", ""))),
         seed=seed if isinstance(seed, int) and abs(seed) < 2**63 else None,
         started=None if provenance.source == "imported" else _moment(provenance.started),
         protocol=_protocol(plans, speed),

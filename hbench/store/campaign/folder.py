@@ -6,6 +6,7 @@ is never rewritten: when a run is repeated, the log of the previous attempt is k
 """
 
 import hashlib
+import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -40,7 +41,10 @@ _KNOWN = (  # sections of the header that are no details
     *"name source created software bench firmware log schedule schema map settings notes".split(),
 )
 _WITH_SETTINGS = ("schedule", "map", "settings")  # sections of the header
-_SETTINGS = ("instruments", "sensors", "controllers", "limits", "screening")  # for the report
+_SETTINGS = (  # for the report
+    *("specimen", "test", "oil"),
+    *("instruments", "sensors", "controllers", "limits", "screening"),
+)
 
 
 class CampaignWriter:
@@ -152,10 +156,6 @@ class StoredCampaign:
         """Return the origin of the data: bench, firmware, software, times and settings."""
         header = self.header
         bench = header.get("bench") or header.get("map") or {}
-        contents = [(header.get(key) or {}).get("content") for key in ("schedule", "bench")]
-        written = {
-            k: v for content in contents if isinstance(content, dict) for k, v in content.items()
-        }
         firmware = header.get("firmware") or {}
         rules = self._settings()
         return Provenance(
@@ -168,8 +168,24 @@ class StoredCampaign:
             software={k: str(v) for k, v in (header.get("software") or {}).items()},
             details={k: v for k, v in header.items() if k not in _KNOWN}
             | (rules.details if rules else {}),
-            settings={name: written[name] for name in _SETTINGS if name in written},
+            settings=self._written_settings(),
         )
+
+    def _written_settings(self) -> dict[str, Any]:
+        """Return the settings as they are written; a schedule adds to those of the bench."""
+        written: dict[str, Any] = {}
+        for file in ("bench", *_WITH_SETTINGS):
+            content = (self.header.get(file) or {}).get("content")
+            known = content if isinstance(content, dict) else {}
+            for name in _SETTINGS:
+                section = known.get(name)
+                before = written.get(name)
+                if isinstance(before, dict) and isinstance(section, dict):
+                    written[name] = before | section
+                elif section is not None:
+                    written[name] = section
+        plain: dict[str, Any] = json.loads(json.dumps(written, default=str))  # dates as text
+        return {name: plain[name] for name in _SETTINGS if name in plain}
 
     def raw_runs(self) -> Iterator[RawRun]:
         """Read the raw logs, in the order in which the runs were first started.

@@ -33,6 +33,7 @@ _PLAIN = {
     "source": "string",
     "bench": "string",
     "label": "string",
+    "specimen": "string",
     "seed": "int64",
     "started": "moment",
     "protocol": "string",
