@@ -10,7 +10,7 @@ from hbench.config.velocities import AdaptiveSpeeds, Velocities
 from hbench.records import KINDS, Direction
 
 NOT_ADAPTIVE = (
-    "order: passes is not possible with adaptive velocities, which need all trials of a speed to "
+    "order: {order} is not possible with adaptive velocities, which need all trials of a speed to "
     "choose the next"
 )
 
@@ -55,7 +55,7 @@ class Steady(ExperimentBase):
     def _follows_friction(self) -> "Steady":
         if isinstance(self.velocities, AdaptiveSpeeds):
             if self.order == "passes":
-                raise ValueError(NOT_ADAPTIVE)
+                raise ValueError(NOT_ADAPTIVE.format(order=self.order))
             if self.trials < 2:
                 raise ValueError(
                     "adaptive velocities need trials: 2 or more, to distinguish noise from "

@@ -44,30 +44,39 @@ class Screening(ConfigSection):
 
 
 class Schedule(Identified):
-    """Schedule of a campaign: experiments in order, or as passes of one trial over all of them.
+    """Schedule of a campaign: experiments in order, or one trial of every point per pass.
 
-    Passes put the trials of a point far apart in time, so that drift appears as their scatter and
-    not as a difference between points.
+    ``experiments`` makes them one after the other. ``passes`` and ``random`` make one trial of all
+    points, then the next trial of all points, so that the trials of a point are far apart in time
+    and drift appears as their scatter. ``passes`` keeps the order of the schedule in each pass;
+    ``random`` draws the order of each pass (randomised complete blocks), so that drift within a
+    pass does not depend on speed or load either.
     """
 
     name: str
     bench: str | None = None  # path of the bench file, from the schedule's own folder
-    order: Literal["experiments", "passes"] = "experiments"
+    order: Literal["experiments", "passes", "random"] = "experiments"
+    seed: int = Field(default=1, ge=0)  # of order: random; the same seed gives the same order
     experiments: tuple[ExperimentSection, ...] = Field(min_length=1, max_length=100)
     screening: Screening = Screening()
 
     @model_validator(mode="after")
     def _one_order(self) -> "Schedule":
+        if "seed" in self.model_fields_set and self.order != "random":
+            raise ValueError(
+                f"seed: applies to order: random only; order is {self.order}; remove this key"
+            )
         if self.order == "experiments":
             return self
         for number, experiment in enumerate(self.experiments):
             if "order" in experiment.model_fields_set:
                 raise ValueError(
-                    f"experiments.{number}.order: the schedule's order: passes applies to all "
-                    "experiments; remove this key"
+                    f"experiments.{number}.order: the schedule's order: {self.order} applies to "
+                    "all experiments; remove this key"
                 )
             if isinstance(experiment, Steady) and isinstance(experiment.velocities, AdaptiveSpeeds):
-                raise ValueError(f"experiments.{number}.velocities: {NOT_ADAPTIVE}")
+                message = NOT_ADAPTIVE.format(order=self.order)
+                raise ValueError(f"experiments.{number}.velocities: {message}")
         return self
 
 

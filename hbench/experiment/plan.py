@@ -5,6 +5,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from random import Random
 
 from hbench.config.bench import Bench
 from hbench.config.experiments import ExperimentBase, Steady
@@ -49,7 +50,7 @@ def plan_runs(
     where the bench can't make a run.
     """
     planner = _Planner(bench, friction or {}, source)
-    # By trial, for order: passes.
+    # By trial, for order: passes and order: random.
     passes: dict[int, list[tuple[ExperimentBase, Reference, float]]] = defaultdict(list)
     for number, experiment in enumerate(schedule.experiments):
         key = f"{source}: experiments.{number}"
@@ -62,7 +63,7 @@ def plan_runs(
         # The fastest first, so that the message names the worst.
         for reference in sorted(in_order, key=lambda reference: -abs(reference.v_ref_m_s)):
             _check_motion(reference, bench, key)
-        if schedule.order == "passes":
+        if schedule.order != "experiments":
             pairs = product(experiment.loads, in_order)
             one_pass = [(experiment, reference, load) for load, reference in pairs]
             for number in range(experiment.trials):
@@ -70,8 +71,13 @@ def plan_runs(
             continue
         for load, reference in _in_order(experiment, in_order):
             planner.add(experiment, reference, load)
+    random = Random(schedule.seed)
     for number in sorted(passes):
-        for run in passes[number]:
+        in_pass = passes[number]
+        if schedule.order == "random":
+            # Python guarantees the sequence of random() for a seed, but not that of shuffle().
+            in_pass = sorted(in_pass, key=lambda run: random.random())
+        for run in in_pass:
             planner.add(*run)
     runs = tuple(planner.runs)
     return Plan(runs[: planner.decided], runs[planner.decided :])

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,8 @@ from hbench.experiment.staged_plan import plan_parts
 from hbench.protocol.dictionary import RECORD
 from hbench.records import RunPlan
 from hbench.rig.client import BoardClient
-from hbench.store.campaign.folder import CampaignWriter, load_campaign
+from hbench.rig.ports import Port
+from hbench.store.campaign.folder import CampaignWriter, StoredCampaign, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
 from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.live import published
@@ -68,6 +69,8 @@ def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
     """Read and check a schedule and its bench. Raises ``ConfigError``."""
     schedule_data = read_yaml(schedule_file)
     schedule = parse_schedule(schedule_data, str(schedule_file))
+    if schedule.order == "random":  # the campaign records the seed, also the default one
+        schedule_data = {**schedule_data, "seed": schedule.seed}
     check_kinds(schedule, str(schedule_file))
     if bench_file is None:
         if schedule.bench is None:
@@ -122,7 +125,8 @@ def measure(
     A board that still runs, or has a latched fault, is taken over only with ``take_over`` or
     ``resume``. ``baud`` is the line's rate: by default 115200; on the virtual rig octets then take
     no time. ``plant`` is the file of another plant for the virtual rig; the campaign stores only
-    its checksum. A run that is rejected as it ends is repeated at once, up to ``retry`` times.
+    its checksum. ``clock`` gives the times in the journal; on the virtual rig, only that of the
+    session's start, and the rig's own time is added. A run that is rejected as it ends is repeated at once, up to ``retry`` times.
     During the measurement, the folder's ``live.json`` contains the state given to ``report``.
     Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """
@@ -142,10 +146,11 @@ def measure(
         line = open_port(port, bench, physics, session_seed(seed, campaign), baud)
         try:
             client = BoardClient(line)
+            now = _bench_clock(line, clock(), campaign) if port == "sim" else clock
             identity = client.identify()
             bring_to_rest(client, resume or take_over)  # before the folder is created
             header = campaign_header(
-                experiment.schedule.name, experiment.files, identity, bench, port, clock()
+                experiment.schedule.name, experiment.files, identity, bench, port, now()
             )
             if port == "sim":  # the seed of a rig served by another process is not known
                 header["seed"] = seed
@@ -169,7 +174,7 @@ def measure(
                         on_board,
                         client,
                         journal,
-                        clock,
+                        now,
                         whole.part(part, len(done) + runs_made),
                         resume=resume and not runs_made,
                         judge=lambda raw: screen(calibrate(raw, bench), rules),
@@ -179,3 +184,15 @@ def measure(
             return MeasurementSummary(runs_made, line.now() - start)
         finally:
             line.close()
+
+
+def _bench_clock(
+    line: Port, now: datetime, campaign: StoredCampaign | None
+) -> Callable[[], datetime]:
+    """Return a clock that adds the line's time to that of the session's start.
+
+    The virtual rig is faster than time passes, so an earlier session may end later than ``now``.
+    """
+    start = max(now, (campaign and campaign.ended_at()) or now)
+    zero_s = line.now()
+    return lambda: start + timedelta(seconds=line.now() - zero_s)

@@ -206,23 +206,31 @@ def test_a_fault_in_velocities_is_one_line_with_the_key_as_it_stands_in_the_file
         assert word in str(error.value)
 
 
+@pytest.mark.parametrize("order", ["passes", "random"])
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"order": "row"}, ["experiments.0.order", "passes"]),
-        ({"order": "passes"}, ["experiments.0.order", "passes"]),
+        ({"order": "row"}, ["experiments.0.order"]),
+        ({"order": "passes"}, ["experiments.0.order"]),
         ({"velocities": ADAPTIVE}, ["experiments.0.velocities", "adaptive"]),
     ],
 )
-def test_passes_over_the_whole_plan_go_with_no_other_order_and_no_adaptive_speeds(change, words):
-    data = copy.deepcopy(SCHEDULE) | {"order": "passes"}
+def test_passes_over_the_whole_plan_go_with_no_other_order_and_no_adaptive_speeds(
+    change, words, order
+):
+    data = copy.deepcopy(SCHEDULE) | {"order": order}
     data["experiments"][0].pop("order", None)
-    assert parse_schedule(data, "my.yaml").order == "passes"
+    assert parse_schedule(data, "my.yaml").order == order
     data["experiments"][0] |= change
     with pytest.raises(ConfigError) as error:
         parse_schedule(data, "my.yaml")
-    for word in ["my.yaml", *words]:
+    for word in ["my.yaml", f"order: {order}", *words]:
         assert word in str(error.value)
+
+
+def test_a_seed_without_a_random_order_is_refused():
+    with pytest.raises(ConfigError, match="my.yaml: seed: applies to order: random only"):
+        parse_schedule(copy.deepcopy(SCHEDULE) | {"order": "passes", "seed": 2}, "my.yaml")
 
 
 def test_a_plant_file_replaces_single_keys_of_the_bench():

@@ -4,6 +4,7 @@ import pytest
 import yaml
 
 from hbench import workflow
+from hbench.errors import ConfigError
 
 
 @pytest.fixture
@@ -107,6 +108,33 @@ def test_passes_over_the_whole_plan_interrupted_in_the_second_go_on_there(
     ]  # fmt: skip
     results = workflow.analyze(folder)
     assert points(results) == {("extend", True, 2, (1, 2)), ("retract", False, 2, (1, 2))}
+
+
+def test_a_random_order_interrupted_goes_on_with_the_same_plan(
+    analyzed, whole_plan, tmp_path, clock, on_the_rig
+):
+    """The seed is in the campaign, also the default one; another seed is another schedule."""
+
+    def interrupt(progress):
+        if progress.runs_done == 5:
+            raise KeyboardInterrupt
+
+    data = yaml.safe_load(whole_plan.read_text()) | {"order": "random"}
+    whole_plan.write_text(yaml.safe_dump(data))
+    whole = on_the_rig(whole_plan, tmp_path / "whole", clock=clock)
+    assert whole.header["schedule"]["content"]["seed"] == 1
+    folder = tmp_path / "campaign"
+    with pytest.raises(KeyboardInterrupt):
+        on_the_rig(whole_plan, folder, clock=clock, report=interrupt)
+    whole_plan.write_text(yaml.safe_dump(data | {"seed": 2}))
+    with pytest.raises(ConfigError, match="schedule differs"):
+        on_the_rig(whole_plan, folder, clock=clock, resume=True)
+    whole_plan.write_text(yaml.safe_dump(data | {"seed": 1}))
+    assert on_the_rig(whole_plan, folder, clock=clock, resume=True).plans == whole.plans
+    results = workflow.analyze(folder)
+    assert all(run.accepted for run in results.runs)
+    assert points(results) == {("extend", True, 2, (1, 2)), ("retract", False, 2, (1, 2))}
+    assert [curve.direction for curve in results.curves] == ["extend", "retract"]
 
 
 def test_a_rejected_run_of_a_pass_is_made_again_before_the_next_point(

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from scipy.stats import spearmanr
 
 from hbench.config.bench import parse_bench
 from hbench.config.files.loading import read_yaml
@@ -15,7 +16,7 @@ from hbench.experiment.plan import load_pressure, plan_runs, trials_in_a_row
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 BENCH = parse_bench(read_yaml(CONFIGS / "bench-aau.yaml"), "bench")
-STRIBECK = read_yaml(CONFIGS / "stribeck.yaml")
+STRIBECK = read_yaml(CONFIGS / "stribeck.yaml") | {"order": "experiments"}
 
 
 def plans_of(data):
@@ -96,6 +97,46 @@ def test_passes_over_the_whole_plan_are_the_same_runs_as_experiments_in_order():
     assert {replace(plan, run="") for plan in row} == {replace(plan, run="") for plan in passes}
     assert row != passes
     assert plans_of(data) == row
+
+
+def points_of(plans):
+    return [(plan.direction, plan.f_load_n, plan.v_ref_m_s) for plan in plans]
+
+
+def test_a_random_order_makes_each_point_once_in_each_pass():
+    row, drawn = plans_of(STRIBECK), plans_of({**STRIBECK, "order": "random"})
+    assert {replace(plan, run="") for plan in row} == {replace(plan, run="") for plan in drawn}
+    passes = [drawn[first : first + 120] for first in (0, 120, 240)]
+    orders = [points_of(one) for one in passes]
+    for trial, plans in enumerate(passes, 1):
+        assert {plan.trial for plan in plans} == {trial}
+        assert len(set(points_of(plans))) == 120
+    assert orders[0] != orders[1] != orders[2] != orders[0]
+    assert [plan.run for plan in drawn] == [f"{number:04d}" for number in range(1, 361)]
+
+
+def test_a_random_order_does_not_depend_on_speed():
+    """Spearman's correlation of 120 places has a standard deviation of 1/sqrt(119) = 0.09."""
+    drawn = plans_of({**STRIBECK, "order": "random"})
+    for first in (0, 120, 240):
+        speeds = [abs(plan.v_ref_m_s) for plan in drawn[first : first + 120]]
+        assert abs(spearmanr(range(120), speeds).statistic) < 0.3
+
+
+def test_the_seed_decides_a_random_order_and_its_default_is_1():
+    data = {**STRIBECK, "order": "random"}
+    assert plans_of(data) == plans_of({**data, "seed": 1})
+    assert plans_of(data) != plans_of({**data, "seed": 2})
+
+
+def test_the_order_of_a_seed_stays_as_it_is():
+    """A campaign that an earlier version began is resumed with the same plan."""
+    data = {**STRIBECK, "experiments": [{**STRIBECK["experiments"][0], "loads": ["500 N"]}]}
+    in_pass = [plan.v_ref_m_s for plan in plans_of(data)[::3]]
+    drawn = [plan.v_ref_m_s for plan in plans_of({**data, "order": "random"})]
+    assert [in_pass.index(speed) for speed in drawn[:15]] == [
+        13, 9, 8, 0, 3, 11, 14, 5, 4, 6, 12, 2, 7, 10, 1
+    ]  # fmt: skip
 
 
 def test_trials_of_an_experiment_that_is_listed_twice_go_on_counting():

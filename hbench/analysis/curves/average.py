@@ -1,7 +1,7 @@
 """Friction curves: averages of the accepted runs at each reference, with Student's interval."""
 
 from collections import defaultdict
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from statistics import fmean
 
 import numpy as np
@@ -11,7 +11,10 @@ from hbench.records import Curve, CurvePoint, RunPlan, ScreenedRun
 
 
 def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
-    """Average the accepted runs with means into curves, in the order of their first runs.
+    """Average the accepted runs with means into curves.
+
+    Curves are in the order of their labels' first runs; those of a label that hbench planned are
+    sorted by direction, size of load and rod-side pressure, since runs may have a random order.
 
     Runs of a curve have the same kind, direction, load, rod-side pressure of the load cylinder,
     label and test cylinder; runs of a point have the same reference speed too.
@@ -35,7 +38,7 @@ def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
                 )
             ),
         )
-        for runs in _grouped(usable, _series)
+        for runs in _in_order(_grouped(usable, _series))
     )
 
 
@@ -54,6 +57,21 @@ def student_interval(values: np.ndarray) -> float | None:
 def _series(plan: RunPlan) -> tuple:
     load = plan.f_load_n, plan.p_lr_ref_pa
     return plan.kind, plan.direction, *load, plan.label, plan.specimen
+
+
+def _in_order(series: Sequence[list[ScreenedRun]]) -> list[list[ScreenedRun]]:
+    """Sort the series of each label that hbench planned; imported ones keep their order."""
+    plans = [runs[0].run.plan for runs in series]
+    labels = list(dict.fromkeys((plan.kind, plan.label) for plan in plans))
+
+    def place(runs: list[ScreenedRun]) -> tuple:
+        plan = runs[0].run.plan
+        label = labels.index((plan.kind, plan.label))
+        if plan.motion is None:
+            return (label,)
+        return label, plan.direction, abs(plan.f_load_n or 0.0), plan.p_lr_ref_pa or 0.0
+
+    return sorted(series, key=place)
 
 
 def _grouped(

@@ -10,7 +10,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -134,6 +134,23 @@ class StoredCampaign:
         return frozenset(
             entry.plan.run for entry in self.latest if entry.stop and entry.stop.outcome == "done"
         )
+
+    def start_times_s(self) -> dict[str, float]:
+        """Return when each run started, in s after the first; empty if that is not known.
+
+        An imported log has no such time: its journal has that of the import.
+        """
+        times = {entry.plan.run: _moment(entry.started) for entry in self.latest}
+        known = {run: time for run, time in times.items() if time is not None}
+        if self.imported or len(known) < len(times) or len(set(known.values())) < 2:
+            return {}
+        first = min(known.values())
+        return {run: (time - first).total_seconds() for run, time in known.items()}
+
+    def ended_at(self) -> datetime | None:
+        """Return when the last run ended; None before the first has."""
+        times = [_moment(entry.stop.at) for entry in self.entries if entry.stop]
+        return max((time for time in times if time is not None), default=None)
 
     def bench(self) -> Bench | None:
         """Return the bench of the measurement; None for imported logs without a bench file."""
@@ -297,6 +314,14 @@ def load_campaign(folder: Path) -> StoredCampaign:
     warnings = [str(note) for note in content.header.get("notes") or ()]
     warnings += [*content.warnings, *_unlisted_logs(folder, content), *_repeated_runs(content)]
     return StoredCampaign(folder, content.header, content.entries, tuple(map(printable, warnings)))
+
+
+def _moment(text: str) -> datetime | None:
+    """Return an ISO 8601 time in UTC; None for other text and for a time without zone."""
+    with suppress(ValueError, OverflowError):
+        time = datetime.fromisoformat(text)
+        return None if time.tzinfo is None else time.astimezone(UTC)
+    return None
 
 
 def _unlisted_logs(folder: Path, content: journal.JournalContent) -> Iterator[str]:
