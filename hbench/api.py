@@ -112,6 +112,14 @@ class Campaign:
         """
         return pd.DataFrame(self.results["quality"]["checks"])
 
+    @property
+    def drift(self) -> dict[str, Any] | None:
+        """Drift of steady friction over the campaign, as in ``results.json``.
+
+        None where no point was measured twice at different times.
+        """
+        return self.results["drift"]
+
     def samples(self, run: str) -> pd.DataFrame:
         """Return a run's log in SI, one row per sample. Raises ``DataError`` for an unknown run."""
         for screened in screened_runs(self._campaign):

@@ -114,6 +114,7 @@ from hbench.records.phenomenon import (
 from hbench.records.results import Results
 from hbench.records.summary import (
     Basis,
+    Drift,
     Grade,
     Headline,
     HeadlineNumber,
@@ -148,6 +149,7 @@ __all__ = [
     "Diagnosis",
     "Difference",
     "Direction",
+    "Drift",
     "EfficiencyCurve",
     "EfficiencyPoint",
     "ExperimentKind",

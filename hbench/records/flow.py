@@ -222,13 +222,14 @@ class CurvePoint:
     trials_f_test_n: tuple[float, ...]  # F_T of each trial
     runs: tuple[str, ...]
     sigma_instruments_n: float | None = None  # 6.15 for 5.1; None where they are not known
-    u95_n: float | None = None  # expanded uncertainty of trials and instruments
+    u95_n: float | None = None  # expanded uncertainty: trials, instruments, a significant drift
     u95_dof: float | None = None  # its effective degrees of freedom; None: infinite
     u95_monte_carlo_n: float | None = None  # half-width of the interval of drawn errors (JCGM 101)
     # The inputs' parts of sigma by name, with their signs: an error has the same sign at all
     # points of a campaign.
     parts_n: dict[str, float] = field(default_factory=dict)
     trials_work_j: tuple[float | None, ...] = ()  # work of each trial's strokes, where known
+    sigma_drift_n: float | None = None  # of a significant drift; None without one
 
 
 @dataclass(frozen=True)

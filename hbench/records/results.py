@@ -11,7 +11,7 @@ from hbench.records.flow import (
     ScreenedRun,
 )
 from hbench.records.motions import Motions
-from hbench.records.summary import Headline, Quality
+from hbench.records.summary import Drift, Headline, Quality
 
 
 @dataclass(frozen=True)
@@ -28,5 +28,6 @@ class Results:
     joint_fits: tuple[JointFit, ...] = ()
     band_trends: tuple[BandTrend, ...] = ()
     motion_balances: tuple[MotionBalance, ...] = ()  # without hydraulics
+    drift: Drift | None = None  # None where no point was measured twice at different times
     headline: Headline = field(kw_only=True)
     quality: Quality = field(kw_only=True)

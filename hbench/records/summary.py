@@ -1,13 +1,14 @@
-"""Headline numbers of a campaign, and the grades of its data. All quantities are SI."""
+"""Headline numbers of a campaign, its drift, and the grades of its data. All quantities are SI."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 from hbench.records.flow import Direction
-from hbench.records.numbers import KindName
+from hbench.records.numbers import Count, KindName
 
 Basis = Literal["trials", "one_trial", "extrapolated"]
 Grade = Literal["good", "with care", "poor"]
+SIGNIFICANCE = 0.05  # level of the drift's test
 
 
 @dataclass(frozen=True)
@@ -47,10 +48,42 @@ class Headline:
 
 
 @dataclass(frozen=True)
+class Drift:
+    """Linear drift of steady friction with run time, pooled over all points of a campaign."""
+
+    basis: Literal[
+        "time", "order"
+    ]  # start times of the runs; or their order, if no times are known
+    scale: Literal["relative", "absolute"]  # drift of all points alike: as a share, or in N
+    change: float  # from the first run to the last; share of a point's friction, or N
+    change_ci95: float  # half-width of its 95 % interval
+    change_percent: float  # of friction; of the median friction where the scale is absolute
+    change_percent_ci95: float
+    per_hour: float | None  # share of a point's friction, or N; None without times
+    per_hour_ci95: float | None
+    span_s: float | None  # from the first run to the last
+    p: float  # of no drift, two-sided
+    points: Count  # with two trials or more
+    trials: Count  # of these points
+    speed_vif: float  # variance inflation of run time by the speeds of a curve; 1: independent
+    # Mean difference in run time between the fastest and the slowest speed of a curve, as a share
+    # of the span: so much of the drift appears as an effect of speed.
+    speed_share: float
+    separated: bool  # whether the plan separates drift from the effect of speed
+
+    @property
+    def significant(self) -> bool:
+        """Whether friction drifts, at the 5 % level."""
+        return self.p < SIGNIFICANCE
+
+
+@dataclass(frozen=True)
 class QualityCheck:
     """Grade of one property of the data against its limits."""
 
-    name: Literal["runs_accepted", "trials_per_point", "repeatability", "instruments", "fits"]
+    name: Literal[
+        "runs_accepted", "trials_per_point", "repeatability", "drift", "instruments", "fits"
+    ]
     grade: Grade
     value: float | None  # graded value; None: not known
     unit: Literal["%", "trials"]  # of value and limits
@@ -59,6 +92,7 @@ class QualityCheck:
     count: int | None = None  # runs or fits that pass, where the value is their share
     of: int | None = None  # among so many
     law: str | None = None  # whose fits were graded
+    drift: Drift | None = None  # that was graded
 
 
 @dataclass(frozen=True)

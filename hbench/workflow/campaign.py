@@ -126,7 +126,8 @@ def measure(
     ``resume``. ``baud`` is the line's rate: by default 115200; on the virtual rig octets then take
     no time. ``plant`` is the file of another plant for the virtual rig; the campaign stores only
     its checksum. ``clock`` gives the times in the journal; on the virtual rig, only that of the
-    session's start, and the rig's own time is added. A run that is rejected as it ends is repeated at once, up to ``retry`` times.
+    session's start, and the rig's own time is added. A run that is rejected as it ends is repeated
+    at once, up to ``retry`` times.
     During the measurement, the folder's ``live.json`` contains the state given to ``report``.
     Raises ``ConfigError``, ``DeviceError``, ``DataError``.
     """

@@ -16,6 +16,7 @@ from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed, overdue
 from hbench.analysis.screening.screen import screen
+from hbench.analysis.summary.drift import RunClock, friction_drift, with_drift
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
@@ -125,7 +126,10 @@ def derive(
         )
     instruments = setup.instruments
     analysed = analyse_runs(screened, setup, how)
-    steady, curves = analysed.steady, (*analysed.steady, *analysed.moving)
+    clock = RunClock.of(screened, campaign.start_times_s())
+    drift = friction_drift(analysed.steady, screened, clock)
+    steady = with_drift(analysed.steady, drift, clock)
+    curves = (*steady, *analysed.moving)
     efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
     checks: tuple[str, ...] = ()
     if monte_carlo:
@@ -155,8 +159,9 @@ def derive(
         joint_fits=joint_fits(steady, how),
         band_trends=band_trends(bands),
         motion_balances=motion_balances(steady),
+        drift=drift,
         headline=headline(curves, efficiencies),
-        quality=quality(screened, curves),
+        quality=quality(screened, curves, drift),
     )
 
 

@@ -6,7 +6,18 @@ The limits are hbench's own; no standard sets them.
 from collections.abc import Iterable, Iterator
 from statistics import median
 
-from hbench.records import KINDS, Curve, CurvePoint, Fit, Grade, Quality, QualityCheck, ScreenedRun
+from hbench.analysis.summary.drift import drift_checks
+from hbench.records import (
+    KINDS,
+    Curve,
+    CurvePoint,
+    Drift,
+    Fit,
+    Grade,
+    Quality,
+    QualityCheck,
+    ScreenedRun,
+)
 from hbench.records.numbers import NORMAL_95
 
 GRADES: tuple[Grade, ...] = ("good", "with care", "poor")
@@ -18,14 +29,16 @@ _INSTRUMENTS_GOOD = 10.0  # half of the instruments' 95 % interval, % of frictio
 _FITS_GOOD, _FITS_POOR = 100.0, 50.0  # % of the fits
 
 
-def quality(runs: Iterable[ScreenedRun], curves: Iterable[Curve]) -> Quality:
+def quality(
+    runs: Iterable[ScreenedRun], curves: Iterable[Curve], drift: Drift | None = None
+) -> Quality:
     """Return the checks that apply, and the worst of their grades.
 
     Steady curves count; without any, all others do.
     """
     curves = tuple(curves)
     chosen = [curve for curve in curves if KINDS[curve.kind].has_constant_speed] or list(curves)
-    checks = tuple(_checks(tuple(runs), chosen))
+    checks = (*_checks(tuple(runs), chosen), *drift_checks(drift))
     return Quality(max((check.grade for check in checks), key=GRADES.index), checks)
 
 

@@ -22,6 +22,7 @@ def method_section(results: Results) -> Section:
     selections = [curve.selection for curve in results.curves]
     selections += [joint.selection for joint in results.joint_fits]
     applies = {
+        "Drift": results.drift is not None,
         "Working speed": "steady_curve" in analyses,
         "Breakaway": "ramp_curve" in analyses or "tustin" in laws,
         **{_of_law(law): law.name in laws for law in FRICTION_LAWS.values()},
@@ -67,6 +68,15 @@ _NUMBERS = {
     "uncertainty is a/√3 (JCGM 100, 4.3.7). U_95 = k √(s²/n + σ²), with Student's t at 95 % as k, "
     "for the effective degrees of freedom of Welch and Satterthwaite. An instrument's error is "
     "the same in all points: it shifts a curve and changes its shape little.",
+    "Drift": "Least squares of friction over the start times of the runs, with a level of each "
+    "point (fixed effects): only deviations from a point's own mean count. They are taken as a "
+    "share of friction or in N, whichever the scatter of the trials follows. Student's t has "
+    "trials − points − 1 degrees of freedom. VIF is the variance of run time within a curve over "
+    "that within its points; the share between speeds is the part of the drift that appears "
+    "between a curve's slowest and fastest speed. Above 5, or above 25 %, time is not separated "
+    "from speed. A significant drift d with standard error u(d) adds u = |t_point − t_mean| "
+    "√(d² + u(d)²) to a point's interval: U_95² + (1.96 u)² (JCGM 100:2008, F.2.4.5 and "
+    "equation 10). The drift is taken as a straight line over time.",
     "Working speed": "The median of the measured speeds, or the value of --speed. The measured "
     "point next to it is used, up to a distance of {tolerance:g} %; nothing is interpolated. Where "
     "all curves have a single speed, each has its own unless --speed is given.",

@@ -2,6 +2,7 @@
 
 from hbench.records import Quality, QualityCheck
 from hbench.report.campaign.fit_tables import law_words
+from hbench.report.drift import drift_words
 from hbench.report.render.numbers import number
 from hbench.report.render.word_tables import Cell, Table
 
@@ -13,6 +14,7 @@ _NAMES = {
     "runs_accepted": "Runs accepted",
     "trials_per_point": "Trials per point",
     "repeatability": "Repeatability",
+    "drift": "Drift",
     "instruments": "Instruments",
     "fits": "Fits",
 }
@@ -20,6 +22,8 @@ _LIMITS = {
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
     "trials_per_point": "good from {good:g}, poor with {poor:g}",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
+    "drift": "good to {good:g} % or not significant; poor above {poor:g} % if not separated from "
+    "speed",
     "instruments": "good to {good:g} %; above, the level is uncertain, differences less so",
     "fits": "good if all, poor below half",
 }
@@ -59,6 +63,8 @@ def _value(check: QualityCheck) -> str:
         return "a point has one trial only, so no interval" if single else f"at least {check.value}"
     if check.name == "repeatability":
         return f"95 % interval of the trials is ±{number(check.value)} % of friction (median)"
+    if check.drift is not None:
+        return drift_words(check.drift)
     if check.name == "fits":
         return f"{check.count} of {check.of} converged with every parameter determined"
     if check.value is None:

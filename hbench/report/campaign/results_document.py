@@ -18,6 +18,7 @@ from hbench.records import (
     Fit,
     Level,
     Loop,
+    QualityCheck,
     Results,
     ScreenedRun,
     Selection,
@@ -61,7 +62,7 @@ LAYOUTS: Layouts = {
         **{name: f"motions.{name}" for name in ("comparisons", "loops", "levels")},
         "leakage": "motions.leakages",
         "surfaces": "motions.surfaces",
-        **keys("headline", "quality", "notes"),
+        **keys("drift", "headline", "quality", "notes"),
     },
     ScreenedRun: {
         "run": "run.plan.run",
@@ -87,6 +88,7 @@ LAYOUTS: Layouts = {
     },
     EfficiencyCurve: keys(*SERIES, "points", "mean"),
     EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
+    QualityCheck: all_fields(QualityCheck, without=("drift",)),
     Band: all_fields(Band, without=("extend", "retract", "factors")),
     BandTrend: {
         **keys("kind", "label", "specimen", "p_lr_ref_pa", "pressures_pa", "half", "middle"),

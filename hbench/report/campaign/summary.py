@@ -4,10 +4,11 @@ from collections import Counter
 from collections.abc import Collection, Iterable
 from statistics import median_low
 
-from hbench.records import KINDS, HeadlineNumber, HeadlineSeries, Results
+from hbench.records import KINDS, Drift, HeadlineNumber, HeadlineSeries, Results
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.quality import RULE, quality_table
+from hbench.report.drift import drift_advice, drift_table, drift_words
 from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import alike, number, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
@@ -36,8 +37,18 @@ def summary_section(results: Results) -> Section:
                 tables=(quality_table(results.quality),),
                 anchor="quality",
             ),
+            *_drift(results.drift),
         ),
     )
+
+
+def _drift(drift: Drift | None) -> Iterable[Section]:
+    if drift is not None:
+        said = f"Steady friction changed by {drift_words(drift)}."
+        paragraphs = tuple(filter(None, (said, drift_advice(drift))))
+        yield Section(
+            "Drift over the campaign", paragraphs, tables=(drift_table(drift),), anchor="drift"
+        )
 
 
 def _tiles(results: Results) -> Iterable[Tile]:

@@ -12,6 +12,7 @@ from hbench.report.campaign.motion_rows import motion_lines
 from hbench.report.campaign.page_tables import OF_DIRECTIONS, balance_table, band_table, trend_table
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
+from hbench.report.drift import drift_words
 from hbench.report.render.numbers import short, significant, span, with_interval
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.word_tables import Table
@@ -45,6 +46,8 @@ def summary_text(results: Results) -> str:
     head = f"{results.provenance.name} ({results.provenance.source})"
     counts = f"{len(results.runs)} runs{of_kinds}: {accepted} accepted, {rejected}"
     notes = [f"note: {note}" for note in results.notes]
+    if results.drift is not None:
+        notes.insert(0, f"drift: friction changed by {drift_words(results.drift)}")
     lines += [_joint_words(joint) for joint in results.joint_fits]
     table = ["", *lines] if results.curves else []
     moving = motion_lines(results.motions)

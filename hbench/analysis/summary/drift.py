@@ -1,0 +1,241 @@
+"""Drift of steady friction over a campaign: test, estimate, and its part of the points' intervals.
+
+Friction y_ij of trial j of point i (direction, load, speed) at run time t_ij is
+
+    y_ij = a_i + d t_ij + e_ij
+
+with a level a_i of each point (fixed effects), so that only deviations from the point's own means
+count (within estimator; W. H. Greene, Econometric Analysis, 7th ed., 11.4.1):
+
+    d = sum tau_ij (y_ij - y_i) / S,   tau_ij = t_ij - t_i,   S = sum tau_ij^2
+    se^2 = sum (y_ij - y_i - d tau_ij)^2 / (N - G - 1) / S
+
+for N trials of G points, with Student's t for N - G - 1 degrees of freedom. y is |F| in N, or its
+share of the point's mean if the scatter of the trials is proportional to friction rather than the
+same everywhere: of these two models without drift, the one with the larger likelihood.
+
+Two numbers of the plan say whether it separates drift from speed. The first is the variance
+inflation factor of run time by the speeds of its curve, the second the part of the drift that
+appears between the slowest and the fastest speed, by the slope of run time over speed:
+
+    VIF = sum (t_ij - t_curve)^2 / S
+    share = (v_max - v_min) / span  sum (|v_ij| - v_curve) t_ij / sum (|v_ij| - v_curve)^2
+
+One curve of eight rising speeds with three trials has 72 and 1 in rows, 1.1 and 1/3 in passes, and
+1 and about 0 in a random order. Above a factor of 5, speed explains more than 80 % of the variance
+of run time, and the trials hardly show a drift (D. C. Montgomery et al., Introduction to Linear
+Regression Analysis, 5th ed., 9.4.2: factors above 5 to 10 mean that coefficients are poorly
+estimated). Above a share of 1/4, hbench's own limit, the effect of speed is biased.
+
+A drift is a straight line over time here, and trials count as independent: one that levels off is
+described by its mean rate, and friction that wanders slowly appears as drift too often.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from statistics import fmean
+
+import numpy as np
+from scipy.special import stdtr
+
+from hbench.analysis.statistics.student import student_factor
+from hbench.records import Curve, CurvePoint, Drift, Grade, QualityCheck, ScreenedRun
+from hbench.records.numbers import NORMAL_95
+
+LARGEST_VIF = 5.0  # of a plan that separates drift from speed
+LARGEST_SHARE = 0.25  # likewise
+_GOOD, _POOR = 5.0, 15.0  # change over the campaign, % of friction; as for repeatability
+_LEAST_DOF = 2
+_HOUR_S = 3600.0
+
+
+@dataclass(frozen=True)
+class RunClock:
+    """Time of each run by its id: start in s after the first run, or its place in the order."""
+
+    times: Mapping[str, float]
+    known: bool  # whether these are start times
+
+    @classmethod
+    def of(cls, runs: Iterable[ScreenedRun], start_times_s: Mapping[str, float]) -> "RunClock":
+        """Return a clock of start times [s], or of the order of ``runs`` if there are none."""
+        order = {run.run.plan.run: float(place) for place, run in enumerate(runs)}
+        known = bool(order) and order.keys() <= start_times_s.keys()
+        return cls({run: start_times_s[run] for run in order} if known else order, known)
+
+    def of_point(self, point: CurvePoint) -> float:
+        """Return the mean time of a point's runs."""
+        return fmean(self.times[run] for run in point.runs)
+
+
+@dataclass(frozen=True)
+class _Trials:
+    """Trials of all points with two or more; arrays (n,)."""
+
+    curve: np.ndarray  # number of the curve
+    point: np.ndarray  # number of the point
+    speed_m_s: np.ndarray
+    t: np.ndarray
+    friction_n: np.ndarray  # positive against the motion
+
+
+def friction_drift(
+    curves: Sequence[Curve], runs: Iterable[ScreenedRun], clock: RunClock
+) -> Drift | None:
+    """Test and estimate the drift of steady friction, pooled over the points of ``curves``.
+
+    ``runs`` gives the trial of each run; runs of one trial of a point are averaged, as in the
+    point. None if there are fewer than two degrees of freedom, or all trials of each point have
+    one time.
+    """
+    trials = _trials(curves, {run.run.plan.run: run.run.plan.trial for run in runs}, clock)
+    if not len(trials.t):
+        return None
+    tau = _within(trials.t, trials.point)
+    spread, points = float(tau @ tau), len(np.unique(trials.point))
+    dof = len(tau) - points - 1
+    if dof < _LEAST_DOF or spread == 0.0:
+        return None
+    mean_n = np.abs(_means(trials.friction_n, trials.point))
+    deviation = _within(trials.friction_n, trials.point)
+    relative = _is_relative(deviation, mean_n)
+    y = deviation / mean_n if relative else deviation
+    rate = float(tau @ y) / spread
+    residual = y - rate * tau
+    se = float(np.sqrt(residual @ residual / dof / spread))
+    half = student_factor(dof) * se
+    span = _span(curves, clock)
+    percent = 100.0 if relative else 100.0 / float(np.median(mean_n))
+    hour = _HOUR_S if clock.known else None
+    in_curve = _within(trials.t, trials.curve)
+    vif = float(in_curve @ in_curve) / spread
+    share = _speed_share(trials, span)
+    return Drift(
+        basis="time" if clock.known else "order",
+        scale="relative" if relative else "absolute",
+        change=rate * span,
+        change_ci95=half * span,
+        change_percent=percent * rate * span,
+        change_percent_ci95=percent * half * span,
+        per_hour=None if hour is None else hour * rate,
+        per_hour_ci95=None if hour is None else hour * half,
+        span_s=span if clock.known else None,
+        p=_p_value(rate, se, dof),
+        points=points,
+        trials=len(tau),
+        speed_vif=vif,
+        speed_share=share,
+        separated=vif <= LARGEST_VIF and abs(share) <= LARGEST_SHARE,
+    )
+
+
+def with_drift(curves: Sequence[Curve], drift: Drift | None, clock: RunClock) -> tuple[Curve, ...]:
+    """Return ``curves`` with a significant drift as a part of each point's interval.
+
+    The measured friction of a point is that at its own mean time t_i; its result is understood as
+    that at the campaign's mean time t. The deviation between them is estimated, not corrected, and
+    counts as a standard uncertainty, with that of the estimate (JCGM 100:2008, F.2.4.5 and (10)):
+
+        u_i = |t_i - t| sqrt(d^2 + se^2),   U95_i^2 <- U95_i^2 + (1.96 u_i)^2
+
+    d and se are those of ``friction_drift``, for a relative drift times the point's friction. The
+    drift within a point is part of the scatter of its trials. u_i has the same cause in all points.
+    """
+    times = [clock.of_point(point) for curve in curves for point in curve.points]
+    if drift is None or not drift.significant or not times:
+        return tuple(curves)
+    middle, span = fmean(times), _span(curves, clock)
+    se = drift.change_ci95 / student_factor(drift.trials - drift.points - 1)
+    per_span = float(np.hypot(drift.change, se))
+
+    def widened(point: CurvePoint) -> CurvePoint:
+        scale_n = abs(point.friction_n) if drift.scale == "relative" else 1.0
+        sigma = abs(clock.of_point(point) - middle) / span * per_span * scale_n
+        before = point.ci95_n if point.u95_n is None else point.u95_n
+        u95 = None if before is None else float(np.hypot(before, NORMAL_95 * sigma))
+        return replace(point, sigma_drift_n=sigma, u95_n=u95)
+
+    return tuple(replace(curve, points=tuple(map(widened, curve.points))) for curve in curves)
+
+
+def drift_checks(drift: Drift | None) -> tuple[QualityCheck, ...]:
+    """Return the grade of a drift's size, and of whether the plan can show one; empty without.
+
+    A significant drift of more than 5 % of friction is to be used with care; if it is not separated
+    from speed, more than 15 % is poor. A plan that does not separate them, and would not show 15 %,
+    is to be used with care too; not if only the order is known, which may be that of file names.
+    """
+    if drift is None:
+        return ()
+    size = abs(drift.change_percent)
+    hidden = not drift.separated and size + drift.change_percent_ci95 > _POOR
+    if not drift.significant and hidden and drift.basis == "order":
+        return ()
+    poor = drift.significant and not drift.separated and size > _POOR
+    care = size > _GOOD if drift.significant else hidden
+    grade: Grade = "poor" if poor else "with care" if care else "good"
+    return (QualityCheck("drift", grade, size, "%", _GOOD, _POOR, drift=drift),)
+
+
+def _trials(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunClock) -> _Trials:
+    rows = []
+    number = 0
+    for i, curve in enumerate(curves):
+        for point in curve.points:
+            number += 1
+            if point.n < 2:
+                continue
+            times = defaultdict(list)
+            for run in point.runs:
+                times[trial_of[run]].append(clock.times[run])
+            sign = 1.0 if point.v_m_s >= 0 else -1.0
+            for trial, friction in zip(point.trials, point.trials_n, strict=True):
+                speed = abs(point.v_m_s)
+                rows.append((i, number, speed, fmean(times[trial]), sign * friction))
+    return _Trials(*np.array(rows, dtype=float).reshape(-1, len(fields(_Trials))).T)
+
+
+def _speed_share(trials: _Trials, span: float) -> float:
+    """Return the share of ``span`` between the slowest and the fastest speed of a curve."""
+    v = _within(trials.speed_m_s, trials.curve)
+    if not v.any():
+        return 0.0
+    reach = max(np.ptp(trials.speed_m_s[trials.curve == i]) for i in np.unique(trials.curve))
+    return float(reach * (v @ trials.t) / (v @ v) / span)
+
+
+def _means(values: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Return the mean of each value's group (n,)."""
+    _, index = np.unique(group, return_inverse=True)
+    return (np.bincount(index, values) / np.bincount(index))[index]
+
+
+def _within(values: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Return the deviations from the means of the groups (n,)."""
+    return values - _means(values, group)
+
+
+def _is_relative(deviation_n: np.ndarray, mean_n: np.ndarray) -> bool:
+    """Return whether the scatter is proportional to friction rather than the same everywhere.
+
+    Gaussian log-likelihoods, each at its own best variance: with s_i = s F_i against s_i = s,
+    -n log(sum (dev/F)^2) / 2 - sum log F  >  -n log(sum dev^2) / 2.
+    """
+    if not mean_n.min() > 0.0 or not deviation_n.any():
+        return False
+    share = deviation_n / mean_n
+    n = len(share)
+    gain = 0.5 * n * np.log((deviation_n @ deviation_n) / (share @ share))
+    return bool(gain > np.log(mean_n).sum())
+
+
+def _p_value(rate: float, se: float, dof: int) -> float:
+    if se == 0.0:
+        return 1.0 if rate == 0.0 else 0.0
+    return float(2.0 * stdtr(dof, -abs(rate / se)))
+
+
+def _span(curves: Sequence[Curve], clock: RunClock) -> float:
+    times = [clock.times[run] for curve in curves for point in curve.points for run in point.runs]
+    return max(times) - min(times)

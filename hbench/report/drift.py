@@ -1,0 +1,75 @@
+"""Drift of friction over a campaign, in words and as a table."""
+
+from hbench.records import Drift
+from hbench.report.render.numbers import number, significant, with_interval
+from hbench.report.render.word_tables import Cell, Table
+
+_LEAST_P = 1e-4  # smaller ones are written as being below it
+
+
+def drift_words(drift: Drift) -> str:
+    """Return the drift, its test, and whether the plan separates it from speed, as a clause."""
+    change = with_interval(drift.change_percent, drift.change_percent_ci95)
+    how = "significant" if drift.significant else "not significant"
+    basis = "" if drift.basis == "time" else ", by their order since no times are known"
+    text = f"{change} % from the first run to the last{basis} ({how}, {_p(drift.p)})"
+    if drift.separated:
+        return f"{text}, separated from speed by the order of the runs"
+    text = f"{text}, not separated from speed by the order of the runs"
+    if drift.significant:
+        return text
+    most = number(abs(drift.change_percent) + drift.change_percent_ci95, 0)
+    return f"{text}: up to {most} % is possible"
+
+
+def drift_advice(drift: Drift) -> str:
+    """Return what a drift, or a plan that does not separate it, means for the numbers."""
+    if drift.separated:
+        if not drift.significant:
+            return ""
+        return (
+            "The trials of each point are spread over the campaign, so the curves show its mean "
+            "friction, and the intervals of the points include the drift."
+        )
+    if drift.basis == "order":
+        return "The order of imported runs may be that of their files and not that in time."
+    repeat = "Repeat the campaign with order: random in the schedule."
+    if drift.significant:
+        return (
+            "Differences between speeds contain the drift: fitted parameters such as the viscous "
+            f"friction are biased, and their intervals do not include this. {repeat}"
+        )
+    return f"A drift would appear as an effect of speed. {repeat}"
+
+
+def drift_table(drift: Drift) -> Table:
+    """Return the estimate with its interval, the test and the plan's separation, as one row."""
+    percent = drift.scale == "relative"
+    scale, unit = (100.0, "%") if percent else (1.0, "N")
+    per_hour = "–"
+    if drift.per_hour is not None and drift.per_hour_ci95 is not None:
+        per_hour = f"{with_interval(scale * drift.per_hour, scale * drift.per_hour_ci95)} {unit}/h"
+    head = (
+        *("Change over the campaign", "Per hour", "Span", "p", "Points", "Trials"),
+        *("VIF of time by speed", "Share between speeds (%)", "Separated from speed"),
+    )
+    row = (
+        f"{with_interval(scale * drift.change, scale * drift.change_ci95)} {unit}",
+        per_hour,
+        f"{drift.trials} trials" if drift.span_s is None else _minutes(drift.span_s),
+        _p(drift.p).removeprefix("p = ").removeprefix("p "),
+        str(drift.points),
+        str(drift.trials),
+        number(drift.speed_vif),
+        number(100 * drift.speed_share, 0),
+        "yes" if drift.separated else "no",
+    )
+    return Table(head, (tuple(map(Cell, row)),), frozenset({"Separated from speed"}))
+
+
+def _p(p: float) -> str:
+    return f"p < {_LEAST_P:g}" if p < _LEAST_P else f"p = {significant(p, 2)}"
+
+
+def _minutes(seconds: float) -> str:
+    return f"{number(seconds / 60)} min"

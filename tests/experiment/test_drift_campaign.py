@@ -1,0 +1,121 @@
+"""A bench whose oil warms up: rows of rising speed bias viscous friction, a random order does not.
+
+The plant's viscosity falls exponentially with a temperature that approaches its end exponentially;
+the estimated drift is a straight line of all friction.
+"""
+
+import math
+from datetime import datetime
+
+import pytest
+import yaml
+
+from hbench import workflow
+from hbench.report.campaign.quality import quality_verdict
+from hbench.report.campaign.terminal import summary_text
+
+VISCOUS, WARMER_K, TIME_S, PER_K = 4000.0, 12.0, 80.0, 0.03
+PLANT = {
+    "friction": {
+        "test": {
+            **{"coulomb": "150 N", "stiction": "250 N", "stribeck_velocity": "60 mm/s"},
+            **{"viscous": f"{VISCOUS} N s/m", "piston_seal": "0 N/bar", "rod_seal": "0 N/bar"},
+        }
+    },
+    "effects": {
+        "oil_warming": {
+            "pump": f"{WARMER_K} K", "time": f"{TIME_S} s", "viscosity": f"{PER_K} 1/K"
+        }
+    },
+}  # fmt: skip
+
+
+@pytest.fixture
+def measured(short_schedule, tmp_path, on_the_rig):
+    """Return a function that makes a campaign of 12 rising speeds and three trials on the plant."""
+    schedule = short_schedule(
+        velocities={"first": "10 mm/s", "last": "200 mm/s", "count": 12},
+        trials=3,
+        travel={"start": "40 mm", "end": "340 mm"},
+        hold="0.5 s",
+        window="1.5 s",
+    )
+    data = yaml.safe_load(schedule.read_text())
+    plant = tmp_path / "plant.yaml"
+    plant.write_text(yaml.safe_dump(PLANT))
+
+    def make(order, seed):
+        schedule.write_text(yaml.safe_dump(data | {"order": order}))
+        folder = tmp_path / f"{order}-{seed}"
+        campaign = on_the_rig(schedule, folder, plant=plant, seed=seed)
+        return campaign, workflow.analyze(folder)
+
+    return make
+
+
+def mean_viscous(campaign):
+    """Viscous friction at the temperatures of the runs' starts, their mean [N s/m]."""
+    first = datetime.fromisoformat(campaign.header["created"])
+    seconds = [
+        (datetime.fromisoformat(entry.started) - first).total_seconds()
+        for entry in campaign.entries
+    ]
+    warmer = [WARMER_K * (1 - math.exp(-t / TIME_S)) for t in seconds]
+    return VISCOUS * sum(math.exp(-PER_K * kelvin) for kelvin in warmer) / len(warmer)
+
+
+def viscous(results):
+    (curve,) = results.curves
+    return curve.fits[0].parameters["b_viscous_n_s_m"]
+
+
+def contains(parameter, value):
+    low, high = parameter.ci95
+    return low <= value <= high
+
+
+def test_in_rows_viscous_friction_is_biased_and_the_verdict_names_the_drift(measured):
+    campaign, results = measured("experiments", 1)
+    assert viscous(results).ci95[1] < 0.95 * mean_viscous(campaign)
+    drift = results.drift
+    assert drift.basis == "time" and not drift.separated and drift.speed_vif > 50
+    assert results.quality.grade != "good"
+    (check,) = (check for check in results.quality.checks if check.name == "drift")
+    assert check.grade == results.quality.grade
+    assert "not separated from speed" in quality_verdict(results.quality)
+    assert "not separated from speed" in summary_text(results)
+
+
+def test_in_a_random_order_the_interval_contains_viscous_friction_and_the_drift_is_measured(
+    measured,
+):
+    campaign, results = measured("random", 1)
+    true = mean_viscous(campaign)
+    assert contains(viscous(results), true)
+    assert viscous(results).value == pytest.approx(true, rel=0.05)
+    drift = results.drift
+    assert drift.significant and drift.separated and drift.speed_vif < 1.2
+    assert -25 < drift.change_percent < -10  # viscous friction alone falls by a quarter
+    (check,) = (check for check in results.quality.checks if check.name == "drift")
+    assert check.grade == "with care"
+    assert all(point.sigma_drift_n is not None for point in results.curves[0].points)
+
+
+@pytest.mark.slow
+def test_coverage_of_viscous_friction_while_the_oil_warms(measured):
+    covered = {}
+    for order in ("experiments", "passes", "random"):
+        made = [measured(order, seed) for seed in range(1, 21)]
+        inside = [contains(viscous(results), mean_viscous(campaign)) for campaign, results in made]
+        bias = [viscous(results).value / mean_viscous(campaign) - 1 for campaign, results in made]
+        named = [
+            any(c.name == "drift" and c.grade != "good" for c in results.quality.checks)
+            for _, results in made
+        ]
+        covered[order] = sum(inside)
+        print(
+            f"{order}: interval contains B in {sum(inside)} of 20, mean deviation "
+            f"{100 * sum(bias) / 20:+.1f} %, drift named in {sum(named)}"
+        )
+        assert sum(named) >= 18
+    assert covered["experiments"] <= 2 and covered["random"] >= 18
