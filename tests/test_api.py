@@ -66,6 +66,7 @@ def test_a_campaign_is_what_analyze_writes_and_load_writes_nothing(demo, folder)
     assert demo.headline.breakaway_n_basis.tolist() == [
         one["breakaway_n"]["basis"] for one in series
     ]
+    assert demo.drift == written["drift"] and demo.drift["trials"] == 72
     assert demo.quality.grade.tolist() == [one["grade"] for one in written["quality"]["checks"]]
 
 

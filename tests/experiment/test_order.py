@@ -1,5 +1,7 @@
 """Trials in a row and as passes over the plan, and trials of an experiment listed twice."""
 
+import itertools
+
 import pytest
 import yaml
 
@@ -135,6 +137,23 @@ def test_a_random_order_interrupted_goes_on_with_the_same_plan(
     assert all(run.accepted for run in results.runs)
     assert points(results) == {("extend", True, 2, (1, 2)), ("retract", False, 2, (1, 2))}
     assert [curve.direction for curve in results.curves] == ["extend", "retract"]
+
+
+def test_the_journal_of_the_virtual_rig_has_the_rigs_time(whole_plan, tmp_path, on_the_rig):
+    """Also in a second session, which begins while time on the clock has hardly passed."""
+
+    def interrupt(progress):
+        if progress.runs_done == 5:
+            raise KeyboardInterrupt
+
+    folder = tmp_path / "campaign"
+    with pytest.raises(KeyboardInterrupt):
+        on_the_rig(whole_plan, folder, report=interrupt)
+    campaign = on_the_rig(whole_plan, folder, resume=True)
+    times = list(campaign.start_times_s().values())
+    assert len(times) == 8 and times[0] == 0.0 and times == sorted(times)
+    steps = [later - earlier for earlier, later in itertools.pairwise(times)]
+    assert min(steps) > 0.8 and 1.5 < sum(steps) / 7 < 6.0  # of a run of 2 s, and its return
 
 
 def test_a_rejected_run_of_a_pass_is_made_again_before_the_next_point(

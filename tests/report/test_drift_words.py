@@ -1,0 +1,60 @@
+"""The drift in words: its size, its test, and what the plan means for the numbers."""
+
+import pytest
+
+from hbench.records import Drift
+from hbench.report.drift import drift_advice, drift_table, drift_words
+
+MEASURED = {
+    "basis": "time",
+    "scale": "relative",
+    "change": -0.16,
+    "change_ci95": 0.036,
+    "change_percent": -16.0,
+    "change_percent_ci95": 3.6,
+    "per_hour": -3.7,
+    "per_hour_ci95": 0.83,
+    "span_s": 156.0,
+    "p": 3e-9,
+    "points": 12,
+    "trials": 36,
+    "speed_vif": 1.04,
+    "speed_share": -0.01,
+    "separated": True,
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, "−16.0 ± 3.6 % from the first run to the last (significant, p < 0.0001), separated"),
+        ({"p": 0.3}, "(not significant, p = 0.30), separated from speed by the order of the runs"),
+        ({"separated": False}, "p < 0.0001), not separated from speed by the order of the runs"),
+        ({"p": 0.3, "separated": False}, "not separated from speed by the order of the runs: up to "
+         "20 % is possible"),
+        ({"basis": "order"}, "by their order since no times are known (significant"),
+    ],
+)  # fmt: skip
+def test_the_words_have_the_size_the_test_and_the_plan(changes, words):
+    assert words in drift_words(Drift(**MEASURED | changes))
+
+
+def test_the_advice_is_a_random_order_where_the_plan_does_not_separate_drift_from_speed():
+    assert "include the drift" in drift_advice(Drift(**MEASURED))
+    assert drift_advice(Drift(**MEASURED | {"p": 0.3})) == ""
+    for p in (0.001, 0.3):
+        assert "order: random" in drift_advice(Drift(**MEASURED | {"separated": False, "p": p}))
+
+
+def test_the_table_has_the_estimate_in_its_own_unit():
+    def cells(changes):
+        table = drift_table(Drift(**MEASURED | changes))
+        return dict(zip(table.head, (cell.text for cell in table.rows[0]), strict=True))
+
+    row = cells({})
+    assert row["Change over the campaign"] == "−16.0 ± 3.6 %"
+    assert (row["Per hour"], row["Span"]) == ("−370 ± 83 %/h", "2.6 min")
+    newtons = cells({"scale": "absolute", "change": -40.0, "change_ci95": 12.0, "span_s": None,
+                     "basis": "order", "per_hour": None, "per_hour_ci95": None})  # fmt: skip
+    assert newtons["Change over the campaign"] == "−40 ± 12 N"
+    assert (newtons["Per hour"], newtons["Span"]) == ("–", "36 trials")
