@@ -48,7 +48,7 @@ def measured(folder: Path, velocities: dict, plant: Path | None, seed: int) -> O
     folder.mkdir(parents=True)
     data = read_yaml(ROOT / "configs" / "stribeck.yaml")
     change = {"loads": ["2000 N"], "velocities": velocities}
-    data |= {"bench": str(ROOT / "configs" / "bench-aau.yaml")}
+    data |= {"bench": str(ROOT / "configs" / "bench-aau.yaml"), "order": "experiments"}
     data |= {"experiments": [data["experiments"][0] | change]}
     schedule = folder / "schedule.yaml"
     schedule.write_text(json.dumps(data))
