@@ -86,8 +86,8 @@ def friction_drift(
     """Test and estimate the drift of steady friction, pooled over the points of ``curves``.
 
     ``runs`` gives the trial of each run; runs of one trial of a point are averaged, as in the
-    point. None if there are fewer than two degrees of freedom, or all trials of each point have
-    one time.
+    point. None if there are fewer than two degrees of freedom, all trials of each point have one
+    time, or most points have no friction.
     """
     trials = _trials(curves, {run.run.plan.run: run.run.plan.trial for run in runs}, clock)
     if not len(trials.t):
@@ -98,6 +98,8 @@ def friction_drift(
     if dof < _LEAST_DOF or spread == 0.0:
         return None
     mean_n = np.abs(_means(trials.friction_n, trials.point))
+    if not np.median(mean_n) > 0.0:
+        return None
     deviation = _within(trials.friction_n, trials.point)
     relative = _is_relative(deviation, mean_n)
     y = deviation / mean_n if relative else deviation
