@@ -113,6 +113,7 @@ from hbench.records.replay import Replay, SignalError
 from hbench.records.results import Results
 from hbench.records.summary import (
     Basis,
+    FitVerdicts,
     Grade,
     Headline,
     HeadlineNumber,
@@ -155,6 +156,7 @@ __all__ = [
     "Fit",
     "FitDifference",
     "FitParameter",
+    "FitVerdicts",
     "Fleet",
     "FleetCampaign",
     "FleetNumber",

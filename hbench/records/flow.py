@@ -241,6 +241,15 @@ class FitParameter:
     # 95 % intervals by method: linearised, profile (which ``ci95`` is), bootstrap if asked for.
     intervals: dict[str, tuple[FloatOrNan, FloatOrNan] | None] = field(default_factory=dict)
     disagree: bool = False  # whether these differ by much
+    wide: bool = False  # ci95 is wider than the value and than a tenth of its typical size
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data determines the parameter: no active bound, and an interval not wide."""
+        return self.at_bound is None and self.ci95 is not None and not self.wide
+
+
+FitVerdict = Literal["determined", "not determined", "not converged"]
 
 
 @dataclass(frozen=True)
@@ -257,6 +266,20 @@ class Fit:
     line: tuple[tuple[float, float], ...] = ()
     # The same outside of them: down to rest, and somewhat above. Extrapolated, not measured.
     beyond: tuple[tuple[tuple[float, float], ...], ...] = ()
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Names of the parameters that the data does not determine."""
+        return tuple(name for name, p in self.parameters.items() if not p.determined)
+
+    @property
+    def verdict(self) -> FitVerdict:
+        """Verdict on the fit; "not determined" if that is so for one parameter or more."""
+        if not self.parameters:
+            return "not determined"  # too few points
+        if not self.converged:
+            return "not converged"
+        return "not determined" if self.undetermined else "determined"
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Results of a campaign, the last product of the flow."""
 
+from collections import Counter
 from dataclasses import dataclass, field
 
 from hbench.records.bands import Band, BandTrend, MotionBalance
@@ -11,7 +12,7 @@ from hbench.records.flow import (
     ScreenedRun,
 )
 from hbench.records.motions import Motions
-from hbench.records.summary import Headline, Quality
+from hbench.records.summary import FitVerdicts, Headline, Quality
 
 
 @dataclass(frozen=True)
@@ -30,3 +31,21 @@ class Results:
     motion_balances: tuple[MotionBalance, ...] = ()  # without hydraulics
     headline: Headline = field(kw_only=True)
     quality: Quality = field(kw_only=True)
+
+    @property
+    def fit_verdicts(self) -> tuple[FitVerdicts, ...]:
+        """Number of fits with each verdict, by law; joint fits included."""
+        of_laws: dict[str, Counter[str]] = {}
+        for fitted in (*self.curves, *self.joint_fits):
+            for fit in fitted.fits:
+                of_laws.setdefault(fit.law, Counter())[fit.verdict] += 1
+        return tuple(
+            FitVerdicts(
+                law=law,
+                fits=counts.total(),
+                determined=counts["determined"],
+                not_determined=counts["not determined"],
+                not_converged=counts["not converged"],
+            )
+            for law, counts in of_laws.items()
+        )

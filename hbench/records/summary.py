@@ -50,20 +50,33 @@ class Headline:
 class QualityCheck:
     """Grade of one property of the data against its limits."""
 
-    name: Literal["runs_accepted", "trials_per_point", "repeatability", "instruments", "fits"]
+    name: Literal["runs_accepted", "trials_per_point", "repeatability", "instruments"]
     grade: Grade
     value: float | None  # graded value; None: not known
     unit: Literal["%", "trials"]  # of value and limits
     good: float  # the limit of "good"
     poor: float | None  # beyond it "poor"; None: there is no such limit
-    count: int | None = None  # runs or fits that pass, where the value is their share
+    count: int | None = None  # runs that pass, where the value is their share
     of: int | None = None  # among so many
-    law: str | None = None  # whose fits were graded
 
 
 @dataclass(frozen=True)
 class Quality:
-    """Verdict on the data of a campaign: the worst grade of its checks."""
+    """Verdict on the data of a campaign: the worst grade of its checks.
+
+    Fits are not data: each has its own verdict.
+    """
 
     grade: Grade
     checks: tuple[QualityCheck, ...]
+
+
+@dataclass(frozen=True)
+class FitVerdicts:
+    """Number of a law's fits with each verdict."""
+
+    law: str
+    fits: int
+    determined: int
+    not_determined: int  # with a parameter that the data does not determine
+    not_converged: int

@@ -1,16 +1,20 @@
 """The summary: friction at the working speed, breakaway, efficiency, and the data's quality."""
 
+import json
 import math
 from dataclasses import replace
 
 import pytest
 
 from hbench.records import FitParameter
+from hbench.report.campaign.fit_tables import fit_tables, fits_verdict
 from hbench.report.campaign.quality import quality_table, quality_verdict
+from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.summary import summary_section
+from hbench.report.campaign.terminal import summary_text
 from hbench.report.render.numbers import alike, number, with_interval
 from tests.support.analysis.drawn_seal import drawn_seal
-from tests.support.report.made_page import summarized
+from tests.support.report.made_page import page_html, summarized
 
 
 def series(results, speed_m_s=None):
@@ -135,15 +139,37 @@ def test_instruments_never_make_data_poor_but_may_ask_for_care(small, sigma, exp
     assert grade(small, "instruments") == "with care"  # not known
 
 
-def test_a_fit_with_a_parameter_on_its_bound_asks_for_care(small):
-    assert grade(small, "fits") == "with care"
-    assert grade(replace(small, curves=small.curves[1:]), "fits") == "good"
+def test_fits_have_verdicts_of_their_own_and_leave_the_grade_of_the_data(small):
+    good = with_points(small, n=3, sigma_instruments_n=5.0)
+    good = replace(good, runs=tuple(replace(run, reasons=()) for run in good.runs))
     loose = FitParameter(1.0, None, None, None, "N")
-    curves = tuple(
-        replace(c, fits=(replace(c.fits[0], parameters={"f_coulomb_n": loose}),))
-        for c in small.curves
-    )
-    assert grade(replace(small, curves=curves), "fits") == "poor"
+    wide = FitParameter(1.0, 2.0, (-3.0, 5.0), None, "N", wide=True)
+
+    def with_fits(**changes):
+        curves = tuple(replace(c, fits=(replace(c.fits[0], **changes),)) for c in good.curves)
+        return summarized(replace(good, curves=curves))
+
+    assert [curve.fits[0].verdict for curve in good.curves[:2]] == ["not determined", "determined"]
+    for changes, verdict in (
+        ({"parameters": {"f_coulomb_n": loose}}, "not determined"),
+        ({"parameters": {"f_coulomb_n": wide}}, "not determined"),
+        ({"parameters": {}}, "not determined"),
+        ({"converged": False}, "not converged"),
+    ):
+        changed = with_fits(**changes)
+        assert {curve.fits[0].verdict for curve in changed.curves} == {verdict}
+        assert changed.quality.grade == "good"
+        assert "good" in quality_verdict(changed.quality)
+        for text in (fits_verdict(changed), summary_text(changed), page_html(changed, ())):
+            assert "Tustin 0 of 4 determined" in text and verdict in text
+        (written,) = json.loads(results_json(changed))["fit_verdicts"]
+        assert written["fits"] == written[verdict.replace(" ", "_")] == 4
+
+
+def test_a_fits_table_names_the_parameters_that_are_not_determined(small):
+    table = fit_tables(small)["tustin"]
+    verdicts = [row[-1].text or row[-1].flag for row in table.rows]
+    assert verdicts == ["F_C not determined", "determined", "determined", "determined"]
 
 
 def test_the_verdict_is_the_worst_grade_and_its_sentence_has_the_checks_of_that_grade(small):

@@ -224,7 +224,7 @@ def test_the_summary_shows_the_intervals_of_trials_and_instruments(stribeck):
 
     def cells(*points):
         curves = (replace(curve, points=tuple(points)),)
-        lines = summary_text(replace(stribeck, curves=curves)).splitlines()[3:5]
+        lines = summary_text(replace(stribeck, curves=curves)).partition("\n\n")[2].splitlines()[:2]
         return [re.split(r"  +", line)[3:6] for line in lines]
 
     head, found = cells(*points[:3])

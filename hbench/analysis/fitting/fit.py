@@ -6,13 +6,18 @@ contains the truth when bounds are active, unlike the linearised one.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from hbench.analysis.fitting.fit_data import FitPoints, fit_points, sign
 from hbench.analysis.fitting.fittable_law import FittableLaw
-from hbench.analysis.fitting.information import Information, identification_messages
+from hbench.analysis.fitting.information import (
+    Information,
+    identification_messages,
+    undetermined,
+)
 from hbench.analysis.fitting.marton_lantos import TWO_LINES
 from hbench.analysis.fitting.messages import BEYOND, beyond_messages, bound_messages, disagreements
 from hbench.analysis.fitting.pressure_based import PRESSURE_BASED
@@ -128,7 +133,10 @@ def fit_law(
             law, solution.x, linearisation.jacobian, linearisation.noise, problem.scale, data.inputs
         )
         widths = [np.nan if ends is None else ends[1] - ends[0] for ends in intervals["profile"]]
-        messages += identification_messages(info, linearisation.factor, np.array(widths) / 2)
+        unknown = undetermined(info, linearisation.factor, np.array(widths) / 2)
+        for name, is_unknown in zip(law.names, unknown.tolist(), strict=True):
+            parameters[name] = replace(parameters[name], wide=is_unknown)
+        messages += identification_messages(info, unknown)
         messages += beyond_messages(info, linearisation.factor) if len(curves) == 1 else []
     line, beyond = _lines(law, curves, data, solution.x)
     return Fit(

@@ -1,12 +1,12 @@
 """Verdict on a campaign's data: a few checks, of which the worst counts.
 
-The limits are hbench's own; no standard sets them.
+Fits are not among them: good data at few speeds can leave a law's parameters open. The limits are hbench's own; no standard sets them.
 """
 
 from collections.abc import Iterable, Iterator
 from statistics import median
 
-from hbench.records import KINDS, Curve, CurvePoint, Fit, Grade, Quality, QualityCheck, ScreenedRun
+from hbench.records import KINDS, Curve, CurvePoint, Grade, Quality, QualityCheck, ScreenedRun
 from hbench.records.numbers import NORMAL_95
 
 GRADES: tuple[Grade, ...] = ("good", "with care", "poor")
@@ -15,7 +15,6 @@ _ACCEPTED_GOOD, _ACCEPTED_POOR = 95.0, 80.0  # % of the runs
 _TRIALS_GOOD, _TRIALS_POOR = 3, 1  # of the point with the fewest
 _SCATTER_GOOD, _SCATTER_POOR = 5.0, 15.0  # half of the 95 % interval, % of friction, median
 _INSTRUMENTS_GOOD = 10.0  # half of the instruments' 95 % interval, % of friction, median
-_FITS_GOOD, _FITS_POOR = 100.0, 50.0  # % of the fits
 
 
 def quality(runs: Iterable[ScreenedRun], curves: Iterable[Curve]) -> Quality:
@@ -41,9 +40,6 @@ def _checks(runs: tuple[ScreenedRun, ...], curves: list[Curve]) -> Iterator[Qual
         grade = _grade(value, _SCATTER_GOOD, _SCATTER_POOR)
         yield QualityCheck("repeatability", grade, value, "%", _SCATTER_GOOD, _SCATTER_POOR)
     yield _instruments(points)
-    fits = [curve.fits[0] for curve in curves if curve.fits]
-    if fits:
-        yield _fits(fits)
 
 
 def _runs_accepted(runs: tuple[ScreenedRun, ...]) -> QualityCheck:
@@ -71,17 +67,6 @@ def _instruments(points: list[CurvePoint]) -> QualityCheck:
     known_good = value is not None and value <= _INSTRUMENTS_GOOD
     grade: Grade = "good" if known_good else "with care"
     return QualityCheck("instruments", grade, value, "%", _INSTRUMENTS_GOOD, None)
-
-
-def _fits(fits: list[Fit]) -> QualityCheck:
-    sound = sum(
-        fit.converged and all(p.at_bound is None and p.ci95 for p in fit.parameters.values())
-        for fit in fits
-    )
-    total = len(fits)
-    grade: Grade = "good" if sound == total else "with care" if sound >= total / 2 else "poor"
-    share, law = 100 * sound / total, fits[0].law
-    return QualityCheck("fits", grade, share, "%", _FITS_GOOD, _FITS_POOR, sound, total, law)
 
 
 def _grade(value: float, good: float, poor: float) -> Grade:

@@ -33,7 +33,7 @@ def fit_tables(results: Results) -> dict[str, Table]:
         rows: list[tuple[str | Cell, ...]] = []
         for columns, _, fit in chosen:
             cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
-            rows.append((*columns, *cells, _residual_cell(fit)))
+            rows.append((*columns, *cells, significant(fit.rmse_n, 3), _verdict_cell(fit)))
         curves_of: dict[str, list[str]] = {}
         for _, series, fit in chosen:
             if fit.message:
@@ -41,8 +41,34 @@ def fit_tables(results: Results) -> dict[str, Table]:
         messages = [
             f"{'; '.join(series)}: {in_words(message)}" for message, series in curves_of.items()
         ]
-        tables[law] = table((*WHO, *heads, "RMS residual (N)"), rows, messages)
+        head = (*WHO, *heads, "RMS residual (N)", "Verdict")
+        tables[law] = table(head, rows, messages, words=("Verdict",))
     return tables
+
+
+def verdict_words(fit: Fit) -> str:
+    """Write a fit's verdict, such as ``F_C, v_s not determined``."""
+    if fit.verdict != "not determined" or not fit.undetermined:
+        return fit.verdict
+    symbols = (PARAMETERS[name].symbol if name in PARAMETERS else name for name in fit.undetermined)
+    return f"{', '.join(symbols)} not determined"
+
+
+def fits_verdict(results: Results) -> str:
+    """Return the verdicts on the fits of each law in a sentence or two; empty without fits."""
+    laws = []
+    for law in results.fit_verdicts:
+        others = [
+            f"{count} {words}"
+            for count, words in (
+                (law.not_determined, "with parameters not determined by these points"),
+                (law.not_converged, "not converged"),
+            )
+            if count
+        ]
+        name = law_words(law.law)
+        laws.append(", ".join([f"{name} {law.determined} of {law.fits} determined", *others]))
+    return f"Fits: {'; '.join(laws)}." if laws else ""
 
 
 def selection_table(results: Results) -> Table:
@@ -106,5 +132,6 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
     return Cell(text, flag if parameter.at_bound is None else f"at {parameter.at_bound} bound")
 
 
-def _residual_cell(fit: Fit) -> Cell:
-    return Cell(significant(fit.rmse_n, 3), "" if fit.converged else "not converged")
+def _verdict_cell(fit: Fit) -> Cell:
+    words = verdict_words(fit)
+    return Cell(words) if fit.verdict == "determined" else Cell("", words)

@@ -1,27 +1,24 @@
 """The verdict on a campaign's data in words: its checks as a table and as a sentence."""
 
 from hbench.records import Quality, QualityCheck
-from hbench.report.campaign.fit_tables import law_words
 from hbench.report.render.numbers import number
 from hbench.report.render.word_tables import Cell, Table
 
 RULE = (
     "Each check is good, to be used with care, or poor; the verdict is the worst of them. The "
-    "limits are hbench's own; no standard sets them."
+    "limits are hbench's own; no standard sets them. Each fit has its own verdict."
 )
 _NAMES = {
     "runs_accepted": "Runs accepted",
     "trials_per_point": "Trials per point",
     "repeatability": "Repeatability",
     "instruments": "Instruments",
-    "fits": "Fits",
 }
 _LIMITS = {
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
     "trials_per_point": "good from {good:g}, poor with {poor:g}",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
     "instruments": "good to {good:g} %; above, the level is uncertain, differences less so",
-    "fits": "good if all, poor below half",
 }
 _HEAD = ("Check", "Verdict", "Found", "Limits")
 
@@ -47,8 +44,7 @@ def quality_verdict(quality: Quality) -> str:
 
 
 def _name(check: QualityCheck) -> str:
-    name = _NAMES[check.name]
-    return name if check.law is None else f"{name}, {law_words(check.law)}"
+    return _NAMES[check.name]
 
 
 def _value(check: QualityCheck) -> str:
@@ -59,8 +55,6 @@ def _value(check: QualityCheck) -> str:
         return "a point has one trial only, so no interval" if single else f"at least {check.value}"
     if check.name == "repeatability":
         return f"95 % interval of the trials is ±{number(check.value)} % of friction (median)"
-    if check.name == "fits":
-        return f"{check.count} of {check.of} converged with every parameter determined"
     if check.value is None:
         return "tolerances are not known"
     return f"95 % interval of the instruments is ±{number(check.value)} % of friction (median)"

@@ -6,6 +6,7 @@ from statistics import median_low
 
 from hbench.records import KINDS, HeadlineNumber, HeadlineSeries, Results
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
+from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.quality import RULE, quality_table
 from hbench.report.render.document import Section, Tile
@@ -26,7 +27,7 @@ def summary_section(results: Results) -> Section:
     folded = True if len(series) > _LONG else None
     return Section(
         "Summary",
-        paragraphs=(_measured(results),),
+        paragraphs=tuple(filter(None, (_measured(results), fits_verdict(results)))),
         tiles=tuple(_tiles(results)),
         parts=(
             *([Section("Each direction and load", tables=tables, folded=folded)] if tables else []),
