@@ -113,11 +113,14 @@ from hbench.records.replay import Replay, SignalError
 from hbench.records.results import Results
 from hbench.records.summary import (
     Basis,
+    Completeness,
     FitVerdicts,
     Grade,
     Headline,
     HeadlineNumber,
     HeadlineSeries,
+    ImplausiblePoint,
+    PointTrials,
     Quality,
     QualityCheck,
 )
@@ -138,6 +141,7 @@ __all__ = [
     "Candidate",
     "Check",
     "Comparison",
+    "Completeness",
     "ControlLoop",
     "Curve",
     "CurveDifference",
@@ -172,6 +176,7 @@ __all__ = [
     "HeldOut",
     "Identification",
     "IdentifiedLaw",
+    "ImplausiblePoint",
     "ImportPreview",
     "JointFit",
     "Leak",
@@ -192,6 +197,7 @@ __all__ = [
     "Overlay",
     "Panel",
     "Phenomenon",
+    "PointTrials",
     "PressureLine",
     "PreviewedChannel",
     "PreviewedFile",

@@ -323,6 +323,11 @@ class Curve:
         return dict(self.factors)
 
     @property
+    def against_motion(self) -> float:
+        """Factor from the points' friction to friction against the motion, which is positive."""
+        return 1.0 if self.direction == "extend" else -1.0
+
+    @property
     def over_velocity(self) -> bool:
         """Enough speeds for a curve over velocity; fewer are points over pressure."""
         return len(self.points) >= 3

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass, field
+from itertools import chain
 
 from hbench.records.bands import Band, BandTrend, MotionBalance
 from hbench.records.flow import (
@@ -36,9 +37,9 @@ class Results:
     def fit_verdicts(self) -> tuple[FitVerdicts, ...]:
         """Number of fits with each verdict, by law; joint fits included."""
         of_laws: dict[str, Counter[str]] = {}
-        for fitted in (*self.curves, *self.joint_fits):
-            for fit in fitted.fits:
-                of_laws.setdefault(fit.law, Counter())[fit.verdict] += 1
+        fits = chain((each.fits for each in self.curves), (each.fits for each in self.joint_fits))
+        for fit in chain.from_iterable(fits):
+            of_laws.setdefault(fit.law, Counter())[fit.verdict] += 1
         return tuple(
             FitVerdicts(
                 law=law,

@@ -22,6 +22,7 @@ from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import DataError
+from hbench.experiment.staged_plan import planned_runs
 from hbench.records import KINDS, Results, Run, ScreenedRun
 from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.tables import TABLES
@@ -122,19 +123,26 @@ def derive(campaign: StoredCampaign, how: Fitting = _DEFAULT_FITTING) -> Results
     efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
     limitations = not_computed(screened, efficiencies, instruments)
     bands = friction_bands(steady)
+    planned, unknown = planned_runs(campaign, screened)
     return Results(
         provenance=campaign.provenance(),
         runs=screened,
         curves=curves,
         efficiency=efficiencies,
         bands=bands,
-        notes=(*campaign.warnings, *limitations, *unfitted_curves(steady), *analysed.notes),
+        notes=(
+            *campaign.warnings,
+            *unknown,
+            *limitations,
+            *unfitted_curves(steady),
+            *analysed.notes,
+        ),
         motions=analysed.motions,
         joint_fits=joint_fits(steady, how),
         band_trends=band_trends(bands),
         motion_balances=motion_balances(steady),
         headline=headline(curves, efficiencies),
-        quality=quality(screened, curves),
+        quality=quality(screened, curves, efficiencies, planned),
     )
 
 

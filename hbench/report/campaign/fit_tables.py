@@ -61,7 +61,7 @@ def fits_verdict(results: Results) -> str:
         others = [
             f"{count} {words}"
             for count, words in (
-                (law.not_determined, "with parameters not determined by these points"),
+                (law.not_determined, "with undetermined parameters"),
                 (law.not_converged, "not converged"),
             )
             if count

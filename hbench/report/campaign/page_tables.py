@@ -4,8 +4,6 @@ from collections.abc import Iterable
 
 from hbench.records import (
     Curve,
-    EfficiencyCurve,
-    HeadlineSeries,
     PressureLine,
     Results,
     RunPlan,
@@ -13,7 +11,7 @@ from hbench.records import (
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import code_of
-from hbench.report.campaign.series_words import kind_words, load_words
+from hbench.report.campaign.series_words import AnySeries, kind_words, load_words
 from hbench.report.render.numbers import force, number, significant, span, with_interval
 from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Cell, Table
@@ -226,7 +224,7 @@ def table(
     )
 
 
-def who(curve: Curve | EfficiencyCurve | HeadlineSeries | RunPlan) -> tuple[str, ...]:
+def who(curve: AnySeries) -> tuple[str, ...]:
     """Return the identification of a curve, in the columns ``WHO``."""
     load = force(curve.f_load_n).removesuffix(" N")
     direction = TITLES[curve.direction].lower()
