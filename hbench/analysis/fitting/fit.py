@@ -147,7 +147,14 @@ def fit_law(
         message="; ".join(messages),
         line=line,
         beyond=beyond,
+        covariance=_by_names(law, linearisation.spread),
+        dof=freedom if freedom > 0 else None,
     )
+
+
+def _by_names(law: FittableLaw, matrix: np.ndarray) -> dict[str, dict[str, float]]:
+    rows = (dict(zip(law.names, row, strict=True)) for row in matrix.tolist())
+    return dict(zip(law.names, rows, strict=True))
 
 
 def _different(inputs: np.ndarray) -> int:

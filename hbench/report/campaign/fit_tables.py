@@ -2,12 +2,14 @@
 
 import math
 import re
+from dataclasses import replace
+from itertools import combinations
 
 from hbench.records import Fit, FitParameter, Results, Selection
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who, who_text
-from hbench.report.render.numbers import significant, with_ends
+from hbench.report.render.numbers import number, significant, with_ends
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -16,14 +18,7 @@ _ALL = "all loads and directions"
 
 def fit_tables(results: Results) -> dict[str, Table]:
     """Return a table of parameters for each law, with its messages below."""
-    fits = [
-        (who(c), who_text(c), fit)
-        for c in without_common_rod_pressure(results.curves)
-        for fit in c.fits
-    ]
-    for joint in results.joint_fits:
-        series = ", ".join(filter(None, (joint.label, _ALL)))
-        fits += [((joint.label, "", _ALL, "all", ""), series, fit) for fit in joint.fits]
+    fits = _fits(results)
     tables = {}
     for law in dict.fromkeys(fit.law for _, _, fit in fits):
         chosen = [row for row in fits if row[2].law == law]
@@ -46,12 +41,42 @@ def fit_tables(results: Results) -> dict[str, Table]:
     return tables
 
 
+def correlation_table(results: Results, law: str) -> Table:
+    """Return the correlation of each pair of a law's parameters; no rows where none is known."""
+    rows: list[tuple[str, ...]] = []
+    pairs: list[tuple[str, str]] = []
+    for columns, _, fit in _fits(results):
+        known = [value for row in fit.correlation.values() for value in row.values()]
+        if fit.law == law and any(map(math.isfinite, known)):
+            pairs = list(combinations(fit.covariance, 2))
+            correlation = fit.correlation
+            rows.append((*columns, *(number(correlation[a][b], 3) for a, b in pairs)))
+    heads = (f"corr({_symbol(a)}, {_symbol(b)})" for a, b in pairs)
+    return replace(table((*WHO, *heads), rows), title="Correlation of the parameters")
+
+
+def _fits(results: Results) -> list[tuple[tuple[str, ...], str, Fit]]:
+    """Return each fit with its series in the columns ``WHO`` and as text."""
+    fits = [
+        (who(c), who_text(c), fit)
+        for c in without_common_rod_pressure(results.curves)
+        for fit in c.fits
+    ]
+    for joint in results.joint_fits:
+        series = ", ".join(filter(None, (joint.label, _ALL)))
+        fits += [((joint.label, "", _ALL, "all", ""), series, fit) for fit in joint.fits]
+    return fits
+
+
+def _symbol(name: str) -> str:
+    return PARAMETERS[name].symbol if name in PARAMETERS else name
+
+
 def verdict_words(fit: Fit) -> str:
     """Write a fit's verdict, such as ``F_C, v_s not determined``."""
     if fit.verdict != "not determined" or not fit.undetermined:
         return fit.verdict
-    symbols = (PARAMETERS[name].symbol if name in PARAMETERS else name for name in fit.undetermined)
-    return f"{', '.join(symbols)} not determined"
+    return f"{', '.join(map(_symbol, fit.undetermined))} not determined"
 
 
 def fits_verdict(results: Results) -> str:

@@ -80,7 +80,11 @@ LAYOUTS: Layouts = {
         **keys("specimen", "points", "fits", "selection"),
     },
     Fit: all_fields(
-        Fit, without=("line", "beyond"), verdict="verdict", undetermined="undetermined"
+        Fit,
+        without=("line", "beyond", "covariance"),
+        covariances="covariances",
+        verdict="verdict",
+        undetermined="undetermined",
     ),
     Selection: {
         **keys("laws", "difference_n2", "difference_se_n2"),
