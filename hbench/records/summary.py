@@ -65,7 +65,7 @@ class QualityCheck:
     unit: Literal["%", "trials", "points"]  # of value and limits
     good: float  # the limit of "good"
     poor: float | None  # beyond it "poor"; None: there is no such limit
-    # Runs or points that the check counts, and among how many: runs made or accepted, points
+    # Runs or points that the check counts, and among how many: runs completed or accepted, points
     # without an accepted trial, points whose sign contradicts the motion beyond its interval.
     count: int | None = None
     of: int | None = None
@@ -92,7 +92,7 @@ class Completeness:
 
     planned: int | None  # runs; None: the plan is not known, as for imported logs
     at_most: bool  # adaptive speeds, still to be measured, may need fewer runs than planned
-    not_made: tuple[str, ...]  # planned runs that were not made, or did not end as planned
+    not_completed: tuple[str, ...]  # planned runs without a log that ended as planned
     points: int  # operating points of the plan, or of the runs where the plan is not known
     # Points with fewer accepted trials than planned; three are enough. Every run of a point may
     # have been rejected, or not made: it has 0.

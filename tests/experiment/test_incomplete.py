@@ -25,19 +25,21 @@ def test_an_interrupted_campaign_reports_the_runs_and_points_that_are_missing(
     schedule = quick_schedule()
     with pytest.raises(KeyboardInterrupt):
         on_the_rig(schedule, folder, report=interrupt)
-    assert live[0].quality.completeness.not_made == ("0002", "0003", "0004")
+    assert live[0].quality.completeness.not_completed == ("0002", "0003", "0004")
     cut = workflow.analyze(folder)
-    assert cut.quality.completeness.not_made == ("0003", "0004")  # 0003 was aborted
+    assert cut.quality.completeness.not_completed == ("0003", "0004")  # 0003 was aborted
     assert (check(cut, "complete").count, check(cut, "complete").of) == (2, 4)
     (point,) = cut.quality.completeness.short_points
     assert (point.v_ref_m_s, point.accepted, point.planned) == (0.12, 0, 2)
     assert check(cut, "trials_per_point").value == 0
-    words = "incomplete: 2 of 4 planned runs were not made; 1 of 2 points has no accepted trial"
+    words = (
+        "incomplete: 2 of 4 planned runs were not completed; 1 of 2 points has no accepted trial"
+    )
     assert words in summary_text(cut)
 
     on_the_rig(schedule, folder, resume=True)
     whole = workflow.analyze(folder)
-    assert whole.quality.completeness.not_made == whole.quality.completeness.short_points == ()
+    assert whole.quality.completeness.not_completed == whole.quality.completeness.short_points == ()
     assert check(whole, "complete").grade == "good" and "incomplete" not in summary_text(whole)
 
 
@@ -61,10 +63,10 @@ def test_adaptive_speeds_that_are_not_decided_count_as_the_most_runs_that_may_fo
     with pytest.raises(KeyboardInterrupt):
         on_the_rig(quick_schedule(velocities=speeds), folder, report=interrupt)
     found = workflow.analyze(folder).quality.completeness
-    assert found.at_most and found.planned == len(found.not_made) + 3
+    assert found.at_most and found.planned == len(found.not_completed) + 3
     on_the_rig(quick_schedule(velocities=speeds), folder, resume=True)
     found = workflow.analyze(folder).quality.completeness
-    assert not found.at_most and found.not_made == ()
+    assert not found.at_most and found.not_completed == ()
 
 
 def test_a_schedule_that_can_not_be_read_leaves_the_plan_unknown_with_a_note(

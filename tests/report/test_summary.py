@@ -169,7 +169,7 @@ def test_fits_have_verdicts_of_their_own_and_leave_the_grade_of_the_data(small):
         assert changed.quality.grade == "good"
         assert "good" in quality_verdict(changed.quality)
         for text in (fits_verdict(changed), summary_text(changed), page_html(changed, ())):
-            assert "Tustin 0 of 4 determined, 4 " in text
+            assert "all parameters determined: Tustin 0 of 4" in text
         (written,) = json.loads(results_json(changed))["fit_verdicts"]
         assert written["fits"] == written[verdict.replace(" ", "_")] == 4
 
@@ -213,22 +213,22 @@ def accepted_all(results):
 def test_a_campaign_without_its_last_run_is_headed_as_incomplete(small):
     good = accepted_all(with_points(small, n=3))
     whole = with_plan(good)
-    assert whole.quality.completeness.not_made == ()
+    assert whole.quality.completeness.not_completed == ()
     assert {c.name: c for c in whole.quality.checks}["complete"].grade == "good"
     assert "incomplete" not in quality_verdict(whole.quality)
     last = good.runs[-1].run.plan.run
     cut = with_plan(good, missing={last})
     check = {c.name: c for c in cut.quality.checks}["complete"]
     assert (check.grade, check.count, check.of) == ("with care", 59, 60)
-    assert cut.quality.completeness.not_made == (last,)
+    assert cut.quality.completeness.not_completed == (last,)
     (point,) = cut.quality.completeness.short_points
     assert (point.accepted, point.planned) == (2, 3)
     for text in (summary_text(cut), page_html_as_is(cut)):
-        assert "incomplete: 1 of 60 planned runs was not made; 1 has fewer" in text
+        assert "incomplete: 1 of 60 planned runs was not completed; 1 has fewer" in text
         assert "--resume" in text
     assert "59 of 60" in {tile.value for tile in summary_section(cut).tiles}
     written = json.loads(results_json(cut))["quality"]["completeness"]
-    assert written["planned"] == 60 and written["not_made"] == [last]
+    assert written["planned"] == 60 and written["not_completed"] == [last]
 
 
 def test_a_point_whose_runs_were_all_rejected_counts_with_no_trial(small):

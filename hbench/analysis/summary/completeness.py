@@ -40,7 +40,7 @@ def completeness(runs: Iterable[ScreenedRun], planned: PlannedRuns | None) -> Co
     return Completeness(
         planned=None if planned is None else len(all_planned),
         at_most=planned is not None and bool(planned.undecided),
-        not_made=tuple(plan.run for plan in all_planned if plan.run not in completed),
+        not_completed=tuple(plan.run for plan in all_planned if plan.run not in completed),
         points=len(trials),
         short_points=tuple(short),
     )

@@ -74,9 +74,10 @@ def _checks(
 
 
 def _complete(complete: Completeness, planned: int) -> QualityCheck:
-    made = planned - len(complete.not_made)
+    made = planned - len(complete.not_completed)
     share = 100 * made / planned if planned else 100.0
-    grade: Grade = "good" if made == planned else "with care"
+    empty = any(point.accepted == 0 for point in complete.short_points)
+    grade: Grade = "good" if made == planned and not empty else "with care"
     return QualityCheck("complete", grade, share, "%", 100.0, None, made, planned)
 
 

@@ -81,19 +81,17 @@ def verdict_words(fit: Fit) -> str:
 
 def fits_verdict(results: Results) -> str:
     """Return the verdicts on the fits of each law in a sentence or two; empty without fits."""
-    laws = []
-    for law in results.fit_verdicts:
-        others = [
-            f"{count} {words}"
-            for count, words in (
-                (law.not_determined, "with undetermined parameters"),
-                (law.not_converged, "not converged"),
-            )
-            if count
-        ]
-        name = law_words(law.law)
-        laws.append(", ".join([f"{name} {law.determined} of {law.fits} determined", *others]))
-    return f"Fits: {'; '.join(laws)}." if laws else ""
+    verdicts = results.fit_verdicts
+    if not verdicts:
+        return ""
+    determined = (f"{law_words(law.law)} {law.determined} of {law.fits}" for law in verdicts)
+    failed = [
+        f"{law_words(law.law)} {law.not_converged} of {law.fits}"
+        for law in verdicts
+        if law.not_converged
+    ]
+    text = f"Fits with all parameters determined: {', '.join(determined)}."
+    return f"{text} Not converged: {', '.join(failed)}." if failed else text
 
 
 def selection_table(results: Results) -> Table:

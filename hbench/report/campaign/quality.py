@@ -21,7 +21,7 @@ _NAMES = {
     "instruments": "Instruments",
 }
 _LIMITS = {
-    "complete": "good if all planned runs were made",
+    "complete": "good if all planned runs were completed, and each point has a trial",
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
     "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
@@ -84,14 +84,14 @@ def quality_verdict(quality: Quality) -> str:
 
 
 def incomplete_words(complete: Completeness) -> str:
-    """Report planned runs that were not made and points without a trial; empty without any."""
-    missing, points = len(complete.not_made), complete.short_points
+    """Report planned runs that were not completed and points without a trial; empty without any."""
+    missing, points = len(complete.not_completed), complete.short_points
     none = sum(point.accepted == 0 for point in points)
     parts = []
     if missing:
         most = "at most " if complete.at_most else ""
         parts.append(
-            f"{most}{missing} of {complete.planned} planned runs {_were(missing)} not made"
+            f"{most}{missing} of {complete.planned} planned runs {_were(missing)} not completed"
         )
     if none:
         parts.append(f"{none} of {complete.points} points {_have(none)} no accepted trial")
@@ -100,7 +100,7 @@ def incomplete_words(complete: Completeness) -> str:
         parts.append(f"{few} {_have(few)} fewer accepted trials than planned")
     if not parts:
         return ""
-    resume = " `hbench run --resume` makes the missing runs." if missing else ""
+    resume = " Continue it with --resume." if missing else ""
     return f"The campaign is incomplete: {'; '.join(parts)}.{resume}"
 
 
@@ -119,7 +119,7 @@ def _contradictions(points: Sequence[ImplausiblePoint]) -> str:
 
 def _value(check: QualityCheck) -> str:
     if check.name == "complete":
-        return f"{check.count} of {check.of} planned runs were made"
+        return f"{check.count} of {check.of} planned runs were completed"
     if check.name == "runs_accepted":
         return f"{check.count} of {check.of}, {number(check.value)} %"
     if check.name == "trials_per_point":
