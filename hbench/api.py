@@ -186,7 +186,8 @@ def fit(
 ) -> FittedCurve:
     """Fit a law to friction [N] (n,) over velocity [m/s] (n,) of one direction.
 
-    ``law`` is "tustin" (3.2) or "marton_lantos" (3.3); ``bounds`` replace those of table 6.1.
+    ``law`` is "tustin" (3.2) or "marton_lantos" (3.3); ``bounds`` replace the default
+    ones: forces and B of table 6.1, v_s from the lowest to the highest of ``v_m_s``.
     Friction that opposes the motion has the velocity's sign. The result has the parameters with
     their intervals, ``covariance``, ``correlation``, a ``verdict``, and ``predict(v_m_s)``. Raises
     ``ConfigError``.

@@ -184,7 +184,7 @@ def estimate_parameters(
     the problem is that of the pseudo-values, which has the same solution.
     """
     inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
-    chosen = {name: value for name, value in how.bounds if name in law.names}
+    chosen = {name: value for name, value in how.bounds if name in law.names and value is not None}
     lower, upper = law.limits(inputs, {**chosen, **bounds})
     force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
     problem = Problem(
