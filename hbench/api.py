@@ -5,6 +5,7 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from hbench.analysis.fitting.fit import CURVE_LAWS, fit_law
+from hbench.analysis.fitting.prediction import predict_friction
 from hbench.config.bench import parse_bench
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
@@ -139,6 +141,37 @@ class Campaign:
         )
 
 
+@dataclass(frozen=True)
+class FittedCurve(Fit):
+    """Friction law fitted to points of one direction."""
+
+    direction: Direction = "extend"
+
+    def predict(self, v_m_s: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Return friction [N] and the half-width of its 95 % interval [N], in the shape of v_m_s.
+
+        ``v_m_s`` [m/s] has the sign of the fitted points. The half-width is t sqrt(c' V c) with the
+        parameters' covariance V, the derivatives c of friction by the parameters, and Student's t
+        (JCGM 102:2011, 6.2; JCGM 100:2008, G.3). It is that of the law, without the scatter of a
+        further measurement, and nan where the points do not determine it. A parameter at an active
+        bound counts as known. Outside of the fitted velocities friction is extrapolated: the
+        interval holds only if the law does. Raises ``ConfigError``.
+        """
+        v = np.asarray(v_m_s, dtype=float)
+        sign = 1.0 if self.direction == "extend" else -1.0
+        if not self.parameters:
+            raise ConfigError(f"predict: {self.message}", "Fit more points.")
+        if not np.isfinite(v).all() or (sign * v < 0).any() or (np.abs(v) > _FASTEST_M_S).any():
+            raise ConfigError(
+                f"predict: v_m_s must be finite numbers from 0 to {sign * _FASTEST_M_S:g} m/s, "
+                "with the sign of the fitted velocities"
+            )
+        inputs = np.full((3, v.size), np.nan)
+        inputs[0] = np.abs(v).ravel()
+        friction, half = predict_friction(CURVE_LAWS[self.law], self, inputs)
+        return sign * friction.reshape(v.shape), half.reshape(v.shape)
+
+
 def load(folder: str | Path, fit: str | Path | Mapping[str, Any] | None = None) -> Campaign:
     """Analyze a campaign as ``hbench analyze`` does, without writing anything.
 
@@ -158,11 +191,14 @@ def fit(
     friction_n: ArrayLike,
     law: str = "tustin",
     bounds: Mapping[str, tuple[float, float]] | None = None,
-) -> Fit:
+) -> FittedCurve:
     """Fit a law to friction [N] (n,) over velocity [m/s] (n,) of one direction.
 
-    ``law`` is "tustin" (3.2) or "marton_lantos" (3.3); ``bounds`` replace those of table 6.1.
-    Friction that opposes the motion has the velocity's sign. Raises ``ConfigError``.
+    ``law`` is "tustin" (3.2) or "marton_lantos" (3.3); ``bounds`` replace the default
+    ones: forces and B of table 6.1, v_s from the lowest to the highest of ``v_m_s``.
+    Friction that opposes the motion has the velocity's sign. The result has the parameters with
+    their intervals, ``covariance``, ``correlation``, a ``verdict``, and ``predict(v_m_s)``. Raises
+    ``ConfigError``.
     """
     v, friction = np.asarray(v_m_s, dtype=float), np.asarray(friction_n, dtype=float)
     if v.ndim != 1 or v.shape != friction.shape or not np.isfinite([v, friction]).all():
@@ -179,7 +215,9 @@ def fit(
     direction: Direction = "extend" if (v > 0).all() else "retract"
     points = tuple(_point(*pair) for pair in zip(v.tolist(), friction.tolist(), strict=True))
     curve = Curve("steady", direction, None, None, "", _UNKNOWN, points)
-    return fit_law(CURVE_LAWS[law], [curve], Fitting(), bounds)
+    found = fit_law(CURVE_LAWS[law], [curve], Fitting(), bounds)
+    known = {field.name: getattr(found, field.name) for field in fields(Fit)}
+    return FittedCurve(**known, direction=direction)
 
 
 def _point(v_m_s: float, friction_n: float) -> CurvePoint:

@@ -31,11 +31,16 @@ _rising = AfterValidator(_rises)
 
 
 class FitBounds(ConfigSection):
-    """Bounds of parameters, by their names in the results: table 6.1 of the source by default."""
+    """Bounds of parameters, by their names in the results.
+
+    Those of table 6.1 by default, except for the Stribeck velocity: the source set its bounds, 50
+    to 200 mm/s, after seeing the data of one bench.
+    """
 
     f_coulomb_n: Annotated[tuple[_Force, _Force], _rising] = (0.0, 1e5)
     f_stiction_n: Annotated[tuple[_Force, _Force], _rising] = (0.0, 1e5)
-    v_stribeck_m_s: Annotated[tuple[_Speed, _Speed], _rising] = (0.05, 0.2)
+    # None: from the lowest to the highest measured speed of the curve.
+    v_stribeck_m_s: Annotated[tuple[_Speed, _Speed], _rising] | None = None
     b_viscous_n_s_m: Annotated[tuple[_Slope, _Slope], _rising] = (0.0, 1e5)
     # From no decay to a decay over 2 mm/s, below the lowest steady speeds.
     k2_s_m: Annotated[tuple[_Rate, _Rate], _rising] = (-500.0, 0.0)

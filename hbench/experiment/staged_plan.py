@@ -5,17 +5,19 @@ part ends where the next speed needs friction; the board then waits with its val
 Friction is read from the campaign's own logs, so a resumed campaign continues in the same way.
 """
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import replace
 from pathlib import Path
 
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.screen import screen
+from hbench.analysis.summary.completeness import PlannedRuns
 from hbench.config.bench import Bench
 from hbench.config.schedule import Schedule
+from hbench.errors import HbenchError
 from hbench.experiment.plan import Plan, plan_runs
-from hbench.records import RunPlan
-from hbench.store.campaign.folder import load_campaign
+from hbench.records import RunPlan, ScreenedRun
+from hbench.store.campaign.folder import StoredCampaign, load_campaign
 
 
 def plan_parts(
@@ -37,6 +39,30 @@ def plan_parts(
             return
         yield Plan(runs, plan.undecided)
         done = done | set(runs)
+
+
+def planned_runs(
+    campaign: StoredCampaign, screened: Sequence[ScreenedRun]
+) -> tuple[PlannedRuns | None, tuple[str, ...]]:
+    """Return all runs of a campaign's plan, and a note where they are not known.
+
+    Adaptive speeds follow from the friction of the runs made so far. Imported campaigns have no
+    plan.
+    """
+    if campaign.imported:
+        return None, ()
+    friction = {
+        run.run.plan: run.means.friction_n if run.accepted and run.means else None
+        for run in screened
+    }
+    try:
+        schedule, bench = campaign.schedule(), campaign.bench()
+        if schedule is None or bench is None:
+            return None, ("the campaign contains no schedule: its planned runs are not known",)
+        plan = plan_runs(schedule, bench, schedule.name, friction)
+    except HbenchError as error:
+        return None, (f"the planned runs are not known: {error.message}",)
+    return PlannedRuns(plan.runs, campaign.done, plan.undecided), ()
 
 
 def _friction(

@@ -7,7 +7,9 @@ All quantities are SI; a field's name ends in its unit. Positive velocity extend
 cylinder; positive forces F_L and F_applied oppose extension.
 """
 
+import math
 from dataclasses import dataclass, field
+from itertools import combinations_with_replacement
 from typing import Any, Literal
 
 import numpy as np
@@ -247,6 +249,25 @@ class FitParameter:
     # 95 % intervals by method: linearised, profile (which ``ci95`` is), bootstrap if asked for.
     intervals: dict[str, tuple[FloatOrNan, FloatOrNan] | None] = field(default_factory=dict)
     disagree: bool = False  # whether these differ by much
+    wide: bool = False  # ci95 is wider than the value and than a tenth of its typical size
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data determines the parameter: no active bound, and an interval not wide."""
+        return self.at_bound is None and self.ci95 is not None and not self.wide
+
+
+@dataclass(frozen=True)
+class ParameterPair:
+    """Covariance of two fitted parameters; of a parameter with itself, its variance."""
+
+    parameter: str
+    with_parameter: str
+    covariance: FloatOrNan  # in the product of their units; None: not determined, or at a bound
+    correlation: FloatOrNan  # -1 to 1
+
+
+FitVerdict = Literal["determined", "not determined", "not converged"]
 
 
 @dataclass(frozen=True)
@@ -263,6 +284,47 @@ class Fit:
     line: tuple[tuple[float, float], ...] = ()
     # The same outside of them: down to rest, and somewhat above. Extrapolated, not measured.
     beyond: tuple[tuple[tuple[float, float], ...], ...] = ()
+    # Of each pair of parameters by their names, linearised; in the product of their units. None at
+    # an active bound, and where the data does not determine it.
+    covariance: dict[str, dict[str, FloatOrNan]] = field(default_factory=dict)
+    dof: int | None = None  # degrees of freedom of the covariance: points less parameters
+
+    @property
+    def correlation(self) -> dict[str, dict[str, FloatOrNan]]:
+        """Coefficients of correlation of each pair of parameters, -1 to 1 (JCGM 102, 3.21)."""
+        variance = {name: row[name] for name, row in self.covariance.items()}
+        return {
+            a: {
+                b: value / math.sqrt(variance[a] * variance[b])
+                if variance[a] * variance[b] > 0
+                else math.nan
+                for b, value in row.items()
+            }
+            for a, row in self.covariance.items()
+        }
+
+    @property
+    def covariances(self) -> tuple[ParameterPair, ...]:
+        """Covariance and correlation of each pair of parameters, each pair once."""
+        correlation = self.correlation
+        return tuple(
+            ParameterPair(a, b, self.covariance[a][b], correlation[a][b])
+            for a, b in combinations_with_replacement(self.covariance, 2)
+        )
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Names of the parameters that the data does not determine."""
+        return tuple(name for name, p in self.parameters.items() if not p.determined)
+
+    @property
+    def verdict(self) -> FitVerdict:
+        """Verdict on the fit; "not determined" if that is so for one parameter or more."""
+        if not self.parameters:
+            return "not determined"  # too few points
+        if not self.converged:
+            return "not converged"
+        return "not determined" if self.undetermined else "determined"
 
 
 @dataclass(frozen=True)
@@ -304,6 +366,11 @@ class Curve:
     def factor_values(self) -> dict[str, str]:
         """Value of each factor, such as a current or a lubricant, with its unit."""
         return dict(self.factors)
+
+    @property
+    def against_motion(self) -> float:
+        """Factor from the points' friction to friction against the motion, which is positive."""
+        return 1.0 if self.direction == "extend" else -1.0
 
     @property
     def over_velocity(self) -> bool:

@@ -1,6 +1,8 @@
 """Results of a campaign, the last product of the flow."""
 
+from collections import Counter
 from dataclasses import dataclass, field
+from itertools import chain
 
 from hbench.records.bands import Band, BandTrend, MotionBalance
 from hbench.records.flow import (
@@ -11,7 +13,7 @@ from hbench.records.flow import (
     ScreenedRun,
 )
 from hbench.records.motions import Motions
-from hbench.records.summary import Drift, Headline, Quality
+from hbench.records.summary import Drift, FitVerdicts, Headline, Quality
 
 
 @dataclass(frozen=True)
@@ -31,3 +33,21 @@ class Results:
     drift: Drift | None = None  # None where no point was measured twice at different times
     headline: Headline = field(kw_only=True)
     quality: Quality = field(kw_only=True)
+
+    @property
+    def fit_verdicts(self) -> tuple[FitVerdicts, ...]:
+        """Number of fits with each verdict, by law; joint fits included."""
+        of_laws: dict[str, Counter[str]] = {}
+        fits = chain((each.fits for each in self.curves), (each.fits for each in self.joint_fits))
+        for fit in chain.from_iterable(fits):
+            of_laws.setdefault(fit.law, Counter())[fit.verdict] += 1
+        return tuple(
+            FitVerdicts(
+                law=law,
+                fits=counts.total(),
+                determined=counts["determined"],
+                not_determined=counts["not determined"],
+                not_converged=counts["not converged"],
+            )
+            for law, counts in of_laws.items()
+        )

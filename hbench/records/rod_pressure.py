@@ -7,10 +7,18 @@ from typing import TypeVar
 
 from hbench.records.bands import Band, BandTrend
 from hbench.records.flow import Curve, EfficiencyCurve, RunPlan
-from hbench.records.summary import HeadlineSeries
+from hbench.records.summary import HeadlineSeries, ImplausiblePoint, PointTrials
 
 SeriesRecord = TypeVar(
-    "SeriesRecord", Band, BandTrend, Curve, EfficiencyCurve, RunPlan, HeadlineSeries
+    "SeriesRecord",
+    Band,
+    BandTrend,
+    Curve,
+    EfficiencyCurve,
+    RunPlan,
+    HeadlineSeries,
+    ImplausiblePoint,
+    PointTrials,
 )
 
 

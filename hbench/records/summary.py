@@ -33,8 +33,10 @@ class HeadlineSeries:
     p_lr_ref_pa: float | None
     a_ref_m_s2: float | None  # of a ramp
     v_m_s: float | None  # speed measured next to the working speed; None where none is near
-    friction_n: HeadlineNumber | None  # |F| at that speed
-    breakaway_n: HeadlineNumber | None  # |F| as the piston begins to slide
+    # Friction at that speed and as the piston begins to slide; positive against the motion, so that
+    # a negative value has the wrong sign.
+    friction_n: HeadlineNumber | None
+    breakaway_n: HeadlineNumber | None
     efficiency: HeadlineNumber | None  # at that speed; 1 is 100 %
 
 
@@ -82,22 +84,96 @@ class QualityCheck:
     """Grade of one property of the data against its limits."""
 
     name: Literal[
-        "runs_accepted", "trials_per_point", "repeatability", "drift", "instruments", "fits"
+        "complete",
+        "runs_accepted",
+        "trials_per_point",
+        "repeatability",
+        "drift",
+        "plausible_signs",
+        "instruments",
     ]
     grade: Grade
     value: float | None  # graded value; None: not known
-    unit: Literal["%", "trials"]  # of value and limits
+    unit: Literal["%", "trials", "points"]  # of value and limits
     good: float  # the limit of "good"
     poor: float | None  # beyond it "poor"; None: there is no such limit
-    count: int | None = None  # runs or fits that pass, where the value is their share
-    of: int | None = None  # among so many
-    law: str | None = None  # whose fits were graded
+    # Runs or points that the check counts, and among how many: runs completed or accepted, points
+    # without an accepted trial, points whose sign contradicts the motion beyond its interval.
+    count: int | None = None
+    of: int | None = None
     drift: Drift | None = None  # that was graded
 
 
 @dataclass(frozen=True)
+class PointTrials:
+    """Operating point of the plan, with its accepted trials."""
+
+    kind: KindName
+    label: str
+    direction: Direction
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+    a_ref_m_s2: float | None
+    v_ref_m_s: float
+    accepted: int  # trials
+    planned: int  # trials
+
+
+@dataclass(frozen=True)
+class Completeness:
+    """Comparison of a campaign's runs with its plan."""
+
+    planned: int | None  # runs; None: the plan is not known, as for imported logs
+    at_most: bool  # adaptive speeds, still to be measured, may need fewer runs than planned
+    not_completed: tuple[str, ...]  # planned runs without a log that ended as planned
+    points: int  # operating points of the plan, or of the runs where the plan is not known
+    # Points with fewer accepted trials than planned; three are enough. Every run of a point may
+    # have been rejected, or not made: it has 0.
+    short_points: tuple[PointTrials, ...]
+
+
+@dataclass(frozen=True)
+class ImplausiblePoint:
+    """Point of a curve with friction in the direction of motion, or an efficiency above 1."""
+
+    kind: KindName
+    label: str
+    direction: Direction
+    f_load_n: float | None
+    p_lr_ref_pa: float | None
+    a_ref_m_s2: float | None
+    v_m_s: float
+    quantity: Literal["friction_n", "efficiency"]
+    value: float  # friction [N], positive against the motion; or efficiency
+    u95: float | None  # half-width of its 95 % interval, with the instruments where they are known
+    beyond: bool  # whether the whole interval is implausible; without an interval, the value
+
+    @property
+    def where(self) -> tuple:
+        """Series and speed, which friction and efficiency of a point share."""
+        load = self.f_load_n, self.p_lr_ref_pa
+        return self.kind, self.label, self.direction, *load, self.a_ref_m_s2, self.v_m_s
+
+
+@dataclass(frozen=True)
 class Quality:
-    """Verdict on the data of a campaign: the worst grade of its checks."""
+    """Verdict on the data of a campaign: the worst grade of its checks.
+
+    Fits are not data: each has its own verdict.
+    """
 
     grade: Grade
     checks: tuple[QualityCheck, ...]
+    completeness: Completeness
+    implausible: tuple[ImplausiblePoint, ...]
+
+
+@dataclass(frozen=True)
+class FitVerdicts:
+    """Number of a law's fits with each verdict."""
+
+    law: str
+    fits: int
+    determined: int
+    not_determined: int  # with a parameter that the data does not determine
+    not_converged: int

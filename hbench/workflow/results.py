@@ -24,6 +24,7 @@ from hbench.analysis.uncertainty.monte_carlo import checked_by_monte_carlo
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import DataError
+from hbench.experiment.staged_plan import planned_runs
 from hbench.records import KINDS, Results, Run, ScreenedRun
 from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.tables import TABLES
@@ -126,15 +127,15 @@ def derive(
         )
     instruments = setup.instruments
     analysed = analyse_runs(screened, setup, how)
-    clock = RunClock.of(screened, campaign.start_times_s())
-    drift = friction_drift(analysed.steady, screened, clock)
-    steady = with_drift(analysed.steady, drift, clock)
-    curves = (*steady, *analysed.moving)
+    steady = analysed.steady
     efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
     checks: tuple[str, ...] = ()
     if monte_carlo:
         steady, efficiencies, checks = checked_by_monte_carlo(steady, efficiencies, instruments)
-        curves = (*steady, *analysed.moving)
+    clock = RunClock.of(screened, campaign.start_times_s())
+    drift = friction_drift(steady, screened, clock)
+    steady = with_drift(steady, drift, clock)
+    curves = (*steady, *analysed.moving)
     provenance = campaign.provenance()
     limitations = (
         *overdue(instruments, provenance.started),
@@ -142,6 +143,7 @@ def derive(
         *not_computed(screened, efficiencies, instruments),
     )
     bands = friction_bands(steady)
+    planned, unknown = planned_runs(campaign, screened)
     return Results(
         provenance=provenance,
         runs=screened,
@@ -150,7 +152,7 @@ def derive(
         bands=bands,
         notes=(
             *campaign.warnings,
-            *overdue(instruments, provenance.started),
+            *unknown,
             *limitations,
             *unfitted_curves(steady),
             *analysed.notes,
@@ -161,7 +163,7 @@ def derive(
         motion_balances=motion_balances(steady),
         drift=drift,
         headline=headline(curves, efficiencies),
-        quality=quality(screened, curves, drift),
+        quality=quality(screened, curves, efficiencies, planned, drift),
     )
 
 

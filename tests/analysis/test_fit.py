@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from hbench.analysis.fitting.fit import fits, unfitted_curves
-from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TABLE_6_1, tustin_friction
+from hbench.analysis.fitting.fit import fit_law, fits, unfitted_curves
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TABLE_6_1, TUSTIN_LAW, tustin_friction
+from hbench.config.fitting import Fitting
 from tests.support.analysis.fits import fit_tustin
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
@@ -97,6 +98,24 @@ def test_no_point_of_the_bounds_fits_better(make_curve, truth, seed):
     assert len(SPEEDS) * fit.rmse_n**2 <= grid_cost(friction) * (1 + 1e-9)
     for name, p in fit.parameters.items():
         assert TABLE_6_1[name][0] <= p.value <= TABLE_6_1[name][1]
+
+
+@pytest.mark.parametrize("v_stribeck", [0.015, 0.03, 0.07, 0.12])
+def test_by_default_the_bounds_of_the_stribeck_velocity_are_the_measured_speeds(
+    make_curve, v_stribeck
+):
+    """Table 6.1 would put a velocity of 30 mm/s on its bound of 50, with F_s 9 % too low."""
+    truth = np.array([80.0, 450.0, v_stribeck, 2500.0])
+    found = [
+        fit_law(TUSTIN_LAW, [make_curve(SPEEDS, noisy(seed, 0.1, truth))], Fitting())
+        for seed in range(10)
+    ]
+    assert np.median([values(fit) for fit in found], axis=0) == pytest.approx(truth, rel=0.1)
+    assert not any(fit.parameters["v_stribeck_m_s"].at_bound for fit in found)
+    steep = law(SPEEDS, 300, 535, 0.002, 2250)  # below the lowest speed
+    fit = fit_law(TUSTIN_LAW, [make_curve(SPEEDS, steep)], Fitting())
+    assert fit.parameters["v_stribeck_m_s"].value == SPEEDS[0]
+    assert fit.parameters["v_stribeck_m_s"].at_bound == "lower"
 
 
 def test_a_stribeck_speed_below_its_bound_is_flagged_in_plain_words(make_curve):

@@ -10,6 +10,7 @@ from hbench.analysis.fitting.information import (
     Information,
     covariance_of_all,
     identification_messages,
+    undetermined,
 )
 from hbench.analysis.fitting.tustin import TUSTIN_LAW, tustin_friction, tustin_jacobian
 from hbench.config.fitting import Fitting
@@ -24,28 +25,32 @@ def seen(speeds, p=TRUTH, sigma=1.0):
     return Information(TUSTIN_LAW, p, tustin_jacobian(speeds, p), sigma**2, scale, inputs)
 
 
+def messages_of(info):
+    return identification_messages(info, undetermined(info, 2.2))
+
+
 def test_low_speeds_alone_lack_those_above():
     (message,) = [
         one
-        for one in identification_messages(seen(np.linspace(0.005, 0.05, 15), sigma=3.0), 2.2)
+        for one in messages_of(seen(np.linspace(0.005, 0.05, 15), sigma=3.0))
         if "b_viscous" in one
     ]
     assert re.match(r"\w+ above 0\.05 m/s\b", message)
 
 
 def test_high_speeds_alone_lack_those_below():
-    messages = identification_messages(seen(np.linspace(0.1, 0.2, 15), sigma=3.0), 2.2)
+    messages = messages_of(seen(np.linspace(0.1, 0.2, 15), sigma=3.0))
     (message,) = [one for one in messages if "f_stiction_n" in one]
     assert re.match(r"\w+ below 0\.1 m/s\b", message)
 
 
 def test_speeds_over_the_whole_curve_lack_nothing():
-    assert identification_messages(seen(np.linspace(0.005, 0.2, 15)), 2.2) == []
+    assert messages_of(seen(np.linspace(0.005, 0.2, 15))) == []
 
 
 def test_without_a_stribeck_part_no_velocity_tells_its_speed():
     flat = np.array([300.0, 300.0, 0.1, 1000.0])
-    messages = identification_messages(seen(np.linspace(0.005, 0.2, 15), flat), 2.2)
+    messages = messages_of(seen(np.linspace(0.005, 0.2, 15), flat))
     (message,) = [one for one in messages if "v_stribeck" in one]
     assert " m/s" not in message
 
@@ -54,7 +59,7 @@ def test_the_point_that_is_named_narrows_the_interval_as_is_told():
     """Against the information matrix with that point's row in it."""
     speeds = np.linspace(0.005, 0.05, 15)
     one = seen(speeds, sigma=3.0)
-    (message,) = [m for m in identification_messages(one, 2.2) if "b_viscous" in m]
+    (message,) = [m for m in messages_of(one) if "b_viscous" in m]
     at, left = re.search(r" at (\S+) m/s\b.* (\d+) %", message).groups()
     more = seen(np.append(speeds, float(at)), sigma=3.0)._replace(scale=one.scale)
     ratio = np.sqrt(covariance_of_all(more)[3, 3] / covariance_of_all(one)[3, 3])

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from hbench.analysis.fitting.tustin import TABLE_6_1
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import ConfigError
@@ -15,9 +16,9 @@ def test_the_example_says_what_holds_without_a_file():
     assert parse_fitting(read_yaml(EXAMPLE), "fit.yaml") == Fitting()
 
 
-def test_bounds_are_those_of_table_6_1_in_si_and_can_be_edited_one_by_one():
-    assert Fitting().bounds.f_coulomb_n == (0.0, 1e5)
-    assert Fitting().bounds.v_stribeck_m_s == (0.05, 0.2)
+def test_bounds_are_those_of_table_6_1_but_for_the_stribeck_velocity_and_are_edited_one_by_one():
+    for name, bounds in TABLE_6_1.items():
+        assert getattr(Fitting().bounds, name) == (None if name == "v_stribeck_m_s" else bounds)
     edited = parse_fitting({"bounds": {"v_stribeck_m_s": ["10 mm/s", "0.3 m/s"]}}, "fit.yaml")
     assert edited.bounds.v_stribeck_m_s == pytest.approx((0.01, 0.3))
     assert edited.bounds.b_viscous_n_s_m == (0.0, 1e5)

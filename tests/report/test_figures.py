@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
 from matplotlib.image import imread
 
 from hbench.report.campaign.figures import efficiency, friction, pressure, rejected
@@ -71,6 +72,31 @@ def test_stribeck_points_are_the_records_in_mm_s_and_newton_with_their_intervals
     assert heights == pytest.approx([point.ci95_n for point in curve.points])
     assert len(axes.lines) - 3 * 2 == 2  # two fitted lines besides points and caps
     assert len(below.containers) == 2
+
+
+def test_both_friction_figures_have_the_band_of_trials_and_instruments(small):
+    """Beside the bars of the trials alone, which are much shorter."""
+
+    def known(point):
+        return replace(point, u95_n=200.0)
+
+    curves = tuple(replace(c, points=tuple(map(known, c.points))) for c in small.curves)
+    wide = replace(small, curves=curves)
+    for figures, bands in (
+        (friction.friction_magnitude(wide), 2),
+        (friction.signed_friction(wide), 4),
+    ):
+        for figure in figures.values():
+            drawn = [c for c in figure.axes[0].collections if isinstance(c, PolyCollection)]
+            assert len(drawn) == bands
+            assert "U (95 %)" in figure.get_supxlabel()
+    for band, curve in zip(drawn, friction.by_load(curves), strict=True):
+        ends = band.get_paths()[0].vertices[:, 1]
+        values = [point.friction_n for point in curve.points]
+        assert (min(ends), max(ends)) == pytest.approx((min(values) - 200, max(values) + 200))
+    without = friction.friction_magnitude(small)["extend"]
+    assert not any(isinstance(c, PolyCollection) for c in without.axes[0].collections)
+    assert "U (95 %)" not in without.get_supxlabel()
 
 
 def test_the_fitted_line_stays_inside_the_measured_speeds(small):

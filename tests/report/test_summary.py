@@ -1,16 +1,28 @@
 """The summary: friction at the working speed, breakaway, efficiency, and the data's quality."""
 
+import json
 import math
 from dataclasses import replace
 
 import pytest
 
+from hbench.analysis.summary.completeness import PlannedRuns
+from hbench.analysis.summary.quality import quality
 from hbench.records import FitParameter
+from hbench.report.campaign.fit_tables import fit_tables, fits_verdict
+from hbench.report.campaign.page import report_document
 from hbench.report.campaign.quality import quality_table, quality_verdict
+from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.summary import summary_section
+from hbench.report.campaign.terminal import summary_text
+from hbench.report.render.document import page
 from hbench.report.render.numbers import alike, number, with_interval
 from tests.support.analysis.drawn_seal import drawn_seal
-from tests.support.report.made_page import summarized
+from tests.support.report.made_page import page_html, summarized
+
+
+def page_html_as_is(results):
+    return page(report_document(results, ()))
 
 
 def series(results, speed_m_s=None):
@@ -135,15 +147,37 @@ def test_instruments_never_make_data_poor_but_may_ask_for_care(small, sigma, exp
     assert grade(small, "instruments") == "with care"  # not known
 
 
-def test_a_fit_with_a_parameter_on_its_bound_asks_for_care(small):
-    assert grade(small, "fits") == "with care"
-    assert grade(replace(small, curves=small.curves[1:]), "fits") == "good"
+def test_fits_have_verdicts_of_their_own_and_leave_the_grade_of_the_data(small):
+    good = with_points(small, n=3, sigma_instruments_n=5.0)
+    good = replace(good, runs=tuple(replace(run, reasons=()) for run in good.runs))
     loose = FitParameter(1.0, None, None, None, "N")
-    curves = tuple(
-        replace(c, fits=(replace(c.fits[0], parameters={"f_coulomb_n": loose}),))
-        for c in small.curves
-    )
-    assert grade(replace(small, curves=curves), "fits") == "poor"
+    wide = FitParameter(1.0, 2.0, (-3.0, 5.0), None, "N", wide=True)
+
+    def with_fits(**changes):
+        curves = tuple(replace(c, fits=(replace(c.fits[0], **changes),)) for c in good.curves)
+        return summarized(replace(good, curves=curves))
+
+    assert [curve.fits[0].verdict for curve in good.curves[:2]] == ["not determined", "determined"]
+    for changes, verdict in (
+        ({"parameters": {"f_coulomb_n": loose}}, "not determined"),
+        ({"parameters": {"f_coulomb_n": wide}}, "not determined"),
+        ({"parameters": {}}, "not determined"),
+        ({"converged": False}, "not converged"),
+    ):
+        changed = with_fits(**changes)
+        assert {curve.fits[0].verdict for curve in changed.curves} == {verdict}
+        assert changed.quality.grade == "good"
+        assert "good" in quality_verdict(changed.quality)
+        for text in (fits_verdict(changed), summary_text(changed), page_html(changed, ())):
+            assert "all parameters determined: Tustin 0 of 4" in text
+        (written,) = json.loads(results_json(changed))["fit_verdicts"]
+        assert written["fits"] == written[verdict.replace(" ", "_")] == 4
+
+
+def test_a_fits_table_names_the_parameters_that_are_not_determined(small):
+    table = fit_tables(small)["tustin"]
+    verdicts = [row[-1].text or row[-1].flag for row in table.rows]
+    assert verdicts == ["F_C not determined", "determined", "determined", "determined"]
 
 
 def test_the_verdict_is_the_worst_grade_and_its_sentence_has_the_checks_of_that_grade(small):
@@ -158,6 +192,112 @@ def test_the_verdict_is_the_worst_grade_and_its_sentence_has_the_checks_of_that_
     good = summarized(with_points(good, n=3)).quality
     assert good.grade == "good" and {check.grade for check in good.checks} == {"good"}
     assert f" {len(good.checks)} checks" in quality_verdict(good)
+
+
+def with_plan(results, missing=()):
+    """The results of a campaign whose plan has all its runs; those in ``missing`` were not made."""
+    plans = tuple(run.run.plan for run in results.runs)
+    runs = tuple(run for run in results.runs if run.run.plan.run not in missing)
+    planned = PlannedRuns(plans, frozenset(run.run.plan.run for run in runs))
+    return replace(
+        results,
+        runs=runs,
+        quality=quality(runs, results.curves, results.efficiency, planned),
+    )
+
+
+def accepted_all(results):
+    return replace(results, runs=tuple(replace(run, reasons=()) for run in results.runs))
+
+
+def test_a_campaign_without_its_last_run_is_headed_as_incomplete(small):
+    good = accepted_all(with_points(small, n=3))
+    whole = with_plan(good)
+    assert whole.quality.completeness.not_completed == ()
+    assert {c.name: c for c in whole.quality.checks}["complete"].grade == "good"
+    assert "incomplete" not in quality_verdict(whole.quality)
+    last = good.runs[-1].run.plan.run
+    cut = with_plan(good, missing={last})
+    check = {c.name: c for c in cut.quality.checks}["complete"]
+    assert (check.grade, check.count, check.of) == ("with care", 59, 60)
+    assert cut.quality.completeness.not_completed == (last,)
+    (point,) = cut.quality.completeness.short_points
+    assert (point.accepted, point.planned) == (2, 3)
+    for text in (summary_text(cut), page_html_as_is(cut)):
+        assert "incomplete: 1 of 60 planned runs was not completed; 1 has fewer" in text
+        assert "--resume" in text
+    assert "59 of 60" in {tile.value for tile in summary_section(cut).tiles}
+    written = json.loads(results_json(cut))["quality"]["completeness"]
+    assert written["planned"] == 60 and written["not_completed"] == [last]
+
+
+def test_a_point_whose_runs_were_all_rejected_counts_with_no_trial(small):
+    good = accepted_all(with_points(small, n=3))
+    *points, lost = good.curves[0].points
+    curve = replace(good.curves[0], points=tuple(points))
+    runs = tuple(
+        replace(run, reasons=("gapped: x",)) if run.run.plan.run in lost.runs else run
+        for run in good.runs
+    )
+    without = replace(good, runs=runs, curves=(curve, *good.curves[1:]))
+    for results in (summarized(without), with_plan(without)):  # imported; measured
+        check = {c.name: c for c in results.quality.checks}["trials_per_point"]
+        assert (check.value, check.count, check.grade) == (0, 1, "poor")
+        (point,) = results.quality.completeness.short_points
+        assert (point.accepted, point.v_ref_m_s) == (0, pytest.approx(lost.v_m_s))
+        verdict = quality_verdict(results.quality)
+        assert verdict.startswith("The campaign is incomplete: 1 of 20 points has no accepted")
+        assert "of the other points" in verdict and "do not rely" not in verdict
+        shown = summary_section(results).parts[-1].tables[1]
+        assert shown.rows[0][-1].text == "0 of 3"
+
+
+def with_friction(results, friction_n, half):
+    """The results with one friction against the motion, in the first point of each curve."""
+    curves = []
+    for curve in results.curves:
+        one, *rest = curve.points
+        value = curve.against_motion * friction_n
+        one = replace(one, friction_n=value, ci95_n=half, u95_n=None)
+        curves.append(replace(curve, points=(one, *rest)))
+    return replace(results, curves=tuple(curves))
+
+
+def test_friction_with_the_motion_is_negative_and_called_an_error_of_the_instruments(small):
+    known = with_points(small, n=3, sigma_instruments_n=5.0)
+    slowest = 1e3 * small.curves[0].points[0].v_m_s
+    wrong = summarized(with_friction(known, -10.2, 4.0), 1e-3 * slowest)
+    assert {one.friction_n.value for one in wrong.headline.series} == {-10.2}
+    check = checks(with_friction(known, -10.2, 4.0))["plausible_signs"]
+    assert (check.grade, check.value, check.count) == ("poor", 4, 4)
+    terminal = summary_text(wrong).replace("+-", "±").replace("-10", "−10")
+    for text in (terminal, page_html(wrong, ())):
+        assert "instruments, their zero or an area are in error" in text
+        assert f"extend, 500 N, {number(slowest)} mm/s: friction −10.2 ± 4.0 N" in text
+    written = json.loads(results_json(wrong))["quality"]["implausible"]
+    assert [(p["quantity"], p["value"], p["beyond"]) for p in written] == [
+        ("friction_n", -10.2, True)
+    ] * 4
+    within = with_friction(known, -10.2, 40.0)
+    assert grade(within, "plausible_signs") == "with care"
+    assert "in error" not in quality_verdict(summarized(within).quality)
+    assert grade(with_friction(known, 10.2, 4.0), "plausible_signs") == "good"
+
+
+@pytest.mark.parametrize(
+    "value,u95,expected", [(1.03, 0.02, "poor"), (1.03, 0.05, "with care"), (0.99, 0.02, "good")]
+)
+def test_an_efficiency_above_100_percent_is_implausible(small, value, u95, expected):
+    first, *others = small.efficiency
+    point = replace(first.points[0], efficiency=value, u95=u95)
+    curve = replace(first, points=(point, *first.points[1:]))
+    found = summarized(replace(small, efficiency=(curve, *others))).quality
+    assert {c.name: c for c in found.checks}["plausible_signs"].grade == expected
+    assert ("efficiency 103.0 ± 2.0 %" in quality_verdict(found)) == (expected == "poor")
+
+
+def test_a_range_with_a_negative_end_has_no_dash_that_looks_like_a_minus():
+    assert alike([-10.2, 600.0]) == "−10 to 600" and alike([10.0, 600.0]) == "10–600"
 
 
 def test_a_campaign_without_anything_is_poor_and_has_a_summary(small):

@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 import re
 from dataclasses import asdict, astuple, replace
 from unittest.mock import ANY
@@ -11,10 +12,12 @@ import pandas as pd
 import pytest
 
 from hbench.records import Results
+from hbench.report.campaign.fit_tables import correlation_table
 from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.tables import (
     band_trends_csv,
     bands_csv,
+    covariances_csv,
     curves_csv,
     efficiency_csv,
     fits_csv,
@@ -155,6 +158,33 @@ def test_fits_csv_has_a_row_for_each_parameter_and_names_the_active_bound(stribe
     assert bound["ci95_low"].isna().all()
 
 
+def test_covariances_are_in_json_csv_and_page_and_empty_at_a_bound(stribeck):
+    names = ("f_coulomb_n", "b_viscous_n_s_m")
+    covariance = {names[0]: {names[0]: 25.0, names[1]: -594.0}}
+    covariance[names[1]] = {names[0]: -594.0, names[1]: 14400.0}
+    unknown = {a: dict.fromkeys(names, math.nan) for a in names}
+    first, second, *others = stribeck.curves
+    changed = [
+        replace(curve, fits=(replace(curve.fits[0], covariance=matrix, dof=11),))
+        for curve, matrix in ((first, unknown), (second, covariance))
+    ]
+    made = replace(stribeck, curves=(*changed, *others))
+    table = read(covariances_csv(made))
+    assert table[["parameter", "with_parameter"]].values.tolist()[:3] == [
+        [names[0], names[0]], [names[0], names[1]], [names[1], names[1]]
+    ]  # fmt: skip
+    assert table["covariance"].isna().tolist() == [True] * 3 + [False] * 3
+    assert table["correlation"].tolist()[3:] == [1.0, pytest.approx(-0.99), 1.0]
+    assert table["unit"].tolist()[:3] == ["N * N", "N * N s/m", "N s/m * N s/m"]
+    fits = [curve["fits"][0] for curve in parsed(made)["curves"][:2]]
+    assert [pair["covariance"] for pair in fits[0]["covariances"]] == [None] * 3
+    assert fits[1]["covariances"][1]["correlation"] == pytest.approx(-0.99)
+    shown = correlation_table(made, "tustin")
+    assert shown.head[-1] == "corr(F_C, B)"
+    assert [row[-1].text for row in shown.rows] == ["−0.990"]
+    assert correlation_table(stribeck, "tustin").rows == ()
+
+
 def test_efficiency_csv_has_a_row_for_each_point(stribeck):
     assert len(read(efficiency_csv(stribeck))) == sum(len(c.points) for c in stribeck.efficiency)
 
@@ -224,7 +254,7 @@ def test_the_summary_shows_the_intervals_of_trials_and_instruments(stribeck):
 
     def cells(*points):
         curves = (replace(curve, points=tuple(points)),)
-        lines = summary_text(replace(stribeck, curves=curves)).splitlines()[3:5]
+        lines = summary_text(replace(stribeck, curves=curves)).partition("\n\n")[2].splitlines()[:2]
         return [re.split(r"  +", line)[3:6] for line in lines]
 
     head, found = cells(*points[:3])

@@ -216,7 +216,7 @@ def test_flat_out_waits_for_the_client_without_spinning():
     assert line.wall_s - 100.0 == pytest.approx(0.1 * waits)
 
 
-def test_simulated_time_follows_the_wall_and_a_stall_is_not_made_up():
+def test_simulated_time_follows_the_wall_and_a_stall_is_not_completed_up():
     line = ScriptedLine({5})
     assert run(line, WallClock(lambda: line.wall_s), 500) == pytest.approx(line.wall_s - 100.0)
     stalled = ScriptedLine({5}, stall={50: 30.0})

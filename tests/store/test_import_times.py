@@ -122,7 +122,7 @@ def test_resampling_is_stated_and_leaves_gaps_as_gaps(bring_in, rules):
     assert campaign.warnings == notes
 
 
-def test_samples_are_not_made_up(bring_in, rules):
+def test_samples_are_not_completed_up(bring_in, rules):
     rules["resample"] = "200 Hz"
     t = np.arange(0, 1, 0.01)
     with pytest.raises(DataError, match="resample = 200 Hz.*100 Hz"):

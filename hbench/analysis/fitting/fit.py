@@ -6,13 +6,18 @@ contains the truth when bounds are active, unlike the linearised one.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from hbench.analysis.fitting.fit_data import FitPoints, fit_points, sign
 from hbench.analysis.fitting.fittable_law import FittableLaw
-from hbench.analysis.fitting.information import Information, identification_messages
+from hbench.analysis.fitting.information import (
+    Information,
+    identification_messages,
+    undetermined,
+)
 from hbench.analysis.fitting.marton_lantos import TWO_LINES
 from hbench.analysis.fitting.messages import BEYOND, beyond_messages, bound_messages, disagreements
 from hbench.analysis.fitting.pressure_based import PRESSURE_BASED
@@ -128,7 +133,10 @@ def fit_law(
             law, solution.x, linearisation.jacobian, linearisation.noise, problem.scale, data.inputs
         )
         widths = [np.nan if ends is None else ends[1] - ends[0] for ends in intervals["profile"]]
-        messages += identification_messages(info, linearisation.factor, np.array(widths) / 2)
+        unknown = undetermined(info, linearisation.factor, np.array(widths) / 2)
+        for name, is_unknown in zip(law.names, unknown.tolist(), strict=True):
+            parameters[name] = replace(parameters[name], wide=is_unknown)
+        messages += identification_messages(info, unknown)
         messages += beyond_messages(info, linearisation.factor) if len(curves) == 1 else []
     line, beyond = _lines(law, curves, data, solution.x)
     return Fit(
@@ -139,7 +147,14 @@ def fit_law(
         message="; ".join(messages),
         line=line,
         beyond=beyond,
+        covariance=_by_names(law, linearisation.spread),
+        dof=freedom if freedom > 0 else None,
     )
+
+
+def _by_names(law: FittableLaw, matrix: np.ndarray) -> dict[str, dict[str, float]]:
+    rows = (dict(zip(law.names, row, strict=True)) for row in matrix.tolist())
+    return dict(zip(law.names, rows, strict=True))
 
 
 def _different(inputs: np.ndarray) -> int:
@@ -169,7 +184,7 @@ def estimate_parameters(
     the problem is that of the pseudo-values, which has the same solution.
     """
     inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
-    chosen = {name: value for name, value in how.bounds if name in law.names}
+    chosen = {name: value for name, value in how.bounds if name in law.names and value is not None}
     lower, upper = law.limits(inputs, {**chosen, **bounds})
     force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
     problem = Problem(

@@ -42,18 +42,22 @@ def covariance_of_all(info: Information) -> np.ndarray:
     return inverse * np.outer(info.scale, info.scale)
 
 
-def identification_messages(
+def undetermined(
     info: Information, factor: float, profiled: np.ndarray | None = None
-) -> list[str]:
-    """Return a sentence on each parameter that the data does not determine.
+) -> np.ndarray:
+    """Return which parameters (p,) bool have an interval too wide to be determined.
 
     ``factor`` is Student's; ``profiled`` (p,) are half-widths of the profile's intervals, which
     include nonlinearity: the wider of the two counts.
     """
-    spread = covariance_of_all(info)
-    half = factor * np.sqrt(np.diag(spread))
+    half = factor * np.sqrt(np.diag(covariance_of_all(info)))
     half = half if profiled is None else np.fmax(half, profiled)
-    unknown = (half > np.abs(info.x)) & (half > _PART * info.scale)
+    return (half > np.abs(info.x)) & (half > _PART * info.scale)
+
+
+def identification_messages(info: Information, unknown: np.ndarray) -> list[str]:
+    """Return a sentence on each parameter of ``unknown`` (p,) bool, from ``undetermined``."""
+    spread = covariance_of_all(info)
     return [_sentence(info, spread, i) for i in np.flatnonzero(unknown).tolist()]
 
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from hbench.analysis.fitting.fittable_law import FittableLaw
-from hbench.config.fitting import FitBounds
 from hbench.model.friction.formulas import stribeck_curve
 from hbench.records.friction_laws import FRICTION_LAWS
 
@@ -14,7 +13,10 @@ PARAMETER_NAMES = tuple(PARAMETER_UNITS)
 
 # The source's bounds, which it set after seeing its data, as it warns.
 TABLE_6_1: Mapping[str, tuple[float, float]] = {
-    name: getattr(FitBounds(), name) for name in PARAMETER_NAMES
+    "f_coulomb_n": (0.0, 1e5),
+    "f_stiction_n": (0.0, 1e5),
+    "v_stribeck_m_s": (0.05, 0.2),
+    "b_viscous_n_s_m": (0.0, 1e5),
 }
 
 
@@ -36,6 +38,16 @@ def _basis(inputs: np.ndarray, v_s: float) -> np.ndarray:
     return np.column_stack([1 - e, e, inputs[0]])
 
 
+def tustin_bounds(inputs: np.ndarray) -> Mapping[str, tuple[float, float]]:
+    """Return the bounds of table 6.1, but v_s between the lowest and the highest measured speed.
+
+    A decay below the lowest speed, or one that is nearly straight up to the highest, does not show
+    in the points (``inputs`` (3, n), as of ``FittableLaw``).
+    """
+    speed = inputs[0]
+    return {**TABLE_6_1, "v_stribeck_m_s": (float(speed.min()), float(speed.max()))}
+
+
 TUSTIN_LAW = FittableLaw(
     name="tustin",
     units=PARAMETER_UNITS,
@@ -43,6 +55,6 @@ TUSTIN_LAW = FittableLaw(
     jacobian=lambda inputs, p: tustin_jacobian(inputs[0], p),
     basis=_basis,
     nonlinear="v_stribeck_m_s",
-    bounds=lambda inputs: TABLE_6_1,
+    bounds=tustin_bounds,
     scale=lambda inputs, force: np.array([force, force, 0.2, force / inputs[0].max()]),
 )

@@ -18,9 +18,15 @@ from typing import Any, Literal
 import numpy as np
 
 from hbench.analysis.fitting.fit import fit_law, fit_pressure_based
+from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.fitting.marton_lantos import lines_from_tustin
 from hbench.analysis.fitting.over_curves import tustin_covariance, without_impossible_intervals
-from hbench.analysis.fitting.tustin import PARAMETER_NAMES, PARAMETER_UNITS, TABLE_6_1, TUSTIN_LAW
+from hbench.analysis.fitting.tustin import (
+    PARAMETER_NAMES,
+    PARAMETER_UNITS,
+    TUSTIN_LAW,
+    tustin_bounds,
+)
 from hbench.analysis.identification.friction_section import friction_section
 from hbench.analysis.identification.leuven import STEADY, fit_leuven
 from hbench.analysis.identification.lugre import UNKNOWNS, fit_lugre
@@ -131,7 +137,8 @@ def _tustin(curves: Sequence[Curve]) -> Fit:
     spread, dof = tustin_covariance(curves, fit)
     free = [bound is None for bound in bounds]
     linearised = fit_parameters(PARAMETER_UNITS, values, spread[np.ix_(free, free)], dof, bounds)
-    parameters, impossible = without_impossible_intervals(linearised, TABLE_6_1)
+    inputs = fit_points(curves).inputs
+    parameters, impossible = without_impossible_intervals(linearised, tustin_bounds(inputs))
     messages = [] if fit.converged else ["the search for the best fit did not converge"]
     messages += [*parameter_messages(linearised), *impossible]
     messages.append(

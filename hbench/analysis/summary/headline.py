@@ -63,7 +63,7 @@ def headline(
                 p_lr_ref_pa=original.p_lr_ref_pa,
                 a_ref_m_s2=curve.a_ref_m_s2,
                 v_m_s=None if point is None else abs(point.v_m_s),
-                friction_n=None if point is None else _friction(point),
+                friction_n=None if point is None else _friction(curve, point),
                 breakaway_n=_breakaway(curve, ramps),
                 efficiency=None if point is None else _efficiency(curve, point, efficiency),
             )
@@ -95,10 +95,13 @@ def _nearest(points: tuple[CurvePoint, ...], speed: float | None) -> CurvePoint 
     return nearest if abs(abs(nearest.v_m_s) - speed) <= V_TOLERANCE * speed else None
 
 
-def _friction(point: CurvePoint) -> HeadlineNumber:
+def _friction(curve: Curve, point: CurvePoint) -> HeadlineNumber:
+    """Return the friction against the motion; a wrong sign makes it negative."""
     se = stdev(point.trials_n) / math.sqrt(point.n) if len(point.trials_n) > 1 else None
     u95 = point.u95_n or point.ci95_n
-    return HeadlineNumber(abs(point.friction_n), u95, point.ci95_n, se, _basis(point))
+    return HeadlineNumber(
+        curve.against_motion * point.friction_n, u95, point.ci95_n, se, _basis(point)
+    )
 
 
 def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
@@ -108,7 +111,7 @@ def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
         first = min((abs(v) for fit in ramp.fits for v, _ in fit.line), default=None)
         slid = [p for p in ramp.points if first is not None and abs(p.v_m_s) >= first - 1e-9]
         if slid:
-            return _friction(slid[0])
+            return _friction(ramp, slid[0])
     for fit in curve.fits:
         stiction = fit.parameters.get("f_stiction_n")
         if stiction is None or stiction.ci95 is None or not fit.converged:

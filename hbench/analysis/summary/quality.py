@@ -1,19 +1,24 @@
 """Verdict on a campaign's data: a few checks, of which the worst counts.
 
-The limits are hbench's own; no standard sets them.
+Fits are not among them: good data at few speeds can leave a law's parameters undetermined. The
+limits are hbench's own; no standard sets them.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from statistics import median
 
+from hbench.analysis.summary.completeness import PlannedRuns, completeness
 from hbench.analysis.summary.drift import drift_checks
+from hbench.analysis.summary.plausibility import implausible_points
 from hbench.records import (
     KINDS,
+    Completeness,
     Curve,
     CurvePoint,
     Drift,
-    Fit,
+    EfficiencyCurve,
     Grade,
+    ImplausiblePoint,
     Quality,
     QualityCheck,
     ScreenedRun,
@@ -26,40 +31,60 @@ _ACCEPTED_GOOD, _ACCEPTED_POOR = 95.0, 80.0  # % of the runs
 _TRIALS_GOOD, _TRIALS_POOR = 3, 1  # of the point with the fewest
 _SCATTER_GOOD, _SCATTER_POOR = 5.0, 15.0  # half of the 95 % interval, % of friction, median
 _INSTRUMENTS_GOOD = 10.0  # half of the instruments' 95 % interval, % of friction, median
-_FITS_GOOD, _FITS_POOR = 100.0, 50.0  # % of the fits
 
 
 def quality(
-    runs: Iterable[ScreenedRun], curves: Iterable[Curve], drift: Drift | None = None
+    runs: Iterable[ScreenedRun],
+    curves: Iterable[Curve],
+    efficiency: Iterable[EfficiencyCurve] = (),
+    planned: PlannedRuns | None = None,
+    drift: Drift | None = None,
 ) -> Quality:
     """Return the checks that apply, and the worst of their grades.
 
-    Steady curves count; without any, all others do.
+    Steady curves count; without any, all others do. ``planned`` is None where the plan is not
+    known, as for imported logs.
     """
-    curves = tuple(curves)
+    runs, curves = tuple(runs), tuple(curves)
     chosen = [curve for curve in curves if KINDS[curve.kind].has_constant_speed] or list(curves)
-    checks = (*_checks(tuple(runs), chosen), *drift_checks(drift))
-    return Quality(max((check.grade for check in checks), key=GRADES.index), checks)
+    complete = completeness(runs, planned)
+    implausible = implausible_points(chosen, efficiency)
+    checks = (*_checks(runs, chosen, complete, implausible), *drift_checks(drift))
+    worst = max((check.grade for check in checks), key=GRADES.index)
+    return Quality(worst, checks, complete, implausible)
 
 
-def _checks(runs: tuple[ScreenedRun, ...], curves: list[Curve]) -> Iterator[QualityCheck]:
+def _checks(
+    runs: Sequence[ScreenedRun],
+    curves: Sequence[Curve],
+    complete: Completeness,
+    implausible: Sequence[ImplausiblePoint],
+) -> Iterator[QualityCheck]:
+    if complete.planned is not None:
+        yield _complete(complete, complete.planned)
     yield _runs_accepted(runs)
     points = [point for curve in curves for point in curve.points]
     if not points:
         return
-    yield _trials_per_point(points)
+    yield _trials_per_point(points, complete, {curve.kind for curve in curves})
     scatter = [100 * p.ci95_n / abs(p.friction_n) for p in points if p.ci95_n and p.friction_n]
     if scatter:
         value = median(scatter)
         grade = _grade(value, _SCATTER_GOOD, _SCATTER_POOR)
         yield QualityCheck("repeatability", grade, value, "%", _SCATTER_GOOD, _SCATTER_POOR)
+    yield _plausible_signs(implausible, len(points))
     yield _instruments(points)
-    fits = [curve.fits[0] for curve in curves if curve.fits]
-    if fits:
-        yield _fits(fits)
 
 
-def _runs_accepted(runs: tuple[ScreenedRun, ...]) -> QualityCheck:
+def _complete(complete: Completeness, planned: int) -> QualityCheck:
+    made = planned - len(complete.not_completed)
+    share = 100 * made / planned if planned else 100.0
+    empty = any(point.accepted == 0 for point in complete.short_points)
+    grade: Grade = "good" if made == planned and not empty else "with care"
+    return QualityCheck("complete", grade, share, "%", 100.0, None, made, planned)
+
+
+def _runs_accepted(runs: Sequence[ScreenedRun]) -> QualityCheck:
     accepted, total = sum(run.accepted for run in runs), len(runs)
     share = 100 * accepted / total if total else 0.0
     grade = _grade(-share, -_ACCEPTED_GOOD, -_ACCEPTED_POOR)
@@ -68,13 +93,37 @@ def _runs_accepted(runs: tuple[ScreenedRun, ...]) -> QualityCheck:
     )
 
 
-def _trials_per_point(points: list[CurvePoint]) -> QualityCheck:
-    fewest = min(point.n for point in points)
+def _trials_per_point(
+    points: Sequence[CurvePoint], complete: Completeness, kinds: set[str]
+) -> QualityCheck:
+    """Grade the fewest trials of a point; a point of the plan that no curve contains has none."""
+    empty = sum(
+        point.accepted == 0 and (point.kind in kinds or KINDS[point.kind].has_constant_speed)
+        for point in complete.short_points
+    )
+    fewest = 0 if empty else min(point.n for point in points)
     grade = _grade(-fewest, -_TRIALS_GOOD, -_TRIALS_POOR - 1)
-    return QualityCheck("trials_per_point", grade, fewest, "trials", _TRIALS_GOOD, _TRIALS_POOR)
+    return QualityCheck(
+        "trials_per_point",
+        grade,
+        fewest,
+        "trials",
+        _TRIALS_GOOD,
+        _TRIALS_POOR,
+        empty,
+    )
 
 
-def _instruments(points: list[CurvePoint]) -> QualityCheck:
+def _plausible_signs(implausible: Sequence[ImplausiblePoint], points: int) -> QualityCheck:
+    """Grade the number of points with an implausible sign; beyond their interval they are poor."""
+
+    number = len({point.where for point in implausible})
+    beyond = len({point.where for point in implausible if point.beyond})
+    grade: Grade = "poor" if beyond else "with care" if number else "good"
+    return QualityCheck("plausible_signs", grade, number, "points", 0, None, beyond, points)
+
+
+def _instruments(points: Sequence[CurvePoint]) -> QualityCheck:
     halves = [
         100 * NORMAL_95 * p.sigma_instruments_n / abs(p.friction_n)
         for p in points
@@ -84,17 +133,6 @@ def _instruments(points: list[CurvePoint]) -> QualityCheck:
     known_good = value is not None and value <= _INSTRUMENTS_GOOD
     grade: Grade = "good" if known_good else "with care"
     return QualityCheck("instruments", grade, value, "%", _INSTRUMENTS_GOOD, None)
-
-
-def _fits(fits: list[Fit]) -> QualityCheck:
-    sound = sum(
-        fit.converged and all(p.at_bound is None and p.ci95 for p in fit.parameters.values())
-        for fit in fits
-    )
-    total = len(fits)
-    grade: Grade = "good" if sound == total else "with care" if sound >= total / 2 else "poor"
-    share, law = 100 * sound / total, fits[0].law
-    return QualityCheck("fits", grade, share, "%", _FITS_GOOD, _FITS_POOR, sound, total, law)
 
 
 def _grade(value: float, good: float, poor: float) -> Grade:

@@ -2,12 +2,14 @@
 
 import math
 import re
+from dataclasses import replace
+from itertools import combinations
 
 from hbench.records import Fit, FitParameter, Results, Selection
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who, who_text
-from hbench.report.render.numbers import significant, with_ends
+from hbench.report.render.numbers import number, significant, with_ends
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -16,14 +18,7 @@ _ALL = "all loads and directions"
 
 def fit_tables(results: Results) -> dict[str, Table]:
     """Return a table of parameters for each law, with its messages below."""
-    fits = [
-        (who(c), who_text(c), fit)
-        for c in without_common_rod_pressure(results.curves)
-        for fit in c.fits
-    ]
-    for joint in results.joint_fits:
-        series = ", ".join(filter(None, (joint.label, _ALL)))
-        fits += [((joint.label, "", _ALL, "all", ""), series, fit) for fit in joint.fits]
+    fits = _fits(results)
     tables = {}
     for law in dict.fromkeys(fit.law for _, _, fit in fits):
         chosen = [row for row in fits if row[2].law == law]
@@ -33,7 +28,7 @@ def fit_tables(results: Results) -> dict[str, Table]:
         rows: list[tuple[str | Cell, ...]] = []
         for columns, _, fit in chosen:
             cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
-            rows.append((*columns, *cells, _residual_cell(fit)))
+            rows.append((*columns, *cells, significant(fit.rmse_n, 3), _verdict_cell(fit)))
         curves_of: dict[str, list[str]] = {}
         for _, series, fit in chosen:
             if fit.message:
@@ -41,8 +36,62 @@ def fit_tables(results: Results) -> dict[str, Table]:
         messages = [
             f"{'; '.join(series)}: {in_words(message)}" for message, series in curves_of.items()
         ]
-        tables[law] = table((*WHO, *heads, "RMS residual (N)"), rows, messages)
+        head = (*WHO, *heads, "RMS residual (N)", "Verdict")
+        tables[law] = table(head, rows, messages, words=("Verdict",))
     return tables
+
+
+def correlation_table(results: Results, law: str) -> Table:
+    """Return the correlation of each pair of a law's parameters; no rows where none is known."""
+    rows: list[tuple[str, ...]] = []
+    pairs: list[tuple[str, str]] = []
+    for columns, _, fit in _fits(results):
+        known = [value for row in fit.correlation.values() for value in row.values()]
+        if fit.law == law and any(map(math.isfinite, known)):
+            pairs = list(combinations(fit.covariance, 2))
+            correlation = fit.correlation
+            rows.append((*columns, *(number(correlation[a][b], 3) for a, b in pairs)))
+    heads = (f"corr({_symbol(a)}, {_symbol(b)})" for a, b in pairs)
+    return replace(table((*WHO, *heads), rows), title="Correlation of the parameters")
+
+
+def _fits(results: Results) -> list[tuple[tuple[str, ...], str, Fit]]:
+    """Return each fit with its series in the columns ``WHO`` and as text."""
+    fits = [
+        (who(c), who_text(c), fit)
+        for c in without_common_rod_pressure(results.curves)
+        for fit in c.fits
+    ]
+    for joint in results.joint_fits:
+        series = ", ".join(filter(None, (joint.label, _ALL)))
+        fits += [((joint.label, "", _ALL, "all", ""), series, fit) for fit in joint.fits]
+    return fits
+
+
+def _symbol(name: str) -> str:
+    return PARAMETERS[name].symbol if name in PARAMETERS else name
+
+
+def verdict_words(fit: Fit) -> str:
+    """Write a fit's verdict, such as ``F_C, v_s not determined``."""
+    if fit.verdict != "not determined" or not fit.undetermined:
+        return fit.verdict
+    return f"{', '.join(map(_symbol, fit.undetermined))} not determined"
+
+
+def fits_verdict(results: Results) -> str:
+    """Return the verdicts on the fits of each law in a sentence or two; empty without fits."""
+    verdicts = results.fit_verdicts
+    if not verdicts:
+        return ""
+    determined = (f"{law_words(law.law)} {law.determined} of {law.fits}" for law in verdicts)
+    failed = [
+        f"{law_words(law.law)} {law.not_converged} of {law.fits}"
+        for law in verdicts
+        if law.not_converged
+    ]
+    text = f"Fits with all parameters determined: {', '.join(determined)}."
+    return f"{text} Not converged: {', '.join(failed)}." if failed else text
 
 
 def selection_table(results: Results) -> Table:
@@ -106,5 +155,6 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
     return Cell(text, flag if parameter.at_bound is None else f"at {parameter.at_bound} bound")
 
 
-def _residual_cell(fit: Fit) -> Cell:
-    return Cell(significant(fit.rmse_n, 3), "" if fit.converged else "not converged")
+def _verdict_cell(fit: Fit) -> Cell:
+    words = verdict_words(fit)
+    return Cell(words) if fit.verdict == "determined" else Cell("", words)

@@ -6,7 +6,12 @@ from dataclasses import replace
 from hbench.records import KINDS, Results
 from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
-from hbench.report.campaign.fit_tables import fit_tables, law_words, selection_table
+from hbench.report.campaign.fit_tables import (
+    correlation_table,
+    fit_tables,
+    law_words,
+    selection_table,
+)
 from hbench.report.campaign.method import method_section
 from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.settings import settings_section
@@ -98,7 +103,9 @@ def _fits(results: Results) -> tuple[Section, ...]:
     sections = []
     subsections: list[Section] = []
     for law, table in fit_tables(results).items():
-        subsections.append(Section(law_words(law), tables=(table,)))
+        correlations = correlation_table(results, law)
+        tables = (table, correlations) if correlations.rows else (table,)
+        subsections.append(Section(law_words(law), tables=tables))
         if len(table.messages) > _FEW:
             text = f"Remarks on these fits ({len(table.messages)})"
             subsections.append(Section(text, items=table.messages, folded=True))
@@ -107,7 +114,8 @@ def _fits(results: Results) -> tuple[Section, ...]:
     if subsections:
         text = (
             "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
-            "side. A parameter without an interval was not determined by these points."
+            "side. A parameter without an interval was not determined by these points. Correlated "
+            "parameters do not vary by themselves: covariances.csv contains their covariances."
         )
         sections.append(
             Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")

@@ -6,8 +6,6 @@ from statistics import stdev
 
 from hbench.records import (
     Curve,
-    EfficiencyCurve,
-    HeadlineSeries,
     PressureLine,
     Results,
     RunPlan,
@@ -15,7 +13,7 @@ from hbench.records import (
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import code_of
-from hbench.report.campaign.series_words import kind_words, load_words
+from hbench.report.campaign.series_words import AnySeries, kind_words, load_words
 from hbench.report.render.numbers import force, number, significant, span, with_interval
 from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Cell, Table
@@ -263,7 +261,7 @@ def table(
     )
 
 
-def who(curve: Curve | EfficiencyCurve | HeadlineSeries | RunPlan) -> tuple[str, ...]:
+def who(curve: AnySeries) -> tuple[str, ...]:
     """Return the identification of a curve, in the columns ``WHO``."""
     load = force(curve.f_load_n).removesuffix(" N")
     direction = TITLES[curve.direction].lower()

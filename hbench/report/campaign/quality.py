@@ -1,75 +1,166 @@
-"""The verdict on a campaign's data in words: its checks as a table and as a sentence."""
+"""The verdict on a campaign's data in words: its checks as tables and as a sentence."""
 
-from hbench.records import Quality, QualityCheck
-from hbench.report.campaign.fit_tables import law_words
+from collections.abc import Sequence
+
+from hbench.records import Completeness, ImplausiblePoint, PointTrials, Quality, QualityCheck
+from hbench.report.campaign.page_tables import WHO, table, who
+from hbench.report.campaign.series_words import load_words
 from hbench.report.drift import drift_words
-from hbench.report.render.numbers import number
+from hbench.report.render.numbers import number, with_interval
 from hbench.report.render.word_tables import Cell, Table
 
 RULE = (
     "Each check is good, to be used with care, or poor; the verdict is the worst of them. The "
-    "limits are hbench's own; no standard sets them."
+    "limits are hbench's own; no standard sets them. Each fit has its own verdict."
 )
 _NAMES = {
+    "complete": "Complete",
     "runs_accepted": "Runs accepted",
     "trials_per_point": "Trials per point",
     "repeatability": "Repeatability",
     "drift": "Drift",
+    "plausible_signs": "Plausible signs",
     "instruments": "Instruments",
-    "fits": "Fits",
 }
 _LIMITS = {
+    "complete": "good if all planned runs were completed, and each point has a trial",
     "runs_accepted": "good from {good:g} %, poor below {poor:g} %",
-    "trials_per_point": "good from {good:g}, poor with {poor:g}",
+    "trials_per_point": "good from {good:g}, poor with {poor:g} or none",
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
     "drift": "good to {good:g} % or not significant; poor above {poor:g} % if not separated from "
     "speed",
+    "plausible_signs": "good without such points, poor if one is so beyond its interval",
     "instruments": "good to {good:g} %; above, the level is uncertain, differences less so",
-    "fits": "good if all, poor below half",
 }
 _HEAD = ("Check", "Verdict", "Found", "Limits")
+_NAMED = 3  # points in a sentence
+_WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
 
 
 def quality_table(quality: Quality) -> Table:
     """Return a row for each check."""
     rows = tuple(
-        (Cell(_name(check)), _grade(check), Cell(_value(check)), Cell(_limits(check)))
+        (Cell(_NAMES[check.name]), _grade(check), Cell(_value(check)), Cell(_limits(check)))
         for check in quality.checks
     )
     return Table(_HEAD, rows, frozenset(_HEAD))
 
 
+def short_point_table(points: Sequence[PointTrials]) -> Table:
+    """Return the operating points with fewer accepted trials than planned."""
+    rows = [
+        (*who(point), number(1e3 * point.v_ref_m_s), f"{point.accepted} of {point.planned}")
+        for point in points
+    ]
+    return table((*WHO, "Reference (mm/s)", "Accepted trials"), rows)
+
+
+def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
+    """Return the points whose friction or efficiency has an implausible sign."""
+    rows = [
+        (
+            *who(point),
+            number(1e3 * point.v_m_s, 2),
+            _measured(point),
+            "beyond its interval" if point.beyond else "within its interval",
+        )
+        for point in points
+    ]
+    return table((*WHO, "Velocity (mm/s)", "Measured", "Remark"), rows, words=("Measured",))
+
+
 def quality_verdict(quality: Quality) -> str:
-    """Return the verdict as a sentence or two."""
-    if quality.grade == "good":
-        return f"The data is good: all {len(quality.checks)} checks of its quality pass."
+    """Return the verdict in a few sentences; an incomplete campaign is reported first."""
     worst = [check for check in quality.checks if check.grade == quality.grade]
-    reasons = "; ".join(f"{_name(check).lower()}: {_value(check)}" for check in worst)
-    if quality.grade == "poor":
-        return f"The data is poor; do not rely on the numbers below. {_capital(reasons)}."
-    return f"Use the data with care. {_capital(reasons)}."
+    incomplete = incomplete_words(quality.completeness)
+    reasons = _capital(
+        "; ".join(f"{_NAMES[check.name].lower()}: {_value(check)}" for check in worst)
+    )
+    if quality.grade == "good":
+        verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
+    elif quality.grade == "with care":
+        verdict = f"Use the data with care. {reasons}."
+    elif all(check.name == "trials_per_point" and check.value == 0 for check in worst):
+        verdict = f"The data is poor. {reasons}. The numbers below are those of the other points."
+    else:
+        verdict = f"The data is poor; do not rely on the numbers below. {reasons}."
+    return " ".join(filter(None, (incomplete, verdict, _contradictions(quality.implausible))))
 
 
-def _name(check: QualityCheck) -> str:
-    name = _NAMES[check.name]
-    return name if check.law is None else f"{name}, {law_words(check.law)}"
+def incomplete_words(complete: Completeness) -> str:
+    """Report planned runs that were not completed and points without a trial; empty without any."""
+    missing, points = len(complete.not_completed), complete.short_points
+    none = sum(point.accepted == 0 for point in points)
+    parts = []
+    if missing:
+        most = "at most " if complete.at_most else ""
+        parts.append(
+            f"{most}{missing} of {complete.planned} planned runs {_were(missing)} not completed"
+        )
+    if none:
+        parts.append(f"{none} of {complete.points} points {_have(none)} no accepted trial")
+    few = len(points) - none
+    if parts and few:
+        parts.append(f"{few} {_have(few)} fewer accepted trials than planned")
+    if not parts:
+        return ""
+    resume = " Continue it with --resume." if missing else ""
+    return f"The campaign is incomplete: {'; '.join(parts)}.{resume}"
+
+
+def _contradictions(points: Sequence[ImplausiblePoint]) -> str:
+    """Report the points whose sign contradicts the motion beyond its interval, by name."""
+    beyond = [point for point in points if point.beyond]
+    if not beyond:
+        return ""
+    named = [f"{_where(point)}: {_measured(point)}" for point in beyond[:_NAMED]]
+    more = [f"{len(beyond) - _NAMED} more"] if len(beyond) > _NAMED else []
+    return (
+        "The instruments, their zero or an area are in error, since friction opposes the motion: "
+        f"{'; '.join([*named, *more])}."
+    )
 
 
 def _value(check: QualityCheck) -> str:
+    if check.name == "complete":
+        return f"{check.count} of {check.of} planned runs were completed"
     if check.name == "runs_accepted":
         return f"{check.count} of {check.of}, {number(check.value)} %"
     if check.name == "trials_per_point":
+        if check.value == 0:
+            return f"none at {check.count} {_points(check.count)}"
         single = check.value == check.poor
         return "a point has one trial only, so no interval" if single else f"at least {check.value}"
     if check.name == "repeatability":
         return f"95 % interval of the trials is ±{number(check.value)} % of friction (median)"
     if check.drift is not None:
         return drift_words(check.drift)
-    if check.name == "fits":
-        return f"{check.count} of {check.of} converged with every parameter determined"
+    if check.name == "plausible_signs":
+        return _signs(check)
     if check.value is None:
         return "tolerances are not known"
     return f"95 % interval of the instruments is ±{number(check.value)} % of friction (median)"
+
+
+def _signs(check: QualityCheck) -> str:
+    if not check.value:
+        return "friction opposes the motion at all points"
+    if not check.count:
+        return f"at {check.value} of {check.of} points {_WRONG_SIGN}, within the interval"
+    return f"at {check.count} of {check.of} points {_WRONG_SIGN}, beyond the interval"
+
+
+def _where(point: ImplausiblePoint) -> str:
+    load = load_words(point.f_load_n, None)
+    speed = f"{number(1e3 * abs(point.v_m_s))} mm/s"
+    return ", ".join(filter(None, (point.label, point.direction, load, speed)))
+
+
+def _measured(point: ImplausiblePoint) -> str:
+    if point.quantity == "friction_n":
+        return f"friction {with_interval(point.value, point.u95)} N"
+    half = None if point.u95 is None else 100 * point.u95
+    return f"efficiency {with_interval(100 * point.value, half)} %"
 
 
 def _limits(check: QualityCheck) -> str:
@@ -82,3 +173,15 @@ def _grade(check: QualityCheck) -> Cell:
 
 def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
+
+
+def _were(count: int) -> str:
+    return "was" if count == 1 else "were"
+
+
+def _have(count: int) -> str:
+    return "has" if count == 1 else "have"
+
+
+def _points(count: int | None) -> str:
+    return "point" if count == 1 else "points"

@@ -62,7 +62,7 @@ LAYOUTS: Layouts = {
         **{name: f"motions.{name}" for name in ("comparisons", "loops", "levels")},
         "leakage": "motions.leakages",
         "surfaces": "motions.surfaces",
-        **keys("drift", "headline", "quality", "notes"),
+        **keys("drift", "headline", "quality", "fit_verdicts", "notes"),
     },
     ScreenedRun: {
         "run": "run.plan.run",
@@ -80,7 +80,13 @@ LAYOUTS: Layouts = {
         "factors": "factor_values",
         **keys("specimen", "points", "fits", "selection"),
     },
-    Fit: all_fields(Fit, without=("line", "beyond")),
+    Fit: all_fields(
+        Fit,
+        without=("line", "beyond", "covariance"),
+        covariances="covariances",
+        verdict="verdict",
+        undetermined="undetermined",
+    ),
     Selection: {
         **keys("laws", "difference_n2", "difference_se_n2"),
         "told_apart": "distinguishable",

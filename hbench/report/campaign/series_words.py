@@ -1,8 +1,22 @@
 """Load and kind of a series of runs in words."""
 
-from hbench.records import KINDS, Curve, EfficiencyCurve, HeadlineSeries, RunPlan
+from typing import TypeAlias
+
+from hbench.records import (
+    KINDS,
+    Curve,
+    EfficiencyCurve,
+    HeadlineSeries,
+    ImplausiblePoint,
+    PointTrials,
+    RunPlan,
+)
 from hbench.report.render.numbers import force, short
 from hbench.units import from_si
+
+AnySeries: TypeAlias = (
+    Curve | EfficiencyCurve | HeadlineSeries | ImplausiblePoint | PointTrials | RunPlan
+)
 
 
 def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:
@@ -13,7 +27,7 @@ def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:
     return ", ".join(references)
 
 
-def kind_words(series: Curve | EfficiencyCurve | HeadlineSeries | RunPlan) -> str:
+def kind_words(series: AnySeries) -> str:
     """Write a kind of experiment, such as ``ramp 0.1 m/s²``; empty for steady runs."""
     kind = KINDS[series.kind]
     if kind.is_ramp and series.a_ref_m_s2 is not None:

@@ -2,12 +2,19 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterable
+from dataclasses import replace
 from statistics import median_low
 
 from hbench.records import KINDS, Drift, HeadlineNumber, HeadlineSeries, Results
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
+from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.page_tables import WHO, table, who
-from hbench.report.campaign.quality import RULE, quality_table
+from hbench.report.campaign.quality import (
+    RULE,
+    implausible_table,
+    quality_table,
+    short_point_table,
+)
 from hbench.report.drift import drift_advice, drift_table, drift_words
 from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import alike, number, significant, span, with_interval
@@ -27,14 +34,14 @@ def summary_section(results: Results) -> Section:
     folded = True if len(series) > _LONG else None
     return Section(
         "Summary",
-        paragraphs=(_measured(results),),
+        paragraphs=tuple(filter(None, (_measured(results), fits_verdict(results)))),
         tiles=tuple(_tiles(results)),
         parts=(
             *([Section("Each direction and load", tables=tables, folded=folded)] if tables else []),
             Section(
                 "Quality of the data",
                 (RULE,),
-                tables=(quality_table(results.quality),),
+                tables=_quality_tables(results),
                 anchor="quality",
             ),
             *_drift(results.drift),
@@ -51,6 +58,19 @@ def _drift(drift: Drift | None) -> Iterable[Section]:
         )
 
 
+def _quality_tables(results: Results) -> tuple[Table, ...]:
+    short = results.quality.completeness.short_points
+    implausible = results.quality.implausible
+    if not differs_in_rod_pressure(results.curves):
+        short, implausible = without_rod_pressure(short), without_rod_pressure(implausible)
+    details = (
+        ("Points without enough trials", short_point_table(short)),
+        ("Implausible signs", implausible_table(implausible)),
+    )
+    titled = (replace(each, title=title) for title, each in details if each.rows)
+    return (quality_table(results.quality), *titled)
+
+
 def _tiles(results: Results) -> Iterable[Tile]:
     series = results.headline.series
     speeds = [each.v_m_s for each in series if each.v_m_s is not None]
@@ -61,7 +81,11 @@ def _tiles(results: Results) -> Iterable[Tile]:
     yield from _tile([each.efficiency for each in series], 100.0, "%", caption, "efficiency")
     yield from _band_tiles(results)
     accepted = sum(run.accepted for run in results.runs)
-    yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
+    planned = results.quality.completeness.planned
+    if planned is None:
+        yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
+    else:
+        yield Tile(f"{accepted} of {planned}", "planned runs", "accepted")
     checks = results.quality.checks
     good = sum(check.grade == "good" for check in checks)
     caption = f"data: {good} of {len(checks)} checks are good"

@@ -3,7 +3,7 @@
 What else was varied, the factors of imported runs, has a column each.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -34,16 +34,37 @@ def fits_csv(results: Results) -> str:
 
     A law of all loads has no direction and no load.
     """
-    rows: list[tuple[Factors, CsvRow]] = [
-        (curve.factors, parameter)
-        for curve in results.curves
-        for fit in curve.fits
-        for parameter in _fit_rows(_series(curve), fit)
-    ]
+    rows = (
+        (factors, parameter)
+        for factors, series, fit in _all_fits(results)
+        for parameter in _fit_rows(series, fit)
+    )
+    return _csv(_FIT_COLUMNS, rows)
+
+
+def covariances_csv(results: Results) -> str:
+    """Return one row a pair of fitted parameters: their covariance and correlation.
+
+    A pair of a parameter with itself has its variance. The covariance is empty at an active bound,
+    and where the data does not determine a parameter.
+    """
+    rows = (
+        (factors, pair)
+        for factors, series, fit in _all_fits(results)
+        for pair in _covariance_rows(series, fit)
+    )
+    return _csv(_COVARIANCE_COLUMNS, rows)
+
+
+def _all_fits(results: Results) -> Iterator[tuple[Factors, CsvRow, Fit]]:
+    """Yield the fits of curves, then those of all loads, with their factors and series."""
+    for curve in results.curves:
+        for fit in curve.fits:
+            yield curve.factors, _series(curve), fit
     for joint in results.joint_fits:
         series = dict.fromkeys(SERIES) | {"kind": joint.kind, "label": joint.label}
-        rows += [((), parameter) for fit in joint.fits for parameter in _fit_rows(series, fit)]
-    return _csv(_FIT_COLUMNS, rows)
+        for fit in joint.fits:
+            yield (), series, fit
 
 
 def _csv(columns: tuple[str, ...], rows: Iterable[tuple[Factors, CsvRow]]) -> str:
@@ -87,10 +108,17 @@ def _fit_rows(series: CsvRow, fit: Fit) -> list[CsvRow]:
                 "disagree": parameter.disagree,
                 "rmse_n": fit.rmse_n,
                 "converged": fit.converged,
+                "verdict": fit.verdict,
                 "message": fit.message,
             }
         )
     return rows
+
+
+def _covariance_rows(series: CsvRow, fit: Fit) -> Iterator[CsvRow]:
+    for pair in fit.covariances:
+        units = [fit.parameters[name].unit for name in (pair.parameter, pair.with_parameter)]
+        yield series | asdict(pair) | {"law": fit.law, "unit": " * ".join(units), "dof": fit.dof}
 
 
 def efficiency_csv(results: Results) -> str:
@@ -137,7 +165,11 @@ _CURVE_COLUMNS = (
 _FIT_COLUMNS = (
     *SERIES,
     *"law parameter value unit se ci95_low ci95_high at_bound disagree rmse_n".split(),
-    *"converged message".split(),
+    *"converged verdict message".split(),
+)
+_COVARIANCE_COLUMNS = (
+    *SERIES,
+    *"law parameter with_parameter covariance unit correlation dof".split(),
 )
 _BAND_COLUMNS = (
     *"kind label f_load_n p_lr_ref_pa v_m_s p_tp_pa half_n half_ci95_n".split(),
@@ -159,6 +191,7 @@ TABLES: dict[str, Callable[[Results], str]] = {
     "runs.csv": runs_csv,
     "curves.csv": curves_csv,
     "fits.csv": fits_csv,
+    "covariances.csv": covariances_csv,
     "efficiency.csv": efficiency_csv,
     "bands.csv": bands_csv,
     "band_trends.csv": band_trends_csv,

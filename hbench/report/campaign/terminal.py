@@ -6,10 +6,12 @@ Intervals are half-widths at 95 %: of the trials, and U95 of trials and instrume
 from collections import Counter
 from collections.abc import Sequence
 
-from hbench.records import KINDS, Curve, Fit, JointFit, Results, WordTable
+from hbench.records import KINDS, Curve, Fit, FitParameter, JointFit, Results, WordTable
 from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.motion_rows import motion_lines
 from hbench.report.campaign.page_tables import OF_DIRECTIONS, balance_table, band_table, trend_table
+from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.drift import drift_words
@@ -19,7 +21,7 @@ from hbench.report.render.word_tables import Table
 
 
 def summary_text(results: Results) -> str:
-    """Return runs, reasons, and a line for each curve."""
+    """Return runs, reasons, the verdicts on data and fits, and a line for each curve."""
     accepted = sum(run.accepted for run in results.runs)
     reasons = ", ".join(f"{n} {code}" for code, n in reason_counts(results).most_common())
     rejected = f"{len(results.runs) - accepted} rejected" + (f" ({reasons})" if reasons else "")
@@ -53,7 +55,10 @@ def summary_text(results: Results) -> str:
     moving = motion_lines(results.motions)
     bands = [line for each in _band_tables(results) for line in ("", *table_lines(each))]
     moving = ["", *moving] if moving else []
-    text = "\n".join([head, counts, *table, *bands, *moving, *([""] if bands else []), *notes])
+    verdicts = filter(None, (quality_verdict(results.quality), fits_verdict(results)))
+    text = "\n".join(
+        [head, counts, *verdicts, *table, *bands, *moving, *([""] if bands else []), *notes]
+    )
     text = text.replace("−", "-").replace("²", "^2").replace("±", "+-")
     return text.replace("–", " to ")  # not every terminal can show them
 
@@ -112,7 +117,12 @@ def _joint_words(joint: JointFit) -> str:
 
 def _fit_words(fit: Fit) -> str:
     parameters = [
-        f"{name}={short(value.value)}" + (f" (at {value.at_bound} bound)" if value.at_bound else "")
-        for name, value in fit.parameters.items()
+        f"{name}={short(value.value)}" + _remark(value) for name, value in fit.parameters.items()
     ]
     return " ".join([fit.law, *parameters, *([] if fit.converged else ["NOT CONVERGED"])])
+
+
+def _remark(parameter: FitParameter) -> str:
+    if parameter.at_bound:
+        return f" (at {parameter.at_bound} bound)"
+    return "" if parameter.determined else " (not determined)"

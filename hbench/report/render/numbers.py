@@ -67,14 +67,19 @@ def span(values: Collection[float]) -> str:
     """Write the range of some numbers, no finer than three digits of the largest: ``5–200``."""
     low, high = min(values), max(values)
     decimals = len(significant(high, 3).partition(".")[2])
-    return "–".join(dict.fromkeys((_without_end_zeros(number(low, decimals)), short(high))))
+    return _range(_without_end_zeros(number(low, decimals)), short(high))
 
 
 def alike(values: Collection[float]) -> str:
     """Write the range of measured numbers with the larger one's decimals: ``67.7–93.0``."""
     low, high = min(values), max(values)
     decimals = len(significant(max(abs(low), abs(high)), 3).partition(".")[2])
-    return "–".join(dict.fromkeys((number(low, decimals), number(high, decimals))))
+    return _range(number(low, decimals), number(high, decimals))
+
+
+def _range(low: str, high: str) -> str:
+    """Write a range; with a negative end a dash would look like another minus sign."""
+    return (" to " if low.startswith("−") else "–").join(dict.fromkeys((low, high)))
 
 
 def _without_end_zeros(text: str) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from hbench.config.bench import Bench, parse_bench
 from hbench.config.campaign_settings import CampaignSettings, parse_settings
 from hbench.config.import_map import parse_import_map
-from hbench.config.schedule import Screening, parse_schedule
+from hbench.config.schedule import Schedule, Screening, parse_schedule
 from hbench.config.setup import Setup
 from hbench.errors import ConfigError, DataError
 from hbench.records import Outcome, Provenance, RawRun, Run, RunPlan
@@ -159,6 +159,11 @@ class StoredCampaign:
                 f"{self._source('bench')}: is missing; raw counts can't be converted without it"
             )
         return self._parsed("bench", parse_bench)
+
+    def schedule(self) -> Schedule | None:
+        """Return the schedule of the measurement; None for imported logs."""
+        schedule: Schedule | None = self._parsed("schedule", parse_schedule)
+        return schedule
 
     def setup(self) -> Setup:
         """Return the instruments and the moving mass, as far as they are known."""

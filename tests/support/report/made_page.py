@@ -16,7 +16,7 @@ def made_results(*args, **kwargs):
     return Results(
         **given,
         headline=headline(given["curves"], given["efficiency"]),
-        quality=quality(given["runs"], given["curves"]),
+        quality=quality(given["runs"], given["curves"], given["efficiency"]),
     )
 
 
@@ -25,7 +25,7 @@ def summarized(results, speed_m_s=None):
     return replace(
         results,
         headline=headline(results.curves, results.efficiency, speed_m_s),
-        quality=quality(results.runs, results.curves),
+        quality=quality(results.runs, results.curves, results.efficiency),
     )
 
 

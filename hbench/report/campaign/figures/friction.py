@@ -28,6 +28,7 @@ LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where curves
 
 _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
 _READ = "Points: means of the trials; bars: their 95 % Student intervals; lines: the fitted law."
+_BANDS = "\nBands: expanded uncertainty U (95 %) of trials and instruments."
 _ASIDE = 0.006  # distance of residuals at one speed, relative to the highest speed
 
 
@@ -66,6 +67,7 @@ def signed_friction(results: Results) -> dict[str, Figure]:
         look = load_style(curve, ranks)
         _fitted(axes, curve, look["color"], sign=1, absolute=False)
         v, friction, interval = style.columns(curve)
+        _expanded(axes, curve, 1e3 * v, friction, look["color"])
         bars = axes.errorbar(1e3 * v, friction, interval, label=label, **look, **style.SMALL_POINTS)
         behind(bars, of_trials(curve.points))
     for line in (axes.axhline, axes.axvline):
@@ -74,7 +76,7 @@ def signed_friction(results: Results) -> dict[str, Figure]:
         xlabel=_speed_label("Velocity v (mm/s), positive extends", curves), ylabel="Friction F (N)"
     )
     style.head(axes, "Friction, both directions", results)
-    style.read_as(figure, _READ)
+    style.read_as(figure, _READ + (_BANDS if any(map(_has_band, curves)) else ""))
     load_legend(figure, axes, "Load |$F_L$|", curves)
     return {"": figure}
 
@@ -154,6 +156,7 @@ def _one_direction(
         speed = 1e3 * np.abs(v)
         _fitted(axes, curve, look["color"], sign, absolute=True)
         label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_friction"
+        _expanded(axes, curve, speed, sign * friction, look["color"])
         bars = axes.errorbar(speed, sign * friction, interval, label=label, **look, **style.POINTS)
         behind(bars, of_trials(curve.points))
         if below is not None and curve.fits and curve.fits[0].line:
@@ -177,9 +180,23 @@ def _one_direction(
         below.set_ylim(-reach, reach)
     figure.axes[-1].set_xlabel(_speed_label("Speed |v| (mm/s)", curves))
     style.head(axes, f"Friction, {style.TITLES[direction].lower()}", results)
-    style.read_as(figure, _READ)
+    style.read_as(figure, _READ + (_BANDS if any(map(_has_band, curves)) else ""))
     load_legend(figure, axes, "Load $F_L$", curves)
     return figure
+
+
+def _has_band(curve: Curve) -> bool:
+    return any(point.u95_n is not None for point in curve.points)
+
+
+def _expanded(
+    axes: Axes, curve: Curve, speed: np.ndarray, friction_n: np.ndarray, colour: str
+) -> None:
+    """Draw the band of U95. An instrument's error is alike at all speeds, which bars would hide."""
+    if _has_band(curve):
+        half = np.array([np.nan if p.u95_n is None else p.u95_n for p in curve.points], dtype=float)
+        low, high = friction_n - half, friction_n + half
+        axes.fill_between(speed, low, high, color=colour, alpha=0.13, linewidth=0, zorder=1)
 
 
 def _fitted(axes: Axes, curve: Curve, colour: str, sign: int, absolute: bool) -> None:
