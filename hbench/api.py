@@ -32,7 +32,7 @@ from hbench.workflow.results import derive, screened_runs
 _SERIES = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
 _HEADLINE = ("friction_n", "breakaway_n", "efficiency")
 _HEADLINE_COLUMNS = {"": "value", "_u95": "u95", "_ci95": "ci95", "_se": "se", "_basis": "basis"}
-_FIT = ("law", "rmse_n", "converged", "message")
+_FIT = ("law", "rmse_n", "converged", "verdict", "message")
 _STATE = {"x_m": X, "v_m_s": V, "p_tp_pa": P_TP, "p_tr_pa": P_TR, "p_lp_pa": P_LP, "p_lr_pa": P_LR}
 _START_PA = 15e5  # in the load chambers at the start of a simulation
 _FASTEST_M_S = 10.0  # also the limit of a bench's speeds

@@ -263,8 +263,8 @@ class ParameterPair:
 
     parameter: str
     with_parameter: str
-    covariance: FloatOrNan  # in the product of their units; None: not determined, or at a bound
-    correlation: FloatOrNan  # -1 to 1
+    covariance: float | None  # in the product of their units; None: not determined, or at a bound
+    correlation: float | None  # -1 to 1
 
 
 FitVerdict = Literal["determined", "not determined", "not converged"]
@@ -286,19 +286,18 @@ class Fit:
     beyond: tuple[tuple[tuple[float, float], ...], ...] = ()
     # Of each pair of parameters by their names, linearised; in the product of their units. None at
     # an active bound, and where the data does not determine it.
-    covariance: dict[str, dict[str, FloatOrNan]] = field(default_factory=dict)
+    covariance: dict[str, dict[str, float | None]] = field(default_factory=dict)
     dof: int | None = None  # degrees of freedom of the covariance: points less parameters
 
     @property
-    def correlation(self) -> dict[str, dict[str, FloatOrNan]]:
+    def correlation(self) -> dict[str, dict[str, float | None]]:
         """Coefficients of correlation of each pair of parameters, -1 to 1 (JCGM 102, 3.21)."""
-        variance = {name: row[name] for name, row in self.covariance.items()}
+        variance = {name: row[name] or 0.0 for name, row in self.covariance.items()}
         return {
             a: {
-                b: value / math.sqrt(variance[a] * variance[b])
-                if variance[a] * variance[b] > 0
-                else math.nan
+                b: None if value is None or not product else value / math.sqrt(product)
                 for b, value in row.items()
+                for product in [variance[a] * variance[b]]
             }
             for a, row in self.covariance.items()
         }

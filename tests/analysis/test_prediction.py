@@ -26,7 +26,7 @@ def drawn(seed, sigma=3.0, speeds=SPEEDS):
 
 
 def matrix(fit, of=None):
-    return np.array([[(of or fit.covariance)[a][b] for b in NAMES] for a in NAMES])
+    return np.array([[(of or fit.covariance)[a][b] for b in NAMES] for a in NAMES], dtype=float)
 
 
 def test_covariance_and_correlation_are_lmfits():

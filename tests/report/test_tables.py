@@ -2,7 +2,6 @@
 
 import io
 import json
-import math
 import re
 from dataclasses import asdict, astuple, replace
 from unittest.mock import ANY
@@ -162,7 +161,7 @@ def test_covariances_are_in_json_csv_and_page_and_empty_at_a_bound(stribeck):
     names = ("f_coulomb_n", "b_viscous_n_s_m")
     covariance = {names[0]: {names[0]: 25.0, names[1]: -594.0}}
     covariance[names[1]] = {names[0]: -594.0, names[1]: 14400.0}
-    unknown = {a: dict.fromkeys(names, math.nan) for a in names}
+    unknown = {a: dict.fromkeys(names) for a in names}
     first, second, *others = stribeck.curves
     changed = [
         replace(curve, fits=(replace(curve.fits[0], covariance=matrix, dof=11),))

@@ -152,9 +152,15 @@ def fit_law(
     )
 
 
-def _by_names(law: FittableLaw, matrix: np.ndarray) -> dict[str, dict[str, float]]:
-    rows = (dict(zip(law.names, row, strict=True)) for row in matrix.tolist())
-    return dict(zip(law.names, rows, strict=True))
+def _by_names(law: FittableLaw, matrix: np.ndarray) -> dict[str, dict[str, float | None]]:
+    """Return a covariance (p, p) by the parameters' names; what is not determined is None."""
+    return {
+        name: {
+            other: value if np.isfinite(value) else None
+            for other, value in zip(law.names, row, strict=True)
+        }
+        for name, row in zip(law.names, matrix.tolist(), strict=True)
+    }
 
 
 def _different(inputs: np.ndarray) -> int:

@@ -30,7 +30,7 @@ def predict_friction(
     if fit.dof is None:
         return friction, np.full(len(friction), np.nan)
     known = np.array([fit.parameters[name].at_bound is None for name in law.names])
-    matrix = np.array([[fit.covariance[a][b] for b in law.names] for a in law.names])
+    matrix = np.array([[fit.covariance[a][b] for b in law.names] for a in law.names], dtype=float)
     c, v = slopes[:, known], matrix[np.ix_(known, known)]
     lost = ~np.isfinite(np.diag(v))
     u = np.sqrt(np.sum(c @ np.where(np.isfinite(v), v, 0.0) * c, axis=1))

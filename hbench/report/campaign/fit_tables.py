@@ -46,8 +46,8 @@ def correlation_table(results: Results, law: str) -> Table:
     rows: list[tuple[str, ...]] = []
     pairs: list[tuple[str, str]] = []
     for columns, _, fit in _fits(results):
-        known = [value for row in fit.correlation.values() for value in row.values()]
-        if fit.law == law and any(map(math.isfinite, known)):
+        known = any(pair.correlation is not None for pair in fit.covariances)
+        if fit.law == law and known:
             pairs = list(combinations(fit.covariance, 2))
             correlation = fit.correlation
             rows.append((*columns, *(number(correlation[a][b], 3) for a, b in pairs)))
