@@ -116,7 +116,8 @@ def _contradictions(points: Sequence[ImplausiblePoint]) -> str:
     named = [f"{_where(point)}: {_measured(point)}" for point in beyond[:_NAMED]]
     more = [f"{len(beyond) - _NAMED} more"] if len(beyond) > _NAMED else []
     return (
-        "The instruments, their zero or an area are in error, since friction opposes the motion: "
+        "Friction opposes the motion, so the instruments, their zero or an area are in error, or a "
+        "load was not measured: "
         f"{'; '.join([*named, *more])}."
     )
 

@@ -1,7 +1,6 @@
 """Cutting of a file's channels into the sections that become runs."""
 
 from dataclasses import dataclass
-from itertools import zip_longest
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from hbench.store.importing.file_notes import FileNote
 _BLOCK_S = 0.1
 _AS_FAST = 0.9  # of the top speed: as fast, but for noise
 _LEAST_SHARED = 0.2  # of a stroke: positions that both directions cover
+_MOST = 0.75  # of these: a stroke that covers less is left out
 
 Positions = tuple[float, float]  # lowest and highest [m]
 _NOWHERE: Positions = (np.inf, -np.inf)
@@ -135,51 +135,46 @@ def _at_reversals(
             tuple(notes),
         )
     speeds = [stroke_speed(t_s[p], x_m[p]) for p in pieces]
-    shared = _shared_positions(t_s, x_m, pieces, speeds, rules)
+    covered = [
+        _covered(t_s[piece], x_m[piece], v, rules) for piece, v in zip(pieces, speeds, strict=True)
+    ]
+    travel = float(np.median([np.ptp(x_m[piece]) for piece in pieces]))
+    shared = _shared_positions(covered, speeds, _LEAST_SHARED * travel)
     if shared is None:
         if min(speeds) < 0 < max(speeds):
             text = "extending and retracting share too few positions after settling: not compared"
             notes.append(FileNote(name, text))
         return Sections(tuple(map(Section, pieces, speeds)), tuple(notes))
-    if few := sum(positions is None for positions in shared):
-        text = "{count} strokes share too few positions with the stroke back and are left out"
+    whole = [low <= shared[0] and high >= shared[1] for low, high in covered]
+    if few := whole.count(False):
+        text = "{count} strokes cover too few of the positions of the others and are left out"
         notes.append(FileNote(name, text, {"count": few}))
-    compared = zip(pieces, speeds, shared, strict=True)
-    return Sections(tuple(Section(*each) for each in compared if each[2]), tuple(notes))
+    kept = (Section(p, v, shared) for p, v, k in zip(pieces, speeds, whole, strict=True) if k)
+    return Sections(tuple(kept), tuple(notes))
 
 
 def _shared_positions(
-    t_s: np.ndarray,
-    x_m: np.ndarray,
-    pieces: tuple[slice, ...],
-    speeds: list[float],
-    rules: ImportMap,
-) -> list[Positions | None] | None:
-    """Return the positions that each settled stroke and the stroke back both cover.
+    covered: list[Positions], speeds: list[float], least_m: float
+) -> Positions | None:
+    """Return the positions that the settled strokes of both directions cover; None if few.
 
-    They lie inside those that the median strokes of both directions cover. None for a stroke where
-    they are few; None instead of the list where those of the medians are few.
+    Strokes that lack a quarter of what the median strokes of both directions cover don't count.
     """
-    covered = [
-        _covered(t_s[piece], x_m[piece], v, rules) for piece, v in zip(pieces, speeds, strict=True)
+    directions = [
+        [positions for positions, v in zip(covered, speeds, strict=True) if (v > 0) == extends]
+        for extends in (True, False)
     ]
-    out, back = ([i for i, v in enumerate(speeds) if (v > 0) == way] for way in (True, False))
-    settled_ones = [[covered[i] for i in own if covered[i] != _NOWHERE] for own in (out, back)]
+    settled_ones = [[each for each in own if each != _NOWHERE] for own in directions]
     if not all(settled_ones):
         return None
-    ends = [np.median(np.array(own), axis=0).tolist() for own in settled_ones]
-    common = _intersection(*ends)
-    least = _LEAST_SHARED * float(np.median([np.ptp(x_m[piece]) for piece in pieces]))
-    if common[1] - common[0] < least:
+    common = _intersection(*(np.median(np.array(own), axis=0).tolist() for own in settled_ones))
+    most = [
+        [each for each in own if _width(_intersection(common, each)) >= _MOST * _width(common)]
+        for own in settled_ones
+    ]
+    if _width(common) < least_m or not all(most):
         return None
-    shared: list[Positions | None] = [None] * len(pieces)
-    for pair in zip_longest(out, back):
-        strokes = [i for i in pair if i is not None]
-        own = _intersection(common, *(covered[i] for i in strokes))
-        if own[1] - own[0] >= least:
-            for i in strokes:
-                shared[i] = own
-    return shared
+    return _intersection(*most[0], *most[1])
 
 
 def _covered(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float, rules: ImportMap) -> Positions:
@@ -188,6 +183,10 @@ def _covered(t_s: np.ndarray, x_m: np.ndarray, v_m_s: float, rules: ImportMap) -
     part = settled(t_s, x_m, plateau_at(t_s, x_m, v_m_s), limits.settle_time, limits.settle_travel)
     x = x_m[part]
     return (float(x.min()), float(x.max())) if len(x) > 1 else _NOWHERE
+
+
+def _width(positions: Positions) -> float:
+    return positions[1] - positions[0]
 
 
 def _intersection(*positions: Positions) -> Positions:
