@@ -6,7 +6,7 @@ from typing import Literal
 from hbench.records.flow import Direction
 from hbench.records.numbers import Count, KindName
 
-Basis = Literal["trials", "one_trial", "extrapolated"]
+Basis = Literal["trials", "one_trial", "extrapolated", "ramp"]
 Grade = Literal["good", "with care", "poor"]
 SIGNIFICANCE = 0.05  # level of the drift's test
 
@@ -19,7 +19,8 @@ class HeadlineNumber:
     u95: float | None  # half-width with the instruments; without them where they are not known
     ci95: float | None  # half-width of the trials or the fit alone
     se: float | None  # standard error of the trials' mean, or of the fitted parameter
-    basis: Basis  # mean of several trials, a single trial, or a law extrapolated to rest
+    # Mean of several trials, a single trial, a law extrapolated to rest, or a ramp's first speeds.
+    basis: Basis
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ def test_the_interval_is_that_of_trials_and_instruments_where_these_are_known(sm
     assert all(one.friction_n.u95 == 77.0 != one.friction_n.ci95 for one in series(known))
 
 
-def test_breakaway_without_ramps_is_the_fits_at_rest_and_says_so(small):
+def test_breakaway_is_the_fits_at_rest_and_says_so(small):
     known = with_points(small, sigma_instruments_n=10.0)
     one = series(known)[1].breakaway_n
     fitted = small.curves[1].fits[0].parameters["f_stiction_n"]
@@ -93,7 +93,7 @@ def test_breakaway_without_ramps_is_the_fits_at_rest_and_says_so(small):
     assert one.u95 == pytest.approx(math.hypot(12.3, 19.59964))
 
 
-def test_breakaway_of_ramps_is_where_the_slowest_begins_to_slide(small):
+def test_breakaway_without_a_fit_is_where_the_slowest_ramp_begins_to_slide(small):
     curve = small.curves[0]
     starts = {0.1: 900.0, 0.03: 700.0}
     ramps = []
@@ -103,8 +103,11 @@ def test_breakaway_of_ramps_is_where_the_slowest_begins_to_slide(small):
         points[1] = replace(points[1], friction_n=peak, ci95_n=9.0)
         fit = replace(curve.fits[0], line=tuple((p.v_m_s, 1.0) for p in points[1:]))
         ramps.append(replace(curve, kind="ramp", a_ref_m_s2=a, points=tuple(points), fits=(fit,)))
-    one = series(replace(small, curves=(*small.curves, *ramps)))[0].breakaway_n
-    assert (one.value, one.u95, one.basis) == (700.0, 9.0, "trials")
+    unfitted = tuple(replace(each, fits=()) for each in small.curves)
+    one = series(replace(small, curves=(*unfitted, *ramps)))[0].breakaway_n
+    assert (one.value, one.u95, one.basis) == (700.0, 9.0, "ramp")
+    with_fit = series(replace(small, curves=(*small.curves, *ramps)))[0].breakaway_n
+    assert with_fit.basis == "extrapolated"
     alone = series(replace(small, curves=tuple(ramps), efficiency=()))
     assert len(alone) == 1 and alone[0].friction_n is None and alone[0].breakaway_n.value == 700.0
 

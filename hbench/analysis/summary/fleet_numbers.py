@@ -122,7 +122,7 @@ def _number(number: HeadlineNumber | None) -> FleetNumber | None:
 
 
 def _measured(number: HeadlineNumber | None) -> FleetNumber | None:
-    return _number(number) if number is not None and number.basis == "trials" else None
+    return _number(number) if number is not None and number.basis == "ramp" else None
 
 
 def _fitted(curve: Curve, name: str) -> FleetNumber | None:

@@ -105,14 +105,11 @@ def _friction(curve: Curve, point: CurvePoint) -> HeadlineNumber:
 
 
 def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
-    """Return the slowest ramp's friction as the seals begin to slide, else the fit's at rest."""
-    same = [ramp for ramp in ramps if ramp.fits and _key(ramp) == _key(curve)]
-    for ramp in sorted(same, key=lambda ramp: ramp.a_ref_m_s2 or math.inf):
-        first = min((abs(v) for fit in ramp.fits for v, _ in fit.line), default=None)
-        slid = [p for p in ramp.points if first is not None and abs(p.v_m_s) >= first - 1e-9]
-        if slid:
-            return _friction(ramp, slid[0])
-    for fit in curve.fits:
+    """Return the fit's friction at rest, else that of the slowest ramp as the seals begin to slide.
+
+    A ramp's first bin of speed is some 30 mm/s wide, where friction has fallen already.
+    """
+    for fit in curve.fits if KINDS[curve.kind].has_constant_speed else ():
         stiction = fit.parameters.get("f_stiction_n")
         if stiction is None or stiction.ci95 is None or not fit.converged:
             continue
@@ -123,6 +120,12 @@ def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
         of_inputs = StandardUncertainty(slowest.sigma_instruments_n or 0.0)
         u95 = combined([of_fit, of_inputs]).expanded()
         return HeadlineNumber(stiction.value, u95, half, stiction.se, "extrapolated")
+    same = [ramp for ramp in ramps if ramp.fits and _key(ramp) == _key(curve)]
+    for ramp in sorted(same, key=lambda ramp: ramp.a_ref_m_s2 or math.inf):
+        first = min((abs(v) for fit in ramp.fits for v, _ in fit.line), default=None)
+        slid = [p for p in ramp.points if first is not None and abs(p.v_m_s) >= first - 1e-9]
+        if slid:
+            return replace(_friction(ramp, slid[0]), basis="ramp")
     return None
 
 

@@ -80,9 +80,10 @@ _NUMBERS = {
     "Working speed": "The median of the measured speeds, or the value of --speed. The measured "
     "point next to it is used, up to a distance of {tolerance:g} %; nothing is interpolated. Where "
     "all curves have a single speed, each has its own unless --speed is given.",
-    "Breakaway": "With ramps: the largest friction of the slowest ramp's first 20 mm, as the mean "
-    "of its bin of velocity. Without ramps: F_s of Tustin's law (3.2), which is extrapolated to "
-    "rest; its interval combines the parameter's with the instruments' at the slowest point.",
+    "Breakaway": "F_s of Tustin's law (3.2), extrapolated to rest; its interval combines the "
+    "parameter's with the instruments' at the slowest point. Without such a fit: the largest "
+    "friction of the slowest ramp's first 20 mm, as the mean of its bin of velocity, where "
+    "friction has fallen already. Neither is measured at rest.",
     **{
         _of_law(law): f"{law.formula} ({law.equations}), fitted by least squares within bounds "
         + _FITTED_TO[law.data]
