@@ -19,7 +19,7 @@ SAMPLE = ROOT / "data_samples" / "blind"
 def said():
     """What reconcile says of each, by what is hidden in it."""
     folders = {next(iter(case.effects), "none"): SAMPLE / case.name for case in stored()}
-    return {hidden: blind.outcome(folder) for hidden, folder in folders.items()}
+    return {hidden: blind.stored_outcome(folder) for hidden, folder in folders.items()}
 
 
 def test_a_leak_through_an_orifice_is_named_and_the_gap_of_held_out_runs_shrinks(said):

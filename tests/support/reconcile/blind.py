@@ -12,7 +12,7 @@ import json
 import subprocess
 import sys
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[3]))  # behind the installed hbench
@@ -32,6 +32,7 @@ from hbench.reconcile.verdict import decide_verdict, unexplained_gaps
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import calibrated_runs
 from tests.support import ROOT
+from tests.support.shared import once
 
 GENERATE = Path(__file__).parents[1] / "hidden" / "generate.py"
 MODEL = ROOT / "configs" / "model-aau.yaml"
@@ -53,6 +54,7 @@ class Outcome:
     before: float  # gaps of held-out points in the balances that the first effect touches
     after: float
     seconds: float  # of CPU
+    coefficients: dict[str, float] = field(default_factory=dict)  # of the first effect, in SI
 
 
 def outcome(folder: Path) -> Outcome:
@@ -76,7 +78,13 @@ def outcome(folder: Path) -> Outcome:
         before=gap_of_balances(found.refitted.gap_map, touched, out),
         after=gap_of_balances(final, touched, out),
         seconds=time.process_time() - started,
+        coefficients=dict(found.final.hypothesis.effects.get(best.name, {})),
     )
+
+
+def stored_outcome(folder: Path) -> Outcome:
+    """Reconcile a campaign of ``data_samples``, once in a session of tests."""
+    return once(f"outcome-{folder.name}", lambda: outcome(folder))
 
 
 def task_of(folder: Path) -> ReconcileTask:
