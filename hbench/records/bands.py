@@ -64,7 +64,9 @@ class BandTrend:
 
 @dataclass(frozen=True)
 class MotionBalance:
-    """Friction of a bench without hydraulics, over three speeds or more in both directions.
+    """Coulomb and viscous friction from three speeds or more in both directions.
+
+    Of benches without hydraulics, and of curves with too few speeds for a friction law.
 
     Intervals are half-widths at 95 %.
     """

@@ -29,7 +29,7 @@ class Results:
     motions: Motions = Motions()
     joint_fits: tuple[JointFit, ...] = ()
     band_trends: tuple[BandTrend, ...] = ()
-    motion_balances: tuple[MotionBalance, ...] = ()  # without hydraulics
+    motion_balances: tuple[MotionBalance, ...] = ()  # without hydraulics, or a fitted law
     drift: Drift | None = None  # None where no point was measured twice at different times
     headline: Headline = field(kw_only=True)
     quality: Quality = field(kw_only=True)

@@ -1,6 +1,7 @@
-"""Friction of a bench without hydraulics, by the balance of drive force and inertia.
+"""Coulomb and viscous friction from both directions, without a friction law.
 
-At the same speed in both directions, F(v) and F(-v) of the steady curves are
+For benches without hydraulics, and for curves with too few speeds for a law. At the same speed in
+both directions, F(v) and F(-v) of the steady curves are
 
     (F(v) - F(-v)) / 2 = F_C + B v        Coulomb and viscous friction
     (F(v) + F(-v)) / 2 = F_0 + A v        offset of the force, asymmetry of the viscous part
@@ -22,16 +23,18 @@ _SAME_SPEED = 0.05  # relative difference of two points of one nominal speed
 
 
 def motion_balances(curves: Iterable[Curve]) -> tuple[MotionBalance, ...]:
-    """Return the balance of each series without pressures that has three speeds in both directions.
+    """Return the balance of each series that has three speeds in both directions.
 
-    Points with the same trials in both directions form the pairs.
+    Series with pressures and a fitted law have none. Points with the same trials in both directions
+    form the pairs.
     """
     series: dict[tuple, dict[str, Curve]] = defaultdict(dict)
     for curve in curves:
-        if curve.points and all(point.p_tp_pa is None for point in curve.points):
-            series[curve.kind, curve.label, curve.specimen, curve.f_load_n][curve.direction] = curve
+        if curve.points and (not curve.fits or all(p.p_tp_pa is None for p in curve.points)):
+            loads = curve.f_load_n, curve.p_lr_ref_pa
+            series[curve.kind, curve.label, curve.specimen, *loads][curve.direction] = curve
     balances = []
-    for (kind, label, _, f_load_n), pair in series.items():
+    for (kind, label, _, f_load_n, _), pair in series.items():
         points = list(_pairs(pair)) if len(pair) == 2 else []
         speeds = np.array([out.v_m_s - back.v_m_s for out, back in points]) / 2
         if len(points) and len(distinct(speeds)) >= _FEWEST:

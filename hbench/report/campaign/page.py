@@ -94,7 +94,9 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
     tables = (
         *_titled(page_tables.band_table(results), "Against pressure"),
         *_titled(page_tables.trend_table(results), "Lines over pressure"),
-        *_titled(page_tables.balance_table(results), "Balance of drive force and inertia"),
+        *_titled(
+            page_tables.balance_table(results), "Coulomb and viscous friction from both directions"
+        ),
     )
     return Section("Friction", drawings=drawings, tables=tables)
 

@@ -223,6 +223,7 @@ def remark_table(results: Results) -> Table:
 
 _ROD_SIDE = "P_Lr (bar)"
 WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
+BALANCE = "Coulomb and viscous friction from both directions"
 OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
 _RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
 _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})

@@ -10,7 +10,13 @@ from hbench.records import KINDS, Curve, Fit, FitParameter, JointFit, Results, W
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
 from hbench.report.campaign.motion_rows import motion_lines
-from hbench.report.campaign.page_tables import OF_DIRECTIONS, balance_table, band_table, trend_table
+from hbench.report.campaign.page_tables import (
+    BALANCE,
+    OF_DIRECTIONS,
+    balance_table,
+    band_table,
+    trend_table,
+)
 from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
@@ -99,7 +105,7 @@ def _band_tables(results: Results) -> tuple[WordTable, ...]:
     tables = (
         _words("Friction bands", band_table(results), OF_DIRECTIONS),
         _words("Friction bands over pressure", trend_table(results)),
-        _words("Balance of drive force and inertia", balance_table(results)),
+        _words(BALANCE, balance_table(results)),
     )
     return tuple(table for table in tables if table.rows)
 
