@@ -41,6 +41,10 @@ class ProgressLine:
         """Print a note, which stays above the line."""
         self.close(f"note: {text}")
 
+    def stage(self, text: str) -> None:
+        """Print what begins, with the time since the start."""
+        self.close(f"{time.monotonic() - self._start:4.0f} s: {text}")
+
     def counted(self, done: int, total: int) -> None:
         """Show the number of finished simulations of a round, on a terminal only."""
         if self._redraws:

@@ -34,7 +34,7 @@ from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import BACKGROUND, standard_deviation
 from hbench.reconcile.revised_model import revised
-from hbench.reconcile.search import CampaignSearch, SearchResult
+from hbench.reconcile.search import CampaignSearch, SearchResult, silent
 from hbench.reconcile.verdict import (
     data_shortfalls,
     decide_verdict,
@@ -79,6 +79,7 @@ class ReconcileTask:
     material: float = MATERIAL
     simulate: Simulate | None = None  # None: the runs can't be simulated
     propose: ProposeExperiment | None = None
+    stage: Callable[[str], None] = silent  # is told what begins
 
 
 def run_search(
@@ -90,7 +91,7 @@ def run_search(
     )
     points = np.arange(len({point_of(run.plan) for run in task.runs}))
     held_out = points % HELD_OUT == _FIRST_HELD_OUT
-    search = CampaignSearch(measured, points[~held_out], tuple(names))
+    search = CampaignSearch(measured, points[~held_out], tuple(names), task.stage)
     return measured, search.run(), points[held_out]
 
 
@@ -208,6 +209,7 @@ def _verification(
         return None, (), (_NOT_SIMULATED,)
     if not runs:
         return None, (), (_NO_TRIALS,)
+    task.stage("simulating the schedule with the given, the refitted and the final model")
     hypotheses = [model.hypothesis for model in (result.given, result.refitted, result.final)]
     simulated = [
         each for each in task.simulate(hypotheses, [run.plan for run in runs]) if each is not None

@@ -12,7 +12,7 @@ cross-validation over operating points,
 Candidates whose scores are close to the best one form an ambiguous set, and none is added.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,6 +43,10 @@ _REFUSED = (
     "The refit of the model's parameters is refused: it makes the held-out runs worse (gap "
     "{before:.2f} to {after:.2f})."
 )
+
+
+def silent(stage: str) -> None:
+    """Take no notice of a stage."""
 
 
 @dataclass(frozen=True)
@@ -76,15 +80,19 @@ class CampaignSearch(CandidateEvaluator):
     """Search in the runs of a campaign."""
 
     measured: MeasuredCampaign
+    stage: Callable[[str], None] = silent  # is told what begins
 
     def run(self) -> SearchResult:
         """Refit the nuisances of the given model, then search for effects."""
+        self.stage("refitting the poorly known values of the model")
         given, refitted, notes = self._refitted()
         keys = [".".join(c) for name in self.candidates for c in effect_coefficients(name)]
         new = [key for key in keys if key not in refitted.columns]
         current = refitted = self.with_columns(refitted, new)
         steps: list[SearchStep] = []
         while len(steps) < _MOST_EFFECTS:
+            so_far = f" beside {', '.join(_added(steps))}" if steps else ""
+            self.stage(f"searching for an effect{so_far} among {len(self.candidates)} candidates")
             step, with_effect = self._step(current, _added(steps))
             steps.append(step)
             if with_effect is None:

@@ -27,6 +27,7 @@ def diagnosed(
     model_file: Path,
     material: float,
     report: Callable[[int, int], None],
+    stage: Callable[[str], None],
 ) -> Diagnosis:
     """Diagnose the runs of a campaign. Raises ``ConfigError``, ``DataError``."""
     bench = campaign.bench()
@@ -47,5 +48,6 @@ def diagnosed(
             material=material,
             simulate=simulate,
             propose=partial(next_experiment, bench, plant) if bench else None,
+            stage=stage,
         )
     )

@@ -26,13 +26,15 @@ def reconcile(
     report: Callable[[int, int], None],
     series: str | None = None,
     material: float = MATERIAL,
+    stage: Callable[[str], None] = lambda text: None,
 ) -> Diagnosis:
     """Find where a campaign and a model disagree, and which effect is missing in the model.
 
     The model is a bench file, or a plant file applied to the campaign's bench. ``report`` gets the
-    numbers of finished and of all simulations. Logs of a whole bench, with chamber pressures and
-    commands, are compared along their samples, whoever made them. Of other imported logs the steady
-    strokes of one ``series`` are compared, which must be specified if there are several.
+    numbers of finished and of all simulations, ``stage`` what begins. Logs of a whole bench, with
+    chamber pressures and commands, are compared along their samples, whoever made them. Of other
+    imported logs the steady strokes of one ``series`` are compared, which must be specified if
+    there are several.
     Deviations below a share ``material`` of a signal's range do not matter. Raises ``ConfigError``,
     ``DataError``.
     """
@@ -49,7 +51,7 @@ def reconcile(
             f"--series: {folder} has the channels of a whole bench, which are compared together",
             "Remove --series.",
         )
-    return campaign_diagnosis.diagnosed(campaign, runs, model_file, material, report)
+    return campaign_diagnosis.diagnosed(campaign, runs, model_file, material, report, stage)
 
 
 def write_diagnosis(folder: Path, diagnosis: Diagnosis) -> None:

@@ -18,7 +18,7 @@ from hbench.reconcile.evidence import Priors, Products
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.search import CampaignSearch
+from hbench.reconcile.search import CampaignSearch, silent
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule
 
@@ -27,7 +27,7 @@ CANDIDATES = ("internal_leakage", "tank_back_pressure", "supply_droop")
 UNTUNED = {"oil": {"bulk_modulus": "680 bar"}, "valve": {"gain": "7.5e-7 m^2/V"}}
 
 
-def searched(effects, seed=5, candidates=CANDIDATES):
+def searched(effects, seed=5, candidates=CANDIDATES, stage=silent):
     """Search a campaign with these effects; return result, estimates and held-out points."""
     data = read_yaml(ROOT / "configs" / "bench-aau.yaml")
     bench = parse_bench(data, "bench")
@@ -38,7 +38,7 @@ def searched(effects, seed=5, candidates=CANDIDATES):
     points = np.arange(len({point_of(run.plan) for run in made.runs}))
     out = points[points % HELD_OUT == 2]
     train = np.setdiff1d(points, out)
-    found = CampaignSearch(own, train, candidates).run()
+    found = CampaignSearch(own, train, candidates, stage).run()
     return found, fit_coefficients(own.plant, found.final, found.names, train), out
 
 
@@ -62,7 +62,9 @@ def test_a_leak_through_an_orifice_is_named_and_given_its_exponent():
 
 
 def test_without_an_effect_nothing_is_taken():
-    found, _, _ = searched({})
+    stages = []
+    found, _, _ = searched({}, stage=stages.append)
+    assert [text.split()[0] for text in stages] == ["refitting", "searching"]
     assert not found.names and not found.steps[-1].ambiguous
     assert len(found.steps) == 1 and found.final is found.steps[0].before
 

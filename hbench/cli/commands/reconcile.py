@@ -41,7 +41,9 @@ def reconcile(
 
     progress = ProgressLine(sys.stderr)
     try:
-        diagnosis = workflow.reconcile(campaign, model, progress.counted, series, material / 100)
+        diagnosis = workflow.reconcile(
+            campaign, model, progress.counted, series, material / 100, progress.stage
+        )
     finally:
         progress.close()
     workflow.write_diagnosis(output, diagnosis)
