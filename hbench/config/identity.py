@@ -11,8 +11,9 @@ _LONGEST = 200  # characters
 
 
 def _as_text(value: object) -> object:
-    is_plain = isinstance(value, (int, float, date)) and not isinstance(value, bool)
-    return str(value) if is_plain else value
+    if isinstance(value, (int, float)):
+        raise ValueError("is read as a number, which may change it (007): put it between quotes")
+    return str(value) if isinstance(value, date) else value
 
 
 def _printable(text: str) -> str:
@@ -21,7 +22,7 @@ def _printable(text: str) -> str:
     return text
 
 
-# Also a number or a date, such as a serial number 4711.
+# Also a date.
 Text = Annotated[str, BeforeValidator(_as_text), AfterValidator(_printable)]
 
 

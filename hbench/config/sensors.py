@@ -97,12 +97,15 @@ class ErrorSource(ConfigSection):
     source: str = "assumed"  # certificate with number and date, or data sheet
 
 
+SourceName = Annotated[str, Field(pattern=r"^[^\W_][\w .,()/°%+-]{0,39}$")]  # of a source of error
+
+
 class Instrument(ErrorSource):
     """The accuracy class of an instrument, and further sources of its error."""
 
     full_scale: float
     calibration: Calibration = Calibration()
-    further: dict[str, ErrorSource] = Field(default={}, max_length=20)  # by name
+    further: dict[SourceName, ErrorSource] = Field(default={}, max_length=20)
 
     @property
     def largest(self) -> float:

@@ -224,6 +224,7 @@ class CurvePoint:
     trials_f_test_n: tuple[float, ...]  # F_T of each trial
     runs: tuple[str, ...]
     sigma_instruments_n: float | None = None  # 6.15 for 5.1; None where they are not known
+    sigma_instruments_dof: float | None = None  # its degrees of freedom; None: infinite
     u95_n: float | None = None  # expanded uncertainty: trials, instruments, a significant drift
     u95_dof: float | None = None  # its effective degrees of freedom; None: infinite
     u95_monte_carlo_n: float | None = None  # half-width of the interval of drawn errors (JCGM 101)

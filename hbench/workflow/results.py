@@ -25,7 +25,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import DataError
 from hbench.experiment.staged_plan import planned_runs
-from hbench.records import KINDS, Results, Run, ScreenedRun
+from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun
 from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_results
@@ -138,7 +138,7 @@ def derive(
     curves = (*steady, *analysed.moving)
     provenance = campaign.provenance()
     limitations = (
-        *overdue(instruments, provenance.started),
+        *overdue(instruments, _measured_on(provenance)),
         *checks,
         *not_computed(screened, efficiencies, instruments),
     )
@@ -165,6 +165,12 @@ def derive(
         headline=headline(curves, efficiencies),
         quality=quality(screened, curves, efficiencies, planned, drift),
     )
+
+
+def _measured_on(provenance: Provenance) -> str:
+    """Return the date of the measurement, as far as it is known: not that of an import."""
+    stated = str(provenance.settings.get("test", {}).get("date", ""))
+    return stated or ("" if provenance.source == "imported" else provenance.started)
 
 
 def _without_samples(screened: ScreenedRun) -> ScreenedRun:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from hbench.analysis.curves.average import student_interval
 from hbench.analysis.uncertainty.budget import (
@@ -11,6 +12,7 @@ from hbench.analysis.uncertainty.budget import (
     combined,
     errors_of,
     friction_contributions,
+    of_instruments,
     of_trials,
     root_sum_square,
     with_instruments,
@@ -254,3 +256,29 @@ def test_monte_carlo_tells_where_one_rectangular_error_dominates(curve):
 def test_monte_carlo_needs_tolerances(curve):
     with pytest.raises(DataError, match="--monte-carlo"):
         checked_by_monte_carlo([curve], [efficiency_curve(curve, None)], None)
+
+
+def test_without_any_error_nothing_is_divided(curve):
+    none = with_sources(force={"tolerance": "0 %"}, pressure={"tolerance": "0 %"})
+    same = [
+        replace(p, trials_n=(p.friction_n,) * 3, trials_f_test_n=(p.f_test_n,) * 3, ci95_n=0.0)
+        for p in curve.points
+    ]
+    exact = with_instruments(replace(curve, points=tuple(same)), none)
+    (found,), _, notes = checked_by_monte_carlo([exact], [efficiency_curve(exact, none)], none)
+    assert all(point.u95_n == point.u95_monte_carlo_n == 0.0 for point in found.points)
+    assert "5 of 5" in notes[0]
+
+
+def test_degrees_of_freedom_of_a_tolerance_widen_every_interval_that_contains_it(curve):
+    few = with_instruments(curve, with_sources(force={"dof": 1}, pressure={"tolerance": "0 %"}))
+    for point in few.points:
+        part = of_instruments(point)
+        assert part.dof == pytest.approx(1.0)
+        assert part.expanded() == pytest.approx(12.706 * point.sigma_instruments_n, rel=1e-3)
+
+
+def test_a_further_source_of_error_has_a_name():
+    for name in ("", " ", "a\nb", "x" * 41):
+        with pytest.raises(ValidationError):
+            with_sources(pressure={"further": {name: {"tolerance": "1 %"}}})

@@ -238,14 +238,14 @@ def test_a_schedule_adds_to_the_bench_files_identity_and_an_overdue_calibration_
     schedule = yaml.safe_load((CONFIGS / "demo.yaml").read_text())
     bench["specimen"] = {"serial": "none", "seals": "NBR 70"}
     bench["instruments"]["force"]["calibration"] = {"due": date(2026, 1, 15)}
-    schedule["specimen"] = {"serial": 4711}
+    schedule["specimen"] = {"serial": "4711"}
     schedule["test"] = {"number": "T-8", "date": date(2026, 2, 1)}
     header["bench"] = {"file": "bench-aau.yaml", "content": bench}
     header["schedule"] = {"file": "demo.yaml", "content": schedule}
     CampaignWriter.create(folder, header)
     campaign = load_campaign(folder)
     settings = campaign.provenance().settings
-    assert settings["specimen"] == {"serial": 4711, "seals": "NBR 70"}
+    assert settings["specimen"] == {"serial": "4711", "seals": "NBR 70"}
     assert settings["test"] == {"number": "T-8", "date": "2026-02-01"}
     assert list(settings)[:3] == ["specimen", "test", "oil"]
     instruments = campaign.setup().instruments
@@ -259,3 +259,6 @@ def test_an_identity_that_cannot_be_printed_names_its_key(folder, header):
     with pytest.raises(ConfigError, match=r"s\.yaml: specimen\.serial = .*printable"):
         schedule = yaml.safe_load((CONFIGS / "demo.yaml").read_text())
         parse_schedule(schedule | {"specimen": {"serial": "a\x00"}}, "s.yaml")
+    for altered in (7, 1.5):  # of 007, 1.50
+        with pytest.raises(ConfigError, match="quotes"):
+            parse_schedule(schedule | {"specimen": {"serial": altered}}, "s.yaml")

@@ -25,11 +25,14 @@ def not_computed(
 
 
 def overdue(instruments: Instruments | None, started: str) -> tuple[str, ...]:
-    """Return notes on instruments whose calibration was due before ``started`` (ISO 8601)."""
-    if instruments is None:
+    """Return notes on instruments whose calibration was due before ``started`` (ISO 8601).
+
+    None if ``started`` is empty: the date of the measurement is not known.
+    """
+    if instruments is None or not started:
         return ()
     return tuple(
-        f"calibration of {name}: due {due}, before this campaign of {started[:10]}"
+        f"calibration of {name}: due {due}, before the measurement of {started[:10]}"
         for name, instrument in (
             ("the load cell", instruments.force),
             ("the pressure transducers", instruments.pressure),

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from statistics import median_low, stdev
 
-from hbench.analysis.uncertainty.budget import StandardUncertainty, combined
+from hbench.analysis.uncertainty.budget import StandardUncertainty, combined, of_instruments
 from hbench.records import (
     KINDS,
     Basis,
@@ -117,8 +117,8 @@ def _breakaway(curve: Curve, ramps: Iterable[Curve]) -> HeadlineNumber | None:
         half = max(stiction.value - low, high - stiction.value)
         slowest = min(curve.points, key=lambda point: abs(point.v_m_s))
         of_fit = StandardUncertainty(half / NORMAL_95)
-        of_inputs = StandardUncertainty(slowest.sigma_instruments_n or 0.0)
-        u95 = combined([of_fit, of_inputs]).expanded()
+        inputs = of_instruments(slowest) or StandardUncertainty(0.0)
+        u95 = combined([of_fit, inputs]).expanded()
         return HeadlineNumber(stiction.value, u95, half, stiction.se, "extrapolated")
     same = [ramp for ramp in ramps if ramp.fits and _key(ramp) == _key(curve)]
     for ramp in sorted(same, key=lambda ramp: ramp.a_ref_m_s2 or math.inf):

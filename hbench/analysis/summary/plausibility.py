@@ -10,8 +10,8 @@ from typing import Any
 
 from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.rounding import exceeds
+from hbench.analysis.uncertainty.budget import StandardUncertainty, of_instruments
 from hbench.records import Curve, EfficiencyCurve, ImplausiblePoint
-from hbench.records.numbers import NORMAL_95
 
 
 def implausible_points(
@@ -29,7 +29,7 @@ def _of_friction(curves: Iterable[Curve]) -> Iterator[ImplausiblePoint]:
         for point in curve.points:
             value = curve.against_motion * point.friction_n
             if value < 0:
-                half = _half_width(point.u95_n, point.ci95_n, point.sigma_instruments_n)
+                half = _half_width(point.u95_n, point.ci95_n, of_instruments(point))
                 yield ImplausiblePoint(
                     **_series(curve),
                     v_m_s=point.v_m_s,
@@ -45,7 +45,8 @@ def _of_efficiency(curves: Iterable[EfficiencyCurve]) -> Iterator[ImplausiblePoi
         for point in curve.points:
             value = point.efficiency
             if value is not None and exceeds(value, 1.0):
-                half = _half_width(point.u95, point.ci95, point.sigma)
+                sigma = None if point.sigma is None else StandardUncertainty(point.sigma)
+                half = _half_width(point.u95, point.ci95, sigma)
                 yield ImplausiblePoint(
                     **_series(curve),
                     v_m_s=point.v_m_s,
@@ -56,11 +57,13 @@ def _of_efficiency(curves: Iterable[EfficiencyCurve]) -> Iterator[ImplausiblePoi
                 )
 
 
-def _half_width(u95: float | None, ci95: float | None, sigma: float | None) -> float | None:
+def _half_width(
+    u95: float | None, ci95: float | None, instruments: StandardUncertainty | None
+) -> float | None:
     """Return the half-width of an interval: of all, of the trials, or of the instruments alone."""
     if u95 is not None or ci95 is not None:
         return ci95 if u95 is None else u95
-    return None if sigma is None else NORMAL_95 * sigma
+    return None if instruments is None else instruments.expanded()
 
 
 def _series(curve: Curve | EfficiencyCurve) -> dict[str, Any]:

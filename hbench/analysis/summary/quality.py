@@ -10,6 +10,7 @@ from statistics import median
 from hbench.analysis.summary.completeness import PlannedRuns, completeness
 from hbench.analysis.summary.drift import drift_checks
 from hbench.analysis.summary.plausibility import implausible_points
+from hbench.analysis.uncertainty.budget import of_instruments
 from hbench.records import (
     KINDS,
     Completeness,
@@ -23,7 +24,6 @@ from hbench.records import (
     QualityCheck,
     ScreenedRun,
 )
-from hbench.records.numbers import NORMAL_95
 
 GRADES: tuple[Grade, ...] = ("good", "with care", "poor")
 
@@ -125,9 +125,9 @@ def _plausible_signs(implausible: Sequence[ImplausiblePoint], points: int) -> Qu
 
 def _instruments(points: Sequence[CurvePoint]) -> QualityCheck:
     halves = [
-        100 * NORMAL_95 * p.sigma_instruments_n / abs(p.friction_n)
+        100 * instruments.expanded() / abs(p.friction_n)
         for p in points
-        if p.sigma_instruments_n is not None and p.friction_n
+        if (instruments := of_instruments(p)) is not None and p.friction_n
     ]
     value = median(halves) if halves else None
     known_good = value is not None and value <= _INSTRUMENTS_GOOD

@@ -99,11 +99,24 @@ def _with_instruments(
         return point
     parts = friction_parts(errors)
     inputs = of_inputs(parts, errors)
-    point = replace(point, sigma_instruments_n=inputs.value, parts_n=parts)
+    point = replace(
+        point,
+        sigma_instruments_n=inputs.value,
+        sigma_instruments_dof=finite_or_none(inputs.dof),
+        parts_n=parts,
+    )
     if point.ci95_n is None:
         return point
     whole = combined([of_trials(point.ci95_n, point.n), inputs])
     return replace(point, u95_n=whole.expanded(instruments), u95_dof=finite_or_none(whole.dof))
+
+
+def of_instruments(point: CurvePoint) -> StandardUncertainty | None:
+    """Return the instruments' part in a point's friction; None where it is not known."""
+    if point.sigma_instruments_n is None:
+        return None
+    dof = point.sigma_instruments_dof
+    return StandardUncertainty(point.sigma_instruments_n, np.inf if dof is None else dof)
 
 
 def of_trials(ci95: float, n: int) -> StandardUncertainty:

@@ -56,11 +56,11 @@ def checked_by_monte_carlo(
 
 def _comparison(quantity: str, pairs: Sequence[tuple[float | None, float | None]]) -> str:
     known = [(own, drawn) for own, drawn in pairs if own is not None and drawn is not None]
-    text = f"Monte Carlo ({DRAWS} draws): U95 of {quantity} "
+    text = f"Monte Carlo ({DRAWS} draws): U95 of steady {quantity} "
     if not known:
         return f"{text}has no point to compare"
     same = sum(agree(own, drawn) for own, drawn in known)
-    ratios = [own / drawn for own, drawn in known]
+    ratios = [own / drawn for own, drawn in known if drawn] or [1.0]
     return (
         f"{text}agrees at {same} of {len(known)} points; the law of propagation gives "
         f"{min(ratios):.2f} to {max(ratios):.2f} of it"
@@ -70,6 +70,8 @@ def _comparison(quantity: str, pairs: Sequence[tuple[float | None, float | None]
 def agree(u95: float, u95_monte_carlo: float) -> bool:
     """Return whether two expanded uncertainties agree, as JCGM 101 asks."""
     standard = u95_monte_carlo / 2
+    if standard == 0:
+        return u95 == 0
     return abs(u95 - u95_monte_carlo) <= 0.5 * 10.0 ** floor(log10(standard))
 
 

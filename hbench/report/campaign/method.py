@@ -65,8 +65,9 @@ _NUMBERS = {
     "and s the standard deviation of the trials. One trial has no interval.",
     "Instruments": "σ of friction by first-order propagation (6.15) of the instruments' errors "
     "through 5.1. A tolerance a is a limit unless the bench file says otherwise: its standard "
-    "uncertainty is a/√3 (JCGM 100, 4.3.7). U_95 = k √(s²/n + σ²), with Student's t at 95 % as k, "
-    "for the effective degrees of freedom of Welch and Satterthwaite. An instrument's error is "
+    "uncertainty is a/√3 (JCGM 100, 4.3.7). U_95 = k √(s²/n + σ²), with Student's t at 95 % as k "
+    "for the effective degrees of freedom of Welch and Satterthwaite, or k = 2 if the bench file "
+    "asks for it. An instrument's error is "
     "the same in all points: it shifts a curve and changes its shape little.",
     "Drift": "Least squares of friction over the start times of the runs, with a level of each "
     "point (fixed effects): only deviations from a point's own mean count. They are taken as a "

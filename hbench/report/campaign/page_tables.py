@@ -95,13 +95,15 @@ def friction_budget_table(results: Results) -> Table:
                 sigmas["drift"] = point.sigma_drift_n
             ranked = sorted(sigmas, key=lambda name: -sigmas[name])
             combined = hypot(*sigmas.values())
+            if combined == 0:
+                continue
             rows.append(
                 (
                     *who(curve),
                     number(1e3 * point.v_m_s, 2),
                     with_interval(point.friction_n, point.u95_n),
                     significant(combined, 2),
-                    _degrees_of_freedom(point.u95_dof),
+                    _degrees_of_freedom(point.u95_dof) if point.sigma_drift_n is None else "",
                     significant(point.u95_n / combined, 3),
                     ", ".join(f"{name} {significant(sigmas[name], 2)}" for name in ranked),
                 )

@@ -159,7 +159,7 @@ _RUN_COLUMNS = (
 )
 _CURVE_COLUMNS = (
     *SERIES,
-    *"v_m_s friction_n ci95_n n sigma_instruments_n u95_n".split(),
+    *"v_m_s friction_n ci95_n n sigma_instruments_n u95_n u95_dof sigma_drift_n".split(),
     *"f_test_n f_applied_n p_tp_pa p_tr_pa runs".split(),
 )
 _FIT_COLUMNS = (

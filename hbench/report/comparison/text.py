@@ -172,7 +172,10 @@ def _verdict(differences: CampaignDifferences) -> str:
 def _instruments(differences: CampaignDifferences) -> str:
     tested = [each.mean_n for each in differences.curves if each.mean_n is not None]
     if all(mean.u95 is None for mean in tested):
-        return "Tolerances of the instruments are not known: all intervals are those of the trials."
+        return (
+            "No interval contains the instruments: their tolerances are not known, or a point has "
+            "one trial."
+        )
     if differences.same_instruments:
         return "Same instruments: their errors are in both, and cancel where the readings agree."
     return "Other instruments in each, or not known to be the same: the errors of both count."
