@@ -36,8 +36,6 @@ class InputError(NamedTuple):
     name: str
     f_test_n: float
     f_applied_n: float
-    standard_uncertainty: float  # of the input, in ``unit``; its sign tells that of the change
-    unit: str  # SI
     distribution: Distribution
     dof: float
     source: str
@@ -49,7 +47,7 @@ def input_errors(
     """Return the errors of all inputs of a point, those of the instruments' classes first."""
     merged: dict[str, InputError] = {}
     for error in (
-        *_of_instrument(LOAD_CELL, instruments.force, forces.f_applied_n, (0.0, 1.0), "N"),
+        *_of_instrument(LOAD_CELL, instruments.force, forces.f_applied_n, (0.0, 1.0)),
         *_of_pressures(instruments.pressure, forces, specimen),
         *_of_geometry(instruments.geometry, forces, specimen),
     ):
@@ -70,22 +68,27 @@ def _of_pressures(
     if forces.p_tr_pa is not None:
         sides.append((ROD_SIDE, forces.p_tr_pa, -specimen.area_rod_m2))
     for name, reading, area in sides:
-        yield from _of_instrument(name, transducer, reading, (area, 0.0), "Pa")
+        yield from _of_instrument(name, transducer, reading, (area, 0.0), _ALL_PRESSURES)
 
 
 def _of_instrument(
-    name: str, instrument: Instrument, reading: float, slopes: tuple[float, float], unit: str
+    name: str,
+    instrument: Instrument,
+    reading: float,
+    slopes: tuple[float, float],
+    group: str = "",
 ) -> Iterator[InputError]:
-    """Yield the errors of a reading; ``slopes`` are those of F_T and F_applied over it."""
+    """Yield the errors of a reading; ``slopes`` are those of F_T and F_applied over it.
+
+    Instruments of one ``group`` share their common errors.
+    """
     for kind, source in {"": instrument, **instrument.further}.items():
         u = instrument.standard_uncertainty(source, reading)
-        whose = _ALL_PRESSURES if source.common and unit == "Pa" else name
+        whose = group if source.common and group else name
         yield InputError(
             f"{whose}, {kind}" if kind else whose,
             slopes[0] * u,
             slopes[1] * u,
-            u,
-            unit,
             source.distribution,
             source.dof or inf,
             source.source,
@@ -100,14 +103,14 @@ def _of_geometry(
     rod_m = sqrt(4 * max(specimen.area_piston_m2 - specimen.area_rod_m2, 0.0) / pi)
     short = 1 - cos(geometry.alignment)
     inputs = (
-        ("bore", geometry.bore, (p_tp - p_tr) * pi * bore_m / 2, 0.0, "m"),
-        ("rod", geometry.rod, p_tr * pi * rod_m / 2, 0.0, "m"),
-        ("load cell alignment", short, 0.0, forces.f_applied_n, "1"),
+        ("bore", geometry.bore, (p_tp - p_tr) * pi * bore_m / 2, 0.0),
+        ("rod", geometry.rod, p_tr * pi * rod_m / 2, 0.0),
+        ("load cell alignment", short, 0.0, forces.f_applied_n),
     )
-    for name, limit, by_test, by_applied, unit in inputs:
+    for name, limit, by_test, by_applied in inputs:
         if limit:
             u = limit / DIVISORS[geometry.distribution]
             yield InputError(
-                name, by_test * u, by_applied * u, u, unit, geometry.distribution, inf,
+                name, by_test * u, by_applied * u, geometry.distribution, inf,
                 geometry.source,
             )  # fmt: skip

@@ -31,7 +31,7 @@ def checked_by_monte_carlo(
     instruments: Instruments | None,
     seed: int = 0,
 ) -> tuple[tuple[Curve, ...], tuple[EfficiencyCurve, ...], tuple[str, ...]]:
-    """Return curves and their efficiencies with ``u95_monte_carlo``, and what the check tells.
+    """Return curves and their efficiencies with ``u95_monte_carlo``, and the result in words.
 
     Raises ``DataError`` without tolerances of the instruments.
     """
@@ -60,11 +60,12 @@ def _comparison(quantity: str, pairs: Sequence[tuple[float | None, float | None]
     if not known:
         return f"{text}has no point to compare"
     same = sum(agree(own, drawn) for own, drawn in known)
-    ratios = [own / drawn for own, drawn in known if drawn] or [1.0]
-    return (
-        f"{text}agrees at {same} of {len(known)} points; the law of propagation gives "
-        f"{min(ratios):.2f} to {max(ratios):.2f} of it"
-    )
+    agreement = f"{text}agrees at {same} of {len(known)} points"
+    ratios = [own / drawn for own, drawn in known if drawn]
+    if not ratios:
+        return agreement
+    span = f"{min(ratios):.2f} to {max(ratios):.2f}"
+    return f"{agreement}; the law of propagation gives {span} of it"
 
 
 def agree(u95: float, u95_monte_carlo: float) -> bool:
