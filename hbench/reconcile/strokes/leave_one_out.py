@@ -25,8 +25,7 @@ def gaps_at(
     stages = {"before": search.before}
     for stage, model, effects in (("refitted", refitted, ()), ("after", after, names)):
         best = search.estimates(model, effects)
-        residuals = search.measured.gap_map(best.hypothesis(best.beta))
-        stages[stage] = residuals.in_units_of(start.gap_map)
+        stages[stage] = search.measured.gap_map(best.hypothesis(best.beta), start.gap_map)
     return {stage: differences.select_points(points) for stage, differences in stages.items()}
 
 

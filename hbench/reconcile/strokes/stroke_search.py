@@ -127,7 +127,7 @@ def start_search(strokes: MeasuredStrokes) -> tuple[SeriesSearch, LinearisedMode
     start = linearise(measured, Hypothesis(), measured.columns(Hypothesis(), names))
     points = np.arange(len(start.gap_map.points))
     effects = tuple(dict.fromkeys(name for name, _ in measured.observable))
-    before = strokes.gap_map(Hypothesis()).in_units_of(start.gap_map)
+    before = strokes.gap_map(Hypothesis(), start.gap_map)
     return SeriesSearch(measured, points, effects, strokes.levels, before), start
 
 
