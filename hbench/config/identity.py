@@ -62,7 +62,7 @@ class Calibration(ConfigSection):
 
 
 class Identified(ConfigSection):
-    """File that may tell what is tested: a bench file, a schedule, an import map."""
+    """Bench file, schedule or import map, each of which may identify the test."""
 
     specimen: SpecimenIdentity = Field(default=SpecimenIdentity())
     test: TestIdentity = Field(default=TestIdentity())

@@ -79,7 +79,7 @@ class ReconcileTask:
     material: float = MATERIAL
     simulate: Simulate | None = None  # None: the runs can't be simulated
     propose: ProposeExperiment | None = None
-    stage: Callable[[str], None] = silent  # is told what begins
+    stage: Callable[[str], None] = silent  # receives a description of each stage
 
 
 def run_search(

@@ -80,7 +80,7 @@ class CampaignSearch(CandidateEvaluator):
     """Search in the runs of a campaign."""
 
     measured: MeasuredCampaign
-    stage: Callable[[str], None] = silent  # is told what begins
+    stage: Callable[[str], None] = silent  # receives a description of each stage
 
     def run(self) -> SearchResult:
         """Refit the nuisances of the given model, then search for effects."""

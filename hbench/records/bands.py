@@ -1,4 +1,4 @@
-"""Friction bands between the two directions, and what they tell over pressure and speed.
+"""Friction bands between the two directions, and their dependence on pressure and speed.
 
 All quantities are SI, as in ``flow.py``.
 """

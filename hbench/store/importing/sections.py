@@ -158,7 +158,8 @@ def _shared_positions(
 ) -> Positions | None:
     """Return the positions that the settled strokes of both directions cover; None if few.
 
-    Strokes that lack a quarter of what the median strokes of both directions cover don't count.
+    Only strokes that cover at least three quarters of the positions common to the median strokes of
+    both directions count.
     """
     directions = [
         [positions for positions, v in zip(covered, speeds, strict=True) if (v > 0) == extends]
