@@ -19,18 +19,41 @@ hb_control_config hb_control_design(const hb_settings *settings)
     config.feedforward[HB_VALVE_T] = 0.0f;
     config.feedforward[HB_VALVE_L1] = on ? value[HB_SETTING_FEEDFORWARD_ROD_V_S_M] : 0.0f;
     config.feedforward[HB_VALVE_L2] = on ? -value[HB_SETTING_FEEDFORWARD_PISTON_V_S_M] : 0.0f;
+    config.force_gain_v_n = value[HB_SETTING_FORCE_GAIN_V_N];
+    config.area_piston_m2 = value[HB_SETTING_AREA_PISTON_M2];
+    config.area_rod_m2 = value[HB_SETTING_AREA_ROD_M2];
     config.limit_v = value[HB_SETTING_VOLTAGE_LIMIT_V];
     return config;
 }
 
 void hb_control_init(hb_control_state *state)
 {
+    hb_control_open(state, 0.0f);
+}
+
+void hb_control_open(hb_control_state *state, float u_v)
+{
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
         state->loop[i].u = 0.0f;
         state->loop[i].e = 0.0f;
-        state->u[i] = 0.0f;
+        state->u[i] = u_v;
     }
     state->saturated = false;
+}
+
+/* The test valve during a push: the velocity loop rests at its last output. */
+static void push(const hb_control_config *config, hb_control_state *state,
+                 const hb_references *references, const hb_sensors_state *sensors)
+{
+    const float f_test_n =
+        hb_test_force(sensors, config->area_piston_m2, config->area_rod_m2);
+    const float u = state->loop[HB_VALVE_T].u
+                  + config->force_gain_v_n * (references->f_test_n - f_test_n);
+
+    state->u[HB_VALVE_T] = hb_clamp(u, -config->limit_v, config->limit_v);
+    if (state->u[HB_VALVE_T] != u) {
+        state->saturated = true;
+    }
 }
 
 void hb_control_step(const hb_control_config *config, hb_control_state *state,
@@ -46,6 +69,10 @@ void hb_control_step(const hb_control_config *config, hb_control_state *state,
 
     state->saturated = false;
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
+        if (i == HB_VALVE_T && references->pushing) {
+            push(config, state, references, sensors);
+            continue;
+        }
         /* The PI is limited to the part of the valve's range that the feedforward leaves, so that
          * the sum stays within the limit without wind-up. Zero is always allowed: a feedforward
          * beyond the limit must not wind up the PI. */

@@ -1,6 +1,8 @@
 /* The three control loops: velocity of the test cylinder, two pressures of the load cylinder.
  *
- *   u_T  controls the velocity;
+ *   u_T  controls the velocity, or during a push the force F_T: u_T = K (F_ref - F_T) above its
+ *        last value. Oil between closed ports integrates flow to pressure, so that a ramp of F_ref
+ *        is followed at its rate, with a constant lag;
  *   u_L1 controls the pressure on the load cylinder's rod side, feedforward +C_rod v (the chamber
  *        grows while the test cylinder extends, and the valve must fill it);
  *   u_L2 controls the pressure on the load cylinder's piston side, feedforward -C_piston v
@@ -18,11 +20,16 @@ typedef struct {
     float v_m_s;
     float p_lr_pa;
     float p_lp_pa;
+    bool pushing; /* the force counts instead of the velocity */
+    float f_test_n;
 } hb_references;
 
 typedef struct {
     hb_pi_config loop[HB_VALVES];
     float feedforward[HB_VALVES]; /* signed [V s/m]; zero while it is off */
+    float force_gain_v_n;
+    float area_piston_m2; /* of the test cylinder */
+    float area_rod_m2;
     float limit_v;
 } hb_control_config;
 
@@ -34,6 +41,8 @@ typedef struct {
 
 /* Valves neutral, integrators empty. */
 void hb_control_init(hb_control_state *state);
+/* All valves at u_v, integrators empty. */
+void hb_control_open(hb_control_state *state, float u_v);
 hb_control_config hb_control_design(const hb_settings *settings);
 void hb_control_step(const hb_control_config *config, hb_control_state *state,
                      const hb_references *references, const hb_sensors_state *sensors);

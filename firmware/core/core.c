@@ -100,11 +100,17 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VAL
             advance(core);
         }
     }
-    if (core->state == HB_STATE_RUNNING && core->schedule.phase != HB_PHASE_CLOSED) {
+    if (core->state == HB_STATE_RUNNING
+        && hb_schedule_vents_under_pressure(&core->schedule, &core->sensors)) {
+        hb_core_halt(core, HB_STATE_FAULT, HB_FAULT_SUPPLY);
+    }
+    if (core->state != HB_STATE_RUNNING || core->schedule.phase == HB_PHASE_CLOSED) {
+        hb_control_init(&core->control); /* neutral */
+    } else if (core->schedule.phase == HB_PHASE_VENT) {
+        hb_control_open(&core->control, hb_schedule_vent_v(&core->schedule));
+    } else {
         hb_control_step(&core->control_config, &core->control, &core->schedule.references,
                         &core->sensors);
-    } else {
-        hb_control_init(&core->control); /* neutral */
     }
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
         dac[i] = hb_dac_code(&core->hal.dac, core->control.u[i]);

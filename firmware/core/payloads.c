@@ -10,6 +10,8 @@ static void get_segment(hb_reader *reader, hb_segment *segment)
     segment->v_m_s = hb_get_f32(reader);
     segment->a_m_s2 = hb_get_f32(reader);
     segment->duration_s = hb_get_f32(reader);
+    segment->force_rate_n_s = hb_get_f32(reader);
+    segment->displacement_m = hb_get_f32(reader);
 }
 
 bool hb_segment_equal(const hb_segment *a, const hb_segment *b)
@@ -17,7 +19,9 @@ bool hb_segment_equal(const hb_segment *a, const hb_segment *b)
     return a->valves == b->valves
         && a->v_m_s == b->v_m_s
         && a->a_m_s2 == b->a_m_s2
-        && a->duration_s == b->duration_s;
+        && a->duration_s == b->duration_s
+        && a->force_rate_n_s == b->force_rate_n_s
+        && a->displacement_m == b->displacement_m;
 }
 
 hb_u16 hb_segment_crc(hb_u16 crc, const hb_segment *segment)
@@ -26,6 +30,8 @@ hb_u16 hb_segment_crc(hb_u16 crc, const hb_segment *segment)
     crc = hb_crc_f32(crc, segment->v_m_s);
     crc = hb_crc_f32(crc, segment->a_m_s2);
     crc = hb_crc_f32(crc, segment->duration_s);
+    crc = hb_crc_f32(crc, segment->force_rate_n_s);
+    crc = hb_crc_f32(crc, segment->displacement_m);
     return crc;
 }
 

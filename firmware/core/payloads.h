@@ -13,6 +13,8 @@ typedef struct {
     float v_m_s;
     float a_m_s2;
     float duration_s;
+    float force_rate_n_s;
+    float displacement_m;
 } hb_segment;
 bool hb_segment_equal(const hb_segment *a, const hb_segment *b);
 /* Continues a CRC-16 over the fields as they are sent. */

@@ -7,6 +7,11 @@
 #define HB_NEAR_M 1e-3f
 #define HB_NEAR_S 0.1f
 
+/* Venting: small openings, so that the piston moves slowly should the supply come on. */
+#define HB_VENT_V 0.5f
+#define HB_VENT_SIDE_S 0.25f
+#define HB_VENT_SUPPLY_PA 10e5f /* above a tank's pressure and a transducer's zero error */
+
 hb_schedule_config hb_schedule_design(const hb_settings *settings)
 {
     const float *value = settings->value;
@@ -47,9 +52,13 @@ void hb_schedule_init(hb_schedule_state *state)
     state->runs_done = 0;
     hb_settle_init(&state->settle);
     state->settled = false;
+    state->begin_x_m = 0.0f;
+    state->begin_f_test_n = 0.0f;
     state->references.v_m_s = 0.0f;
     state->references.p_lr_pa = 0.0f;
     state->references.p_lp_pa = 0.0f;
+    state->references.pushing = false;
+    state->references.f_test_n = 0.0f;
     enter(state, HB_PHASE_NONE);
 }
 
@@ -82,31 +91,51 @@ static bool segment_is_over(const hb_schedule_state *state, const hb_step *step,
     const float v = state->references.v_m_s;
     const bool left = (segment->v_m_s > 0.0f && v > 0.0f && x_m >= step->x_max_m)
                    || (segment->v_m_s < 0.0f && v < 0.0f && x_m <= step->x_min_m);
-    return left || time_is_over(state, segment->duration_s);
+    const bool moved = state->phase == HB_PHASE_PUSH
+                    && hb_abs(x_m - state->begin_x_m) >= segment->displacement_m;
+    return left || moved || time_is_over(state, segment->duration_s);
 }
 
-static void enter_segment(const hb_steps *steps, hb_schedule_state *state)
+static hb_u16 phase_of(const hb_segment *segment)
 {
-    const bool closed = present_segment(steps, state)->valves == HB_VALVES_CLOSED;
-    enter(state, closed ? HB_PHASE_CLOSED : HB_PHASE_ACCELERATE);
+    switch (segment->valves) {
+    case HB_VALVES_CLOSED:
+        return HB_PHASE_CLOSED;
+    case HB_VALVES_PUSHING:
+        return HB_PHASE_PUSH;
+    case HB_VALVES_VENTING:
+        return HB_PHASE_VENT;
+    default:
+        return HB_PHASE_ACCELERATE;
+    }
 }
 
-static void begin_run(const hb_steps *steps, hb_schedule_state *state)
+static void enter_segment(const hb_schedule_config *config, const hb_steps *steps,
+                          hb_schedule_state *state, const hb_sensors_state *sensors)
+{
+    enter(state, phase_of(present_segment(steps, state)));
+    state->begin_x_m = sensors->value[HB_SENSOR_X];
+    state->begin_f_test_n = hb_test_force(sensors, config->area_piston_m2, config->area_rod_m2);
+}
+
+static void begin_run(const hb_schedule_config *config, const hb_steps *steps,
+                      hb_schedule_state *state, const hb_sensors_state *sensors)
 {
     state->cycle = 0;
     state->segment = 0;
     state->settled = false;
     hb_settle_init(&state->settle);
-    enter_segment(steps, state);
+    enter_segment(config, steps, state, sensors);
 }
 
-static void next_segment(const hb_steps *steps, hb_schedule_state *state)
+static void next_segment(const hb_schedule_config *config, const hb_steps *steps,
+                         hb_schedule_state *state, const hb_sensors_state *sensors)
 {
     const hb_step *step = &steps->step[state->step];
 
     if (state->segment + 1u < step->segments) {
         state->segment++;
-        enter_segment(steps, state);
+        enter_segment(config, steps, state, sensors);
         return;
     }
     state->settled = hb_settle_cycle(&state->settle, step->within)
@@ -114,7 +143,7 @@ static void next_segment(const hb_steps *steps, hb_schedule_state *state)
     if (!state->settled && state->cycle + 1u < step->cycles) {
         state->cycle++;
         state->segment = 0;
-        enter_segment(steps, state);
+        enter_segment(config, steps, state, sensors);
         return;
     }
     state->runs_done++;
@@ -137,27 +166,32 @@ static void next_trial(const hb_steps *steps, hb_schedule_state *state)
 }
 
 /* Enters the next phase if the present phase is over. */
-static void change_phase(const hb_steps *steps, hb_schedule_state *state, float x_m)
+static void change_phase(const hb_schedule_config *config, const hb_steps *steps,
+                         hb_schedule_state *state, const hb_sensors_state *sensors)
 {
     const hb_step *step = &steps->step[state->step];
     const hb_segment *segment = present_segment(steps, state);
 
     switch (state->phase) {
     case HB_PHASE_RETURN:
-        if (time_is_over(state, HB_NEAR_S)) {
+        if (segment->valves == HB_VALVES_VENTING) {
+            begin_run(config, steps, state, sensors);
+        } else if (time_is_over(state, HB_NEAR_S)) {
             enter(state, HB_PHASE_HOLD);
         }
         break;
     case HB_PHASE_HOLD:
         if (state->ticks > 0u && time_is_over(state, step->hold_s)) {
-            begin_run(steps, state);
+            begin_run(config, steps, state, sensors);
         }
         break;
     case HB_PHASE_ACCELERATE:
     case HB_PHASE_STEADY:
     case HB_PHASE_CLOSED:
-        if (segment_is_over(state, step, segment, x_m)) {
-            next_segment(steps, state);
+    case HB_PHASE_PUSH:
+    case HB_PHASE_VENT:
+        if (segment_is_over(state, step, segment, sensors->value[HB_SENSOR_X])) {
+            next_segment(config, steps, state, sensors);
         } else if (state->phase == HB_PHASE_ACCELERATE
                    && state->references.v_m_s == segment->v_m_s) {
             state->phase = HB_PHASE_STEADY; /* its ticks continue from the segment's start */
@@ -181,9 +215,9 @@ static float condition_value(const hb_schedule_config *config, const hb_step *st
     const float v_ref = state->references.v_m_s;
 
     if (step->until == HB_CONDITION_FRICTION) {
-        const float friction = config->area_piston_m2 * sensors->value[HB_SENSOR_P_TP]
-                             - config->area_rod_m2 * sensors->value[HB_SENSOR_P_TR]
-                             - sensors->value[HB_SENSOR_F_APPLIED];
+        const float friction =
+            hb_test_force(sensors, config->area_piston_m2, config->area_rod_m2)
+            - sensors->value[HB_SENSOR_F_APPLIED];
         return v_ref < 0.0f ? -friction : friction;
     }
     return hb_abs(v_ref - sensors->velocity.v);
@@ -219,6 +253,8 @@ static void follow_phase(const hb_schedule_config *config, const hb_steps *steps
         state->ticks++;
         break;
     case HB_PHASE_CLOSED:
+    case HB_PHASE_PUSH:
+    case HB_PHASE_VENT:
         *v = 0.0f;
         state->ticks++;
         break;
@@ -234,10 +270,10 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
     const float x_m = sensors->value[HB_SENSOR_X];
     hb_references *references = &state->references;
 
-    change_phase(steps, state, x_m);
+    change_phase(config, steps, state, sensors);
 
     const hb_step *step = &steps->step[state->step];
-    if (state->phase == HB_PHASE_CLOSED) {
+    if (state->phase == HB_PHASE_CLOSED || state->phase == HB_PHASE_VENT) {
         load_as_measured(state, sensors); /* control resumes from here */
     } else {
         references->p_lr_pa =
@@ -248,6 +284,12 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
     const bool loaded =
         references->p_lr_pa == step->p_lr_ref_pa && references->p_lp_pa == step->p_lp_ref_pa;
     follow_phase(config, steps, state, x_m, loaded);
+    references->pushing = state->phase == HB_PHASE_PUSH;
+    if (references->pushing) { /* from the time, since small increments would be lost in rounding */
+        references->f_test_n = state->begin_f_test_n
+                             + present_segment(steps, state)->force_rate_n_s
+                                   * ((float)state->ticks * HB_PERIOD_S);
+    }
     if (state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY) {
         hb_settle_add(&state->settle, condition_value(config, step, state, sensors));
     }
@@ -258,10 +300,23 @@ bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_sta
     return state->phase == HB_PHASE_RETURN && state->return_ticks > config->return_ticks;
 }
 
+float hb_schedule_vent_v(const hb_schedule_state *state)
+{
+    const hb_u32 side = state->ticks / hb_ticks(HB_VENT_SIDE_S, (float)HB_RATE_HZ);
+    return side % 2u == 0u ? HB_VENT_V : -HB_VENT_V;
+}
+
+bool hb_schedule_vents_under_pressure(const hb_schedule_state *state,
+                                      const hb_sensors_state *sensors)
+{
+    return state->phase == HB_PHASE_VENT && !(sensors->value[HB_SENSOR_P_S] <= HB_VENT_SUPPLY_PA);
+}
+
 bool hb_schedule_moving(const hb_schedule_state *state)
 {
     return state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY
-        || state->phase == HB_PHASE_CLOSED;
+        || state->phase == HB_PHASE_CLOSED || state->phase == HB_PHASE_PUSH
+        || state->phase == HB_PHASE_VENT;
 }
 
 hb_u16 hb_schedule_run(const hb_steps *steps, const hb_schedule_state *state)

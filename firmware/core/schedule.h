@@ -1,5 +1,6 @@
 /* Executes the uploaded steps: each trial returns to its start position, holds, runs its segments
- * and brakes. It provides the references of the three loops. */
+ * and brakes. It provides the references of the three loops. A run that begins by venting neither
+ * returns nor holds, since the supply is off. */
 #ifndef HB_SCHEDULE_H
 #define HB_SCHEDULE_H
 
@@ -30,6 +31,8 @@ typedef struct {
     hb_u32 return_ticks; /* since the return began */
     hb_settle settle;
     bool settled; /* the last run ended by its condition */
+    float begin_x_m;       /* at the segment's begin */
+    float begin_f_test_n;
     hb_references references;
 } hb_schedule_state;
 
@@ -45,6 +48,13 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
 
 /* The return takes longer than its limit: the piston is blocked, or the pump is off. */
 bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state);
+
+/* Command of all valves while venting [V]: to either side in turn. */
+float hb_schedule_vent_v(const hb_schedule_state *state);
+
+/* Venting, although the supply is on: the piston would move. */
+bool hb_schedule_vents_under_pressure(const hb_schedule_state *state,
+                                      const hb_sensors_state *sensors);
 
 /* A run's segments are being executed. */
 bool hb_schedule_moving(const hb_schedule_state *state);

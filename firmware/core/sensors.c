@@ -71,3 +71,9 @@ void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
     }
     hb_velocity_step(&config->velocity, &state->velocity, si[HB_SENSOR_X]);
 }
+
+float hb_test_force(const hb_sensors_state *state, float area_piston_m2, float area_rod_m2)
+{
+    return area_piston_m2 * state->value[HB_SENSOR_P_TP]
+         - area_rod_m2 * state->value[HB_SENSOR_P_TR];
+}

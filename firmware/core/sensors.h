@@ -27,4 +27,7 @@ void hb_sensors_init(hb_sensors_state *state);
 void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
                      const hb_u16 adc[HB_SENSORS]);
 
+/* F_T = P_Tp A_p - P_Tr A_r, the pressure force of the test cylinder. */
+float hb_test_force(const hb_sensors_state *state, float area_piston_m2, float area_rod_m2);
+
 #endif

@@ -37,6 +37,7 @@ bool hb_settings_in_range(const hb_settings *settings, float voltage_range_v)
 
     return value[HB_SETTING_VELOCITY_GAIN_V_M] > 0.0f
         && value[HB_SETTING_VELOCITY_TIME_CONSTANT_S] >= 0.0f
+        && value[HB_SETTING_FORCE_GAIN_V_N] > 0.0f
         && value[HB_SETTING_ROD_GAIN_V_PA_S] > 0.0f
         && value[HB_SETTING_ROD_TIME_CONSTANT_S] >= 0.0f
         && value[HB_SETTING_PISTON_GAIN_V_PA_S] > 0.0f

@@ -20,7 +20,9 @@ bool hb_segment_in_range(const hb_segment *segment)
     return segment->valves < HB_VALVES_STATES
         && hb_finite(segment->v_m_s)
         && hb_finite(segment->a_m_s2) && segment->a_m_s2 > 0.0f
-        && is_duration(segment->duration_s) && segment->duration_s > 0.0f;
+        && is_duration(segment->duration_s) && segment->duration_s > 0.0f
+        && hb_finite(segment->force_rate_n_s)
+        && hb_finite(segment->displacement_m) && segment->displacement_m >= 0.0f;
 }
 
 bool hb_step_in_range(const hb_step *step)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hbench.analysis.curves.average import curves
+from hbench.analysis.curves.breakaway import breakaways, dwell_laws
 from hbench.analysis.curves.hysteresis import hysteresis
 from hbench.analysis.curves.leakage import chamber_leakage
 from hbench.analysis.curves.ramp_tests import ramp_comparisons
@@ -19,7 +20,16 @@ from hbench.analysis.fitting.joint import fitted
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.config.fitting import Fitting
 from hbench.config.setup import Setup
-from hbench.records import KINDS, Curve, Leakage, Level, Loop, Motions, ScreenedRun
+from hbench.records import (
+    KINDS,
+    Breakaway,
+    Curve,
+    Leakage,
+    Level,
+    Loop,
+    Motions,
+    ScreenedRun,
+)
 
 _SHARED_STROKES = (
     "the points of a ramp's curve share their strokes, but the intervals of its fitted "
@@ -27,7 +37,7 @@ _SHARED_STROKES = (
 )
 _UNKNOWN_MASS = "the test side's mass is not known: friction of moving runs includes its inertia"
 _NO_BENCH = "leakage needs a bench file: volumes and bulk modulus are not known"
-_WITH_INERTIA = {"ramp_curve", "hysteresis", "step_levels"}  # analyses that subtract m_T a
+_WITH_INERTIA = {"ramp_curve", "hysteresis", "step_levels", "breakaway"}  # analyses that subtract m_T a
 
 
 @dataclass(frozen=True)
@@ -45,12 +55,13 @@ class Settings:
 
 @dataclass(frozen=True)
 class AnalysisProducts:
-    """Results of one analysis, before the instruments' uncertainty is added."""
+    """Results of one analysis; curves without the instruments' uncertainty."""
 
     curves: tuple[Curve, ...] = ()
     loops: tuple[Loop, ...] = ()
     levels: tuple[Level, ...] = ()
     leakages: tuple[Leakage, ...] = ()
+    breakaways: tuple[Breakaway, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -79,6 +90,7 @@ def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting
     moving = (
         curve for name in products if name != "steady_curve" for curve in products[name].curves
     )
+    broken_away = products["breakaway"].breakaways
     accepted = {name for name in runs if any(run.accepted for run in runs[name])}
     return AnalysedRuns(
         steady=steady,
@@ -88,6 +100,8 @@ def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting
             loops=tuple(loop for product in products.values() for loop in product.loops),
             levels=tuple(level for product in products.values() for level in product.levels),
             leakages=tuple(leak for product in products.values() for leak in product.leakages),
+            breakaways=broken_away,
+            dwell_laws=dwell_laws(broken_away),
             surfaces=friction_surfaces(steady),
         ),
         notes=(
@@ -127,6 +141,11 @@ def _leakage(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProduct
     return AnalysisProducts(leakages=chamber_leakage(runs, settings.setup.bench))
 
 
+def _breakaways(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
+    measured, notes = breakaways(runs, settings.mass_kg, settings.setup.instruments)
+    return AnalysisProducts(breakaways=measured, notes=notes)
+
+
 def _verification(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
     return AnalysisProducts()  # `hbench identify` compares these runs with its models
 
@@ -137,5 +156,6 @@ ANALYSES: Mapping[str, Callable[[Sequence[ScreenedRun], Settings], AnalysisProdu
     "hysteresis": _hysteresis,
     "step_levels": _step_levels,
     "leakage": _leakage,
+    "breakaway": _breakaways,
     "verification": _verification,
 }

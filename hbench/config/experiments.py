@@ -29,7 +29,7 @@ class Travel(ConfigSection):
 
 
 class ExperimentBase(ConfigSection):
-    """Keys that all kinds share: load, trials and the hold before each run."""
+    """Keys that all kinds share: load and trials."""
 
     kind: str  # its row of KINDS chooses the class
     label: str = ""  # distinguishes series of one campaign
@@ -39,10 +39,15 @@ class ExperimentBase(ConfigSection):
     trials: int = Field(default=3, ge=1, le=20)
     # Trials of a reference one after the other, or as passes over all references.
     order: Literal["row", "passes"] = "row"
+
+
+class HeldExperiment(ExperimentBase):
+    """Experiment with the same rest before each run."""
+
     hold: q.Duration  # at rest under load before each run
 
 
-class Steady(ExperimentBase):
+class Steady(HeldExperiment):
     """Runs at constant velocity and load (section 5.3)."""
 
     direction: Direction
@@ -64,7 +69,7 @@ class Steady(ExperimentBase):
         return self
 
 
-class Ramp(ExperimentBase):
+class Ramp(HeldExperiment):
     """Velocity ramps from rest to ``speed``, or to the travel's end, at each acceleration (5.3)."""
 
     direction: Direction
@@ -84,7 +89,7 @@ class Settling(ConfigSection):
     within: q.Ratio
 
 
-class Triangle(ExperimentBase):
+class Triangle(HeldExperiment):
     """Triangular velocity between +speed and -speed over the whole travel (section 5.2).
 
     Its slope is speed^2 / (end - start). For hysteresis, and to warm up and purge the bench.
@@ -97,7 +102,7 @@ class Triangle(ExperimentBase):
     trials: int = Field(default=1, ge=1, le=20)
 
 
-class Steps(ExperimentBase):
+class Steps(HeldExperiment):
     """Velocity steps (section 5.4); the first level leads away from the start position."""
 
     levels: tuple[q.Velocity, ...] = Field(min_length=1, max_length=50)
@@ -114,18 +119,29 @@ class ProfilePiece(ConfigSection):
     duration: Annotated[float, q.quantity("s", gt=0, le=600)]
 
 
-class Verification(ExperimentBase):
+class Verification(HeldExperiment):
     """Velocity profile with steady and unsteady parts, to verify friction models (section 5.5)."""
 
     profile: tuple[ProfilePiece, ...] = Field(min_length=1, max_length=100)
     travel: Travel
 
 
-class Hold(ExperimentBase):
+class Hold(HeldExperiment):
     """Rest under load with all valves closed: chamber pressures decay by leakage alone."""
 
     positions: tuple[q.Position, ...] = Field(min_length=1, max_length=50)
     duration: Annotated[float, q.quantity("s", gt=0, le=3600)]
+
+
+class Breakaway(ExperimentBase):
+    """Push on a resting piston until it moves: F_T rises at a given rate after each dwell."""
+
+    direction: Direction
+    position: q.Position
+    dwells: tuple[q.Duration, ...] = Field(min_length=1, max_length=20)  # at rest under load
+    rate: Annotated[float, q.quantity("N/s", ge=1, le=1e6)]
+    rise: Annotated[float, q.quantity("N", gt=0, le=1e6)]  # at most; the push then ends
+    displacement: Annotated[float, q.quantity("mm", ge=1e-4, le=0.1)] = 0.01  # ends the push
 
 
 def _profile(experiment: Any) -> str | None:
@@ -141,6 +157,7 @@ _OfProfile = (
     | Annotated[Steps, Tag("velocity_steps")]
     | Annotated[Verification, Tag("stretches")]
     | Annotated[Hold, Tag("at_rest")]
+    | Annotated[Breakaway, Tag("force_ramp")]
 )
 PROFILE_SECTIONS = {tag.tag: section for section, tag in map(get_args, get_args(_OfProfile))}
 _NAMES = ", ".join(kind.name for kind in KINDS.values() if kind.profile in PROFILE_SECTIONS)

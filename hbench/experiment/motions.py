@@ -8,7 +8,9 @@ import numpy as np
 
 from hbench.config.bench import Bench
 from hbench.config.experiments import (
+    Breakaway,
     ExperimentBase,
+    HeldExperiment,
     Hold,
     Ramp,
     Steady,
@@ -184,12 +186,27 @@ def _hold(experiment: Hold, screening: Screening, bench: Bench, key: str) -> Ite
         yield Reference(0.0, None, Motion(x, x, x, experiment.hold, (closed,)))
 
 
+def _breakaway(
+    experiment: Breakaway, screening: Screening, bench: Bench, key: str
+) -> Iterator[Reference]:
+    x, sign = experiment.position, 1.0 if experiment.direction == "extend" else -1.0
+    push = Segment(
+        0.0,
+        bench.controllers.acceleration,
+        experiment.rise / experiment.rate,
+        force_rate_n_s=sign * experiment.rate,
+        displacement_m=experiment.displacement,
+    )
+    for dwell in experiment.dwells:
+        yield Reference(0.0, None, Motion(x, x, x, dwell, (push,)))
+
+
 def _largest(row: tuple[Segment, ...]) -> float:
     return max((segment.v_m_s for segment in row), key=abs)
 
 
 def _motion(
-    experiment: ExperimentBase, travel: Travel, row: tuple[Segment, ...], **ending: Any
+    experiment: HeldExperiment, travel: Travel, row: tuple[Segment, ...], **ending: Any
 ) -> Motion:
     """Return a motion that starts at the end of the travel from which the first segment leads."""
     first = next((segment.v_m_s for segment in row if segment.v_m_s), 1.0)
@@ -204,4 +221,5 @@ PROFILES: Mapping[str, Callable[..., Iterator[Reference]]] = {
     "velocity_steps": _steps,
     "stretches": _verification,
     "at_rest": _hold,
+    "force_ramp": _breakaway,
 }

@@ -70,9 +70,12 @@ def uploads(plans: Sequence[RunPlan], board: Identity) -> Iterator[Upload]:
 
 
 def _segment(segment: Segment) -> dict[str, Any]:
+    pushing = "pushing" if segment.force_rate_n_s else "controlled"
     return {
-        "valves": VALVES.index("closed" if segment.closed else "controlled"),
+        "valves": VALVES.index("closed" if segment.closed else pushing),
         "v_m_s": segment.v_m_s,
         "a_m_s2": segment.a_m_s2,
         "duration_s": segment.duration_s,
+        "force_rate_n_s": segment.force_rate_n_s,
+        "displacement_m": segment.displacement_m,
     }

@@ -28,12 +28,14 @@ class Message:
     reply: tuple[tuple[str, str], ...]
 
 
-# A segment of a run: v_ref moves to a velocity at a given slope, then stays constant.
+# A segment of a run: what the valves do, see VALVES.
 SEGMENT = (
-    ("valves", "u16"),  # closed: all in neutral, no loop is active
+    ("valves", "u16"),
     ("v_m_s", "f32"),  # target of v_ref, signed; positive extends the test cylinder
     ("a_m_s2", "f32"),  # slope
     ("duration_s", "f32"),  # upper limit
+    ("force_rate_n_s", "f32"),  # of F_T while pushing, signed; positive extends
+    ("displacement_m", "f32"),  # of the piston, which ends a push
 )
 
 # A step: a sequence of segments (one cycle), repeated, at one load. Its trials have the run numbers
@@ -128,8 +130,14 @@ MESSAGES: tuple[Message, ...] = (
 )
 
 STATES = ("idle", "running", "done", "fault")
-PHASES = ("none", "return", "hold", "accelerate", "steady", "closed", "brake")
-VALVES = ("controlled", "closed")  # in a segment
+PHASES = ("none", "return", "hold", "accelerate", "steady", "closed", "brake", "push", "vent")
+# In a segment. A run that begins with "venting" begins where the piston is, without return and hold.
+VALVES = (
+    "controlled",  # v_ref moves to a velocity at a given slope, then stays constant
+    "closed",  # all in neutral, no loop is active
+    "pushing",  # F_T rises at a given rate instead of the velocity loop, until the piston moves
+    "venting",  # with the supply off: opened to either side in turn, which levels the pressures
+)
 CONDITIONS = ("cycles", "friction", "speed_error")  # that end a run; "cycles": none
 FAULTS = (
     "none",
@@ -142,6 +150,7 @@ FAULTS = (
     "overrun",  # of the control interrupt
     "return",  # the start position is not reached in time
     "stopped",  # by the host, during a schedule
+    "supply",  # on while venting
 )
 REFUSALS = (
     "none",
@@ -164,6 +173,7 @@ SETTINGS: tuple[str, ...] = (
     *(f"offset_{name}" for name in SENSORS),
     "velocity_gain_v_m",
     "velocity_time_constant_s",
+    "force_gain_v_n",
     "rod_gain_v_pa_s",
     "rod_time_constant_s",
     "piston_gain_v_pa_s",

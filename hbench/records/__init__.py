@@ -93,8 +93,10 @@ from hbench.records.import_preview import (
 )
 from hbench.records.kinds import KINDS, ExperimentKind, kind_names
 from hbench.records.motions import (
+    Breakaway,
     Comparison,
     Decay,
+    DwellLaw,
     Leak,
     Leakage,
     LeakCoefficient,
@@ -140,6 +142,7 @@ __all__ = [
     "Basis",
     "BeforeAfter",
     "Block",
+    "Breakaway",
     "CampaignDifferences",
     "Candidate",
     "Check",
@@ -156,6 +159,7 @@ __all__ = [
     "Difference",
     "Direction",
     "Drift",
+    "DwellLaw",
     "EfficiencyCurve",
     "EfficiencyPoint",
     "ExperimentKind",

@@ -41,6 +41,10 @@ class Segment:
     a_m_s2: float
     duration_s: float  # at most
     closed: bool = False  # all valves in neutral, nothing is controlled
+    # Instead of the velocity, F_T is controlled: it rises at this rate, positive to extend, until
+    # the piston has moved by the displacement.
+    force_rate_n_s: float = 0.0
+    displacement_m: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -102,9 +106,14 @@ class RunPlan:
         return self.x_low_m, self.x_high_m
 
     @property
+    def force_rate_n_s(self) -> float:
+        """Rate at which the run raises the force F_T, positive to extend; 0 for other runs."""
+        return self.motion.segments[0].force_rate_n_s if self.motion else 0.0
+
+    @property
     def direction(self) -> Direction:
-        """``extend`` for a positive reference."""
-        return "extend" if self.v_ref_m_s >= 0 else "retract"
+        """``extend`` for a positive reference, of the velocity or of the force's rate."""
+        return "extend" if (self.v_ref_m_s or self.force_rate_n_s) >= 0 else "retract"
 
 
 @dataclass(frozen=True)

@@ -20,14 +20,32 @@ from dataclasses import dataclass
 from typing import Literal
 
 Profile = Literal[
-    "constant_speed", "acceleration_ramp", "triangle", "velocity_steps", "stretches", "at_rest"
+    "constant_speed",
+    "acceleration_ramp",
+    "triangle",
+    "velocity_steps",
+    "stretches",
+    "at_rest",
+    "force_ramp",
 ]
-Valves = Literal["controlled", "closed"]
+Valves = Literal["controlled", "closed", "pushing"]
 ScreeningRule = Literal[
-    "steady_window", "complete_ramp", "tracking", "whole_cycles", "settled_levels", "rest"
+    "steady_window",
+    "complete_ramp",
+    "tracking",
+    "whole_cycles",
+    "settled_levels",
+    "rest",
+    "moved_off",
 ]
 Analysis = Literal[
-    "steady_curve", "ramp_curve", "hysteresis", "step_levels", "leakage", "verification"
+    "steady_curve",
+    "ramp_curve",
+    "hysteresis",
+    "step_levels",
+    "leakage",
+    "breakaway",
+    "verification",
 ]
 IdentificationUse = Literal["steady_curve", "motion", "verification", "too_fast", "unused"]
 
@@ -64,9 +82,14 @@ class ExperimentKind:
         return self.valves == "closed"
 
     @property
+    def raises_force(self) -> bool:
+        """A run pushes a resting piston with a rising force, until it moves."""
+        return self.valves == "pushing"
+
+    @property
     def covers_speeds(self) -> bool:
         """One run covers a range of speeds."""
-        return not (self.has_constant_speed or self.is_at_rest)
+        return not (self.has_constant_speed or self.is_at_rest or self.raises_force)
 
 
 _ROWS = (
@@ -120,6 +143,16 @@ _ROWS = (
         figure="leakage",
         identification="unused",
         valves="closed",
+    ),
+    ExperimentKind(
+        name="breakaway",
+        display_name="breakaway",
+        profile="force_ramp",
+        screening="moved_off",
+        analysis="breakaway",
+        figure="breakaway",
+        identification="unused",
+        valves="pushing",
     ),
     ExperimentKind(
         name="verification",

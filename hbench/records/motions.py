@@ -130,6 +130,45 @@ class Decay:
 
 
 @dataclass(frozen=True)
+class Breakaway:
+    """Largest friction while a force rises on a piston at rest: means over trials."""
+
+    series: Series
+    direction: Direction
+    dwell_s: float | None  # at rest under load before; None: not known
+    rate_n_s: float  # of the force
+    breakaway_n: float  # against the motion
+    ci95_n: float | None  # half-width of Student's interval over the trials
+    u95_n: float | None  # the same with the instruments
+    n: Count  # trials
+    trials_n: tuple[float, ...]
+    displacement_m: float  # of the piston at the largest friction
+    p_tp_pa: float | None  # pressures at that moment
+    p_tr_pa: float | None
+    f_applied_n: float
+    runs: tuple[str, ...]
+    kind: KindName = "breakaway"
+
+
+@dataclass(frozen=True)
+class DwellLaw:
+    """Breakaway over the time at rest, fitted to the trials of one direction and load."""
+
+    series: Series
+    direction: Direction
+    law: Literal["logarithmic", "power"]
+    f_1s_n: float  # breakaway after 1 s at rest
+    f_1s_ci95_n: float
+    # Growth for each decade of the time: N (logarithmic), or the exponent (power).
+    growth: float
+    growth_ci95: float
+    rmse_n: float
+    dwells: Count
+    n: Count  # trials
+    kind: KindName = "breakaway"
+
+
+@dataclass(frozen=True)
 class Surface:
     """Friction over velocity and load, on the speeds and the loads that were measured."""
 
@@ -151,4 +190,6 @@ class Motions:
     loops: tuple[Loop, ...] = ()
     levels: tuple[Level, ...] = ()
     leakages: tuple[Leakage, ...] = ()
+    breakaways: tuple[Breakaway, ...] = ()
+    dwell_laws: tuple[DwellLaw, ...] = ()
     surfaces: tuple[Surface, ...] = ()

@@ -1,10 +1,14 @@
 """The board's settings, from the bench file."""
 
+from math import pi, sqrt
+
 from hbench.config.bench import Bench
 from hbench.model.sensors import sensor_gains
 from hbench.protocol.dictionary import SENSORS
 
 STEPS_PER_COUNT = 16  # the board's sensor words are in sixteenths of an ADC count
+
+_FORCE_BANDWIDTH = 0.05  # of the valve's: far enough from it for any position and pressure
 
 
 def board_settings(bench: Bench) -> dict[str, float]:
@@ -15,6 +19,7 @@ def board_settings(bench: Bench) -> dict[str, float]:
         **{f"offset_{name}": gains[name][1] for name in SENSORS},
         "velocity_gain_v_m": control.velocity.gain,
         "velocity_time_constant_s": control.velocity.time_constant,
+        "force_gain_v_n": _force_gain(bench),
         "rod_gain_v_pa_s": control.rod_pressure.gain,
         "rod_time_constant_s": control.rod_pressure.time_constant,
         "piston_gain_v_pa_s": control.piston_pressure.gain,
@@ -40,3 +45,22 @@ def board_settings(bench: Bench) -> dict[str, float]:
         "area_rod_m2": bench.test_cylinder.area_rod_m2,
         "log_divider": control.rate / control.log_rate,
     }
+
+
+def _force_gain(bench: Bench) -> float:
+    """Return the gain K [V/N] of the force loop that raises F_T on a resting piston.
+
+    At rest the oil integrates the valve's flow to pressure (2.3, 2.4), here in the middle of the
+    stroke with half the supply pressure across each edge of the valve:
+
+        dF_T/dt = c u,   c = beta k_s sqrt(P_s / 2) (A_p / V_p + A_r / V_r)
+
+    K = omega / c gives the loop the bandwidth omega.
+    """
+    cylinder, oil, valve = bench.test_cylinder, bench.oil, bench.valve
+    flow = valve.gain * sqrt(2 / oil.density) * sqrt(bench.supply.pressure / 2)
+    half = cylinder.stroke / 2
+    piston, rod = cylinder.area_piston_m2, cylinder.area_rod_m2
+    per_volume = piston / (cylinder.dead_volume_piston + piston * half)
+    per_volume += rod / (cylinder.dead_volume_rod + rod * half)
+    return _FORCE_BANDWIDTH * 2 * pi * valve.bandwidth / (oil.bulk_modulus * flow * per_volume)

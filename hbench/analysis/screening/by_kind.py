@@ -8,6 +8,7 @@
     steps               each level was reached and kept in the second half of its time; the step
                         itself drives the valve to its limit
     hold                the piston was at rest
+    breakaway           the piston moved off before the push ended, after the largest friction
 
 The reference is compared with the position's speed over 0.1 s, as for steady runs.
 """
@@ -17,6 +18,11 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from hbench.analysis.rounding import ROUNDING, exceeds
+from hbench.analysis.screening.friction_channels import (
+    missing_friction_channels,
+    required,
+    test_force,
+)
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
 from hbench.analysis.screening.steadiness import speeds_over_tenths
 from hbench.config.schedule import Screening
@@ -25,6 +31,8 @@ from hbench.records import KINDS, Run
 
 _REACHED = 0.98  # of a ramp's top speed
 _NEAR_END_M = 0.005
+_LAST_S = 0.03  # a push that takes the whole time but this has not moved the piston
+_PAST_PEAK = 3  # records after the largest friction
 
 
 def motion_reasons(run: Run, rules: Screening) -> list[str]:
@@ -143,10 +151,33 @@ def _rest(run: Run, rules: Screening) -> Iterator[str]:
         yield f"too_short: {max(length, 0):.2f} s at rest; limit {rules.min_window:g} s"
 
 
+def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
+    yield from _valve_limits(run, rules)
+    forward = 1.0 if run.plan.direction == "extend" else -1.0
+    moved_mm = 1e3 * forward * float(run.x_m[-1] - run.x_m[0])
+    segments = run.plan.motion.segments if run.plan.motion else ()
+    for push in segments[:1]:
+        if run.t_s[-1] - run.t_s[0] > push.duration_s - _LAST_S:
+            yield (
+                f"incomplete: the piston moved by {moved_mm:.2f} mm while the force rose by "
+                f"{abs(push.force_rate_n_s) * push.duration_s:.6g} N, its limit (rise); it should "
+                f"move by {1e3 * push.displacement_m:g} mm"
+            )
+            return
+    if not missing_friction_channels(run):
+        friction = forward * (test_force(run, slice(None)) - required(run, "f_applied_n"))
+        if np.argmax(friction) >= len(friction) - _PAST_PEAK:
+            yield (
+                f"incomplete: friction was still rising when the piston had moved by "
+                f"{moved_mm:.2f} mm; limit {_PAST_PEAK} records before the end (displacement)"
+            )
+
+
 RULES: dict[str, Callable[[Run, Screening], Iterator[str]]] = {
     "complete_ramp": _complete_ramp,
     "tracking": _tracking,
     "whole_cycles": _whole_cycles,
     "settled_levels": _settled_levels,
     "rest": _rest,
+    "moved_off": _moved_off,
 }

@@ -31,6 +31,8 @@ _RANGES = {
     "v_m_s": _SPEED,
     "a_m_s2": _SLOPE,
     "duration_s": _TIME,
+    "force_rate_n_s": _FORCE,
+    "displacement_m": _LENGTH,
 }
 _TEXTS = ("kind", "label", "until")
 _FLAGS = ("closed", "speed_is_measured")

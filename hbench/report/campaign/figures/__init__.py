@@ -10,6 +10,7 @@ FIGURE_NAMES = (  # of all_figures.FIGURES, for callers that do not draw
     "hysteresis",
     "steps",
     "leakage",
+    "breakaway",
     "efficiency",
     "efficiency-map",
     "rejected",

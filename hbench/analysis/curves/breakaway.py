@@ -1,0 +1,200 @@
+"""Breakaway: the largest friction while a rising force pushes a piston that has rested.
+
+    F_fT = F_T - F_applied - m_T a        (2.12, with the inertia of the test side alone)
+
+The largest value of a run, smoothed by a polynomial of second order through five samples (Savitzky
+and Golay), which halves the noise's variance and follows the peak. Means and Student's intervals
+are over trials of the same direction, load, dwell and rate. Over the dwell t, static friction
+grows by one of two laws, each linear in log t (Armstrong-Helouvry, Dupont and Canudas de Wit,
+Automatica 30, 1994, section 2.4):
+
+    logarithmic    F = F_1 + g log10(t / 1 s)
+    power          F = F_1 (t / 1 s)^m
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from statistics import fmean
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from hbench.analysis.curves.average import student_interval
+from hbench.analysis.screening.sample_friction import logged_motion
+from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.uncertainty.budget import with_instruments
+from hbench.config.sensors import Instruments
+from hbench.errors import DataError
+from hbench.records import Breakaway, Curve, CurvePoint, DwellLaw, RunPlan, ScreenedRun, Series
+
+_WINDOW, _ORDER = 5, 2  # samples; of the polynomial
+_LEAST_DWELLS = 3  # for a law over the time at rest
+
+
+class _Peak(NamedTuple):
+    """The moment of the largest friction in one run."""
+
+    friction_n: float  # against the motion
+    displacement_m: float
+    f_test_n: float
+    f_applied_n: float
+    p_tp_pa: float
+    p_tr_pa: float
+
+
+def breakaways(
+    screened: Iterable[ScreenedRun], mass_kg: float, instruments: Instruments | None
+) -> tuple[tuple[Breakaway, ...], tuple[str, ...]]:
+    """Return the breakaway of the accepted runs, and notes on those left out.
+
+    ``mass_kg`` is the test side's; with 0, for an unknown mass, friction includes the inertia.
+    """
+    groups: dict[tuple, dict[int, list[tuple[str, _Peak]]]] = defaultdict(lambda: defaultdict(list))
+    plans: dict[tuple, RunPlan] = {}
+    notes = []
+    for verdict in screened:
+        plan = verdict.run.plan
+        if not verdict.accepted:
+            continue
+        try:
+            peak = _peak(verdict, mass_kg)
+        except DataError as error:
+            notes.append(f"left out of the breakaway: {error.message}")
+            continue
+        key = (*_series(plan), _dwell_s(plan), abs(plan.force_rate_n_s))
+        plans.setdefault(key, plan)
+        groups[key][plan.trial].append((plan.run, peak))
+    return (
+        tuple(_mean(plans[key], groups[key], instruments) for key in groups),
+        tuple(notes),
+    )
+
+
+def dwell_laws(measured: Iterable[Breakaway]) -> tuple[DwellLaw, ...]:
+    """Fit both laws to the trials of each direction, load and rate with three dwells or more.
+
+    By least squares, the better law first; intervals are Student's.
+    """
+    groups: dict[tuple, list[Breakaway]] = defaultdict(list)
+    for each in measured:
+        if each.dwell_s:
+            groups[each.series, each.direction, each.rate_n_s, each.kind].append(each)
+    laws: list[DwellLaw] = []
+    for group in groups.values():
+        if len({each.dwell_s for each in group}) >= _LEAST_DWELLS:
+            fitted = [_fitted(group, law) for law in ("logarithmic", "power")]
+            laws += sorted((law for law in fitted if law), key=lambda law: law.rmse_n)
+    return tuple(laws)
+
+
+def _series(plan: RunPlan) -> tuple:
+    load = plan.f_load_n, plan.p_lr_ref_pa
+    return plan.kind, plan.label, plan.direction, *load, plan.specimen
+
+
+def _dwell_s(plan: RunPlan) -> float | None:
+    return plan.motion.hold_s if plan.motion else None
+
+
+def _peak(verdict: ScreenedRun, mass_kg: float) -> _Peak:
+    from scipy.signal import savgol_filter  # slow import
+
+    run = verdict.run
+    motion = logged_motion(run, mass_kg)
+    sign = 1.0 if run.plan.direction == "extend" else -1.0
+    smooth = sign * savgol_filter(motion.friction_n, _WINDOW, _ORDER)
+    at = int(np.argmax(smooth))
+    p_p, p_r = float(motion.p_p_pa[at]), float(motion.p_r_pa[at])
+    specimen = run.plan.specimen
+    return _Peak(
+        friction_n=float(smooth[at]),
+        displacement_m=sign * float(run.x_m[at] - run.x_m[0]),
+        f_test_n=p_p * specimen.area_piston_m2 - p_r * specimen.area_rod_m2,
+        f_applied_n=float(motion.f_applied_n[at]),
+        p_tp_pa=p_p,
+        p_tr_pa=p_r,
+    )
+
+
+def _mean(
+    plan: RunPlan,
+    trials: dict[int, list[tuple[str, _Peak]]],
+    instruments: Instruments | None,
+) -> Breakaway:
+    by_trial = [_Peak(*np.mean([peak for _, peak in runs], axis=0)) for runs in trials.values()]
+    mean = _Peak(*np.mean(by_trial, axis=0).tolist())
+    friction = np.array([peak.friction_n for peak in by_trial])
+    sign = 1.0 if plan.direction == "extend" else -1.0
+    hydraulic = plan.specimen.area_piston_m2 > 0
+    point = CurvePoint(
+        v_m_s=0.0,
+        friction_n=sign * mean.friction_n,
+        ci95_n=student_interval(friction),
+        n=len(by_trial),
+        f_test_n=mean.f_test_n,
+        f_applied_n=mean.f_applied_n,
+        p_tp_pa=mean.p_tp_pa if hydraulic else None,
+        p_tr_pa=mean.p_tr_pa if hydraulic and plan.specimen.area_rod_m2 else None,
+        trials=tuple(trials),
+        trials_n=tuple(friction.tolist()),
+        trials_f_test_n=tuple(peak.f_test_n for peak in by_trial),
+        runs=tuple(run for runs in trials.values() for run, _ in runs),
+    )
+    load = plan.f_load_n, plan.p_lr_ref_pa
+    curve = Curve(plan.kind, plan.direction, *load, plan.label, plan.specimen, (point,))
+    (point,) = with_instruments(curve, instruments).points
+    return Breakaway(
+        series=Series(plan.label, *load),
+        direction=plan.direction,
+        dwell_s=_dwell_s(plan),
+        rate_n_s=abs(plan.force_rate_n_s),
+        breakaway_n=mean.friction_n,
+        ci95_n=point.ci95_n,
+        u95_n=point.u95_n,
+        n=point.n,
+        trials_n=point.trials_n,
+        displacement_m=mean.displacement_m,
+        p_tp_pa=point.p_tp_pa,
+        p_tr_pa=point.p_tr_pa,
+        f_applied_n=point.f_applied_n,
+        runs=point.runs,
+        kind=plan.kind,
+    )
+
+
+def _fitted(
+    group: Sequence[Breakaway], law: Literal["logarithmic", "power"]
+) -> DwellLaw | None:
+    """Return one law; None where it does not exist, since a friction is not positive."""
+    decades = np.array([np.log10(each.dwell_s) for each in group for _ in each.trials_n])
+    friction = np.array([trial for each in group for trial in each.trials_n])
+    if law == "power" and friction.min() <= 0.0:
+        return None
+    y = friction if law == "logarithmic" else np.log10(friction)
+    deviation = decades - decades.mean()
+    spread = float(deviation @ deviation)
+    slope = float(deviation @ y) / spread
+    level = float(y.mean() - slope * decades.mean())  # at log10 t = 0
+    residual = y - level - slope * decades
+    dof = len(y) - 2
+    variance = float(residual @ residual) / dof
+    t = student_factor(dof)
+    slope_half = t * np.sqrt(variance / spread)
+    level_half = t * np.sqrt(variance * (1 / len(y) + decades.mean() ** 2 / spread))
+    f_1s = level if law == "logarithmic" else 10**level
+    if law == "power":
+        level_half *= f_1s * np.log(10.0)  # to first order
+        residual = friction - f_1s * 10 ** (slope * decades)
+    return DwellLaw(
+        series=group[0].series,
+        direction=group[0].direction,
+        law=law,
+        f_1s_n=f_1s,
+        f_1s_ci95_n=float(level_half),
+        growth=slope,
+        growth_ci95=float(slope_half),
+        rmse_n=float(np.sqrt(fmean(residual**2))),
+        dwells=len({each.dwell_s for each in group}),
+        n=len(y),
+        kind=group[0].kind,
+    )
