@@ -37,7 +37,12 @@ _SHARED_STROKES = (
 )
 _UNKNOWN_MASS = "the test side's mass is not known: friction of moving runs includes its inertia"
 _NO_BENCH = "leakage needs a bench file: volumes and bulk modulus are not known"
-_WITH_INERTIA = {"ramp_curve", "hysteresis", "step_levels", "breakaway"}  # analyses that subtract m_T a
+_WITH_INERTIA = {
+    "ramp_curve",
+    "hysteresis",
+    "step_levels",
+    "breakaway",
+}  # analyses that subtract m_T a
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,7 @@ MESSAGES: tuple[Message, ...] = (
 
 STATES = ("idle", "running", "done", "fault")
 PHASES = ("none", "return", "hold", "accelerate", "steady", "closed", "brake", "push", "vent")
-# In a segment. A run that begins with "venting" begins where the piston is, without return and hold.
+# In a segment. A run that begins by venting begins where the piston is, without return and hold.
 VALVES = (
     "controlled",  # v_ref moves to a velocity at a given slope, then stays constant
     "closed",  # all in neutral, no loop is active

@@ -249,6 +249,8 @@ def _observable_effects(
             not_tried[name] = "every bench has it; it is refitted with the parameters of the model"
         elif name in plant.effects:
             not_tried[name] = "the model already contains it; its coefficients are not changed"
+        elif not row.balances:
+            not_tried[name] = "runs of the kind breakaway measure it"
         elif len(without) == len(row.balances):
             not_tried[name] = f"no run has the channels of {', '.join(without)}"
         else:

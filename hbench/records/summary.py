@@ -6,7 +6,7 @@ from typing import Literal
 from hbench.records.flow import Direction
 from hbench.records.numbers import Count, KindName
 
-Basis = Literal["trials", "one_trial", "extrapolated", "ramp"]
+Basis = Literal["trials", "one_trial", "extrapolated", "ramp", "breakaway"]
 Grade = Literal["good", "with care", "poor"]
 SIGNIFICANCE = 0.05  # level of the drift's test
 
@@ -19,7 +19,8 @@ class HeadlineNumber:
     u95: float | None  # half-width with the instruments; without them where they are not known
     ci95: float | None  # half-width of the trials or the fit alone
     se: float | None  # standard error of the trials' mean, or of the fitted parameter
-    # Mean of several trials, a single trial, a law extrapolated to rest, or a ramp's first speeds.
+    # Mean of several trials, a single trial, a law extrapolated to rest, a ramp's first speeds, or
+    # runs of the kind breakaway.
     basis: Basis
 
 
@@ -38,6 +39,7 @@ class HeadlineSeries:
     # a negative value has the wrong sign.
     friction_n: HeadlineNumber | None
     breakaway_n: HeadlineNumber | None
+    breakaway_dwell_s: float | None  # at rest before breakaway; None where it was not measured
     efficiency: HeadlineNumber | None  # at that speed; 1 is 100 %
 
 

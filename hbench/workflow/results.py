@@ -162,7 +162,7 @@ def derive(
         band_trends=band_trends(bands),
         motion_balances=motion_balances(steady),
         drift=drift,
-        headline=headline(curves, efficiencies),
+        headline=headline(curves, efficiencies, analysed.motions.breakaways),
         quality=quality(screened, curves, efficiencies, planned, drift),
     )
 

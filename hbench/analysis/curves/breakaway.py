@@ -65,7 +65,7 @@ def breakaways(
         plans.setdefault(key, plan)
         groups[key][plan.trial].append((plan.run, peak))
     return (
-        tuple(_mean(plans[key], groups[key], instruments) for key in groups),
+        tuple(_mean(plans[key], groups[key], instruments) for key in sorted(groups, key=_place)),
         tuple(notes),
     )
 
@@ -85,6 +85,12 @@ def dwell_laws(measured: Iterable[Breakaway]) -> tuple[DwellLaw, ...]:
             fitted = [_fitted(group, law) for law in ("logarithmic", "power")]
             laws += sorted((law for law in fitted if law), key=lambda law: law.rmse_n)
     return tuple(laws)
+
+
+def _place(key: tuple) -> tuple:
+    """Return the place of a group: by label, direction, size of the load, rest and rate."""
+    kind, label, direction, load, p_lr, _, *rest_and_rate = key
+    return kind, label, direction, abs(load or 0.0), p_lr or 0.0, *(x or 0.0 for x in rest_and_rate)
 
 
 def _series(plan: RunPlan) -> tuple:
@@ -162,9 +168,7 @@ def _mean(
     )
 
 
-def _fitted(
-    group: Sequence[Breakaway], law: Literal["logarithmic", "power"]
-) -> DwellLaw | None:
+def _fitted(group: Sequence[Breakaway], law: Literal["logarithmic", "power"]) -> DwellLaw | None:
     """Return one law; None where it does not exist, since a friction is not positive."""
     decades = np.array([np.log10(each.dwell_s) for each in group for _ in each.trials_n])
     friction = np.array([trial for each in group for trial in each.trials_n])

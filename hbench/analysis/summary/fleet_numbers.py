@@ -103,16 +103,17 @@ def _with_half_width(value: float, half: float | None, se: float | None) -> Flee
 
 def _planned_loads(plans: list[RunPlan], direction: Direction) -> int:
     steady = [plan for plan in plans if KINDS[plan.kind].has_constant_speed]
-    chosen = steady or [plan for plan in plans if KINDS[plan.kind].is_ramp]
+    ramps = [plan for plan in plans if KINDS[plan.kind].is_ramp]
+    chosen = steady or ramps or [plan for plan in plans if KINDS[plan.kind].raises_force]
     of_direction = [plan for plan in chosen if plan.direction == direction]
     return len({(p.label, p.f_load_n, p.p_lr_ref_pa) for p in of_direction})
 
 
-def _curve(results: Results, series: HeadlineSeries) -> Curve:
-    """Return the curve that the headline numbers are of."""
+def _curve(results: Results, series: HeadlineSeries) -> Curve | None:
+    """Return the curve of the headline numbers; None where breakaway alone was measured."""
     names = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2")
     key = [getattr(series, name) for name in names]
-    return next(c for c in results.curves if [getattr(c, name) for name in names] == key)
+    return next((c for c in results.curves if [getattr(c, name) for name in names] == key), None)
 
 
 def _number(number: HeadlineNumber | None) -> FleetNumber | None:
@@ -122,11 +123,12 @@ def _number(number: HeadlineNumber | None) -> FleetNumber | None:
 
 
 def _measured(number: HeadlineNumber | None) -> FleetNumber | None:
-    return _number(number) if number is not None and number.basis == "ramp" else None
+    measured = number is not None and number.basis in ("ramp", "breakaway")
+    return _number(number) if measured else None
 
 
-def _fitted(curve: Curve, name: str) -> FleetNumber | None:
-    for fit in curve.fits:
+def _fitted(curve: Curve | None, name: str) -> FleetNumber | None:
+    for fit in curve.fits if curve else ():
         parameter = fit.parameters.get(name)
         if fit.converged and parameter is not None and parameter.ci95 is not None:
             low, high = parameter.ci95

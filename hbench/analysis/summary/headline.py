@@ -4,11 +4,13 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 from statistics import median_low, stdev
+from typing import NamedTuple
 
 from hbench.analysis.uncertainty.budget import StandardUncertainty, combined, of_instruments
 from hbench.records import (
     KINDS,
     Basis,
+    Breakaway,
     Curve,
     CurvePoint,
     EfficiencyCurve,
@@ -24,12 +26,22 @@ from hbench.records.rod_pressure import without_common_rod_pressure
 V_TOLERANCE = 0.2  # relative distance of a measured speed from the working speed
 
 
+class _AtRest(NamedTuple):
+    """Friction as the piston begins to slide, and the time that it was measured after."""
+
+    breakaway_n: HeadlineNumber | None
+    dwell_s: float | None = None
+
+
 def headline(
     curves: Iterable[Curve],
     efficiency: Iterable[EfficiencyCurve],
+    breakaways: Iterable[Breakaway] = (),
     speed_m_s: float | None = None,
 ) -> Headline:
     """Return the headline numbers of each steady curve, or of each ramp without steady curves.
+
+    A load of which only breakaway was measured has a row of its own.
 
     The working speed is ``speed_m_s``, by default the median of the measured steady speeds. The
     measured point next to it counts, up to ``V_TOLERANCE``; nothing is interpolated. Where all
@@ -37,6 +49,7 @@ def headline(
     own by default.
     """
     curves, efficiency = tuple(curves), without_common_rod_pressure(efficiency)
+    at_rest = _longest_dwells(breakaways)
     speed = _median_speed(curves) if speed_m_s is None else speed_m_s
     marked = without_common_rod_pressure(curves)
     ramps = [curve for curve in marked if KINDS[curve.kind].is_ramp]
@@ -54,6 +67,8 @@ def headline(
             point: CurvePoint | None = curve.points[0]
         else:
             point = _nearest(curve.points, speed) if steady else None
+        measured = at_rest.pop(_key(original), None)
+        breakaway = _measured(measured) if measured else _AtRest(_breakaway(curve, ramps))
         series.append(
             HeadlineSeries(
                 kind=curve.kind,
@@ -64,16 +79,19 @@ def headline(
                 a_ref_m_s2=curve.a_ref_m_s2,
                 v_m_s=None if point is None else abs(point.v_m_s),
                 friction_n=None if point is None else _friction(curve, point),
-                breakaway_n=_breakaway(curve, ramps),
+                breakaway_n=breakaway.breakaway_n,
+                breakaway_dwell_s=breakaway.dwell_s,
                 efficiency=None if point is None else _efficiency(curve, point, efficiency),
             )
         )
+    series += map(_only_breakaway, at_rest.values())
     return Headline(speed, V_TOLERANCE, tuple(series))
 
 
 def at_working_speed(results: Results, speed_m_s: float | None) -> Results:
     """Return ``results`` with the headline numbers of another working speed."""
-    return replace(results, headline=headline(results.curves, results.efficiency, speed_m_s))
+    at_speed = headline(results.curves, results.efficiency, results.motions.breakaways, speed_m_s)
+    return replace(results, headline=at_speed)
 
 
 def planned_speed_m_s(plans: Iterable[RunPlan]) -> float | None:
@@ -101,6 +119,39 @@ def _friction(curve: Curve, point: CurvePoint) -> HeadlineNumber:
     u95 = point.u95_n or point.ci95_n
     return HeadlineNumber(
         curve.against_motion * point.friction_n, u95, point.ci95_n, se, _basis(point)
+    )
+
+
+def _longest_dwells(breakaways: Iterable[Breakaway]) -> dict[tuple, Breakaway]:
+    """Return the breakaway after the longest rest of each series, as ``_key`` names it."""
+    longest: dict[tuple, Breakaway] = {}
+    for each in sorted(breakaways, key=lambda each: each.dwell_s or 0.0):
+        series = each.series
+        longest[series.label, each.direction, series.f_load_n, series.p_lr_ref_pa] = each
+    return longest
+
+
+def _measured(breakaway: Breakaway) -> _AtRest:
+    se = stdev(breakaway.trials_n) / math.sqrt(breakaway.n) if breakaway.n > 1 else None
+    u95 = breakaway.u95_n or breakaway.ci95_n
+    number = HeadlineNumber(breakaway.breakaway_n, u95, breakaway.ci95_n, se, "breakaway")
+    return _AtRest(number, breakaway.dwell_s)
+
+
+def _only_breakaway(breakaway: Breakaway) -> HeadlineSeries:
+    number, dwell_s = _measured(breakaway)
+    return HeadlineSeries(
+        kind=breakaway.kind,
+        label=breakaway.series.label,
+        direction=breakaway.direction,
+        f_load_n=breakaway.series.f_load_n,
+        p_lr_ref_pa=breakaway.series.p_lr_ref_pa,
+        a_ref_m_s2=None,
+        v_m_s=None,
+        friction_n=None,
+        breakaway_n=number,
+        breakaway_dwell_s=dwell_s,
+        efficiency=None,
     )
 
 

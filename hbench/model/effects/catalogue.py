@@ -155,6 +155,11 @@ _CATALOGUE: dict[str, Effect] = {
         {"time": _c("ms", 60, 0.1, 1e3)},
         _FORCES, {"friction": friction.friction_lag}, states=1,
     ),
+    "rest_time": Effect(
+        "dry friction of the test cylinder grows with the time at rest",
+        {"growth": _c("N", 20, 0, 1e4), "length": _c("mm", 0, 0.01, 100, 10)},
+        (), {"friction": friction.rest_time}, states=1,
+    ),
     "presliding": Effect(
         "a part of the test cylinder's dry friction builds up over a displacement",
         {"force": _c("N", 100, 0, 1e5), "length": _c("mm", 0, 0.05, 100, 2)},

@@ -4,7 +4,7 @@ Most change the magnitude of the cylinder's own dry friction, whatever its law, 
 memory carries the change too. Each is neutral, to the bit, where its coefficient is 0.
 """
 
-from math import copysign, exp
+from math import copysign, exp, log10
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from hbench.model.friction.laws import steady_parts
 from hbench.model.parameters import PlantParameters
 from hbench.model.states import P_LP, P_LR, P_TP, P_TR, V, X
 
+_AT_REST_M_S = 1e-4
 _FORCE_N = 2500.0  # where a law with another exponent stays the same
 
 
@@ -104,6 +105,27 @@ def _dry(state: np.ndarray, speed: float, par: PlantParameters) -> tuple[float, 
     dry_t, _ = steady_parts(v, state[P_TP], state[P_TR], 1.0, par.test.friction)
     dry_l, _ = steady_parts(v, state[P_LP], state[P_LR], 1.0, par.load.friction)
     return abs(dry_t), abs(dry_l)
+
+
+def rest_time(
+    f: FrictionTerms, c: Coefficients, state: np.ndarray, at: int, rates: np.ndarray,
+    par: PlantParameters,
+) -> FrictionTerms:  # fmt: skip
+    """Seals that stick while at rest: dry friction grows by g log10(1 + theta / 1 s).
+
+    The contacts' age grows at rest and is lost over a distance L of sliding:
+    dtheta/dt = 1 / (1 + (v / v_0)^2) - |v| theta / L with v_0 = 0.1 mm/s. It is the ageing law of
+    rate-and-state friction (Dieterich, J. Geophys. Res. 84, 1979), but does not age in motion, so
+    that friction in steady motion does not change. c: g [N] for each decade of the time, L [m].
+    """
+    growth, length = c
+    if growth == 0.0:
+        rates[at] = 0.0
+        return f
+    age = max(state[at], 0.0)
+    v = state[V]
+    rates[at] = 1.0 / (1.0 + (v / _AT_REST_M_S) ** 2) - abs(v) * age / length
+    return add_dry(f, growth * log10(1.0 + age), 0.0)
 
 
 def presliding(

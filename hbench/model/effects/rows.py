@@ -44,7 +44,8 @@ class Effect(NamedTuple):
 
     description: str
     coefficients: dict[str, Coefficient]
-    balances: tuple[str, ...]  # of reconcile/measured/balances.py that it changes
+    # Of reconcile/measured/balances.py that it changes; empty: reconcile does not look for it.
+    balances: tuple[str, ...]
     laws: dict[str, Callable]  # by place
     states: int = 0
     builds_up: bool = False  # over many runs, so that trials differ

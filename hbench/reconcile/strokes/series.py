@@ -214,7 +214,7 @@ class MeasuredStrokes:
         acting = [
             name
             for name, row in EFFECTS.items()
-            if name not in BACKGROUND and not _LAWS.isdisjoint(row.laws)
+            if row.balances and name not in BACKGROUND and not _LAWS.isdisjoint(row.laws)
         ]
         wanted = dict.fromkeys(which for name in acting for which in effect_coefficients(name))
         if not self._rod_side_measured:

@@ -77,6 +77,22 @@ def decays_csv(results: Results) -> str:
     return csv_text((*_SERIES, *columns.split()), rows)
 
 
+def breakaways_csv(results: Results) -> str:
+    """Return one row a direction, load, dwell and rate."""
+    rows = ({**row(each), "runs": " ".join(each.runs)} for each in results.motions.breakaways)
+    columns = (
+        "direction dwell_s rate_n_s breakaway_n ci95_n u95_n n displacement_m p_tp_pa p_tr_pa "
+        "f_applied_n runs"
+    )
+    return csv_text((*_SERIES, *columns.split()), rows)
+
+
+def dwell_laws_csv(results: Results) -> str:
+    """Return one row a law of breakaway over the time at rest."""
+    columns = "direction law f_1s_n f_1s_ci95_n growth growth_ci95 rmse_n dwells n"
+    return csv_text((*_SERIES, *columns.split()), map(row, results.motions.dwell_laws))
+
+
 def surface_csv(results: Results) -> str:
     """Return one row a point of a surface."""
     rows = (
@@ -104,5 +120,7 @@ MOTION_TABLES: dict[str, Callable[[Results], str]] = {
     "levels.csv": levels_csv,
     "leakage.csv": leakage_csv,
     "decays.csv": decays_csv,
+    "breakaways.csv": breakaways_csv,
+    "dwell_laws.csv": dwell_laws_csv,
     "surface.csv": surface_csv,
 }

@@ -29,6 +29,10 @@ _PREDICTS = (
     "with its standard error. Laws that are not distinguishable predict these points equally well."
 )
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
+_BREAKAWAY = (
+    "The largest friction while a rising force pushes the piston, which has rested under load. "
+    "It is a property of the seals, of the rest and of the rate."
+)
 _TESTED = (
     "Difference of friction over a range of speeds ± half-width of its 95 % interval "
     "over the trials. p is corrected after Holm for the number of tests."
@@ -135,6 +139,16 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
         table = page_motions.comparison_table(results)
         subsections = (Section(_RAMPS, (_TESTED,), tables=(table,)),) if table.rows else ()
         yield Section("Ramps", drawings=drawings, parts=subsections)
+    if drawings := figures.get("breakaway"):
+        yield Section(
+            "Breakaway",
+            (_BREAKAWAY,),
+            drawings=drawings,
+            tables=(
+                page_motions.breakaway_table(results),
+                *_titled(page_motions.dwell_table(results), "Laws over the time at rest"),
+            ),
+        )
     for name, table in (
         ("hysteresis", page_motions.loop_table(results)),
         ("steps", page_motions.level_table(results)),

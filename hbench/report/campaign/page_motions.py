@@ -1,6 +1,6 @@
 """The page's tables of moving and resting runs."""
 
-from hbench.records import Comparison, Results
+from hbench.records import Comparison, DwellLaw, Results
 from hbench.report.campaign.motion_rows import LEAKS, differs, series_words
 from hbench.report.campaign.page_tables import table
 from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
@@ -100,6 +100,52 @@ def leak_table(results: Results) -> Table:
     messages = tuple(leakage.message for leakage in results.motions.leakages)
     head = ("Label", "Leak", "Coefficient (mm³/(s bar))", "Holds")
     return table(head, rows, messages, words=("Leak",))
+
+
+def breakaway_table(results: Results) -> Table:
+    """Return breakaway of each direction, load, rest and rate."""
+    head = (
+        *("Load", "Direction", "At rest (s)", "Rate (N/s)", "Breakaway (N)", "Trials alone (N)"),
+        *("Trials", "Displacement (mm)"),
+    )
+    rows = [
+        (
+            series_words(each.series),
+            TITLES[each.direction].lower(),
+            "" if each.dwell_s is None else short(each.dwell_s),
+            short(each.rate_n_s),
+            with_interval(each.breakaway_n, each.u95_n or each.ci95_n),
+            "" if each.ci95_n is None else f"±{significant(each.ci95_n, 2)}",
+            str(each.n),
+            number(1e3 * each.displacement_m, 2),
+        )
+        for each in results.motions.breakaways
+    ]
+    return table(head, rows, words=("Load",))
+
+
+def dwell_table(results: Results) -> Table:
+    """Return the laws of breakaway over the time at rest, the better one of each load first."""
+    head = (*("Load", "Direction", "Law", "After 1 s (N)", "Growth", "RMS error (N)", "Trials"),)
+    rows = [
+        (
+            series_words(law.series),
+            TITLES[law.direction].lower(),
+            law.law,
+            with_interval(law.f_1s_n, law.f_1s_ci95_n),
+            _growth(law),
+            number(law.rmse_n, 1),
+            str(law.n),
+        )
+        for law in results.motions.dwell_laws
+    ]
+    return table(head, rows, words=("Load", "Law"))
+
+
+def _growth(law: DwellLaw) -> str:
+    if law.law == "logarithmic":
+        return with_interval(law.growth, law.growth_ci95) + " N a decade"
+    return "exponent " + with_interval(law.growth, law.growth_ci95)
 
 
 def _compared(comparison: Comparison) -> str:

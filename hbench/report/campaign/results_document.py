@@ -10,9 +10,11 @@ from typing import Any
 from hbench.records import (
     Band,
     BandTrend,
+    Breakaway,
     Comparison,
     Curve,
     Decay,
+    DwellLaw,
     EfficiencyCurve,
     EfficiencyPoint,
     Fit,
@@ -61,6 +63,7 @@ LAYOUTS: Layouts = {
         "motion_balances": "motion_balances",
         **{name: f"motions.{name}" for name in ("comparisons", "loops", "levels")},
         "leakage": "motions.leakages",
+        **{name: f"motions.{name}" for name in ("breakaways", "dwell_laws")},
         "surfaces": "motions.surfaces",
         **keys("drift", "headline", "quality", "fit_verdicts", "notes"),
     },
@@ -103,6 +106,8 @@ LAYOUTS: Layouts = {
     Loop: _with_series(Loop),
     Level: _with_series(Level),
     Decay: _with_series(Decay),
+    Breakaway: _with_series(Breakaway),
+    DwellLaw: _with_series(DwellLaw),
 }
 
 

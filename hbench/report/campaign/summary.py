@@ -22,7 +22,13 @@ from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
 _LONG = 12  # rows; a longer table starts folded
-_FLAGS = {"trials": "", "one_trial": "one trial", "extrapolated": "extrapolated", "ramp": "ramp"}
+_FLAGS = {
+    "trials": "",
+    "one_trial": "one trial",
+    "extrapolated": "extrapolated",
+    "ramp": "ramp",
+    "breakaway": "",
+}
 
 
 def summary_section(results: Results) -> Section:

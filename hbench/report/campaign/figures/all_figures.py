@@ -17,6 +17,8 @@ from hbench.report.campaign.figures.friction import (
     signed_friction,
 )
 from hbench.report.campaign.figures.motions import (
+    breakaways,
+    has_breakaways,
     has_leakage,
     has_levels,
     has_loops,
@@ -173,6 +175,14 @@ FIGURES = (
         "oil flowed in.",
         applies=has_leakage,
         draw=leakage,
+    ),
+    FigureKind(
+        name="breakaway",
+        section="breakaway",
+        caption="Breakaway: the largest friction while a rising force pushes a piston at rest. "
+        "Mean of the trials with the 95 % Student interval.",
+        applies=has_breakaways,
+        draw=breakaways,
     ),
     FigureKind(
         name="efficiency",

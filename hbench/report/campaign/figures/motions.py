@@ -1,4 +1,4 @@
-"""Hysteresis loops, steps, leakage, and friction over velocity and load."""
+"""Hysteresis loops, steps, leakage, breakaway, and friction over velocity and load."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -107,6 +107,50 @@ def leakage(results: Results) -> dict[str, Figure]:
     axes.set(xlabel="Pressure of the side (bar)", ylabel="Oil that leaves (mm³/s)")
     style.head(axes, "Leakage with all valves closed", results)
     style.read_as(figure, "One point for each hold; negative: oil flowed in.")
+    style.legend_above(figure, axes)
+    return {"": figure}
+
+
+def has_breakaways(results: Results) -> bool:
+    """Return whether a run of the kind breakaway was accepted."""
+    return bool(results.motions.breakaways)
+
+
+def breakaways(results: Results) -> dict[str, Figure]:
+    """Draw breakaway [N] over the time at rest [s] with the better law, or load by load."""
+    figure = style.new_figure(height_in=3.8)
+    axes = figure.add_subplot()
+    measured = results.motions.breakaways
+    series = list(dict.fromkeys((each.series, each.direction) for each in measured))
+    over_time = len({each.dwell_s for each in measured if each.dwell_s}) > 1
+    for rank, of in enumerate(series):
+        points = [each for each in measured if (each.series, each.direction) == of]
+        if over_time:
+            points = [each for each in points if each.dwell_s]
+        x = [each.dwell_s if over_time else rank for each in points]
+        friction = [each.breakaway_n for each in points]
+        interval = [np.nan if each.ci95_n is None else each.ci95_n for each in points]
+        look = style.series_style(rank)
+        name = f"{series_words(of[0])}, {of[1]}" if over_time else "_breakaway"
+        bars = axes.errorbar(x, friction, interval, label=name, **look, **style.POINTS)
+        behind(bars, {"runs": [" ".join(each.runs) for each in points]})
+        laws = [law for law in results.motions.dwell_laws if (law.series, law.direction) == of]
+        for law in laws[:1]:
+            t = np.geomspace(min(x), max(x), 50)
+            decades = law.growth * np.log10(t)
+            line = law.f_1s_n + decades if law.law == "logarithmic" else law.f_1s_n * 10**decades
+            axes.plot(t, line, color=look["color"], lw=1.0, label=f"_{name}, {law.law}")
+    if over_time:
+        axes.set_xscale("log")
+        style.plain_log(axes.xaxis)
+        axes.set_xlabel("Time at rest (s)")
+    else:
+        ticks = [f"{series_words(of)}\n{direction}" for of, direction in series]
+        axes.set_xticks(range(len(series)), ticks)
+        axes.margins(x=0.2)
+    axes.set_ylabel("Breakaway (N)")
+    style.head(axes, "Breakaway", results)
+    style.read_as(figure, "Bars: 95 % intervals of trials; lines: the law with the smaller error.")
     style.legend_above(figure, axes)
     return {"": figure}
 
