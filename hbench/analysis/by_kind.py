@@ -155,6 +155,10 @@ def _verification(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisPr
     return AnalysisProducts()  # `hbench identify` compares these runs with its models
 
 
+def _zero_check(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
+    return AnalysisProducts()  # their zeros were subtracted from all runs before the screening
+
+
 ANALYSES: Mapping[str, Callable[[Sequence[ScreenedRun], Settings], AnalysisProducts]] = {
     "steady_curve": _steady_curves,
     "ramp_curve": _ramp_curves,
@@ -162,5 +166,6 @@ ANALYSES: Mapping[str, Callable[[Sequence[ScreenedRun], Settings], AnalysisProdu
     "step_levels": _step_levels,
     "leakage": _leakage,
     "breakaway": _breakaways,
+    "zero_check": _zero_check,
     "verification": _verification,
 }

@@ -27,6 +27,8 @@ _PHASES = {
     "accelerate": "accelerating",
     "steady": "at constant speed",
     "closed": "at rest, valves closed",
+    "push": "at rest, force rising",
+    "vent": "venting the chambers",
     "brake": "braking",
 }
 
@@ -39,10 +41,15 @@ class BenchDisplay:
         self._redraws = stream.isatty() and os.environ.get("TERM") != "dumb"
         self._lines = 0  # of the displayed block
         self._drawn_s = -_EVERY_S
+        self._asked = ""  # of the operator, in the plain log
 
     def __call__(self, progress: Progress) -> None:
         """Show the campaign's progress."""
         if not self._redraws:
+            asked = progress.waiting.partition(":")[0]
+            if asked and asked != self._asked:
+                self._write(f"waiting: {progress.waiting}\n")
+            self._asked = asked
             before = progress.runs_done - sum(not ended.again for ended in progress.ended)
             for ended in progress.ended:
                 before += not ended.again
@@ -92,6 +99,7 @@ def _block(now: Progress) -> list[str]:
     )
     return [
         f"[{'#' * filled}{'.' * (_BAR - filled)}] {_left(now)}",
+        *([f"WAITING   {now.waiting}"] if now.waiting else []),
         f"run       {count}, trial {plan.trial} of {now.trials}{again}: {_motion(plan)}; "
         f"{_PHASES.get(now.phase, 'at rest')}",
         f"speed     {1e3 * now.v_m_s:+.1f} of {1e3 * now.v_ref_m_s:+.1f} mm/s",
@@ -128,7 +136,11 @@ def _line(ended: Ended, now: Progress) -> str:
 def _motion(plan: RunPlan) -> str:
     load = "" if plan.f_load_n is None else f", {plan.f_load_n:+.0f} N"
     label = f"{plan.label}, " if plan.label else ""
-    return f"{label}{KINDS[plan.kind].display_name} {1e3 * plan.v_ref_m_s:+.1f} mm/s{load}"
+    kind = KINDS[plan.kind]
+    speed = "" if kind.is_at_rest else f" {1e3 * plan.v_ref_m_s:+.1f} mm/s"
+    if kind.raises_force:
+        speed = f" {plan.force_rate_n_s:+.0f} N/s"
+    return f"{label}{kind.display_name}{speed}{load}"
 
 
 def _left(now: Progress) -> str:

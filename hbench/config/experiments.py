@@ -29,20 +29,25 @@ class Travel(ConfigSection):
 
 
 class ExperimentBase(ConfigSection):
-    """Keys that all kinds share: load and trials."""
+    """Keys that all kinds share."""
 
     kind: str  # its row of KINDS chooses the class
     label: str = ""  # distinguishes series of one campaign
-    p_lr: q.Pressure  # reference of the load cylinder's rod side
-    # Of F_L; positive opposes extension.
-    loads: tuple[q.SignedForce, ...] = Field(min_length=1, max_length=50)
     trials: int = Field(default=3, ge=1, le=20)
     # Trials of a reference one after the other, or as passes over all references.
     order: Literal["row", "passes"] = "row"
 
 
-class HeldExperiment(ExperimentBase):
-    """Experiment with the same rest before each run."""
+class LoadedExperiment(ExperimentBase):
+    """Experiment under load."""
+
+    p_lr: q.Pressure  # reference of the load cylinder's rod side
+    # Of F_L; positive opposes extension.
+    loads: tuple[q.SignedForce, ...] = Field(min_length=1, max_length=50)
+
+
+class HeldExperiment(LoadedExperiment):
+    """Experiment under load with the same rest before each run."""
 
     hold: q.Duration  # at rest under load before each run
 
@@ -133,7 +138,7 @@ class Hold(HeldExperiment):
     duration: Annotated[float, q.quantity("s", gt=0, le=3600)]
 
 
-class Breakaway(ExperimentBase):
+class Breakaway(LoadedExperiment):
     """Push on a resting piston until it moves: F_T rises at a given rate after each dwell."""
 
     direction: Direction
@@ -142,6 +147,18 @@ class Breakaway(ExperimentBase):
     rate: Annotated[float, q.quantity("N/s", ge=1, le=1e6)]
     rise: Annotated[float, q.quantity("N", gt=0, le=1e6)]  # at most; the push then ends
     displacement: Annotated[float, q.quantity("mm", ge=1e-4, le=0.1)] = 0.01  # ends the push
+
+
+class Check(ExperimentBase):
+    """Zero check of the sensors: with the supply off, all chambers are vented, then closed."""
+
+    # Of the levelled chambers; by default the tank's. Its error is at most the uncertainty.
+    pressure: q.Pressure | None = None
+    uncertainty: q.Pressure = 1e4
+    load_cell: Literal["coupled", "free"] = "coupled"  # free: it carries no force
+    vent: Annotated[float, q.quantity("s", ge=1, le=600)] = 6.0
+    duration: Annotated[float, q.quantity("s", ge=1, le=600)] = 2.0  # closed
+    trials: int = Field(default=1, ge=1, le=20)
 
 
 def _profile(experiment: Any) -> str | None:
@@ -158,6 +175,7 @@ _OfProfile = (
     | Annotated[Verification, Tag("stretches")]
     | Annotated[Hold, Tag("at_rest")]
     | Annotated[Breakaway, Tag("force_ramp")]
+    | Annotated[Check, Tag("levelled")]
 )
 PROFILE_SECTIONS = {tag.tag: section for section, tag in map(get_args, get_args(_OfProfile))}
 _NAMES = ", ".join(kind.name for kind in KINDS.values() if kind.profile in PROFILE_SECTIONS)

@@ -9,6 +9,7 @@ import numpy as np
 from hbench.config.bench import Bench
 from hbench.config.experiments import (
     Breakaway,
+    Check,
     ExperimentBase,
     HeldExperiment,
     Hold,
@@ -23,7 +24,7 @@ from hbench.config.schedule import Screening
 from hbench.config.velocities import AdaptiveSpeeds
 from hbench.errors import ConfigError
 from hbench.experiment.fixed_speeds import speeds
-from hbench.records import KINDS, Motion, Segment
+from hbench.records import KINDS, LevelReference, Motion, Segment
 
 _TIME_MARGIN = 1.05  # of a segment that ends at a position, over its ideal time
 
@@ -35,6 +36,7 @@ class Reference:
     v_ref_m_s: float  # signed; the profile's largest in magnitude
     a_ref_m_s2: float | None
     motion: Motion
+    level: LevelReference | None = None
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ def ideal_path(motion: Motion, brake_m_s2: float) -> IdealPath:
 
 def _pieces(v: float, segment: Segment) -> Iterator[tuple[float, float]]:
     """Yield acceleration and duration of a segment's two parts: accelerating, then constant."""
-    if segment.closed:
+    if segment.closed or segment.vented or segment.force_rate_n_s:
         yield 0.0, segment.duration_s
         return
     slope = min(abs(segment.v_m_s - v) / segment.a_m_s2, segment.duration_s)
@@ -201,6 +203,17 @@ def _breakaway(
         yield Reference(0.0, None, Motion(x, x, x, dwell, (push,)))
 
 
+def _check(experiment: Check, screening: Screening, bench: Bench, key: str) -> Iterator[Reference]:
+    limits, a = bench.limits, bench.controllers.acceleration
+    middle = 0.5 * (limits.travel_min + limits.travel_max)  # the piston stays where it is
+    vent = Segment(0.0, a, experiment.vent, vented=True)
+    closed = Segment(0.0, a, experiment.duration, closed=True)
+    pressure = bench.supply.tank if experiment.pressure is None else experiment.pressure
+    free = experiment.load_cell == "free"
+    level = LevelReference(pressure, experiment.uncertainty, free)
+    yield Reference(0.0, None, Motion(middle, middle, middle, 0.0, (vent, closed)), level)
+
+
 def _largest(row: tuple[Segment, ...]) -> float:
     return max((segment.v_m_s for segment in row), key=abs)
 
@@ -222,4 +235,5 @@ PROFILES: Mapping[str, Callable[..., Iterator[Reference]]] = {
     "stretches": _verification,
     "at_rest": _hold,
     "force_ramp": _breakaway,
+    "levelled": _check,
 }

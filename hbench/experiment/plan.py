@@ -8,13 +8,13 @@ from itertools import product
 from random import Random
 
 from hbench.config.bench import Bench
-from hbench.config.experiments import ExperimentBase, Steady
+from hbench.config.experiments import ExperimentBase, LoadedExperiment, Steady
 from hbench.config.schedule import Schedule, Screening
 from hbench.config.velocities import AdaptiveSpeeds
 from hbench.errors import ConfigError
 from hbench.experiment.adaptive import SpeedFriction, next_speed
 from hbench.experiment.motions import Reference, ideal_path, references, steady_reference
-from hbench.records import RunPlan, Specimen
+from hbench.records import KINDS, RunPlan, Specimen
 
 MIN_SLOPE_M_S2 = 1e-4  # smaller steps in one tick are lost in single precision
 MAX_RUNS = 9999  # a run's number has four digits
@@ -51,11 +51,13 @@ def plan_runs(
     """
     planner = _Planner(bench, friction or {}, source)
     # By trial, for order: passes and order: random.
-    passes: dict[int, list[tuple[ExperimentBase, Reference, float]]] = defaultdict(list)
+    passes: dict[int, list[tuple[ExperimentBase, Reference, float | None]]] = defaultdict(list)
+    after = 1 + max(experiment.trials for experiment in schedule.experiments)
     for number, experiment in enumerate(schedule.experiments):
         key = f"{source}: experiments.{number}"
-        for load in experiment.loads:
-            _check_load(load, experiment.p_lr, bench, key)
+        if isinstance(experiment, LoadedExperiment):
+            for applied in experiment.loads:
+                _check_load(applied, experiment.p_lr, bench, key)
         if isinstance(experiment, Steady) and isinstance(experiment.velocities, AdaptiveSpeeds):
             planner.follow(experiment, experiment.velocities, schedule.screening, key)
             continue
@@ -63,8 +65,13 @@ def plan_runs(
         # The fastest first, so that the message names the worst.
         for reference in sorted(in_order, key=lambda reference: -abs(reference.v_ref_m_s)):
             _check_motion(reference, bench, key)
+        if schedule.order != "experiments" and KINDS[experiment.kind].needs_supply_off:
+            # Before all passes or after them: the supply is switched off by hand.
+            in_pass = passes[after if passes else -1]
+            in_pass += [(experiment, each, None) for each in in_order] * experiment.trials
+            continue
         if schedule.order != "experiments":
-            pairs = product(experiment.loads, in_order)
+            pairs = product(_loads(experiment), in_order)
             one_pass = [(experiment, reference, load) for load, reference in pairs]
             for number in range(experiment.trials):
                 passes[number] += one_pass
@@ -95,9 +102,9 @@ class _Planner:
         self._source = source
         self._trials: Counter[tuple] = Counter()
 
-    def add(self, experiment: ExperimentBase, reference: Reference, load: float) -> RunPlan:
+    def add(self, experiment: ExperimentBase, reference: Reference, load: float | None) -> RunPlan:
         """Append the next trial of a reference."""
-        same = (experiment.kind, experiment.label, reference, load, experiment.p_lr)
+        same = (experiment.kind, experiment.label, reference, load, _p_lr(experiment))
         self._trials[same] += 1  # goes on where an experiment is listed again
         trial, number = self._trials[same], len(self.runs) + 1
         if number > MAX_RUNS:
@@ -159,11 +166,15 @@ def run_seconds(plans: Sequence[RunPlan], bench: Bench) -> dict[str, float]:
     return seconds
 
 
+def _loads(experiment: ExperimentBase) -> tuple[float | None, ...]:
+    return experiment.loads if isinstance(experiment, LoadedExperiment) else (None,)
+
+
 def _in_order(
     experiment: ExperimentBase, in_order: Sequence[Reference]
-) -> Iterator[tuple[float, Reference]]:
+) -> Iterator[tuple[float | None, Reference]]:
     """Yield each load and reference as often as there are trials, in the experiment's order."""
-    pairs = list(product(experiment.loads, in_order))
+    pairs = list(product(_loads(experiment), in_order))
     if experiment.order == "row":
         return (pair for pair in pairs for _ in range(experiment.trials))
     return (pair for _ in range(experiment.trials) for pair in pairs)
@@ -173,11 +184,11 @@ def _plan(
     number: int,
     experiment: ExperimentBase,
     reference: Reference,
-    load: float,
+    load: float | None,
     trial: int,
     bench: Bench,
 ) -> RunPlan:
-    cylinder = bench.test_cylinder
+    cylinder, p_lr = bench.test_cylinder, _p_lr(experiment)
     return RunPlan(
         run=f"{number:04d}",
         kind=experiment.kind,
@@ -186,11 +197,16 @@ def _plan(
         specimen=Specimen(cylinder.area_piston_m2, cylinder.area_rod_m2, cylinder.stroke),
         a_ref_m_s2=reference.a_ref_m_s2,
         f_load_n=load,
-        p_lr_ref_pa=experiment.p_lr,
-        p_lp_ref_pa=load_pressure(bench, load, experiment.p_lr),
+        p_lr_ref_pa=p_lr,
+        p_lp_ref_pa=None if load is None or p_lr is None else load_pressure(bench, load, p_lr),
         label=experiment.label,
         motion=reference.motion,
+        level=reference.level,
     )
+
+
+def _p_lr(experiment: ExperimentBase) -> float | None:
+    return experiment.p_lr if isinstance(experiment, LoadedExperiment) else None
 
 
 def _check_motion(reference: Reference, bench: Bench, key: str) -> None:

@@ -35,6 +35,7 @@ class Progress:
     pressure_max_pa: float = 0.0  # at which the board stops itself
     phase: str = "none"
     attempt: int = 1
+    waiting: str = ""  # what the operator has to do before the runs go on
     ended: tuple[Ended, ...] = ()  # since the last report, in order
     at_most: bool = False  # the total is an upper limit
     # Of the campaign as a whole:

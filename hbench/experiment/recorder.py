@@ -1,6 +1,7 @@
 """Recorder of a board's log: sorts its records into runs and journals each run."""
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
@@ -56,6 +57,12 @@ class Recorder:
         self._verdicts: dict[int, Ended] = {}  # the last of each run
         self._unreported: list[int] = []  # runs that have ended since the last report
         self._again: set[int] = set()  # finished, but to be repeated
+        self.supply_is_off = False  # as the last upload needed it
+
+    @property
+    def supply_pa(self) -> float:
+        """Supply pressure of the bench file."""
+        return self._bench.supply.pressure
 
     @property
     def current(self) -> str:
@@ -66,8 +73,13 @@ class Recorder:
         """Return the progress of the campaign; None before the first run."""
         ended, self._unreported = self._unreported, []
         number = self._number or (ended[-1] if ended else 0)
-        if not number:
-            return None
+        return self._progress(status, number, ended) if number else None
+
+    def waiting(self, status: Mapping[str, Any], plan: RunPlan, what: str) -> Progress:
+        """Return the progress while the operator has to do something before the run ``plan``."""
+        return replace(self._progress(status, int(plan.run), []), waiting=what)
+
+    def _progress(self, status: Mapping[str, Any], number: int, ended: list[int]) -> Progress:
         cylinder = self._bench.load_cylinder
         p_lp, p_lr = status["p_lp_pa"], status["p_lr_pa"]
         return Progress(
@@ -81,7 +93,7 @@ class Recorder:
             pressures_pa={name: status[f"{name}_pa"] for name in _PRESSURES},
             pressure_max_pa=self._bench.limits.pressure_max,
             phase=PHASES[status["phase"]] if status["phase"] < len(PHASES) else "none",
-            attempt=self._attempts[number],
+            attempt=self._attempts.get(number, 1),
             ended=tuple(self._verdicts[n] for n in ended if n in self._verdicts),
         )
 

@@ -15,13 +15,16 @@ from hbench.errors import ConfigError, DeviceError
 from hbench.experiment.progress import Report
 from hbench.experiment.recorder import END_MISSING, Judge, Recorder
 from hbench.experiment.run_journal import Journal
-from hbench.experiment.upload import uploads
+from hbench.experiment.upload import Upload, uploads
 from hbench.protocol.dictionary import FAULTS, STATES
-from hbench.records import RunPlan
+from hbench.records import KINDS, RunPlan
 from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient, Identity, NoAnswer
 
 POLL_S = 0.25  # between two status requests
+SUPPLY_OFF_PA = 10e5  # the board's own limit for venting (firmware/core/schedule.c)
+_SUPPLY_ON = 0.8  # of the supply's pressure
+_SUPPLY_S = 600.0  # longest wait for the operator
 LEAST_LOG_S = 4.0  # capacity of the board's log: some lost requests and their repetitions
 
 # The board's latched faults in words.
@@ -35,6 +38,7 @@ FAULT_WORDS = {
     "limits.speed_error_time",
     "overrun": "the control interrupt was late or took too long",
     "return": "the piston did not return to the start of a run in time",
+    "supply": "the supply was on during a zero check",
 }
 
 
@@ -87,9 +91,40 @@ def _make(
 ) -> None:
     for upload in uploads(plans, identity):
         schedule_crc = client.write_schedule(upload.segments, upload.steps)
+        if upload.supply_is_off != recorder.supply_is_off:
+            _await_supply(client, upload, recorder, report)
         number = client.status()["log_next"]  # records before are of an earlier host
         client.start(settings_crc, schedule_crc)
         _follow(client, recorder, report, number)
+
+
+def _await_supply(client: BoardClient, upload: Upload, recorder: Recorder, report: Report) -> None:
+    """Wait, with the valves in neutral, until the operator has switched the supply off or on.
+
+    Raises ``DeviceError`` after ten minutes.
+    """
+    off, plan = upload.supply_is_off, upload.first
+    assert plan is not None  # every upload has runs
+    limit_pa = SUPPLY_OFF_PA if off else _SUPPLY_ON * recorder.supply_pa
+    deadline = client.port.now() + _SUPPLY_S
+    while True:
+        status = client.status()
+        p_s_pa = status["p_s_pa"]
+        if (p_s_pa < limit_pa) == off:
+            recorder.supply_is_off = off
+            return
+        what = (
+            f"switch the supply {'off' if off else 'on'}: P_S is {p_s_pa / 1e5:.1f} bar, "
+            f"{'below' if off else 'above'} {limit_pa / 1e5:.4g} bar is needed"
+        )
+        if client.port.now() > deadline:
+            raise DeviceError(
+                f"run {plan.run} ({KINDS[plan.kind].display_name}) was not started: {what}; limit "
+                f"{_SUPPLY_S:g} s",
+                "Continue with --resume.",
+            )
+        report(recorder.waiting(status, plan, what))
+        client.wait(POLL_S)
 
 
 def _check_rates(bench: Bench, identity: Identity) -> None:

@@ -7,26 +7,39 @@ from typing import Any
 from hbench.errors import ConfigError
 from hbench.experiment.plan import trials_in_a_row
 from hbench.protocol.dictionary import CONDITIONS, VALVES
-from hbench.records import RunPlan, Segment
+from hbench.records import KINDS, RunPlan, Segment
 from hbench.rig.client import Identity
 
 
 @dataclass
 class Upload:
-    """One schedule of the board, in the fields of the message dictionary."""
+    """One schedule of the board, in the fields of the message dictionary.
 
+    With the supply off, or with the supply on, as its first run needs it.
+    """
+
+    first: RunPlan | None = None
     segments: list[dict[str, Any]] = field(default_factory=list)
     steps: list[dict[str, Any]] = field(default_factory=list)
     _rows: dict[tuple[Segment, ...], int] = field(default_factory=dict)
 
-    def takes(self, row: tuple[Segment, ...], board: Identity) -> bool:
-        """Return whether one more step that plays ``row`` has room."""
+    @property
+    def supply_is_off(self) -> bool:
+        """Whether its runs need the supply switched off."""
+        return self.first is not None and KINDS[self.first.kind].needs_supply_off
+
+    def takes(self, plan: RunPlan, board: Identity) -> bool:
+        """Return whether one more step with the motion of ``plan`` has room."""
+        if self.first and KINDS[plan.kind].needs_supply_off != self.supply_is_off:
+            return False
+        row = plan.planned_motion.segments
         new = 0 if row in self._rows else len(row)
         return len(self.steps) < board.max_steps and len(self.segments) + new <= board.max_segments
 
     def add(self, trials: Sequence[RunPlan]) -> None:
         """Append the step of runs that differ only in their trial."""
         plan = trials[0]
+        self.first = self.first or plan
         motion = plan.planned_motion
         if motion.segments not in self._rows:  # steps may share a row
             self._rows[motion.segments] = len(self.segments)
@@ -40,8 +53,8 @@ class Upload:
                 "cycles": motion.cycles,
                 "until": CONDITIONS.index(motion.until),
                 "within": motion.within,
-                "p_lr_ref_pa": plan.p_lr_ref_pa,
-                "p_lp_ref_pa": plan.p_lp_ref_pa,
+                "p_lr_ref_pa": plan.p_lr_ref_pa or 0.0,
+                "p_lp_ref_pa": plan.p_lp_ref_pa or 0.0,
                 "x_start_m": motion.x_start_m,
                 "x_min_m": motion.x_min_m,
                 "x_max_m": motion.x_max_m,
@@ -61,7 +74,7 @@ def uploads(plans: Sequence[RunPlan], board: Identity) -> Iterator[Upload]:
                 f"{board.max_segments}",
                 "Divide the profile into several experiments.",
             )
-        if not upload.takes(row, board):
+        if not upload.takes(trials[0], board):
             yield upload
             upload = Upload()
         upload.add(trials)
@@ -69,10 +82,15 @@ def uploads(plans: Sequence[RunPlan], board: Identity) -> Iterator[Upload]:
         yield upload
 
 
+def _valves(segment: Segment) -> str:
+    if segment.closed or segment.vented:
+        return "closed" if segment.closed else "venting"
+    return "pushing" if segment.force_rate_n_s else "controlled"
+
+
 def _segment(segment: Segment) -> dict[str, Any]:
-    pushing = "pushing" if segment.force_rate_n_s else "controlled"
     return {
-        "valves": VALVES.index("closed" if segment.closed else pushing),
+        "valves": VALVES.index(_valves(segment)),
         "v_m_s": segment.v_m_s,
         "a_m_s2": segment.a_m_s2,
         "duration_s": segment.duration_s,

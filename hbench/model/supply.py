@@ -28,6 +28,11 @@ def pump_rates(
     )
 
 
+def switched_off(par: SupplyParameters) -> SupplyParameters:
+    """Return the supply with its pump off; a constant pressure is then the tank's."""
+    return par._replace(pressure_pa=par.tank_pa, flow_m3_s=0.0)
+
+
 def rest_flow(par: SupplyParameters) -> tuple[float, float]:
     """Return the supply pressure [Pa] and flow [m^3/s] in equilibrium without drawn flow."""
     if not par.has_pump:

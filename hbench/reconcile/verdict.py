@@ -129,7 +129,7 @@ def missing_experiments(plans: Sequence[RunPlan]) -> dict[str, str]:
         codes.append("reversals")
     if not any(kind.has_fast_changes for kind in kinds):
         codes.append("steps")
-    if not any(kind.is_at_rest for kind in kinds):
+    if not any(kind.analysis == "leakage" for kind in kinds):
         codes.append("hold")
     by_load: dict[float | None, set[float | None]] = {}
     for plan in steady:

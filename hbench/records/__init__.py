@@ -59,6 +59,7 @@ from hbench.records.flow import (
     FitParameter,
     HeldOut,
     JointFit,
+    LevelReference,
     LogChannel,
     MeanEfficiency,
     Motion,
@@ -106,6 +107,8 @@ from hbench.records.motions import (
     Motions,
     Series,
     Surface,
+    Zero,
+    ZeroCheck,
 )
 from hbench.records.phenomenon import (
     Finding,
@@ -191,6 +194,7 @@ __all__ = [
     "LeakCoefficient",
     "Leakage",
     "Level",
+    "LevelReference",
     "Line",
     "LogChannel",
     "Loop",
@@ -245,4 +249,6 @@ __all__ = [
     "Verdict",
     "WordTable",
     "kind_names",
+    "Zero",
+    "ZeroCheck",
 ]

@@ -41,10 +41,20 @@ class Segment:
     a_m_s2: float
     duration_s: float  # at most
     closed: bool = False  # all valves in neutral, nothing is controlled
+    vented: bool = False  # all valves opened to either side in turn, with the supply off
     # Instead of the velocity, F_T is controlled: it rises at this rate, positive to extend, until
     # the piston has moved by the displacement.
     force_rate_n_s: float = 0.0
     displacement_m: float = 0.0
+
+
+@dataclass(frozen=True)
+class LevelReference:
+    """What the sensors should show in a zero check, with all chambers at one pressure."""
+
+    pressure_pa: float
+    limit_pa: float  # of its error
+    load_cell_free: bool = False  # the load cell carries no force
 
 
 @dataclass(frozen=True)
@@ -86,6 +96,7 @@ class RunPlan:
     x_low_m: float | None = None
     x_high_m: float | None = None
     factors: Factors = ()
+    level: LevelReference | None = None  # of a zero check
 
     @property
     def factor_values(self) -> dict[str, str]:

@@ -27,8 +27,9 @@ Profile = Literal[
     "stretches",
     "at_rest",
     "force_ramp",
+    "levelled",
 ]
-Valves = Literal["controlled", "closed", "pushing"]
+Valves = Literal["controlled", "closed", "pushing", "venting"]
 ScreeningRule = Literal[
     "steady_window",
     "complete_ramp",
@@ -37,6 +38,7 @@ ScreeningRule = Literal[
     "settled_levels",
     "rest",
     "moved_off",
+    "levelled",
 ]
 Analysis = Literal[
     "steady_curve",
@@ -45,6 +47,7 @@ Analysis = Literal[
     "step_levels",
     "leakage",
     "breakaway",
+    "zero_check",
     "verification",
 ]
 IdentificationUse = Literal["steady_curve", "motion", "verification", "too_fast", "unused"]
@@ -59,12 +62,13 @@ class ExperimentKind:
     profile: Profile
     screening: ScreeningRule
     analysis: Analysis
-    figure: str  # that shows the runs; empty: `hbench identify` draws them
+    figure: str  # that shows the runs; empty: none, or `hbench identify` draws them
     identification: IdentificationUse
     valves: Valves = "controlled"  # during the motion
     valve_may_saturate: bool = False  # a saturated valve is a note, not a reason for rejection
     reverses: bool = False  # within a run: shows presliding and the friction's lag
     has_fast_changes: bool = False  # excites valves, masses and filters
+    is_reconciled: bool = True  # `hbench reconcile` uses the runs
 
     @property
     def has_constant_speed(self) -> bool:
@@ -79,7 +83,12 @@ class ExperimentKind:
     @property
     def is_at_rest(self) -> bool:
         """The piston rests with closed valves, so that a run has no reference and no friction."""
-        return self.valves == "closed"
+        return self.valves in ("closed", "venting")
+
+    @property
+    def needs_supply_off(self) -> bool:
+        """The runs need the supply switched off."""
+        return self.valves == "venting"
 
     @property
     def raises_force(self) -> bool:
@@ -153,6 +162,18 @@ _ROWS = (
         figure="breakaway",
         identification="unused",
         valves="pushing",
+        is_reconciled=False,
+    ),
+    ExperimentKind(
+        name="check",
+        display_name="zero check",
+        profile="levelled",
+        screening="levelled",
+        analysis="zero_check",
+        figure="",
+        identification="unused",
+        valves="venting",
+        is_reconciled=False,
     ),
     ExperimentKind(
         name="verification",

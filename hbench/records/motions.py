@@ -169,6 +169,28 @@ class DwellLaw:
 
 
 @dataclass(frozen=True)
+class Zero:
+    """Zero of a sensor, as a zero check found it."""
+
+    channel: str  # p_tp_pa, ..., f_applied_n
+    error: float  # of its reading, Pa or N; subtracted from the campaign's logs
+    limit: float  # of the bench file, at full scale
+    clipped: bool = False  # the sensor shows its lowest value: the zero is not known
+
+
+@dataclass(frozen=True)
+class ZeroCheck:
+    """Zeros of the sensors with the supply off and all chambers at one pressure."""
+
+    run: str
+    time_s: float | None  # after the first run's start; None: not known
+    pressure_pa: float  # that all transducers should show
+    pressure_limit_pa: float  # of its error
+    zeros: tuple[Zero, ...]
+    kind: KindName = "check"
+
+
+@dataclass(frozen=True)
 class Surface:
     """Friction over velocity and load, on the speeds and the loads that were measured."""
 
@@ -192,4 +214,5 @@ class Motions:
     leakages: tuple[Leakage, ...] = ()
     breakaways: tuple[Breakaway, ...] = ()
     dwell_laws: tuple[DwellLaw, ...] = ()
+    zero_checks: tuple[ZeroCheck, ...] = ()
     surfaces: tuple[Surface, ...] = ()

@@ -92,6 +92,8 @@ class QualityCheck:
         "trials_per_point",
         "repeatability",
         "drift",
+        "zeros",
+        "zero_drift",
         "plausible_signs",
         "instruments",
     ]

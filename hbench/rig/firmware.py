@@ -35,6 +35,7 @@ def open_library(path: Path) -> ctypes.CDLL:
         ("tick", None, (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)),
         ("overrun", None, (ctypes.c_void_p,)),
         ("poll", ctypes.c_uint32, (ctypes.c_void_p,)),
+        ("needs_supply_off", ctypes.c_uint32, (ctypes.c_void_p,)),
         ("receive", ctypes.c_uint32, (ctypes.c_void_p, octets, ctypes.c_uint32)),
         ("transmit", ctypes.c_uint32, (ctypes.c_void_p, octets, ctypes.c_uint32)),
     ):
@@ -102,6 +103,11 @@ class HostFirmware:
         codes = (ctypes.c_int16 * 3)()
         self._library.hb_host_tick(self._board, words, codes)
         return tuple(codes)
+
+    @property
+    def needs_supply_off(self) -> bool:
+        """Whether the uploaded schedule begins with a zero check."""
+        return bool(self._library.hb_host_needs_supply_off(self._board))
 
     def overrun(self) -> None:
         """Report a late control interrupt to the board."""

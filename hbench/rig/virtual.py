@@ -2,7 +2,8 @@
 
 The compiled plant loop calls the firmware's host library by function address, so host, wire and
 control law are those of the real bench. Time is simulated: it advances only while the client waits
-for an answer. The same seed gives the same bytes.
+for an answer. The same seed gives the same bytes. A simulated operator switches the supply off
+while a zero check is on the board.
 """
 
 from llvmlite import ir
@@ -11,10 +12,11 @@ from numba.extending import intrinsic
 
 from hbench.config.bench import Bench, Plant
 from hbench.model.compiled import compiled
-from hbench.model.plant import TICK_S, V, step
+from hbench.model.plant import P_S, TICK_S, V, step
 from hbench.model.scatter import update_levels
 from hbench.model.sensing import convert, sensed
 from hbench.model.simulated_bench import VOLTS_PER_CODE, new_simulated_bench
+from hbench.model.supply import switched_off
 from hbench.rig.firmware import POLL_TICKS, HostFirmware
 
 
@@ -80,6 +82,7 @@ class VirtualRig:
 
     def __init__(self, bench: Bench, plant: Plant | None = None, seed: int = 1, baud: int = 0):
         self._bench = new_simulated_bench(bench, plant, seed)
+        self._supply = self._bench.par.supply
         self._board = HostFirmware(boots=1, baud=baud)
         self._poll_ticks = 1 if baud else POLL_TICKS
         self._tick = 0
@@ -90,6 +93,7 @@ class VirtualRig:
 
     def read(self, timeout_s: float) -> bytes:
         """Simulate until the board sends octets or the timeout is over; return the octets."""
+        self._switch_supply(on=not self._board.needs_supply_off)
         self._tick = _advance(
             max(1, round(timeout_s / TICK_S)),
             self._poll_ticks,
@@ -98,6 +102,14 @@ class VirtualRig:
             self._bench,
         )
         return self._board.transmit()
+
+    def _switch_supply(self, on: bool) -> None:
+        """Switch the pump on or off; the line of a constant supply follows at once."""
+        supply = self._supply if on else switched_off(self._supply)
+        if supply != self._bench.par.supply:
+            self._bench = self._bench._replace(par=self._bench.par._replace(supply=supply))
+            if not supply.has_pump:
+                self._bench.state[P_S] = supply.pressure_pa
 
     def now(self) -> float:
         """Simulated seconds since power-on."""

@@ -48,6 +48,7 @@ def _state(progress: Progress) -> dict[str, Any]:
         "runs_total": progress.runs_total,
         "at_most": progress.at_most,
         "phase": progress.phase,
+        "waiting": progress.waiting,
         "v_plan_m_s": plan.v_ref_m_s,
         "v_ref_m_s": progress.v_ref_m_s,
         "v_m_s": progress.v_m_s,

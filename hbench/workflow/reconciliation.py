@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hbench.errors import ConfigError
-from hbench.records import Diagnosis
+from hbench.records import KINDS, Diagnosis
 from hbench.records.diagnosis import MATERIAL
 from hbench.report.diagnosis.all_figures import draw_diagnosis
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
@@ -43,7 +43,7 @@ def reconcile(
     from hbench.workflow.stroke_diagnosis import diagnosed_strokes
 
     campaign = load_campaign(folder)
-    runs = tuple(calibrated_runs(campaign))
+    runs = tuple(r for r in calibrated_runs(campaign) if KINDS[r.plan.kind].is_reconciled)
     if campaign.imported and not campaign_diagnosis.has_whole_bench(runs):
         return diagnosed_strokes(campaign, model_file, series)
     if series is not None:

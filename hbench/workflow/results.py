@@ -16,6 +16,7 @@ from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed, overdue
 from hbench.analysis.screening.screen import screen
+from hbench.analysis.screening.zero_check import checked_zeros, corrected, with_zero_checks
 from hbench.analysis.summary.drift import RunClock, friction_drift, with_drift
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
@@ -25,7 +26,7 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import DataError
 from hbench.experiment.staged_plan import planned_runs
-from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun
+from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun, ZeroCheck
 from hbench.report.campaign.motion_tables import motion_tables
 from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_results
@@ -97,7 +98,29 @@ def _fitting(path: Path | None) -> Fitting:
 
 
 def calibrated_runs(campaign: StoredCampaign) -> Iterator[Run]:
-    """Yield the runs of a campaign in SI units, read one at a time."""
+    """Yield the runs of a campaign in SI units, read one at a time.
+
+    The zeros that the campaign's own checks found are subtracted from all but these checks.
+    """
+    checks, times_s = zero_checks(campaign), campaign.start_times_s()
+    for run in _uncorrected(campaign):
+        is_check = KINDS[run.plan.kind].needs_supply_off
+        yield run if is_check else corrected(run, checks, times_s.get(run.plan.run))
+
+
+def zero_checks(campaign: StoredCampaign) -> tuple[ZeroCheck, ...]:
+    """Return the accepted zero checks of a campaign."""
+    entries = [e for e in campaign.entries if KINDS[e.plan.kind].needs_supply_off]
+    bench = campaign.bench()
+    if not entries or bench is None:
+        return ()
+    rules = campaign.screening()
+    runs = _uncorrected(replace(campaign, entries=tuple(entries)))
+    accepted = (run for run in runs if screen(run, rules).accepted)
+    return checked_zeros(accepted, campaign.start_times_s(), bench)
+
+
+def _uncorrected(campaign: StoredCampaign) -> Iterator[Run]:
     bench = campaign.bench()
     if campaign.imported or bench is None:  # only imported campaigns can have no bench
         yield from campaign.runs()
@@ -119,7 +142,9 @@ def derive(
 
     Accepted steady runs, most of a large campaign, are kept without their samples.
     """
+    checks_of_zero = zero_checks(campaign)
     setup = campaign.setup()
+    setup = replace(setup, instruments=with_zero_checks(setup.instruments, checks_of_zero))
     screened = tuple(_without_samples(run) for run in screened_runs(campaign))
     if not screened:
         raise DataError(
@@ -157,13 +182,13 @@ def derive(
             *unfitted_curves(steady),
             *analysed.notes,
         ),
-        motions=analysed.motions,
+        motions=replace(analysed.motions, zero_checks=checks_of_zero),
         joint_fits=joint_fits(steady, how),
         band_trends=band_trends(bands),
         motion_balances=motion_balances(steady),
         drift=drift,
         headline=headline(curves, efficiencies, analysed.motions.breakaways),
-        quality=quality(screened, curves, efficiencies, planned, drift),
+        quality=quality(screened, curves, efficiencies, planned, drift, checks_of_zero),
     )
 
 

@@ -3,10 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
-from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError, DataError
-from hbench.records import Phenomenon, Replay, Run
+from hbench.records import KINDS, Phenomenon, Replay, Run
 from hbench.report.render.figures import figure_files
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
@@ -15,6 +14,7 @@ from hbench.store.campaign.folder import ADD_A_BENCH, load_campaign
 from hbench.store.exporting.runs import csv_files
 from hbench.store.files.atomic import write_files
 from hbench.workflow.board import physics_of
+from hbench.workflow.results import calibrated_runs
 
 
 def phenomena() -> tuple[str, ...]:
@@ -60,10 +60,7 @@ def replay(folder: Path, model_file: Path) -> Replay:
         raise DataError(f"{folder}: contains no bench, which the model needs", ADD_A_BENCH)
     content = campaign.header["bench"]["content"]
     plant = physics_of(content, model_file) or bench
-    if campaign.imported:
-        measured = tuple(campaign.runs())
-    else:
-        measured = tuple(calibrate(raw, bench) for raw in campaign.raw_runs())
+    measured = tuple(r for r in calibrated_runs(campaign) if KINDS[r.plan.kind].is_reconciled)
     simulated, left_out = replay_runs(measured, bench, plant)
     if not simulated:
         raise DataError(f"{folder}: no run can be simulated: {'; '.join(left_out[:3])}")

@@ -203,6 +203,14 @@ uint32_t hb_host_transmit(hb_host *host, unsigned char *octets, uint32_t capacit
     return copied;
 }
 
+uint32_t hb_host_needs_supply_off(const hb_host *host)
+{
+    const hb_steps *steps = &host->core.steps;
+
+    return steps->count > 0u
+        && steps->segment[steps->step[0].segment].valves == HB_VALVES_VENTING;
+}
+
 const hb_core *hb_host_core(const hb_host *host)
 {
     return &host->core;

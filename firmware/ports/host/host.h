@@ -28,6 +28,9 @@ uint32_t hb_host_receive(hb_host *host, const unsigned char *octets, uint32_t co
 /* Copies up to capacity octets for the host; returns their number. */
 uint32_t hb_host_transmit(hb_host *host, unsigned char *octets, uint32_t capacity);
 
+/* The uploaded schedule begins by venting: its operator has switched the supply off. */
+uint32_t hb_host_needs_supply_off(const hb_host *host);
+
 /* The state of the core, for tests. */
 const hb_core *hb_host_core(const hb_host *host);
 

@@ -170,7 +170,7 @@ def _mean(
 
 def _fitted(group: Sequence[Breakaway], law: Literal["logarithmic", "power"]) -> DwellLaw | None:
     """Return one law; None where it does not exist, since a friction is not positive."""
-    decades = np.array([np.log10(each.dwell_s) for each in group for _ in each.trials_n])
+    decades = np.log10([each.dwell_s or 1.0 for each in group for _ in each.trials_n])
     friction = np.array([trial for each in group for trial in each.trials_n])
     if law == "power" and friction.min() <= 0.0:
         return None

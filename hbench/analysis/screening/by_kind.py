@@ -8,12 +8,14 @@
     steps               each level was reached and kept in the second half of its time; the step
                         itself drives the valve to its limit
     hold                the piston was at rest
+    check               the piston was at rest with the supply off, and the pressures were level
     breakaway           the piston moved off before the push ended, after the largest friction
 
 The reference is compared with the position's speed over 0.1 s, as for steady runs.
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from hbench.analysis.screening.friction_channels import (
 )
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
 from hbench.analysis.screening.steadiness import speeds_over_tenths
+from hbench.analysis.screening.zero_check import PRESSURES, closed_part
 from hbench.config.schedule import Screening
 from hbench.motion.speeds import mean_speed
 from hbench.records import KINDS, Run
@@ -32,6 +35,8 @@ from hbench.records import KINDS, Run
 _REACHED = 0.98  # of a ramp's top speed
 _NEAR_END_M = 0.005
 _LAST_S = 0.03  # a push that takes the whole time but this has not moved the piston
+_LEVEL_PA = 1e4  # change of a vented chamber's pressure
+_SUPPLY_OFF_PA = 10e5  # of a supply that is off, with the tank's pressure and a zero error
 _PAST_PEAK = 3  # records after the largest friction
 
 
@@ -173,6 +178,26 @@ def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
             )
 
 
+def _levelled(run: Run, rules: Screening) -> Iterator[str]:
+    yield from _rest(replace(run, x_m=run.x_m[closed_part(run)]), rules)
+    closed = closed_part(run)
+    for channel in PRESSURES:
+        values = getattr(run, channel)
+        if values is None or len(values[closed]) < 2:
+            continue
+        pressure, change = float(values[closed].mean()), float(values[-1] - values[closed][0])
+        if channel == "p_s_pa" and pressure > _SUPPLY_OFF_PA:
+            yield (
+                f"not_steady: the supply was on, {pressure / 1e5:.1f} bar; limit "
+                f"{_SUPPLY_OFF_PA / 1e5:g} bar"
+            )
+        if abs(change) > _LEVEL_PA:
+            yield (
+                f"not_steady: {channel.removesuffix('_pa')} changed by {change / 1e5:.2f} bar with "
+                f"the valves closed; limit {_LEVEL_PA / 1e5:g} bar (vent longer)"
+            )
+
+
 RULES: dict[str, Callable[[Run, Screening], Iterator[str]]] = {
     "complete_ramp": _complete_ramp,
     "tracking": _tracking,
@@ -180,4 +205,5 @@ RULES: dict[str, Callable[[Run, Screening], Iterator[str]]] = {
     "settled_levels": _settled_levels,
     "rest": _rest,
     "moved_off": _moved_off,
+    "levelled": _levelled,
 }

@@ -23,6 +23,8 @@ from hbench.records import (
     Quality,
     QualityCheck,
     ScreenedRun,
+    Zero,
+    ZeroCheck,
 )
 
 GRADES: tuple[Grade, ...] = ("good", "with care", "poor")
@@ -39,6 +41,7 @@ def quality(
     efficiency: Iterable[EfficiencyCurve] = (),
     planned: PlannedRuns | None = None,
     drift: Drift | None = None,
+    zeros: Sequence[ZeroCheck] = (),
 ) -> Quality:
     """Return the checks that apply, and the worst of their grades.
 
@@ -49,7 +52,11 @@ def quality(
     chosen = [curve for curve in curves if KINDS[curve.kind].has_constant_speed] or list(curves)
     complete = completeness(runs, planned)
     implausible = implausible_points(chosen, efficiency)
-    checks = (*_checks(runs, chosen, complete, implausible), *drift_checks(drift))
+    checks = (
+        *_checks(runs, chosen, complete, implausible),
+        *drift_checks(drift),
+        *_zeros(zeros),
+    )
     worst = max((check.grade for check in checks), key=GRADES.index)
     return Quality(worst, checks, complete, implausible)
 
@@ -112,6 +119,35 @@ def _trials_per_point(
         _TRIALS_POOR,
         empty,
     )
+
+
+def _zeros(checks: Sequence[ZeroCheck]) -> Iterator[QualityCheck]:
+    """Grade the largest zero error and the largest drift of one, in % of the sensor's class.
+
+    A zero beyond the class is corrected; the sensor is to be used with care. One that is not known,
+    or drifts by more than the class during the campaign, is poor.
+    """
+    of_channels: dict[str, list[Zero]] = {}
+    for zero in (zero for check in checks for zero in check.zeros):
+        of_channels.setdefault(zero.channel, []).append(zero)
+    if not of_channels:
+        return
+    channels = of_channels.values()
+    errors = [max(abs(z.error) for z in zeros) / zeros[0].limit for zeros in channels]
+    beyond = sum(error > 1 for error in errors)
+    unknown = any(zero.clipped for zeros in channels for zero in zeros)
+    grade: Grade = "poor" if unknown else "with care" if beyond else "good"
+    value = None if unknown else 100 * max(errors)
+    yield QualityCheck("zeros", grade, value, "%", 100.0, None, beyond, len(errors))
+    if len(checks) > 1:
+        drifts = [(max(e) - min(e)) / z.limit for z, e in _errors(channels)]
+        beyond = sum(drift > 1 for drift in drifts)
+        grade, value = "poor" if beyond else "good", 100 * max(drifts)
+        yield QualityCheck("zero_drift", grade, value, "%", 100.0, 100.0, beyond, len(drifts))
+
+
+def _errors(channels: Iterable[Sequence[Zero]]) -> Iterator[tuple[Zero, list[float]]]:
+    return ((zeros[0], [zero.error for zero in zeros]) for zeros in channels)
 
 
 def _plausible_signs(implausible: Sequence[ImplausiblePoint], points: int) -> QualityCheck:

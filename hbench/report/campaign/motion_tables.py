@@ -93,6 +93,17 @@ def dwell_laws_csv(results: Results) -> str:
     return csv_text((*_SERIES, *columns.split()), map(row, results.motions.dwell_laws))
 
 
+def zeros_csv(results: Results) -> str:
+    """Return one row a sensor of each zero check; errors and limits in Pa or N."""
+    rows = (
+        {**vars(check), **vars(zero)}
+        for check in results.motions.zero_checks
+        for zero in check.zeros
+    )
+    columns = "kind run time_s pressure_pa pressure_limit_pa channel error limit"
+    return csv_text(tuple(columns.split()), rows)
+
+
 def surface_csv(results: Results) -> str:
     """Return one row a point of a surface."""
     rows = (
@@ -122,5 +133,6 @@ MOTION_TABLES: dict[str, Callable[[Results], str]] = {
     "decays.csv": decays_csv,
     "breakaways.csv": breakaways_csv,
     "dwell_laws.csv": dwell_laws_csv,
+    "zeros.csv": zeros_csv,
     "surface.csv": surface_csv,
 }

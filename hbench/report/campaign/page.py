@@ -33,6 +33,15 @@ _BREAKAWAY = (
     "The largest friction while a rising force pushes the piston, which has rested under load. "
     "It is a property of the seals, of the rest and of the rate."
 )
+_ZEROS = (
+    "The zeros of the sensors were checked with the supply off and the chambers vented. Their "
+    "errors were subtracted, in between as a straight line over time; the error of the reference "
+    "pressure and half of the drift are parts of u."
+)
+_NO_ZEROS = (
+    "The zeros of the sensors were not checked (experiments of the kind check): u contains their "
+    "errors only as far as the stated tolerances do."
+)
 _TESTED = (
     "Difference of friction over a range of speeds ± half-width of its 95 % interval "
     "over the trials. p is corrected after Holm for the number of tests."
@@ -161,13 +170,16 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
 
 def _budget(results: Results) -> tuple[Section, ...]:
     table = page_tables.friction_budget_table(results)
-    if not table.rows:
+    zeros = page_motions.zero_table(results)
+    if not table.rows and not zeros.rows:
         return ()
     text = (
         "Friction at the working speed with the standard uncertainty of each input (JCGM 100). "
         "u: combined, ν: its effective degrees of freedom, k: coverage factor.",
+        _ZEROS if zeros.rows else _NO_ZEROS,
     )
-    return (Section("Uncertainty of friction", text, tables=(table,), anchor="uncertainty"),)
+    tables = (*([table] if table.rows else []), *_titled(zeros, "Zero errors, corrected"))
+    return (Section("Uncertainty of friction", text, tables=tables, anchor="uncertainty"),)
 
 
 def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:

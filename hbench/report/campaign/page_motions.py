@@ -1,12 +1,21 @@
 """The page's tables of moving and resting runs."""
 
-from hbench.records import Comparison, DwellLaw, Results
+from hbench.records import Comparison, DwellLaw, Results, Zero
 from hbench.report.campaign.motion_rows import LEAKS, differs, series_words
 from hbench.report.campaign.page_tables import table
 from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
 from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
+
+SYMBOLS = {
+    "p_tp_pa": "P_Tp",
+    "p_tr_pa": "P_Tr",
+    "p_lp_pa": "P_Lp",
+    "p_lr_pa": "P_Lr",
+    "p_s_pa": "P_S",
+    "f_applied_n": "F_applied",
+}
 
 
 def comparison_table(results: Results) -> Table:
@@ -140,6 +149,31 @@ def dwell_table(results: Results) -> Table:
         for law in results.motions.dwell_laws
     ]
     return table(head, rows, words=("Load", "Law"))
+
+
+def zero_table(results: Results) -> Table:
+    """Return the zero errors of each sensor in each check, in bar or N."""
+    checks = results.motions.zero_checks
+    head = ("Sensor", *(f"Run {check.run}" for check in checks), "Tolerance at full scale")
+    rows: list[tuple[str | Cell, ...]] = []
+    for channel in dict.fromkeys(zero.channel for check in checks for zero in check.zeros):
+        of = {c.run: zero for c in checks for zero in c.zeros if zero.channel == channel}
+        unit = "N" if channel == "f_applied_n" else "bar"
+        limit = next(iter(of.values())).limit
+        rows.append(
+            (
+                f"{SYMBOLS[channel]} ({unit})",
+                *(_zero(of.get(check.run), unit) for check in checks),
+                short(from_si(limit, unit)),
+            )
+        )
+    return table(head, rows, words=("Sensor",))
+
+
+def _zero(zero: Zero | None, unit: str) -> Cell:
+    if zero is None:
+        return Cell(NONE)
+    return Cell(number(from_si(zero.error, unit), 3), "lowest value" if zero.clipped else "")
 
 
 def _growth(law: DwellLaw) -> str:

@@ -19,6 +19,8 @@ _NAMES = {
     "trials_per_point": "Trials per point",
     "repeatability": "Repeatability",
     "drift": "Drift",
+    "zeros": "Zeros of the sensors",
+    "zero_drift": "Drift of the zeros",
     "plausible_signs": "Plausible signs",
     "instruments": "Instruments",
 }
@@ -29,6 +31,9 @@ _LIMITS = {
     "repeatability": "good to {good:g} %, poor above {poor:g} %",
     "drift": "good to {good:g} % or not significant; poor above {poor:g} % if not separated from "
     "speed",
+    "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
+    "poor if a zero is not known",
+    "zero_drift": "good to {good:g} % of that tolerance, poor above",
     "plausible_signs": "good without such points, poor if one is so beyond its interval",
     "instruments": "good to {good:g} %; above, the level is uncertain, differences less so",
 }
@@ -138,6 +143,14 @@ def _value(check: QualityCheck) -> str:
         return drift_words(check.drift)
     if check.name == "plausible_signs":
         return _signs(check)
+    if check.name in ("zeros", "zero_drift"):
+        if check.value is None:
+            return "a sensor shows its lowest value: the whole error of its zero is not known"
+        what = "error" if check.name == "zeros" else "change"
+        return (
+            f"largest {what} {number(check.value)} % of the tolerance; {check.count} of {check.of} "
+            "sensors beyond it"
+        )
     if check.value is None:
         return "tolerances are not known"
     return f"95 % interval of the instruments is ±{number(check.value)} % of friction (median)"

@@ -63,7 +63,7 @@ LAYOUTS: Layouts = {
         "motion_balances": "motion_balances",
         **{name: f"motions.{name}" for name in ("comparisons", "loops", "levels")},
         "leakage": "motions.leakages",
-        **{name: f"motions.{name}" for name in ("breakaways", "dwell_laws")},
+        **{name: f"motions.{name}" for name in ("breakaways", "dwell_laws", "zero_checks")},
         "surfaces": "motions.surfaces",
         **keys("drift", "headline", "quality", "fit_verdicts", "notes"),
     },

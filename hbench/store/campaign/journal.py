@@ -36,6 +36,7 @@ _SECTIONS = ("bench", "schedule", "map", "settings")  # with a content of their 
 _ONE_LINE = 2**30
 _RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,99}")
 _RUNS = b"\nruns:\n"
+_ALWAYS = ("v_m_s", "a_m_s2", "duration_s")  # of a segment, also where 0
 
 
 _Base: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
@@ -117,6 +118,11 @@ def start_text(
     del fields["factors"]
     if plan.factors:
         fields["factors"] = plan.factor_values
+    if fields.get("motion"):
+        fields["motion"]["segments"] = [
+            {k: v for k, v in segment.items() if k in _ALWAYS or v}
+            for segment in fields["motion"]["segments"]
+        ]
     fields["specimen"] = {k: v for k, v in fields["specimen"].items() if v is not None}
     text = _dump(fields)
     lines = [f"- run: '{check_run_id(plan.run, 'campaign')}'", f"  plan: {text}"]

@@ -4,7 +4,16 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from hbench.records import KINDS, Factors, Motion, RunPlan, Segment, Specimen, kind_names
+from hbench.records import (
+    KINDS,
+    Factors,
+    LevelReference,
+    Motion,
+    RunPlan,
+    Segment,
+    Specimen,
+    kind_names,
+)
 
 _LENGTH, _SPEED, _SLOPE = (-1e3, 1e3), (-1e3, 1e3), (-1e6, 1e6)
 _FORCE, _PRESSURE, _TIME = (-1e10, 1e10), (-1e11, 1e11), (0, 1e6)
@@ -33,9 +42,11 @@ _RANGES = {
     "duration_s": _TIME,
     "force_rate_n_s": _FORCE,
     "displacement_m": _LENGTH,
+    "pressure_pa": _PRESSURE,
+    "limit_pa": (0, 1e11),
 }
 _TEXTS = ("kind", "label", "until")
-_FLAGS = ("closed", "speed_is_measured")
+_FLAGS = ("closed", "vented", "speed_is_measured", "load_cell_free")
 
 
 def check_number(name: str, value: Any) -> None:
@@ -57,11 +68,12 @@ def read_plan(run: str, fields: Mapping[str, Any]) -> RunPlan:
     fields = dict(fields)
     specimen, motion = dict(fields.pop("specimen")), fields.pop("motion", None)
     factors = read_factors(fields.pop("factors", {}))
+    level = fields.pop("level", None)
     if fields["v_ref_m_s"] is None or fields["kind"] not in KINDS:
         raise ValueError(f"kind is {fields['kind']!r}; expected one of {kind_names()}")
     _check(fields)
     _check(specimen)
-    fields |= {"motion": _motion(motion), "factors": factors}
+    fields |= {"motion": _motion(motion), "factors": factors, "level": _level(level)}
     plan = RunPlan(run=run, **fields, specimen=Specimen(**specimen))
     if 0 < plan.specimen.area_piston_m2 < _LEAST_AREA_M2:
         raise ValueError(
@@ -83,6 +95,13 @@ def read_factors(values: Any) -> Factors:
         if not isinstance(text, str) or not text.isprintable():
             raise ValueError(f"factors has {str(text)[:40]!r}, which is not printable text")
     return tuple(factors.items())
+
+
+def _level(fields: Mapping[str, Any] | None) -> LevelReference | None:
+    if fields is None:
+        return None
+    _check(fields)
+    return LevelReference(**fields)
 
 
 def _motion(fields: Mapping[str, Any] | None) -> Motion | None:

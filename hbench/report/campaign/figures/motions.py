@@ -127,7 +127,7 @@ def breakaways(results: Results) -> dict[str, Figure]:
         points = [each for each in measured if (each.series, each.direction) == of]
         if over_time:
             points = [each for each in points if each.dwell_s]
-        x = [each.dwell_s if over_time else rank for each in points]
+        x = [(each.dwell_s or 0.0) if over_time else float(rank) for each in points]
         friction = [each.breakaway_n for each in points]
         interval = [np.nan if each.ci95_n is None else each.ci95_n for each in points]
         look = style.series_style(rank)
