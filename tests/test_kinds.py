@@ -39,14 +39,18 @@ EXAMPLES = {  # one experiment of each kind
     "triangle": TRAVEL | {"speed": "100 mm/s", "cycles": 2},
     "steps": TRAVEL | {"levels": ["50 mm/s", "-50 mm/s"], "dwell": "0.6 s"},
     "hold": {"positions": ["200 mm"], "duration": "1.5 s"},
+    "breakaway": {"direction": "retract", "position": "200 mm", "dwells": ["0.3 s"]}
+    | {"rate": "2000 N/s", "rise": "4000 N"},
+    "check": {"vent": "2 s"},
     "verification": TRAVEL
     | {"profile": [{"velocity": "40 mm/s", "acceleration": "0.2 m/s^2", "duration": "1 s"}]},
 }
-BOARD = Identity("f", "b", 1, 10_000, 1024, max_steps=128, max_segments=128)
+BOARD = Identity("f", "b", 1, 10_000, 1024, max_steps=128, max_segments=104)
 
 
 def schedule_file(folder, *kinds):
-    experiments = [LOAD | EXAMPLES[kind] | {"kind": kind} for kind in kinds]
+    keys = {"check": {"trials": 2}, "breakaway": {k: v for k, v in LOAD.items() if k != "hold"}}
+    experiments = [keys.get(kind, LOAD) | EXAMPLES[kind] | {"kind": kind} for kind in kinds]
     bench = str(CONFIGS / "bench-aau.yaml")
     path = folder / "schedule.yaml"
     path.write_text(yaml.safe_dump({"name": "kinds", "bench": bench, "experiments": experiments}))
@@ -143,6 +147,7 @@ def test_each_kind_is_screened_analysed_and_drawn(kind, campaign, results):
     assert len(runs) >= 2 and all(one.accepted for one in runs), [one.reasons for one in runs]
     motions = results.motions
     products = (*results.curves, *motions.loops, *motions.levels, *motions.leakages)
+    products += motions.breakaways
     assert (kind in {product.kind for product in products}) == bool(KINDS[kind].figure)
     drawn = [path.name for path in (campaign.folder / "results" / "figures").glob("*.svg")]
     assert any(name.startswith(KINDS[kind].figure) for name in drawn)

@@ -5,7 +5,7 @@
 #define HB_FIRMWARE "hbench-core 0.1" /* at most 16 characters */
 
 #define HB_MAX_STEPS 128u
-#define HB_MAX_SEGMENTS 128u
+#define HB_MAX_SEGMENTS 104u
 #define HB_MAX_TIME_S 100000.0f /* so that times in ticks fit 32 bits */
 
 #endif

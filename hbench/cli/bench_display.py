@@ -139,7 +139,7 @@ def _motion(plan: RunPlan) -> str:
     kind = KINDS[plan.kind]
     speed = "" if kind.is_at_rest else f" {1e3 * plan.v_ref_m_s:+.1f} mm/s"
     if kind.raises_force:
-        speed = f" {plan.force_rate_n_s:+.0f} N/s"
+        speed = f" {plan.force_rate_n_s or 0.0:+.0f} N/s"
     return f"{label}{kind.display_name}{speed}{load}"
 
 

@@ -201,6 +201,8 @@ def _plan(
         p_lp_ref_pa=None if load is None or p_lr is None else load_pressure(bench, load, p_lr),
         label=experiment.label,
         motion=reference.motion,
+        force_rate_n_s=reference.motion.segments[0].force_rate_n_s or None,
+        dwell_s=reference.motion.hold_s if KINDS[experiment.kind].raises_force else None,
         level=reference.level,
     )
 

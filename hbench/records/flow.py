@@ -96,6 +96,9 @@ class RunPlan:
     x_low_m: float | None = None
     x_high_m: float | None = None
     factors: Factors = ()
+    # Of a push on a piston at rest: rate of F_T, positive to extend, and the rest before.
+    force_rate_n_s: float | None = None
+    dwell_s: float | None = None
     level: LevelReference | None = None  # of a zero check
 
     @property
@@ -117,14 +120,9 @@ class RunPlan:
         return self.x_low_m, self.x_high_m
 
     @property
-    def force_rate_n_s(self) -> float:
-        """Rate at which the run raises the force F_T, positive to extend; 0 for other runs."""
-        return self.motion.segments[0].force_rate_n_s if self.motion else 0.0
-
-    @property
     def direction(self) -> Direction:
         """``extend`` for a positive reference, of the velocity or of the force's rate."""
-        return "extend" if (self.v_ref_m_s or self.force_rate_n_s) >= 0 else "retract"
+        return "extend" if (self.v_ref_m_s or self.force_rate_n_s or 0.0) >= 0 else "retract"
 
 
 @dataclass(frozen=True)

@@ -160,7 +160,7 @@ def test_keys_in_errors_are_those_of_the_file():
         )
 
 
-BOARD = Identity("f", "b", 1, 10_000, 1024, max_steps=128, max_segments=128)
+BOARD = Identity("f", "b", 1, 10_000, 1024, max_steps=128, max_segments=104)
 
 
 def test_steps_share_the_rows_that_they_have_in_common():

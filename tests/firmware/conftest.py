@@ -100,6 +100,7 @@ SETTING_VALUES = {
     **{f"offset_{name}": OFFSET.get(name, 0.0) for name in SENSORS},
     "velocity_gain_v_m": 800.0,
     "velocity_time_constant_s": 0.06,
+    "force_gain_v_n": 1e-3,
     "rod_gain_v_pa_s": 1.25e-5,
     "rod_time_constant_s": 0.33,
     "piston_gain_v_pa_s": 6.5e-5,
@@ -125,7 +126,14 @@ SETTING_VALUES = {
     "area_rod_m2": 7.65763e-4,
     "log_divider": 100.0,
 }
-SEGMENT = {"valves": 0, "v_m_s": 0.1, "a_m_s2": 1.0, "duration_s": 0.4}
+SEGMENT = {
+    "valves": 0,
+    "v_m_s": 0.1,
+    "a_m_s2": 1.0,
+    "duration_s": 0.4,
+    "force_rate_n_s": 0.0,
+    "displacement_m": 0.0,
+}
 STEP = {
     "run": 1,
     "trials": 1,
@@ -196,7 +204,7 @@ class Board:
         return self.request("write_settings", struct.pack("<H", first) + values[4 * first :])
 
     def write_segment(self, index=0, **changes):
-        fields = struct.pack("<H3f", *{**SEGMENT, **changes}.values())
+        fields = struct.pack("<H5f", *{**SEGMENT, **changes}.values())
         before = self.segments_octets[: len(fields) * index] if index else b""
         self.segments_octets = before + fields
         return self.request("write_segment", struct.pack("<H", index) + fields)

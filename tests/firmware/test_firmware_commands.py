@@ -37,7 +37,7 @@ def test_identify_reports_dictionary_firmware_and_boots(new_board):
         "rate_hz": 10_000,
         "ring_records": 1024,
         "max_steps": 128,
-        "max_segments": 128,
+        "max_segments": 104,
     }
 
 
@@ -126,12 +126,14 @@ def test_start_is_refused_when_the_segments_differ(board):
 @pytest.mark.parametrize(
     "change",
     [
-        {"valves": 2},
+        {"valves": 4},
         {"v_m_s": float("nan")},
         {"a_m_s2": 0.0},
         {"a_m_s2": float("inf")},
         {"duration_s": 0.0},
         {"duration_s": float("nan")},
+        {"force_rate_n_s": float("nan")},
+        {"displacement_m": -1e-3},
     ],
     ids=str,
 )
@@ -170,9 +172,9 @@ def test_steps_are_accepted_in_order_up_to_the_limit(board):
 
 def test_segments_are_accepted_in_order_up_to_the_limit(board):
     assert board.write_segment(2) == "out_of_range", "segment 1 is missing"
-    for index in range(1, 128):
+    for index in range(1, 104):
         assert board.write_segment(index, v_m_s=1e-3 * index) == b""
-    assert board.write_segment(128) == "out_of_range"
+    assert board.write_segment(104) == "out_of_range"
 
 
 def test_the_last_segment_may_be_repeated_but_not_changed(board):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.protocol.dictionary import CONDITIONS, PHASES, STATES
+from hbench.protocol.dictionary import CONDITIONS, PHASES, STATES, VALVES
 from tests.support.board.kinematic import (
     AT_REFERENCE,
     LAST,
@@ -18,6 +18,7 @@ from tests.support.board.kinematic import (
 )
 
 A_P, A_R = 1.25664e-3, 7.65763e-4  # as in the settings
+CODE = {name: number for number, name in enumerate(VALVES)}
 
 
 def logged(log, name, scale):
@@ -141,6 +142,111 @@ def test_closed_valves_are_neutral_while_the_log_continues(board):
     fall = 400.0 * (rest[0, WORD["p_lr"]].astype(float) - rest[29, WORD["p_lr"]])
     assert fall == pytest.approx(4e5 * 29 / 30, rel=0.02)
     assert len(log) == 40 and log[-1, WORD["flags"]] & LAST
+
+
+# ---- pushing -----------------------------------------------------------------------------------
+
+PUSH = {"valves": CODE["pushing"], "v_m_s": 0.0, "duration_s": 2.0}
+
+
+def f_test(board):
+    return A_P * board.si["p_tp"] - A_R * board.si["p_tr"]
+
+
+def push(board, ticks, stiffness):
+    """Ticks of a resting piston whose chambers integrate the valve's flow; F_T after each."""
+    forces = []
+    for _ in range(ticks):
+        u_t, _, _ = board.tick()
+        board.si["p_tp"] += stiffness * u_t * T
+        board.si["p_tr"] -= 1.3 * stiffness * u_t * T
+        forces.append(f_test(board))
+    return np.array(forces)
+
+
+@pytest.mark.parametrize("rate", [500.0, -200.0, 20.0])
+def test_a_push_raises_the_force_at_its_rate_whatever_the_stiffness_of_the_oil(board, rate):
+    for stiffness in (5e6, 2e7):  # Pa/s per V: a factor of two around the loop's design
+        board.write_row({**PUSH, "force_rate_n_s": rate, "displacement_m": 0.01})
+        board.start()
+        while PHASES[board.status()["phase"]] != "push":
+            drive(board, 1)
+        force = push(board, 15_000, stiffness)
+        t = T * np.arange(len(force))
+        settled = t > 0.5  # of the first-order lag, 1 / (K c)
+        slope = np.polyfit(t[settled], force[settled], 1)[0]
+        # One code of the converter is 24 N/s in the softer oil; it moves to and fro between two.
+        assert slope == pytest.approx(rate, rel=0.02, abs=1.0)
+        assert PHASES[board.status()["phase"]] == "push"
+        board.request("stop")
+
+
+def test_a_push_ends_once_the_piston_has_moved_and_the_velocity_loop_goes_on(board):
+    board.write_row({**PUSH, "force_rate_n_s": -1e3, "displacement_m": 2e-3})
+    board.start()
+    while PHASES[board.status()["phase"]] != "push":
+        drive(board, 1)
+    first = board.tick()[0]
+    assert abs(first) < 0.02, "from the force and the command as they were"
+    push(board, 3000, 5e6)
+    begin = board.si["x"]
+    while PHASES[board.status()["phase"]] == "push":
+        board.si["x"] -= 4e-6  # 40 mm/s
+        board.tick()
+    assert begin - board.si["x"] == pytest.approx(2e-3, abs=1e-5)
+    assert PHASES[board.status()["phase"]] == "brake"
+    drive(board, 3000)
+    assert board.cause() == ("done", "none")
+    log = read_all(board)
+    assert log[-1, WORD["flags"]] & LAST and not np.any(log[:, WORD["v_ref"]])
+
+
+def test_a_push_ends_after_its_time_if_nothing_moves(board):
+    board.write_row({**PUSH, "duration_s": 0.3, "force_rate_n_s": 1e3, "displacement_m": 2e-3})
+    board.start()
+    for _ in range(20_000):
+        board.tick()
+    assert board.cause() == ("done", "none")
+    assert len(read_all(board)) == 30
+
+
+# ---- venting -----------------------------------------------------------------------------------
+
+VENT = ({"valves": CODE["venting"], "duration_s": 1.0}, {"valves": 1, "duration_s": 0.2})
+
+
+def test_venting_begins_where_the_piston_is_and_opens_all_valves_to_either_side(board):
+    board.write_row(*VENT, x_start_m=0.2, x_min_m=0.2, x_max_m=0.2)
+    board.si["p_s"] = 2e5
+    board.rest(0.05, x=0.06)
+    board.start()
+    commands = np.array([board.tick() for _ in range(12_000)])
+    expected = np.repeat([0.5, -0.5, 0.5, -0.5, 0.0], [2500, 2500, 2500, 2500, 2000])
+    for valve in range(3):
+        # The first tick of a segment has number 1; the last one of the venting belongs to the next.
+        assert np.sum(np.abs(commands[:, valve] - expected) > 0.003) <= 5
+    drive(board, 5)
+    assert board.cause() == ("done", "none")
+    log = read_all(board)
+    assert len(log) == 120 and log[-1, WORD["flags"]] & LAST
+
+
+@pytest.mark.parametrize("when", [0, 4000])
+def test_venting_under_pressure_is_a_fault_and_no_valve_opens(board, when):
+    board.write_row(*VENT)
+    board.si["p_s"] = 2e5
+    board.rest(0.05, x=0.06)
+    if when:
+        board.start()
+        for _ in range(when):
+            assert any(board.tick())
+    board.si["p_s"] = 150e5
+    if not when:
+        board.rest(0.05, x=0.06)
+        board.start()
+    opened = [any(board.tick()) for _ in range(200)]
+    assert sum(opened) <= 5 * bool(when), "the pressure filter's 0.5 ms"
+    assert board.cause() == ("fault", "supply")
 
 
 # ---- end conditions ----------------------------------------------------------------------------

@@ -26,10 +26,12 @@ BENCH = {
 UNUSABLE = ({"heartbeat_s": 0.0}, {"travel_min_m": 0.5}, {"log_divider": 0.0})  # refused by "start"
 SEGMENTS = st.fixed_dictionaries(
     {
-        "valves": st.sampled_from((0, 0, 0, 1)),
+        "valves": st.sampled_from((0, 0, 0, 1, 2, 3)),
         "v_m_s": st.sampled_from((0.1, -0.1, 0.0)),
         "a_m_s2": st.sampled_from((2.0, 1e4)),
         "duration_s": st.sampled_from((1e-4, 0.004, 0.02)),
+        "force_rate_n_s": st.sampled_from((1e3, -1e6)),
+        "displacement_m": st.sampled_from((0.0, 1e-4, 0.1)),
     }
 )
 STEP = {
@@ -41,8 +43,10 @@ TICKS = st.sampled_from((1, 30, 400, 1300, 1700, 4000))  # the return alone take
 INVALID = (
     ("write_settings", struct.pack("<Hf", len(SETTINGS), 0.0)),
     ("write_settings", struct.pack("<Hf", 0, float("nan"))),
-    ("write_segment", struct.pack("<HH3f", 200, 0, 0.1, 1.0, 1.0)),
-    ("write_segment", struct.pack("<HH3f", 0, 7, 0.1, 1.0, 1.0)),
+    ("write_segment", struct.pack("<HH5f", 200, 0, 0.1, 1.0, 1.0, 0.0, 0.0)),
+    ("write_segment", struct.pack("<HH5f", 0, 7, 0.1, 1.0, 1.0, 0.0, 0.0)),
+    ("write_segment", struct.pack("<HH5f", 0, 2, 0.0, 1.0, 1.0, float("inf"), 0.0)),
+    ("write_segment", struct.pack("<HH5f", 0, 2, 0.0, 1.0, 1.0, 1e3, -1e-3)),
     ("write_step", b"\0\0"),
     ("start", b"\0"),
     ("stop", b"\1"),

@@ -7,11 +7,14 @@ from hbench.protocol.codec import BY_NAME, pack, pack_settings, unpack
 from hbench.protocol.dictionary import MAX_FRAME, MESSAGES, RECORD, SETTINGS
 
 SEGMENT = {"index": 1, "valves": 0x0203, "v_m_s": 1.0, "a_m_s2": -2.0, "duration_s": 0.5}
+SEGMENT |= {"force_rate_n_s": 0.0, "displacement_m": 0.0}
 
 
 def test_numbers_are_little_endian_and_singles_are_ieee():
     payload = pack(BY_NAME["write_segment"].request, SEGMENT)
-    assert payload == bytes([1, 0, 3, 2]) + bytes.fromhex("0000803f 000000c0 0000003f")
+    assert payload == bytes([1, 0, 3, 2]) + bytes.fromhex(
+        "0000803f 000000c0 0000003f 00000000 00000000"
+    )
 
 
 def test_pack_and_unpack_are_inverse():

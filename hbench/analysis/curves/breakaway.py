@@ -61,7 +61,7 @@ def breakaways(
         except DataError as error:
             notes.append(f"left out of the breakaway: {error.message}")
             continue
-        key = (*_series(plan), _dwell_s(plan), abs(plan.force_rate_n_s))
+        key = (*_series(plan), plan.dwell_s, abs(plan.force_rate_n_s or 0.0))
         plans.setdefault(key, plan)
         groups[key][plan.trial].append((plan.run, peak))
     return (
@@ -96,10 +96,6 @@ def _place(key: tuple) -> tuple:
 def _series(plan: RunPlan) -> tuple:
     load = plan.f_load_n, plan.p_lr_ref_pa
     return plan.kind, plan.label, plan.direction, *load, plan.specimen
-
-
-def _dwell_s(plan: RunPlan) -> float | None:
-    return plan.motion.hold_s if plan.motion else None
 
 
 def _peak(verdict: ScreenedRun, mass_kg: float) -> _Peak:
@@ -152,8 +148,8 @@ def _mean(
     return Breakaway(
         series=Series(plan.label, *load),
         direction=plan.direction,
-        dwell_s=_dwell_s(plan),
-        rate_n_s=abs(plan.force_rate_n_s),
+        dwell_s=plan.dwell_s,
+        rate_n_s=abs(plan.force_rate_n_s or 0.0),
         breakaway_n=mean.friction_n,
         ci95_n=point.ci95_n,
         u95_n=point.u95_n,

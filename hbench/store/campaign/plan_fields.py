@@ -35,6 +35,7 @@ _RANGES = {
     "x_min_m": _LENGTH,
     "x_max_m": _LENGTH,
     "hold_s": _TIME,
+    "dwell_s": _TIME,
     "cycles": (1, 1e6),
     "within": (0, 1e3),
     "v_m_s": _SPEED,

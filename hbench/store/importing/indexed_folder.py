@@ -44,7 +44,10 @@ INDICES = ("runs.csv", "runs.parquet", "campaign.mat")
 BENCH, SETTINGS = "bench.yaml", "settings.yaml"
 
 _REQUIRED = ("run", "file", "v_ref_m_s")
-_OPTIONAL = ("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa", "x_low_m", "x_high_m")
+_OPTIONAL = (
+    *("a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "p_lp_ref_pa", "x_low_m", "x_high_m"),
+    *("force_rate_n_s", "dwell_s"),
+)
 _CYLINDER = ("area_piston_m2", "area_rod_m2", "stroke_m")
 _TEXTS = ("label", "factors", "truncated", "aborted")
 _COLUMNS = (*_REQUIRED, "kind", "trial", "speed_is_measured", *_TEXTS, *_OPTIONAL, *_CYLINDER)

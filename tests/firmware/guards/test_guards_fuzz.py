@@ -64,6 +64,19 @@ def seeds(recorded_board, tmp_path):
             board.write_row(*row, cycles=5, until=until, within=0.5, hold_s=0.0)
             board.start()
             ticks(2400)
+    with scene("pushes"):
+        push = {"valves": 2, "force_rate_n_s": 1e3, "displacement_m": 1e-3}
+        board.write_row({**push, **quick}, {"valves": 1, **quick}, trials=2, hold_s=0.0)
+        board.start()
+        ticks(2400)
+    with scene("vents"):
+        board.write_row({"valves": 3, **quick}, {"valves": 1, **quick}, trials=2)
+        board.si["p_s"] = 2e5
+        board.start()
+        ticks(300)
+        board.si["p_s"] = 1.5e7
+        board.start(again=True)
+        ticks(100)
     with scene("faults"):
         board.start()
         ticks(2)

@@ -45,8 +45,8 @@ def session(recorded_board):
     assert board.start() == "not_ready"
     assert board.request("identify", b"?") == "bad_payload"
     board.write_settings(log_divider=3.0, heartbeat_s=0.3, feedforward_on=1.0)
-    for write in (board.write_segment, board.write_step):
-        assert [write(n) for n in range(129)] == 128 * [b""] + ["out_of_range"]
+    for write, most in ((board.write_segment, 104), (board.write_step, 128)):
+        assert [write(n) for n in range(most + 1)] == most * [b""] + ["out_of_range"]
     assert board.write_motion(trials=2, duration_s=0.2) == b""
     ticks(3)
     board.settings_crc ^= 1

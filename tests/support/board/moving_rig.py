@@ -57,6 +57,7 @@ class MovingRig(VirtualRig):
         where = {"x_start_m": low if v > 0 else high, "x_min_m": low, "x_max_m": high}
         step = {"run": 1, "trials": 1, **row, **load, **where, "hold_s": 0.1}
         segment = {"valves": 0, "v_m_s": v, "a_m_s2": a, "duration_s": 20.0}
+        segment |= {"force_rate_n_s": 0.0, "displacement_m": 0.0}
         client = BoardClient(self)
         crc = client.write_settings({**SETTINGS, **settings})
         client.start(crc, client.write_schedule([segment], [step]))
