@@ -90,8 +90,12 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VAL
     hb_sensors_step(&core->sensors_config, &core->sensors, adc);
 
     if (core->state == HB_STATE_RUNNING) {
-        const hb_u16 fault = hb_safety_step(&core->safety_config, &core->safety, &core->sensors,
-                                            core->schedule.references.v_m_s);
+        const hb_references *references = &core->schedule.references;
+        /* A piston that breaks away jumps; no speed was asked of it. */
+        const float v_ref_m_s =
+            references->pushing ? core->sensors.velocity.v : references->v_m_s;
+        const hb_u16 fault =
+            hb_safety_step(&core->safety_config, &core->safety, &core->sensors, v_ref_m_s);
         if (fault != HB_FAULT_NONE) {
             hb_core_halt(core, HB_STATE_FAULT, fault);
         } else if (hb_schedule_overdue(&core->schedule_config, &core->schedule)) {
@@ -100,8 +104,7 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VAL
             advance(core);
         }
     }
-    if (core->state == HB_STATE_RUNNING
-        && hb_schedule_vents_under_pressure(&core->schedule, &core->sensors)) {
+    if (core->state == HB_STATE_RUNNING && hb_schedule_vents_under_pressure(&core->schedule)) {
         hb_core_halt(core, HB_STATE_FAULT, HB_FAULT_SUPPLY);
     }
     if (core->state != HB_STATE_RUNNING || core->schedule.phase == HB_PHASE_CLOSED) {

@@ -10,7 +10,11 @@
 /* Venting: small openings, so that the piston moves slowly should the supply come on. */
 #define HB_VENT_V 0.5f
 #define HB_VENT_SIDE_S 0.25f
-#define HB_VENT_SUPPLY_PA 10e5f /* above a tank's pressure and a transducer's zero error */
+/* The supply is on: at the begin, above a tank's pressure and a transducer's zero error; later, above
+ * what the chambers' oil can raise it to. */
+#define HB_VENT_BEGIN_PA 10e5f
+#define HB_VENT_SUPPLY_PA 40e5f
+#define HB_VENT_SUPPLY_S 1.0f
 
 hb_schedule_config hb_schedule_design(const hb_settings *settings)
 {
@@ -52,6 +56,7 @@ void hb_schedule_init(hb_schedule_state *state)
     state->runs_done = 0;
     hb_settle_init(&state->settle);
     state->settled = false;
+    state->supply_ticks = 0;
     state->begin_x_m = 0.0f;
     state->begin_f_test_n = 0.0f;
     state->references.v_m_s = 0.0f;
@@ -114,6 +119,7 @@ static void enter_segment(const hb_schedule_config *config, const hb_steps *step
                           hb_schedule_state *state, const hb_sensors_state *sensors)
 {
     enter(state, phase_of(present_segment(steps, state)));
+    state->supply_ticks = 0;
     state->begin_x_m = sensors->value[HB_SENSOR_X];
     state->begin_f_test_n = hb_test_force(sensors, config->area_piston_m2, config->area_rod_m2);
 }
@@ -133,6 +139,9 @@ static void next_segment(const hb_schedule_config *config, const hb_steps *steps
 {
     const hb_step *step = &steps->step[state->step];
 
+    if (state->phase == HB_PHASE_PUSH) { /* the velocity loop goes on from the speed that it finds */
+        state->references.v_m_s = sensors->velocity.v;
+    }
     if (state->segment + 1u < step->segments) {
         state->segment++;
         enter_segment(config, steps, state, sensors);
@@ -290,6 +299,11 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
                              + present_segment(steps, state)->force_rate_n_s
                                    * ((float)state->ticks * HB_PERIOD_S);
     }
+    if (state->phase == HB_PHASE_VENT) {
+        const float limit = state->ticks <= 1u ? HB_VENT_BEGIN_PA : HB_VENT_SUPPLY_PA;
+        const bool high = !(sensors->value[HB_SENSOR_P_S] <= limit);
+        state->supply_ticks = high ? state->supply_ticks + 1u : 0u;
+    }
     if (state->phase == HB_PHASE_ACCELERATE || state->phase == HB_PHASE_STEADY) {
         hb_settle_add(&state->settle, condition_value(config, step, state, sensors));
     }
@@ -306,10 +320,11 @@ float hb_schedule_vent_v(const hb_schedule_state *state)
     return side % 2u == 0u ? HB_VENT_V : -HB_VENT_V;
 }
 
-bool hb_schedule_vents_under_pressure(const hb_schedule_state *state,
-                                      const hb_sensors_state *sensors)
+bool hb_schedule_vents_under_pressure(const hb_schedule_state *state)
 {
-    return state->phase == HB_PHASE_VENT && !(sensors->value[HB_SENSOR_P_S] <= HB_VENT_SUPPLY_PA);
+    const hb_u32 limit =
+        state->ticks <= 1u ? 0u : hb_ticks(HB_VENT_SUPPLY_S, (float)HB_RATE_HZ);
+    return state->phase == HB_PHASE_VENT && state->supply_ticks > limit;
 }
 
 bool hb_schedule_moving(const hb_schedule_state *state)

@@ -31,7 +31,8 @@ typedef struct {
     hb_u32 return_ticks; /* since the return began */
     hb_settle settle;
     bool settled; /* the last run ended by its condition */
-    float begin_x_m;       /* at the segment's begin */
+    hb_u32 supply_ticks; /* while venting: since the supply's pressure was low */
+    float begin_x_m;     /* at the segment's begin */
     float begin_f_test_n;
     hb_references references;
 } hb_schedule_state;
@@ -52,9 +53,8 @@ bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_sta
 /* Command of all valves while venting [V]: to either side in turn. */
 float hb_schedule_vent_v(const hb_schedule_state *state);
 
-/* Venting, although the supply is on: the piston would move. */
-bool hb_schedule_vents_under_pressure(const hb_schedule_state *state,
-                                      const hb_sensors_state *sensors);
+/* Venting, although the supply is on. The chambers' oil may raise its pressure for a second. */
+bool hb_schedule_vents_under_pressure(const hb_schedule_state *state);
 
 /* A run's segments are being executed. */
 bool hb_schedule_moving(const hb_schedule_state *state);

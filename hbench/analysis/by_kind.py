@@ -37,12 +37,7 @@ _SHARED_STROKES = (
 )
 _UNKNOWN_MASS = "the test side's mass is not known: friction of moving runs includes its inertia"
 _NO_BENCH = "leakage needs a bench file: volumes and bulk modulus are not known"
-_WITH_INERTIA = {
-    "ramp_curve",
-    "hysteresis",
-    "step_levels",
-    "breakaway",
-}  # analyses that subtract m_T a
+_WITH_INERTIA = {"ramp_curve", "hysteresis", "step_levels"}  # analyses that subtract m_T a
 
 
 @dataclass(frozen=True)
@@ -147,8 +142,7 @@ def _leakage(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProduct
 
 
 def _breakaways(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
-    measured, notes = breakaways(runs, settings.mass_kg, settings.setup.instruments)
-    return AnalysisProducts(breakaways=measured, notes=notes)
+    return AnalysisProducts(breakaways=breakaways(runs, settings.setup.instruments))
 
 
 def _verification(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:

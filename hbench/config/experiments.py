@@ -156,7 +156,7 @@ class Check(ExperimentBase):
     pressure: q.Pressure | None = None
     uncertainty: q.Pressure = 1e4
     load_cell: Literal["coupled", "free"] = "coupled"  # free: it carries no force
-    vent: Annotated[float, q.quantity("s", ge=1, le=600)] = 6.0
+    vent: Annotated[float, q.quantity("s", ge=1, le=600)] = 10.0
     duration: Annotated[float, q.quantity("s", ge=1, le=600)] = 2.0  # closed
     trials: int = Field(default=1, ge=1, le=20)
 

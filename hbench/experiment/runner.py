@@ -22,7 +22,7 @@ from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient, Identity, NoAnswer
 
 POLL_S = 0.25  # between two status requests
-SUPPLY_OFF_PA = 10e5  # the board's own limit for venting (firmware/core/schedule.c)
+SUPPLY_OFF_PA = 10e5  # the board's own limit as venting begins (firmware/core/schedule.c)
 _SUPPLY_ON = 0.8  # of the supply's pressure
 _SUPPLY_S = 600.0  # longest wait for the operator
 LEAST_LOG_S = 4.0  # capacity of the board's log: some lost requests and their repetitions

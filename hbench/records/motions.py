@@ -172,7 +172,7 @@ class DwellLaw:
 class Zero:
     """Zero of a sensor, as a zero check found it."""
 
-    channel: str  # p_tp_pa, ..., f_applied_n
+    channel: str  # p_tp_pa, p_tr_pa, p_lp_pa, p_lr_pa or f_applied_n
     error: float  # of its reading, Pa or N; subtracted from the campaign's logs
     limit: float  # of the bench file, at full scale
     clipped: bool = False  # the sensor shows its lowest value: the zero is not known

@@ -1,12 +1,12 @@
-"""Breakaway: the largest friction while a rising force pushes a piston that has rested.
+"""Breakaway: the first maximum of friction while a rising force pushes a piston that has rested.
 
-    F_fT = F_T - F_applied - m_T a        (2.12, with the inertia of the test side alone)
+    F_fT = F_T - F_applied        (5.1; the piston is at rest, so that 2.12 has no inertia)
 
-The largest value of a run, smoothed by a polynomial of second order through five samples (Savitzky
-and Golay), which halves the noise's variance and follows the peak. Means and Student's intervals
-are over trials of the same direction, load, dwell and rate. Over the dwell t, static friction
-grows by one of two laws, each linear in log t (Armstrong-Helouvry, Dupont and Canudas de Wit,
-Automatica 30, 1994, section 2.4):
+It is the end of a straight line through the last samples of a run up to the maximum, which takes
+no part in what follows: friction falls within a sample or two. Means and Student's intervals are
+over trials of the same direction, load, dwell and rate. Over the dwell t, static friction grows by
+one of two laws, each linear in log t (Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30,
+1994, section 2.4):
 
     logarithmic    F = F_1 + g log10(t / 1 s)
     power          F = F_1 (t / 1 s)^m
@@ -20,14 +20,18 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from hbench.analysis.curves.average import student_interval
-from hbench.analysis.screening.sample_friction import logged_motion
+from hbench.analysis.screening.friction_channels import (
+    missing_friction_channels,
+    required,
+    test_force,
+)
+from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.statistics.student import student_factor
 from hbench.analysis.uncertainty.budget import with_instruments
 from hbench.config.sensors import Instruments
-from hbench.errors import DataError
-from hbench.records import Breakaway, Curve, CurvePoint, DwellLaw, RunPlan, ScreenedRun, Series
+from hbench.records import Breakaway, Curve, CurvePoint, DwellLaw, Run, RunPlan, ScreenedRun, Series
 
-_WINDOW, _ORDER = 5, 2  # samples; of the polynomial
+_LINE = 5  # samples up to the maximum
 _LEAST_DWELLS = 3  # for a law over the time at rest
 
 
@@ -43,31 +47,20 @@ class _Peak(NamedTuple):
 
 
 def breakaways(
-    screened: Iterable[ScreenedRun], mass_kg: float, instruments: Instruments | None
-) -> tuple[tuple[Breakaway, ...], tuple[str, ...]]:
-    """Return the breakaway of the accepted runs, and notes on those left out.
-
-    ``mass_kg`` is the test side's; with 0, for an unknown mass, friction includes the inertia.
-    """
+    screened: Iterable[ScreenedRun], instruments: Instruments | None
+) -> tuple[Breakaway, ...]:
+    """Return the breakaway of the accepted runs: a row a series, rest and rate."""
     groups: dict[tuple, dict[int, list[tuple[str, _Peak]]]] = defaultdict(lambda: defaultdict(list))
     plans: dict[tuple, RunPlan] = {}
-    notes = []
     for verdict in screened:
         plan = verdict.run.plan
-        if not verdict.accepted:
-            continue
-        try:
-            peak = _peak(verdict, mass_kg)
-        except DataError as error:
-            notes.append(f"left out of the breakaway: {error.message}")
+        peak = _peak(verdict.run) if verdict.accepted else None
+        if peak is None:
             continue
         key = (*_series(plan), plan.dwell_s, abs(plan.force_rate_n_s or 0.0))
         plans.setdefault(key, plan)
         groups[key][plan.trial].append((plan.run, peak))
-    return (
-        tuple(_mean(plans[key], groups[key], instruments) for key in sorted(groups, key=_place)),
-        tuple(notes),
-    )
+    return tuple(_mean(plans[key], groups[key], instruments) for key in sorted(groups, key=_place))
 
 
 def dwell_laws(measured: Iterable[Breakaway]) -> tuple[DwellLaw, ...]:
@@ -98,23 +91,30 @@ def _series(plan: RunPlan) -> tuple:
     return plan.kind, plan.label, plan.direction, *load, plan.specimen
 
 
-def _peak(verdict: ScreenedRun, mass_kg: float) -> _Peak:
-    from scipy.signal import savgol_filter  # slow import
-
-    run = verdict.run
-    motion = logged_motion(run, mass_kg)
+def _peak(run: Run) -> _Peak | None:
+    """Return the moment of breakaway; None if there is no maximum, or a channel is missing."""
+    if missing_friction_channels(run):
+        return None
     sign = 1.0 if run.plan.direction == "extend" else -1.0
-    smooth = sign * savgol_filter(motion.friction_n, _WINDOW, _ORDER)
-    at = int(np.argmax(smooth))
-    p_p, p_r = float(motion.p_p_pa[at]), float(motion.p_r_pa[at])
-    specimen = run.plan.specimen
+    f_test, f_applied = test_force(run, slice(None)), required(run, "f_applied_n")
+    friction = sign * (f_test - f_applied)
+    at = first_peak(friction)
+    if at is None:
+        return None
+    line = slice(max(at + 1 - _LINE, 0), at + 1)
+
+    def end_of_line(values: np.ndarray | None) -> float:
+        if values is None:
+            return np.nan
+        return float(np.polynomial.Polynomial.fit(run.t_s[line], values[line], 1)(run.t_s[at]))
+
     return _Peak(
-        friction_n=float(smooth[at]),
+        friction_n=end_of_line(friction) if at else float(friction[0]),
         displacement_m=sign * float(run.x_m[at] - run.x_m[0]),
-        f_test_n=p_p * specimen.area_piston_m2 - p_r * specimen.area_rod_m2,
-        f_applied_n=float(motion.f_applied_n[at]),
-        p_tp_pa=p_p,
-        p_tr_pa=p_r,
+        f_test_n=float(f_test[at]),
+        f_applied_n=float(f_applied[at]),
+        p_tp_pa=np.nan if run.p_tp_pa is None else float(run.p_tp_pa[at]),
+        p_tr_pa=np.nan if run.p_tr_pa is None else float(run.p_tr_pa[at]),
     )
 
 

@@ -9,7 +9,7 @@
                         itself drives the valve to its limit
     hold                the piston was at rest
     check               the piston was at rest with the supply off, and the pressures were level
-    breakaway           the piston moved off before the push ended, after the largest friction
+    breakaway           the piston moved off before the push ended, and friction passed a maximum
 
 The reference is compared with the position's speed over 0.1 s, as for steady runs.
 """
@@ -25,9 +25,10 @@ from hbench.analysis.screening.friction_channels import (
     required,
     test_force,
 )
+from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.screening.reference_sections import level_windows, whole_cycles
 from hbench.analysis.screening.steadiness import speeds_over_tenths
-from hbench.analysis.screening.zero_check import PRESSURES, closed_part
+from hbench.analysis.screening.zero_check import CHAMBERS, closed_part
 from hbench.config.schedule import Screening
 from hbench.motion.speeds import mean_speed
 from hbench.records import KINDS, Run
@@ -37,7 +38,6 @@ _NEAR_END_M = 0.005
 _LAST_S = 0.03  # a push that takes the whole time but this has not moved the piston
 _LEVEL_PA = 1e4  # change of a vented chamber's pressure
 _SUPPLY_OFF_PA = 10e5  # of a supply that is off, with the tank's pressure and a zero error
-_PAST_PEAK = 3  # records after the largest friction
 
 
 def motion_reasons(run: Run, rules: Screening) -> list[str]:
@@ -171,26 +171,29 @@ def _moved_off(run: Run, rules: Screening) -> Iterator[str]:
             return
     if not missing_friction_channels(run):
         friction = forward * (test_force(run, slice(None)) - required(run, "f_applied_n"))
-        if np.argmax(friction) >= len(friction) - _PAST_PEAK:
+        if first_peak(friction) is None:
             yield (
                 f"incomplete: friction was still rising when the piston had moved by "
-                f"{moved_mm:.2f} mm; limit {_PAST_PEAK} records before the end (displacement)"
+                f"{moved_mm:.2f} mm; it should pass a maximum (increase displacement)"
             )
 
 
 def _levelled(run: Run, rules: Screening) -> Iterator[str]:
-    yield from _rest(replace(run, x_m=run.x_m[closed_part(run)]), rules)
     closed = closed_part(run)
-    for channel in PRESSURES:
-        values = getattr(run, channel)
-        if values is None or len(values[closed]) < 2:
+    if len(run.t_s[closed]) < 2:
+        yield "too_short: fewer than 2 records with settled, closed valves; limit 2"
+        return
+    yield from _rest(replace(run, x_m=run.x_m[closed]), rules)
+    supply = None if run.p_s_pa is None else float(run.p_s_pa[closed].mean())
+    if supply is not None and supply > _SUPPLY_OFF_PA:
+        yield (
+            f"not_steady: the supply was on, {supply / 1e5:.1f} bar; limit "
+            f"{_SUPPLY_OFF_PA / 1e5:g} bar"
+        )
+    for channel in CHAMBERS:
+        if (values := getattr(run, channel)) is None:
             continue
-        pressure, change = float(values[closed].mean()), float(values[-1] - values[closed][0])
-        if channel == "p_s_pa" and pressure > _SUPPLY_OFF_PA:
-            yield (
-                f"not_steady: the supply was on, {pressure / 1e5:.1f} bar; limit "
-                f"{_SUPPLY_OFF_PA / 1e5:g} bar"
-            )
+        change = float(values[closed][-1] - values[closed][0])
         if abs(change) > _LEVEL_PA:
             yield (
                 f"not_steady: {channel.removesuffix('_pa')} changed by {change / 1e5:.2f} bar with "

@@ -21,7 +21,7 @@ from hbench.config.sensors import ErrorSource, Instrument, Instruments
 from hbench.model.sensors import sensor_gains
 from hbench.records import Run, Zero, ZeroCheck
 
-PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
+CHAMBERS = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")  # which are vented, not the supply
 _FORCE = "f_applied_n"
 _SETTLE_S = 0.3  # after the valves have closed
 _SOURCE = "zero check"
@@ -46,7 +46,7 @@ def zero_check(run: Run, time_s: float | None, bench: Bench) -> ZeroCheck | None
         return None
     closed, gains = closed_part(run), sensor_gains(bench.sensors)
     zeros = []
-    for channel in (*PRESSURES, *([_FORCE] if level.load_cell_free else [])):
+    for channel in (*CHAMBERS, *([_FORCE] if level.load_cell_free else [])):
         values = getattr(run, channel)
         if values is None:
             continue
@@ -93,7 +93,7 @@ def with_zero_checks(
     pressure = {
         "zero reference": (max(check.pressure_limit_pa for check in checks), True),
         "zero drift": (
-            max((drifts[name] for name in PRESSURES if name in drifts), default=0.0),
+            max((drifts[name] for name in CHAMBERS if name in drifts), default=0.0),
             False,
         ),
     }

@@ -13,7 +13,6 @@ SYMBOLS = {
     "p_tr_pa": "P_Tr",
     "p_lp_pa": "P_Lp",
     "p_lr_pa": "P_Lr",
-    "p_s_pa": "P_S",
     "f_applied_n": "F_applied",
 }
 

@@ -33,7 +33,8 @@ Beside = Mapping[str, Mapping[str, Any]]  # contents of YAML files beside the in
 _CHANNELS = tuple(f.name for f in fields(Run) if f.name in CHANNELS)
 _INDEX = (
     *"run file kind label trial v_ref_m_s a_ref_m_s2 f_load_n p_lr_ref_pa p_lp_ref_pa".split(),
-    *"force_rate_n_s dwell_s x_low_m x_high_m speed_is_measured area_piston_m2 area_rod_m2 stroke_m".split(),
+    *"force_rate_n_s dwell_s x_low_m x_high_m speed_is_measured".split(),
+    *"area_piston_m2 area_rod_m2 stroke_m".split(),
     *"factors truncated aborted accepted reason".split(),
 )
 
