@@ -41,16 +41,17 @@ void hb_control_open(hb_control_state *state, float u_v)
     state->saturated = false;
 }
 
-/* The test valve during a push: the velocity loop rests at its last output. */
+/* The test valve during a push; the velocity loop will go on from there. */
 static void push(const hb_control_config *config, hb_control_state *state,
                  const hb_references *references, const hb_sensors_state *sensors)
 {
     const float f_test_n =
         hb_test_force(sensors, config->area_piston_m2, config->area_rod_m2);
-    const float u = state->loop[HB_VALVE_T].u
-                  + config->force_gain_v_n * (references->f_test_n - f_test_n);
+    const float u = config->force_gain_v_n * (references->f_test_n - f_test_n);
 
     state->u[HB_VALVE_T] = hb_clamp(u, -config->limit_v, config->limit_v);
+    state->loop[HB_VALVE_T].u = state->u[HB_VALVE_T];
+    state->loop[HB_VALVE_T].e = 0.0f;
     if (state->u[HB_VALVE_T] != u) {
         state->saturated = true;
     }

@@ -1,8 +1,8 @@
 /* The three control loops: velocity of the test cylinder, two pressures of the load cylinder.
  *
- *   u_T  controls the velocity, or during a push the force F_T: u_T = K (F_ref - F_T) above its
- *        last value. Oil between closed ports integrates flow to pressure, so that a ramp of F_ref
- *        is followed at its rate, with a constant lag;
+ *   u_T  controls the velocity, or during a push the force F_T: u_T = K (F_ref - F_T). Oil between
+ *        closed ports integrates flow to pressure, so that a ramp of F_ref is followed at its rate,
+ *        with a constant lag;
  *   u_L1 controls the pressure on the load cylinder's rod side, feedforward +C_rod v (the chamber
  *        grows while the test cylinder extends, and the valve must fill it);
  *   u_L2 controls the pressure on the load cylinder's piston side, feedforward -C_piston v

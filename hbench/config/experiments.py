@@ -146,7 +146,7 @@ class Breakaway(LoadedExperiment):
     dwells: tuple[q.Duration, ...] = Field(min_length=1, max_length=20)  # at rest under load
     rate: Annotated[float, q.quantity("N/s", ge=1, le=1e6)]
     rise: Annotated[float, q.quantity("N", gt=0, le=1e6)]  # at most; the push then ends
-    displacement: Annotated[float, q.quantity("mm", ge=1e-4, le=0.1)] = 0.01  # ends the push
+    displacement: Annotated[float, q.quantity("mm", ge=1e-4, le=0.1)] = 0.02  # ends the push
 
 
 class Check(ExperimentBase):

@@ -23,8 +23,10 @@ def plans_of(data):
     return plan_runs(parse_schedule(data, "s.yaml"), BENCH, "s.yaml").runs
 
 
-def test_the_sources_experiment_has_360_runs():
+def test_the_sources_experiment_has_360_runs_between_two_zero_checks():
     plans = plans_of(STRIBECK)
+    assert [plans[n].kind for n in (0, -1)] == ["check", "check"]
+    plans = [plan for plan in plans if plan.kind == "steady"]
     assert len(plans) == 360
     assert len({plan.run for plan in plans}) == 360
     assert {plan.p_lr_ref_pa for plan in plans if plan.direction == "extend"} == {15e5}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-_FALL = 0.01  # of the largest friction, by which it falls after the maximum
+_FALL = 0.03  # of the largest friction, by which it falls after the maximum
 _FALL_NOISE = 5.0  # or so many standard deviations of the noise, if that is more
 _HIGH = 0.7  # of the largest friction: humps below it are those of the loop as the push begins
 
@@ -10,7 +10,7 @@ _HIGH = 0.7  # of the largest friction: humps below it are those of the loop as 
 def first_peak(friction_n: np.ndarray) -> int | None:
     """Return the index of the first maximum of friction (n,) [N], positive against the push.
 
-    A maximum counts once friction has fallen below it by 1 %, and by more than noise. None if
+    A maximum counts once friction has fallen below it by 3 %, and by more than noise. None if
     friction rises until the end. Sliding friction may exceed it later, since the pressures rise.
     """
     if len(friction_n) < 4 or not (most := float(friction_n.max())) > 0.0:

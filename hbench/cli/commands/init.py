@@ -12,6 +12,7 @@ _FILES = (
     "stribeck.yaml",
     "adaptive.yaml",
     "dynamics.yaml",
+    "breakaway.yaml",
     "discriminate.yaml",
     "warm-up.yaml",
     "demo.yaml",
@@ -22,7 +23,7 @@ _FILES = (
 def init(
     directory: Path = typer.Argument(help="Folder to write into."), as_json: bool = AS_JSON
 ) -> None:
-    """Write commented example files to edit: a bench, six schedules and a fit file.
+    """Write commented example files to edit: a bench, seven schedules and a fit file.
 
     Example: hbench init my-bench
     """
