@@ -127,7 +127,8 @@ def breakaways(results: Results) -> dict[str, Figure]:
         points = [each for each in measured if (each.series, each.direction) == of]
         if over_time:
             points = [each for each in points if each.dwell_s]
-        x = [(each.dwell_s or 0.0) if over_time else float(rank) for each in points]
+        aside = 1.04 ** (rank - (len(series) - 1) / 2)  # of points that would cover each other
+        x = [(each.dwell_s or 0.0) * aside if over_time else float(rank) for each in points]
         friction = [each.breakaway_n for each in points]
         interval = [np.nan if each.ci95_n is None else each.ci95_n for each in points]
         look = style.series_style(rank)
@@ -151,7 +152,7 @@ def breakaways(results: Results) -> dict[str, Figure]:
     axes.set_ylabel("Breakaway (N)")
     style.head(axes, "Breakaway", results)
     style.read_as(figure, "Bars: 95 % intervals of trials; lines: the law with the smaller error.")
-    style.legend_above(figure, axes)
+    style.legend_above(figure, axes, columns=2)
     return {"": figure}
 
 
