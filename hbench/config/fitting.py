@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from hbench.config import quantity as q
 from hbench.config.files.loading import validate
@@ -31,26 +31,39 @@ _rising = AfterValidator(_rises)
 
 
 class FitBounds(ConfigSection):
-    """Bounds of parameters, by their names in the results.
+    """Bounds of parameters, by their names in the results; None: those of the measured points.
 
-    Those of table 6.1 by default, except for the Stribeck velocity: the source set its bounds, 50
-    to 200 mm/s, after seeing the data of one bench.
+    ``bounds: table_6_1`` instead of a section gives the source's, which it set after seeing the
+    data of one bench.
     """
 
-    f_coulomb_n: Annotated[tuple[_Force, _Force], _rising] = (0.0, 1e5)
-    f_stiction_n: Annotated[tuple[_Force, _Force], _rising] = (0.0, 1e5)
-    # None: from the lowest to the highest measured speed of the curve.
+    f_coulomb_n: Annotated[tuple[_Force, _Force], _rising] | None = None
+    f_stiction_n: Annotated[tuple[_Force, _Force], _rising] | None = None
     v_stribeck_m_s: Annotated[tuple[_Speed, _Speed], _rising] | None = None
-    b_viscous_n_s_m: Annotated[tuple[_Slope, _Slope], _rising] = (0.0, 1e5)
+    b_viscous_n_s_m: Annotated[tuple[_Slope, _Slope], _rising] | None = None
     # From no decay to a decay over 2 mm/s, below the lowest steady speeds.
     k2_s_m: Annotated[tuple[_Rate, _Rate], _rising] = (-500.0, 0.0)
+
+
+TABLE_6_1 = FitBounds.model_validate(
+    {
+        "f_coulomb_n": ("0 N", "100 kN"),
+        "f_stiction_n": ("0 N", "100 kN"),
+        "v_stribeck_m_s": ("50 mm/s", "200 mm/s"),
+        "b_viscous_n_s_m": ("0 N s/m", "1e5 N s/m"),
+    }
+)
+
+
+def _named(bounds: object) -> object:
+    return TABLE_6_1 if bounds == "table_6_1" else bounds
 
 
 class Fitting(ConfigSection):
     """Settings of the fits of friction laws to curves."""
 
     laws: tuple[LawName, ...] = Field(default=FITTED_LAWS, min_length=1)
-    bounds: FitBounds = FitBounds()
+    bounds: Annotated[FitBounds, BeforeValidator(_named)] = FitBounds()
     weights: Literal["trials", "equal"] = "trials"
     loss: Literal["linear", "huber", "soft_l1"] = "linear"
     bootstrap: int = Field(default=0, ge=0, le=100_000)  # resampled campaigns

@@ -8,11 +8,12 @@ import pytest
 from scipy.optimize import curve_fit
 
 from hbench.analysis.fitting.fit import fit_law, fits, unfitted_curves
-from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TABLE_6_1, TUSTIN_LAW, tustin_friction
-from hbench.config.fitting import Fitting
+from hbench.analysis.fitting.tustin import PARAMETER_NAMES, TUSTIN_LAW, tustin_friction
+from hbench.config.fitting import TABLE_6_1, Fitting
 from tests.support.analysis.fits import fit_tustin
 
 SPEEDS = np.linspace(0.005, 0.2, 15)
+SOURCES_BOUNDS = dict(TABLE_6_1)
 LAWS_OF_A_CURVE = ["tustin", "marton_lantos"]
 TRUTH = np.array([250.0, 500.0, 0.07, 1500.0])
 
@@ -62,7 +63,7 @@ def test_within_the_bounds_of_table_6_1_it_agrees_with_lmfit(make_curve, seed):
     model = lmfit.Model(law)
     parameters = model.make_params(**dict(zip(("f_c", "f_s", "v_s", "b"), TRUTH, strict=True)))
     for name, key in zip(("f_c", "f_s", "v_s", "b"), PARAMETER_NAMES, strict=True):
-        parameters[name].set(min=TABLE_6_1[key][0], max=TABLE_6_1[key][1])
+        parameters[name].set(min=SOURCES_BOUNDS[key][0], max=SOURCES_BOUNDS[key][1])
     found = model.fit(friction, parameters, v=SPEEDS, fit_kws={"xtol": 1e-12, "ftol": 1e-12})
     fit = fit_tustin(make_curve(SPEEDS, friction))
     np.testing.assert_allclose(values(fit), list(found.best_values.values()), rtol=1e-3)
@@ -97,7 +98,7 @@ def test_no_point_of_the_bounds_fits_better(make_curve, truth, seed):
     assert fit.converged
     assert len(SPEEDS) * fit.rmse_n**2 <= grid_cost(friction) * (1 + 1e-9)
     for name, p in fit.parameters.items():
-        assert TABLE_6_1[name][0] <= p.value <= TABLE_6_1[name][1]
+        assert SOURCES_BOUNDS[name][0] <= p.value <= SOURCES_BOUNDS[name][1]
 
 
 @pytest.mark.parametrize("v_stribeck", [0.015, 0.03, 0.07, 0.12])
@@ -153,7 +154,7 @@ def test_other_parameters_at_a_bound_are_those_of_the_reduced_fit(make_curve):
 def test_each_bound_is_found_active(make_curve, truth, name, side):
     fit = fit_tustin(make_curve(SPEEDS, noisy(3, sigma=0.1, truth=truth)))
     assert fit.parameters[name].at_bound == side
-    assert fit.parameters[name].value == TABLE_6_1[name][0 if side == "lower" else 1]
+    assert fit.parameters[name].value == SOURCES_BOUNDS[name][0 if side == "lower" else 1]
     assert re.search(rf"\b{name}\b.* {side} ", fit.message)
 
 

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from hbench.analysis.fitting.tustin import TABLE_6_1
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import ConfigError
@@ -16,12 +15,14 @@ def test_the_example_says_what_holds_without_a_file():
     assert parse_fitting(read_yaml(EXAMPLE), "fit.yaml") == Fitting()
 
 
-def test_bounds_are_those_of_table_6_1_but_for_the_stribeck_velocity_and_are_edited_one_by_one():
-    for name, bounds in TABLE_6_1.items():
-        assert getattr(Fitting().bounds, name) == (None if name == "v_stribeck_m_s" else bounds)
+def test_bounds_are_those_of_the_points_or_the_sources_by_name_or_edited_one_by_one():
+    assert {value for name, value in Fitting().bounds if name != "k2_s_m"} == {None}
+    sources = parse_fitting({"bounds": "table_6_1"}, "fit.yaml").bounds
+    assert sources.f_coulomb_n == sources.f_stiction_n == sources.b_viscous_n_s_m == (0.0, 1e5)
+    assert sources.v_stribeck_m_s == pytest.approx((0.05, 0.2))
     edited = parse_fitting({"bounds": {"v_stribeck_m_s": ["10 mm/s", "0.3 m/s"]}}, "fit.yaml")
     assert edited.bounds.v_stribeck_m_s == pytest.approx((0.01, 0.3))
-    assert edited.bounds.b_viscous_n_s_m == (0.0, 1e5)
+    assert edited.bounds.b_viscous_n_s_m is None
 
 
 @pytest.mark.parametrize(

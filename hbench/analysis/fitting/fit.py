@@ -191,8 +191,8 @@ def estimate_parameters(
     """
     inputs, friction, sigma = data.inputs, data.friction_n, data.sigma
     chosen = {name: value for name, value in how.bounds if name in law.names and value is not None}
-    lower, upper = law.limits(inputs, {**chosen, **bounds})
     force = max(float(np.abs(friction).max()), _LEAST_FORCE_N)
+    lower, upper = law.limits(inputs, force, {**chosen, **bounds})
     problem = Problem(
         residual=lambda p: (law.model(inputs, p) - friction) / sigma,
         lower=lower,

@@ -24,8 +24,8 @@ class FittableLaw:
     # Derivatives (n, p - 1) by the linear parameters, in order, at a value of the nonlinear one.
     basis: Callable[[np.ndarray, float], np.ndarray]
     nonlinear: str  # its name
-    # Bounds and typical sizes of the parameters, from inputs and the largest friction.
-    bounds: Callable[[np.ndarray], Bounds]
+    # Bounds and typical sizes of the parameters, from inputs and the largest friction [N].
+    bounds: Callable[[np.ndarray, float], Bounds]
     scale: Callable[[np.ndarray, float], np.ndarray]
     pressures: bool = False  # whether the law needs both chambers' pressures
     # Values of the nonlinear parameter between two bounds, rising, among which are all minima of
@@ -37,9 +37,11 @@ class FittableLaw:
         """Names of the parameters."""
         return tuple(self.units)
 
-    def limits(self, inputs: np.ndarray, other: Bounds) -> tuple[np.ndarray, np.ndarray]:
+    def limits(
+        self, inputs: np.ndarray, force_n: float, other: Bounds
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return lower and upper bounds (p,); those in ``other`` replace the law's own."""
-        chosen = {**self.bounds(inputs), **other}
+        chosen = {**self.bounds(inputs, force_n), **other}
         free = (-np.inf, np.inf)
         lower, upper = np.array([chosen.get(name, free) for name in self.names], dtype=float).T
         return lower, upper

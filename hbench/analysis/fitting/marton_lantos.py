@@ -43,7 +43,7 @@ def _jacobian(inputs: np.ndarray, p: np.ndarray) -> np.ndarray:
     return np.column_stack([_basis(inputs, v_switch), np.where(beyond, b_1 - b_2, 0)])
 
 
-def _between(inputs: np.ndarray) -> dict[str, tuple[float, float]]:
+def _between(inputs: np.ndarray, force_n: float) -> dict[str, tuple[float, float]]:
     """Return bounds of v_SW with two or more speeds on each line."""
     speeds = distinct(inputs[0])
     return {"v_switch_m_s": (float(speeds[1]), float(speeds[-2]))}

@@ -46,7 +46,7 @@ PRESSURE_BASED = FittableLaw(
     jacobian=_jacobian,
     basis=_basis,
     nonlinear="k2_s_m",
-    bounds=lambda inputs: {"k2_s_m": FitBounds().k2_s_m},
+    bounds=lambda inputs, force_n: {"k2_s_m": FitBounds().k2_s_m},
     scale=_scale,
     pressures=True,
 )

@@ -11,13 +11,7 @@ from hbench.records.friction_laws import FRICTION_LAWS
 PARAMETER_UNITS = FRICTION_LAWS["tustin"].units
 PARAMETER_NAMES = tuple(PARAMETER_UNITS)
 
-# The source's bounds, which it set after seeing its data, as it warns.
-TABLE_6_1: Mapping[str, tuple[float, float]] = {
-    "f_coulomb_n": (0.0, 1e5),
-    "f_stiction_n": (0.0, 1e5),
-    "v_stribeck_m_s": (0.05, 0.2),
-    "b_viscous_n_s_m": (0.0, 1e5),
-}
+_WIDE = 10.0  # times the largest friction, over the highest speed
 
 
 def tustin_friction(v_m_s: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -38,14 +32,20 @@ def _basis(inputs: np.ndarray, v_s: float) -> np.ndarray:
     return np.column_stack([1 - e, e, inputs[0]])
 
 
-def tustin_bounds(inputs: np.ndarray) -> Mapping[str, tuple[float, float]]:
-    """Return the bounds of table 6.1, but v_s between the lowest and the highest measured speed.
+def tustin_bounds(inputs: np.ndarray, force_n: float) -> Mapping[str, tuple[float, float]]:
+    """Return bounds from the points: speeds (``inputs`` (3, n)) and the largest friction.
 
-    A decay below the lowest speed, or one that is nearly straight up to the highest, does not show
-    in the points (``inputs`` (3, n), as of ``FittableLaw``).
+    v_s lies between the lowest and the highest speed: a decay below the lowest, or one that is
+    nearly straight up to the highest, does not show in the points. The others are not negative, and
+    at most ten times what the points can show.
     """
-    speed = inputs[0]
-    return {**TABLE_6_1, "v_stribeck_m_s": (float(speed.min()), float(speed.max()))}
+    speed, most = inputs[0], _WIDE * force_n
+    return {
+        "f_coulomb_n": (0.0, most),
+        "f_stiction_n": (0.0, most),
+        "v_stribeck_m_s": (float(speed.min()), float(speed.max())),
+        "b_viscous_n_s_m": (0.0, most / float(speed.max())),
+    }
 
 
 TUSTIN_LAW = FittableLaw(

@@ -137,8 +137,9 @@ def _tustin(curves: Sequence[Curve]) -> Fit:
     spread, dof = tustin_covariance(curves, fit)
     free = [bound is None for bound in bounds]
     linearised = fit_parameters(PARAMETER_UNITS, values, spread[np.ix_(free, free)], dof, bounds)
-    inputs = fit_points(curves).inputs
-    parameters, impossible = without_impossible_intervals(linearised, tustin_bounds(inputs))
+    points = fit_points(curves)
+    allowed = tustin_bounds(points.inputs, float(np.abs(points.friction_n).max()))
+    parameters, impossible = without_impossible_intervals(linearised, allowed)
     messages = [] if fit.converged else ["the search for the best fit did not converge"]
     messages += [*parameter_messages(linearised), *impossible]
     messages.append(

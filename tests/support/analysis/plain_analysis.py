@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from hbench.analysis.fitting.tustin import TABLE_6_1
 from hbench.config.bench import parse_bench
+from hbench.config.fitting import TABLE_6_1
 from hbench.model.sensors import sensor_gains
 
 
@@ -58,7 +58,8 @@ def plain_pipeline(folder):
         parameters = model.make_params(
             f_coulomb_n=200, f_stiction_n=500, v_stribeck_m_s=0.07, b_viscous_n_s_m=2000
         )
-        for name, (low, high) in TABLE_6_1.items():
+        for name in parameters:
+            low, high = getattr(TABLE_6_1, name)
             parameters[name].set(min=low, max=high)
         friction = curve.friction.abs().to_numpy()
         fit = model.fit(friction, parameters, v=curve.v.abs().to_numpy())
