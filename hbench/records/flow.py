@@ -269,6 +269,8 @@ class FitParameter:
     intervals: dict[str, tuple[FloatOrNan, FloatOrNan] | None] = field(default_factory=dict)
     disagree: bool = False  # whether these differ by much
     wide: bool = False  # ci95 is wider than the value and than a tenth of its typical size
+    # Mean error of the estimate by the law's curvature; not corrected. None without a ``se``.
+    bias: float | None = None
 
     @property
     def determined(self) -> bool:

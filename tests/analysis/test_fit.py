@@ -250,3 +250,19 @@ def test_friction_of_zero_is_no_error(make_curve):
 def test_a_fit_is_made_of_plain_numbers(make_curve):
     fit = fit_tustin(make_curve(SPEEDS, noisy(0)))
     json.dumps([vars(p) for p in fit.parameters.values()] + [fit.converged, fit.rmse_n, fit.line])
+
+
+def test_the_bias_is_the_mean_error_of_many_fits(make_curve):
+    """The audit's: F_C too small, v_s and B too large. 200 curves of 15 speeds."""
+    found = [
+        fit_law(TUSTIN_LAW, [make_curve(SPEEDS, noisy(seed, 3.5))], Fitting(weights="equal"))
+        for seed in range(200)
+    ]
+    known = [fit for fit in found if all(p.bias is not None for p in fit.parameters.values())]
+    assert len(known) > 190
+    errors = np.array([values(fit) - TRUTH for fit in known])
+    bias = np.array([[p.bias for p in fit.parameters.values()] for fit in known]).mean(axis=0)
+    uncertain = errors.std(axis=0) / np.sqrt(len(known))
+    assert np.all(np.abs(errors.mean(axis=0) - bias) < 3 * uncertain)
+    f_c, _, v_s, b = PARAMETER_NAMES
+    assert bias[0] < 0 < bias[2] and bias[3] > 0, (f_c, v_s, b)

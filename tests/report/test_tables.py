@@ -45,6 +45,7 @@ FIT = {"law": str, "parameters": dict, "rmse_n": NUMBER, "converged": bool, "mes
 PARAMETER = {
     "value": NUMBER,
     "se": MAYBE,
+    "bias": MAYBE,
     "ci95": (list, type(None)),
     "at_bound": (str, type(None)),
 }

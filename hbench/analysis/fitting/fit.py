@@ -57,6 +57,7 @@ JOINT_LAWS: Mapping[str, FittableLaw] = {
 
 _LINE_POINTS = 121
 _DISAGREE = 0.25  # of the half-width: intervals whose ends differ by more disagree
+_BIAS_STEP = 0.1  # of a standard error: the law is defined on both sides, and not yet rounded
 _LEAST_FORCE_N = 1.0  # scale of a curve of zeros; the search keeps 1e-10 off its bounds
 _LEAST_SPEEDS = 4
 _TOLERANCE = 1e-10  # of the cost, from a near start: exact to 1e-5 of the standard error
@@ -237,6 +238,31 @@ class _Intervals:
             for x, h in zip(self.solution.x, half, strict=True)
         ]
 
+    def bias(self) -> np.ndarray:
+        """Return the mean errors (p,) of the estimates, to second order (Box 1971); else NaN.
+
+            b = -1/2 J^+ d,  d_t = sum_jk C_jk d^2 f_t / dp_j dp_k
+
+        C is the covariance, so that d is a sum of second differences along its columns' root. The
+        points' weights and Gaussian scatter are taken as right.
+        """
+        free = self.solution.free
+        bias = np.full(len(free), np.nan)
+        spread = self.spread[np.ix_(free, free)]
+        if not np.isfinite(spread).all() or not free.any():
+            return bias
+        variances, vectors = np.linalg.eigh(spread)
+        steps = _BIAS_STEP * (vectors * np.sqrt(np.maximum(variances, 0.0))).T
+        at, residual = self.solution.x, self.problem.residual
+        curvature = np.zeros(len(self.jacobian))
+        for step in steps:
+            along = np.zeros(len(free))
+            along[free] = step
+            curvature += residual(at + along) + residual(at - along) - 2 * residual(at)
+        curvature /= _BIAS_STEP**2
+        bias[free] = -0.5 * np.linalg.lstsq(self.jacobian[:, free], curvature, rcond=None)[0]
+        return bias
+
     def profile(self) -> list[Ends]:
         """Return the profile's intervals; none where neither end is set by the data."""
         level = self.factor**2 * self.variance
@@ -293,7 +319,7 @@ def _parameters(
     linearisation: _Intervals,
     by_method: Mapping[str, Sequence[Ends]],
 ) -> dict[str, FitParameter]:
-    parameters = {}
+    parameters, bias = {}, linearisation.bias()
     for i, (name, unit) in enumerate(law.units.items()):
         intervals = {method: ends[i] for method, ends in by_method.items()}
         ends, x, se = intervals["profile"], float(solution.x[i]), float(linearisation.se[i])
@@ -309,6 +335,7 @@ def _parameters(
             unit=unit,
             intervals=intervals,
             disagree=_disagree([ends for ends in intervals.values() if ends is not None], nothing),
+            bias=float(bias[i]) if known and np.isfinite(bias[i]) else None,
         )
     return parameters
 

@@ -18,6 +18,7 @@ from hbench.report.campaign.settings import settings_section
 from hbench.report.campaign.summary import summary_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
+from hbench.report.render.numbers import number
 from hbench.report.render.word_tables import Table
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
@@ -132,6 +133,7 @@ def _fits(results: Results) -> tuple[Section, ...]:
             "side. A parameter without an interval was not determined by these points. Correlated "
             "parameters do not vary by themselves: covariances.csv contains their covariances."
         )
+        text += _bias_words(results)
         sections.append(
             Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
         )
@@ -141,6 +143,25 @@ def _fits(results: Results) -> tuple[Section, ...]:
             Section("Which law predicts best", (_PREDICTS,), tables=(selection,), anchor="laws")
         )
     return tuple(sections)
+
+
+def _bias_words(results: Results) -> str:
+    """Return a sentence on the largest bias of a fitted parameter; empty where none is known."""
+    fits = [fit for curve in results.curves for fit in curve.fits]
+    fits += [fit for joint in results.joint_fits for fit in joint.fits]
+    shares = [
+        abs(parameter.bias) / parameter.se
+        for fit in fits
+        for parameter in fit.parameters.values()
+        if parameter.bias is not None and parameter.se
+    ]
+    if not shares:
+        return ""
+    return (
+        " With so few points the curvature of a law shifts the estimates: in the mean by up to "
+        f"{number(max(shares), 2)} of a standard error here (Box 1971). They are not corrected; "
+        "fits.csv contains each bias."
+    )
 
 
 def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:

@@ -105,6 +105,7 @@ def _fit_rows(series: CsvRow, fit: Fit) -> list[CsvRow]:
                 "ci95_low": low,
                 "ci95_high": high,
                 "at_bound": parameter.at_bound,
+                "bias": parameter.bias,
                 "disagree": parameter.disagree,
                 "rmse_n": fit.rmse_n,
                 "converged": fit.converged,
@@ -164,7 +165,7 @@ _CURVE_COLUMNS = (
 )
 _FIT_COLUMNS = (
     *SERIES,
-    *"law parameter value unit se ci95_low ci95_high at_bound disagree rmse_n".split(),
+    *"law parameter value unit se ci95_low ci95_high at_bound bias disagree rmse_n".split(),
     *"converged verdict message".split(),
 )
 _COVARIANCE_COLUMNS = (
