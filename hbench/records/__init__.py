@@ -49,6 +49,7 @@ from hbench.records.fleet import (
 )
 from hbench.records.flow import (
     DIRECTIONS,
+    TEMPERATURES,
     Curve,
     CurvePoint,
     Direction,
@@ -123,15 +124,19 @@ from hbench.records.summary import (
     HeadlineNumber,
     HeadlineSeries,
     ImplausiblePoint,
+    OilTemperature,
     PointTrials,
     Quality,
     QualityCheck,
+    Reduction,
+    ViscosityEffect,
 )
 
 __all__ = [
     "DIRECTIONS",
     "KINDS",
     "QUANTITIES",
+    "TEMPERATURES",
     "AddedEffect",
     "Band",
     "BandDifference",
@@ -197,6 +202,7 @@ __all__ = [
     "Motion",
     "MotionBalance",
     "Motions",
+    "OilTemperature",
     "Outcome",
     "Overlay",
     "Panel",
@@ -215,6 +221,7 @@ __all__ = [
     "Quantity",
     "RampComparison",
     "RawRun",
+    "Reduction",
     "Region",
     "Reproduced",
     "Replay",
@@ -239,6 +246,7 @@ __all__ = [
     "Trace",
     "Trend",
     "Verdict",
+    "ViscosityEffect",
     "WordTable",
     "kind_names",
 ]
