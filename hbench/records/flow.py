@@ -248,6 +248,7 @@ class CurvePoint:
     temp_k: float | None = None  # of the oil, where the campaign's results take it; None: unknown
     trials_temp_k: tuple[float, ...] = ()  # of each trial; empty where one is not known
     hersey_m: float | None = None  # eta |v| / p, see analysis/temperature/hersey.py
+    trials_hersey_m: tuple[float, ...] = ()  # of each trial, at its temperature
 
 
 @dataclass(frozen=True)

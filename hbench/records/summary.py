@@ -9,6 +9,7 @@ from hbench.records.numbers import Count, KindName
 Basis = Literal["trials", "one_trial", "extrapolated", "ramp"]
 Grade = Literal["good", "with care", "poor"]
 SIGNIFICANCE = 0.05  # level of the drift's test
+SEPARATED_VIF = 5.0  # largest variance inflation by speed of a plan that separates from it
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ class Drift:
     # where the temperature was not measured, or did not change within the points.
     temp_change_k: float | None = None
     temp_correlation: float | None = None
+    temp_p: float | None = None  # of no correlation, two-sided
 
     @property
     def significant(self) -> bool:

@@ -42,9 +42,9 @@ from scipy.special import stdtr
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import Curve, CurvePoint, Drift, Grade, QualityCheck, ScreenedRun
 from hbench.records.numbers import NORMAL_95
+from hbench.records.summary import SEPARATED_VIF
 
-LARGEST_VIF = 5.0  # of a plan that separates drift from speed
-LARGEST_SHARE = 0.25  # likewise
+LARGEST_SHARE = 0.25  # of a plan that separates drift from speed
 _GOOD, _POOR = 5.0, 15.0  # change over the campaign, % of friction; as for repeatability
 _LEAST_DOF = 2
 _HOUR_S = 3600.0
@@ -102,7 +102,7 @@ def friction_drift(
     if not np.median(mean_n) > 0.0:
         return None
     deviation = within(trials.friction_n, trials.point)
-    relative = is_relative(deviation, mean_n)
+    relative = _is_relative(deviation, mean_n)
     y = deviation / mean_n if relative else deviation
     rate = float(tau @ y) / spread
     residual = y - rate * tau
@@ -114,7 +114,7 @@ def friction_drift(
     in_curve = within(trials.t, trials.curve)
     vif = float(in_curve @ in_curve) / spread
     share = _speed_share(trials, span)
-    warming, correlation = _with_temperature(trials, y, span)
+    warming, correlation, temp_p = _with_temperature(trials, y, span, dof)
     return Drift(
         basis="time" if clock.known else "order",
         scale="relative" if relative else "absolute",
@@ -130,9 +130,10 @@ def friction_drift(
         trials=len(tau),
         speed_vif=vif,
         speed_share=share,
-        separated=vif <= LARGEST_VIF and abs(share) <= LARGEST_SHARE,
+        separated=vif <= SEPARATED_VIF and abs(share) <= LARGEST_SHARE,
         temp_change_k=warming,
         temp_correlation=correlation,
+        temp_p=temp_p,
     )
 
 
@@ -204,19 +205,22 @@ def _trials(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunCloc
 
 
 def _with_temperature(
-    trials: _Trials, y: np.ndarray, span: float
-) -> tuple[float | None, float | None]:
-    """Return the oil's linear change over ``span`` [K], and its correlation with friction.
+    trials: _Trials, y: np.ndarray, span: float, dof: int
+) -> tuple[float | None, float | None, float | None]:
+    """Return the oil's linear change over ``span`` [K], its correlation with friction, and p.
 
     ``y`` (n,) are the trials' deviations from their points; temperature is taken as these.
     """
     if not np.isfinite(trials.temp_k).all():
-        return None, None
+        return None, None, None
     t = trials.t - trials.t.mean()
     change = float(t @ trials.temp_k / (t @ t)) * span
     deviation = within(trials.temp_k, trials.point)
     size = float(np.sqrt((deviation @ deviation) * (y @ y)))
-    return change, float(deviation @ y) / size if size > 0.0 else None
+    if size == 0.0:
+        return change, None, None
+    r = min(max(float(deviation @ y) / size, -1.0), 1.0)
+    return change, r, _p_value(r, float(np.sqrt((1.0 - r**2) / dof)), dof)
 
 
 def _speed_share(trials: _Trials, span: float) -> float:
@@ -239,7 +243,7 @@ def within(values: np.ndarray, group: np.ndarray) -> np.ndarray:
     return values - _means(values, group)
 
 
-def is_relative(deviation_n: np.ndarray, mean_n: np.ndarray) -> bool:
+def _is_relative(deviation_n: np.ndarray, mean_n: np.ndarray) -> bool:
     """Return whether the scatter is proportional to friction rather than the same everywhere.
 
     Gaussian log-likelihoods, each at its own best variance: with s_i = s F_i against s_i = s,

@@ -6,13 +6,15 @@ with the oil's dynamic viscosity at its measured temperature, the speed of the p
 higher of the two chamber pressures: a double-acting piston seal is pressed on by the pressure that
 it seals, which acts on its flank. M. D. Hersey (The laws of lubrication of horizontal journal
 bearings, J. Washington Acad. Sci. 4, 1914, 542-552) formed eta n / p of a bearing's revolutions n,
-which has no dimension; over a sliding length it is one. Divided by the width of the contact, which
-is not known here, H would be a number. The seal's preload is not in p, so H of seals at a low
-pressure is too large.
+which has no dimension; of a sliding speed it is a length. Divided by the width of the contact,
+which is not known here, H would be a number. The seal's preload is not in p, so H of seals at a
+low pressure is too large.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from hbench.config.oil.record import OilRecord
 from hbench.records import Curve, CurvePoint
@@ -28,7 +30,8 @@ def with_hersey(curves: Sequence[Curve], oil: OilRecord) -> tuple[Curve, ...]:
 
 def _with_hersey(point: CurvePoint, oil: OilRecord) -> CurvePoint:
     pressures = [p for p in (point.p_tp_pa, point.p_tr_pa) if p is not None]
-    eta = None if point.temp_k is None else oil.dynamic_pa_s(point.temp_k)
+    eta = oil.dynamic_pa_s(np.array(point.trials_temp_k)) if point.trials_temp_k else None
     if eta is None or not pressures or max(pressures) <= 0.0:
         return point
-    return replace(point, hersey_m=float(eta * abs(point.v_m_s) / max(pressures)))
+    trials = eta * abs(point.v_m_s) / max(pressures)
+    return replace(point, hersey_m=float(trials.mean()), trials_hersey_m=tuple(trials.tolist()))

@@ -61,5 +61,6 @@ def _reduction(
     drift = friction_drift(reduced, screened, clock) if reduced else None
     reduced = with_drift(tuple(fitted(curve, how) for curve in reduced), drift, clock)
     ranges = [curve.temp_range_k for curve in reduced if curve.temp_range_k is not None]
-    outside = any(low > t_ref for low, _ in ranges) or any(high < t_ref for _, high in ranges)
+    lows, highs = [low for low, _ in ranges], [high for _, high in ranges]
+    outside = bool(ranges) and not min(lows) <= t_ref <= max(highs)
     return Reduction(t_ref, outside, effects, reduced, drift), ""

@@ -12,10 +12,10 @@ estimated from trials of one point at different temperatures alone (fixed effect
 
     y_ij - y_i = (c_0 + c_1 |v_i|) (r_ij - r_i) + e_ij
 
-by least squares, of shares of friction where the scatter of the trials is proportional to it, with
-N - G - 2 degrees of freedom for N trials of G points. No law of friction is assumed between the
-points, so temperature that differs from speed to speed is not taken for the effect of speed, nor
-the reverse. Friction is left as it was measured, with a reason,
+by least squares, with N - G - 2 degrees of freedom for N trials of G points: of newtons, or of
+shares of friction where the scatter is proportional to it (the larger likelihood). No law of
+friction is assumed between the points, so temperature that differs from speed to speed is not
+taken for the effect of speed, nor the reverse. Friction is left as it was measured, with a reason,
 
   - where speeds were measured one after the other while the oil warmed. The trials of a point then
     have nearly one temperature, and the sensor's noise biases the coefficients towards zero. As for
@@ -25,9 +25,10 @@ the reverse. Friction is left as it was measured, with a reason,
   - where the correction is less than its uncertainty, and this is more than 5 % of friction (root
     mean squares of the points).
 
-The reduced friction of a trial is y_ij - g'c with g = (r_ij - 1) (1, |v_i|). The uncertainty of a
-point combines that of its reduced trials, of the instruments, and of the correction, g' C g with
-the mean r of its trials, which is common to all points of a direction.
+The reduced friction of a trial is y_ij - g'c with g = (r_ij - 1) (1, |v_i|). The half-width of a
+point's interval is the root sum of squares of that of its reduced trials and the instruments, and
+of Student's for the correction, t sqrt(g' C g) with the mean r of its trials. The error of the
+correction is common to all points of a direction.
 """
 
 from collections import defaultdict
@@ -39,9 +40,8 @@ from scipy.special import fdtrc
 
 from hbench.analysis.curves.average import student_interval
 from hbench.analysis.statistics.student import student_factor
-from hbench.analysis.summary.drift import LARGEST_VIF, is_relative, within
+from hbench.analysis.summary.drift import within
 from hbench.analysis.uncertainty.budget import (
-    StandardUncertainty,
     combined,
     finite_or_none,
     of_instruments,
@@ -50,9 +50,11 @@ from hbench.analysis.uncertainty.budget import (
 from hbench.config.oil.record import OilRecord
 from hbench.config.sensors import Instruments
 from hbench.records import Curve, CurvePoint, ViscosityEffect
+from hbench.records.summary import SEPARATED_VIF
 from hbench.units import from_si
 
 _LEAST_DOF = 2
+_LARGEST_CONDITION = 1e6  # of the two columns, at unit length
 _LARGEST_SHARE = 0.05  # of friction: an uncertainty of the correction that is small in any case
 
 
@@ -137,20 +139,30 @@ def viscosity_coefficients(trials: _Trials) -> Estimate | None:
         return None
     r = within(trials.ratio, trials.point)
     y = within(trials.friction_n, trials.point)
-    mean_n = np.abs(trials.friction_n - y)
     x = np.column_stack([r, r * trials.speed_m_s])
-    if is_relative(y, mean_n):
-        x, y = x / mean_n[:, None], y / mean_n
     scale = np.sqrt((x**2).sum(axis=0))
-    if not scale.all() or np.linalg.cond(x / scale) > 1e6:
+    if not scale.all() or np.linalg.cond(x / scale) > _LARGEST_CONDITION:
         return None
+    estimate, squares = _least_squares(x, y, dof)
+    mean_n = np.abs(trials.friction_n - y)
+    if mean_n.min() > 0.0:
+        of_shares, squares_of_shares = _least_squares(x / mean_n[:, None], y / mean_n, dof)
+        # Gaussian log-likelihoods, each at its own best variance, as in summary/drift.py.
+        gain = 0.5 * len(y) * (np.log(squares) - np.log(squares_of_shares))
+        if gain > np.log(mean_n).sum():
+            return of_shares
+    return estimate
+
+
+def _least_squares(x: np.ndarray, y: np.ndarray, dof: int) -> tuple[Estimate, float]:
+    """Return the coefficients of ``y`` (n,) over ``x`` (n, 2), and the residuals' squares."""
+    scale = np.sqrt((x**2).sum(axis=0))
     c, *_ = np.linalg.lstsq(x / scale, y)
     residual = y - x / scale @ c
-    variance = float(residual @ residual) / dof
-    covariance = variance * np.linalg.inv(x.T @ x)
-    explained = float(np.sum((x / scale @ c) ** 2))
-    p = float(fdtrc(2, dof, explained / 2 / variance)) if variance > 0 else 0.0
-    return Estimate(c / scale, covariance, dof, p)
+    squares = max(float(residual @ residual), np.finfo(float).tiny)
+    variance = squares / dof
+    p = float(fdtrc(2, dof, float(np.sum((x / scale @ c) ** 2)) / 2 / variance))
+    return Estimate(c / scale, variance * np.linalg.inv(x.T @ x), dof, p), squares
 
 
 def _trials(curves: Sequence[Curve], oil: OilRecord, t_ref_k: float) -> _Trials:
@@ -189,11 +201,11 @@ def _speed_vif(trials: _Trials) -> float:
 
 
 def _not_separated(vif: float) -> str:
-    if vif <= LARGEST_VIF:
+    if vif <= SEPARATED_VIF:
         return ""
     return (
         "the order of the runs does not separate temperature from speed (variance inflation "
-        f"{vif:.3g}; limit {LARGEST_VIF:g})"
+        f"{vif:.3g}; limit {SEPARATED_VIF:g})"
     )
 
 
@@ -232,18 +244,19 @@ def _reduced(
         g_mean = g.mean(axis=0)
         sigma = float(np.sqrt(g_mean @ estimate.covariance @ g_mean))
         ci95 = student_interval(trials)
-        parts = [StandardUncertainty(sigma, estimate.dof)]
-        if (of_their_instruments := of_instruments(point)) is not None:
-            parts.append(of_their_instruments)
-        whole = None if ci95 is None else combined([of_trials(ci95, point.n), *parts])
+        u95, dof = ci95, None
+        if ci95 is not None and (inputs := of_instruments(point)) is not None:
+            both = combined([of_trials(ci95, point.n), inputs])
+            u95, dof = both.expanded(instruments), finite_or_none(both.dof)
+        half = student_factor(estimate.dof) * sigma
         return replace(
             point,
             friction_n=float(trials.mean()),
             trials_n=tuple(trials.tolist()),
             ci95_n=ci95,
             sigma_temperature_n=sigma,
-            u95_n=None if whole is None else whole.expanded(instruments),
-            u95_dof=None if whole is None else finite_or_none(whole.dof),
+            u95_n=None if u95 is None else float(np.hypot(u95, half)),
+            u95_dof=dof,
             u95_monte_carlo_n=None,
             sigma_drift_n=None,
         )

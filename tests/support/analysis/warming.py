@@ -64,7 +64,7 @@ def order_of(name, rng, speeds=SPEEDS, trials=3):
     return [(v, trial) for trial in range(1, trials + 1) for v in rng.permutation(points)]
 
 
-def warming(seconds, from_c=32.0, by_k=15.0, tau_s=300.0):
+def warming(seconds, from_c=34.0, by_k=25.0, tau_s=300.0):
     """Oil temperature [K] after ``seconds``."""
     return from_c + ZERO_K + by_k * (1 - np.exp(-seconds / tau_s))
 
@@ -83,3 +83,46 @@ def warm_runs(order, friction, rng, temperature=warming, scatter=0.015, sensor_k
         )  # fmt: skip
         runs.append(ScreenedRun(Run(plan, np.zeros(0), np.zeros(0)), (), means))
     return runs
+
+
+MAP = """
+name: seal test stand
+columns:
+  t_s: {column: t, unit: s}
+  x_m: {column: x, unit: mm}
+  p_tp_pa: {column: p_A, unit: bar}
+  p_tr_pa: {column: p_B, unit: bar}
+  f_applied_n: {column: F, unit: N}
+  temp_tank_k: {column: T_oil, unit: degC}
+series:
+  - label: NBR
+    files: "*_{speed}mms_{trial}.csv"
+    cylinder: {piston_diameter: 40 mm, rod_diameter: 25 mm}
+"""
+RATE_HZ, LOAD_N = 100.0, 1000.0
+
+
+def write_logs(folder, order, friction, rng, temperature=warming, scatter=0.015):
+    """Write a log of each run: constant speed, constant load, the temperature in degC."""
+    folder.mkdir(parents=True, exist_ok=True)
+    area_p, area_r = np.pi / 4 * 0.040**2, np.pi / 4 * (0.040**2 - 0.025**2)
+    for number, (v, trial) in enumerate(order):
+        t = np.arange(0, np.clip(0.03 / abs(v), 1.5, 6.0), 1 / RATE_HZ)
+        temp_k = temperature(RUN_S * number)
+        force = np.sign(v) * friction(abs(v), temp_k) * (1 + scatter * rng.standard_normal())
+        load = LOAD_N + 1.0 * rng.standard_normal(len(t))
+        p_tr = 20e5
+        p_tp = (load + force + p_tr * area_r) / area_p
+        columns = {
+            "t": t,
+            "x": 1e3 * ((0.0 if v > 0 else 0.4) + v * t + 1e-6 * rng.standard_normal(len(t))),
+            "p_A": 1e-5 * p_tp + 1e-3 * rng.standard_normal(len(t)),
+            "p_B": np.full(len(t), 1e-5 * p_tr) + 1e-3 * rng.standard_normal(len(t)),
+            "F": load,
+            "T_oil": np.round(temp_k - ZERO_K + 0.05 * rng.standard_normal(len(t)), 1),
+        }
+        rows = [
+            ",".join(columns),
+            *(",".join(f"{x:.6g}" for x in row) for row in zip(*columns.values(), strict=True)),
+        ]
+        (folder / f"{number:04d}_{1e3 * v:g}mms_{trial}.csv").write_text("\n".join(rows) + "\n")

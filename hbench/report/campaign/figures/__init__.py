@@ -10,6 +10,8 @@ FIGURE_NAMES = (  # of all_figures.FIGURES, for callers that do not draw
     "hysteresis",
     "steps",
     "leakage",
+    "friction-reduced",
+    "friction-hersey",
     "efficiency",
     "efficiency-map",
     "rejected",
