@@ -12,7 +12,7 @@ from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.drift import drift_words
 from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import number, significant, span, with_interval
+from hbench.report.render.numbers import number, significant, with_interval
 from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Table
 from hbench.units import from_si
@@ -22,7 +22,7 @@ _PLACES = {
     "temp_port_k": "at a port of the test cylinder",
     "temp_tank_k": "in the tank",
 }
-_LEFT = "Friction is not reduced to a reference temperature: "
+_LEFT = "Friction is not reduced to a reference temperature, since "
 
 
 def celsius(temp_k: float, decimals: int = 1) -> str:
@@ -37,8 +37,8 @@ def temperature_words(results: Results) -> str:
     oil = results.oil_temperature
     if oil is None:
         return "The oil temperature was not measured."
-    low, high = from_si(oil.low_k, "degC"), from_si(oil.high_k, "degC")
-    return f"Oil temperature {_PLACES[oil.sensor]}: {span([low, high])} °C."
+    low, high = celsius(oil.low_k), celsius(oil.high_k)
+    return f"Oil temperature {_PLACES[oil.sensor]}: {low} to {high} °C."
 
 
 def temperature_section(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
@@ -85,7 +85,8 @@ def _reduction_words(reduction: Reduction) -> Iterable[str]:
     left = [effect for effect in reduction.effects if effect.reason]
     for effect in left:
         series = ", ".join(filter(None, (effect.label, TITLES[effect.direction].lower())))
-        yield f"Friction of {series}, is not reduced to {ref} °C: {effect.reason}."
+        start = series[:1].upper() + series[1:]
+        yield f"{start}: friction is not reduced to {ref} °C, since {effect.reason}."
     if any(effect.speed_vif > SEPARATED_VIF for effect in left):
         yield "Repeat the campaign with order: random in the schedule."
     if reduction.drift is not None:

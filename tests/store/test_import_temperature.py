@@ -88,7 +88,7 @@ def test_the_report_names_a_missing_viscosity_and_a_missing_sensor(bring_in, tmp
     folder = bring_in([(v, 1) for v in FEW], rules())
     workflow.report(folder, form="md")
     text = (folder / "results" / "report.md").read_text()
-    assert "the oil's viscosity is not known: give oil.viscosity at two temperatures" in text
+    assert "since the oil's viscosity is not known; give oil.viscosity at two temperatures" in text
     columns = {key: c for key, c in rules()["columns"].items() if key != "temp_tank_k"}
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(rules(columns=columns)))
     workflow.import_runs(tmp_path / "logs", tmp_path / "bare", tmp_path / "map.yaml", CLOCK)

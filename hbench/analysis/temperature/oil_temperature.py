@@ -11,7 +11,7 @@ from hbench.config.fitting import Fitting
 from hbench.config.setup import Setup
 from hbench.records import KINDS, Curve, OilTemperature, Reduction, ScreenedRun
 
-NO_VISCOSITY = "the oil's viscosity is not known: give oil.viscosity at two temperatures"
+NO_VISCOSITY = "the oil's viscosity is not known; give oil.viscosity at two temperatures"
 _TOO_FEW = "no point was measured often enough at different temperatures"
 
 
