@@ -65,6 +65,8 @@ class Oil(OilRecord):
 
     bulk_modulus: q.BulkModulus
     density: q.Density
+    # In the tank of the virtual rig at the session's start; ``effects.oil_warming`` adds to it.
+    temperature: q.Temperature = 313.15
 
 
 class Pump(ConfigSection):
