@@ -102,6 +102,20 @@ def test_in_a_random_order_viscous_friction_is_that_at_the_reference_temperature
     assert np.mean(np.square(after)) < np.mean(np.square(before)) / 9
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "least"), [("viscous", 44), ("dry falls", 34), ("film", 44)])
+def test_coverage_of_viscous_friction_at_the_reference_temperature(name, least):
+    """50 intervals, which do not include the correction's error, nor what it leaves."""
+    inside = 0
+    for seed in range(25):
+        _, at_reference = reduced(campaign("random", CYLINDERS[name], seed))
+        for curve in at_reference:
+            low, high = viscous(curve).ci95
+            inside += low <= 2400 <= high
+    print(f"{name}: {inside} of 50 intervals contain B")
+    assert inside >= least
+
+
 @pytest.mark.parametrize("name", CYLINDERS)
 def test_in_rows_of_rising_speed_friction_is_left_alone_and_the_reason_is_given(name):
     """Viscous friction is half of the true one there, at any temperature."""
@@ -232,3 +246,18 @@ def test_the_sensor_nearest_to_the_seal_counts_if_all_runs_have_it():
     assert {p.temp_k for c in curves(hot) for p in c.points} == {350.0}
     some = [*hot[:-1], runs[-1]]
     assert all(p.temp_k < 330 for c in curves(some) for p in c.points)
+
+
+def test_a_wrong_viscosity_changes_the_coefficients_and_hardly_the_reduced_friction():
+    """An oil of half the true grade, whose viscosity falls by another law."""
+    wrong = OilRecord(viscosity={"40 degC": "46 mm^2/s", "100 degC": "6.8 mm^2/s"})
+    other, away = [], []
+    for seed in range(5):
+        measured = campaign("random", Friction(), seed)
+        effects, _ = reduced(measured)
+        of_wrong, at_reference = reduced(measured, oil=wrong)
+        other += [b.viscous_n_s_m / a.viscous_n_s_m
+                  for a, b in zip(effects, of_wrong, strict=True)]  # fmt: skip
+        away.append(covered(at_reference, Friction(), "u95_n"))
+    assert np.mean(other) > 1.1
+    assert np.mean(away) > 0.92

@@ -6,7 +6,7 @@
  * 1/16 of a count.
  *
  * Time: 8 x 16 x 80 ns = 10.2 us of conversions, about 15 us with reading (calculated, not
- * measured). 64 conversions of each input would take the ADC 36 us and the processor longer,
+ * measured). 64 conversions of each input would take the ADC 41 us and the processor longer,
  * because the sequencer stores 16 results only. They require DMA, which this port does not use. */
 #ifndef HB_ADC_H
 #define HB_ADC_H

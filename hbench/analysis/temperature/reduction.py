@@ -5,10 +5,12 @@ With r = eta(T) / eta(T_ref) by ASTM D341, friction y_ij of trial j of point i i
     y_ij = a_i + (c_0 + c_1 |v_i|) (r_ij - 1) + e_ij
 
 with a level a_i of each point at the reference temperature. c_1 is viscous friction at that
-temperature; c_0 is what depends on viscosity at any speed, such as boundary friction that falls
-with temperature (c_0 > 0), or mixed friction that rises as the film thins (c_0 < 0). Both are
-estimated from trials of one point at different temperatures alone (fixed effects, as in
-``summary/drift.py``), together for all loads of a label and direction:
+temperature, as far as it follows the viscosity of the oil's record; c_0 is what depends on
+viscosity at any speed, such as boundary friction that falls with temperature (c_0 > 0), or mixed
+friction that rises as the film thins (c_0 < 0). With a wrong record both are wrong, but hardly
+their product with r, which is the reduction. They are estimated from trials of one point at
+different temperatures alone (fixed effects, as in ``summary/drift.py``), together for all loads of
+a label and direction:
 
     y_ij - y_i = (c_0 + c_1 |v_i|) (r_ij - r_i) + e_ij
 

@@ -87,13 +87,13 @@ _NUMBERS = {
     "Reduction to a reference temperature": "Viscosity η = ν ρ from the two points of the oil's "
     "record by ASTM D341, log log (ν + 0.7) = A − B log T. With r = η(T)/η(T_ref), the deviations "
     "of a point's trials from their mean are fitted by (c_0 + c_1 |v|) times those of r, by least "
-    "squares for all loads of a direction: c_1 is viscous friction at the reference temperature, "
-    "c_0 the part that depends on viscosity at any speed. Reduced friction is that measured less "
-    "(c_0 + c_1 |v|)(r − 1); its uncertainty contains that of c_0 and c_1. Friction is left as "
-    "measured where the order of the runs does not separate temperature from speed (variance "
-    "inflation of r above 5), where the reference temperature is further away than the measured "
-    "range is wide, and where the correction is less than its uncertainty and this is above 5 % "
-    "of friction.",
+    "squares for all loads of a direction: c_1 is viscous friction at the reference temperature if "
+    "the record is right, c_0 the part that depends on viscosity at any speed. Reduced friction "
+    "is that measured less (c_0 + c_1 |v|)(r − 1); its uncertainty contains that of c_0 and c_1. "
+    "Friction is left as measured where the order of the runs does not separate temperature from "
+    "speed (variance inflation of r above 5), where the reference temperature is further away than "
+    "the measured range is wide, and where the correction is less than its uncertainty and this is "
+    "above 5 % of friction.",
     "Hersey number": "η |v| / p with the higher of the two chamber pressures, which presses on the "
     "piston seal; the preload of the seal is not included. Divided by the width of the contact, "
     "which is not known, it would have no dimension (M. D. Hersey, 1914).",
