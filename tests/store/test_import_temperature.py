@@ -116,3 +116,27 @@ def test_a_temperature_that_was_read_once_is_a_constant(bring_in):
 def test_what_is_no_temperature_is_refused(bring_in, changed, error, message):
     with pytest.raises(error, match=message):
         bring_in([(0.1, 1)], changed)
+
+
+@pytest.mark.parametrize(("every_s", "refused"), [(1.0, False), (70.0, True)])
+def test_a_slow_logger_of_the_temperature_is_interpolated(tmp_path, every_s, refused):
+    """Its own times, in the first rows of the file; the position has 100 Hz."""
+    t = np.arange(0, 2.2 * every_s, 0.01 * every_s)
+    slow = np.arange(0, 2.2 * every_s, every_s)
+    rows = ["t,x,p_A,p_B,F,t_slow,T_oil"]
+    for i, now in enumerate(t):
+        row = f"{now:.2f},{100 * now / every_s:.4f},50,20,1000"
+        rows.append(f"{row},{slow[i]:g},{40 + i:g}" if i < len(slow) else f"{row},,")
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs" / "1_100mms_1.csv").write_text("\n".join(rows) + "\n")
+    (tmp_path / "map.yaml").write_text(
+        yaml.safe_dump(column(time="t_slow") | {"screening": {"max_gap": "1 s"}})
+    )
+    arguments = tmp_path / "logs", tmp_path / "out", tmp_path / "map.yaml", CLOCK
+    if refused:
+        with pytest.raises(DataError, match="temp_tank_k: 70 s between samples; limit 60 s"):
+            workflow.import_runs(*arguments)
+        return
+    workflow.import_runs(*arguments)
+    (run,) = load_campaign(tmp_path / "out").runs()
+    assert run.temp_tank_k == pytest.approx(ZERO_K + 40 + run.t_s, abs=1e-6)
