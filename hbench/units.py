@@ -2,21 +2,30 @@
 
 A unit is a factor to SI and the exponents of (m, kg, s, V, K). Expressions combine unit
 names with ``*`` or a space, ``/``, ``^`` and parentheses: ``N s/m``, ``V/(Pa s)``, ``m^2/V`` or
-``m²/V``.
+``m²/V``. A temperature in degC has a zero of its own, so that it is no part of an expression.
 """
 
 import math
 import re
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 Dimension = tuple[int, ...]  # exponents of (m, kg, s, V, K)
 
 
 class Unit(NamedTuple):
-    """A unit as a factor to SI and the exponents of (m, kg, s, V, K)."""
+    """A unit: SI = number * factor + zero, and the exponents of (m, kg, s, V, K)."""
 
     factor: float
     dimension: Dimension
+    zero: float = 0.0  # of degC alone, which is therefore no factor of other units
+
+    def to_si(self, number: Any) -> Any:
+        """Convert a number or an array."""
+        return number * self.factor + self.zero if self.zero else number * self.factor
+
+    def from_si(self, si: Any) -> Any:
+        """Convert a number or an array in SI."""
+        return (si - self.zero) / self.factor
 
 
 def _unit(factor: float, m: int = 0, kg: int = 0, s: int = 0, v: int = 0, k: int = 0) -> Unit:
@@ -63,11 +72,13 @@ UNITS: dict[str, Unit] = {
     "V": _unit(1.0, v=1),
     "mV": _unit(1e-3, v=1),
     "K": _unit(1.0, k=1),
+    "degC": Unit(1.0, (0, 0, 0, 0, 1), 273.15),
+    "cSt": _unit(1e-6, m=2, s=-1),
 }
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _LONGEST = 200  # characters of a quantity
-_PRINTED = str.maketrans({"²": "^2", "³": "^3", "·": " "})  # typographic notation
+_PRINTED = str.maketrans({"²": "^2", "³": "^3", "·": " ", "°": "deg"})  # typographic notation
 _TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)|(\^)\s*(-?\d+)|([*/()])|$)")
 
 
@@ -76,6 +87,8 @@ def parse_unit(text: str) -> Unit:
     if len(text) > _LONGEST:
         raise ValueError(f"unit {text[:20]!r}...: is {len(text)} characters long; limit {_LONGEST}")
     text = text.translate(_PRINTED)
+    if (alone := UNITS.get(text.strip())) is not None:
+        return alone
     position, factor = 0, 1.0
     dimension: Dimension = (0,) * 5
     signs, sign = [1], 1  # sign of the open parentheses, sign of the next name
@@ -91,6 +104,8 @@ def parse_unit(text: str) -> Unit:
                 similar = [unit for unit in UNITS if unit.lower() == name.lower()]
                 question = f"; did you mean {' or '.join(map(repr, similar))}?" if similar else ""
                 raise ValueError(f"unknown unit {name!r}{question or f'; known are {known}'}")
+            if UNITS[name].zero:
+                raise ValueError(f"unit {text!r}: {name} is not a factor; write K for differences")
             power = sign * signs[-1]
             last = Unit(UNITS[name].factor ** power, _scale(UNITS[name].dimension, power))
             factor, dimension = factor * last.factor, _add(dimension, last.dimension)
@@ -133,8 +148,9 @@ def _add(a: Dimension, b: Dimension) -> Dimension:
 def to_si(value: object, unit: str) -> float:
     """Convert a quantity such as ``"150 bar"`` to a float in SI.
 
-    ``unit`` is a unit of the expected dimension, for the check and in messages. A bare number is
-    accepted only if the expected dimension is 1. Raises ``ValueError``.
+    ``unit`` is a unit of the expected dimension, for the check and in messages: degC for a
+    temperature, K for a difference of temperatures. A bare number is accepted only if the expected
+    dimension is 1. Raises ``ValueError``.
     """
     wanted = parse_unit(unit)
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
@@ -151,9 +167,11 @@ def to_si(value: object, unit: str) -> float:
     if not given and any(wanted.dimension):
         raise ValueError(f"has no unit; write for example '{match[1]} {unit}'")
     parsed = parse_unit(given)
+    if parsed.zero and not wanted.zero and parsed.dimension == wanted.dimension:
+        raise ValueError(f"is a temperature, not a difference; write for example '1 {unit}'")
     if parsed.dimension != wanted.dimension:
         raise ValueError(f"has the wrong unit; expected a unit such as {unit}")
-    si = number * parsed.factor
+    si = parsed.to_si(number)
     if not math.isfinite(si):
         raise ValueError("is not a finite number")
     return si
@@ -161,4 +179,4 @@ def to_si(value: object, unit: str) -> float:
 
 def from_si(si: float, unit: str) -> float:
     """Convert a float in SI to ``unit``."""
-    return si / parse_unit(unit).factor
+    return parse_unit(unit).from_si(si)

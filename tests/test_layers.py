@@ -122,9 +122,9 @@ def test_the_rooms_agree_on_what_they_write_down_twice():
     from hbench.protocol import dictionary
     from hbench.rig import board_settings
 
-    assert sensors.SENSORS == dictionary.SENSORS
+    assert (sensors.SENSORS, sensors.INPUTS) == (dictionary.SENSORS, dictionary.INPUTS)
     words = {word.name: word for word in dictionary.RECORD}
-    assert {words[name].scale for name in dictionary.SENSORS} == {1 / sensors.FRACTION}
+    assert {words[name].scale for name in dictionary.INPUTS} == {1 / sensors.FRACTION}
     assert board_settings.STEPS_PER_COUNT == sensors.FRACTION
     assert 32767 * words["v"].scale > 0.6  # the largest limits.speed_max
 

@@ -69,7 +69,7 @@ static void advance(hb_core *core)
     }
 }
 
-static void log_tick(hb_core *core, const hb_u16 adc[HB_SENSORS])
+static void log_tick(hb_core *core, const hb_u16 adc[HB_INPUTS])
 {
     hb_sample sample;
 
@@ -84,7 +84,7 @@ static void log_tick(hb_core *core, const hb_u16 adc[HB_SENSORS])
     hb_log_add(&core->log, &sample);
 }
 
-void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VALVES])
+void hb_core_tick(hb_core *core, const hb_u16 adc[HB_INPUTS], hb_i16 dac[HB_VALVES])
 {
     core->tick++;
     hb_sensors_step(&core->sensors_config, &core->sensors, adc);

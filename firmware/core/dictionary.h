@@ -4,7 +4,7 @@
 #define HB_DICTIONARY_H
 
 #define HB_PROTOCOL 1u
-#define HB_DICTIONARY_HASH 0x55B935F6UL
+#define HB_DICTIONARY_HASH 0x0ECDF2E3UL
 #define HB_REPLY 0x80u
 #define HB_ERROR 0xFFu
 #define HB_MAX_FRAME 254u
@@ -93,6 +93,9 @@ enum hb_sensor {
     HB_SENSORS = 7
 };
 
+/* Converter words of a tick: the sensors, then those that are only logged. */
+#define HB_INPUTS 8u
+
 enum hb_setting {
     HB_SETTING_GAIN_X = 0,
     HB_SETTING_GAIN_P_TP = 1,
@@ -149,12 +152,13 @@ enum hb_word {
     HB_WORD_P_LR = 7,
     HB_WORD_P_S = 8,
     HB_WORD_F_APPLIED = 9,
-    HB_WORD_V = 10,
-    HB_WORD_U_T = 11,
-    HB_WORD_U_L1 = 12,
-    HB_WORD_U_L2 = 13,
-    HB_WORD_V_REF = 14,
-    HB_RECORD_WORDS = 15
+    HB_WORD_TEMP_TANK = 10,
+    HB_WORD_V = 11,
+    HB_WORD_U_T = 12,
+    HB_WORD_U_L1 = 13,
+    HB_WORD_U_L2 = 14,
+    HB_WORD_V_REF = 15,
+    HB_RECORD_WORDS = 16
 };
 
 /* Words per SI unit, the inverse of the dictionary's scales. */
@@ -173,7 +177,7 @@ enum hb_flag {
 };
 
 /* For the status line at a terminal; the names initialise char[][HB_NAME_SIZE]. */
-#define HB_VERSION_TEXT "protocol 1, dictionary 55B935F6"
+#define HB_VERSION_TEXT "protocol 1, dictionary 0ECDF2E3"
 #define HB_NAME_SIZE 12u
 #define HB_STATE_NAMES { \
     "idle", \

@@ -27,7 +27,8 @@
 #define HB_PERIOD_S 1e-4f
 
 /* Valves in the order of a tick's DAC codes. The order of its converter words is that of enum
- * hb_sensor in dictionary.h. */
+ * hb_sensor in dictionary.h; the words from HB_SENSORS to HB_INPUTS are only logged, and 0 where
+ * nothing is connected. */
 enum hb_valve { HB_VALVE_T = 0, HB_VALVE_L1 = 1, HB_VALVE_L2 = 2, HB_VALVES = 3 };
 
 /* A converter word: the mean of a tick's conversions in 1/16 of an ADC count. */
@@ -75,7 +76,7 @@ typedef struct hb_core hb_core; /* defined in core.h */
 typedef struct hb_link hb_link; /* defined in link.h */
 
 void hb_core_init(hb_core *core, const hb_hal *hal);
-void hb_core_tick(hb_core *core, const hb_u16 adc[HB_SENSORS], hb_i16 dac[HB_VALVES]);
+void hb_core_tick(hb_core *core, const hb_u16 adc[HB_INPUTS], hb_i16 dac[HB_VALVES]);
 void hb_core_overrun(hb_core *core);
 void hb_link_init(hb_link *link, hb_core *core);
 void hb_link_poll(hb_link *link);

@@ -6,7 +6,7 @@
 static void clear_sums(hb_log *log)
 {
     log->ticks = 0;
-    for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+    for (hb_u16 i = 0; i < HB_INPUTS; i++) {
         log->word_sum[i] = 0;
     }
     for (hb_u16 i = 0; i < HB_VALVES; i++) {
@@ -43,7 +43,7 @@ static void make_record(hb_log *log, float v_ref_m_s)
     word[HB_WORD_FLAGS] =
         (hb_u16)((log->all_flags & HB_FLAG_AT_REFERENCE)
                  | (log->any_flags & (HB_FLAG_SENSOR_SATURATED | HB_FLAG_VALVE_SATURATED)));
-    for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+    for (hb_u16 i = 0; i < HB_INPUTS; i++) {
         word[HB_WORD_X + i] = hb_mean_word(log->word_sum[i], log->divider);
     }
     word[HB_WORD_V] = signed_word(log->v_sum * share * HB_WORD_V_PER_SI);
@@ -73,7 +73,7 @@ void hb_log_begin(hb_log *log, hb_u16 run, hb_u16 divider)
 
 void hb_log_add(hb_log *log, const hb_sample *sample)
 {
-    for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+    for (hb_u16 i = 0; i < HB_INPUTS; i++) {
         log->word_sum[i] += sample->adc[i];
     }
     for (hb_u16 i = 0; i < HB_VALVES; i++) {

@@ -9,7 +9,7 @@
 
 /* One tick of a run. */
 typedef struct {
-    const hb_u16 *adc; /* HB_SENSORS words */
+    const hb_u16 *adc; /* HB_INPUTS words */
     const float *u;    /* HB_VALVES commands [V] */
     float v_m_s;
     float v_ref_m_s;
@@ -28,7 +28,7 @@ typedef struct {
     bool withheld;        /* newest holds a record */
 
     hb_u16 ticks; /* summed since the last record */
-    hb_u32 word_sum[HB_SENSORS];
+    hb_u32 word_sum[HB_INPUTS];
     float u_sum[HB_VALVES];
     float v_sum;
     hb_u16 any_flags;

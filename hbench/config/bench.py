@@ -14,7 +14,8 @@ from hbench.config import quantity as q
 from hbench.config.effects import Effects
 from hbench.config.files.loading import validate
 from hbench.config.friction import FrictionPair
-from hbench.config.identity import Identified, Text
+from hbench.config.identity import Identified
+from hbench.config.oil.record import OilRecord
 from hbench.config.quantity import ConfigSection
 from hbench.config.sensors import Instruments, Sensors
 
@@ -59,12 +60,13 @@ class MovingMass(ConfigSection):
     load: q.Mass
 
 
-class Oil(ConfigSection):
-    """Density, effective bulk modulus and grade of the oil."""
+class Oil(OilRecord):
+    """The oil with its effective bulk modulus. The plant's density does not change."""
 
     bulk_modulus: q.BulkModulus
     density: q.Density
-    grade: Text = ""  # such as HLP 46, for the report
+    # In the tank of the virtual rig at the session's start; ``effects.oil_warming`` adds to it.
+    temperature: q.Temperature = 313.15
 
 
 class Pump(ConfigSection):

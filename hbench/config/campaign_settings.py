@@ -7,6 +7,7 @@ from pydantic import Field, field_validator
 from hbench.config import quantity as q
 from hbench.config.files.loading import validate
 from hbench.config.identity import Identified
+from hbench.config.oil.record import OilRecord
 from hbench.config.schedule import Screening
 from hbench.config.sensors import Instruments
 
@@ -15,6 +16,7 @@ class CampaignSettings(Identified):
     """Settings of an imported campaign: of its map, or the ``settings.yaml`` of an export."""
 
     instruments: Instruments | None = None  # tolerances, for the expanded uncertainty
+    oil: OilRecord = OilRecord()
     moving_mass: q.Mass | None = None  # of the test side: piston, rod and what they carry
     # Anything else that identifies the test, printed in the report: oil, temperature, ...
     details: dict[str, str] = Field(default={}, max_length=30)

@@ -66,6 +66,7 @@ class Fitting(ConfigSection):
     bounds: Annotated[FitBounds, BeforeValidator(_named)] = FitBounds()
     weights: Literal["trials", "equal"] = "trials"
     loss: Literal["linear", "huber", "soft_l1"] = "linear"
+    reference_temperature: q.Temperature = 313.15  # 40 degC, of friction reduced to it
     bootstrap: int = Field(default=0, ge=0, le=100_000)  # resampled campaigns
 
 

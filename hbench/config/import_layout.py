@@ -26,12 +26,16 @@ CHANNELS = {
     "v_ref_m_s": "m/s",
     "p_lr_ref_pa": "Pa",
     "p_lp_ref_pa": "Pa",
+    "temp_tank_k": "K",  # of the oil: in the tank, at a port of the test cylinder, at its seal
+    "temp_port_k": "K",
+    "temp_seal_k": "K",
 }
 ROTARY = {"m": "rad", "m/s": "rad/s", "N": "N m"}  # units of a rotary actuator's channels
 # 0 or 1, in files of the default layout.
 FLAGS = ("at_reference", "sensor_saturated", "valve_saturated")
 # By the unit of a channel: larger values are no measurements.
-LIMITS = {"s": 1e12, "m": 1e3, "m/s": 1e3, "Pa": 1e11, "N": 1e10, "V": 1e6}
+LIMITS = {"s": 1e12, "m": 1e3, "m/s": 1e3, "Pa": 1e11, "N": 1e10, "V": 1e6, "K": 473.15}
+LEAST = {"K": 193.15}  # smaller values are no measurements
 LONGEST_S = 1e6  # from a file's first sample to its last
 ALWAYS = ("t_s", "x_m")  # required, without gaps
 DATE_TIME = "date-time"  # the unit of times such as 2024-05-01T12:00:00.25
@@ -114,5 +118,5 @@ def check_column(name: str, column: Column, layout: Format, wanted: str) -> None
             raise ValueError("columns.t_s: date-times have neither scale nor offset")
     elif parse_unit(column.unit).dimension != parse_unit(wanted).dimension:
         raise ValueError(f"columns.{name}: unit {column.unit!r} is not one of {wanted}")
-    if column.zero == "rest" and name in ("t_s", "x_m"):
+    if column.zero == "rest" and (name in ("t_s", "x_m") or name.startswith("temp_")):
         raise ValueError(f"columns.{name}: zero: rest is not possible for this channel")

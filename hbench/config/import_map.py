@@ -288,7 +288,8 @@ class ImportMap(CampaignSettings):
         text = self.constants[channel]
         for name, number in fields.items():
             text = text.replace(f"{{{name}}}", number.replace(",", "."))
-        return _quantity(f"constants.{channel}", text, self.unit(channel))
+        unit = self.unit(channel)
+        return _quantity(f"constants.{channel}", text, "degC" if unit == "K" else unit)
 
 
 def _check_unit(name: str, column: Column) -> None:

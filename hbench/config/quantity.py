@@ -70,5 +70,6 @@ Frequency = Annotated[float, quantity("Hz", gt=0, le=1e6)]
 Voltage = Annotated[float, quantity("V", gt=0, le=100)]
 NoiseVoltage = Annotated[float, quantity("mV", ge=0, le=1)]
 SignedVoltage = Annotated[float, quantity("V", ge=-100, le=100)]
+Temperature = Annotated[float, quantity("degC", ge=193.15, le=473.15)]  # -80 to 200 degC
 Ratio = Annotated[float, quantity("%", ge=0, le=1)]
 Number = Annotated[float, Field(gt=0, allow_inf_nan=False)]

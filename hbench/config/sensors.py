@@ -60,13 +60,21 @@ class LoadCell(ConfigSection):
         return bridge * self.amplifier / (4 * self.area * self.youngs_modulus)
 
 
+class TemperatureSensor(Transducer):
+    """The sensor of the oil's temperature in the tank: 0..output over ``lowest``..+ span."""
+
+    span: Annotated[float, q.quantity("K", gt=0, le=500)]
+    lowest: q.Temperature
+
+
 class Sensors(ConfigSection):
-    """Sensors of the seven measured channels."""
+    """Sensors of the measured channels."""
 
     adc: Adc
     position: PositionSensor
     pressure: PressureSensor
     load_cell: LoadCell
+    temperature: TemperatureSensor | None = None  # None: not measured
 
     @property
     def force_range_n(self) -> tuple[float, float]:

@@ -4,22 +4,24 @@ from dataclasses import dataclass
 
 from hbench.config.bench import Bench
 from hbench.config.campaign_settings import CampaignSettings
+from hbench.config.oil.record import OilRecord
 from hbench.config.sensors import Instruments
 
 
 @dataclass(frozen=True)
 class Setup:
-    """Instruments and moving mass of a campaign; None where they are not known."""
+    """Instruments, moving mass and oil of a campaign; None where they are not known."""
 
     bench: Bench | None  # None: imported without a bench file
     instruments: Instruments | None
     test_mass_kg: float | None  # of the test side: piston, rod and what they carry
+    oil: OilRecord = OilRecord()
 
     @classmethod
     def of(cls, bench: Bench | None, rules: CampaignSettings | None) -> "Setup":
         """Return the set-up of a bench file, or else that of an import map or a settings file."""
         if bench is not None:
-            return cls(bench, bench.instruments, bench.moving_mass.test)
+            return cls(bench, bench.instruments, bench.moving_mass.test, bench.oil)
         if rules is not None:
-            return cls(None, rules.instruments, rules.moving_mass)
+            return cls(None, rules.instruments, rules.moving_mass, rules.oil)
         return cls(None, None, None)

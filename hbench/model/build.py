@@ -34,6 +34,7 @@ def plant_parameters(plant: Plant) -> PlantParameters:
         valve=_valve(plant.valve, plant.oil.density),
         end_stop=_end_stop(plant.end_stop),
         substeps=max(law.substeps for law in laws),
+        oil_k=float(plant.oil.temperature),
     )
     return with_effects(par, read_effects(plant.effects))
 

@@ -101,3 +101,4 @@ class PlantParameters(NamedTuple):
     end_stop: EndStopParameters
     substeps: int  # of one control tick, as the stiffest friction law needs
     effects: tuple[tuple[float, ...], ...] | None = None  # coefficients; see effects/catalogue.py
+    oil_k: float = 313.15  # temperature in the tank at the start

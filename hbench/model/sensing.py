@@ -32,17 +32,30 @@ def sensed(
 
 @inlined
 def convert(
-    values: np.ndarray, sensors: SensorParameters, noise: np.ndarray, words: np.ndarray
+    values: np.ndarray,
+    temp_k: float,
+    sensors: SensorParameters,
+    noise: np.ndarray,
+    words: np.ndarray,
 ) -> None:
     """Write one tick's means of ``values`` (SI) into ``words``, uint16 in 1/16 count.
 
-    The converter clips at 0 and at its top code; a clipped channel has exactly that value.
+    ``temp_k`` is the oil's temperature, whose word stays 0 without a sensor. The converter clips at
+    0 and at its top code; a clipped channel has exactly that value.
     """
     for i in range(N_CHANNELS):
         counts = sensors.per_unit[i] * values[i] + sensors.zero[i]
-        if sensors.noise > 0.0:
-            counts += sensors.noise * normal(noise)
-        if sensors.whole:
-            counts = np.floor(counts + 0.5)
-        counts = min(max(counts, 0.0), sensors.top)
-        words[i] = np.uint16(np.floor(FRACTION * counts + 0.5))
+        words[i] = np.uint16(_word(counts, sensors, noise))
+    if sensors.temp_per_k != 0.0:
+        counts = sensors.temp_per_k * temp_k + sensors.temp_zero
+        words[N_CHANNELS] = np.uint16(_word(counts, sensors, noise))
+
+
+@inlined
+def _word(counts: float, sensors: SensorParameters, noise: np.ndarray) -> float:
+    if sensors.noise > 0.0:
+        counts += sensors.noise * normal(noise)
+    if sensors.whole:
+        counts = np.floor(counts + 0.5)
+    counts = min(max(counts, 0.0), sensors.top)
+    return np.floor(FRACTION * counts + 0.5)

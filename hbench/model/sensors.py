@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 from hbench.config.sensors import Sensors, Transducer
 
-# In the converter's order.
+# In the converter's order; further inputs of the converter are only logged.
 SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
-N_CHANNELS = len(SENSORS)
+INPUTS = (*SENSORS, "temp_tank")
+N_CHANNELS, N_INPUTS = len(SENSORS), len(INPUTS)
 
 FRACTION = 16  # parts of a count that a tick's mean is kept in
 
@@ -28,6 +29,8 @@ class SensorParameters(NamedTuple):
     top: float  # largest code
     noise: float  # standard deviation of a tick's mean, in counts
     whole: bool  # a tick's mean is a whole count: quantised, with nothing that dithers
+    temp_per_k: float = 0.0  # counts per K of the oil in the tank; 0: there is no sensor
+    temp_zero: float = 0.0  # counts at 0 K
 
 
 def sensor_parameters(sensors: Sensors) -> SensorParameters:
@@ -44,12 +47,19 @@ def sensor_parameters(sensors: Sensors) -> SensorParameters:
     if adc.noisy:
         rounding = 1 / 12 if adc.quantised else 0.0
         variance = (counts_per_volt * adc.noise) ** 2 + rounding
+    oil = sensors.temperature
+    temp_per_k = temp_zero = 0.0
+    if oil is not None:
+        temp_per_k = counts_per_volt * oil.output / oil.span * oil.amplifier
+        temp_zero = counts_per_volt * oil.offset - temp_per_k * oil.lowest
     return SensorParameters(
         per_unit=tuple(counts_per_volt * volts_per_unit for volts_per_unit, _ in scalings),
         zero=tuple(counts_per_volt * volts for _, volts in scalings),
         top=float(2**adc.bits - 1),
         noise=sqrt(variance / adc.oversampling),
         whole=adc.quantised and not adc.noisy,
+        temp_per_k=temp_per_k,
+        temp_zero=temp_zero,
     )
 
 
@@ -61,13 +71,17 @@ def ideal_sensors() -> SensorParameters:
 def sensor_gains(sensors: Sensors) -> dict[str, tuple[float, float]]:
     """Return the calibration of each channel: value = gain * counts + offset, in SI.
 
-    Counts are whole ADC counts (a log word divided by 16).
+    Counts are whole ADC counts (a log word divided by 16). ``temp_tank`` is missing without a
+    sensor of the oil's temperature.
     """
     par = sensor_parameters(sensors)
-    return {
+    gains = {
         name: (1 / per_unit, -zero / per_unit)
         for name, per_unit, zero in zip(SENSORS, par.per_unit, par.zero, strict=True)
     }
+    if par.temp_per_k:
+        gains["temp_tank"] = (1 / par.temp_per_k, -par.temp_zero / par.temp_per_k)
+    return gains
 
 
 def _scaling(sensors: Sensors, name: str) -> tuple[float, float]:

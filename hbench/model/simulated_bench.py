@@ -16,7 +16,7 @@ from hbench.model.noise import new_noise
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import initial_state, new_work
 from hbench.model.scatter import new_levels
-from hbench.model.sensors import N_CHANNELS, SensorParameters, sensor_parameters
+from hbench.model.sensors import N_CHANNELS, N_INPUTS, SensorParameters, sensor_parameters
 
 VOLTS_PER_CODE = 10.0 / 2048  # AD5724R, 12 bit, +-10 V
 _START_PRESSURE_PA = 15e5  # of both load chambers at power-on
@@ -25,7 +25,7 @@ _START_PRESSURE_PA = 15e5  # of both load chambers at power-on
 class SimulatedBench(NamedTuple):
     """State and parameters of a tick, unpacked in compiled code; the arrays change in place."""
 
-    words: np.ndarray  # (7,) uint16, from the converter to the board
+    words: np.ndarray  # (8,) uint16, from the converter to the board
     codes: np.ndarray  # (3,) int16, from the board to the DAC
     state: np.ndarray  # as named in plant.py
     levels: np.ndarray
@@ -46,7 +46,7 @@ def new_simulated_bench(bench: Bench, plant: Plant | None, seed: int) -> Simulat
     par, noise = plant_parameters(plant), new_noise(seed)
     middle_m = 0.5 * plant.test_cylinder.stroke
     return SimulatedBench(
-        words=np.zeros(N_CHANNELS, np.uint16),
+        words=np.zeros(N_INPUTS, np.uint16),
         codes=np.zeros(3, np.int16),
         state=initial_state(par, middle_m, _START_PRESSURE_PA, _START_PRESSURE_PA),
         levels=new_levels(noise, par),

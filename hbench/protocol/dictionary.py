@@ -164,8 +164,10 @@ REFUSALS = (
     "out_of_range",
 )
 
-# Sensor channels in the order of the converter words of a tick and of a record.
+# Sensors of loops, limits and status, in the order of the converter words of a tick.
 SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
+# The converter words of a tick and of a record: further ones are logged, and have no other effect.
+INPUTS = (*SENSORS, "temp_tank")
 
 # Settings of the bench that the host uploads, in this order. SI; gains per 1/16 ADC count.
 SETTINGS: tuple[str, ...] = (
@@ -212,12 +214,12 @@ class Word:
 
 
 # A record: means over the ticks since the record before, except run, index, flags and v_ref.
-# Sensors are in 1/16 of an ADC count.
+# Inputs are in 1/16 of an ADC count.
 RECORD: tuple[Word, ...] = (
     Word("run", False, 1, "1"),
     Word("index", False, 1, "1"),  # from 0 in each run
     Word("flags", False, 1, "1"),
-    *(Word(name, False, 1 / 16, "count") for name in SENSORS),
+    *(Word(name, False, 1 / 16, "count") for name in INPUTS),
     Word("v", True, 2e-5, "m/s"),
     Word("u_t", True, 1e-3, "V"),
     Word("u_l1", True, 1e-3, "V"),
@@ -249,7 +251,7 @@ def canonical_text() -> str:
         "conditions": CONDITIONS,
         "faults": FAULTS,
         "refusals": REFUSALS,
-        "sensors": SENSORS,
+        "inputs": INPUTS,
         "settings": SETTINGS,
         "flags": RECORD_FLAGS,
     }

@@ -27,6 +27,8 @@ def header_text() -> str:
         _numbered("fault", d.FAULTS),
         _numbered("refusal", d.REFUSALS),
         _numbered("sensor", d.SENSORS, count="HB_SENSORS"),
+        "/* Converter words of a tick: the sensors, then those that are only logged. */\n"
+        + _defines(("HB_INPUTS", f"{len(d.INPUTS)}u")),
         _numbered("setting", d.SETTINGS, count="HB_SETTINGS"),
         _numbered("word", (word.name for word in d.RECORD), count="HB_RECORD_WORDS"),
         "/* Words per SI unit, the inverse of the dictionary's scales. */\n"

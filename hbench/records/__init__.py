@@ -49,6 +49,7 @@ from hbench.records.fleet import (
 )
 from hbench.records.flow import (
     DIRECTIONS,
+    TEMPERATURES,
     Curve,
     CurvePoint,
     Direction,
@@ -128,15 +129,19 @@ from hbench.records.summary import (
     HeadlineNumber,
     HeadlineSeries,
     ImplausiblePoint,
+    OilTemperature,
     PointTrials,
     Quality,
     QualityCheck,
+    Reduction,
+    ViscosityEffect,
 )
 
 __all__ = [
     "DIRECTIONS",
     "KINDS",
     "QUANTITIES",
+    "TEMPERATURES",
     "AddedEffect",
     "Band",
     "BandDifference",
@@ -205,6 +210,7 @@ __all__ = [
     "Motion",
     "MotionBalance",
     "Motions",
+    "OilTemperature",
     "Outcome",
     "Overlay",
     "Panel",
@@ -223,6 +229,7 @@ __all__ = [
     "Quantity",
     "RampComparison",
     "RawRun",
+    "Reduction",
     "Region",
     "Reproduced",
     "Replay",
@@ -247,6 +254,7 @@ __all__ = [
     "Trace",
     "Trend",
     "Verdict",
+    "ViscosityEffect",
     "WordTable",
     "kind_names",
     "Zero",

@@ -168,6 +168,9 @@ class Run:
     u_l1_v: np.ndarray | None = None
     u_l2_v: np.ndarray | None = None
     v_ref_m_s: np.ndarray | None = None
+    temp_tank_k: np.ndarray | None = None  # of the oil in the tank
+    temp_port_k: np.ndarray | None = None  # at a port of the test cylinder
+    temp_seal_k: np.ndarray | None = None  # at the test cylinder's seal
     at_reference: np.ndarray | None = None  # (n,) bool: v_ref has reached the plan's value
     sensor_saturated: np.ndarray | None = None  # (n,) bool
     valve_saturated: np.ndarray | None = None  # (n,) bool
@@ -181,6 +184,11 @@ class Run:
         if values is None:
             raise DataError(f"run {self.plan.run}: has no channel {name}")
         return values
+
+
+TemperatureSensor = Literal["temp_seal_k", "temp_port_k", "temp_tank_k"]
+# Those of the oil, the nearest to the friction first.
+TEMPERATURES: tuple[TemperatureSensor, ...] = ("temp_seal_k", "temp_port_k", "temp_tank_k")
 
 
 @dataclass(frozen=True)
@@ -200,6 +208,9 @@ class SteadyMeans:
     p_tp_pa: float | None
     p_tr_pa: float | None
     efficiency: float | None = None  # equation 6.10 for the way the power flows
+    temp_tank_k: float | None = None  # of the oil, as those of ``Run``
+    temp_port_k: float | None = None
+    temp_seal_k: float | None = None
 
 
 @dataclass(frozen=True)
@@ -251,6 +262,11 @@ class CurvePoint:
     parts_n: dict[str, float] = field(default_factory=dict)
     trials_work_j: tuple[float | None, ...] = ()  # work of each trial's strokes, where known
     sigma_drift_n: float | None = None  # of a significant drift; None without one
+    sigma_temperature_n: float | None = None  # of the reduction to a reference temperature
+    temp_k: float | None = None  # of the oil, where the campaign's results take it; None: unknown
+    trials_temp_k: tuple[float, ...] = ()  # of each trial; empty where one is not known
+    hersey_m: float | None = None  # eta |v| / p, see analysis/temperature/hersey.py
+    trials_hersey_m: tuple[float, ...] = ()  # of each trial, at its temperature
 
 
 @dataclass(frozen=True)
@@ -386,6 +402,12 @@ class Curve:
     def factor_values(self) -> dict[str, str]:
         """Value of each factor, such as a current or a lubricant, with its unit."""
         return dict(self.factors)
+
+    @property
+    def temp_range_k(self) -> tuple[float, float] | None:
+        """Lowest and highest oil temperature of the trials; None where it is not known."""
+        known = [temp for point in self.points for temp in point.trials_temp_k]
+        return (min(known), max(known)) if known else None
 
     @property
     def against_motion(self) -> float:

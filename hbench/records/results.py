@@ -13,7 +13,7 @@ from hbench.records.flow import (
     ScreenedRun,
 )
 from hbench.records.motions import Motions
-from hbench.records.summary import Drift, FitVerdicts, Headline, Quality
+from hbench.records.summary import Drift, FitVerdicts, Headline, OilTemperature, Quality
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class Results:
     band_trends: tuple[BandTrend, ...] = ()
     motion_balances: tuple[MotionBalance, ...] = ()  # without hydraulics, or a fitted law
     drift: Drift | None = None  # None where no point was measured twice at different times
+    oil_temperature: OilTemperature | None = None  # None where it was not measured
     headline: Headline = field(kw_only=True)
     quality: Quality = field(kw_only=True)
 

@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from hbench.records.flow import Direction
+from hbench.records.flow import Curve, Direction, TemperatureSensor
 from hbench.records.numbers import Count, KindName
 
 Basis = Literal["trials", "one_trial", "extrapolated", "ramp", "breakaway"]
 Grade = Literal["good", "with care", "poor"]
 SIGNIFICANCE = 0.05  # level of the drift's test
+SEPARATED_VIF = 5.0  # largest variance inflation by speed of a plan that separates from it
 
 
 @dataclass(frozen=True)
@@ -75,11 +76,72 @@ class Drift:
     # of the span: so much of the drift appears as an effect of speed.
     speed_share: float
     separated: bool  # whether the plan separates drift from the effect of speed
+    # Of the oil over the same runs, by a straight line from the first run to the last. The
+    # correlation is that of a trial's deviations from its point: friction with temperature. None
+    # where the temperature was not measured, or did not change within the points.
+    temp_change_k: float | None = None
+    temp_correlation: float | None = None
+    temp_p: float | None = None  # of no correlation, two-sided
 
     @property
     def significant(self) -> bool:
         """Whether friction drifts, at the 5 % level."""
         return self.p < SIGNIFICANCE
+
+
+@dataclass(frozen=True)
+class ViscosityEffect:
+    """Dependence of friction on the oil's viscosity, from trials at different temperatures.
+
+    Friction changes by (c_0 + c_1 |v|) (r - 1), r being the viscosity over that at the reference
+    temperature; see analysis/temperature/reduction.py.
+    """
+
+    kind: KindName
+    label: str
+    direction: Direction
+    dry_n: float  # c_0
+    dry_ci95_n: float  # half-width of its 95 % interval
+    viscous_n_s_m: float  # c_1
+    viscous_ci95_n_s_m: float
+    p: float  # of no effect (F test)
+    points: Count  # with two trials or more
+    trials: Count  # of these points
+    # Of the point that changes most by the reduction: change and its half-width; share of friction.
+    correction_n: float
+    correction_ci95_n: float
+    speed_vif: float  # variance inflation of viscosity by the speeds of a curve; 1: independent
+    reason: str  # why its curves are not reduced; empty if they are
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data determines the reduction."""
+        return not self.reason
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """Steady friction reduced to a reference temperature of the oil."""
+
+    t_ref_k: float
+    extrapolated: bool  # whether the reference temperature is outside the measured ones
+    effects: tuple[ViscosityEffect, ...]  # of each label and direction
+    # Only those whose effect is determined; U95 includes that of the correction.
+    curves: tuple[Curve, ...]
+    drift: Drift | None  # of the reduced curves
+
+
+@dataclass(frozen=True)
+class OilTemperature:
+    """Oil temperature of a campaign's accepted steady runs, by one sensor for all of them."""
+
+    sensor: TemperatureSensor
+    mean_k: float
+    low_k: float
+    high_k: float
+    runs: Count  # with a temperature
+    reduction: Reduction | None  # None with a reason
+    reason: str = ""
 
 
 @dataclass(frozen=True)

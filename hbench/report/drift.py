@@ -1,6 +1,7 @@
 """Drift of friction over a campaign, in words and as a table."""
 
 from hbench.records import Drift
+from hbench.records.summary import SIGNIFICANCE
 from hbench.report.render.numbers import number, significant, with_interval
 from hbench.report.render.word_tables import Cell, Table
 
@@ -20,6 +21,21 @@ def drift_words(drift: Drift) -> str:
         return text
     most = number(abs(drift.change_percent) + drift.change_percent_ci95, 0)
     return f"{text}: up to {most} % is possible"
+
+
+def drift_with_oil(drift: Drift) -> str:
+    """Return the oil's change of temperature as a sentence; empty if it was not measured."""
+    if drift.temp_change_k is None:
+        return ""
+    rose = "rose" if drift.temp_change_k >= 0 else "fell"
+    said = f"Meanwhile the oil temperature {rose} by {number(abs(drift.temp_change_k), 1)} K"
+    if drift.temp_correlation is None or drift.temp_p is None:
+        return f"{said}."
+    which = f"correlation {number(drift.temp_correlation, 2)}, {_p(drift.temp_p)}"
+    if drift.temp_p >= SIGNIFICANCE:
+        return f"{said}; within the points, friction does not correlate with it ({which})."
+    way = "falls as it rises" if drift.temp_correlation < 0 else "rises with it"
+    return f"{said}; within the points, friction {way} ({which})."
 
 
 def drift_advice(drift: Drift) -> str:

@@ -22,10 +22,10 @@ from hbench.errors import ConfigError, DeviceError
 
 PROGRAM = "qemu-system-arm"
 
-_COMMAND = struct.Struct("<8HI")  # code, converter words, octets that UART0 has been sent
+_COMMAND = struct.Struct("<2I8H")  # code, octets that UART0 has been sent, converter words
 _ANSWER = struct.Struct("<H3hI")  # mark, DAC codes, clocks of the SysTick
 _TICK, _POLL, _RECEIVE = 1, 2, 3
-_NO_WORDS = (0,) * 7
+_NO_WORDS = (0,) * 8
 _MARK = b"BH"
 _TIMEOUT_MS = 30_000  # of an answer; a tick takes some 10 us
 _CHUNK = 4096
@@ -109,7 +109,7 @@ class EmulatedFirmware:
         return len(self._received)
 
     def tick(self, adc: Sequence[int]) -> tuple[int, int, int]:
-        """Run one control tick: converter words (7, in 1/16 count) to DAC codes (3)."""
+        """Run one control tick: converter words (8, in 1/16 count) to DAC codes (3)."""
         return self._execute(_TICK, adc)
 
     def close(self) -> None:
@@ -121,7 +121,7 @@ class EmulatedFirmware:
 
     def _execute(self, code: int, words: Sequence[int] = _NO_WORDS) -> tuple[int, int, int]:
         try:
-            os.write(self._command_fd, _COMMAND.pack(code, *words, self._sent))
+            os.write(self._command_fd, _COMMAND.pack(code, self._sent, *words))
         except BrokenPipeError:
             raise self._failure("has ended") from None
         while self._answer_fd not in (ready := dict(self._poller.poll(_TIMEOUT_MS))):

@@ -75,7 +75,7 @@ class HostFirmware:
     def addresses(self) -> tuple[int, int, int]:
         """Addresses of ``tick``, of ``poll`` and of the board, for compiled callers.
 
-        ``void tick(board, const uint16_t adc[7], int16_t dac[3])``,
+        ``void tick(board, const uint16_t adc[8], int16_t dac[3])``,
         ``uint32_t poll(board)``, which returns the number of octets for the host, or 0 while they
         contain no complete frame. The addresses are valid until ``close``.
         """
@@ -98,8 +98,8 @@ class HostFirmware:
         return self._library.hb_host_poll(self._board)
 
     def tick(self, adc: Sequence[int]) -> tuple[int, int, int]:
-        """Run one control tick: converter words (7, in 1/16 count) to DAC codes (3)."""
-        words = (ctypes.c_uint16 * 7)(*adc)
+        """Run one control tick: converter words (8, in 1/16 count) to DAC codes (3)."""
+        words = (ctypes.c_uint16 * 8)(*adc)
         codes = (ctypes.c_int16 * 3)()
         self._library.hb_host_tick(self._board, words, codes)
         return tuple(codes)

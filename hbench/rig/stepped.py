@@ -8,6 +8,7 @@ from typing import Protocol
 
 from hbench.config.bench import Bench, Plant
 from hbench.model.compiled import compiled
+from hbench.model.effects.applied import oil_temperature
 from hbench.model.plant import TICK_S, V, step
 from hbench.model.scatter import update_levels
 from hbench.model.sensing import convert, sensed
@@ -28,7 +29,7 @@ class SteppedBoard(Protocol):
         """Run the idle loop once; return the number of octets for the host."""
 
     def tick(self, adc: Sequence[int]) -> tuple[int, int, int]:
-        """Run one control tick: converter words (7, in 1/16 count) to DAC codes (3)."""
+        """Run one control tick: converter words (8, in 1/16 count) to DAC codes (3)."""
 
     def close(self) -> None:
         """Switch the board off."""
@@ -44,7 +45,7 @@ def _next_words(first, bench):
         step(state, u, levels, par, TICK_S, work)
         update_levels(levels, state[V], noise, par)
     sensed(state, levels, par, values, work)
-    convert(values, sensors, noise, words)
+    convert(values, oil_temperature(state, par, par.effects), sensors, noise, words)
 
 
 class SteppedRig:

@@ -12,6 +12,7 @@ from numba.extending import intrinsic
 
 from hbench.config.bench import Bench, Plant
 from hbench.model.compiled import compiled
+from hbench.model.effects.applied import oil_temperature
 from hbench.model.plant import P_S, TICK_S, V, step
 from hbench.model.scatter import update_levels
 from hbench.model.sensing import convert, sensed
@@ -59,7 +60,7 @@ def _advance(ticks, poll_ticks, tick, firmware, bench):
     last = tick + ticks
     while tick < last:
         sensed(state, levels, par, values, work)
-        convert(values, sensors, noise, words)
+        convert(values, oil_temperature(state, par, par.effects), sensors, noise, words)
         _call_tick(call_tick, core, words.ctypes.data, codes.ctypes.data)
         for valve in range(3):
             u[valve] = codes[valve] * VOLTS_PER_CODE

@@ -20,6 +20,8 @@ from hbench.analysis.screening.zero_check import checked_zeros, corrected, with_
 from hbench.analysis.summary.drift import RunClock, friction_drift, with_drift
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
+from hbench.analysis.temperature.hersey import with_hersey
+from hbench.analysis.temperature.oil_temperature import oil_temperature
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
 from hbench.analysis.uncertainty.monte_carlo import checked_by_monte_carlo
 from hbench.config.files.loading import read_yaml
@@ -152,12 +154,13 @@ def derive(
         )
     instruments = setup.instruments
     analysed = analyse_runs(screened, setup, how)
-    steady = analysed.steady
+    steady = with_hersey(analysed.steady, setup.oil)
     efficiencies = tuple(efficiency_curve(curve, instruments) for curve in steady)
     checks: tuple[str, ...] = ()
     if monte_carlo:
         steady, efficiencies, checks = checked_by_monte_carlo(steady, efficiencies, instruments)
     clock = RunClock.of(screened, campaign.start_times_s())
+    temperature = oil_temperature(steady, screened, setup, how, clock)
     drift = friction_drift(steady, screened, clock)
     steady = with_drift(steady, drift, clock)
     curves = (*steady, *analysed.moving)
@@ -187,6 +190,7 @@ def derive(
         band_trends=band_trends(bands),
         motion_balances=motion_balances(steady),
         drift=drift,
+        oil_temperature=temperature,
         headline=headline(curves, efficiencies, analysed.motions.breakaways),
         quality=quality(screened, curves, efficiencies, planned, drift, checks_of_zero),
     )

@@ -9,6 +9,7 @@ import pytest
 from hbench.analysis.curves.average import curves
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.screen import screen
+from hbench.config.sensors import TemperatureSensor
 from hbench.errors import DataError
 from hbench.records import LogChannel, RawRun, RunPlan, Specimen
 
@@ -55,6 +56,27 @@ def test_half_scale_of_the_load_cell_is_no_force_and_each_volt_is_equation_c6(be
     force = calibrate(log, bench).f_applied_n
     assert force[0] == pytest.approx(0, abs=1e-9)
     assert force[1] == pytest.approx(0.75 * per_volt, rel=1e-12)
+
+
+@pytest.fixture
+def with_oil_sensor(bench):
+    """0 to 100 degC are 0 to 3 V."""
+    sensor = TemperatureSensor(span="100 K", lowest="0 degC", output="10 V", amplifier=0.3)
+    sensors = bench.sensors.model_copy(update={"temperature": sensor})
+    return bench.model_copy(update={"sensors": sensors})
+
+
+def test_the_oil_temperature_is_read_where_the_bench_has_a_sensor(bench, with_oil_sensor):
+    """At a limit of the converter there is no temperature, and the run is still good."""
+    log = raw(channels=(*CHANNELS, LogChannel("temp_tank", False, 1 / 16, "count")))
+    temps = np.array([[16 * 2048, 16 * 1024, 0, 16 * 4095, 16 * 2048, 16 * 2048]]).T
+    log = replace(log, words=np.hstack([raw().words, temps.astype(np.uint16)]))
+    run = calibrate(log, with_oil_sensor)
+    expected = [323.15, 298.15, np.nan, np.nan, 323.15, 323.15]
+    np.testing.assert_allclose(run.temp_tank_k, expected, rtol=1e-12)
+    assert not run.sensor_saturated.any() and not run.truncated
+    assert calibrate(log, bench).temp_tank_k is None
+    assert calibrate(raw(), with_oil_sensor).temp_tank_k is None  # a board of before
 
 
 def test_sixteenths_of_a_count_are_kept(bench):

@@ -36,6 +36,10 @@ from hbench.units import UNITS, from_si, to_si
         ("251.2 cm³", "cm^3", 2.512e-4),
         ("2331 N·s/m", "N s/m", 2331.0),
         ("1 psi", "bar", 6894.757293168361),
+        ("40 degC", "degC", 313.15),
+        ("-10 °C", "degC", 263.15),
+        ("300 K", "degC", 300.0),
+        ("46 cSt", "mm^2/s", 46e-6),
     ],
 )
 def test_a_quantity_is_stored_in_si(text, unit, si):
@@ -58,6 +62,9 @@ def test_a_quantity_is_stored_in_si(text, unit, si):
         (True, "bar", "quantity"),
         ([1], "bar", "quantity"),
         (None, "bar", "quantity"),
+        ("40 degC", "K", "a temperature, not a difference.*'1 K'"),
+        ("0.03 1/degC", "1/K", "degC is not a factor; write K"),
+        ("40 degC", "bar", "wrong unit"),
     ],
 )
 def test_what_is_no_quantity_of_the_kind_is_refused_with_the_reason(value, unit, message):

@@ -1,7 +1,8 @@
 """A bench whose oil warms up: rows of rising speed bias viscous friction, a random order does not.
 
 The plant's viscosity falls exponentially with a temperature that approaches its end exponentially;
-the estimated drift is a straight line of all friction.
+the estimated drift is a straight line of all friction. A sensor in the tank shows the temperature,
+and the oil's record has another viscosity: that of ASTM D341 between 28 and 80 degC.
 """
 
 import math
@@ -30,10 +31,25 @@ PLANT = {
 }  # fmt: skip
 
 
+COLD_K = 301.15
+BENCH = {
+    "sensors": {
+        "temperature": {
+            "span": "100 K", "lowest": "0 degC", "output": "10 V", "amplifier": 0.3
+        }
+    },
+    # 3 % a K at 28 degC, 2.8 % at 40 degC
+    "oil": {
+        "temperature": f"{COLD_K} K", "viscosity": {"28 degC": "46 cSt", "80 degC": "12.5 cSt"}
+    },
+}  # fmt: skip
+
+
 @pytest.fixture
 def measured(short_schedule, tmp_path, on_the_rig):
     """Return a function that makes a campaign of 12 rising speeds and three trials on the plant."""
     schedule = short_schedule(
+        bench=BENCH,
         velocities={"first": "10 mm/s", "last": "200 mm/s", "count": 12},
         trials=3,
         travel={"start": "40 mm", "end": "340 mm"},
@@ -43,24 +59,31 @@ def measured(short_schedule, tmp_path, on_the_rig):
     data = yaml.safe_load(schedule.read_text())
     plant = tmp_path / "plant.yaml"
     plant.write_text(yaml.safe_dump(PLANT))
+    fit = tmp_path / "fit.yaml"
+    fit.write_text(f"reference_temperature: {COLD_K + WARMER_K / 2} K")
 
     def make(order, seed):
         schedule.write_text(yaml.safe_dump(data | {"order": order}))
         folder = tmp_path / f"{order}-{seed}"
         campaign = on_the_rig(schedule, folder, plant=plant, seed=seed)
-        return campaign, workflow.analyze(folder)
+        return campaign, workflow.analyze(folder, fit)
 
     return make
 
 
-def mean_viscous(campaign):
-    """Viscous friction at the temperatures of the runs' starts, their mean [N s/m]."""
+def warmer_by(campaign):
+    """How much warmer the oil is at the start of each run [K]."""
     first = datetime.fromisoformat(campaign.header["created"])
     seconds = [
         (datetime.fromisoformat(entry.started) - first).total_seconds()
         for entry in campaign.entries
     ]
-    warmer = [WARMER_K * (1 - math.exp(-t / TIME_S)) for t in seconds]
+    return [WARMER_K * (1 - math.exp(-t / TIME_S)) for t in seconds]
+
+
+def mean_viscous(campaign):
+    """Viscous friction at the temperatures of the runs' starts, their mean [N s/m]."""
+    warmer = warmer_by(campaign)
     return VISCOUS * sum(math.exp(-PER_K * kelvin) for kelvin in warmer) / len(warmer)
 
 
@@ -84,6 +107,7 @@ def test_in_rows_viscous_friction_is_biased_and_the_verdict_names_the_drift(meas
     assert check.grade == results.quality.grade
     assert "not separated from speed" in quality_verdict(results.quality)
     assert "not separated from speed" in summary_text(results)
+    assert not results.oil_temperature.reduction.curves
 
 
 def test_in_a_random_order_the_interval_contains_viscous_friction_and_the_drift_is_measured(
@@ -92,13 +116,23 @@ def test_in_a_random_order_the_interval_contains_viscous_friction_and_the_drift_
     campaign, results = measured("random", 1)
     true = mean_viscous(campaign)
     assert contains(viscous(results), true)
-    assert viscous(results).value == pytest.approx(true, rel=0.05)
+    assert viscous(results).value == pytest.approx(true, rel=0.1)  # of one campaign
     drift = results.drift
     assert drift.significant and drift.separated and drift.speed_vif < 1.2
     assert -25 < drift.change_percent < -10  # viscous friction alone falls by a quarter
     (check,) = (check for check in results.quality.checks if check.name == "drift")
     assert check.grade == "with care"
     assert all(point.sigma_drift_n is not None for point in results.curves[0].points)
+    oil = results.oil_temperature
+    assert oil.low_k == pytest.approx(COLD_K + min(warmer_by(campaign)), abs=0.7)
+    assert oil.high_k == pytest.approx(COLD_K + max(warmer_by(campaign)), abs=0.7)
+    (curve,) = oil.reduction.curves
+    at_reference = VISCOUS * math.exp(-PER_K * WARMER_K / 2)
+    assert contains(curve.fits[0].parameters["b_viscous_n_s_m"], at_reference)
+    assert oil.reduction.effects[0].viscous_n_s_m == pytest.approx(
+        at_reference, abs=1.5 * oil.reduction.effects[0].viscous_ci95_n_s_m
+    )
+    assert abs(oil.reduction.drift.change_percent) < 0.3 * abs(drift.change_percent)
 
 
 @pytest.mark.slow

@@ -165,6 +165,7 @@ class Board:
         self.sequence = 0
         self.si = {"x": 0.05, "p_tp": 6e6, "p_tr": 3e6, "p_lp": 4e6, "p_lr": 1.5e6, "p_s": 1.5e7}
         self.si["f_applied"] = 500.0
+        self.temp_word = 20_000  # of the oil's temperature, which is only logged
         self.raw = {}  # words that replace those of the sensors
 
     def exchange(self, octets):
@@ -249,7 +250,7 @@ class Board:
     def words(self):
         """Converter words of the present sensor values."""
         words = {n: round((self.si[n] - OFFSET.get(n, 0.0)) / GAIN[n]) for n in SENSORS}
-        return list({**words, **self.raw}.values())
+        return list({**words, "temp_tank": self.temp_word, **self.raw}.values())
 
     def tick(self):
         """One tick with the present sensor values; returns the valve commands in volts."""

@@ -107,7 +107,7 @@ static void mask(void *context) { (void)context; }
 void start(hb_core *core, hb_link *link);
 void start(hb_core *core, hb_link *link)
 {
-    hb_u16 words[HB_SENSORS] = {0};
+    hb_u16 words[HB_INPUTS] = {0};
     hb_i16 codes[HB_VALVES];
     const hb_hal hal = {"board", 1, {65520, 256}, {10.0f, 204.8f, -2048, 2047}, ring, 64, 0,
                         read, write, mask, mask};

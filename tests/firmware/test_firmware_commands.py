@@ -314,10 +314,10 @@ def test_any_part_of_the_log_may_be_read_repeatedly(logged):
 
 
 def test_future_records_are_not_returned(logged):
-    assert logged.read_log(1498)[2].shape == (2, 15)
-    assert logged.read_log(1500)[2].shape == (0, 15)
-    assert logged.read_log(99_999)[2].shape == (0, 15)
-    assert logged.read_log(1000, count=0)[2].shape == (0, 15)
+    assert logged.read_log(1498)[2].shape == (2, 16)
+    assert logged.read_log(1500)[2].shape == (0, 16)
+    assert logged.read_log(99_999)[2].shape == (0, 16)
+    assert logged.read_log(1000, count=0)[2].shape == (0, 16)
 
 
 def test_record_numbers_go_on_from_one_schedule_to_the_next(logged):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.protocol.dictionary import FAULTS, PHASES, SENSORS, STATES
+from hbench.protocol.dictionary import FAULTS, PHASES, RECORD, SENSORS, STATES
 from tests.support.board.kinematic import LAST, SENSOR_SATURATED, WORD, T, drive, read_all
 
 TOP = 65520  # 4095 counts in sixteenths
@@ -110,6 +110,27 @@ def test_one_tick_of_small_speed_error_restarts_its_time(board):
     small = np.flatnonzero(np.abs(v_ref - v) <= SPEED_ERROR_M_S)
     assert small[-1] >= 1150, "the slip was seen"
     assert len(v_ref) - 1 == small[-1] + 201
+
+
+# ---- inputs that are only logged ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("word", [0, 65520])
+def test_an_oil_temperature_at_a_limit_of_the_converter_has_no_effect(new_board, word):
+    """A board without this sensor has 0 there: no fault, no other command, no flag."""
+    boards = new_board(), new_board()
+    boards[1].temp_word = word
+    for board in boards:
+        board.write_settings()
+        board.write_motion(hold_s=0.0, duration_s=0.05)
+        board.rest(0.01, x=0.05)
+        assert board.start() == b""
+    assert all(boards[0].tick() == boards[1].tick() for _ in range(3000))
+    assert [board.cause() for board in boards] == [("done", "none")] * 2
+    logs = [board.read_log(0)[2] for board in boards]
+    at = [entry.name for entry in RECORD].index("temp_tank")
+    assert set(logs[1][:, at]) == {word}
+    assert np.array_equal(*(np.delete(log, at, axis=1) for log in logs))
 
 
 # ---- overrun -----------------------------------------------------------------------------------

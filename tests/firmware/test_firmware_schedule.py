@@ -5,7 +5,7 @@ from itertools import groupby
 import numpy as np
 import pytest
 
-from hbench.protocol.dictionary import PHASES, SENSORS, STATES
+from hbench.protocol.dictionary import INPUTS, PHASES, STATES
 from tests.support.board.kinematic import (
     AT_REFERENCE,
     LAST,
@@ -137,6 +137,7 @@ def test_records_hold_the_means_of_their_ticks(board):
     assert board.start() == b""
     words, v, u = [], [], []
     while board.status()["state"] == 1:
+        board.temp_word = 20_000 + len(words)
         words.append(board.words())
         commands = drive(board, 1)
         status = board.status()
@@ -147,9 +148,9 @@ def test_records_hold_the_means_of_their_ticks(board):
             words.pop()
     log = read_all(board)
     assert len(words) == 2000
-    sums = np.array(words).reshape(20, 100, len(SENSORS)).sum(axis=1)
-    sensors = log[:, WORD["x"] : WORD["f_applied"] + 1]
-    np.testing.assert_array_equal(sensors, (sums + 50) // 100)
+    sums = np.array(words).reshape(20, 100, len(INPUTS)).sum(axis=1)
+    inputs = log[:, WORD["x"] : WORD["temp_tank"] + 1]
+    np.testing.assert_array_equal(inputs, (sums + 50) // 100)
     v_means = np.array(v).reshape(20, 100).mean(axis=1)
     np.testing.assert_allclose(signed(log[:, WORD["v"]]), v_means / WORD_V_M_S, atol=0.6)
     u_means = np.array(u).reshape(20, 100, 3).mean(axis=1)

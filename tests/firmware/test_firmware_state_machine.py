@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from hypothesis.stateful import run_state_machine_as_test as run_machine
 
-from hbench.protocol.dictionary import CRC_START, FAULTS, PHASES, SENSORS, SETTINGS, STATES
+from hbench.protocol.dictionary import CRC_START, FAULTS, INPUTS, PHASES, SENSORS, SETTINGS, STATES
 from tests.support.board.kinematic import T, drive
 
 HEARTBEAT_TICKS = 200
@@ -202,8 +202,8 @@ class Machine(RuleBasedStateMachine):
     @rule(kind=st.sampled_from(("any", "dead", "stuck")), data=st.data())
     def sensors_tell_nonsense(self, kind, data):
         if kind == "any":
-            words = data.draw(st.lists(st.integers(0, 65535), min_size=7, max_size=7))
-            self.board.raw = dict(zip(SENSORS, words, strict=True))
+            words = data.draw(st.lists(st.integers(0, 65535), min_size=8, max_size=8))
+            self.board.raw = dict(zip(INPUTS, words, strict=True))
         elif kind == "dead":
             word = data.draw(st.sampled_from((0, 3, 65520)))
             self.board.raw = {data.draw(st.sampled_from(SENSORS)): word}

@@ -270,7 +270,7 @@ def test_a_board_that_loses_its_host_in_a_run_stops(board, experiment, measure):
 def test_an_emulator_that_is_killed_is_a_device_error_at_the_next_call(board, image, call):
     (process,) = emulators_of(image)
     os.kill(process, signal.SIGKILL)
-    words = {"tick": [[0] * 7], "receive": [encode(Frame(1, IDENTIFY, b""))]}
+    words = {"tick": [[0] * 8], "receive": [encode(Frame(1, IDENTIFY, b""))]}
     with pytest.raises(DeviceError, match=r"board\.elf:"):
         getattr(board, call)(*words.get(call, []))
 

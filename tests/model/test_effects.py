@@ -426,7 +426,7 @@ def test_sensor_errors_show_in_their_channels_alone(bench: Bench):
     }.items():
         par = changed_by("sensors", sensor_parameters(sensors), {name: typical(name)})
         words = np.zeros(7, np.uint16)
-        convert(values, par, new_noise(1), words)
+        convert(values, 313.15, par, new_noise(1), words)
         for i, channel in enumerate(SENSORS):
             gain, offset = gains[channel]
             shown[i], step[i] = gain * words[i] / FRACTION + offset, gain / FRACTION

@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 
+from hbench.config.sensors import TemperatureSensor
 from hbench.model.noise import new_noise
 from hbench.model.plant import initial_state, new_work
 from hbench.model.sensing import convert, sensed
 from hbench.model.sensors import SENSORS, sensor_gains, sensor_parameters
 
-BAR = 1e5
+BAR, OIL_K = 1e5, 318.15
 VALUES = np.array([0.17, 78.84 * BAR, 28.42 * BAR, 12.7 * BAR, 8.9 * BAR, 150 * BAR, 1234.0])
 
 
@@ -16,7 +17,8 @@ def with_adc(sensors, **changes):
 
 def words_of(values, sensors, seed=0):
     words = np.zeros(len(SENSORS), dtype=np.uint16)
-    convert(np.asarray(values, dtype=float), sensor_parameters(sensors), new_noise(seed), words)
+    values = np.asarray(values, dtype=float)
+    convert(values, OIL_K, sensor_parameters(sensors), new_noise(seed), words)
     return words
 
 
@@ -83,7 +85,7 @@ def test_noise_of_a_tick_is_that_of_averaged_conversions(bench):
     values = np.tile(VALUES, (4000, 1)) * np.linspace(0.9, 1.1, 4000)[:, None]
     words = np.zeros((4000, 7), dtype=np.uint16)
     for value, word in zip(values, words, strict=True):
-        convert(value, par, noise, word)
+        convert(value, OIL_K, par, noise, word)
     truth = values * np.array(par.per_unit) + np.array(par.zero)
     rng = np.random.default_rng(0)
     sigma = adc.noise * 4096 / 3
@@ -91,6 +93,19 @@ def test_noise_of_a_tick_is_that_of_averaged_conversions(bench):
     brute = np.rint(truth[..., None] + conversions).mean(axis=-1)
     assert (words / 16 - truth).std() == pytest.approx((brute - truth).std(), rel=0.03)
     assert (words / 16 - truth).mean() == pytest.approx(0, abs=4 * 0.1 / np.sqrt(28_000))
+
+
+def test_the_oil_temperature_is_the_eighth_word_and_changes_no_other(exact):
+    """0 to 100 degC are 0 to 10 V, of which an amplifier of 0.3 leaves 3 V."""
+    sensor = TemperatureSensor(span="100 K", lowest="0 degC", output="10 V", amplifier=0.3)
+    with_oil = exact.model_copy(update={"temperature": sensor})
+    words = np.zeros(8, dtype=np.uint16)
+    convert(VALUES, OIL_K, sensor_parameters(with_oil), new_noise(0), words)
+    assert words[7] == round(16 * 4096 * 0.45)
+    gain, offset = sensor_gains(with_oil)["temp_tank"]
+    assert gain * words[7] / 16 + offset == pytest.approx(OIL_K, abs=gain / 32)
+    np.testing.assert_array_equal(words[:7], words_of(VALUES, exact))
+    assert "temp_tank" not in sensor_gains(exact)
 
 
 def test_same_seed_same_bytes(bench):

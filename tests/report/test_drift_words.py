@@ -3,7 +3,7 @@
 import pytest
 
 from hbench.records import Drift
-from hbench.report.drift import drift_advice, drift_table, drift_words
+from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
 
 MEASURED = {
     "basis": "time",
@@ -37,6 +37,21 @@ MEASURED = {
 )  # fmt: skip
 def test_the_words_have_the_size_the_test_and_the_plan(changes, words):
     assert words in drift_words(Drift(**MEASURED | changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"temp_change_k": 12.34}, "Meanwhile the oil temperature rose by 12.3 K."),
+        ({"temp_change_k": 9.0, "temp_correlation": -0.93, "temp_p": 1e-9},
+         "by 9.0 K; within the points, friction falls as it rises (correlation −0.93, p < 0.0001)"),
+        ({"temp_change_k": -4.0, "temp_correlation": 0.05, "temp_p": 0.7},
+         "fell by 4.0 K; within the points, friction does not correlate with it (correlation 0.05"),
+        ({}, ""),
+    ],
+)  # fmt: skip
+def test_the_oil_is_named_beside_the_drift(changes, words):
+    assert words in drift_with_oil(Drift(**MEASURED | changes))
 
 
 def test_the_advice_is_a_random_order_where_the_plan_does_not_separate_drift_from_speed():

@@ -62,6 +62,10 @@ def texts(table):
     return [dict(zip(table.head, (cell.text for cell in row), strict=True)) for row in table.rows]
 
 
+def known(means):
+    return {name: value for name, value in vars(means).items() if value is not None}
+
+
 def test_its_runs_are_those_of_the_import(make, tmp_path, clock):
     logs, map_file = make(
         {
@@ -78,7 +82,7 @@ def test_its_runs_are_those_of_the_import(make, tmp_path, clock):
     assert [run.run.plan for run in previewed] == [run.run.plan for run in imported]
     assert [run.reasons for run in previewed] == [run.reasons for run in imported]
     for here, there in zip(previewed, imported, strict=True):
-        assert vars(here.means) == pytest.approx(vars(there.means), rel=1e-12)
+        assert known(here.means) == pytest.approx(known(there.means), rel=1e-12)
     first, second = texts(file_table(preview))
     assert (first["Accepted"], first["Reasons to reject"]) == (first["Runs"], "")
     assert (

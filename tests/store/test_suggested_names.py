@@ -96,7 +96,21 @@ MEANINGS = {
     "p_s_pa": ("Ps", "Systemdruck", "supply pressure", "p_sys"),
     "f_applied_n": ("F_kN", "Kraft [kN]", "Load cell", "Kraftmessdose", "Druckkraft", "Load"),
     "u_t_v": ("u", "valve command", "Ventilspannung"),
-    "": ("Temp_Oil", "x_ref", "FlowA", "Index", "Joystick", "Untitled", "M(:,1)", "error x"),
+    "temp_tank_k": ("Temp_Oil", "T_oil [°C]", "Öltemperatur", "Tank temperature (degC)"),
+    "temp_port_k": ("T_Port_A (°C)", "Temperatur Anschluss A"),
+    "temp_seal_k": ("seal temp", "Temperatur Dichtung [°C]"),
+    "": (
+        "T_amb [°C]",
+        "Oil temp setpoint",
+        "oil_pressure",
+        "x_ref",
+        "FlowA",
+        "Index",
+        "Joystick",
+        "Untitled",
+        "M(:,1)",
+        "error x",
+    ),
 }
 
 
@@ -120,7 +134,7 @@ def test_a_unit_of_another_quantity_contradicts_the_name():
         ("sec", "s"),
         ("bar(g)", "bar"),
         ("mm/sec", "mm/s"),
-        ("°C", None),
+        ("°C", "degC"),
         ("-", None),
         ("pa", "Pa"),
         ("pA", None),  # the pressure at port A

@@ -12,7 +12,7 @@
  * is too high to charge the sampling capacitor in that time; each step adds 40 ns. */
 #define WINDOW 0u
 
-HB_ASSERT(a_pass_holds_each_sensor_twice, 2u * HB_SENSORS <= SLOTS);
+HB_ASSERT(a_pass_holds_each_input_twice, 2u * HB_INPUTS <= SLOTS);
 HB_ASSERT(the_sum_is_the_mean_in_sixteenths, 2u * PASSES * 4095u == HB_ADC_FULL_SCALE);
 
 void hb_adc_start(void)
@@ -26,11 +26,11 @@ void hb_adc_start(void)
     hb_wait(5000u);
     hb_write(HB_ADCTRL1, HB_ADCTRL1_CASCADED | (WINDOW << HB_ADCTRL1_ACQ_PS));
     hb_write(HB_ADCMAXCONV, SLOTS - 1u);
-    /* Inputs of the slots, four bits each, lowest first: A0 to A6, A0 to A6, A7, A7. */
+    /* Inputs of the slots, four bits each, lowest first: A0 to A7, A0 to A7. */
     hb_write(HB_ADCCHSELSEQ1, 0x3210u);
-    hb_write(HB_ADCCHSELSEQ1 + 1u, 0x0654u);
-    hb_write(HB_ADCCHSELSEQ1 + 2u, 0x4321u);
-    hb_write(HB_ADCCHSELSEQ1 + 3u, 0x7765u);
+    hb_write(HB_ADCCHSELSEQ1 + 1u, 0x7654u);
+    hb_write(HB_ADCCHSELSEQ1 + 2u, 0x3210u);
+    hb_write(HB_ADCCHSELSEQ1 + 3u, 0x7654u);
     hb_write(HB_ADCST, HB_ADCST_CLEAR_SEQ1);
     hb_write(HB_ADCTRL2, HB_ADCTRL2_RESET_SEQ1);
     hb_write(HB_ADCTRL2, HB_ADCTRL2_EPWM_SOCA | HB_ADCTRL2_INTERRUPT);
@@ -62,12 +62,12 @@ static bool pass_is_over(void)
     return true;
 }
 
-bool hb_adc_read(hb_u16 words[HB_SENSORS])
+bool hb_adc_read(hb_u16 words[HB_INPUTS])
 {
     bool converted = true;
 
     hb_write(HB_ETCLR, HB_ET_SOCA);
-    for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+    for (hb_u16 i = 0; i < HB_INPUTS; i++) {
         words[i] = 0;
     }
     for (hb_u16 pass = 0; pass < PASSES && converted; pass++) {
@@ -78,9 +78,9 @@ bool hb_adc_read(hb_u16 words[HB_SENSORS])
             hb_write(HB_ADCTRL2, HB_ADCTRL2_START);
         }
         converted = pass_is_over();
-        for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+        for (hb_u16 i = 0; i < HB_INPUTS; i++) {
             words[i] = (hb_u16)(words[i] + hb_read((hb_u16)(HB_ADCRESULT + i))
-                                + hb_read((hb_u16)(HB_ADCRESULT + HB_SENSORS + i)));
+                                + hb_read((hb_u16)(HB_ADCRESULT + HB_INPUTS + i)));
         }
     }
     hb_write(HB_ADCST, HB_ADCST_CLEAR_SEQ1);

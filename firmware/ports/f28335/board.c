@@ -16,8 +16,10 @@
 #define DEAD_US 3000u
 #define DEAD_TICKS 50u
 
-/* 15 360 words of 16 bits, in L4 to L7. */
+/* 16 384 words of 16 bits: all of L4 to L7. */
+#ifndef RING_RECORDS
 #define RING_RECORDS 1024u
+#endif
 HB_ASSERT(ring_size_is_valid, HB_RING_SIZE_IS_VALID(RING_RECORDS));
 HB_ASSERT(ring_fits_l4_to_l7, RING_RECORDS * HB_RECORD_WORDS <= 16384u);
 
@@ -49,7 +51,7 @@ static HB_INTERRUPT void receive(void)
 static HB_INTERRUPT void control(void)
 {
     static const hb_i16 neutral[HB_VALVES] = {0, 0, 0};
-    hb_u16 words[HB_SENSORS];
+    hb_u16 words[HB_INPUTS];
     hb_i16 codes[HB_VALVES];
     const hb_u16 now = hb_microseconds();
     const bool late = (hb_u16)(now - tick_us) > LATE_US;

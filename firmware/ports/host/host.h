@@ -12,7 +12,7 @@ typedef struct hb_host hb_host;
 hb_host *hb_host_create(uint16_t boots, uint32_t baud);
 void hb_host_destroy(hb_host *host);
 
-/* One control tick: HB_SENSORS converter words in, HB_VALVES DAC codes out. */
+/* One control tick: HB_INPUTS converter words in, HB_VALVES DAC codes out. */
 void hb_host_tick(hb_host *host, const uint16_t *adc, int16_t *dac);
 
 /* Reports a late control interrupt. */

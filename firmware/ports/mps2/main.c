@@ -23,9 +23,9 @@ enum { ORDER_TICK = 1, ORDER_POLL = 2, ORDER_RECEIVE = 3 };
 
 /* As on the semihosting link: little-endian, without padding. */
 typedef struct {
-    uint16_t code;
-    uint16_t adc[HB_SENSORS];
+    uint32_t code;
     uint32_t uart_octets; /* sent to UART0 since reset */
+    uint16_t adc[HB_INPUTS];
 } order;
 
 typedef struct {
@@ -34,7 +34,7 @@ typedef struct {
     uint32_t clocks; /* of the SysTick during the order */
 } answer;
 
-HB_ASSERT(order_has_no_padding, sizeof(order) == 2u + 2u * HB_SENSORS + 4u);
+HB_ASSERT(order_has_no_padding, sizeof(order) == 4u + 4u + 2u * HB_INPUTS);
 HB_ASSERT(answer_has_no_padding, sizeof(answer) == 2u + 2u * HB_VALVES + 4u);
 
 /* Counts down at 25 MHz of emulated time. */

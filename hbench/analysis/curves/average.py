@@ -7,7 +7,8 @@ from statistics import fmean
 import numpy as np
 
 from hbench.analysis.statistics.student import student_factor
-from hbench.records import Curve, CurvePoint, RunPlan, ScreenedRun
+from hbench.records import TEMPERATURES, Curve, CurvePoint, RunPlan, ScreenedRun
+from hbench.records.flow import TemperatureSensor
 
 
 def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
@@ -22,6 +23,7 @@ def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
     file) are averaged first, since they have the same set-up and are not independent.
     """
     usable = [run for run in screened if run.accepted and run.means is not None]
+    sensor = temperature_sensor(usable)
     return tuple(
         Curve(
             kind=runs[0].run.plan.kind,
@@ -33,13 +35,29 @@ def curves(screened: Iterable[ScreenedRun]) -> tuple[Curve, ...]:
             specimen=runs[0].run.plan.specimen,
             points=tuple(
                 sorted(
-                    (_point(group) for group in _grouped(runs, lambda plan: plan.v_ref_m_s)),
+                    (
+                        _point(group, sensor)
+                        for group in _grouped(runs, lambda plan: plan.v_ref_m_s)
+                    ),
                     key=lambda point: abs(point.v_m_s),
                 )
             ),
         )
         for runs in _in_order(_grouped(usable, _series))
     )
+
+
+def temperature_sensor(screened: Iterable[ScreenedRun]) -> TemperatureSensor | None:
+    """Return the field of the oil's temperature that results take, or None if there is none.
+
+    It is the sensor nearest to the seal that all accepted runs have, or else that any of them has.
+    """
+    means = [run.means for run in screened if run.accepted and run.means is not None]
+    for enough in (all, any):
+        for name in TEMPERATURES if means else ():
+            if enough(getattr(mean, name) is not None for mean in means):
+                return name
+    return None
 
 
 def student_interval(values: np.ndarray) -> float | None:
@@ -83,7 +101,7 @@ def _grouped(
     return list(groups.values())
 
 
-def _point(runs: list[ScreenedRun]) -> CurvePoint:
+def _point(runs: list[ScreenedRun], temperature: str | None) -> CurvePoint:
     trials = _grouped(runs, lambda plan: plan.trial)
 
     def of_trials(name: str) -> np.ndarray:
@@ -91,9 +109,14 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
 
     friction, f_test = of_trials("friction_n"), of_trials("f_test_n")
 
+    def is_known(name: str) -> bool:
+        return all(getattr(run.means, name) is not None for run in runs)
+
     def mean_pressure(name: str) -> float | None:
-        known = all(getattr(run.means, name) is not None for run in runs)
-        return float(of_trials(name).mean()) if known else None
+        return float(of_trials(name).mean()) if is_known(name) else None
+
+    measured = temperature is not None and is_known(temperature)
+    temps_k = of_trials(temperature) if measured and temperature else np.zeros(0)
 
     return CurvePoint(
         v_m_s=float(of_trials("v_m_s").mean()),
@@ -109,6 +132,8 @@ def _point(runs: list[ScreenedRun]) -> CurvePoint:
         trials_f_test_n=tuple(f_test.tolist()),
         runs=tuple(run.run.plan.run for run in runs),
         trials_work_j=_works(trials),
+        temp_k=float(temps_k.mean()) if measured else None,
+        trials_temp_k=tuple(temps_k.tolist()),
     )
 
 

@@ -22,7 +22,10 @@ RUN_FIELDS = {
     "u_l1": "u_l1_v",
     "u_l2": "u_l2_v",
     "v_ref": "v_ref_m_s",
+    "temp_tank": "temp_tank_k",
 }
+# Logged also without a sensor; no reading of it makes a run doubtful.
+OPTIONAL_INPUTS = ("temp_tank",)
 # Channels that are not sensors, with their units; sensors are logged in counts.
 WORD_UNITS = {"v": "m/s", "v_ref": "m/s", "u_t": "V", "u_l1": "V", "u_l2": "V"}
 BOOKKEEPING = ("run", "index", "flags")
@@ -42,9 +45,9 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
     t = (index + 1/2) / rate. All channels have this delay.
 
     At a limit of its converter, the true value is beyond the range: such records are marked as
-    ``sensor_saturated``, even if the board did not mark them. Pressure and position inputs saturate
-    at 3 V of 3.16 V, which is 9.49 V of the transducer's 10 V (appendix B; the amplifier's gain is
-    too large).
+    ``sensor_saturated``, even if the board did not mark them; a temperature is NaN there. Pressure
+    and position inputs saturate at 3 V of 3.16 V, which is 9.49 V of the transducer's 10 V
+    (appendix B; the amplifier's gain is too large).
 
     Records of another run and records out of order are left out, and reported in
     ``Run.truncated``. Raises ``DataError`` unless the log has the channels of a run.
@@ -58,7 +61,12 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
         RUN_FIELDS[channel.name]: _to_si(words[:, number], channel, gains)
         for number, channel in enumerate(raw.channels)
         if channel.name not in BOOKKEEPING
+        and (channel.name in gains or channel.name not in OPTIONAL_INPUTS)
     }
+    top = 2**bench.sensors.adc.bits - 1
+    for number, channel in enumerate(raw.channels):
+        if channel.name in OPTIONAL_INPUTS and RUN_FIELDS[channel.name] in channels:
+            channels[RUN_FIELDS[channel.name]][_at_limit(words[:, number], channel, top)] = np.nan
     flags = words[:, column["flags"]]
     bits = {
         name: (flags >> raw.flags.index(name) & 1).astype(bool)
@@ -125,10 +133,13 @@ def _saturated(raw: RawRun, words: np.ndarray, bench: Bench) -> np.ndarray:
     top = 2**bench.sensors.adc.bits - 1
     saturated = np.zeros(len(words), dtype=bool)
     for number, channel in enumerate(raw.channels):
-        if channel.unit == "count" and channel.name not in BOOKKEEPING:
-            column = words[:, number]
-            saturated |= (column == 0) | (column >= round(top / channel.scale))
+        if channel.unit == "count" and channel.name not in (*BOOKKEEPING, *OPTIONAL_INPUTS):
+            saturated |= _at_limit(words[:, number], channel, top)
     return saturated
+
+
+def _at_limit(column: np.ndarray, channel: LogChannel, top: int) -> np.ndarray:
+    return (column == 0) | (column >= round(top / channel.scale))
 
 
 def _records_of_run(raw: RawRun, column: dict[str, int]) -> tuple[np.ndarray, list[str]]:

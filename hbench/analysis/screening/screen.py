@@ -25,7 +25,7 @@ from hbench.analysis.screening.steady_window import (
 from hbench.analysis.uncertainty.efficiency import SteadyForces, efficiency_of
 from hbench.config.schedule import Screening
 from hbench.motion.speeds import mean_speed, noise_over_motion
-from hbench.records import KINDS, Run, ScreenedRun, SteadyMeans
+from hbench.records import KINDS, TEMPERATURES, Run, ScreenedRun, SteadyMeans
 
 # Codes of the reasons, the most fundamental first. A reason reads "code: fault, value, limit".
 CODES = (
@@ -248,6 +248,7 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
         p_tp_pa=p_tp,
         p_tr_pa=p_tr,
         efficiency=efficiency,
+        **{name: _known_mean(getattr(run, name), window) for name in TEMPERATURES},
     )
 
 
@@ -266,3 +267,9 @@ def _stroke_work(run: Run, rules: Screening) -> float | None:
 
 def _mean(values: np.ndarray | None, window: slice) -> float | None:
     return None if values is None else float(np.mean(values[window]))
+
+
+def _known_mean(values: np.ndarray | None, window: slice) -> float | None:
+    """Return the mean of the samples with a value; None if there are none."""
+    known = np.zeros(0) if values is None else values[window][np.isfinite(values[window])]
+    return float(np.mean(known)) if len(known) else None

@@ -42,9 +42,9 @@ from scipy.special import stdtr
 from hbench.analysis.statistics.student import student_factor
 from hbench.records import Curve, CurvePoint, Drift, Grade, QualityCheck, ScreenedRun
 from hbench.records.numbers import NORMAL_95
+from hbench.records.summary import SEPARATED_VIF
 
-LARGEST_VIF = 5.0  # of a plan that separates drift from speed
-LARGEST_SHARE = 0.25  # likewise
+LARGEST_SHARE = 0.25  # of a plan that separates drift from speed
 _GOOD, _POOR = 5.0, 15.0  # change over the campaign, % of friction; as for repeatability
 _LEAST_DOF = 2
 _HOUR_S = 3600.0
@@ -78,6 +78,7 @@ class _Trials:
     speed_m_s: np.ndarray
     t: np.ndarray
     friction_n: np.ndarray  # positive against the motion
+    temp_k: np.ndarray  # NaN where it was not measured
 
 
 def friction_drift(
@@ -92,7 +93,7 @@ def friction_drift(
     trials = _trials(curves, {run.run.plan.run: run.run.plan.trial for run in runs}, clock)
     if not len(trials.t):
         return None
-    tau = _within(trials.t, trials.point)
+    tau = within(trials.t, trials.point)
     spread, points = float(tau @ tau), len(np.unique(trials.point))
     dof = len(tau) - points - 1
     if dof < _LEAST_DOF or spread == 0.0:
@@ -100,7 +101,7 @@ def friction_drift(
     mean_n = np.abs(_means(trials.friction_n, trials.point))
     if not np.median(mean_n) > 0.0:
         return None
-    deviation = _within(trials.friction_n, trials.point)
+    deviation = within(trials.friction_n, trials.point)
     relative = _is_relative(deviation, mean_n)
     y = deviation / mean_n if relative else deviation
     rate = float(tau @ y) / spread
@@ -110,9 +111,10 @@ def friction_drift(
     span = _span(curves, clock)
     percent = 100.0 if relative else 100.0 / float(np.median(mean_n))
     hour = _HOUR_S if clock.known else None
-    in_curve = _within(trials.t, trials.curve)
+    in_curve = within(trials.t, trials.curve)
     vif = float(in_curve @ in_curve) / spread
     share = _speed_share(trials, span)
+    warming, correlation, temp_p = _with_temperature(trials, y, span, dof)
     return Drift(
         basis="time" if clock.known else "order",
         scale="relative" if relative else "absolute",
@@ -128,7 +130,10 @@ def friction_drift(
         trials=len(tau),
         speed_vif=vif,
         speed_share=share,
-        separated=vif <= LARGEST_VIF and abs(share) <= LARGEST_SHARE,
+        separated=vif <= SEPARATED_VIF and abs(share) <= LARGEST_SHARE,
+        temp_change_k=warming,
+        temp_correlation=correlation,
+        temp_p=temp_p,
     )
 
 
@@ -192,15 +197,35 @@ def _trials(curves: Sequence[Curve], trial_of: Mapping[str, int], clock: RunCloc
             for run in point.runs:
                 times[trial_of[run]].append(clock.times[run])
             sign = 1.0 if point.v_m_s >= 0 else -1.0
-            for trial, friction in zip(point.trials, point.trials_n, strict=True):
+            temps = point.trials_temp_k or (np.nan,) * point.n
+            for trial, friction, temp in zip(point.trials, point.trials_n, temps, strict=True):
                 speed = abs(point.v_m_s)
-                rows.append((i, number, speed, fmean(times[trial]), sign * friction))
+                rows.append((i, number, speed, fmean(times[trial]), sign * friction, temp))
     return _Trials(*np.array(rows, dtype=float).reshape(-1, len(fields(_Trials))).T)
+
+
+def _with_temperature(
+    trials: _Trials, y: np.ndarray, span: float, dof: int
+) -> tuple[float | None, float | None, float | None]:
+    """Return the oil's linear change over ``span`` [K], its correlation with friction, and p.
+
+    ``y`` (n,) are the trials' deviations from their points; temperature is taken as these.
+    """
+    if not np.isfinite(trials.temp_k).all():
+        return None, None, None
+    t = trials.t - trials.t.mean()
+    change = float(t @ trials.temp_k / (t @ t)) * span
+    deviation = within(trials.temp_k, trials.point)
+    size = float(np.sqrt((deviation @ deviation) * (y @ y)))
+    if size == 0.0:
+        return change, None, None
+    r = min(max(float(deviation @ y) / size, -1.0), 1.0)
+    return change, r, _p_value(r, float(np.sqrt((1.0 - r**2) / dof)), dof)
 
 
 def _speed_share(trials: _Trials, span: float) -> float:
     """Return the share of ``span`` between the slowest and the fastest speed of a curve."""
-    v = _within(trials.speed_m_s, trials.curve)
+    v = within(trials.speed_m_s, trials.curve)
     if not v.any():
         return 0.0
     reach = max(np.ptp(trials.speed_m_s[trials.curve == i]) for i in np.unique(trials.curve))
@@ -213,7 +238,7 @@ def _means(values: np.ndarray, group: np.ndarray) -> np.ndarray:
     return (np.bincount(index, values) / np.bincount(index))[index]
 
 
-def _within(values: np.ndarray, group: np.ndarray) -> np.ndarray:
+def within(values: np.ndarray, group: np.ndarray) -> np.ndarray:
     """Return the deviations from the means of the groups (n,)."""
     return values - _means(values, group)
 

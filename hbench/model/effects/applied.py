@@ -16,6 +16,8 @@ from hbench.model.states import P_LP, P_LR, P_TP, P_TR, SPOOL_L1, SPOOL_L2, SPOO
 LEAST_DRY = 0.1  # of the law's dry friction, a lower limit of effects: friction stays passive
 
 _STATES = sum(row.states for row in EFFECTS.values())
+# Place of the oil's warming among the effects' states.
+_WARMTH = sum(row.states for row in list(EFFECTS.values())[: list(EFFECTS).index("oil_warming")])
 
 
 def compose(place: str, effects: Mapping[str, Effect]) -> Callable:
@@ -76,6 +78,14 @@ def oil(state: np.ndarray, par: PlantParameters, effects: Any, rates: np.ndarray
     if effects is None:
         return constant
     return _oil(constant, bristles_end(par), state, rates, par)
+
+
+@inlined
+def oil_temperature(state: np.ndarray, par: PlantParameters, effects: Any) -> float:
+    """Return the oil's temperature in the tank [K]: that at the start and the warming since."""
+    if effects is None:
+        return par.oil_k
+    return par.oil_k + state[bristles_end(par) + _WARMTH]
 
 
 @inlined

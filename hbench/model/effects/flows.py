@@ -226,7 +226,7 @@ def warmth(
     P = P_s Q drawn from the supply: all of it ends as heat. So does what the pump drives over its
     relief valve, whatever the bench draws: theta_0, from the session's start on. c: R [K/W],
     theta_0 [K], tau [s], k [1/K]; the exponential is that of Vogel and Barus near one temperature.
-    Fluidity scales laminar leaks.
+    Fluidity scales laminar leaks. A sensor in the tank shows ``oil.temperature`` + theta.
     """
     rise, pump, tau, k = c
     if rise == 0.0 and pump == 0.0:

@@ -18,11 +18,15 @@ def method_section(results: Results) -> Section:
     laws = {fit.law for curve in results.curves for fit in curve.fits}
     laws |= {fit.law for joint in results.joint_fits for fit in joint.fits}
     motions = results.motions
+    reduction = results.oil_temperature.reduction if results.oil_temperature else None
     efficient = any(p.efficiency is not None for c in results.efficiency for p in c.points)
     selections = [curve.selection for curve in results.curves]
     selections += [joint.selection for joint in results.joint_fits]
     applies = {
         "Drift": results.drift is not None,
+        "Oil temperature": results.oil_temperature is not None,
+        "Reduction to a reference temperature": reduction is not None,
+        "Hersey number": any(p.hersey_m is not None for c in results.curves for p in c.points),
         "Working speed": "steady_curve" in analyses,
         "Breakaway": "ramp_curve" in analyses or "tustin" in laws,
         **{_of_law(law): law.name in laws for law in FRICTION_LAWS.values()},
@@ -78,6 +82,21 @@ _NUMBERS = {
     "from speed. A significant drift d with standard error u(d) adds u = |t_point − t_mean| "
     "√(d² + u(d)²) to a point's interval: U_95² + (1.96 u)² (JCGM 100:2008, F.2.4.5 and "
     "equation 10). The drift is taken as a straight line over time.",
+    "Oil temperature": "Of a run: the mean over its steady window, of the sensor nearest to the "
+    "seal that all accepted steady runs have.",
+    "Reduction to a reference temperature": "Viscosity η = ν ρ from the two points of the oil's "
+    "record by ASTM D341, log log (ν + 0.7) = A − B log T. With r = η(T)/η(T_ref), the deviations "
+    "of a point's trials from their mean are fitted by (c_0 + c_1 |v|) times those of r, by least "
+    "squares for all loads of a direction: c_1 is viscous friction at the reference temperature if "
+    "the record is right, c_0 the part that depends on viscosity at any speed. Reduced friction "
+    "is that measured less (c_0 + c_1 |v|)(r − 1); its uncertainty contains that of c_0 and c_1. "
+    "Friction is left as measured where the order of the runs does not separate temperature from "
+    "speed (variance inflation of r above 5), where the reference temperature is further away than "
+    "the measured range is wide, and where the correction is less than its uncertainty and this is "
+    "above 5 % of friction.",
+    "Hersey number": "η |v| / p with the higher of the two chamber pressures, which presses on the "
+    "piston seal; the preload of the seal is not included. Divided by the width of the contact, "
+    "which is not known, it would have no dimension (M. D. Hersey, 1914).",
     "Working speed": "The median of the measured speeds, or the value of --speed. The measured "
     "point next to it is used, up to a distance of {tolerance:g} %; nothing is interpolated. Where "
     "all curves have a single speed, each has its own unless --speed is given.",

@@ -16,6 +16,7 @@ from hbench.report.campaign.method import method_section
 from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.settings import settings_section
 from hbench.report.campaign.summary import summary_section
+from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number
@@ -72,6 +73,7 @@ def report_document(
         summary_section(results),
         _friction(results, figures.get("friction", ())),
         *_fits(results),
+        *temperature_section(results, figures.get("temperature", ())),
         *_moving(results, figures),
         *_budget(results),
         *_efficiency(results, figures.get("efficiency", ())),

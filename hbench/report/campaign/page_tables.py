@@ -32,6 +32,8 @@ def point_table(results: Results) -> Table:
         "F_applied (N)",
         "p_Tp (bar)",
         "p_Tr (bar)",
+        _OIL,
+        _HERSEY,
     )
     rows: list[tuple[str | Cell, ...]] = [
         (
@@ -47,6 +49,8 @@ def point_table(results: Results) -> Table:
             number(point.f_applied_n),
             _bar(point.p_tp_pa),
             _bar(point.p_tr_pa),
+            "" if point.temp_k is None else number(from_si(point.temp_k, "degC"), 1),
+            "" if point.hersey_m is None else significant(1e9 * point.hersey_m, 3),
         )
         for curve in without_common_rod_pressure(results.curves)
         for point in curve.points
@@ -224,6 +228,7 @@ def remark_table(results: Results) -> Table:
 
 
 _ROD_SIDE = "P_Lr (bar)"
+_OIL, _HERSEY = "Oil (°C)", "η|v|/p (nm)"
 WHO = ("Label", "Kind", "Direction", "Load F_L (N)", _ROD_SIDE)
 BALANCE = "Coulomb and viscous friction from both directions"
 OF_DIRECTIONS = ("Friction extending (N)", "Friction retracting (N)")
@@ -232,6 +237,7 @@ _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
 _WHERE_GIVEN = (
     *("Label", "Kind", _ROD_SIDE, "Remark"),
     *("U95 with instruments (N)", "Energy of a cycle (J)"),
+    *(_OIL, _HERSEY),
 )
 
 

@@ -8,6 +8,7 @@ import json
 from typing import Any
 
 from hbench.records import (
+    TEMPERATURES,
     Band,
     BandTrend,
     Breakaway,
@@ -24,6 +25,7 @@ from hbench.records import (
     Results,
     ScreenedRun,
     Selection,
+    ViscosityEffect,
 )
 from hbench.report.json_documents.layout import (
     Constant,
@@ -47,6 +49,7 @@ _PLAN = (*SERIES[:3], "v_ref_m_s", "a_ref_m_s2", "f_load_n", "p_lr_ref_pa", "tri
 _MEANS = (
     *("friction_n", "efficiency", "f_test_n", "f_applied_n", "p_tp_pa", "p_tr_pa"),
     *("t_start_s", "t_stop_s", "n"),
+    *TEMPERATURES,
 )
 
 
@@ -65,7 +68,7 @@ LAYOUTS: Layouts = {
         "leakage": "motions.leakages",
         **{name: f"motions.{name}" for name in ("breakaways", "dwell_laws", "zero_checks")},
         "surfaces": "motions.surfaces",
-        **keys("drift", "headline", "quality", "fit_verdicts", "notes"),
+        **keys("drift", "oil_temperature", "headline", "quality", "fit_verdicts", "notes"),
     },
     ScreenedRun: {
         "run": "run.plan.run",
@@ -81,6 +84,7 @@ LAYOUTS: Layouts = {
     Curve: {
         **keys(*SERIES),
         "factors": "factor_values",
+        "temp_range_k": "temp_range_k",
         **keys("specimen", "points", "fits", "selection"),
     },
     Fit: all_fields(
@@ -97,6 +101,7 @@ LAYOUTS: Layouts = {
     },
     EfficiencyCurve: keys(*SERIES, "points", "mean"),
     EfficiencyPoint: all_fields(EfficiencyPoint, reason=NullIfEmpty("reason")),
+    ViscosityEffect: all_fields(ViscosityEffect, determined="determined"),
     QualityCheck: all_fields(QualityCheck, without=("drift",)),
     Band: all_fields(Band, without=("extend", "retract", "factors")),
     BandTrend: {

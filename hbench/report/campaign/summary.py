@@ -15,7 +15,8 @@ from hbench.report.campaign.quality import (
     quality_table,
     short_point_table,
 )
-from hbench.report.drift import drift_advice, drift_table, drift_words
+from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
+from hbench.report.oil_temperature import temperature_words
 from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import alike, number, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
@@ -40,7 +41,9 @@ def summary_section(results: Results) -> Section:
     folded = True if len(series) > _LONG else None
     return Section(
         "Summary",
-        paragraphs=tuple(filter(None, (_measured(results), fits_verdict(results)))),
+        paragraphs=tuple(
+            filter(None, (_measured(results), temperature_words(results), fits_verdict(results)))
+        ),
         tiles=tuple(_tiles(results)),
         parts=(
             *([Section("Each direction and load", tables=tables, folded=folded)] if tables else []),
@@ -58,7 +61,7 @@ def summary_section(results: Results) -> Section:
 def _drift(drift: Drift | None) -> Iterable[Section]:
     if drift is not None:
         said = f"Steady friction changed by {drift_words(drift)}."
-        paragraphs = tuple(filter(None, (said, drift_advice(drift))))
+        paragraphs = tuple(filter(None, (said, drift_with_oil(drift), drift_advice(drift))))
         yield Section(
             "Drift over the campaign", paragraphs, tables=(drift_table(drift),), anchor="drift"
         )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
-from hbench.records import Curve, EfficiencyCurve, Factors, Fit, Results
+from hbench.records import TEMPERATURES, Curve, EfficiencyCurve, Factors, Fit, Results
 from hbench.report.campaign.results_document import SERIES, results_json, row
 from hbench.report.render.csv_text import csv_text
 
@@ -21,12 +21,28 @@ def runs_csv(results: Results) -> str:
 
 def curves_csv(results: Results) -> str:
     """Return one row a point of a friction curve."""
+    return _points_csv(results.curves)
+
+
+def reduced_curves_csv(results: Results) -> str:
+    """Return one row a point of a curve reduced to a reference temperature."""
+    oil = results.oil_temperature
+    reduction = None if oil is None else oil.reduction
+    more = {} if reduction is None else {"temp_ref_k": reduction.t_ref_k}
+    return _points_csv(() if reduction is None else reduction.curves, more)
+
+
+def _points_csv(curves: Iterable[Curve], more: CsvRow | None = None) -> str:
     rows = (
-        (curve.factors, {**_series(curve), **asdict(point), "runs": " ".join(point.runs)})
-        for curve in results.curves
+        (
+            curve.factors,
+            {**_series(curve), **asdict(point), "runs": " ".join(point.runs), **(more or {})},
+        )
+        for curve in curves
         for point in curve.points
     )
-    return _csv(_CURVE_COLUMNS, rows)
+    extra = () if more is None else ("temp_ref_k", "sigma_temperature_n")
+    return _csv((*_CURVE_COLUMNS, *extra), rows)
 
 
 def fits_csv(results: Results) -> str:
@@ -157,11 +173,12 @@ _RUN_COLUMNS = (
     *"accepted reason v_mean_m_s".split(),
     *_MEANS,
     "work_j",
+    *TEMPERATURES,
 )
 _CURVE_COLUMNS = (
     *SERIES,
     *"v_m_s friction_n ci95_n n sigma_instruments_n u95_n u95_dof sigma_drift_n".split(),
-    *"f_test_n f_applied_n p_tp_pa p_tr_pa runs".split(),
+    *"f_test_n f_applied_n p_tp_pa p_tr_pa runs temp_k hersey_m".split(),
 )
 _FIT_COLUMNS = (
     *SERIES,
@@ -191,6 +208,7 @@ TABLES: dict[str, Callable[[Results], str]] = {
     "results.json": results_json,
     "runs.csv": runs_csv,
     "curves.csv": curves_csv,
+    "curves_reduced.csv": reduced_curves_csv,
     "fits.csv": fits_csv,
     "covariances.csv": covariances_csv,
     "efficiency.csv": efficiency_csv,

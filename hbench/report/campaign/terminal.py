@@ -21,6 +21,7 @@ from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.reasons import reason_counts
 from hbench.report.campaign.series_words import kind_words, load_words
 from hbench.report.drift import drift_words
+from hbench.report.oil_temperature import temperature_words
 from hbench.report.render.numbers import short, significant, span, with_interval
 from hbench.report.render.terminal_table import table_lines
 from hbench.report.render.word_tables import Table
@@ -56,6 +57,8 @@ def summary_text(results: Results) -> str:
     notes = [f"note: {note}" for note in results.notes]
     if results.drift is not None:
         notes.insert(0, f"drift: friction changed by {drift_words(results.drift)}")
+    if said := temperature_words(results):
+        notes.insert(0, f"oil: {said.removesuffix('.')}")
     lines += [_joint_words(joint) for joint in results.joint_fits]
     table = ["", *lines] if results.curves else []
     moving = motion_lines(results.motions)

@@ -23,6 +23,9 @@ _WORDS = {
     "v_ref_m_s": ("v_ref", "velocity reference"),
     "p_lr_ref_pa": ("P_Lr,ref", "pressure reference"),
     "p_lp_ref_pa": ("P_Lp,ref", "pressure reference"),
+    "temp_tank_k": ("T_tank", "oil temperature in the tank"),
+    "temp_port_k": ("T_port", "oil temperature at a port of the test cylinder"),
+    "temp_seal_k": ("T_seal", "oil temperature at the test cylinder's seal"),
 }
 
 

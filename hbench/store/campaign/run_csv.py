@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.config.import_layout import ALWAYS, CHANNELS, FLAGS, LIMITS, LONGEST_S, Format
+from hbench.config.import_layout import ALWAYS, CHANNELS, FLAGS, LEAST, LIMITS, LONGEST_S, Format
 from hbench.errors import DataError
 from hbench.records import Run, RunPlan
 from hbench.store.files.number_columns import formatted_rows
@@ -58,12 +58,14 @@ def check_limits(channels: Mapping[str, np.ndarray], table: Table) -> None:
     """Raise ``DataError`` naming the line of a value beyond any physical range."""
     for name, unit in CHANNELS.items():
         values = channels.get(name, np.zeros(0))
-        beyond = np.flatnonzero(np.abs(values) > LIMITS[unit])
+        least = LEAST.get(unit, -LIMITS[unit])
+        beyond = np.flatnonzero((values > LIMITS[unit]) | (values < least))
         if len(beyond):
             row = beyond[0]
+            limit = LIMITS[unit] if values[row] > LIMITS[unit] else LEAST.get(unit, LIMITS[unit])
             raise DataError(
                 f"{table.source}: {table.where(row)}: {name} is {values[row]:.6g} {unit}; "
-                f"limit {LIMITS[unit]:g} {unit}",
+                f"limit {limit:g} {unit}",
                 "Check the unit.",
             )
 

@@ -11,6 +11,7 @@ from hbench.store.importing.resampling import gaps_within, interval_means
 from hbench.store.importing.time_bases import TimeBase
 
 _FASTER = 1.05  # a rate above the position's by this factor is averaged
+_LONGEST_OF_OIL_S = 60.0  # between samples of its temperature, which changes slowly
 _SAME = 1e-6  # of a sampling interval: times that differ by less are equal
 
 
@@ -21,8 +22,9 @@ def aligned(
 
     A channel sampled at the same or a lower rate is linearly interpolated; one sampled at a higher
     rate is averaged over the first base's sampling interval about each of its times, which keeps
-    higher frequencies from aliasing. Values within a gap longer than ``max_gap_s`` are NaN. Samples
-    outside the time range that all channels have in common are left out. Raises ``DataError``.
+    higher frequencies from aliasing. Values within a gap longer than ``max_gap_s`` (60 s for
+    temperatures of the oil) are NaN. Samples outside the time range that all channels have in
+    common are left out. Raises ``DataError``.
     """
     first = bases[0]
     if len(bases) == 1:
@@ -34,10 +36,12 @@ def aligned(
     start, stop = t_s[0], t_s[-1]
     for base in bases[1:]:
         own = _step(base.t_s)
-        if own > max_gap_s:
+        slow = all(key.startswith("temp_") for key in base.channels)
+        longest_s = max(max_gap_s, _LONGEST_OF_OIL_S) if slow else max_gap_s
+        if own > longest_s:
             raise DataError(
                 f"{source}: {', '.join(base.channels)}: {own:.4g} s between samples; "
-                f"limit screening.max_gap = {max_gap_s:g} s",
+                f"limit {'' if slow else 'screening.max_gap = '}{longest_s:g} s",
                 "Increase screening.max_gap in the map to interpolate over longer times.",
             )
         faster = _is_faster(own, step)
@@ -45,7 +49,7 @@ def aligned(
         start, stop = max(start, base.t_s[0] + margin), min(stop, base.t_s[-1] - margin)
         convert = partial(_averaged, step_s=step) if faster else _interpolated
         for key, values in base.channels.items():
-            channels[key] = convert(t_s, base.t_s, values, max_gap_s)
+            channels[key] = convert(t_s, base.t_s, values, longest_s)
         if base.clipped.any():  # one clipped sample makes the value at t_s a clipped one
             clipped |= convert(t_s, base.t_s, base.clipped * 1.0, max_gap_s) > 0
     margin = _SAME * step

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.config.import_layout import CHANNELS
+from hbench.config.import_layout import CHANNELS, LEAST, LIMITS
 from hbench.store.suggesting.choice import GUESS, LIKELY, SURE, Choice
 from hbench.store.suggesting.quantities import Quantity, quantity_of
 from hbench.store.suggesting.samples import SampleColumn
@@ -31,6 +31,9 @@ _QUANTITIES: dict[str, Quantity] = {
     "p_lr_pa": "pressure",
     "v_ref_m_s": "velocity",
     "u_t_v": "valve",
+    "temp_tank_k": "temperature",
+    "temp_port_k": "temperature",
+    "temp_seal_k": "temperature",
 }
 _EXACT, _NAMED, _SUGGESTED = 10.0, 3.0, 1.5  # points of a name for a channel
 _STATED, _SAME_GROUP, _OTHER_GROUP, _WEAKER, _CONSTANT = 1.0, 1.0, -1.5, -1.0, -2.5
@@ -42,6 +45,7 @@ _USUAL_UNITS: dict[Quantity, str] = {
     "pressure": "bar",
     "force": "N",
     "valve": "V",
+    "temperature": "degC",
 }
 _SMOOTH = 0.1  # roughness of a position
 _NEAR_NOMINAL = 0.15  # of a nominal value in a file's name
@@ -125,11 +129,19 @@ def _points(column: SampleColumn, channel: str, group: frozenset[str]) -> float:
     points += _STATED * (column.unit is not None) + _WEAKER * means.is_weaker
     if channel == "u_t_v" and quantity_of(column.unit) != "valve":
         return 0.0  # a command in percent is no voltage
-    if channel not in ("p_tr_pa", "p_s_pa"):
+    if _QUANTITIES[channel] == "temperature" and not _is_plausible(column):
+        return 0.0
+    if channel not in ("p_tr_pa", "p_s_pa") and _QUANTITIES[channel] != "temperature":
         points += _CONSTANT * is_constant(column.known)
     if means.group and group:
         points += _SAME_GROUP if means.group & group else _OTHER_GROUP
     return points - _UNKNOWN_WORD * len(means.group - group)
+
+
+def _is_plausible(column: SampleColumn) -> bool:
+    """Return whether all values are possible temperatures of an oil."""
+    known = parse_unit(column.unit or "degC").to_si(column.known)
+    return len(known) > 0 and LEAST["K"] <= known.min() and known.max() <= LIMITS["K"]
 
 
 def _travel(column: SampleColumn) -> float:
@@ -267,7 +279,7 @@ def _assumed(
         highest = max((_largest_si(choice) for choice in pressures), default=0.0)
         smallest_n = np.pi / 4 * _BORES_M[0] ** 2 * highest
         return ("kN" if largest < smallest_n else "N"), "assumed from its range"
-    return "V", "assumed"
+    return _USUAL_UNITS[_QUANTITIES[channel]], "assumed"
 
 
 def _velocity_factors(column: SampleColumn, position: Choice, time: TimeChoice) -> Iterator[float]:

@@ -8,8 +8,8 @@ from typing import Literal
 from hbench.store.suggesting.units import ANGLES, split_ending, split_unit
 from hbench.units import parse_unit
 
-Quantity = Literal["time", "position", "velocity", "pressure", "force", "valve", ""]
-Side = Literal["piston", "rod", "supply", "load piston", "load rod", ""]
+Quantity = Literal["time", "position", "velocity", "pressure", "force", "valve", "temperature", ""]
+Side = Literal["piston", "rod", "supply", "load piston", "load rod", "tank", "port", "seal", ""]
 
 # A unit of each quantity, for linear and for rotary actuators.
 _UNITS: dict[Quantity, tuple[str, ...]] = {
@@ -19,6 +19,7 @@ _UNITS: dict[Quantity, tuple[str, ...]] = {
     "pressure": ("Pa",),
     "force": ("N", "N m"),
     "valve": ("V",),
+    "temperature": ("K",),
 }
 CHANNEL_OF = {  # of a quantity with its side
     ("time", ""): "t_s",
@@ -31,6 +32,9 @@ CHANNEL_OF = {  # of a quantity with its side
     ("pressure", "load rod"): "p_lr_pa",
     ("force", ""): "f_applied_n",
     ("valve", ""): "u_t_v",
+    ("temperature", "tank"): "temp_tank_k",
+    ("temperature", "port"): "temp_port_k",
+    ("temperature", "seal"): "temp_seal_k",
 }
 
 _UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "å": "aa", "ø": "oe"})
@@ -40,7 +44,8 @@ _PARTS = (
     *("geschwindigkeit", "zeit", "stempel", "seite", "seitig", "sensor", "signal", "aufnehmer"),
     *("dose", "zelle", "mess", "last", "axial", "zug", "soll", "ist", "wert", "ventil", "pumpe"),
     *("system", "versorgung", "ueber", "raum", "kammer", "spannung", "ansteuerung", "stell"),
-    *("groesse", "laser", "laenge", "speise", "motor", "antrieb", "spindel"),
+    *("groesse", "laser", "laenge", "speise", "motor", "antrieb", "spindel", "oel", "tank"),
+    *("temperatur", "dichtung", "anschluss"),
 )
 _COMPOUND = re.compile(rf"(?:(?:{'|'.join(_PARTS)})(?:n|s|en|er)?)+")
 _PART = re.compile("|".join(_PARTS))
@@ -60,6 +65,13 @@ _NEUTRAL = re.compile(
     r"\b(cyl|cylinder|zyl|zylinder|actual|act|ist|mess|meas|measured|sensor|signal|wert|value|data"
     r"|test|channel|kanal|ch|raum|kammer|chamber|side|seite|end|aufnehmer|dose|zelle|cell|ueber"
     r"|piston|kolben|rod|stange|abs|rel|dot|raw|dcv|and|the|of|der|des|im|am)\b"
+)
+# Words of the oil's temperature, and of its place: of the oil itself it is that in the tank.
+_TEMPERATURE = re.compile(r"\b(t|temp|temperature|temperatur)\b")
+_PLACES: tuple[tuple[Side, re.Pattern[str]], ...] = (
+    ("seal", re.compile(r"\b(seal|dichtung)\b")),
+    ("port", re.compile(r"\b(port|inlet|anschluss|zulauf)\b")),
+    ("tank", re.compile(r"\b(oil|oel|fluid|tank|reservoir|sump)\b")),
 )
 # Words of a force that a drive without hydraulics exerts.
 _DRIVE = re.compile(r"\b(motor|drive|antrieb|spindle|spindel|actuator|aktor)\b")
@@ -198,6 +210,10 @@ def words_of(name: str) -> str:
 
 
 def _by_words(words: str, unit: str | None) -> Meaning:
+    place: Side = next((place for place, names in _PLACES if names.search(words)), "")
+    of_oil = place and _TEMPERATURE.search(words) is not None and not _REFERENCE.search(words)
+    if of_oil and (unit is None or _fits("temperature", unit)):
+        return Meaning("temperature", place, is_sure=True, unit=unit)
     if _OTHER.search(words):
         return Meaning("", unit=unit)
     of_unit = quantity_of(unit)
@@ -248,7 +264,7 @@ def _side(words: str) -> Side:
 def _group(words: str, quantity: Quantity, side: Side) -> frozenset[str]:
     rest = _NEUTRAL.sub(" ", _REFERENCE.sub(" ", words))
     if quantity:
-        for pattern in _NAMES[quantity]:
+        for pattern in _NAMES.get(quantity, ()):
             rest = pattern.sub(" ", rest)
     for of_side, pattern in _SIDES:
         if of_side == side:

@@ -166,7 +166,7 @@ def _channels(i: int, time: TimeChoice, choices: Mapping[str, Choice]) -> dict[s
     """Return the channels in SI of file ``i`` that have the time's samples, without gaps."""
     t_s = time.t_s[i]
     values = {
-        channel: choice.column.values[i] * parse_unit(choice.unit).factor * choice.scale
+        channel: parse_unit(choice.unit).to_si(choice.column.values[i] * choice.scale)
         for channel, choice in choices.items()
         if len(choice.column.values[i]) == len(t_s) and choice.scale is not None
     }

@@ -28,6 +28,7 @@ _SPELLINGS = {
     **dict.fromkeys(("mmps", "mm_s", "mm/sec", "mm/sek", "mms", "mm/s"), "mm/s"),
     **dict.fromkeys(("cmps", "cm_s", "cm/s"), "cm/s"),
     **dict.fromkeys(("in/s", "ips", "in_s"), "in/s"),
+    **dict.fromkeys(("degc", "°c", "deg_c", "celsius", "gradcelsius"), "degC"),
     **dict.fromkeys(("deg", "°", "degree", "degrees", "grad"), "deg"),
     **dict.fromkeys(("deg/s", "°/s"), "deg/s"),
     **dict.fromkeys(("rad/s", "1/s"), "rad/s"),

@@ -77,7 +77,7 @@ class Recording:
     def tick(self, words):
         codes = self._firmware.tick(words)
         self.output += struct.pack("<3h", *codes)
-        row, count = struct.pack("<7H", *words), 1
+        row, count = struct.pack("<8H", *words), 1
         if self.rows and self.rows[-1][:1] == b"T" and self.rows[-1][3:] == row:
             count += int.from_bytes(self.rows.pop()[1:3], "little")
         self.rows.append(b"T" + count.to_bytes(2, "little") + row)

@@ -143,11 +143,11 @@ static void play_start(session *s)
 
 static void play_ticks(session *s)
 {
-    hb_u16 adc[HB_SENSORS];
+    hb_u16 adc[HB_INPUTS];
     hb_i16 dac[HB_VALVES];
     const hb_u16 count = next_u16();
 
-    for (hb_u16 i = 0; i < HB_SENSORS; i++) {
+    for (hb_u16 i = 0; i < HB_INPUTS; i++) {
         adc[i] = next_u16();
     }
     for (hb_u16 n = 0; n < count && play_may_tick(); n++) {

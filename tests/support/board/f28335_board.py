@@ -85,7 +85,7 @@ class OnChip:
         return sent
 
     def tick(self, words):
-        self.chip.convert = lambda channel: 0 if channel == 7 else words[channel] // 16
+        self.chip.convert = lambda channel: words[channel] // 16
         before = self.chip.ticks
         while self.chip.ticks == before and not (self.chip.hung or self.chip.was_reset):
             self.chip.run(5)

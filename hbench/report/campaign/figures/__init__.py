@@ -11,6 +11,8 @@ FIGURE_NAMES = (  # of all_figures.FIGURES, for callers that do not draw
     "steps",
     "leakage",
     "breakaway",
+    "friction-reduced",
+    "friction-hersey",
     "efficiency",
     "efficiency-map",
     "rejected",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from hbench.records import KINDS, Results
+from hbench.records import KINDS, OilTemperature, Results
 from hbench.report.campaign.figures.efficiency import efficiency, has_efficiency
 from hbench.report.campaign.figures.efficiency_map import efficiency_map, has_efficiency_map
 from hbench.report.campaign.figures.friction import (
@@ -27,6 +27,12 @@ from hbench.report.campaign.figures.motions import (
     levels,
     loops,
     surfaces,
+)
+from hbench.report.campaign.figures.oil import (
+    friction_hersey,
+    has_hersey,
+    has_reduced,
+    reduced_friction,
 )
 from hbench.report.campaign.figures.pressure import friction_pressure, has_pressures
 from hbench.report.campaign.figures.ramps import comparisons, has_comparisons, has_ramps, ramps
@@ -74,8 +80,16 @@ def _series(results: Results) -> Iterator[tuple[Results, str]]:
             results,
             curves=tuple(curve for curve in steady if curve.label == label),
             efficiency=tuple(curve for curve in results.efficiency if curve.label == label),
+            oil_temperature=_of_label(results.oil_temperature, label),
         )
         yield part, label
+
+
+def _of_label(oil: OilTemperature | None, label: str) -> OilTemperature | None:
+    if oil is None or oil.reduction is None:
+        return oil
+    curves = tuple(curve for curve in oil.reduction.curves if curve.label == label)
+    return replace(oil, reduction=replace(oil.reduction, curves=curves))
 
 
 def _slug(*parts: str) -> str:
@@ -183,6 +197,25 @@ FIGURES = (
         "Mean of the trials with the 95 % Student interval.",
         applies=has_breakaways,
         draw=breakaways,
+    ),
+    FigureKind(
+        name="friction-reduced",
+        section="temperature",
+        caption="Friction over speed, reduced to a reference temperature of the oil. Points: mean "
+        "of the reduced trials with the 95 % Student interval. Bands: expanded uncertainty, that "
+        "of the correction included.",
+        applies=has_reduced,
+        draw=reduced_friction,
+        each_series=True,
+    ),
+    FigureKind(
+        name="friction-hersey",
+        section="temperature",
+        caption="Friction of each trial over its Hersey number η |v| / p: dynamic viscosity at its "
+        "temperature, speed, and the higher of the two chamber pressures.",
+        applies=has_hersey,
+        draw=friction_hersey,
+        each_series=True,
     ),
     FigureKind(
         name="efficiency",

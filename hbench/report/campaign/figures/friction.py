@@ -38,7 +38,7 @@ def over_velocity(results: Results) -> tuple[Curve, ...]:
     return without_common_rod_pressure(curve for curve in chosen if curve.over_velocity)
 
 
-def friction_magnitude(results: Results) -> dict[str, Figure]:
+def friction_magnitude(results: Results, title: str = "Friction") -> dict[str, Figure]:
     """Draw |F| [N] over |v| [mm/s], one figure a direction, with measured less fitted below."""
     curves = over_velocity(results)
     ranks = load_ranks(curves)
@@ -46,7 +46,7 @@ def friction_magnitude(results: Results) -> dict[str, Figure]:
     for direction in DIRECTIONS:
         chosen = [curve for curve in curves if curve.direction == direction]
         if chosen:
-            figures[direction] = _one_direction(results, direction, chosen, ranks)
+            figures[direction] = _one_direction(results, title, direction, chosen, ranks)
     for panel in range(min((len(figure.axes) for figure in figures.values()), default=0)):
         style.share_limits(figure.axes[panel] for figure in figures.values())
     return figures
@@ -141,7 +141,11 @@ def load_legend(figure: Figure, axes: Axes, load: str, curves: Iterable[AnyCurve
 
 
 def _one_direction(
-    results: Results, direction: Direction, curves: list[Curve], ranks: dict[LoadKey, int]
+    results: Results,
+    title: str,
+    direction: Direction,
+    curves: list[Curve],
+    ranks: dict[LoadKey, int],
 ) -> Figure:
     fitted = any(fit.line for curve in curves for fit in curve.fits)
     figure = style.new_figure(height_in=5.4 if fitted else 3.8)
@@ -179,7 +183,7 @@ def _one_direction(
         reach = max(abs(limit) for limit in below.get_ylim())
         below.set_ylim(-reach, reach)
     figure.axes[-1].set_xlabel(_speed_label("Speed |v| (mm/s)", curves))
-    style.head(axes, f"Friction, {style.TITLES[direction].lower()}", results)
+    style.head(axes, f"{title}, {style.TITLES[direction].lower()}", results)
     style.read_as(figure, _READ + (_BANDS if any(map(_has_band, curves)) else ""))
     load_legend(figure, axes, "Load $F_L$", curves)
     return figure

@@ -1,0 +1,1 @@
+"""Friction and the temperature of the oil."""

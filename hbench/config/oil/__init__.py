@@ -1,0 +1,1 @@
+"""The oil: its record, and its viscosity over temperature."""
