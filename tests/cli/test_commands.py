@@ -1,6 +1,7 @@
 """Every command as a user calls it: exit codes, what goes where, what it loads."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -41,6 +42,13 @@ def test_help_loads_nothing_heavy():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     heavy = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic"}
     assert not heavy & set(done.stdout.split())
+
+
+def test_linear_algebra_has_one_thread_unless_the_user_sets_a_number(hbench, monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    hbench("--version")
+    assert [os.environ[f"{name}_NUM_THREADS"] for name in ("OPENBLAS", "OMP")] == ["1", "3"]
 
 
 def test_who_analyzes_and_reports_waits_for_no_compiler_and_no_embedded_font():
