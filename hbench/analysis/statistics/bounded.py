@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from hbench.analysis.rounding import ROUNDING
 
@@ -132,6 +131,8 @@ def _search(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
     """Search over the free parameters; the others stay as in ``x``. Return ``x`` and success."""
+    from scipy.optimize import least_squares  # slow import
+
     if not free.any() or not np.isfinite(sum_of_squares(problem, x)):
         return x, not free.any()
     if np.linalg.norm(problem.residual(x)) <= _EXACT * rounding(problem, x):
