@@ -180,7 +180,10 @@ def _offset(problem: Problem, x: np.ndarray, free: np.ndarray) -> float:
 def _gauss_newton(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
-    """Take Gauss-Newton steps while they reduce the cost inside the bounds; return convergence."""
+    """Take Gauss-Newton steps while they reduce the cost inside the bounds; return convergence.
+
+    It has converged where a step changes the cost by no more than the tolerance.
+    """
     residual = problem.residual(x)
     least = residual @ residual
     for _ in range(_STEPS):
@@ -193,9 +196,9 @@ def _gauss_newton(
             break
         residual = problem.residual(y)
         squares = residual @ residual
-        if not squares <= least:
+        if abs(least - squares) <= tolerance * least:  # up or down
+            return (y if squares < least else x), True
+        if not squares < least:
             break
-        x, decrease, least = y, least - squares, squares
-        if decrease <= tolerance * least:
-            return x, True
+        x, least = y, squares
     return x, False
