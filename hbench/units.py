@@ -7,6 +7,7 @@ names with ``*`` or a space, ``/``, ``^`` and parentheses: ``N s/m``, ``V/(Pa s)
 
 import math
 import re
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 Dimension = tuple[int, ...]  # exponents of (m, kg, s, V, K)
@@ -82,6 +83,7 @@ _PRINTED = str.maketrans({"²": "^2", "³": "^3", "·": " ", "°": "deg"})  # ty
 _TOKEN = re.compile(r"\s*(?:([A-Za-z%]+|1)|(\^)\s*(-?\d+)|([*/()])|$)")
 
 
+@lru_cache(maxsize=1024)
 def parse_unit(text: str) -> Unit:
     """Return the unit of an expression. Raises ``ValueError`` with the invalid part."""
     if len(text) > _LONGEST:

@@ -17,12 +17,15 @@ import yaml
 from hypothesis import settings
 
 from hbench import workflow
+from hbench.parallel.one_thread import ONE_THREAD
 
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT))  # for ``tests.support``; behind the installed hbench
 
 settings.register_profile("patient", deadline=None)  # a busy machine is no failure
 settings.load_profile("patient")
+
+os.environ |= ONE_THREAD  # before numpy is imported; xdist has a process on each core
 
 yaml.SafeLoader = yaml.CSafeLoader  # ten times as fast
 

@@ -67,14 +67,17 @@ def folder_of(module: str) -> str:
     return module if is_folder else module.rpartition(".")[0]
 
 
-IMPORTS = {own_name(path): imported_modules(path) - {own_name(path)} for path in FILES}
+@pytest.fixture(scope="module")
+def imports():
+    """The modules that each module imports."""
+    return {own_name(path): imported_modules(path) - {own_name(path)} for path in FILES}
 
 
-def test_modules_import_only_from_lower_rows():
-    assert {room(module) for module in IMPORTS} == set().union(*ROWS)
+def test_modules_import_only_from_lower_rows(imports):
+    assert {room(module) for module in imports} == set().union(*ROWS)
     wrong = [
         f"{module} imports {other}"
-        for module, others in IMPORTS.items()
+        for module, others in imports.items()
         for other in others
         if room(other) != room(module)
         and not row(room(other)) < row(room(module))
@@ -83,13 +86,13 @@ def test_modules_import_only_from_lower_rows():
     assert not wrong
 
 
-def test_no_modules_import_each_other_in_a_circle():
-    TopologicalSorter(IMPORTS).prepare()  # raises CycleError
+def test_no_modules_import_each_other_in_a_circle(imports):
+    TopologicalSorter(imports).prepare()  # raises CycleError
 
 
-def test_no_folders_import_each_other_in_a_circle():
+def test_no_folders_import_each_other_in_a_circle(imports):
     folders: dict[str, set[str]] = {}
-    for module, others in IMPORTS.items():
+    for module, others in imports.items():
         own = folder_of(module)
         for other in map(folder_of, others):
             nested = own.startswith(f"{other}.") or other.startswith(f"{own}.")

@@ -1,6 +1,7 @@
 """The application: commands, signals, and the one place that reports errors."""
 
 import io
+import os
 import signal
 import sys
 
@@ -25,6 +26,7 @@ from hbench.cli.commands import (
     watch,
 )
 from hbench.errors import HbenchError
+from hbench.parallel.one_thread import ONE_THREAD
 from hbench.untrusted_text import printable
 
 app = typer.Typer(
@@ -75,6 +77,12 @@ def _end_as_by_ctrl_c() -> None:
             signal.signal(number, signal.default_int_handler)
 
 
+def _limit_threads() -> None:
+    """Give linear algebra one thread, unless the user's environment has a number of them."""
+    for name, number in ONE_THREAD.items():
+        os.environ.setdefault(name, number)
+
+
 def _escape_unprintable_text() -> None:
     """Let stdout escape characters that its encoding lacks, as stderr does; paths contain any."""
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -84,6 +92,7 @@ def _escape_unprintable_text() -> None:
 def main() -> None:
     """Run the command line; exit with the codes of ``ExitCode``, 130 when interrupted."""
     _end_as_by_ctrl_c()
+    _limit_threads()
     _escape_unprintable_text()
     try:
         app()

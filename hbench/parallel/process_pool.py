@@ -13,12 +13,12 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from hbench.errors import DeviceError
+from hbench.parallel.one_thread import ONE_THREAD
 
 _QUEUED = 2  # arguments per process, so that no process waits for the next one
 _INTERRUPTS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 ]
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class ProcessDied(DeviceError):
@@ -138,8 +138,8 @@ def _interrupts_deferred() -> Iterator[None]:
 @contextmanager
 def _single_threaded() -> Iterator[None]:
     """Give the processes started within one thread for linear algebra."""
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(ONE_THREAD)
     try:
         yield
     finally:

@@ -119,14 +119,19 @@ def _reweighted_fit(sums: "_Sums", priors: Priors, variance: np.ndarray) -> np.n
         driven = np.einsum("bg,bgj->bj", weight, sums.mixed)
         beta = np.zeros_like(driven)
         fixed = np.zeros_like(driven, bool)
+        rows = np.arange(len(driven))
         for _ in range(_BOUND_ITERATIONS):  # fix parameters beyond a bound, solve for the others
-            stiff = np.where(fixed, _FIXED_WEIGHT * (1 + _diagonal(curved)), priors.sigma**-2.0)
-            aim = np.where(fixed, beta, priors.centre)
-            matrix = curved + stiff[:, :, None] * np.eye(len(priors.sigma))
-            beta = np.linalg.solve(matrix, (driven + stiff * aim)[..., None])[..., 0]
-            fixed |= (beta < priors.low) | (beta > priors.high)
-            beta = np.clip(beta, priors.low, priors.high)
-            if not fixed.any():
+            matrix, held = curved[rows], fixed[rows]
+            diagonal = np.einsum("bjj->bj", matrix)
+            stiff = np.where(held, _FIXED_WEIGHT * (1 + diagonal), priors.sigma**-2.0)
+            aim = np.where(held, beta[rows], priors.centre)
+            diagonal += stiff
+            solved = np.linalg.solve(matrix, (driven[rows] + stiff * aim)[..., None])[..., 0]
+            beta[rows] = np.clip(solved, priors.low, priors.high)
+            beyond = ((solved < priors.low) | (solved > priors.high)) & ~held
+            fixed[rows] |= beyond
+            rows = rows[beyond.any(axis=1)]
+            if not len(rows):
                 break
         variance = sums.variance(beta)
     return beta
@@ -298,7 +303,3 @@ def _summed(
         windows=np.maximum(windows, 1),
         points=(data.windows[at] > 0).sum(axis=0),
     )
-
-
-def _diagonal(matrices: np.ndarray) -> np.ndarray:
-    return np.einsum("bjj->bj", matrices)

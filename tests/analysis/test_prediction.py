@@ -94,13 +94,14 @@ def test_a_parameter_at_a_bound_has_no_covariance_and_counts_as_known():
     assert np.isfinite(fit.predict(AT)[1]).all()
 
 
-def test_the_predicted_bands_of_300_drawn_curves_contain_the_law():
+@pytest.mark.parametrize("count", [150, pytest.param(600, marks=pytest.mark.slow)])
+def test_the_predicted_bands_of_drawn_curves_contain_the_law(count):
     """At each speed the count is binomial; wide bounds, so that none is active."""
     wide = {"f_coulomb_n": (-1e5, 1e5), "v_stribeck_m_s": (5e-3, 1.0)}
     truth, inside = tustin(AT, *TRUTH), np.zeros(len(AT))
-    for seed in range(300):
+    for seed in range(count):
         friction, half = hbench.fit(SPEEDS, drawn(seed), bounds=wide).predict(AT)
         inside += np.abs(friction - truth) <= half
-    print(f"\npredicted 95 % bands contain the law at {np.round(100 * inside / 300, 1)} %")
-    low, high = binom.interval(0.999, 300, 0.95)
+    print(f"\npredicted 95 % bands contain the law at {np.round(100 * inside / count, 1)} %")
+    low, high = binom.interval(0.999, count, 0.95)
     assert low <= inside.min() and inside.max() <= high

@@ -71,7 +71,7 @@ def test_a_law_with_a_memory_takes_less_than_half_of_tustins_time():
         runs.append(lambda p=par, s=start, w=work: advance(s.copy(), u, levels, p, w))
         substeps.append(par.substeps)
         runs[-1]()
-    seconds = best_seconds(*runs)
+    seconds = best_seconds(*runs, rounds=15)
     ratios = dict(zip(FRICTION, np.array(seconds) / seconds[0], strict=True))
     for (law, ratio), one, steps in zip(ratios.items(), seconds, substeps, strict=True):
         ns = 1e9 * one / len(u)

@@ -20,7 +20,7 @@ from tests.support import ROOT
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PLAIN = ROOT / "tests" / "support" / "analysis"
-ROUNDS = 3
+ROUNDS = 2
 HBENCH = [sys.executable, "-P", "-m", "hbench"]  # the installed one
 REPORT_S = 5.0  # for 360 runs
 
@@ -49,8 +49,8 @@ def call(command) -> str:
 
 def start_up() -> Iterator[Row]:
     ours = [*HBENCH, "--help"]
-    yield Row("start-up: --help", ours, "python -c pass", python("-c", "pass"), 20.0, 7)
-    yield Row("start-up: --help", ours, "import pandas", python("-c", "import pandas"), 0.5, 7)
+    yield Row("start-up: --help", ours, "python -c pass", python("-c", "pass"), 20.0, 4)
+    yield Row("start-up: --help", ours, "import pandas", python("-c", "import pandas"), 0.5, 4)
 
 
 def campaign(schedule: str, folder: Path) -> Iterator[Row]:

@@ -1,6 +1,7 @@
 """Every command as a user calls it: exit codes, what goes where, what it loads."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -43,14 +44,27 @@ def test_help_loads_nothing_heavy():
     assert not heavy & set(done.stdout.split())
 
 
-def test_who_analyzes_and_reports_waits_for_no_compiler_and_no_embedded_font():
-    code = """
-import sys
-import hbench.report.campaign.figures.all_figures, hbench.workflow.results
-print(*sys.modules)
-"""
+def test_linear_algebra_has_one_thread_unless_the_user_sets_a_number(hbench, monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    hbench("--version")
+    assert [os.environ[f"{name}_NUM_THREADS"] for name in ("OPENBLAS", "OMP")] == ["1", "3"]
+
+
+@pytest.mark.parametrize(
+    ("modules", "heavy"),
+    [
+        ("hbench.workflow.campaign, hbench.cli.bench_display", {"scipy.optimize", "matplotlib"}),
+        ("hbench.workflow.results, hbench.report.campaign.terminal", {"matplotlib"}),
+        ("hbench.workflow.results, hbench.report.campaign.figures.all_figures", set()),
+    ],
+    ids=["run", "analyze", "report"],
+)
+def test_a_command_waits_only_for_the_libraries_that_it_needs(modules, heavy):
+    """No compiler and no embedded font before something is simulated or drawn."""
+    code = f"import sys, {modules}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    heavy = {"numba", "pandas", "scipy.stats", "matplotlib.pyplot", "fontTools.subset"}
+    heavy = heavy | {"numba", "pandas", "scipy.stats", "matplotlib.pyplot", "fontTools.subset"}
     assert not heavy & set(done.stdout.split())
 
 

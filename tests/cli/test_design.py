@@ -35,7 +35,7 @@ def slow_valve(tmp_path):
     return path
 
 
-def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path):
+def test_a_bench_gets_a_table_of_loops_figures_page_and_json(design, tmp_path, undrawn):
     done = design(BENCH, "--operating-point", "v=-80 mm/s, load=-2 kN, x=150 mm", "-o", "out")
     assert done.returncode == 0, done.stderr
     assert "x 150 mm, v -80 mm/s" in done.stdout and done.stdout.isascii()

@@ -116,19 +116,17 @@ def test_without_pyarrow_it_says_what_to_install(line, tmp_path, monkeypatch):
     assert isinstance(done.exception, ConfigError) and "parquet" in done.exception.hint
 
 
-def test_ctrl_c_keeps_what_is_done_and_the_same_command_goes_on(tmp_path):
+def test_ctrl_c_keeps_what_is_done_and_the_same_command_goes_on(tmp_path, one_process):
     for i in range(12):
         shutil.copytree(SAMPLES / "bad-runs", tmp_path / "line" / f"slow-{i:02d}")
     told = tmp_path / "told"
 
-    def start():
-        return subprocess.Popen(
-            [sys.executable, DEADLY, "fleet", tmp_path / "line", "-o", tmp_path / "out"],
-            stdin=subprocess.DEVNULL, stdout=told.open("w"), stderr=subprocess.STDOUT,
-            start_new_session=True, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
-        )  # fmt: skip
-
-    host = start()
+    command = "fleet", tmp_path / "line", "-o", tmp_path / "out"
+    host = subprocess.Popen(
+        [sys.executable, DEADLY, *command],
+        stdin=subprocess.DEVNULL, stdout=told.open("w"), stderr=subprocess.STDOUT,
+        start_new_session=True, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )  # fmt: skip
     try:
         while "/12 campaigns" not in told.read_text():
             assert host.poll() is None, told.read_text()
@@ -137,10 +135,9 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_goes_on(tmp_path):
         assert host.wait(LIMIT_S) == 130
         text = told.read_text()
         assert "interrupted" in text and "Traceback" not in text
-        host = start()
-        assert host.wait(LIMIT_S) == 0
-        assert re.search(r"^note: [1-9]\d* of 12 ", told.read_text(), re.M)
-        assert len(rows(tmp_path / "out")) == 12
     finally:
         if host.poll() is None:
             os.killpg(host.pid, signal.SIGKILL)
+    done = fleet(*command[1:])
+    assert done.exit_code == 0 and re.search(r"^note: [1-9]\d* of 12 ", done.stderr, re.M)
+    assert len(rows(tmp_path / "out")) == 12

@@ -27,6 +27,7 @@ from hbench.rig.emulator import EmulatedFirmware
 from hbench.rig.firmware import HostFirmware
 from hbench.rig.stepped import SteppedRig
 from hbench.store.campaign.folder import load_campaign
+from tests.support.commands import hbench
 
 PORT = Path(__file__).parents[2] / "firmware" / "ports" / "mps2"
 PATIENCE_S = 60.0
@@ -73,19 +74,23 @@ def board(image):
     firmware.close()
 
 
-@pytest.fixture
-def experiment(short_schedule):
-    """Two trials of 120 mm/s against 2000 N."""
+def one_speed(short_schedule, trials):
+    """Trials of 120 mm/s against 2000 N."""
     travel = {"start": "100 mm", "end": "220 mm"}
-    schedule = short_schedule(velocities=["120 mm/s"], trials=2, travel=travel, window="0.4 s")
+    schedule = short_schedule(velocities=["120 mm/s"], trials=trials, travel=travel, window="0.4 s")
     return workflow.load_experiment(schedule, None)
 
 
 @pytest.fixture
-def measure(monkeypatch, experiment, tmp_path, clock):
-    """Function that executes the experiment on a port and returns the campaign."""
+def experiment(short_schedule):
+    return one_speed(short_schedule, trials=2)
 
-    def run(port, name="campaign"):
+
+@pytest.fixture
+def measure(monkeypatch, tmp_path, clock):
+    """Function that executes an experiment on a port and returns the campaign."""
+
+    def run(experiment, port, name="campaign"):
         monkeypatch.setattr(workflow.campaign, "open_port", lambda *_: port)
         workflow.measure(
             experiment,
@@ -169,7 +174,7 @@ def test_a_campaign_has_the_host_librarys_codes_replies_and_log_bit_for_bit(
     image, experiment, measure
 ):
     emulated, host = Recorded(EmulatedFirmware(image)), Recorded(HostFirmware(1))
-    campaign = measure(SteppedRig("emulated", Twins(emulated, host), experiment.bench))
+    campaign = measure(experiment, SteppedRig("emulated", Twins(emulated, host), experiment.bench))
 
     assert len(emulated.codes) > 20_000
     assert emulated.codes == host.codes
@@ -190,13 +195,13 @@ def test_a_campaign_has_the_host_librarys_codes_replies_and_log_bit_for_bit(
     assert len(campaign.entries) == 2
 
 
-def test_the_same_campaign_again_takes_the_same_instructions(image, experiment, measure):
-    boards = []
+def test_the_same_campaign_again_takes_the_same_instructions(image, short_schedule, measure):
+    experiment, boards = one_speed(short_schedule, trials=1), []
     for name in ("first", "second"):
         boards.append(Recorded(EmulatedFirmware(image)))
         start = time.perf_counter()
         rig = SteppedRig("emulated", boards[-1], experiment.bench)
-        measure(rig, name)
+        measure(experiment, rig, name)
         print(f"{rig.now() / 1e-4 / (time.perf_counter() - start):.0f} ticks/s")
     first, second = boards
     assert first.codes == second.codes
@@ -259,7 +264,7 @@ class CutLine:
 def test_a_board_that_loses_its_host_in_a_run_stops(board, experiment, measure):
     rig = SteppedRig("emulated", board, experiment.bench)
     with pytest.raises(DeviceError, match="cut"):
-        measure(CutLine(rig, cut_s=0.8))
+        measure(experiment, CutLine(rig, cut_s=0.8))
     client = BoardClient(rig)
     rig.read(experiment.bench.limits.heartbeat + 0.1)
     status = client.status()
@@ -342,13 +347,7 @@ def command(image, experiment, tmp_path):
 
 def test_a_campaign_over_the_served_socket_is_accepted_and_marked_as_simulated(command, tmp_path):
     process, port = command
-    done = subprocess.run(
-        [sys.executable, "-m", "hbench", "run", "short.yaml", "--port", port, "-o", "campaign"],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
-    )
+    done = hbench("run", tmp_path / "short.yaml", "--port", port, "-o", tmp_path / "campaign")
     assert done.returncode == 0, done.stderr
     header = load_campaign(tmp_path / "campaign").header
     assert (header["source"], header["firmware"]["board"]) == ("simulated", "mps2")

@@ -51,7 +51,7 @@ def test_the_models_own_plant_has_no_gap(bench):
 
 
 def test_badly_tuned_parameters_are_found_and_leave_no_gap(bench, bench_data):
-    plan = schedule()
+    plan = schedule(trials=2)
     runs = measured(bench, bench_data, plan, BADLY_TUNED)
     hypothesis, factors, before, after = reconciled(runs, bench)
     table("badly tuned", before)

@@ -25,7 +25,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
 from hbench.analysis.rounding import ROUNDING, distinct
 from hbench.analysis.screening.friction_channels import required
@@ -147,6 +146,8 @@ def _is_plunger(run: Run) -> bool:
 
 def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
     """Return derivatives (2 n, 3) by leak and moved volumes (2 n,) [m^3], without means."""
+    from scipy.integrate import cumulative_trapezoid  # slow import
+
     cylinder = bench.test_cylinder
     settled, ((p_p, compliance_p), (p_r, compliance_r)) = _chambers(run, bench)
     t, x = run.t_s[settled], run.x_m[settled]

@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from hbench.analysis.rounding import ROUNDING
 
@@ -132,6 +131,8 @@ def _search(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
     """Search over the free parameters; the others stay as in ``x``. Return ``x`` and success."""
+    from scipy.optimize import least_squares  # slow import
+
     if not free.any() or not np.isfinite(sum_of_squares(problem, x)):
         return x, not free.any()
     if np.linalg.norm(problem.residual(x)) <= _EXACT * rounding(problem, x):
@@ -179,7 +180,10 @@ def _offset(problem: Problem, x: np.ndarray, free: np.ndarray) -> float:
 def _gauss_newton(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
-    """Take Gauss-Newton steps while they reduce the cost inside the bounds; return convergence."""
+    """Take Gauss-Newton steps while they reduce the cost inside the bounds; return convergence.
+
+    It has converged where a step changes the cost by no more than the tolerance.
+    """
     residual = problem.residual(x)
     least = residual @ residual
     for _ in range(_STEPS):
@@ -192,9 +196,9 @@ def _gauss_newton(
             break
         residual = problem.residual(y)
         squares = residual @ residual
-        if not squares <= least:
+        if abs(least - squares) <= tolerance * least:  # up or down
+            return (y if squares < least else x), True
+        if not squares < least:
             break
-        x, decrease, least = y, least - squares, squares
-        if decrease <= tolerance * least:
-            return x, True
+        x, least = y, squares
     return x, False

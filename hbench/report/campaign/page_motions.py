@@ -3,8 +3,8 @@
 from hbench.records import Comparison, DwellLaw, Results, Zero
 from hbench.report.campaign.motion_rows import LEAKS, differs, series_words
 from hbench.report.campaign.page_tables import table
+from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
-from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 

@@ -13,9 +13,8 @@ from hbench.records import (
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.reasons import code_of
-from hbench.report.campaign.series_words import AnySeries, kind_words, load_words
+from hbench.report.campaign.series_words import TITLES, AnySeries, kind_words, load_words
 from hbench.report.render.numbers import force, number, significant, span, with_interval
-from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 

@@ -1,4 +1,4 @@
-"""Load and kind of a series of runs in words."""
+"""Direction, load and kind of a series of runs in words."""
 
 from typing import TypeAlias
 
@@ -17,6 +17,8 @@ from hbench.units import from_si
 AnySeries: TypeAlias = (
     Curve | EfficiencyCurve | HeadlineSeries | ImplausiblePoint | PointTrials | RunPlan
 )
+
+TITLES = {"extend": "Extending", "retract": "Retracting"}  # of directions
 
 
 def load_words(f_load_n: float | None, p_lr_ref_pa: float | None) -> str:

@@ -15,7 +15,7 @@ from hbench.records import (
     Difference,
 )
 from hbench.report.campaign.figures.friction import of_trials
-from hbench.report.campaign.series_words import kind_words, load_words
+from hbench.report.campaign.series_words import TITLES, kind_words, load_words
 from hbench.report.comparison.cells import label_of
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
@@ -125,7 +125,7 @@ def draw_pair(difference: CurveDifference, differences: CampaignDifferences) -> 
     style.start_at_zero(above)
     load = load_words(difference.a.f_load_n, difference.a.p_lr_ref_pa)
     kind = kind_words(difference.a)
-    title = ", ".join(filter(None, (style.TITLES[difference.direction], kind, load)))
+    title = ", ".join(filter(None, (TITLES[difference.direction], kind, load)))
     above.set_title(f"Friction, {title[0].lower()}{title[1:]}")
     style.read_as(figure, "Bars: 95 % intervals of trials; wide and pale: with instruments.")
     _mark(above, differences)

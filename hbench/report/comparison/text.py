@@ -10,7 +10,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
-from hbench.report.campaign.series_words import kind_words
+from hbench.report.campaign.series_words import TITLES, kind_words
 from hbench.report.comparison.bands import (
     band_table,
     band_verdict,
@@ -32,7 +32,6 @@ from hbench.report.render.numbers import (
     force,
     number,
 )
-from hbench.report.render.style import TITLES
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import DIRECTIONS, Fleet, Quantity, Spread
 from hbench.records.numbers import NORMAL_95
+from hbench.report.campaign.series_words import TITLES
 from hbench.report.fleet.text import folder_name, without_condition
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
@@ -118,7 +119,7 @@ def _look(spread: Spread) -> dict:
 
 
 def _title(spread: Spread) -> str:
-    return "Campaigns" if spread.direction is None else style.TITLES[spread.direction]
+    return "Campaigns" if spread.direction is None else TITLES[spread.direction]
 
 
 def _head(axes: Axes, quantity: Quantity, fleet: Fleet) -> None:

@@ -16,9 +16,9 @@ from hbench.records import (
     Trend,
     WordTable,
 )
+from hbench.report.campaign.series_words import TITLES
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, short, significant, with_ends
-from hbench.report.render.style import TITLES
 from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.fleet/1"

@@ -34,8 +34,6 @@ ON_MAPS = "#fefefe"  # white in the dark too, on the colours of a map
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 QUIET = "#6b7280"
 
-TITLES = {"extend": "Extending", "retract": "Retracting"}
-
 WIDTH_IN = 5.2  # two side by side on a desktop page; the type stays legible at half this width
 _TITLE_LINE = 30  # letters of a line of its title
 WIDE_IN = 10.8  # over the whole width of a desktop page

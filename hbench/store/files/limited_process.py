@@ -14,9 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-_ONE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_MAX_THREADS"), "1"
-)
+from hbench.parallel.one_thread import ONE_THREAD
 
 
 class CallKilled(Exception):
@@ -102,7 +100,7 @@ class LimitedProcess:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env={**os.environ, **_ONE_THREAD, "TMPDIR": self._folder, "TEMP": self._folder},
+            env={**os.environ, **ONE_THREAD, "TMPDIR": self._folder, "TEMP": self._folder},
         )
         return self._process
 

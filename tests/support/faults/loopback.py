@@ -9,13 +9,11 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from hbench.parallel.one_thread import ONE_THREAD
+
 DEADLY = Path(__file__).parent / "deadly.py"
 LIMIT_S = 300.0  # of a wait; it takes some seconds
-_ENV = {
-    "PYTHONPATH": os.pathsep.join(sys.path),
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-}
+_ENV = ONE_THREAD | {"PYTHONPATH": os.pathsep.join(sys.path)}
 
 
 class Loopback:

@@ -7,7 +7,7 @@ from hbench.records import DIRECTIONS, EfficiencyCurve, Results
 from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import by_load, load_legend, load_ranks, load_style
-from hbench.report.campaign.series_words import load_words
+from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.series import behind
 
@@ -41,7 +41,7 @@ def efficiency(results: Results) -> dict[str, Figure]:
         style.start_at_zero(axes)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0), max(high, 100))
-        style.head(axes, f"Efficiency, {style.TITLES[direction].lower()}", results)
+        style.head(axes, f"Efficiency, {TITLES[direction].lower()}", results)
         style.read_as(figure, "Bars: 95 % interval of the trials; band: that of the instruments.")
         load_legend(figure, axes, "Load $F_L$", chosen)
     style.share_limits(figure.axes[0] for figure in figures.values())

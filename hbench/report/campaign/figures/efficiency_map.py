@@ -10,6 +10,7 @@ from matplotlib.tri import Triangulation
 from hbench.records import KINDS, EfficiencyCurve, EfficiencyPoint, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import load_helps
+from hbench.report.campaign.series_words import TITLES
 from hbench.report.render import style
 from hbench.report.render.series import behind, without_math
 
@@ -58,7 +59,7 @@ def _groups(results: Results) -> dict[str, list[EfficiencyCurve]]:
     steady = (curve for curve in results.efficiency if KINDS[curve.kind].has_constant_speed)
     for curve in without_common_rod_pressure(curve for curve in steady if curve.f_load_n):
         helps = load_helps(curve)
-        names = [style.TITLES[curve.direction] + (", load helps" if helps else "")]
+        names = [TITLES[curve.direction] + (", load helps" if helps else "")]
         if curve.p_lr_ref_pa is not None:
             names.append(f"{curve.p_lr_ref_pa / 1e5:g} bar")
         if sum(point.efficiency is not None for point in curve.points) >= _LEAST:

@@ -18,7 +18,7 @@ from hbench.records import (
     Results,
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.series_words import load_words
+from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import number
 from hbench.report.render.series import behind
@@ -183,7 +183,7 @@ def _one_direction(
         reach = max(abs(limit) for limit in below.get_ylim())
         below.set_ylim(-reach, reach)
     figure.axes[-1].set_xlabel(_speed_label("Speed |v| (mm/s)", curves))
-    style.head(axes, f"{title}, {style.TITLES[direction].lower()}", results)
+    style.head(axes, f"{title}, {TITLES[direction].lower()}", results)
     style.read_as(figure, _READ + (_BANDS if any(map(_has_band, curves)) else ""))
     load_legend(figure, axes, "Load $F_L$", curves)
     return figure

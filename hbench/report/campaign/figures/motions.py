@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import Results
 from hbench.report.campaign.motion_rows import series_words
+from hbench.report.campaign.series_words import TITLES
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
@@ -180,7 +181,7 @@ def surfaces(results: Results) -> dict[str, Figure]:
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Load $F_L$ (kN)")
         axes.grid(visible=False)
         figure.colorbar(filled, ax=axes, label="Friction |F| (N)")
-        name = ", ".join(filter(None, (surface.label, style.TITLES[surface.direction])))
+        name = ", ".join(filter(None, (surface.label, TITLES[surface.direction])))
         if len(results.motions.surfaces) > 2 and surface.p_lr_ref_pa is not None:
             name += f", {short(from_si(surface.p_lr_ref_pa, 'bar'))} bar"
         style.head(axes, f"Friction map, {name[0].lower()}{name[1:]}", results)

@@ -11,7 +11,7 @@ from hbench.records import KINDS, Comparison, Curve, Results
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.motion_rows import SIGNIFICANT, comparison_words, differs
-from hbench.report.campaign.series_words import load_words
+from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
@@ -51,7 +51,7 @@ def ramps(results: Results) -> dict[str, Figure]:
                 panel_axes.set_ylabel("Friction (N)")
             below.set_xlabel("Speed |v| (mm/s)")
             style.start_at_zero(axes)
-            names = (label, style.TITLES[direction], load_words(load, p_lr))
+            names = (label, TITLES[direction], load_words(load, p_lr))
             title = ", ".join(filter(None, names))
             style.head(axes, f"Ramps, {title[0].lower()}{title[1:]}", results)
             style.read_as(figure, _READ)
