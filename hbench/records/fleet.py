@@ -80,6 +80,7 @@ class FleetRow:
     area_rod_m2: float | None = None
     stroke_m: float | None = None
     quality: str = ""  # good, with care, poor
+    missing: str = ""  # runs and trials of the plan that the campaign does not have
     runs: int = 0
     accepted: int = 0
     v_m_s: float | None = None  # working speed
@@ -171,6 +172,7 @@ class FleetCampaign:
     name: str
     label: str
     quality: str
+    missing: str  # of the plan; empty if it is complete
     report: str  # its page, relative to the fleet's; empty where there is none
     v_m_s: float | None  # working speed
     numbers: dict[str, FleetNumber]
@@ -185,6 +187,7 @@ class Fleet:
     reasons: tuple[tuple[str, int], ...]  # why, and how many; the most frequent first
     failures: tuple[tuple[str, str], ...]  # path and reason, of the first ones
     qualities: tuple[tuple[str, int], ...]
+    incomplete: int  # campaigns
     sources: tuple[tuple[str, int], ...]
     protocols: tuple[tuple[str, int], ...]  # the most frequent is evaluated
     compared: int  # campaigns of that protocol, at its speed

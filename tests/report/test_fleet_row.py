@@ -60,6 +60,14 @@ def test_a_row_has_the_reports_friction_and_its_fits_parameters(one_load):
         assert found.se == fitted.se
     assert row.quality == results.quality.grade and row.runs == len(one_load.runs)
     assert row.accepted == sum(run.accepted for run in one_load.runs)
+    assert row.missing == ""
+
+
+def test_a_row_counts_what_the_plan_has_and_the_campaign_has_not(small):
+    complete = replace(small.quality.completeness, planned=60, not_completed=("0059", "0060"))
+    broken = replace(small, quality=replace(small.quality, completeness=complete))
+    row = fleet_row_of("/a", broken, {})
+    assert row.missing.startswith("2 of 60 planned runs were not completed")
 
 
 def test_several_loads_give_their_mean_with_an_interval_that_is_no_narrower_than_needed(stribeck):

@@ -102,6 +102,7 @@ def summarize(table: FleetTable, report_link: Callable[[str], str]) -> Fleet:
             zip(table.values("path", failures), table.values("failed", failures), strict=True)
         ),
         qualities=tuple(pair for pair in table.counts("quality") if pair[0]),
+        incomplete=int((good & ~table.equals("missing", "")).sum()),
         sources=tuple(pair for pair in table.counts("source") if pair[0]),
         protocols=tuple(protocols[:_MOST_KINDS]),
         compared=int(compared.sum()),
@@ -138,12 +139,13 @@ def _campaigns(
     """Yield the campaigns of a small fleet with their numbers."""
     if len(rows) > _MOST_ROWS:
         return
-    texts = [table.values(name, rows) for name in ("path", "name", "label", "quality", "v_m_s")]
+    names = ("path", "name", "label", "quality", "missing", "v_m_s")
+    texts = [table.values(name, rows) for name in names]
     columns = {
         name: [table.values(f"{name}{ending}", rows) for ending in ("", *_ENDINGS)]
         for name in (spread.quantity.column(spread.direction) for spread in spreads)
     }
-    for i, (path, name, label, quality, v_m_s) in enumerate(zip(*texts, strict=True)):
+    for i, (path, name, label, quality, missing, v_m_s) in enumerate(zip(*texts, strict=True)):
         cells = {column: [values[i] for values in four] for column, four in columns.items()}
         numbers = {column: FleetNumber(*c) for column, c in cells.items() if c[0] is not None}
         yield FleetCampaign(
@@ -152,6 +154,7 @@ def _campaigns(
             name=name,
             label=label,
             quality=quality,
+            missing=missing,
             report=report_link(path),
             v_m_s=v_m_s,
             numbers=numbers,

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 
 from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, Side
+from hbench.report.campaign.quality import missing_words
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable
@@ -37,6 +38,7 @@ def fleet_row(
         area_rod_m2=specimen.area_rod_m2,
         stroke_m=specimen.stroke_m,
         quality=results.quality.grade,
+        missing=_line(missing_words(results.quality.completeness)),
         runs=len(results.runs),
         accepted=sum(run.accepted for run in results.runs),
         v_m_s=speed,

@@ -8,6 +8,7 @@ from pathlib import PurePath
 from hbench.records import (
     Deviation,
     Fleet,
+    FleetCampaign,
     FleetNumber,
     Quantity,
     Side,
@@ -66,6 +67,16 @@ def fleet_verdict(fleet: Fleet) -> str:
     sentences = []
     if fleet.failed:
         sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
+    poor = dict(fleet.qualities).get("poor", 0)
+    faults = (
+        f"{fleet.incomplete} incomplete" if fleet.incomplete else "",
+        f"{poor} with poor data" if poor else "",
+    )
+    if any(faults):
+        some = " and ".join(filter(None, faults))
+        sentences.append(
+            f"Among the {fleet.campaigns - fleet.failed} analyzed campaigns are {some}."
+        )
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
@@ -101,7 +112,7 @@ def campaign_table(fleet: Fleet) -> WordTable:
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
         numbers = (campaign.numbers.get(s.quantity.column(s.direction)) for s in shown)
         cells = [_with_ends(n, s.quantity.scale) for n, s in zip(numbers, shown, strict=True)]
-        remark = "" if campaign.compared else "not compared"
+        remark = "; ".join(_remarks(campaign))
         rows.append((folder_name(campaign.path), campaign.label, speed, *cells, remark))
     head = ("Campaign", "Label", "Speed (mm/s)", *map(name_of, shown), "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
@@ -110,6 +121,15 @@ def campaign_table(fleet: Fleet) -> WordTable:
         tuple(head[i] for i in kept),
         tuple(tuple(row[i] for i in kept) for row in rows),
     )
+
+
+def _remarks(campaign: FleetCampaign) -> Iterator[str]:
+    if not campaign.compared:
+        yield "not compared"
+    if campaign.quality == "poor":
+        yield "data: poor"
+    if campaign.missing:
+        yield f"incomplete: {campaign.missing}"
 
 
 def folder_name(path: str) -> str:

@@ -41,6 +41,7 @@ _PLAIN = {
     "area_rod_m2": "double",
     "stroke_m": "double",
     "quality": "string",
+    "missing": "string",
     "runs": "int64",
     "accepted": "int64",
     "v_m_s": "double",
