@@ -34,18 +34,24 @@ from hbench.records.differences import (
     FrictionDifference,
 )
 from hbench.records.fleet import (
+    CYLINDER,
     QUANTITIES,
     Block,
+    ControlChart,
     Deviation,
+    Estimate,
     Fleet,
     FleetCampaign,
     FleetNumber,
     FleetRow,
+    Precision,
     Quantity,
     Side,
     Spread,
     Suspect,
     Trend,
+    VarianceSource,
+    WearTrend,
 )
 from hbench.records.flow import (
     DIRECTIONS,
@@ -129,6 +135,7 @@ from hbench.records.summary import (
 )
 
 __all__ = [
+    "CYLINDER",
     "DIRECTIONS",
     "KINDS",
     "QUANTITIES",
@@ -145,6 +152,7 @@ __all__ = [
     "Check",
     "Comparison",
     "Completeness",
+    "ControlChart",
     "ControlLoop",
     "Curve",
     "CurveDifference",
@@ -158,6 +166,7 @@ __all__ = [
     "Drift",
     "EfficiencyCurve",
     "EfficiencyPoint",
+    "Estimate",
     "ExperimentKind",
     "Factors",
     "Finding",
@@ -203,6 +212,7 @@ __all__ = [
     "ParameterPair",
     "Phenomenon",
     "PointTrials",
+    "Precision",
     "PressureLine",
     "PreviewedChannel",
     "PreviewedFile",
@@ -238,7 +248,9 @@ __all__ = [
     "Suspect",
     "Trace",
     "Trend",
+    "VarianceSource",
     "Verdict",
+    "WearTrend",
     "WordTable",
     "kind_names",
 ]

@@ -83,7 +83,7 @@ def test_a_campaigns_name_stays_words_and_its_link_leads_to_its_report(found, pa
 
 
 def test_figures_have_words_and_data_and_name_the_unit(found, drawings):
-    assert len({drawing.name for drawing in drawings}) == len(drawings) == 8
+    assert len({drawing.name for drawing in drawings}) == len(drawings) == 12
     for drawing in drawings:
         assert drawing.csv.count(b"\n") > 8 and len(drawing.seen) > 40
         assert re.search(rb"\((N|%|mm/s|N s/m)\)", drawing.csv)

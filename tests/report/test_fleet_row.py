@@ -70,6 +70,23 @@ def test_a_row_counts_what_the_plan_has_and_the_campaign_has_not(small):
     assert row.missing.startswith("2 of 60 planned runs were not completed")
 
 
+def test_a_row_names_what_a_plan_varies_and_counts_its_trials(one_load):
+    settings = {
+        "specimen": {"serial": "17"},
+        "test": {"operator": "J. Doe", "mounting": "2", "date": "2026-02-27"},
+    }
+    provenance = replace(one_load.provenance, settings=settings)
+    row = fleet_row("/a", replace(one_load, provenance=provenance))
+    stated = row.specimen, row.operator, row.mounting, row.day
+    assert stated == ("17", "J. Doe", "2", "2026-02-27")
+    assert row.started == datetime.fromisoformat(provenance.started)
+    imported = replace(provenance, source="imported")
+    row = fleet_row("/a", replace(one_load, provenance=imported))
+    assert row.started == datetime(2026, 2, 27, tzinfo=UTC)
+    assert row.numbers["friction_n", "extend"].trials == 3
+    assert row.numbers["friction_n", "extend"].dof == pytest.approx(2.0)
+
+
 def test_several_loads_give_their_mean_with_an_interval_that_is_no_narrower_than_needed(stribeck):
     row = fleet_row("/a", stribeck)
     series = at_planned_speed(stribeck).headline.series

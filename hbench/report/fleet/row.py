@@ -1,6 +1,6 @@
 """A campaign's results as one row of a fleet's table."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 
 from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, Side
@@ -9,6 +9,7 @@ from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable
 
+_IDENTITY = (("specimen", "serial"), *(("test", n) for n in ("operator", "mounting", "date")))
 _LONGEST = 200  # characters of a campaign's own words
 
 
@@ -17,22 +18,31 @@ def fleet_row(
 ) -> FleetRow:
     """Return the row of the campaign at ``path``; ``numbers`` are its means over the loads.
 
-    The time of an imported campaign is not known: its start is that of the import.
+    The time of an imported campaign is that of ``test.date``: its start is that of the import.
     """
     plans = [run.run.plan for run in results.runs]
     speed = results.headline.v_m_s
     provenance = results.provenance
     seed = provenance.details.get("seed")
     specimen = plans[0].specimen
+    identity = {
+        name: _line(str(provenance.settings.get(section, {}).get(name, "")))
+        for section, name in _IDENTITY
+    }
+    imported = provenance.source == "imported"
+    started = _moment(identity["date"] if imported else provenance.started)
     return FleetRow(
         path=path,
         name=_line(provenance.name),
         source=provenance.source,
         bench=_line(provenance.bench),
         label=_line(", ".join(_labels(plans))),
-        specimen=_line(str(provenance.settings.get("specimen", {}).get("serial", ""))),
+        specimen=identity["serial"],
+        operator=identity["operator"],
+        mounting=identity["mounting"],
+        day=identity["date"] or ("" if started is None else f"{started:%Y-%m-%d}"),
         seed=seed if isinstance(seed, int) and abs(seed) < 2**63 else None,
-        started=None if provenance.source == "imported" else _moment(provenance.started),
+        started=started,
         protocol=_protocol(plans, speed),
         area_piston_m2=specimen.area_piston_m2,
         area_rod_m2=specimen.area_rod_m2,
@@ -42,6 +52,8 @@ def fleet_row(
         runs=len(results.runs),
         accepted=sum(run.accepted for run in results.runs),
         v_m_s=speed,
+        distance_m=_sum(run.travel_m for run in results.runs),
+        friction_work_j=_sum(run.friction_work_j for run in results.runs),
         numbers=dict(numbers),
     )
 
@@ -65,6 +77,11 @@ def _protocol(plans: list[RunPlan], speed: float | None) -> str:
     elif speed is not None:
         settings.append(f"{short(1e3 * speed)} mm/s")
     return _line("; ".join(settings))
+
+
+def _sum(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) if known else None
 
 
 def _labels(plans: list[RunPlan]) -> list[str]:
