@@ -1,9 +1,9 @@
 """A campaign's results as one row of a fleet's table."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 
-from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, Side
+from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, ScreenedRun, Side
 from hbench.report.campaign.quality import missing_words
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import short
@@ -52,8 +52,8 @@ def fleet_row(
         runs=len(results.runs),
         accepted=sum(run.accepted for run in results.runs),
         v_m_s=speed,
-        distance_m=_sum(run.travel_m for run in results.runs),
-        friction_work_j=_sum(run.friction_work_j for run in results.runs),
+        distance_m=_way(results.runs),
+        friction_work_j=_work(results.runs),
         numbers=dict(numbers),
     )
 
@@ -79,9 +79,21 @@ def _protocol(plans: list[RunPlan], speed: float | None) -> str:
     return _line("; ".join(settings))
 
 
-def _sum(values: Iterable[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return sum(known) if known else None
+def _way(runs: Iterable[ScreenedRun]) -> float | None:
+    ways = [run.travel_m for run in runs if run.travel_m is not None]
+    return sum(ways) if ways else None
+
+
+def _work(runs: Sequence[ScreenedRun]) -> float | None:
+    """Return the friction work of all runs: rejected ones have the accepted ones' mean force.
+
+    What is wrong with a rejected run may be its force.
+    """
+    accepted = [run for run in runs if run.accepted and run.friction_work_j is not None]
+    way, way_accepted = _way(runs), _way(accepted)
+    if not way or not way_accepted:
+        return None
+    return sum(run.friction_work_j or 0.0 for run in accepted) * way / way_accepted
 
 
 def _labels(plans: list[RunPlan]) -> list[str]:
