@@ -308,3 +308,22 @@ def test_campaigns_without_scatter_have_no_components():
     )  # fmt: skip
     same = np.array([[400.0] * 4, [0.0] * 4, [3.0] * 4, [2.0] * 4])
     assert precision_of(FRICTION, "extend", plan, same, None) == (None, ())
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_two_levels_of_a_factor_give_a_wide_interval_that_has_its_ends(seed):
+    """Two operators: the likelihood falls so slowly that the search must follow it far."""
+    rng = np.random.default_rng(seed)
+    of = [(c, o, m) for c in range(4) for o in range(2) for m in range(2)]
+    level = 15 * rng.normal(size=4), 8 * rng.normal(size=2)
+    trials = [400 + level[0][c] + level[1][o] + rng.normal(0, (3, 2), 2).sum() + rng.normal(0, 2, 3)
+              for c, o, _ in of]  # fmt: skip
+    levels = {CYLINDER: [c for c, _, _ in of], "operator": [o for _, o, _ in of], "mounting": of}
+    fit = VarianceComponents(plan_data(trials, levels))
+    for name, value in fit.variances.items():
+        found = fit.component([name])
+        assert found.low <= found.value == value <= found.high
+    operators = fit.component(["operator"])
+    assert operators.high > 50 * max(operators.value, 1.0)
+    share = fit.share(["operator", "mounting", "trials"])
+    assert 0 < share.low <= share.value <= share.high <= 1

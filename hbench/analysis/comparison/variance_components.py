@@ -30,6 +30,8 @@ _CHI2_95 = 3.841458820694124  # of one degree of freedom
 _LEAST = 1e-9  # of the total variance: smallest s_r^2, and smallest change that is followed
 _NOTHING = 1e-6  # of the sum of the variances: a smaller estimate is zero
 _CONFOUNDED = 1e-6  # relative length of the part of K_k that no other component explains
+_SMALL = 1e-3  # variances below have this scale in a search
+_RESTARTS, _GAIN = 5, 1e-6  # searches, while another one lowers -2 l by so much
 _FACTOR_LIMIT = 1e8  # of a component's estimate: an interval has no end beyond
 _EDGE_TOLERANCE = 1e-3  # relative, of an interval's end
 
@@ -149,13 +151,16 @@ class VarianceComponents:
         def excess(t: float) -> float:
             return self._minimum(self._best, constraint(t))[1] - self._least - _CHI2_95
 
-        begin = min(max(value, _LEAST), 1 / _LEAST)
-        if not bounded_below and (value <= _LEAST or excess(0.0) <= 0):
+        if not bounded_below and (value == 0.0 or excess(0.0) <= 0):
             low = 0.0
         else:
-            low = _root(excess, begin, 0.5, _LEAST * begin)
-        high = _root(excess, max(begin, 1e-3), 2.0, _FACTOR_LIMIT * max(begin, 1.0))
-        return low, high
+            low = _root(excess, value, 0.5, _LEAST * value)
+        begin = value
+        if value == 0.0:  # somewhere inside of the interval
+            begin = float(self._best.max())
+            while excess(begin) > 0 and begin > _LEAST:
+                begin /= 8
+        return low, _root(excess, begin, 2.0, _FACTOR_LIMIT * max(begin, 1.0))
 
     def _minimum(
         self, start: np.ndarray, plane: tuple[np.ndarray, float] | None = None
@@ -163,20 +168,35 @@ class VarianceComponents:
         """Return where -2 l is least, and its value; on a plane a' s^2 = b if given."""
         from scipy.optimize import minimize  # slow import
 
-        bounds = [(0.0, None)] * (len(start) - 1) + [(_LEAST, None)]
-        constraints = []
+        a, b = plane if plane is not None else (np.zeros(len(start)), 0.0)
         if plane is not None:
-            a, b = plane
-            start = _onto(start, a, b)
-            size = np.linalg.norm(a)
-            constraints = [
-                {"type": "eq", "fun": lambda s: (a @ s - b) / size, "jac": lambda s: a / size}
-            ]
-        found = minimize(
-            self._minus_twice_log, start, jac=True, method="SLSQP", bounds=bounds,
-            constraints=constraints, options={"ftol": 1e-11, "maxiter": 300},
-        )  # fmt: skip
-        return found.x, float(found.fun)
+            start = min(_onto(start, a, b), key=lambda s2: self._minus_twice_log(s2)[0])
+        size = np.maximum(start, _SMALL)  # in which all variances are of the order of 1
+        bounds = [(0.0, None)] * (len(start) - 1) + [(_LEAST / size[-1], None)]
+        normal = a * size / (np.linalg.norm(a * size) or 1.0)
+        equal = {
+            "type": "eq",
+            "fun": lambda z: normal @ (z - start / size),
+            "jac": lambda z: normal,
+        }
+
+        def scaled(z: np.ndarray) -> tuple[float, np.ndarray]:
+            value, slopes = self._minus_twice_log(z * size)
+            return value, slopes * size
+
+        z, least = start / size, np.inf
+        for _ in range(_RESTARTS):  # each with a fresh estimate of the curvature
+            found = minimize(
+                scaled, z, jac=True, method="SLSQP", bounds=bounds,
+                constraints=[] if plane is None else [equal],
+                options={"ftol": 1e-11, "maxiter": 300},
+            )  # fmt: skip
+            gained = least - found.fun
+            if gained > 0:
+                z, least = found.x, float(found.fun)
+            if gained < _GAIN:
+                break
+        return z * size, least
 
     def _minus_twice_log(self, s2: np.ndarray) -> tuple[float, np.ndarray]:
         """Return -2 l at variances s2 (k,) and its derivatives (k,)."""
@@ -283,14 +303,17 @@ def _basis(columns: np.ndarray) -> np.ndarray:
     return u[:, sizes > 1e-9 * sizes[0]]
 
 
-def _onto(start: np.ndarray, a: np.ndarray, b: float) -> np.ndarray:
-    """Return positive variances near ``start`` with a' s^2 = b, by scaling those with a > 0."""
-    up, down = np.maximum(a, 0.0), np.maximum(-a, 0.0)
-    wanted = b + down @ start
-    have = up @ start
-    if have > 0:
-        return np.where(a > 0, start * wanted / have, start)
-    return np.where(a > 0, wanted / up.sum(), start)
+def _onto(s2: np.ndarray, a: np.ndarray, b: float) -> list[np.ndarray]:
+    """Return variances near ``s2`` (k,) with a' s^2 = b: all with a > 0 scaled, or one changed."""
+    raised = a > 0
+    wanted = b + np.maximum(-a, 0.0) @ s2
+    have = a[raised] @ s2[raised]
+    shares = s2 * wanted / have if have > 0 else np.full(len(s2), wanted / a[raised].sum())
+    starts = [np.where(raised, shares, s2)]
+    largest = int(np.argmax(np.where(raised, s2, -1.0)))
+    one = s2.copy()
+    one[largest] += (wanted - have) / a[largest]
+    return starts if one[largest] < 0 else [*starts, one]
 
 
 def _root(excess: Callable[[float], float], begin: float, factor: float, limit: float) -> float:

@@ -49,8 +49,8 @@ METHOD = (
     (
         "Wear",
         "Way and friction work are those of the logged runs of a cylinder's campaigns, summed in "
-        "the order of their dates; motion between the runs is not logged and not included. Rejected "
-        "runs count with the mean friction of the accepted ones. The "
+        "the order of their dates; motion between the runs is not logged and not included. "
+        "Rejected runs count with the mean friction of the accepted ones. The "
         "line is a least-squares line, its interval Student's at 95 %, p is corrected after Holm "
         "for the number of lines. At least 4 campaigns of a cylinder are needed. Whatever else "
         "changes with time, such as the oil, appears as wear too.",
