@@ -53,9 +53,9 @@ def cut_at_reversals(t_s: np.ndarray, x_m: np.ndarray, min_stroke_m: float) -> S
 
 
 def travel(t_s: np.ndarray, x_m: np.ndarray) -> float:
-    """Return the way of positions ``x_m`` (n,): the sum of the distances between its reversals.
+    """Return the distance travelled [m] over positions ``x_m`` (n,), from reversal to reversal.
 
-    A return by less than ten times the noise is no reversal, so that noise at rest adds no way.
+    A return by less than ten times the noise is no reversal, so that noise at rest adds nothing.
     """
     if len(x_m) < 2:
         return 0.0

@@ -277,7 +277,7 @@ class ControlChart:
 
 @dataclass(frozen=True)
 class WearTrend:
-    """Straight line of a cylinder's friction over the way or the work that it has done."""
+    """Straight line of a cylinder's friction over its distance or friction work."""
 
     quantity: Quantity
     direction: Side

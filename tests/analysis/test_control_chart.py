@@ -19,7 +19,7 @@ def charted(x, cylinders=None, at=None):
     n = len(x)
     cylinders = np.zeros(n, dtype=int) if cylinders is None else cylinders
     at = np.arange(n, dtype=float) if at is None else at
-    return control_chart(FRICTION, None, at, x, cylinders, [f"c{i}" for i in range(n)])
+    return control_chart(FRICTION, None, at, x, cylinders, lambda rows: [f"c{i}" for i in rows])
 
 
 def test_montgomerys_viscosity():

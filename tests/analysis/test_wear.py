@@ -1,4 +1,4 @@
-"""Way of a run, and the trend of friction over the way and the work of a cylinder."""
+"""Distance of a run, and the trend of friction over the distance and the work of a cylinder."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ FRICTION = next(q for q in QUANTITIES if q.name == "friction_n")
 
 
 @pytest.mark.parametrize("noise_m", [0.0, 2e-5, 1e-4])
-def test_the_way_of_a_sine_is_four_amplitudes_a_period_whatever_the_noise(noise_m):
+def test_the_distance_of_a_sine_is_four_amplitudes_a_period_whatever_the_noise(noise_m):
     """2.5 periods of 50 mm with a rest of 5 s before and after, sampled at 100 Hz."""
     t = np.arange(0, 20, 0.01)
     x = 0.1 + 0.05 * np.sin(2 * np.pi * np.clip((t - 5) / 4, 0, 2.5))
@@ -20,7 +20,7 @@ def test_the_way_of_a_sine_is_four_amplitudes_a_period_whatever_the_noise(noise_
     assert travel(t, x) == pytest.approx(2.5 * 4 * 0.05, abs=10 * 6 * noise_m + 1e-5)
 
 
-def test_rest_has_no_way_and_a_ramp_its_length():
+def test_rest_has_no_distance_and_a_ramp_its_length():
     t = np.arange(0, 10, 0.01)
     noise = np.random.default_rng(1).normal(0, 2e-5, len(t))
     assert travel(t, 0.2 + noise) < 3e-4  # the sum of all steps would be 23 mm
@@ -37,12 +37,12 @@ def test_sums_are_of_the_same_cylinder_in_the_order_of_the_dates():
 
 
 def drawn(seed, cylinders, campaigns, slope):
-    """Friction that rises with the way by ``slope``; heavy tails, campaigns of unequal length."""
+    """Friction that rises with distance by ``slope``; heavy tails, unequal campaigns."""
     rng = np.random.default_rng(seed)
     of = np.repeat(np.arange(cylinders), campaigns)
     at = np.tile(np.arange(float(campaigns)), cylinders)
-    way = rng.uniform(50, 300, len(of))
-    sums = cumulated(way, of, at)
+    distance = rng.uniform(50, 300, len(of))
+    sums = cumulated(distance, of, at)
     x = 400 + 20 * rng.normal(size=cylinders)[of] + slope * sums + 3 * rng.standard_t(4, len(of))
     return list(
         wear_trends(

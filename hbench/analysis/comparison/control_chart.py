@@ -11,6 +11,8 @@ has the variance of a single campaign, plus the mean of all (a chart of deviatio
 Montgomery, section 10.2).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from hbench.records import ControlChart, Quantity, Side
@@ -28,11 +30,12 @@ def control_chart(
     at: np.ndarray,
     x: np.ndarray,
     cylinders: np.ndarray,
-    names: list[str],
+    names: Callable[[np.ndarray], list[str]],
 ) -> ControlChart | None:
     """Return the chart of x (n,) over the days ``at`` (n,); None with too few campaigns.
 
-    ``cylinders`` (n,) are numbers, -1 if not known.
+    ``cylinders`` (n,) are numbers, -1 if not known. ``names`` returns the names of campaigns by
+    their positions in x.
     """
     if len(x) < FEWEST:
         return None
@@ -55,8 +58,8 @@ def control_chart(
         of_cylinders=of_cylinders,
         at=tuple(at[rows][last].tolist()),
         values=tuple(values[last].tolist()),
-        names=tuple(names[i] for i in rows[last]),
-        outside=tuple(names[rows[i]] for i in outside[:_NAMED]),
+        names=tuple(names(rows[last])),
+        outside=tuple(names(rows[outside[:_NAMED]])),
         beyond=len(outside),
         moved=int((ranges > _D4 * ranges.mean()).sum()),
     )

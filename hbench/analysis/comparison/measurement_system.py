@@ -1,5 +1,6 @@
 """Precision, control charts and wear of the numbers of a fleet's table."""
 
+from functools import partial
 from pathlib import PurePath
 from typing import Literal, NamedTuple
 
@@ -46,7 +47,6 @@ def measurement_system(
     plan = plan_of(rows, identities)
     dated = np.isfinite(days)
     charted = np.flatnonzero(compared & dated)
-    paths = [PurePath(path).name for path in table.values("path", charted)]
     moving = np.flatnonzero(good & dated & (cylinders >= 0))
     sums = {amount: np.full(table.rows, np.nan) for amount in _AMOUNTS}
     for amount, total in sums.items():
@@ -68,12 +68,10 @@ def measurement_system(
             study, remarks = precision_of(quantity, direction, plan, columns, width)
             studies += [] if study is None else [study]
             notes |= dict.fromkeys(remarks)
-        known = np.isfinite(x[charted])
-        at = charted[known]
+        at = charted[np.isfinite(x[charted])]
         chart = control_chart(
-            quantity, direction, days[at], x[at], cylinders[at],
-            [name for name, is_known in zip(paths, known, strict=True) if is_known],
-        )  # fmt: skip
+            quantity, direction, days[at], x[at], cylinders[at], partial(_folders, table, at)
+        )
         charts += [] if chart is None else [chart]
         if quantity.name in WEARING:
             worn = charted[cylinders[charted] >= 0]
@@ -85,6 +83,11 @@ def measurement_system(
 def _numbers() -> list[tuple[Quantity, Side]]:
     """Return the numbers that repeated trials measure."""
     return [(each, side) for each in QUANTITIES if each.listed for side in each.sides]
+
+
+def _folders(table: FleetTable, rows: np.ndarray, positions: np.ndarray) -> list[str]:
+    """Return the names of the campaigns' folders at some positions in ``rows``."""
+    return [PurePath(path).name for path in table.values("path", rows[positions])]
 
 
 def _cylinders(table: FleetTable) -> tuple[np.ndarray, list[str]]:

@@ -1,6 +1,6 @@
-"""Wear: a cylinder's friction over the way that it has travelled and its friction work.
+"""Wear: a cylinder's friction over its travelled distance and its friction work.
 
-Way and work are cumulated over the cylinder's campaigns in the order of their dates, up to the
+Distance and work are cumulated over the cylinder's campaigns in the order of their dates, up to the
 middle of each. A straight line by least squares has Student's interval for n - 2 degrees of
 freedom; p values are corrected after Holm for the number of lines.
 """

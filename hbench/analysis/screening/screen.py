@@ -271,7 +271,7 @@ def _stroke_work(run: Run, rules: Screening) -> float | None:
 
 
 def _work(run: Run) -> float:
-    """Return the integral of F_T - F_applied over the way of a run [J]."""
+    """Return the integral of F_T - F_applied over the distance of a run [J]."""
     force = test_force(run, slice(0, None)) - required(run, "f_applied_n")
     return float((force[1:] + force[:-1]) @ np.diff(run.x_m) / 2)
 

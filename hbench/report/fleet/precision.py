@@ -48,15 +48,18 @@ METHOD = (
     ),
     (
         "Wear",
-        "Way and friction work are those of the logged runs of a cylinder's campaigns, summed in "
-        "the order of their dates; motion between the runs is not logged and not included. "
+        "Distance and friction work are those of the logged runs of a cylinder's campaigns, summed "
+        "in the order of their dates; motion between the runs is not logged and not included. "
         "Rejected runs count with the mean friction of the accepted ones. The "
         "line is a least-squares line, its interval Student's at 95 %, p is corrected after Holm "
         "for the number of lines. At least 4 campaigns of a cylinder are needed. Whatever else "
         "changes with time, such as the oil, appears as wear too.",
     ),
 )
-_AMOUNTS = {"distance_m": ("way", "km", 1e-3), "friction_work_j": ("friction work", "MJ", 1e-6)}
+_AMOUNTS = {
+    "distance_m": ("distance", "km", 1e-3),
+    "friction_work_j": ("friction work", "MJ", 1e-6),
+}
 
 
 def precision_sentences(fleet: Fleet) -> Iterator[str]:
@@ -175,7 +178,7 @@ def chart_table(fleet: Fleet) -> WordTable:
 
 
 def wear_table(fleet: Fleet) -> WordTable:
-    """Return the slope of each cylinder's friction over way and work."""
+    """Return the slope of each cylinder's friction over distance and work."""
     rows = [
         (
             trend.specimen,
@@ -200,11 +203,6 @@ def source_words(source: VarianceSource) -> str:
         "trials": "trials of a campaign",
         CYLINDER: "cylinder",
     }.get(source.name, source.name)
-
-
-def amount_unit(trend: WearTrend) -> tuple[str, str, float]:
-    """Return what a trend is over, the unit to show it in, and the factor from SI."""
-    return _AMOUNTS[trend.over]
 
 
 def slope_unit(trend: WearTrend) -> str:

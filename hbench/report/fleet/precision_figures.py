@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hbench.records import DIRECTIONS, ControlChart, Fleet, Precision, Quantity, Side, WearTrend
 from hbench.report.fleet.names import without_condition
-from hbench.report.fleet.precision import amount_unit, chart_words, source_words
+from hbench.report.fleet.precision import chart_words, source_words
 from hbench.report.render import style
 from hbench.report.render.figures import Sketch
 from hbench.report.render.series import behind
@@ -35,9 +35,9 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
             caption += f" The last {len(chart.values)} of {chart.n} campaigns are shown."
         words = f"{chart.quantity.words}{_side(chart.direction)}"
         yield Sketch(f"control-{name}", CHARTS, words, caption, draw_chart(chart, fleet, mark))
-    over_way = [trend for trend in fleet.wear if trend.over == "distance_m"]
-    for quantity, direction in dict.fromkeys((t.quantity, t.direction) for t in over_way):
-        trends = [t for t in over_way if (t.quantity, t.direction) == (quantity, direction)]
+    over_distance = [trend for trend in fleet.wear if trend.over == "distance_m"]
+    for quantity, direction in dict.fromkeys((t.quantity, t.direction) for t in over_distance):
+        trends = [t for t in over_distance if (t.quantity, t.direction) == (quantity, direction)]
         words = f"{quantity.words}{_side(direction)}"
         caption = "Solid lines: significant; dashed: not significant."
         if len(trends) > _MOST_CYLINDERS:
@@ -109,22 +109,21 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
 
 
 def draw_wear(trends: list[WearTrend], mark: str) -> Figure:
-    """Draw the values of some cylinders over their way or work, with their lines."""
+    """Draw the values of some cylinders over the distance, with their lines."""
     figure = style.new_figure(height_in=3.6)
     axes = figure.add_subplot()
     quantity = trends[0].quantity
-    words, unit, factor = amount_unit(trends[0])
-    for i, trend in enumerate(trends):
+    for i, trend in enumerate(sorted(trends, key=lambda trend: trend.specimen)):
         look = style.series_style(i)
         x = np.array(trend.x)
         values = quantity.scale * np.array(trend.values)
         name = style.safe(trend.specimen, 16)
-        axes.plot(factor * x, values, linestyle="none", label=name, markersize=4, **look)
+        axes.plot(x, values, linestyle="none", label=name, markersize=4, **look)
         line = quantity.scale * (trend.intercept + trend.slope * x[[0, -1]])
         dashes = "-" if trend.real else "--"
-        axes.plot(factor * x[[0, -1]], line, color=look["color"], linestyle=dashes)
+        axes.plot(x[[0, -1]], line, color=look["color"], linestyle=dashes)
     axes.set(
-        xlabel=f"{words.capitalize()}, cumulated ({unit})",
+        xlabel="Distance, cumulated (m)",
         ylabel=f"{_short(quantity)} ({quantity.unit})",
     )
     _head(axes, quantity, mark)

@@ -52,7 +52,7 @@ def fleet_row(
         runs=len(results.runs),
         accepted=sum(run.accepted for run in results.runs),
         v_m_s=speed,
-        distance_m=_way(results.runs),
+        distance_m=_distance(results.runs),
         friction_work_j=_work(results.runs),
         numbers=dict(numbers),
     )
@@ -79,9 +79,9 @@ def _protocol(plans: list[RunPlan], speed: float | None) -> str:
     return _line("; ".join(settings))
 
 
-def _way(runs: Iterable[ScreenedRun]) -> float | None:
-    ways = [run.travel_m for run in runs if run.travel_m is not None]
-    return sum(ways) if ways else None
+def _distance(runs: Iterable[ScreenedRun]) -> float | None:
+    known = [run.travel_m for run in runs if run.travel_m is not None]
+    return sum(known) if known else None
 
 
 def _work(runs: Sequence[ScreenedRun]) -> float | None:
@@ -90,10 +90,10 @@ def _work(runs: Sequence[ScreenedRun]) -> float | None:
     What is wrong with a rejected run may be its force.
     """
     accepted = [run for run in runs if run.accepted and run.friction_work_j is not None]
-    way, way_accepted = _way(runs), _way(accepted)
-    if not way or not way_accepted:
+    distance, of_accepted = _distance(runs), _distance(accepted)
+    if not distance or not of_accepted:
         return None
-    return sum(run.friction_work_j or 0.0 for run in accepted) * way / way_accepted
+    return sum(run.friction_work_j or 0.0 for run in accepted) * distance / of_accepted
 
 
 def _labels(plans: list[RunPlan]) -> list[str]:
