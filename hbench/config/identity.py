@@ -47,6 +47,7 @@ class TestIdentity(ConfigSection):
     number: Text = ""
     customer: Text = ""
     operator: Text = ""
+    mounting: Text = ""  # campaigns of a cylinder that was not removed between them have the same
     date: Text = ""
     place: Text = ""
     ambient: Text = ""  # temperature, humidity

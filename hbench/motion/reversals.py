@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from hbench.motion.rest import BLOCK_S, rest_before_motion
+from hbench.motion.speeds import noise_over_motion
 
 # A reversal counts once the position has returned by this fraction of the shortest stroke: far
 # above the noise of a position sensor, far below a stroke.
 _TURN = 0.1
+_NOISE_SIGMAS = 10.0  # of the position's noise: a smaller return is no reversal
 _REST_S = 0.2  # shorter ones at the ends of a log are no rest
 _SAME_LENGTH, _SAME_DURATION = 0.10, 0.25  # relative differences of settled strokes
 # Relative difference of the speeds of strokes that count as the same speed: often it is not
@@ -48,6 +50,17 @@ def cut_at_reversals(t_s: np.ndarray, x_m: np.ndarray, min_stroke_m: float) -> S
     pairs = list(zip(ends, ends[1:], strict=False))
     pieces = [slice(a, b) for a, b in pairs if abs(x_m[b] - x_m[a]) >= min_stroke_m]
     return StrokeCuts(tuple(pieces), partial=int(partial), short=len(pairs) - len(pieces))
+
+
+def travel(t_s: np.ndarray, x_m: np.ndarray) -> float:
+    """Return the distance travelled [m] over positions ``x_m`` (n,), from reversal to reversal.
+
+    A return by less than ten times the noise is no reversal, so that noise at rest adds nothing.
+    """
+    if len(x_m) < 2:
+        return 0.0
+    turns = _turning_points(x_m.tolist(), _NOISE_SIGMAS * noise_over_motion(t_s, x_m))
+    return float(np.abs(np.diff(x_m[[0, *turns, len(x_m) - 1]])).sum())
 
 
 def settled_strokes(t_s: np.ndarray, x_m: np.ndarray, pieces: Sequence[slice]) -> tuple[slice, ...]:

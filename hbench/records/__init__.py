@@ -34,18 +34,24 @@ from hbench.records.differences import (
     FrictionDifference,
 )
 from hbench.records.fleet import (
+    CYLINDER,
     QUANTITIES,
     Block,
+    ControlChart,
     Deviation,
+    Estimate,
     Fleet,
     FleetCampaign,
     FleetNumber,
     FleetRow,
+    Precision,
     Quantity,
     Side,
     Spread,
     Suspect,
     Trend,
+    VarianceSource,
+    WearTrend,
 )
 from hbench.records.flow import (
     DIRECTIONS,
@@ -138,6 +144,7 @@ from hbench.records.summary import (
 )
 
 __all__ = [
+    "CYLINDER",
     "DIRECTIONS",
     "KINDS",
     "QUANTITIES",
@@ -156,6 +163,7 @@ __all__ = [
     "Check",
     "Comparison",
     "Completeness",
+    "ControlChart",
     "ControlLoop",
     "Curve",
     "CurveDifference",
@@ -170,6 +178,7 @@ __all__ = [
     "DwellLaw",
     "EfficiencyCurve",
     "EfficiencyPoint",
+    "Estimate",
     "ExperimentKind",
     "Factors",
     "Finding",
@@ -217,6 +226,7 @@ __all__ = [
     "ParameterPair",
     "Phenomenon",
     "PointTrials",
+    "Precision",
     "PressureLine",
     "PreviewedChannel",
     "PreviewedFile",
@@ -253,8 +263,10 @@ __all__ = [
     "Suspect",
     "Trace",
     "Trend",
+    "VarianceSource",
     "Verdict",
     "ViscosityEffect",
+    "WearTrend",
     "WordTable",
     "kind_names",
     "Zero",

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from hbench.records.bands import Band, BandTrend
 from hbench.records.flow import Curve, Direction, Provenance
+from hbench.records.summary import Quality
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,7 @@ class CampaignDifferences:
     names: tuple[str, str]  # of the folders
     a: Provenance
     b: Provenance
+    qualities: tuple[Quality, Quality]  # of A's data and of B's
     same_instruments: bool  # their errors are the same in both
     curves: tuple[CurveDifference, ...]
     notes: tuple[str, ...]  # curves that could not be compared, with the reason

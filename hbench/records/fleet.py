@@ -1,11 +1,15 @@
 """A fleet of campaigns: a row each, and their distributions, trends and outliers."""
 
+import math
 from dataclasses import dataclass, field
 from datetime import datetime
+from typing import Literal
 
 from hbench.records.flow import DIRECTIONS, Direction
 
 Side = Direction | None  # of a number; None: of both directions together
+CYLINDER = "cylinder"  # the source of variance that is not of the measurement
+LIMIT_FACTOR = 2.8  # from a standard deviation to the limit of a difference (ISO 5725-6, 4.1.3)
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,8 @@ class FleetNumber:
     low: float | None = None  # 95 % interval; with instruments where they are known and count
     high: float | None = None
     se: float | None = None  # standard error of the trials alone
+    trials: float | None = None  # repeats that ``se`` is of; of several loads, their harmonic mean
+    dof: float | None = None  # degrees of freedom of ``se``
 
 
 @dataclass(frozen=True)
@@ -72,6 +78,9 @@ class FleetRow:
     bench: str = ""
     label: str = ""  # of the series; several with commas between
     specimen: str = ""  # serial number
+    operator: str = ""
+    mounting: str = ""
+    day: str = ""  # date of the measurement, as far as it is known
     seed: int | None = None  # of the virtual rig
     started: datetime | None = None
     # What must be the same where cylinders are compared: diameters, loads, working speed if set.
@@ -80,9 +89,12 @@ class FleetRow:
     area_rod_m2: float | None = None
     stroke_m: float | None = None
     quality: str = ""  # good, with care, poor
+    missing: str = ""  # runs and trials of the plan that the campaign does not have
     runs: int = 0
     accepted: int = 0
     v_m_s: float | None = None  # working speed
+    distance_m: float | None = None  # travelled in the logged runs
+    friction_work_j: float | None = None  # of these
     numbers: dict[tuple[str, Side], FleetNumber] = field(default_factory=dict)
 
 
@@ -171,9 +183,119 @@ class FleetCampaign:
     name: str
     label: str
     quality: str
+    missing: str  # of the plan; empty if it is complete
     report: str  # its page, relative to the fleet's; empty where there is none
     v_m_s: float | None  # working speed
     numbers: dict[str, FleetNumber]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number that is not negative, with its 95 % interval; no upper end: not bounded."""
+
+    value: float
+    low: float
+    high: float | None
+
+
+@dataclass(frozen=True)
+class VarianceSource:
+    """Part of the variance of a number: by cylinder, operator, mounting, day or trials."""
+
+    name: str
+    levels: int  # of its factor; of trials, their degrees of freedom
+    variance: Estimate  # by REML
+    anova: float  # variance by ANOVA; may be negative
+
+
+@dataclass(frozen=True)
+class Precision:
+    """Repeatability and reproducibility of one number, in SI, after ISO 5725."""
+
+    quantity: Quantity
+    direction: Side
+    campaigns: int
+    cylinders: int
+    trials: float  # of a campaign, harmonic mean
+    mean: float
+    sources: tuple[VarianceSource, ...]  # cylinders first, trials last
+    repeatability: Estimate  # standard deviation s_r: of trials
+    reproducibility: Estimate  # standard deviation s_R: of everything but the cylinders
+    share_of_total: Estimate | None  # s_R over the standard deviation of all sources, 0 to 1
+    tolerance: float | None  # width between the limits; None: not given
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Limits r and R of the difference of two single trials at 95 % (ISO 5725-6, 4.1.4)."""
+        return LIMIT_FACTOR * self.repeatability.value, LIMIT_FACTOR * self.reproducibility.value
+
+    @property
+    def critical_difference(self) -> float:
+        """Largest difference of two campaigns of one cylinder at 95 % (ISO 5725-6, 4.2.2.1).
+
+        CD = sqrt(R^2 - r^2 (1 - 1/n)) for means of n trials each.
+        """
+        r, limit = self.limits
+        return math.sqrt(max(limit**2 - r**2 * (1 - 1 / self.trials), 0.0))
+
+    @property
+    def share_of_tolerance(self) -> float | None:
+        """6 s_R over the width of the tolerance (AIAG, Measurement Systems Analysis, %GRR)."""
+        return None if self.tolerance is None else 6 * self.reproducibility.value / self.tolerance
+
+    @property
+    def distinct_categories(self) -> float | None:
+        """1.41 times the cylinders' standard deviation over s_R (AIAG, ndc)."""
+        of_cylinders = [s.variance.value for s in self.sources if s.name == CYLINDER]
+        if not of_cylinders or not self.reproducibility.value:
+            return None
+        return 1.41 * math.sqrt(of_cylinders[0]) / self.reproducibility.value
+
+
+@dataclass(frozen=True)
+class ControlChart:
+    """Individuals chart of a number over the dates of the campaigns, in SI."""
+
+    quantity: Quantity
+    direction: Side
+    n: int  # campaigns
+    centre: float
+    sigma: float  # mean moving range / 1.128
+    of_cylinders: bool  # values are deviations from the mean of their cylinder, plus the centre
+    at: tuple[float, ...]  # days since the first campaign; of the last campaigns
+    values: tuple[float, ...]
+    names: tuple[str, ...]  # of the campaigns
+    outside: tuple[str, ...]  # names of the first campaigns beyond the limits
+    beyond: int  # campaigns beyond the limits
+    moved: int  # campaigns whose moving range is beyond its limit
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lower and upper control limit: three sigma from the centre."""
+        return self.centre - 3 * self.sigma, self.centre + 3 * self.sigma
+
+
+@dataclass(frozen=True)
+class WearTrend:
+    """Straight line of a cylinder's friction over its distance or friction work."""
+
+    quantity: Quantity
+    direction: Side
+    specimen: str
+    over: Literal["distance_m", "friction_work_j"]
+    x: tuple[float, ...]  # cumulated up to the middle of each campaign
+    values: tuple[float, ...]
+    slope: float
+    low: float  # its 95 % interval
+    high: float
+    intercept: float
+    p: float  # of no slope
+    p_holm: float  # corrected for the number of these trends
+
+    @property
+    def real(self) -> bool:
+        """Significant."""
+        return self.p_holm < 0.05
 
 
 @dataclass(frozen=True)
@@ -185,6 +307,7 @@ class Fleet:
     reasons: tuple[tuple[str, int], ...]  # why, and how many; the most frequent first
     failures: tuple[tuple[str, str], ...]  # path and reason, of the first ones
     qualities: tuple[tuple[str, int], ...]
+    incomplete: int  # campaigns
     sources: tuple[tuple[str, int], ...]
     protocols: tuple[tuple[str, int], ...]  # the most frequent is evaluated
     compared: int  # campaigns of that protocol, at its speed
@@ -195,4 +318,9 @@ class Fleet:
     spreads: tuple[Spread, ...]
     outliers: int
     worst: tuple[Suspect, ...]  # the most deviating, outliers or not
+    # Repeatability and reproducibility, where the campaigns form a plan; and why not, or not all.
+    precision: tuple[Precision, ...] = ()
+    plan_notes: tuple[str, ...] = ()
+    charts: tuple[ControlChart, ...] = ()
+    wear: tuple[WearTrend, ...] = ()
     rows: tuple[FleetCampaign, ...] = ()  # analyzed campaigns; empty for a large fleet

@@ -224,6 +224,8 @@ class ScreenedRun:
     # Work against friction over a whole stroke that was cut from a cycle; None for other runs, and
     # where samples of the stroke are missing.
     work_j: float | None = None
+    travel_m: float | None = None  # distance travelled in the whole log
+    friction_work_j: float | None = None  # work against friction over it; None without the channels
 
     @property
     def reason(self) -> str:

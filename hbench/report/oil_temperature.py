@@ -9,11 +9,11 @@ from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.records.summary import SEPARATED_VIF
 from hbench.report.campaign.fit_tables import fit_tables, law_words
 from hbench.report.campaign.page_tables import WHO, table, who
+from hbench.report.campaign.series_words import TITLES
 from hbench.report.drift import drift_words
 from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, significant, with_interval
-from hbench.report.render.style import TITLES
 from hbench.report.render.word_tables import Table
 from hbench.units import from_si
 

@@ -58,6 +58,7 @@ def compare(
         (a.resolve().name, b.resolve().name),
         results_a.provenance,
         results_b.provenance,
+        (results_a.quality, results_b.quality),
         same_instruments,
         curves,
         notes,

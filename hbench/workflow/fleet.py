@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import quote
 
 from hbench import __version__
@@ -21,6 +21,9 @@ from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from hbench.store.formats.parquet import require_pyarrow
 from hbench.untrusted_text import printable
 from hbench.workflow.results import derive
+
+if TYPE_CHECKING:
+    from hbench.analysis.comparison.precision import Tolerance
 
 _DIED = "its analysis killed the process twice (out of memory?); the next call analyzes it again"
 
@@ -47,6 +50,7 @@ def analyze_fleet(
     *,
     scheduler: str | None,
     speed_m_s: float | None,
+    tolerance: "Tolerance | None",
     report: Callable[[int, int, int], None],
     note: Callable[[str], None],
 ) -> Fleet:
@@ -55,7 +59,8 @@ def analyze_fleet(
     ``patterns`` are campaigns, folders that contain campaigns to any depth, and glob patterns. Rows
     of an earlier call are kept unless the campaign has changed since. A campaign that can't be
     analyzed is a row with the reason. ``scheduler`` is the address of a Dask scheduler; by default
-    this machine's cores do the work. ``report`` gets the numbers of campaigns analyzed by this
+    this machine's cores do the work. ``tolerance`` is that of friction or efficiency, to compare
+    the measurement's precision with. ``report`` gets the numbers of campaigns analyzed by this
     call, to analyze, and failed. Raises ``ConfigError``, ``DataError``, ``DeviceError``.
     """
     from hbench.analysis.comparison.fleet_summary import summarize  # needed at the end only
@@ -74,7 +79,7 @@ def analyze_fleet(
             _analyze_missing(rows, total - done, scheduler, speed_m_s, report, note)
         write_table(folder / TABLE, rows.cells())
         rows.remove_others()
-    return summarize(FleetTable(folder / TABLE), partial(report_link, folder.resolve()))
+    return summarize(FleetTable(folder / TABLE), partial(report_link, folder.resolve()), tolerance)
 
 
 def report_link(folder: Path, campaign: str) -> str:

@@ -14,7 +14,6 @@ from hbench.analysis.uncertainty.budget import (
     friction_contributions,
     of_instruments,
     of_trials,
-    root_sum_square,
     with_instruments,
 )
 from hbench.analysis.uncertainty.efficiency import efficiency_curve
@@ -90,8 +89,8 @@ def test_frictions_part_is_that_of_the_uncertainties_package(curve, instruments)
     for point, (f_test, f_applied) in zip(found.points, shared_errors(curve), strict=True):
         assert point.sigma_instruments_n == pytest.approx((f_test - f_applied).std_dev, rel=1e-9)
         parts = friction_contributions(point, curve.specimen, instruments)
-        assert parts["load cell"] == pytest.approx(-0.01 * 2000.0 / 3**0.5)
-        assert root_sum_square(parts) == pytest.approx(point.sigma_instruments_n)
+        assert parts["load cell"].value == pytest.approx(-0.01 * 2000.0 / 3**0.5)
+        assert combined(list(parts.values())).value == pytest.approx(point.sigma_instruments_n)
 
 
 def test_without_tolerances_a_curve_stays_as_it_is(curve):
@@ -119,7 +118,7 @@ def test_a_tolerance_has_the_standard_uncertainty_of_its_distribution(curve, dis
     parts = friction_contributions(
         curve.points[0], curve.specimen, with_sources(force=stated, pressure=stated)
     )
-    assert parts["load cell"] == pytest.approx(-0.01 * 2000.0 / divisor)
+    assert parts["load cell"].value == pytest.approx(-0.01 * 2000.0 / divisor)
     error = errors_of(curve.points[0], curve.specimen, with_sources(force=stated))[0]
     drawn = standardised(error, np.random.default_rng(0), 200_000)
     assert np.std(drawn) == pytest.approx(1.0, rel=0.01)

@@ -125,6 +125,43 @@ def test_the_same_instruments_cancel_where_readings_agree_and_others_do_not(camp
     assert other.mean_n.p_holm == same.mean_n.p_holm
 
 
+@pytest.mark.parametrize("same", [True, False])
+def test_few_degrees_of_freedom_of_an_instrument_widen_the_interval_as_g2b_says(campaign, same):
+    """By hand, from the forces alone: two transducers, a load cell calibrated with four readings.
+
+    The effective degrees of freedom are those of JCGM 100, G.2b; the same errors are subtracted.
+    """
+    few = INSTRUMENTS.model_copy(
+        update={"force": INSTRUMENTS.force.model_copy(update={"dof": 3.0})}
+    )
+    a, b = campaign(1, scatter=1.0), campaign(2, 1.3, scatter=1.0)
+    (found,), _ = compared(a, b, same, known=(few, few))
+    curves = a.curves[0], b.curves[0]
+    for number, difference in enumerate(found.points):
+        variances, dofs, parts = [], [], []
+        for curve in curves:
+            point, areas = curve.points[number], curve.specimen
+            variances.append(np.var(point.trials_n, ddof=1) / 3)
+            dofs.append(2.0)
+            tolerances = np.array([0.01, 0.008, 0.008]) / 3**0.5
+            forces = [
+                -point.f_applied_n,
+                point.p_tp_pa * areas.area_piston_m2,
+                -point.p_tr_pa * areas.area_rod_m2,
+            ]
+            parts.append(tolerances * forces)
+        of_instruments = [parts[1] - parts[0]] if same else parts
+        variances += [u**2 for each in of_instruments for u in each]
+        dofs += [3.0, np.inf, np.inf] * len(of_instruments)
+        total = sum(variances)
+        dof = total**2 / sum(v**2 / nu for v, nu in zip(variances, dofs, strict=True))
+        expected = stats.t.ppf(0.975, dof) * np.sqrt(total)
+        assert difference.friction_n.u95 == pytest.approx(expected, rel=1e-9)
+    known, _ = compared(a, b, same)
+    assert same or found.mean_n.u95 > known[0].mean_n.u95
+    assert same or found.efficiency.u95 > known[0].efficiency.u95
+
+
 def test_unknown_instruments_leave_the_trials_alone(campaign):
     (found,), _ = compared(campaign(1), campaign(2, 1.2), known=(None, INSTRUMENTS))
     assert found.mean_n.u95 is None and found.mean_n.real

@@ -69,6 +69,8 @@ def test_spoilt_campaigns_are_rows_with_their_reasons_and_the_second_call_does_w
     assert os.strerror(errno.ENOENT) in reasons["gone"] and "UTF-8" in reasons["binary"]
     assert found["good"]["accepted"] > 0 == found["logless"]["accepted"]
     kept = dict.fromkeys(("path", "started"))
+    way_m, work_j = found["good"]["distance_m"], found["good"]["friction_work_j"]
+    assert 0.5 < way_m < 20 and 200 < work_j / way_m < 2000  # some 20 runs; N
     assert found[ODD] | kept == found["good"] | kept
     page = (out / "fleet.html").read_text()
     assert '<b>"' not in page and "\u202e" not in page

@@ -26,7 +26,8 @@ def found(small):
     one = CurveDifference(curve, curve, (*points, same), mean, None, ())
     names = "before", "<after>"
     provenance = small.provenance
-    return CampaignDifferences(names, provenance, provenance, True, (one,), (NOTE,))
+    qualities = (small.quality, small.quality)
+    return CampaignDifferences(names, provenance, provenance, qualities, True, (one,), (NOTE,))
 
 
 def test_the_verdict_stands_first_with_the_interval_of_trials_and_instruments(found):
@@ -43,6 +44,22 @@ def test_a_difference_that_is_not_significant_is_not_in_the_verdict(found):
     page = differences_page(replace(found, curves=(none,)), ())
     verdict = page[: page.index("<table")]
     assert " of 1 " in verdict and " 1 of 1 " not in verdict and "±" not in verdict
+
+
+def test_an_incomplete_campaign_and_poor_data_are_reported_before_the_differences(found):
+    good, _ = found.qualities
+    half = replace(
+        good.completeness,
+        planned=96,
+        not_completed=tuple(map(str, range(40))),
+    )
+    broken = replace(found, qualities=(good, replace(good, grade="poor", completeness=half)))
+    page = differences_page(broken, ())
+    verdict = page[: page.index("<table")]
+    assert "B is incomplete and has poor data." in verdict and "A is" not in verdict
+    assert "40 of 96 planned runs" in page and "40 of 96 planned runs" in differences_text(broken)
+    assert json.loads(differences_json(broken))["quality"]["b"]["grade"] == "poor"
+    assert "incomplete" not in differences_page(found, ())
 
 
 def test_the_terminal_gets_the_same_numbers_in_ascii(found):

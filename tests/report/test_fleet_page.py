@@ -2,14 +2,17 @@
 
 import json
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from markupsafe import escape
 
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.text import fleet_json, fleet_text, fleet_verdict
-from tests.support.report.made_fleet import FAILURE, made_table, summary_of
+from hbench.store.fleet.table import TABLE, cells_of, write_table
+from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of
 
 OFF = {17: 120.0, 60: -140.0, 150: 100.0}
 
@@ -80,7 +83,7 @@ def test_a_campaigns_name_stays_words_and_its_link_leads_to_its_report(found, pa
 
 
 def test_figures_have_words_and_data_and_name_the_unit(found, drawings):
-    assert len({drawing.name for drawing in drawings}) == len(drawings) == 8
+    assert len({drawing.name for drawing in drawings}) == len(drawings) == 12
     for drawing in drawings:
         assert drawing.csv.count(b"\n") > 8 and len(drawing.seen) > 40
         assert re.search(rb"\((N|%|mm/s|N s/m)\)", drawing.csv)
@@ -102,6 +105,18 @@ def test_a_few_campaigns_are_shown_and_not_compared(tmp_path, undrawn):
     assert " of 4 " not in fleet_verdict(few)
     assert all(one.trend is None and len(one.blocks) == 4 for one in few.spreads)
     assert re.search(r"<h1>[^<]* 4 ", fleet_page(few, draw_fleet(few)))
+
+
+def test_incomplete_campaigns_and_poor_data_are_named_before_the_comparison(tmp_path):
+    rng = np.random.default_rng(4)
+    rows = [made_row(i, rng, f"/line/{i}", i) for i in range(4)]
+    rows[1] = replace(rows[1], quality="poor", missing="9 of 96 planned runs were not completed")
+    write_table(tmp_path / TABLE, map(cells_of, rows))
+    found = summary_of(tmp_path)
+    assert "are 1 incomplete and 1 with poor data." in fleet_verdict(found)
+    text = fleet_text(found)
+    assert "data: poor; incomplete: 9 of 96 planned runs" in text
+    assert text.count("incomplete:") == 1 and "9 of 96" in fleet_page(found, ())
 
 
 def test_where_all_have_failed_the_page_says_why(tmp_path):

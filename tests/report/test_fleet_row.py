@@ -60,6 +60,31 @@ def test_a_row_has_the_reports_friction_and_its_fits_parameters(one_load):
         assert found.se == fitted.se
     assert row.quality == results.quality.grade and row.runs == len(one_load.runs)
     assert row.accepted == sum(run.accepted for run in one_load.runs)
+    assert row.missing == ""
+
+
+def test_a_row_counts_what_the_plan_has_and_the_campaign_has_not(small):
+    complete = replace(small.quality.completeness, planned=60, not_completed=("0059", "0060"))
+    broken = replace(small, quality=replace(small.quality, completeness=complete))
+    row = fleet_row_of("/a", broken, {})
+    assert row.missing.startswith("2 of 60 planned runs were not completed")
+
+
+def test_a_row_names_what_a_plan_varies_and_counts_its_trials(one_load):
+    settings = {
+        "specimen": {"serial": "17"},
+        "test": {"operator": "J. Doe", "mounting": "2", "date": "2026-02-27"},
+    }
+    provenance = replace(one_load.provenance, settings=settings)
+    row = fleet_row("/a", replace(one_load, provenance=provenance))
+    stated = row.specimen, row.operator, row.mounting, row.day
+    assert stated == ("17", "J. Doe", "2", "2026-02-27")
+    assert row.started == datetime.fromisoformat(provenance.started)
+    imported = replace(provenance, source="imported")
+    row = fleet_row("/a", replace(one_load, provenance=imported))
+    assert row.started == datetime(2026, 2, 27, tzinfo=UTC)
+    assert row.numbers["friction_n", "extend"].trials == 3
+    assert row.numbers["friction_n", "extend"].dof == pytest.approx(2.0)
 
 
 def test_several_loads_give_their_mean_with_an_interval_that_is_no_narrower_than_needed(stribeck):

@@ -16,6 +16,7 @@ from hbench.analysis.comparison.difference_tests import (
     corrected,
     tested,
     untested,
+    weighted,
     welch,
 )
 from hbench.analysis.comparison.matching import (
@@ -167,7 +168,7 @@ def _of_energy(bands: tuple[Band, Band], half: OfInstruments) -> OfInstruments:
     if half is None:
         return None
     a, b = (
-        {name: (band.energy_j or 0.0) / band.half_n * force for name, force in of_half.items()}
+        weighted([((band.energy_j or 0.0) / band.half_n, of_half)])
         for band, of_half in zip(bands, half, strict=True)
     )
     return a, b
@@ -177,9 +178,12 @@ def _slope_parts(
     trends: tuple[BandTrend, BandTrend], shares: tuple[float, float], instruments: Pair
 ) -> OfInstruments:
     a, b = (
-        _weighted(
-            weights(np.array(trend.pressures_pa)).tolist(),
-            [_contributions(band, shares, known) for band in trend.bands],
+        weighted(
+            zip(
+                weights(np.array(trend.pressures_pa)).tolist(),
+                [_contributions(band, shares, known) for band in trend.bands],
+                strict=True,
+            )
         )
         for trend, known in zip(trends, instruments, strict=True)
     )
@@ -193,11 +197,4 @@ def _contributions(
         return {}
     directions = (band.extend, band.retract)
     parts = [friction_contributions(point, band.specimen, instruments) for point in directions]
-    return _weighted(shares, parts)
-
-
-def _weighted(shares: Sequence[float], parts: Sequence[Contributions]) -> Contributions:
-    return {
-        name: sum(share * part[name] for share, part in zip(shares, parts, strict=True))
-        for name in parts[0]
-    }
+    return weighted(zip(shares, parts, strict=True))

@@ -6,10 +6,11 @@ Trials are independent, so a difference d = sum_i w_i m_i of means over trials h
 
 (Welch, Satterthwaite). For the instruments: if both campaigns were measured with the same ones,
 their errors are in both, and only the difference of the contributions counts; with different ones
-both contributions count.
+both contributions count. Their degrees of freedom are those of the uncertainty budget, combined
+with those of the trials by the same formula (JCGM 100, G.2b).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,14 +19,10 @@ from scipy.special import stdtr
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.holm import holm
 from hbench.analysis.statistics.student import satterthwaite, student_factor
-from hbench.analysis.uncertainty.budget import (
-    StandardUncertainty,
-    combined,
-    root_sum_square,
-)
+from hbench.analysis.uncertainty.budget import StandardUncertainty, combined
 from hbench.records import Difference
 
-Contributions = dict[str, float]  # of instruments
+Contributions = dict[str, StandardUncertainty]  # of the instruments' errors, with their signs
 Terms = Sequence[tuple[float, Sequence[float]]]  # weight of a mean, and its trials
 
 NO_SCATTER = "no scatter: a single trial"
@@ -65,14 +62,9 @@ def tested(
         ci95=float(ci95),
         u95=None
         if contributions is None
-        else _expanded(StandardUncertainty(se, dof), _instruments_sigma(*contributions, same)),
+        else _with_instruments(StandardUncertainty(se, dof), *contributions, same).expanded(),
         p_value=float(2 * stdtr(dof, -abs(b - a) / se)),
     )
-
-
-def _expanded(trials: StandardUncertainty, sigma_instruments: float) -> float:
-    """Return the expanded uncertainty at 95 %; that of the instruments is taken as known."""
-    return combined([trials, StandardUncertainty(sigma_instruments)]).expanded()
 
 
 def untested(a: float, b: float, reason: str) -> Difference:
@@ -88,8 +80,21 @@ def corrected(differences: Sequence[Difference]) -> Iterator[Difference]:
         yield difference if p is None else replace(difference, p_holm=next(after))
 
 
-def _instruments_sigma(a: Contributions, b: Contributions, same: bool) -> float:
-    if not same:
-        return float(np.hypot(root_sum_square(a), root_sum_square(b)))
-    names = {*a, *b}
-    return root_sum_square({name: b.get(name, 0.0) - a.get(name, 0.0) for name in names})
+def weighted(terms: Iterable[tuple[float, Contributions]]) -> Contributions:
+    """Return the contributions to a weighted sum of points measured with the same instruments.
+
+    An error has the same degrees of freedom at all points.
+    """
+    total: Contributions = {}
+    for weight, contributions in terms:
+        for name, part in contributions.items():
+            before = total[name].value if name in total else 0.0
+            total[name] = part._replace(value=before + weight * part.value)
+    return total
+
+
+def _with_instruments(
+    trials: StandardUncertainty, a: Contributions, b: Contributions, same: bool
+) -> StandardUncertainty:
+    of_both = [weighted([(-1.0, a), (1.0, b)])] if same else [a, b]
+    return combined([trials, *(part for parts in of_both for part in parts.values())])

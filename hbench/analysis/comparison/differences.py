@@ -17,6 +17,7 @@ from hbench.analysis.comparison.difference_tests import (
     corrected,
     tested,
     untested,
+    weighted,
     welch,
 )
 from hbench.analysis.comparison.matching import (
@@ -31,7 +32,7 @@ from hbench.analysis.curves.ramps import sliding
 from hbench.analysis.fitting.fit_data import sign
 from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.student import satterthwaite
-from hbench.analysis.uncertainty.budget import friction_contributions, mean_contributions
+from hbench.analysis.uncertainty.budget import errors_of, friction_contributions, with_dof
 from hbench.config.sensors import Instruments
 from hbench.records import (
     KINDS,
@@ -87,7 +88,7 @@ def campaign_differences(
             continue
         if key in etas[0] and partner in etas[1] and KINDS[curve.kind].has_constant_speed:
             pair = (curve, etas[0][key]), (other, etas[1][partner])
-            efficiency = _efficiency(*pair, same_instruments, tolerance)
+            efficiency = _efficiency(*pair, instruments, same_instruments, tolerance)
             difference = replace(difference, efficiency=efficiency)
         compared.append(difference)
     paired = set(partners.values())
@@ -197,9 +198,8 @@ def _friction(
                 (w, friction_contributions(curve.points[i], curve.specimen, known))
                 for i, w in weights.items()
             ]
-            names = points[0][1]
-            if names:
-                contributions.append({n: sum(w * point[n] for w, point in points) for n in names})
+            if points[0][1]:
+                contributions.append(weighted(points))
     mean_a, mean_b = sums
     error = welch(terms)
     if error is None:
@@ -232,6 +232,7 @@ def _terms(curve: Curve, weights: Weights) -> list[tuple[float, list[float]]]:
 def _efficiency(
     a: tuple[Curve, EfficiencyCurve],
     b: tuple[Curve, EfficiencyCurve],
+    instruments: tuple[Instruments | None, Instruments | None],
     same: bool,
     tolerance: float,
 ) -> Difference | None:
@@ -255,7 +256,15 @@ def _efficiency(
     se, dof = satterthwaite(variances, [point.n - 1 for point, _ in points])
     if se <= ROUNDING * max(abs(mean_a), abs(mean_b)):
         return untested(mean_a, mean_b, "no scatter between the trials")
-    of_a, of_b = (mean_contributions([pair[side][1].parts for pair in pairs]) for side in (0, 1))
+    of_a, of_b = (
+        weighted(
+            (1 / len(pairs), with_dof(eta.parts, errors_of(point, curve.specimen, known)))
+            for point, eta in (pair[side] for pair in pairs)
+        )
+        if known is not None
+        else {}
+        for side, curve, known in zip((0, 1), (a[0], b[0]), instruments, strict=True)
+    )
     both = (of_a, of_b) if of_a and of_b else None
     return tested(mean_a, mean_b, se, dof, both, same)
 

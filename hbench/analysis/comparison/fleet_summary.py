@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from hbench.analysis.comparison.measurement_system import measurement_system
 from hbench.analysis.comparison.population import (
     FEWEST,
     RobustDeviations,
@@ -19,6 +20,7 @@ from hbench.analysis.comparison.population import (
     robust_deviations,
     trend_line,
 )
+from hbench.analysis.comparison.precision import Tolerance
 from hbench.analysis.statistics.holm import holm
 from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.records import (
@@ -59,10 +61,13 @@ class _Sample:
     se: np.ndarray  # (n,)
 
 
-def summarize(table: FleetTable, report_link: Callable[[str], str]) -> Fleet:
+def summarize(
+    table: FleetTable, report_link: Callable[[str], str], tolerance: Tolerance | None = None
+) -> Fleet:
     """Return the summary of a fleet's table.
 
-    ``report_link`` returns the link to the report of the campaign at a path; may be empty.
+    ``tolerance`` is that of friction or efficiency. ``report_link`` returns the link to the report
+    of the campaign at a path; may be empty.
     """
     good = table.equals("failed", "")
     protocols = [pair for pair in table.counts("protocol") if pair[0]]
@@ -94,6 +99,8 @@ def summarize(table: FleetTable, report_link: Callable[[str], str]) -> Fleet:
             deviation = Deviation(sample.quantity, sample.direction, x, m, z, float(p[i]))
             worst[int(sample.rows[i])].append(deviation)
     failures = np.flatnonzero(~good)[:_LISTED]
+    days = (moments - np.min(known, initial=np.inf, where=np.isfinite(known))) / _DAY_S
+    system = measurement_system(table, good, compared, days, tolerance)
     return Fleet(
         campaigns=table.rows,
         failed=int((~good).sum()),
@@ -102,6 +109,7 @@ def summarize(table: FleetTable, report_link: Callable[[str], str]) -> Fleet:
             zip(table.values("path", failures), table.values("failed", failures), strict=True)
         ),
         qualities=tuple(pair for pair in table.counts("quality") if pair[0]),
+        incomplete=int((good & ~table.equals("missing", "")).sum()),
         sources=tuple(pair for pair in table.counts("source") if pair[0]),
         protocols=tuple(protocols[:_MOST_KINDS]),
         compared=int(compared.sum()),
@@ -112,6 +120,10 @@ def summarize(table: FleetTable, report_link: Callable[[str], str]) -> Fleet:
         spreads=tuple(spreads),
         outliers=int(outlier.sum()),
         worst=tuple(_suspects(table, worst, report_link)),
+        precision=system.precision,
+        plan_notes=system.notes,
+        charts=system.charts,
+        wear=system.wear,
         rows=tuple(_campaigns(table, np.flatnonzero(good), compared, spreads, report_link)),
     )
 
@@ -138,13 +150,14 @@ def _campaigns(
     """Yield the campaigns of a small fleet with their numbers."""
     if len(rows) > _MOST_ROWS:
         return
-    texts = [table.values(name, rows) for name in ("path", "name", "label", "quality", "v_m_s")]
+    names = ("path", "name", "label", "quality", "missing", "v_m_s")
+    texts = [table.values(name, rows) for name in names]
     columns = {
         name: [table.values(f"{name}{ending}", rows) for ending in ("", *_ENDINGS)]
         for name in (spread.quantity.column(spread.direction) for spread in spreads)
     }
-    for i, (path, name, label, quality, v_m_s) in enumerate(zip(*texts, strict=True)):
-        cells = {column: [values[i] for values in four] for column, four in columns.items()}
+    for i, (path, name, label, quality, missing, v_m_s) in enumerate(zip(*texts, strict=True)):
+        cells = {column: [values[i] for values in each] for column, each in columns.items()}
         numbers = {column: FleetNumber(*c) for column, c in cells.items() if c[0] is not None}
         yield FleetCampaign(
             path=path,
@@ -152,6 +165,7 @@ def _campaigns(
             name=name,
             label=label,
             quality=quality,
+            missing=missing,
             report=report_link(path),
             v_m_s=v_m_s,
             numbers=numbers,

@@ -24,6 +24,7 @@ from hbench.analysis.screening.steady_window import (
 )
 from hbench.analysis.uncertainty.efficiency import SteadyForces, efficiency_of
 from hbench.config.schedule import Screening
+from hbench.motion.reversals import travel
 from hbench.motion.speeds import mean_speed, noise_over_motion
 from hbench.records import KINDS, TEMPERATURES, Run, ScreenedRun, SteadyMeans
 
@@ -56,6 +57,14 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
     their own (``motion_reasons``) and no steady window.
     """
     run, notes = _with_values(run)
+    return replace(
+        _screened(run, rules, notes),
+        travel_m=travel(run.t_s, run.x_m),
+        friction_work_j=None if missing_friction_channels(run) else _work(run),
+    )
+
+
+def _screened(run: Run, rules: Screening, notes: list[str]) -> ScreenedRun:
     if not KINDS[run.plan.kind].has_constant_speed:
         reasons = [*_integrity(run, slice(0, None), rules), *motion_reasons(run, rules)]
         return ScreenedRun(run, _in_order(reasons), None, (*notes, *motion_notes(run)))
@@ -261,7 +270,12 @@ def _stroke_work(run: Run, rules: Screening) -> float | None:
     whole = slice(0, None)
     if any(_integrity(run, whole, rules)):
         return None
-    force = test_force(run, whole) - required(run, "f_applied_n")
+    return _work(run)
+
+
+def _work(run: Run) -> float:
+    """Return the integral of F_T - F_applied over the distance of a run [J]."""
+    force = test_force(run, slice(0, None)) - required(run, "f_applied_n")
     return float((force[1:] + force[:-1]) @ np.diff(run.x_m) / 2)
 
 

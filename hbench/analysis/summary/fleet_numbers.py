@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Callable, Iterator
-from statistics import fmean, stdev
+from dataclasses import replace
+from statistics import fmean, harmonic_mean, stdev
 
 from hbench.analysis.curves.band_trends import band_series
+from hbench.analysis.statistics.student import degrees_of_freedom, satterthwaite
 from hbench.records import (
     DIRECTIONS,
     KINDS,
@@ -70,7 +72,11 @@ def _of_bands(results: Results) -> Iterator[tuple[tuple[str, Side], FleetNumber]
         ):
             if value is not None:
                 se = stdev(trials) / math.sqrt(len(trials)) if len(trials) > 1 else None
-                columns.setdefault(name, []).append(_with_half_width(value, ci95, se))
+                number = _with_half_width(value, ci95, se)
+                if se is not None:
+                    n = float(len(trials))
+                    number = replace(number, trials=n, dof=n - 1)
+                columns.setdefault(name, []).append(number)
         for trend in results.band_trends:
             if band in trend.bands:
                 line = trend.half
@@ -119,7 +125,11 @@ def _curve(results: Results, series: HeadlineSeries) -> Curve | None:
 def _number(number: HeadlineNumber | None) -> FleetNumber | None:
     if number is None:
         return None
-    return _with_half_width(number.value, number.u95, number.se)
+    found = _with_half_width(number.value, number.u95, number.se)
+    if number.basis == "extrapolated" or not number.se or number.ci95 is None:
+        return found
+    dof = round(degrees_of_freedom(number.ci95 / number.se))  # n - 1 of the trials
+    return replace(found, trials=dof + 1.0, dof=float(dof))
 
 
 def _measured(number: HeadlineNumber | None) -> FleetNumber | None:
@@ -141,9 +151,15 @@ def _mean(numbers: list[FleetNumber]) -> FleetNumber:
         known = [value for value in values if value is not None]
         return mean(known) if len(known) == len(values) else None
 
+    trials = over([number.trials for number in numbers], harmonic_mean)
+    errors = [number.se for number in numbers if number.se is not None]
+    dofs = [number.dof for number in numbers if number.dof is not None]
+    known = trials is not None and len(errors) == len(dofs) == len(numbers)
     return FleetNumber(
         fmean(number.value for number in numbers),
         over([number.low for number in numbers], fmean),
         over([number.high for number in numbers], fmean),
         over([number.se for number in numbers], lambda each: math.hypot(*each) / len(each)),
+        trials,
+        satterthwaite([se**2 for se in errors], dofs)[1] if known else None,
     )

@@ -62,15 +62,23 @@ def friction_parts(errors: Sequence[InputError]) -> dict[str, float]:
 
 def friction_contributions(
     point: CurvePoint, specimen: Specimen, instruments: Instruments
-) -> dict[str, float]:
+) -> dict[str, StandardUncertainty]:
     """Return the inputs' parts [N] in a point's friction; empty without hydraulics."""
-    return friction_parts(errors_of(point, specimen, instruments))
+    errors = errors_of(point, specimen, instruments)
+    return with_dof(friction_parts(errors), errors)
+
+
+def with_dof(
+    parts: Mapping[str, float], errors: Sequence[InputError]
+) -> dict[str, StandardUncertainty]:
+    """Return ``parts``, with their signs, with the degrees of freedom of ``errors``."""
+    dof = {error.name: error.dof for error in errors}
+    return {name: StandardUncertainty(part, dof[name]) for name, part in parts.items()}
 
 
 def of_inputs(parts: Mapping[str, float], errors: Sequence[InputError]) -> StandardUncertainty:
     """Return the uncertainty of independent ``parts`` with the degrees of freedom of ``errors``."""
-    dof = {error.name: error.dof for error in errors}
-    return combined([StandardUncertainty(part, dof[name]) for name, part in parts.items()])
+    return combined(list(with_dof(parts, errors).values()))
 
 
 def root_sum_square(contributions: Mapping[str, float]) -> float:

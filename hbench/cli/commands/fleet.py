@@ -2,11 +2,15 @@
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from hbench.cli.printed import AS_JSON
-from hbench.errors import ExitCode
+from hbench.errors import ConfigError, ExitCode
+
+if TYPE_CHECKING:
+    from hbench.analysis.comparison.precision import Tolerance
 
 
 def fleet(
@@ -23,10 +27,18 @@ def fleet(
     speed: str | None = typer.Option(
         None, help="Working speed, such as '100 mm/s'; by default each campaign's median."
     ),
+    tolerance: str | None = typer.Option(
+        None,
+        help="Width between the limits of friction, such as '60 N', or of efficiency, such as "
+        "'3 %'; the page states the share that the measurement uses (%GRR).",
+    ),
     fail: bool = typer.Option(False, "--fail", help="Exit with 6 if a campaign has failed."),
     as_json: bool = AS_JSON,
 ) -> None:
     """Analyze many campaigns to one table and one page with distributions, drifts and outliers.
+
+    Where cylinders were measured more than once, the page states repeatability and reproducibility.
+    Name them in the bench file, schedule or map: specimen.serial, test.operator, test.mounting.
 
     A repeated call analyzes only new and changed campaigns.
 
@@ -44,6 +56,7 @@ def fleet(
             output,
             scheduler=scheduler,
             speed_m_s=v,
+            tolerance=None if tolerance is None else _tolerance(tolerance),
             report=line.campaigns,
             note=line.note,
         )
@@ -60,3 +73,20 @@ def fleet(
     typer.echo(fleet_json(summary) if as_json else fleet_text(summary))
     if fail and summary.failed:
         raise typer.Exit(ExitCode.NEGATIVE)
+
+
+def _tolerance(text: str) -> "Tolerance":
+    """Return the value of ``--tolerance``. Raises ``ConfigError``."""
+    from hbench.analysis.comparison.precision import Tolerance
+    from hbench.units import to_si
+
+    for unit in ("N", "%"):
+        try:
+            width = to_si(text, unit)
+        except ValueError:
+            continue
+        if width > 0:
+            return Tolerance(width, unit)
+    raise ConfigError(
+        f"--tolerance: is {text!r}; limit 0", "Give a width with its unit: '60 N' or '3 %'."
+    )

@@ -94,6 +94,13 @@ def quality_verdict(quality: Quality) -> str:
 
 def incomplete_words(complete: Completeness) -> str:
     """Report planned runs that were not completed and points without a trial; empty without any."""
+    missing = missing_words(complete)
+    resume = " Continue it with --resume." if complete.not_completed else ""
+    return f"The campaign is incomplete: {missing}.{resume}" if missing else ""
+
+
+def missing_words(complete: Completeness) -> str:
+    """Count the runs not completed and the points without enough trials; empty if complete."""
     missing, points = len(complete.not_completed), complete.short_points
     none = sum(point.accepted == 0 for point in points)
     parts = []
@@ -107,10 +114,7 @@ def incomplete_words(complete: Completeness) -> str:
     few = len(points) - none
     if parts and few:
         parts.append(f"{few} {_have(few)} fewer accepted trials than planned")
-    if not parts:
-        return ""
-    resume = " Continue it with --resume." if missing else ""
-    return f"The campaign is incomplete: {'; '.join(parts)}.{resume}"
+    return "; ".join(parts)
 
 
 def _contradictions(points: Sequence[ImplausiblePoint]) -> str:

@@ -1,7 +1,7 @@
 """A comparison in words and numbers: for the terminal, as JSON, and its page."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, replace
 
 from hbench.records import (
@@ -10,6 +10,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
+from hbench.report.campaign.quality import missing_words, quality_verdict
 from hbench.report.campaign.series_words import TITLES, kind_words
 from hbench.report.comparison.bands import (
     band_table,
@@ -44,6 +45,7 @@ def differences_text(differences: CampaignDifferences) -> str:
         f"A: {_name(differences, 0)}",
         f"B: {_name(differences, 1)}",
         _instruments(differences),
+        *_data(differences),
         "",
     ]
     tables = (
@@ -67,6 +69,10 @@ def differences_json(differences: CampaignDifferences) -> str:
         "schema": SCHEMA,
         "a": asdict(differences.a),
         "b": asdict(differences.b),
+        "quality": {
+            which: {"grade": quality.grade, "missing": missing_words(quality.completeness)}
+            for which, quality in zip("ab", differences.qualities, strict=True)
+        },
         "same_instruments": differences.same_instruments,
         "curves": [
             {
@@ -118,6 +124,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         ),
         Section("Fitted parameters", tables=(replace(_parameters(differences), title=""),)),
         Section("Speed by speed", tables=(_points(differences),)),
+        Section("Data", items=_data(differences)),
         Section("How it was computed", items=(_instruments(differences), *_METHOD)),
     ]
     if differences.notes:
@@ -128,7 +135,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         tuple(
             section for section in sections if any(t.rows for t in section.tables) or section.items
         ),
-        band_verdict(differences) or _verdict(differences),
+        " ".join((*_warnings(differences), band_verdict(differences) or _verdict(differences))),
         "simulated" if "simulated" in (differences.a.source, differences.b.source) else "",
     )
 
@@ -166,6 +173,23 @@ def _verdict(differences: CampaignDifferences) -> str:
     return (
         f"Mean friction differs in {len(real)} of {len(differences.curves)} curves: {means_text}."
     )
+
+
+def _warnings(differences: CampaignDifferences) -> Iterator[str]:
+    """Yield a sentence on each campaign that is incomplete or whose data is poor."""
+    for name, quality in zip("AB", differences.qualities, strict=True):
+        faults = (
+            "is incomplete" if missing_words(quality.completeness) else "",
+            "has poor data" if quality.grade == "poor" else "",
+        )
+        if any(faults):
+            yield f"{name} {' and '.join(filter(None, faults))}."
+
+
+def _data(differences: CampaignDifferences) -> tuple[str, ...]:
+    """Return the verdict on the data of each campaign."""
+    both = zip("AB", differences.qualities, strict=True)
+    return tuple(f"Data of {name}: {quality_verdict(quality)}" for name, quality in both)
 
 
 def _instruments(differences: CampaignDifferences) -> str:

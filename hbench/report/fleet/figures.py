@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from hbench.records import DIRECTIONS, Fleet, Quantity, Spread
 from hbench.records.numbers import NORMAL_95
 from hbench.report.campaign.series_words import TITLES
-from hbench.report.fleet.text import folder_name, without_condition
+from hbench.report.fleet.names import folder_name, without_condition
+from hbench.report.fleet.precision_figures import precision_sketches
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
@@ -43,6 +44,8 @@ def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
             ),
             Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(spreads), drift),
         ]
+    with rc_context(style.RC):
+        sketches += precision_sketches(fleet)
     return draw_sketches(sketches)
 
 

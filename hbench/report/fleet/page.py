@@ -4,24 +4,31 @@ from collections.abc import Iterable, Iterator
 
 from hbench.records import Fleet, WordTable
 from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
+from hbench.report.fleet.names import folder_name, of_side, without_condition
+from hbench.report.fleet.precision import (
+    METHOD,
+    chart_table,
+    components_table,
+    limits_table,
+    wear_table,
+)
+from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
 from hbench.report.fleet.text import (
     WORST_HEAD,
     campaign_table,
     cells,
     fleet_verdict,
-    folder_name,
     main_spreads,
-    of_side,
     others,
     spread_table,
     trend_table,
-    without_condition,
 )
 from hbench.report.render.document import BANNERS, Document, Section, Tile, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike
 from hbench.report.render.word_tables import Cell, Table
 
+_PRECISION = "Repeatability and reproducibility"
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
@@ -43,10 +50,10 @@ _METHOD = (
     ),
     (
         "Spread",
-        "A campaign's number is taken as m + b + e: b with σ between cylinders, e with σ of the "
+        "A campaign's number is taken as m + b + e: b with σ between campaigns, e with σ of the "
         "campaign's own trials: the root mean square of their standard errors, and its own for a "
         "campaign whose trials scatter more than three times as much as is usual. m is the "
-        "median. σ between cylinders is such that the median of |x − m| / sqrt(σ_between² + "
+        "median. σ between campaigns is such that the median of |x − m| / sqrt(σ_between² + "
         "σ_own²) is 0.6745: up to half of the campaigns may deviate by any amount. Errors of the "
         "instruments are common to a bench's campaigns and are not included.",
     ),
@@ -99,6 +106,8 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     left_out = "{} campaigns of this kind at other speeds are left out."
     remark = (left_out.format(fleet.other_speeds),) if fleet.other_speeds else ()
     yield Section("Summary", remark, tiles=tuple(_tiles(fleet)), tables=_protocols(fleet))
+    if fleet.precision:
+        yield _precision(fleet, drawings)
     if fleet.rows:
         yield Section("Campaigns", _at_median(fleet), tables=(_campaigns(fleet),))
     if fleet.worst:
@@ -106,14 +115,41 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         none = (few,) if fleet.outliers < _LEAST else ()
         yield Section("Worst cylinders", none, tables=(_worst(fleet),), anchor="worst")
     if fleet.spreads:
-        chosen = tuple(drawing for drawing in drawings if drawing.section == DISTRIBUTIONS)
+        chosen = _of(drawings, DISTRIBUTIONS)
         yield Section("Distributions", drawings=chosen, tables=(_untitled(spread_table(fleet)),))
-        chosen = tuple(drawing for drawing in drawings if drawing.section == DRIFTS)
+        chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
         yield Section("Drifts", drawings=chosen, tables=(table,) if table.rows else ())
+    if fleet.charts:
+        table = _untitled(chart_table(fleet))
+        yield Section("Control charts", drawings=_of(drawings, CHARTS), tables=(table,))
+    if fleet.wear:
+        table = _untitled(wear_table(fleet))
+        yield Section("Wear", drawings=_of(drawings, WEAR), tables=(table,))
+    if fleet.plan_notes and not fleet.precision:
+        yield Section(_PRECISION, ("Not determined.", *fleet.plan_notes))
     if fleet.failed:
         yield _failures(fleet)
-    yield Section("How it was computed", facts=_METHOD, anchor="method")
+    yield Section(
+        "How it was computed", facts=(*_METHOD[:-1], *METHOD, _METHOD[-1]), anchor="method"
+    )
+
+
+def _precision(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
+    study = fleet.precision[0]
+    cylinders = "1 cylinder" if study.cylinders == 1 else f"{study.cylinders} cylinders"
+    words = (
+        f"{study.campaigns} campaigns of {cylinders}. s_r is the standard deviation of the trials "
+        "of a campaign, s_R that under all conditions that the plan varies. Units are those of "
+        "the number."
+    )
+    tables = (_untitled(limits_table(fleet)), components_table(fleet))
+    notes = (words, *fleet.plan_notes)
+    return Section(_PRECISION, notes, drawings=_of(drawings, COMPONENTS), tables=tables)
+
+
+def _of(drawings: tuple[Drawing, ...], section: str) -> tuple[Drawing, ...]:
+    return tuple(drawing for drawing in drawings if drawing.section == section)
 
 
 def _tiles(fleet: Fleet) -> Iterator[Tile]:

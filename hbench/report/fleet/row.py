@@ -1,13 +1,15 @@
 """A campaign's results as one row of a fleet's table."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 
-from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, Side
+from hbench.records import DIRECTIONS, FleetNumber, FleetRow, Results, RunPlan, ScreenedRun, Side
+from hbench.report.campaign.quality import missing_words
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable
 
+_IDENTITY = (("specimen", "serial"), *(("test", n) for n in ("operator", "mounting", "date")))
 _LONGEST = 200  # characters of a campaign's own words
 
 
@@ -16,30 +18,42 @@ def fleet_row(
 ) -> FleetRow:
     """Return the row of the campaign at ``path``; ``numbers`` are its means over the loads.
 
-    The time of an imported campaign is not known: its start is that of the import.
+    The time of an imported campaign is that of ``test.date``: its start is that of the import.
     """
     plans = [run.run.plan for run in results.runs]
     speed = results.headline.v_m_s
     provenance = results.provenance
     seed = provenance.details.get("seed")
     specimen = plans[0].specimen
+    identity = {
+        name: _line(str(provenance.settings.get(section, {}).get(name, "")))
+        for section, name in _IDENTITY
+    }
+    imported = provenance.source == "imported"
+    started = _moment(identity["date"] if imported else provenance.started)
     return FleetRow(
         path=path,
         name=_line(provenance.name),
         source=provenance.source,
         bench=_line(provenance.bench),
         label=_line(", ".join(_labels(plans))),
-        specimen=_line(str(provenance.settings.get("specimen", {}).get("serial", ""))),
+        specimen=identity["serial"],
+        operator=identity["operator"],
+        mounting=identity["mounting"],
+        day=identity["date"] or ("" if started is None else f"{started:%Y-%m-%d}"),
         seed=seed if isinstance(seed, int) and abs(seed) < 2**63 else None,
-        started=None if provenance.source == "imported" else _moment(provenance.started),
+        started=started,
         protocol=_protocol(plans, speed),
         area_piston_m2=specimen.area_piston_m2,
         area_rod_m2=specimen.area_rod_m2,
         stroke_m=specimen.stroke_m,
         quality=results.quality.grade,
+        missing=_line(missing_words(results.quality.completeness)),
         runs=len(results.runs),
         accepted=sum(run.accepted for run in results.runs),
         v_m_s=speed,
+        distance_m=_distance(results.runs),
+        friction_work_j=_work(results.runs),
         numbers=dict(numbers),
     )
 
@@ -63,6 +77,23 @@ def _protocol(plans: list[RunPlan], speed: float | None) -> str:
     elif speed is not None:
         settings.append(f"{short(1e3 * speed)} mm/s")
     return _line("; ".join(settings))
+
+
+def _distance(runs: Iterable[ScreenedRun]) -> float | None:
+    known = [run.travel_m for run in runs if run.travel_m is not None]
+    return sum(known) if known else None
+
+
+def _work(runs: Sequence[ScreenedRun]) -> float | None:
+    """Return the friction work of all runs: rejected ones have the accepted ones' mean force.
+
+    What is wrong with a rejected run may be its force.
+    """
+    accepted = [run for run in runs if run.accepted and run.friction_work_j is not None]
+    distance, of_accepted = _distance(runs), _distance(accepted)
+    if not distance or not of_accepted:
+        return None
+    return sum(run.friction_work_j or 0.0 for run in accepted) * distance / of_accepted
 
 
 def _labels(plans: list[RunPlan]) -> list[str]:

@@ -3,20 +3,24 @@
 import json
 from collections.abc import Iterator
 from dataclasses import asdict
-from pathlib import PurePath
 
 from hbench.records import (
-    Deviation,
     Fleet,
+    FleetCampaign,
     FleetNumber,
-    Quantity,
-    Side,
     Spread,
     Suspect,
     Trend,
     WordTable,
 )
-from hbench.report.campaign.series_words import TITLES
+from hbench.report.fleet.names import folder_name, name_of, of_side, signed
+from hbench.report.fleet.precision import (
+    chart_table,
+    components_table,
+    limits_table,
+    precision_sentences,
+    wear_table,
+)
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, short, significant, with_ends
 from hbench.report.render.terminal_table import table_lines
@@ -41,12 +45,18 @@ def fleet_text(fleet: Fleet) -> str:
         spread_table(fleet),
         trend_table(fleet),
         worst_table(fleet, _FEW),
+        limits_table(fleet),
+        components_table(fleet),
+        chart_table(fleet),
+        wear_table(fleet),
     )
     for table in tables:
         if table.rows:
             lines += ["", *table_lines(table)]
-    lines += ["", fleet_verdict(fleet)]
+    notes = [f"plan: {note}" for note in fleet.plan_notes]
+    lines += ["", *notes, fleet_verdict(fleet)]
     text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
+    text = text.replace("×", "x")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
 
 
@@ -56,6 +66,14 @@ def fleet_json(fleet: Fleet) -> str:
     for shown, spread in zip(document["spreads"], fleet.spreads, strict=True):
         if spread.trend is not None:
             shown["trend"]["real"] = spread.trend.real
+    for shown, study in zip(document["precision"], fleet.precision, strict=True):
+        shown["limit_r"], shown["limit_R"] = study.limits
+        for name in ("critical_difference", "share_of_tolerance", "distinct_categories"):
+            shown[name] = getattr(study, name)
+    for shown, chart in zip(document["charts"], fleet.charts, strict=True):
+        shown["limits"] = chart.limits
+    for shown, wear in zip(document["wear"], fleet.wear, strict=True):
+        shown["real"] = wear.real
     for shown, suspect in zip(document["worst"], fleet.worst, strict=True):
         shown["outlier"] = suspect.deviations[0].outlier
     return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
@@ -66,6 +84,16 @@ def fleet_verdict(fleet: Fleet) -> str:
     sentences = []
     if fleet.failed:
         sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
+    poor = dict(fleet.qualities).get("poor", 0)
+    faults = (
+        f"{fleet.incomplete} incomplete" if fleet.incomplete else "",
+        f"{poor} with poor data" if poor else "",
+    )
+    if any(faults):
+        some = " and ".join(filter(None, faults))
+        sentences.append(
+            f"Among the {fleet.campaigns - fleet.failed} analyzed campaigns are {some}."
+        )
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
@@ -84,6 +112,7 @@ def fleet_verdict(fleet: Fleet) -> str:
         sentences.append(f"Drifts: {'; '.join(drifts)}.")
     elif any(spread.trend is not None for spread in fleet.spreads):
         sentences.append("No drift is significant.")
+    sentences += precision_sentences(fleet)
     return " ".join(sentences)
 
 
@@ -101,7 +130,7 @@ def campaign_table(fleet: Fleet) -> WordTable:
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
         numbers = (campaign.numbers.get(s.quantity.column(s.direction)) for s in shown)
         cells = [_with_ends(n, s.quantity.scale) for n, s in zip(numbers, shown, strict=True)]
-        remark = "" if campaign.compared else "not compared"
+        remark = "; ".join(_remarks(campaign))
         rows.append((folder_name(campaign.path), campaign.label, speed, *cells, remark))
     head = ("Campaign", "Label", "Speed (mm/s)", *map(name_of, shown), "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
@@ -112,9 +141,13 @@ def campaign_table(fleet: Fleet) -> WordTable:
     )
 
 
-def folder_name(path: str) -> str:
-    """Return the last part of a campaign's path."""
-    return PurePath(path).name or path
+def _remarks(campaign: FleetCampaign) -> Iterator[str]:
+    if not campaign.compared:
+        yield "not compared"
+    if campaign.quality == "poor":
+        yield "data: poor"
+    if campaign.missing:
+        yield f"incomplete: {campaign.missing}"
 
 
 def _with_ends(number: FleetNumber | None, scale: float) -> str:
@@ -143,7 +176,7 @@ def spread_table(fleet: Fleet) -> WordTable:
                 NONE if spread.se_trials is None else significant(scale * spread.se_trials, 2),
             )
         )
-    head = ("Number", "Campaigns", "Median", "5 to 95 %", "σ between cylinders", "σ of own trials")
+    head = ("Number", "Campaigns", "Median", "5 to 95 %", "σ between campaigns", "σ of own trials")
     return WordTable("Distributions", head, tuple(rows))
 
 
@@ -182,7 +215,7 @@ def cells(shown: Suspect) -> tuple[str, ...]:
         name_of(deviation),
         significant(scale * deviation.value, 4),
         significant(scale * deviation.median, 4),
-        _signed(significant(deviation.z, 2)),
+        signed(significant(deviation.z, 2)),
         "< 0.0001" if p < 1e-4 else significant(p, 2),
         "outlier" if deviation.outlier else "not significant",
     )
@@ -192,38 +225,15 @@ def others(shown: Suspect) -> Iterator[str]:
     """Yield the further numbers in which a campaign is an outlier."""
     for deviation in shown.deviations[1:]:
         if deviation.outlier:
-            yield f"{name_of(deviation)} {_signed(significant(deviation.z, 2))} σ"
-
-
-def name_of(number: Spread | Deviation) -> str:
-    """Return the number's words with direction and unit."""
-    title = without_condition(number.quantity)
-    return f"{title}{of_side(number.direction)} ({number.quantity.unit})"
-
-
-def without_condition(quantity: Quantity) -> str:
-    """Return the quantity's words without the speed or pressure that it is taken at."""
-    words = quantity.words
-    for condition in (" at the working speed", " at the median pressure"):
-        words = words.removesuffix(condition)
-    return words
-
-
-def of_side(side: Side) -> str:
-    """Return ``, extending`` or ``, retracting``; empty for both directions together."""
-    return "" if side is None else f", {TITLES[side].lower()}"
+            yield f"{name_of(deviation)} {signed(significant(deviation.z, 2))} σ"
 
 
 def _change(spread: Spread, trend: Trend) -> str:
     scale = spread.quantity.scale
-    return _signed(with_ends(scale * trend.change, scale * trend.low, scale * trend.high))
+    return signed(with_ends(scale * trend.change, scale * trend.low, scale * trend.high))
 
 
 def _drift(spread: Spread, trend: Trend) -> str:
     title = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
     change = f"{_change(spread, trend)} {spread.quantity.unit}"
     return f"{title}{of_side(spread.direction)}: {change}"
-
-
-def _signed(text: str) -> str:
-    return text if text.startswith(("−", "0", NONE)) and not text.startswith("0.") else f"+{text}"

@@ -19,7 +19,7 @@ from hbench.report.render.word_tables import Cell, Table
 
 _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
 _SYMBOL = re.compile(
-    r"\b(?:([AFPp])_(\w+)|(k|a)_(\d)\b|(v)_(SW|stribeck)\b|(m)_(T)\b|(U)_(95)(?!\d))"
+    r"\b(?:([AFPp])_(\w+)|(k|a)_(\d)\b|(v)_(SW|stribeck)\b|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b)"
 )
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",

@@ -1,8 +1,9 @@
 """A fleet's table in Parquet, with a row per campaign in the order of their paths.
 
-Each number has four columns: ``NAME`` is the mean over the loads of a direction, or over the bands
+Each number has six columns: ``NAME`` is the mean over the loads of a direction, or over the bands
 of both, ``NAME_low`` and ``NAME_high`` its 95 % interval, ``NAME_se`` its standard error, of the
-trials alone. The same rows give the same bytes.
+trials alone, ``NAME_trials`` and ``NAME_dof`` their number and degrees of freedom. The same rows
+give the same bytes.
 """
 
 import os
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 TABLE = "fleet.parquet"
-SUFFIXES = ("low", "high", "se")
+SUFFIXES = ("low", "high", "se", "trials", "dof")
 _BATCH = 10_000  # rows
 _PLAIN = {
     "path": "string",
@@ -34,6 +35,9 @@ _PLAIN = {
     "bench": "string",
     "label": "string",
     "specimen": "string",
+    "operator": "string",
+    "mounting": "string",
+    "day": "string",
     "seed": "int64",
     "started": "moment",
     "protocol": "string",
@@ -41,9 +45,12 @@ _PLAIN = {
     "area_rod_m2": "double",
     "stroke_m": "double",
     "quality": "string",
+    "missing": "string",
     "runs": "int64",
     "accepted": "int64",
     "v_m_s": "double",
+    "distance_m": "double",
+    "friction_work_j": "double",
 }
 
 

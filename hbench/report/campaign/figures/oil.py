@@ -12,7 +12,7 @@ from hbench.report.campaign.figures.friction import (
     load_style,
     over_velocity,
 )
-from hbench.report.campaign.series_words import load_words
+from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.units import from_si
 
@@ -58,7 +58,7 @@ def friction_hersey(results: Results) -> dict[str, Figure]:
         axes.set_xscale("log")
         axes.set(xlabel="Hersey number η |v| / p (nm)", ylabel="Friction |F| (N)")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-        style.head(axes, f"Friction over Hersey number, {style.TITLES[direction].lower()}", results)
+        style.head(axes, f"Friction over Hersey number, {TITLES[direction].lower()}", results)
         style.read_as(figure, "Points: trials, each at its own temperature.")
         load_legend(figure, axes, "Load $F_L$", chosen)
         figures[direction] = figure

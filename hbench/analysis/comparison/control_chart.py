@@ -1,0 +1,76 @@
+"""Control chart for individual values with moving ranges.
+
+    sigma = mean |x_i - x_(i-1)| / 1.128,   limits x_mean ± 3 sigma,   moving range to 3.267 MR_mean
+
+(ISO 7870-2; Montgomery, Introduction to Statistical Quality Control, section 6.4; d_2 = 1.128 and
+D_4 = 3.267 for two values). The rule is Shewhart's: one point beyond the limits.
+
+Where several cylinders were measured three times or more, the chart shows the measurement, not the
+cylinders: the deviation from the mean of the cylinder's n campaigns, times sqrt(n / (n - 1)), which
+has the variance of a single campaign, plus the mean of all (a chart of deviations from nominal,
+Montgomery, section 10.2).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from hbench.records import ControlChart, Quantity, Side
+
+FEWEST = 10  # campaigns
+_D2, _D4 = 1.128, 3.267
+_OFTEN = 3  # campaigns of a cylinder
+_DRAWN = 150  # the last campaigns
+_NAMED = 3  # campaigns outside of the limits
+
+
+def control_chart(
+    quantity: Quantity,
+    direction: Side,
+    at: np.ndarray,
+    x: np.ndarray,
+    cylinders: np.ndarray,
+    names: Callable[[np.ndarray], list[str]],
+) -> ControlChart | None:
+    """Return the chart of x (n,) over the days ``at`` (n,); None with too few campaigns.
+
+    ``cylinders`` (n,) are numbers, -1 if not known. ``names`` returns the names of campaigns by
+    their positions in x.
+    """
+    if len(x) < FEWEST:
+        return None
+    values, rows = _within_cylinders(x, cylinders)
+    of_cylinders = len(values) >= FEWEST and len(np.unique(cylinders)) > 1
+    if not of_cylinders:
+        values, rows = x, np.arange(len(x))
+    order = np.argsort(at[rows], kind="stable")
+    values, rows = values[order], rows[order]
+    ranges = np.abs(np.diff(values))
+    centre, sigma = float(values.mean()), float(ranges.mean()) / _D2
+    outside = np.flatnonzero(np.abs(values - centre) > 3 * sigma)
+    last = slice(-_DRAWN, None)
+    return ControlChart(
+        quantity=quantity,
+        direction=direction,
+        n=len(values),
+        centre=centre,
+        sigma=sigma,
+        of_cylinders=of_cylinders,
+        at=tuple(at[rows][last].tolist()),
+        values=tuple(values[last].tolist()),
+        names=tuple(names(rows[last])),
+        outside=tuple(names(rows[outside[:_NAMED]])),
+        beyond=len(outside),
+        moved=int((ranges > _D4 * ranges.mean()).sum()),
+    )
+
+
+def _within_cylinders(x: np.ndarray, cylinders: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the scaled deviations (k,) of cylinders measured often, and their rows."""
+    _, inverse, counts = np.unique(cylinders, return_inverse=True, return_counts=True)
+    means = np.bincount(inverse, x) / counts
+    rows = np.flatnonzero((counts[inverse] >= _OFTEN) & (cylinders >= 0))
+    if not len(rows):
+        return x[:0], rows
+    n = counts[inverse[rows]]
+    return x[rows].mean() + np.sqrt(n / (n - 1)) * (x[rows] - means[inverse[rows]]), rows

@@ -1,0 +1,38 @@
+"""Names of a fleet's numbers and campaigns, and signs."""
+
+from pathlib import PurePath
+
+from hbench.records import ControlChart, Deviation, Precision, Quantity, Side, Spread, WearTrend
+from hbench.report.campaign.series_words import TITLES
+from hbench.report.render.numbers import NONE
+
+Shown = Spread | Deviation | Precision | ControlChart | WearTrend
+
+
+def folder_name(path: str) -> str:
+    """Return the last part of a campaign's path."""
+    return PurePath(path).name or path
+
+
+def name_of(number: Shown) -> str:
+    """Return the number's words with direction and unit."""
+    title = without_condition(number.quantity)
+    return f"{title}{of_side(number.direction)} ({number.quantity.unit})"
+
+
+def without_condition(quantity: Quantity) -> str:
+    """Return the quantity's words without the speed or pressure that it is taken at."""
+    words = quantity.words
+    for condition in (" at the working speed", " at the median pressure"):
+        words = words.removesuffix(condition)
+    return words
+
+
+def of_side(side: Side) -> str:
+    """Return ``, extending`` or ``, retracting``; empty for both directions together."""
+    return "" if side is None else f", {TITLES[side].lower()}"
+
+
+def signed(text: str) -> str:
+    """Return a number with its sign, and none before a zero."""
+    return text if text.startswith(("−", "0", NONE)) and not text.startswith("0.") else f"+{text}"

@@ -1,0 +1,169 @@
+"""Figures of the measurement: sources of variance, control charts, wear."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hbench.records import DIRECTIONS, ControlChart, Fleet, Precision, Quantity, Side, WearTrend
+from hbench.report.campaign.series_words import TITLES
+from hbench.report.fleet.names import without_condition
+from hbench.report.fleet.precision import chart_words, source_words
+from hbench.report.render import style
+from hbench.report.render.figures import Sketch
+from hbench.report.render.series import behind
+
+COMPONENTS, CHARTS, WEAR = "components", "charts", "wear"
+_REACH = 3.0  # times the largest estimate: longer bars are cut
+_APART = 0.22  # of the two directions in a row
+_MOST_CYLINDERS = 6  # in a figure of wear
+
+
+def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
+    """Yield the figures of each number, both directions together, each to be drawn at once."""
+    mark = _mark(fleet)
+    for quantity in dict.fromkeys(study.quantity for study in fleet.precision):
+        studies = [study for study in fleet.precision if study.quantity == quantity]
+        figure, cut = draw_components(quantity, studies, mark)
+        caption = "Bars: 95 % intervals." + (" Bars at the edge continue." if cut else "")
+        yield _sketch("components", COMPONENTS, quantity, caption, figure)
+    for chart in fleet.charts:
+        name = _name(chart.quantity, chart.direction)
+        caption = f"Each point: {chart_words(chart)}. Lines: mean and mean ± 3 σ."
+        if chart.n > len(chart.values):
+            caption += f" The last {len(chart.values)} of {chart.n} campaigns are shown."
+        words = f"{chart.quantity.words}{_side(chart.direction)}"
+        yield Sketch(f"control-{name}", CHARTS, words, caption, draw_chart(chart, fleet, mark))
+    over_distance = [trend for trend in fleet.wear if trend.over == "distance_m"]
+    for quantity, direction in dict.fromkeys((t.quantity, t.direction) for t in over_distance):
+        trends = [t for t in over_distance if (t.quantity, t.direction) == (quantity, direction)]
+        words = f"{quantity.words}{_side(direction)}"
+        caption = "Solid lines: significant; dashed: not significant."
+        if len(trends) > _MOST_CYLINDERS:
+            caption += f" The {_MOST_CYLINDERS} cylinders with the smallest p."
+        figure = draw_wear(trends[:_MOST_CYLINDERS], mark)
+        yield Sketch(f"wear-{_name(quantity, direction)}", WEAR, words, caption, figure)
+
+
+def draw_components(quantity: Quantity, studies: list[Precision], mark: str) -> tuple[Figure, bool]:
+    """Draw the standard deviation of each source; return also whether a bar is cut."""
+    names = list(dict.fromkeys(source_words(s) for study in studies for s in study.sources))
+    figure = style.new_figure(height_in=1.6 + 0.42 * len(names))
+    axes = figure.add_subplot()
+    largest, cut = 0.0, False
+    for study in studies:
+        offset = 0.0 if study.direction is None else _APART * (study.direction == "retract")
+        value, low, high = (
+            quantity.scale * np.array([math.sqrt(part(s.variance)) for s in study.sources])
+            for part in (
+                lambda v: v.value,
+                lambda v: v.low,
+                lambda v: math.inf if v.high is None else v.high,
+            )
+        )
+        largest = max(largest, value.max())
+        at = np.array([names.index(source_words(s)) for s in study.sources]) + offset
+        look = _look(study.direction)
+        shown = np.minimum(high, 1e3 * value.max())
+        (points,) = axes.plot(
+            value, at, linestyle="none", label=_title(study.direction), zorder=3, **look
+        )
+        axes.hlines(at, low, shown, color=look["color"], linewidth=1.4)
+        behind(points, {"lower end": low, "upper end": high})
+        cut |= bool((high > _REACH * value.max()).any())
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_xlim(0, _REACH * largest if largest > 0 else None)
+    axes.set_xlabel(f"Standard deviation ({quantity.unit})")
+    axes.grid(axis="y", visible=False)
+    _head(axes, quantity, mark)
+    style.legend_above(figure, axes)
+    return figure, cut
+
+
+def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
+    """Draw the values over the date with mean and limits."""
+    figure = style.new_figure(height_in=3.6)
+    axes = figure.add_subplot()
+    look = _look(chart.direction)
+    scale = chart.quantity.scale
+    at, values = np.array(chart.at), scale * np.array(chart.values)
+    low, high = (scale * limit for limit in chart.limits)
+    axes.plot(at, values, linewidth=0.8, color=look["color"], alpha=0.5)
+    axes.plot(at, values, linestyle="none", markersize=4, label=_title(chart.direction), **look)
+    beyond = (values < low) | (values > high)
+    if beyond.any():
+        axes.plot(
+            at[beyond], values[beyond], linestyle="none", marker="o", markersize=11,
+            markerfacecolor="none", color="#000000", label="beyond the limits",
+        )  # fmt: skip
+    axes.axhline(scale * chart.centre, color=style.QUIET, linewidth=1.2)
+    for limit in (low, high):
+        axes.axhline(limit, color=style.QUIET, linestyle="--", linewidth=1.2)
+    since = "" if fleet.first is None else f" since {fleet.first:%Y-%m-%d}"
+    axes.set(xlabel=f"Time{since} (d)", ylabel=f"{_short(chart.quantity)} ({chart.quantity.unit})")
+    _head(axes, chart.quantity, mark)
+    style.legend_above(figure, axes)
+    return figure
+
+
+def draw_wear(trends: list[WearTrend], mark: str) -> Figure:
+    """Draw the values of some cylinders over the distance, with their lines."""
+    figure = style.new_figure(height_in=3.6)
+    axes = figure.add_subplot()
+    quantity = trends[0].quantity
+    for i, trend in enumerate(sorted(trends, key=lambda trend: trend.specimen)):
+        look = style.series_style(i)
+        x = np.array(trend.x)
+        values = quantity.scale * np.array(trend.values)
+        name = style.safe(trend.specimen, 16)
+        axes.plot(x, values, linestyle="none", label=name, markersize=4, **look)
+        line = quantity.scale * (trend.intercept + trend.slope * x[[0, -1]])
+        dashes = "-" if trend.real else "--"
+        axes.plot(x[[0, -1]], line, color=look["color"], linestyle=dashes)
+    axes.set(
+        xlabel="Distance, cumulated (m)",
+        ylabel=f"{_short(quantity)} ({quantity.unit})",
+    )
+    _head(axes, quantity, mark)
+    style.legend_above(figure, axes)
+    return figure
+
+
+def _sketch(kind: str, section: str, quantity: Quantity, caption: str, figure: Figure) -> Sketch:
+    return Sketch(f"{kind}-{_name(quantity, None)}", section, quantity.words, caption, figure)
+
+
+def _name(quantity: Quantity, direction: Side) -> str:
+    return "-".join(filter(None, (quantity.name.replace("_", "-"), direction)))
+
+
+def _side(direction: Side) -> str:
+    return "" if direction is None else f", {TITLES[direction].lower()}"
+
+
+def _look(direction: Side) -> dict:
+    return style.series_style(0 if direction is None else DIRECTIONS.index(direction))
+
+
+def _title(direction: Side) -> str:
+    return "Both directions" if direction is None else TITLES[direction]
+
+
+def _short(quantity: Quantity) -> str:
+    return without_condition(quantity).partition(",")[0]
+
+
+def _head(axes: Axes, quantity: Quantity, mark: str) -> None:
+    axes.set_title(_short(quantity))
+    if mark:
+        axes.set_title(mark, loc="right", color=style.QUIET, fontsize=10, fontweight="normal")
+
+
+def _mark(fleet: Fleet) -> str:
+    sources = [source for source, _ in fleet.sources]
+    if "simulated" not in sources:
+        return ""
+    return "simulated" if len(sources) == 1 else "some are simulated"
