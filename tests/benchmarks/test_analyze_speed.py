@@ -23,6 +23,7 @@ ROUNDS = 2
 def campaign(tmp_path_factory):
     folder = tmp_path_factory.mktemp("speed") / "campaign"
     schedule = yaml.safe_load((CONFIGS / "stribeck.yaml").read_text())
+    schedule["experiments"] = schedule["experiments"][1:-1]  # without its zero checks
     for one in schedule["experiments"]:
         one["loads"] = one["loads"][:LOADS]
     (folder.parent / "part.yaml").write_text(yaml.safe_dump(schedule))

@@ -56,7 +56,7 @@ def test_a_window_fills_the_line_that_stop_and_wait_does_not(baud, adapter):
     experiment = workflow.load_experiment(SCHEDULE, None)
     rig = VirtualRig(experiment.bench, None, 1, baud)
     client = BoardClient(rig)
-    upload = next(uploads(experiment.plans, client.identify()))
+    upload = next(uploads(experiment.plans[1:-1], client.identify()))  # no zero checks
     schedule_crc = client.write_schedule(upload.segments, upload.steps)
     client.start(client.write_settings(board_settings(experiment.bench)), schedule_crc)
     while (until := client.status()["log_next"]) < RECORDS:

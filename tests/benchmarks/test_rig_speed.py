@@ -23,7 +23,7 @@ def test_the_rig_takes_at_most_three_times_the_time_of_its_plant_in_plain_c(
     experiment = workflow.load_experiment(SCHEDULE, None)
     rig = VirtualRig(experiment.bench)
     client = BoardClient(rig)
-    upload = next(uploads(experiment.plans, client.identify()))
+    upload = next(uploads(experiment.plans[1:-1], client.identify()))  # without its zero checks
     schedule_crc = client.write_schedule(upload.segments, upload.steps)
     client.start(client.write_settings(board_settings(experiment.bench)), schedule_crc)
 

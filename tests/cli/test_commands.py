@@ -160,6 +160,7 @@ def test_init_writes_files_that_run_accepts_and_keeps_those_that_are_there(hbenc
         "stribeck.yaml",
         "adaptive.yaml",
         "dynamics.yaml",
+        "breakaway.yaml",
         "discriminate.yaml",
         "warm-up.yaml",
         "demo.yaml",

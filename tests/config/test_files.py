@@ -17,6 +17,7 @@ from hbench.records import KINDS
 CONFIGS = Path(__file__).parents[2] / "configs"
 BENCH = read_yaml(CONFIGS / "bench-aau.yaml")
 SCHEDULE = read_yaml(CONFIGS / "stribeck.yaml")
+SCHEDULE["experiments"] = SCHEDULE["experiments"][1:-1]  # without its zero checks
 
 
 def changed(data: dict, key: str, value: object) -> dict:

@@ -21,6 +21,7 @@ def held(folder, plant, speeds):
     """Worst deviations over all references: mean speed, its ripple [m/s], load pressures [Pa]."""
     folder.mkdir()
     data = read_yaml(CONFIGS / "stribeck.yaml")
+    data["experiments"] = data["experiments"][1:-1]  # without its zero checks
     for experiment in data["experiments"]:
         experiment |= {"velocities": speeds, "trials": 1}
     schedule, plant_file = folder / "schedule.yaml", folder / "plant.yaml"

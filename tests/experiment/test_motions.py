@@ -179,7 +179,8 @@ def test_a_plan_is_cut_where_the_board_is_full():
     assert max(len(part.steps) for part in parts) <= 50
     assert max(len(part.segments) for part in parts) <= 20
     runs = [step["run"] + n for part in parts for step in part.steps for n in range(step["trials"])]
-    assert runs == list(range(1, 361))
+    assert runs == list(range(1, 363))
+    assert [part.supply_is_off for part in parts] == [True, *[False] * (len(parts) - 2), True]
     for part in parts:
         assert all(s["segment"] + s["segments"] <= len(part.segments) for s in part.steps)
 

@@ -49,7 +49,7 @@ def measured(folder: Path, velocities: dict, plant: Path | None, seed: int) -> O
     data = read_yaml(ROOT / "configs" / "stribeck.yaml")
     change = {"loads": ["2000 N"], "velocities": velocities}
     data |= {"bench": str(ROOT / "configs" / "bench-aau.yaml"), "order": "experiments"}
-    data |= {"experiments": [data["experiments"][0] | change]}
+    data |= {"experiments": [data["experiments"][1] | change]}
     schedule = folder / "schedule.yaml"
     schedule.write_text(json.dumps(data))
     workflow.measure(
