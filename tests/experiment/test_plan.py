@@ -16,7 +16,8 @@ from hbench.experiment.plan import load_pressure, plan_runs, trials_in_a_row
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 BENCH = parse_bench(read_yaml(CONFIGS / "bench-aau.yaml"), "bench")
-STRIBECK = read_yaml(CONFIGS / "stribeck.yaml") | {"order": "experiments"}
+WHOLE = read_yaml(CONFIGS / "stribeck.yaml")
+STRIBECK = WHOLE | {"order": "experiments", "experiments": WHOLE["experiments"][1:-1]}
 
 
 def plans_of(data):
@@ -24,7 +25,7 @@ def plans_of(data):
 
 
 def test_the_sources_experiment_has_360_runs_between_two_zero_checks():
-    plans = plans_of(STRIBECK)
+    plans = plans_of(WHOLE)
     assert [plans[n].kind for n in (0, -1)] == ["check", "check"]
     plans = [plan for plan in plans if plan.kind == "steady"]
     assert len(plans) == 360
