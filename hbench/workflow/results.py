@@ -17,7 +17,12 @@ from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed, overdue
 from hbench.analysis.screening.screen import screen
 from hbench.analysis.screening.zero_check import checked_zeros, corrected, with_zero_checks
-from hbench.analysis.summary.drift import RunClock, friction_drift, with_drift
+from hbench.analysis.summary.drift import (
+    RunClock,
+    efficiency_with_drift,
+    friction_drift,
+    with_drift,
+)
 from hbench.analysis.summary.headline import at_working_speed, headline
 from hbench.analysis.summary.quality import quality
 from hbench.analysis.temperature.hersey import with_hersey
@@ -162,7 +167,8 @@ def derive(
     clock = RunClock.of(screened, campaign.start_times_s())
     temperature = oil_temperature(steady, screened, setup, how, clock)
     drift = friction_drift(steady, screened, clock)
-    steady = with_drift(steady, drift, clock)
+    steady = with_drift(steady, drift, clock, how.weights)
+    efficiencies = efficiency_with_drift(efficiencies, steady)
     curves = (*steady, *analysed.moving)
     provenance = campaign.provenance()
     limitations = (

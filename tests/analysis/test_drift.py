@@ -7,7 +7,17 @@ import pytest
 from scipy import stats
 
 from hbench.analysis.curves.average import curves
-from hbench.analysis.summary.drift import RunClock, drift_checks, friction_drift, with_drift
+from hbench.analysis.fitting.fit import CURVE_LAWS, fit_law
+from hbench.analysis.fitting.joint import fitted
+from hbench.analysis.summary.drift import (
+    RunClock,
+    drift_checks,
+    efficiency_with_drift,
+    friction_drift,
+    with_drift,
+)
+from hbench.analysis.uncertainty.efficiency import efficiency_curve
+from hbench.config.fitting import Fitting
 from hbench.records import Run, RunPlan, ScreenedRun, Specimen, SteadyMeans
 from hbench.records.numbers import NORMAL_95
 
@@ -170,6 +180,13 @@ def test_a_significant_drift_adds_the_deviation_at_the_points_time_to_its_interv
         )
         assert point.u95_n == pytest.approx(np.hypot(old.ci95_n, NORMAL_95 * point.sigma_drift_n))
         assert point.ci95_n == old.ci95_n
+    etas = efficiency_with_drift((efficiency_curve(before[0], None),), (curve,))
+    for eta, old, point in zip(
+        etas[0].points, efficiency_curve(before[0], None).points, curve.points, strict=True
+    ):
+        if old.u95 is not None:
+            away = NORMAL_95 * old.efficiency / abs(point.f_test_n) * point.sigma_drift_n
+            assert eta.u95 == pytest.approx(np.hypot(old.u95, away))
     assert with_drift(before, replace(drift, p=0.06), clock) == before
     assert with_drift(before, None, clock) == before
 
@@ -201,3 +218,36 @@ def test_a_drift_is_graded_by_its_size_and_by_the_plan(percent, half, p, separat
     unknown = drift_checks(replace(drift, basis="order"))
     assert bool(unknown) == (half < 20)  # no claim if neither times nor drift are known
     assert drift_checks(None) == ()
+
+
+def test_a_drift_widens_the_intervals_of_a_fit_by_what_it_shifts_its_parameters():
+    """A fit to points moved by a thousandth of their deviations shows the same shift."""
+    rng = np.random.default_rng(4)
+    runs = campaign(passes(), lambda v, t: level(v) - 0.5 * t + rng.standard_normal())
+    clock, drift = RunClock.of(runs, times(runs)), drift_of(runs)
+    (before,) = (fitted(curve, Fitting(weights="equal")) for curve in curves(runs))
+    (after,) = with_drift((before,), drift, clock, "equal")
+    for old, new in zip(before.fits, after.fits, strict=True):
+        if not old.converged:
+            continue
+        # The same fit to points moved by their deviations shifts its parameters by as much.
+        middle = np.mean([clock.of_point(point) for point in before.points])
+        moved = tuple(
+            replace(
+                point,
+                friction_n=point.friction_n
+                + 1e-3 * np.sign(clock.of_point(point) - middle) * wider.sigma_drift_n,
+            )
+            for point, wider in zip(before.points, after.points, strict=True)
+        )
+        law = CURVE_LAWS[old.law]
+        shifted = fit_law(law, [replace(before, points=moved)], Fitting(weights="equal"))
+        for name, parameter in old.parameters.items():
+            if parameter.ci95 is None or parameter.at_bound is not None:
+                continue
+            shift = 1e3 * (shifted.parameters[name].value - parameter.value)
+            half = parameter.ci95[1] - parameter.value
+            wide = new.parameters[name].ci95[1] - parameter.value
+            assert wide == pytest.approx(np.hypot(half, NORMAL_95 * shift), rel=0.02)
+            assert new.parameters[name].se == parameter.se
+        assert "contain the drift" in new.message

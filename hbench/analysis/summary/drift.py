@@ -39,8 +39,20 @@ from statistics import fmean
 import numpy as np
 from scipy.special import stdtr
 
+from hbench.analysis.fitting.fit import CURVE_LAWS
+from hbench.analysis.fitting.fit_data import fit_points
 from hbench.analysis.statistics.student import student_factor
-from hbench.records import Curve, CurvePoint, Drift, Grade, QualityCheck, ScreenedRun
+from hbench.records import (
+    Curve,
+    CurvePoint,
+    Drift,
+    EfficiencyCurve,
+    EfficiencyPoint,
+    Fit,
+    Grade,
+    QualityCheck,
+    ScreenedRun,
+)
 from hbench.records.numbers import NORMAL_95
 from hbench.records.summary import SEPARATED_VIF
 
@@ -137,8 +149,10 @@ def friction_drift(
     )
 
 
-def with_drift(curves: Sequence[Curve], drift: Drift | None, clock: RunClock) -> tuple[Curve, ...]:
-    """Return ``curves`` with a significant drift as a part of each point's interval.
+def with_drift(
+    curves: Sequence[Curve], drift: Drift | None, clock: RunClock, weights: str = "trials"
+) -> tuple[Curve, ...]:
+    """Return ``curves`` with a significant drift as a part of each point's and fit's interval.
 
     The measured friction of a point is that at its own mean time t_i; its result is understood as
     that at the campaign's mean time t. The deviation between them is estimated, not corrected, and
@@ -147,7 +161,9 @@ def with_drift(curves: Sequence[Curve], drift: Drift | None, clock: RunClock) ->
         u_i = |t_i - t| sqrt(d^2 + se^2),   U95_i^2 <- U95_i^2 + (1.96 u_i)^2
 
     d and se are those of ``friction_drift``, for a relative drift times the point's friction. The
-    drift within a point is part of the scatter of its trials. u_i has the same cause in all points.
+    drift within a point is part of the scatter of its trials. u_i has the same cause in all points:
+    it shifts the parameters of a fit with the Jacobian J by J^+ (t_i - t) sqrt(d^2 + se^2), which
+    widens their intervals in the same way. ``weights`` are those of the fits.
     """
     times = [clock.of_point(point) for curve in curves for point in curve.points]
     if drift is None or not drift.significant or not times:
@@ -156,14 +172,64 @@ def with_drift(curves: Sequence[Curve], drift: Drift | None, clock: RunClock) ->
     se = drift.change_ci95 / student_factor(drift.trials - drift.points - 1)
     per_span = float(np.hypot(drift.change, se))
 
-    def widened(point: CurvePoint) -> CurvePoint:
+    def deviation(point: CurvePoint) -> float:
         scale_n = abs(point.friction_n) if drift.scale == "relative" else 1.0
-        sigma = abs(clock.of_point(point) - middle) / span * per_span * scale_n
-        before = point.ci95_n if point.u95_n is None else point.u95_n
-        u95 = None if before is None else float(np.hypot(before, NORMAL_95 * sigma))
-        return replace(point, sigma_drift_n=sigma, u95_n=u95)
+        return (clock.of_point(point) - middle) / span * per_span * scale_n
 
-    return tuple(replace(curve, points=tuple(map(widened, curve.points))) for curve in curves)
+    def widened(curve: Curve) -> Curve:
+        deviations = [deviation(point) for point in curve.points]
+        points = (_wider(p, abs(d)) for p, d in zip(curve.points, deviations, strict=True))
+        fits = (_wider_fit(fit, curve, np.array(deviations), weights) for fit in curve.fits)
+        return replace(curve, points=tuple(points), fits=tuple(fits))
+
+    return tuple(map(widened, curves))
+
+
+def efficiency_with_drift(
+    efficiencies: Iterable[EfficiencyCurve], curves: Iterable[Curve]
+) -> tuple[EfficiencyCurve, ...]:
+    """Return efficiencies with the drift of their ``curves``' points, those of ``with_drift``.
+
+    Friction is a part of F_T, so that u(eta) = |eta / F_T| u_i (6.10).
+    """
+
+    def widened(point: EfficiencyPoint, measured: CurvePoint) -> EfficiencyPoint:
+        if point.efficiency is None or point.u95 is None or not measured.sigma_drift_n:
+            return point
+        sigma = abs(point.efficiency / measured.f_test_n) * measured.sigma_drift_n
+        return replace(point, u95=float(np.hypot(point.u95, NORMAL_95 * sigma)))
+
+    return tuple(
+        replace(eta, points=tuple(map(widened, eta.points, curve.points)))
+        for eta, curve in zip(efficiencies, curves, strict=True)
+    )
+
+
+def _wider(point: CurvePoint, sigma_n: float) -> CurvePoint:
+    before = point.ci95_n if point.u95_n is None else point.u95_n
+    u95 = None if before is None else float(np.hypot(before, NORMAL_95 * sigma_n))
+    return replace(point, sigma_drift_n=sigma_n, u95_n=u95)
+
+
+def _wider_fit(fit: Fit, curve: Curve, deviations_n: np.ndarray, weights: str) -> Fit:
+    """Return the fit with the shifts of its parameters by ``deviations_n`` (n,) in ``ci95``."""
+    if fit.law not in CURVE_LAWS or not fit.parameters or not fit.converged:
+        return fit
+    data = fit_points([curve], weights)
+    values = np.array([parameter.value for parameter in fit.parameters.values()])
+    free = np.array([parameter.at_bound is None for parameter in fit.parameters.values()])
+    jacobian = CURVE_LAWS[fit.law].jacobian(data.inputs, values) / data.sigma[:, None]
+    shifts = np.zeros(len(values))
+    shifts[free] = np.linalg.lstsq(jacobian[:, free], deviations_n / data.sigma, rcond=None)[0]
+    parameters = {}
+    for (name, parameter), shift in zip(fit.parameters.items(), shifts.tolist(), strict=True):
+        ends = parameter.ci95
+        if ends is not None and parameter.at_bound is None:
+            low, high = (np.hypot(parameter.value - end, NORMAL_95 * shift) for end in ends)
+            ends = (parameter.value - float(low), parameter.value + float(high))
+        parameters[name] = replace(parameter, ci95=ends)
+    message = "; ".join(filter(None, (fit.message, "the intervals contain the drift")))
+    return replace(fit, parameters=parameters, message=message)
 
 
 def drift_checks(drift: Drift | None) -> tuple[QualityCheck, ...]:
