@@ -113,7 +113,9 @@ def test_incomplete_campaigns_and_poor_data_are_named_before_the_comparison(tmp_
     rows[1] = replace(rows[1], quality="poor", missing="9 of 96 planned runs were not completed")
     write_table(tmp_path / TABLE, map(cells_of, rows))
     found = summary_of(tmp_path)
-    assert "are 1 incomplete and 1 with poor data." in fleet_verdict(found)
+    assert fleet_verdict(found).startswith(
+        "1 of 4 analyzed campaigns is incomplete. 1 of 4 analyzed campaigns has poor data."
+    )
     text = fleet_text(found)
     assert "data: poor; incomplete: 9 of 96 planned runs" in text
     assert text.count("incomplete:") == 1 and "9 of 96" in fleet_page(found, ())

@@ -37,8 +37,8 @@ def fleet(
 ) -> None:
     """Analyze many campaigns to one table and one page with distributions, drifts and outliers.
 
-    Where cylinders were measured more than once, the page states repeatability and reproducibility.
-    Name them in the bench file, schedule or map: specimen.serial, test.operator, test.mounting.
+    Where cylinders were measured more than once, the page states repeatability and reproducibility:
+    set specimen.serial, test.operator and test.mounting in the bench file, schedule or map.
 
     A repeated call analyzes only new and changed campaigns.
 

@@ -84,16 +84,14 @@ def fleet_verdict(fleet: Fleet) -> str:
     sentences = []
     if fleet.failed:
         sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
+    analyzed = fleet.campaigns - fleet.failed
     poor = dict(fleet.qualities).get("poor", 0)
-    faults = (
-        f"{fleet.incomplete} incomplete" if fleet.incomplete else "",
-        f"{poor} with poor data" if poor else "",
-    )
-    if any(faults):
-        some = " and ".join(filter(None, faults))
-        sentences.append(
-            f"Among the {fleet.campaigns - fleet.failed} analyzed campaigns are {some}."
-        )
+    if fleet.incomplete:
+        verb = "is" if fleet.incomplete == 1 else "are"
+        sentences.append(f"{fleet.incomplete} of {analyzed} analyzed campaigns {verb} incomplete.")
+    if poor:
+        verb = "has" if poor == 1 else "have"
+        sentences.append(f"{poor} of {analyzed} analyzed campaigns {verb} poor data.")
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
