@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hbench.analysis.screening.calibrate import RUN_FIELDS
+from hbench.analysis.screening.calibrate import OPTIONAL_INPUTS, RUN_FIELDS
 from hbench.errors import DataError
 from hbench.model.compiled import compiled
 from hbench.model.friction.laws import deflection_under
@@ -45,7 +45,8 @@ from hbench.reconcile.measured.session import Session, sessions
 from hbench.records import Run
 
 # Fields of a run by channel.
-_FIELDS = {name: field for name, field in RUN_FIELDS.items() if name != "v_ref"}
+_NO_SIGNALS = ("v_ref", *OPTIONAL_INPUTS)
+_FIELDS = {name: field for name, field in RUN_FIELDS.items() if name not in _NO_SIGNALS}
 _PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr")  # initial state of the open loop
 INPUTS = ("p_s", "u_t", "u_l1", "u_l2")  # of the open loop
 OPEN_LOOP_CHANNELS = (*_PRESSURES, *INPUTS)  # required for the open loop
