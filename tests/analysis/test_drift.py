@@ -251,3 +251,14 @@ def test_a_drift_widens_the_intervals_of_a_fit_by_what_it_shifts_its_parameters(
             assert wide == pytest.approx(np.hypot(half, NORMAL_95 * shift), rel=0.02)
             assert new.parameters[name].se == parameter.se
         assert "contain the drift" in new.message
+
+
+def test_a_drift_over_a_mere_order_that_is_not_separated_from_speed_widens_nothing():
+    """Files sorted by speed: neighbours differ by noise, which is no drift of a campaign."""
+    rng = np.random.default_rng(2)
+    runs = campaign(passes(), lambda v, t: level(v) - 0.5 * t + rng.standard_normal())
+    clock, drift = RunClock.of(runs, times(runs)), drift_of(runs)
+    by_name = replace(drift, basis="order", separated=False)
+    assert with_drift(curves(runs), by_name, clock) == curves(runs)
+    known = replace(drift, basis="order", separated=True)
+    assert with_drift(curves(runs), known, clock) != curves(runs)

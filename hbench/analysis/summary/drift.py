@@ -164,9 +164,14 @@ def with_drift(
     drift within a point is part of the scatter of its trials. u_i has the same cause in all points:
     it shifts the parameters of a fit with the Jacobian J by J^+ (t_i - t) sqrt(d^2 + se^2), which
     widens their intervals in the same way. ``weights`` are those of the fits.
+
+    Where only the order of the runs is known, which may be that of file names, a drift that is not
+    separated from speed adds nothing: it would be extrapolated from neighbours to a whole campaign.
     """
     times = [clock.of_point(point) for curve in curves for point in curve.points]
     if drift is None or not drift.significant or not times:
+        return tuple(curves)
+    if drift.basis == "order" and not drift.separated:
         return tuple(curves)
     middle, span = fmean(times), _span(curves, clock)
     se = drift.change_ci95 / student_factor(drift.trials - drift.points - 1)
