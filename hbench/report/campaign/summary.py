@@ -18,7 +18,7 @@ from hbench.report.campaign.quality import (
 from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
 from hbench.report.oil_temperature import temperature_words
 from hbench.report.render.document import Section, Tile
-from hbench.report.render.numbers import alike, number, significant, span, with_interval
+from hbench.report.render.numbers import alike, number, short, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -157,7 +157,7 @@ def _table(series: Iterable[HeadlineSeries]) -> Table:
             number(None if each.v_m_s is None else 1e3 * each.v_m_s),
             _cell(each.friction_n),
             _trials(each.friction_n),
-            _cell(each.breakaway_n),
+            _breakaway(each),
             _cell(each.efficiency, 100.0),
         )
         for each in series
@@ -171,6 +171,14 @@ def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
         return Cell("–")
     half = None if estimate.u95 is None else scale * estimate.u95
     return Cell(with_interval(scale * estimate.value, half), _FLAGS[estimate.basis])
+
+
+def _breakaway(series: HeadlineSeries) -> Cell:
+    """Return breakaway with the rest that it was measured after, or what else it is."""
+    cell = _cell(series.breakaway_n)
+    if series.breakaway_dwell_s is None:
+        return cell
+    return Cell(f"{cell.text} after {short(series.breakaway_dwell_s)} s at rest")
 
 
 def _trials(estimate: HeadlineNumber | None) -> str:
