@@ -154,4 +154,5 @@ def test_coverage_of_viscous_friction_while_the_oil_warms(measured):
             f"{100 * sum(bias) / 20:+.1f} %, drift named in {sum(named)}"
         )
         assert sum(named) >= 18
-    assert covered["experiments"] <= 2 and covered["random"] >= 18
+    # Of 20; without the drift in the intervals of fits it was 0, 8 and 20.
+    assert covered["experiments"] >= 10 and covered["random"] >= 18

@@ -24,7 +24,12 @@ def summarized(results, speed_m_s=None):
     """Results that a test has changed, with the summary of what they hold now."""
     return replace(
         results,
-        headline=headline(results.curves, results.efficiency, speed_m_s),
+        headline=headline(
+            results.curves,
+            results.efficiency,
+            results.motions.breakaways,
+            speed_m_s,
+        ),
         quality=quality(results.runs, results.curves, results.efficiency),
     )
 
