@@ -205,7 +205,9 @@ def test_another_bore_is_compared_where_the_speeds_agree(one_each):
     assert not any(band.half_n.real for band in every.bands)  # three reruns scatter by 1 to 3.5 N
 
 
-def test_a_fleet_has_a_row_for_each_seal_and_compares_those_of_one_bore(one_each, tmp_path):
+def test_a_fleet_has_a_row_for_each_seal_and_compares_those_of_one_bore(
+    one_each, tmp_path, one_process
+):
     silent = {"report": lambda *counts: None, "note": lambda text: None}
     fleet = workflow.analyze_fleet(
         [str(one_each)], tmp_path / "fleet", scheduler=None, speed_m_s=None, **silent
