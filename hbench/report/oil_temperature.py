@@ -1,44 +1,23 @@
-"""Oil temperature of a campaign and its reduction to a reference temperature, for the report."""
+"""Section of the page on the oil's temperature, and friction at a reference temperature."""
 
 from collections.abc import Iterable
 from dataclasses import replace
 from statistics import fmean
 
-from hbench.records import KINDS, Curve, OilTemperature, Reduction, Results, ViscosityEffect
+from hbench.records import Curve, OilTemperature, Reduction, Results, ViscosityEffect
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.records.summary import SEPARATED_VIF
 from hbench.report.campaign.fit_tables import fit_tables, law_words
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.drift import drift_words
+from hbench.report.oil_words import PLACES, celsius
 from hbench.report.render.document import Section
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number, significant, with_interval
 from hbench.report.render.word_tables import Table
-from hbench.units import from_si
 
-_PLACES = {
-    "temp_seal_k": "at the test cylinder's seal",
-    "temp_port_k": "at a port of the test cylinder",
-    "temp_tank_k": "in the tank",
-}
 _LEFT = "Friction is not reduced to a reference temperature, since "
-
-
-def celsius(temp_k: float, decimals: int = 1) -> str:
-    """Write a temperature without its unit."""
-    return number(from_si(temp_k, "degC"), decimals)
-
-
-def temperature_words(results: Results) -> str:
-    """Return the oil temperature of the steady runs in a sentence; empty without such runs."""
-    if not any(KINDS[curve.kind].has_constant_speed for curve in results.curves):
-        return ""
-    oil = results.oil_temperature
-    if oil is None:
-        return "The oil temperature was not measured."
-    low, high = celsius(oil.low_k), celsius(oil.high_k)
-    return f"Oil temperature {_PLACES[oil.sensor]}: {low} to {high} °C."
 
 
 def temperature_section(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Section, ...]:
@@ -47,7 +26,7 @@ def temperature_section(results: Results, drawings: tuple[Drawing, ...]) -> tupl
     if oil is None:
         return ()
     said = (
-        f"The oil's temperature was measured {_PLACES[oil.sensor]}. In the accepted steady runs it "
+        f"The oil's temperature was measured {PLACES[oil.sensor]}. In the accepted steady runs it "
         f"was {celsius(oil.mean_k)} °C in the mean, from {celsius(oil.low_k)} to "
         f"{celsius(oil.high_k)} °C."
     )

@@ -12,8 +12,10 @@ from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from hbench.records import (
+    Breakaway,
     Comparison,
     Decay,
+    DwellLaw,
     Leakage,
     LeakCoefficient,
     Level,
@@ -22,6 +24,8 @@ from hbench.records import (
     Motions,
     Series,
     Surface,
+    Zero,
+    ZeroCheck,
 )
 from hbench.report.campaign.figures import motions, ramps
 from hbench.report.campaign.figures.all_figures import FIGURES
@@ -101,13 +105,25 @@ MOTIONS = Motions(
 )
 
 
+PUSHES = tuple(
+    Breakaway(
+        SERIES, "extend", dwell_s, 500.0, 480.0, ci95_n, u95_n, 2, (478.0, 482.0), 5e-3, 6e6, 3e6,
+        500.0, ("0007", "0008"),
+    )
+    for dwell_s, ci95_n, u95_n in ((1.0, 12.0, 60.0), (60.0, 10.0, None))
+)  # fmt: skip
+GROWTH = DwellLaw(SERIES, "extend", "power", 470.0, 8.0, 0.02, 0.01, 6.0, 3, 9)
+CHECKED = ZeroCheck("0001", 0.0, 2e5, 1e4, (Zero("p_tp_pa", 1e3, 2e5),))
+
+
 @pytest.fixture
 def moving(small):
     """The small campaign with its steady curves, ramps beside, and all that moves."""
     ramps = tuple(
         replace(curve, kind="ramp", a_ref_m_s2=a) for curve in small.curves for a in (0.03, 0.1)
     )
-    return replace(small, curves=small.curves + ramps, motions=MOTIONS)
+    motions = replace(MOTIONS, breakaways=PUSHES, dwell_laws=(GROWTH,), zero_checks=(CHECKED,))
+    return replace(small, curves=small.curves + ramps, motions=motions)
 
 
 def test_no_title_runs_into_the_word_that_its_figure_is_simulated(moving):
@@ -150,8 +166,18 @@ def test_every_csv_has_the_records_in_si(moving):
         "levels.csv": 2,
         "leakage.csv": 3,
         "decays.csv": 1,
+        "breakaways.csv": 2,
+        "dwell_laws.csv": 1,
+        "zeros.csv": 1,
         "surface.csv": 9,
     }
+    assert (
+        made["breakaways.csv"][0]["ci95_n"] == "12.0" and made["breakaways.csv"][1]["u95_n"] == ""
+    )
+    assert (
+        made["breakaways.csv"][0]["runs"] == "0007 0008"
+        and made["zeros.csv"][0]["error"] == "1000.0"
+    )
     assert made["comparisons.csv"][0]["a_m_s2"] == "0.03 0.1"
     assert float(made["loops.csv"][0]["width_n"]) == -17.6
     assert made["loops.csv"][1]["ci95_n"] == "" and made["loops.csv"][1]["label"] == "seal A"

@@ -16,7 +16,7 @@ from hbench.report.campaign.quality import (
     short_point_table,
 )
 from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
-from hbench.report.oil_temperature import temperature_words
+from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section, Tile
 from hbench.report.render.numbers import alike, number, short, significant, span, with_interval
 from hbench.report.render.word_tables import Cell, Table
