@@ -50,7 +50,7 @@ def analyze_fleet(
     *,
     scheduler: str | None,
     speed_m_s: float | None,
-    tolerance: "Tolerance | None",
+    tolerance: "Tolerance | None" = None,
     report: Callable[[int, int, int], None],
     note: Callable[[str], None],
 ) -> Fleet:

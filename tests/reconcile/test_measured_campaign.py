@@ -131,7 +131,8 @@ def test_effects_change_the_balances_of_their_rows_alone(campaign):
     """Columns of other balances are set to 0; here the residuals themselves, all effects at once
     at their typical sizes."""
     before = campaign.gap_map(Hypothesis()).difference
-    for name, row in EFFECTS.items():
+    sought = {name: row for name, row in EFFECTS.items() if row.balances}
+    for name, row in sought.items():
         values = {
             which: EFFECTS[name]
             .coefficients[which[1]]
