@@ -266,3 +266,11 @@ def test_the_bias_is_the_mean_error_of_many_fits(make_curve):
     assert np.all(np.abs(errors.mean(axis=0) - bias) < 3 * uncertain)
     f_c, _, v_s, b = PARAMETER_NAMES
     assert bias[0] < 0 < bias[2] and bias[3] > 0, (f_c, v_s, b)
+
+
+def test_without_a_stribeck_part_there_is_no_bias_and_no_overflow(make_curve):
+    """Its velocity is not determined: a tenth of its standard error makes it negative."""
+    for seed in range(30):
+        fit = fit_law(TUSTIN_LAW, [make_curve(SPEEDS, noisy(seed, 3.0, (0, 0, 1, 0)))], Fitting())
+        for parameter in fit.parameters.values():
+            assert parameter.bias is None or np.isfinite(parameter.bias)

@@ -244,7 +244,8 @@ class _Intervals:
             b = -1/2 J^+ d,  d_t = sum_jk C_jk d^2 f_t / dp_j dp_k
 
         C is the covariance, so that d is a sum of second differences along its columns' root. The
-        points' weights and Gaussian scatter are taken as right.
+        points' weights and Gaussian scatter are taken as right. NaN too where a tenth of a standard
+        error reaches beyond a bound: the law need not be defined there.
         """
         free = self.solution.free
         bias = np.full(len(free), np.nan)
@@ -254,6 +255,10 @@ class _Intervals:
         variances, vectors = np.linalg.eigh(spread)
         steps = _BIAS_STEP * (vectors * np.sqrt(np.maximum(variances, 0.0))).T
         at, residual = self.solution.x, self.problem.residual
+        reach = np.abs(steps).sum(axis=0)
+        lower, upper = self.problem.lower[free], self.problem.upper[free]
+        if np.any(at[free] - reach < lower) or np.any(at[free] + reach > upper):
+            return bias
         curvature = np.zeros(len(self.jacobian))
         for step in steps:
             along = np.zeros(len(free))
