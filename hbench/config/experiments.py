@@ -143,7 +143,10 @@ class Breakaway(LoadedExperiment):
 
     direction: Direction
     position: q.Position
-    dwells: tuple[q.Duration, ...] = Field(min_length=1, max_length=20)  # at rest under load
+    # At rest under load, up to a day.
+    dwells: tuple[Annotated[float, q.quantity("s", ge=0, le=86400)], ...] = Field(
+        min_length=1, max_length=20
+    )
     rate: Annotated[float, q.quantity("N/s", ge=1, le=1e6)]
     rise: Annotated[float, q.quantity("N", gt=0, le=1e6)]  # at most; the push then ends
     displacement: Annotated[float, q.quantity("mm", ge=1e-4, le=0.1)] = 0.02  # ends the push

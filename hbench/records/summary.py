@@ -184,6 +184,7 @@ class PointTrials:
     v_ref_m_s: float
     accepted: int  # trials
     planned: int  # trials
+    dwell_s: float | None = None  # at rest before breakaway
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,10 @@ from scipy.stats import linregress
 from hbench.analysis.curves.breakaway import breakaways, dwell_laws
 from hbench.analysis.screening.push_peak import first_peak
 from hbench.analysis.screening.screen import screen
+from hbench.analysis.summary.completeness import completeness
 from hbench.config.schedule import Screening
 from hbench.records import Motion, Run, RunPlan, ScreenedRun, Segment, Specimen
+from hbench.report.campaign.quality import short_point_table
 
 SPECIMEN = Specimen(1.25e-3, 0.75e-3, 0.4)
 RATE, LOAD, T = 500.0, 2000.0, 0.01
@@ -151,3 +153,14 @@ def test_intervals_of_growth_contain_the_truth_as_often_as_they_say():
 def test_two_dwells_give_no_law():
     runs = [push(500.0, n, n, dwell) for n, dwell in ((1, 1.0), (2, 10.0))]
     assert dwell_laws(breakaways(accepted(*runs), None)) == ()
+
+
+def test_each_rest_is_a_point_of_the_plan():
+    """All trials after 10 s were rejected, those after 1 s were not."""
+    plans = [(n, dwell) for dwell in (1.0, 10.0) for n in (1, 2)]
+    runs = [push(500.0, k, n, dwell) for k, (n, dwell) in enumerate(plans, start=1)]
+    screened = [ScreenedRun(run, ("gapped",) if run.plan.dwell_s > 5 else (), None) for run in runs]
+    (short,) = completeness(screened, None).short_points
+    assert (short.dwell_s, short.accepted, short.planned) == (10.0, 0, 2)
+    (row,) = short_point_table([short]).rows
+    assert "after 10 s at rest" in [cell.text for cell in row]

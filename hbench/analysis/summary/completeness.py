@@ -6,7 +6,10 @@ from typing import NamedTuple
 from hbench.records import Completeness, PointTrials, RunPlan, ScreenedRun
 
 ENOUGH_TRIALS = 3  # of a point; a plan may contain fewer
-_POINT = ("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2", "v_ref_m_s")
+_POINT = (
+    *("kind", "label", "direction", "f_load_n", "p_lr_ref_pa", "a_ref_m_s2", "v_ref_m_s"),
+    "dwell_s",
+)
 
 
 class PlannedRuns(NamedTuple):

@@ -6,7 +6,7 @@ from hbench.records import Completeness, ImplausiblePoint, PointTrials, Quality,
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import load_words
 from hbench.report.drift import drift_words
-from hbench.report.render.numbers import number, with_interval
+from hbench.report.render.numbers import number, short, with_interval
 from hbench.report.render.word_tables import Cell, Table
 
 RULE = (
@@ -54,10 +54,15 @@ def quality_table(quality: Quality) -> Table:
 def short_point_table(points: Sequence[PointTrials]) -> Table:
     """Return the operating points with fewer accepted trials than planned."""
     rows = [
-        (*who(point), number(1e3 * point.v_ref_m_s), f"{point.accepted} of {point.planned}")
-        for point in points
+        (*who(point), _reference(point), f"{point.accepted} of {point.planned}") for point in points
     ]
     return table((*WHO, "Reference (mm/s)", "Accepted trials"), rows)
+
+
+def _reference(point: PointTrials) -> str:
+    if point.dwell_s is not None:
+        return f"after {short(point.dwell_s)} s at rest"
+    return number(1e3 * point.v_ref_m_s)
 
 
 def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
