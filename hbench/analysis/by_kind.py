@@ -145,12 +145,8 @@ def _breakaways(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProd
     return AnalysisProducts(breakaways=breakaways(runs, settings.setup.instruments))
 
 
-def _verification(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
-    return AnalysisProducts()  # `hbench identify` compares these runs with its models
-
-
-def _zero_check(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
-    return AnalysisProducts()  # their zeros were subtracted from all runs before the screening
+def _nothing(runs: Sequence[ScreenedRun], settings: Settings) -> AnalysisProducts:
+    return AnalysisProducts()
 
 
 ANALYSES: Mapping[str, Callable[[Sequence[ScreenedRun], Settings], AnalysisProducts]] = {
@@ -160,6 +156,6 @@ ANALYSES: Mapping[str, Callable[[Sequence[ScreenedRun], Settings], AnalysisProdu
     "step_levels": _step_levels,
     "leakage": _leakage,
     "breakaway": _breakaways,
-    "zero_check": _zero_check,
-    "verification": _verification,
+    "zero_check": _nothing,  # zeros are subtracted from all runs before the screening
+    "verification": _nothing,  # `hbench identify` compares these runs with its models
 }

@@ -1,6 +1,6 @@
 """Analysis of a campaign, and its report."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +16,12 @@ from hbench.analysis.fitting.joint import joint_fits
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.limitations import not_computed, overdue
 from hbench.analysis.screening.screen import screen
-from hbench.analysis.screening.zero_check import checked_zeros, corrected, with_zero_checks
+from hbench.analysis.screening.zero_check import (
+    checked_zeros,
+    corrected,
+    with_zero_checks,
+    zeros_over_time,
+)
 from hbench.analysis.summary.drift import (
     RunClock,
     efficiency_with_drift,
@@ -109,10 +114,14 @@ def calibrated_runs(campaign: StoredCampaign) -> Iterator[Run]:
 
     The zeros that the campaign's own checks found are subtracted from all but these checks.
     """
-    checks, times_s = zero_checks(campaign), campaign.start_times_s()
+    return _corrected(campaign, zero_checks(campaign))
+
+
+def _corrected(campaign: StoredCampaign, checks: Sequence[ZeroCheck]) -> Iterator[Run]:
+    zeros, times_s = zeros_over_time(checks), campaign.start_times_s()
     for run in _uncorrected(campaign):
         is_check = KINDS[run.plan.kind].needs_supply_off
-        yield run if is_check else corrected(run, checks, times_s.get(run.plan.run))
+        yield run if is_check else corrected(run, zeros, times_s.get(run.plan.run))
 
 
 def zero_checks(campaign: StoredCampaign) -> tuple[ZeroCheck, ...]:
@@ -137,9 +146,12 @@ def _uncorrected(campaign: StoredCampaign) -> Iterator[Run]:
 
 def screened_runs(campaign: StoredCampaign) -> Iterator[ScreenedRun]:
     """Yield the runs of a campaign with their verdicts, read one at a time."""
+    return _screened(campaign, zero_checks(campaign))
+
+
+def _screened(campaign: StoredCampaign, checks: Sequence[ZeroCheck]) -> Iterator[ScreenedRun]:
     rules = campaign.screening()
-    for run in calibrated_runs(campaign):
-        yield screen(run, rules)
+    return (screen(run, rules) for run in _corrected(campaign, checks))
 
 
 def derive(
@@ -152,7 +164,7 @@ def derive(
     checks_of_zero = zero_checks(campaign)
     setup = campaign.setup()
     setup = replace(setup, instruments=with_zero_checks(setup.instruments, checks_of_zero))
-    screened = tuple(_without_samples(run) for run in screened_runs(campaign))
+    screened = tuple(map(_without_samples, _screened(campaign, checks_of_zero)))
     if not screened:
         raise DataError(
             f"{campaign.folder}: contains no runs", "Continue it with `hbench run --resume`."

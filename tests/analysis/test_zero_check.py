@@ -11,6 +11,7 @@ from hbench.analysis.screening.zero_check import (
     corrected,
     with_zero_checks,
     zero_check,
+    zeros_over_time,
 )
 from hbench.analysis.summary.quality import quality
 from hbench.config.schedule import Screening
@@ -66,7 +67,7 @@ def test_a_free_load_cell_has_a_zero_too(bench):
 def test_zeros_follow_a_straight_line_from_check_to_check(time_s, expected):
     run = levelled(noise_pa=0.0)
     checks = (check_at(0.0, p_tp_pa=1e5), check_at(600.0, p_tp_pa=1.5e5))
-    changed = corrected(run, checks, time_s)
+    changed = corrected(run, zeros_over_time(checks), time_s)
     np.testing.assert_allclose(run.p_tp_pa - changed.p_tp_pa, expected)
     assert changed.p_tr_pa is run.p_tr_pa and changed.f_applied_n is run.f_applied_n
 
@@ -74,20 +75,35 @@ def test_zeros_follow_a_straight_line_from_check_to_check(time_s, expected):
 def test_without_times_the_mean_zero_counts():
     run = levelled(noise_pa=0.0)
     checks = (check_at(None, p_tp_pa=1e5), check_at(None, p_tp_pa=2e5))
-    np.testing.assert_allclose(run.p_tp_pa - corrected(run, checks, None).p_tp_pa, 1.5e5)
+    np.testing.assert_allclose(
+        run.p_tp_pa - corrected(run, zeros_over_time(checks), None).p_tp_pa, 1.5e5
+    )
 
 
-def test_the_budget_gets_the_reference_and_half_of_the_largest_drift(bench):
+def test_the_budget_gets_the_reference_and_the_largest_drift(bench):
     checks = (
         check_at(0.0, p_tp_pa=1e5, p_tr_pa=0.0),
         check_at(9.0, p_tp_pa=1.1e5, p_tr_pa=-0.3e5),
     )
     pressure = with_zero_checks(bench.instruments, checks).pressure
     limits = {name: each.tolerance * pressure.full_scale for name, each in pressure.further.items()}
-    assert limits == {"zero reference": pytest.approx(1e4), "zero drift": pytest.approx(0.15e5)}
+    assert limits == {"zero reference": pytest.approx(1e4), "zero drift": pytest.approx(0.3e5)}
     assert pressure.further["zero reference"].common and not pressure.further["zero drift"].common
     assert with_zero_checks(bench.instruments, ()) is bench.instruments
     assert with_zero_checks(None, checks) is None
+
+
+@pytest.mark.parametrize("moved_s", [1.0, 300.0, 599.0])
+def test_a_zero_that_moves_at_once_is_off_the_line_by_at_most_the_drift(bench, moved_s):
+    run = levelled(noise_pa=0.0)
+    checks = (check_at(0.0, p_tp_pa=0.0), check_at(600.0, p_tp_pa=1e5))
+    limit = with_zero_checks(bench.instruments, checks).pressure.further["zero drift"]
+    off = [
+        1e5 * (t > moved_s) - (run.p_tp_pa - corrected(run, zeros_over_time(checks), t).p_tp_pa)[0]
+        for t in np.linspace(0.0, 600.0, 601)
+    ]
+    assert np.abs(off).max() <= limit.tolerance * bench.instruments.pressure.full_scale
+    assert np.abs(off).max() >= 0.49e5
 
 
 @pytest.mark.parametrize(

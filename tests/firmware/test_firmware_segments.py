@@ -187,7 +187,7 @@ def test_a_push_ends_once_the_piston_has_moved_and_the_velocity_loop_goes_on(boa
     while PHASES[board.status()["phase"]] != "push":
         drive(board, 1)
     first = board.tick()[0]
-    assert abs(first) < 0.02, "from the force and the command as they were"
+    assert abs(first) < 0.02, "from neutral"
     push(board, 3000, 5e6)
     begin = board.si["x"]
     while PHASES[board.status()["phase"]] == "push":
@@ -199,6 +199,20 @@ def test_a_push_ends_once_the_piston_has_moved_and_the_velocity_loop_goes_on(boa
     assert board.cause() == ("done", "none")
     log = read_all(board)
     assert log[-1, WORD["flags"]] & LAST and not np.any(log[:, WORD["v_ref"]])
+
+
+def test_a_piston_that_breaks_away_may_jump_and_is_braked_from_the_speed_that_it_has(board):
+    """60 ms at 0.2 m/s, ten times the limit of the speed's error and six times its time."""
+    board.write_settings(speed_error_max_m_s=0.02, speed_error_time_s=0.01, acceleration_m_s2=2.0)
+    board.write_row({**PUSH, "force_rate_n_s": 1e3, "displacement_m": 12e-3})
+    board.start()
+    while PHASES[board.status()["phase"]] != "push":
+        drive(board, 1)
+    while PHASES[board.status()["phase"]] == "push":
+        board.si["x"] += 0.2 * T
+        board.tick()
+    assert board.cause() == ("running", "none")
+    assert board.status()["v_ref_m_s"] == pytest.approx(0.2, abs=0.01), "the speed that it finds"
 
 
 def test_a_push_ends_after_its_time_if_nothing_moves(board):

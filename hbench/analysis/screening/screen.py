@@ -141,7 +141,7 @@ def _integrity(run: Run, window: slice, rules: Screening) -> Iterator[str]:
                 f"limit {rules.max_gap:g} s"
             )
     if KINDS[run.plan.kind].needs_supply_off:
-        return  # a vented transducer may show its lowest value; zero_check.py tells
+        return  # a vented transducer may show its lowest value, which zero_check.py reports
     for reason in _saturated("sensor_saturated", run.sensor_saturated, window):
         sensors = saturated_sensors(run, window)
         yield f"{reason}; {sensors}" if sensors else reason

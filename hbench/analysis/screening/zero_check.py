@@ -5,8 +5,8 @@ error p - p_0; a load cell without force shows its own. A zero is a mean over th
 valves. Between two checks it is taken as a straight line over time, before the first and after the
 last as constant.
 
-What is left in a corrected reading: the error of p_0, which all transducers share, and half of
-the drift from check to check, the most that a straight line can miss. Both count as limits
+A corrected reading still has the error of p_0, which all transducers share. It may also be off by the
+drift from check to check, if the zero moved at once and not along the line. Both count as limits
 (rectangular; JCGM 100, 4.3.7). The instruments' class stays in the budget as it is: it also covers
 gain, linearity and hysteresis.
 """
@@ -21,6 +21,7 @@ from hbench.config.sensors import ErrorSource, Instrument, Instruments
 from hbench.model.sensors import sensor_gains
 from hbench.records import Run, Zero, ZeroCheck
 
+Zeros = Mapping[str, tuple[np.ndarray, np.ndarray]]  # times and errors, (n,) each, by channel
 CHAMBERS = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")  # which are vented, not the supply
 _FORCE = "f_applied_n"
 _SETTLE_S = 0.3  # after the valves have closed
@@ -61,7 +62,7 @@ def zero_check(run: Run, time_s: float | None, bench: Bench) -> ZeroCheck | None
     )
 
 
-def zeros_over_time(checks: Sequence[ZeroCheck]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def zeros_over_time(checks: Sequence[ZeroCheck]) -> Zeros:
     """Return the times (n,) and errors (n,) of each channel; without times, in their order."""
     times = [float(number) if c.time_s is None else c.time_s for number, c in enumerate(checks)]
     found: dict[str, list[tuple[float, float]]] = {}
@@ -71,10 +72,10 @@ def zeros_over_time(checks: Sequence[ZeroCheck]) -> dict[str, tuple[np.ndarray, 
     return {channel: tuple(np.array(pairs).T) for channel, pairs in found.items()}
 
 
-def corrected(run: Run, checks: Sequence[ZeroCheck], time_s: float | None) -> Run:
-    """Return a run with the zeros of the checks subtracted, as they were at its time [s]."""
+def corrected(run: Run, zeros: Zeros, time_s: float | None) -> Run:
+    """Return a run with the zeros subtracted, as they were at its time [s]."""
     changes = {}
-    for channel, (times, errors) in zeros_over_time(checks).items():
+    for channel, (times, errors) in zeros.items():
         values = getattr(run, channel)
         if values is not None:
             now = float(errors.mean()) if time_s is None else np.interp(time_s, times, errors)
@@ -89,7 +90,7 @@ def with_zero_checks(
     if instruments is None or not checks:
         return instruments
     zeros = zeros_over_time(checks)
-    drifts = {channel: float(np.ptp(errors)) / 2 for channel, (_, errors) in zeros.items()}
+    drifts = {channel: float(np.ptp(errors)) for channel, (_, errors) in zeros.items()}
     pressure = {
         "zero reference": (max(check.pressure_limit_pa for check in checks), True),
         "zero drift": (

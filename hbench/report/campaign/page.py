@@ -38,7 +38,7 @@ _BREAKAWAY = (
 _ZEROS = (
     "The zeros of the sensors were checked with the supply off and the chambers vented. Their "
     "errors were subtracted, in between as a straight line over time; the error of the reference "
-    "pressure and half of the drift are parts of u."
+    "pressure and the drift of each zero are limits of errors in u."
 )
 _NO_ZEROS = (
     "The zeros of the sensors were not checked (experiments of the kind check): u contains their "
