@@ -5,8 +5,8 @@ error p - p_0; a load cell without force shows its own. A zero is a mean over th
 valves. Between two checks it is taken as a straight line over time, before the first and after the
 last as constant.
 
-A corrected reading still has the error of p_0, which all transducers share. It may also be off by the
-drift from check to check, if the zero moved at once and not along the line. Both count as limits
+A corrected reading still has the error of p_0, which all transducers share. It may also be off by
+the drift from check to check, if the zero moved at once, not along the line. Both count as limits
 (rectangular; JCGM 100, 4.3.7). The instruments' class stays in the budget as it is: it also covers
 gain, linearity and hysteresis.
 """
