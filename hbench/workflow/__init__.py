@@ -19,6 +19,7 @@ _MODULES = {
     "seeds": ("measure_seeds",),
     "watch": ("Watch",),
     "results": ("analyze", "report"),
+    "conformity.acceptance": ("accept",),
     "fleet": ("analyze_fleet", "write_fleet"),
     "comparison": ("compare", "write_comparison"),
     "identification": ("identify", "write_identification"),
