@@ -26,7 +26,6 @@ from hbench.records.diagnosis import (
     Rival,
     RunGap,
     Separability,
-    SizeLimit,
     Verdict,
 )
 from hbench.records.differences import (
@@ -265,7 +264,6 @@ __all__ = [
     "Series",
     "Side",
     "SignalError",
-    "SizeLimit",
     "Specimen",
     "Spread",
     "SteadyMeans",

@@ -11,7 +11,6 @@ import numpy as np
 from hbench.records.flow import FitParameter, Provenance, RunPlan
 from hbench.records.numbers import FloatOrNan
 
-SizeLimit = Literal["evidence", "tolerance", "size"]
 Verdict = Literal["named", "ambiguous", "unknown", "none"]
 REST_M_S = 2e-3  # windows with a lower speed are at rest
 # Share of a signal's range: a fifth of the 1 % to which data sheets state cylinders and valves.
@@ -110,7 +109,7 @@ class DetectableSize:
     smallest: FloatOrNan  # nan: not detectable at ten times its typical value
     typical: FloatOrNan
     unit: str
-    limit: SizeLimit  # criterion that determines it: score, instrument's tolerance, least size
+    limit: Literal["evidence", "size"]  # what determines it: its score, or the least size named
 
     @property
     def detectable(self) -> bool:

@@ -10,8 +10,8 @@ All fits have the nuisances with their priors and bounds, and the noise that the
 which contains deviations that are not material. Fits are not cross-validated: rivals seem a little
 better than in a search.
 
-- **Smallest detectable size** of a coefficient: its gain exceeds the least threshold of a score, it
-  is beyond its tolerance, and it is as large as the search demands.
+- **Smallest detectable size** of a coefficient: its gain exceeds the least threshold of a score and
+  it is as large as the search demands. What tolerances of the instruments may cause is a nuisance.
 - **Pair**: A is the cause, B the rival. They are not distinguishable if the search would accept B
   and its gain is so close to that of A that both are in the ambiguous set. The pair's lead is
   gain(A) - gain(B) of the worst case: either effect as the cause, each coefficient, either sign.
@@ -43,7 +43,7 @@ from hbench.reconcile.candidates import CRITERIA, ambiguity_margin
 from hbench.reconcile.evidence import Priors, expected_loss, information
 from hbench.reconcile.hypothesis import CoefficientKey, effect_coefficients
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.records import DetectableSize, EffectPair, Separability, SizeLimit
+from hbench.records import DetectableSize, EffectPair, Separability
 
 LARGEST = 10.0  # typical sizes: no larger effect is considered
 _SMALLEST = 1e-2
@@ -184,15 +184,10 @@ class Separation:
 
     def _size(self, key: CoefficientKey, size: float) -> DetectableSize:
         """Return a coefficient's smallest value, from the ``size`` [typical ones] by its gain."""
-        row, at = EFFECTS[key[0]].coefficients[key[1]], self.model.column(key)
-        tolerance = float(self.model.tight.high[at] - self.model.tight.low[at]) / 2
-        limits: dict[SizeLimit, float] = {
-            "evidence": size,
-            "tolerance": tolerance,
-            "size": CRITERIA.size,
-        }
-        limit = max(limits, key=lambda name: limits[name]) if isfinite(size) else "evidence"
-        return DetectableSize(*key, limits[limit] * row.typical, row.typical, row.unit, limit)
+        row = EFFECTS[key[0]].coefficients[key[1]]
+        if size < CRITERIA.size:
+            return DetectableSize(*key, CRITERIA.size * row.typical, row.typical, row.unit, "size")
+        return DetectableSize(*key, size * row.typical, row.typical, row.unit, "evidence")
 
 
 def with_remaining_noise(

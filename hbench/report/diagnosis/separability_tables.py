@@ -16,7 +16,6 @@ MATRIX_TEXT = (
 )
 _LIMITS = {
     "evidence": "residuals",
-    "tolerance": "tolerance of the sensor",
     "size": "least size that is named",
 }
 _SIZES = "Smallest effects that hbench reconcile would detect, by simulation of the runs"
