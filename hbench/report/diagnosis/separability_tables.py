@@ -68,7 +68,7 @@ def planned_effects_text(planned: PlannedEffects) -> str:
 
 def matrix_table(diagnosis: Diagnosis) -> WordTable:
     """Return the angles between the effects that matter and those closest to them."""
-    title = "Angles between effects, degrees"
+    title = "Angles between effects"
     if diagnosis.separability is None:
         return WordTable(title, (), ())
     pairs = diagnosis.separability.pairs
@@ -108,7 +108,8 @@ def _that_matter(diagnosis: Diagnosis, pairs: Sequence[EffectPair]) -> tuple[str
 
 
 def _cell(pair: EffectPair) -> str:
-    return number(pair.angle_deg, 0) + (" *" if pair.distinguishable is False else "")
+    angle = number(pair.angle_deg, 0)
+    return f"{angle}°{' *' if pair.distinguishable is False else ''}" if angle != NONE else NONE
 
 
 def _with_unit(value: float, unit: str) -> str:
