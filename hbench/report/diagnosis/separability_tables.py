@@ -10,9 +10,10 @@ from hbench.report.render.terminal_table import table_lines
 
 MATRIX_TEXT = (
     "Angle of the signatures of two effects in these runs, after the refitted values are projected "
-    "out: 90 is unlike, 0 alike. An asterisk marks a pair that these runs do not distinguish: the "
-    "expected score of the wrong effect is within the margin of an ambiguous set. diagnosis.json "
-    "contains all pairs and the smallest detectable size of every effect."
+    "out: 90° is unlike, 0° alike for some coefficients, of either sign. An asterisk marks a pair "
+    "that these runs do not distinguish: the wrong effect, with coefficients within their limits, "
+    "is expected to score nearly as well. diagnosis.json contains all pairs and the smallest "
+    "detectable size of every effect."
 )
 _LIMITS = {
     "evidence": "residuals",
