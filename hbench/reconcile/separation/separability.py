@@ -104,8 +104,9 @@ class Separation:
         return Separability(sizes, tuple(pairs))
 
     def smallest_sizes(self, keys: Sequence[CoefficientKey]) -> np.ndarray:
-        """Return the sizes (k,), in typical ones, whose gain just exceeds the least threshold.
+        """Return the positive sizes (k,), in typical ones, that just exceed the least threshold.
 
+        A fit with the effect has no loss but its prior's, at most half a nat, which is neglected.
         nan where ``LARGEST`` does not suffice.
         """
         causes = np.array([self._unit(key) for key in keys]).reshape(len(keys), -1)
