@@ -27,7 +27,7 @@ STEADY = {
     "travel": {"start": "60 mm", "end": "330 mm"},
     "acceleration": "1 m/s^2",
     "hold": "0.2 s",
-    "window": "0.8 s",
+    "window": "0.5 s",
 }
 POOR = {  # one direction, one rod-side pressure: the pressures follow the load
     "name": "Extending only",
@@ -48,7 +48,7 @@ RETRACTING = STEADY | {
     "direction": "retract",
     "p_lr": "110 bar",
     "loads": ["-500 N", "-2500 N", "-5000 N"],
-    "velocities": ["30 mm/s", "150 mm/s"],
+    "velocities": ["120 mm/s"],
 }
 MORE = POOR["experiments"][0] | {"label": "more", "loads": ["4000 N"]}
 CANDIDATES = FRICTIONS | {"direction_asymmetry"}

@@ -116,8 +116,8 @@ class ExperimentLibrary:
         return (
             f"next.yaml {which} the {chosen['kind']} runs{label}. With these runs the score of the "
             f"right effect among {' and '.join(undecided.rivals)} is expected to lead by "
-            f"{after.lead:.0f} nats, without them by {before.lead:.0f}; {after.margin:.0f} are "
-            "needed."
+            f"{round(after.lead)} nats, without them by {round(before.lead)}; "
+            f"{round(after.margin)} are needed."
         )
 
 
