@@ -25,16 +25,15 @@ from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.measured.balances import (
-    balance_model,
-    channels_missing,
-    incomplete_reason,
-)
+from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.nuisance import BACKGROUND, standard_deviation
+from hbench.reconcile.nuisance import standard_deviation
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search import CampaignSearch, SearchResult, silent
+from hbench.reconcile.separation.next_experiment import Undecided
+from hbench.reconcile.separation.observable import divided_points, observable_effects
+from hbench.reconcile.separation.separability import Separation, with_remaining_noise
 from hbench.reconcile.verdict import (
     data_shortfalls,
     decide_verdict,
@@ -45,8 +44,6 @@ from hbench.reconcile.verdict import (
 from hbench.records import AddedEffect, Diagnosis, Overlay, Provenance, Run, RunPlan
 from hbench.records.diagnosis import MATERIAL
 
-HELD_OUT = 5  # every fifth operating point is held out from refit and search
-_FIRST_HELD_OUT = 2
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
 _NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
 _ASSUMED = (
@@ -56,10 +53,8 @@ _ASSUMED = (
 _NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
 _STOPPED = "The simulated board stops before the end of the campaign: no gaps of signals."
 
-ProposeExperiment = Callable[
-    [Mapping[str, Hypothesis], Mapping[str, float]], tuple[str, dict[str, Any]] | None
-]
-"""Returns the experiment that distinguishes hypotheses, in words and as a schedule."""
+ProposeExperiment = Callable[[Undecided], tuple[str, dict[str, Any]] | None]
+"""Returns the experiment that separates the effects of a set, in words and as a schedule."""
 
 Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Run, ...] | None]]
 """Simulates one run of each operating point of some plans; None where the board stops."""
@@ -89,10 +84,9 @@ def run_search(
     measured = MeasuredCampaign(
         task.bench, task.plant, task.instruments, sessions(task.runs), task.material
     )
-    points = np.arange(len({point_of(run.plan) for run in task.runs}))
-    held_out = points % HELD_OUT == _FIRST_HELD_OUT
-    search = CampaignSearch(measured, points[~held_out], tuple(names), task.stage)
-    return measured, search.run(), points[held_out]
+    train, held_out = divided_points(len({point_of(run.plan) for run in task.runs}))
+    search = CampaignSearch(measured, train, tuple(names), task.stage)
+    return measured, search.run(), held_out
 
 
 def diagnose(task: ReconcileTask) -> Diagnosis:
@@ -106,7 +100,7 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
         every = tuple((shortfalls | missing).values())
         return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
     task = replace(task, runs=usable)
-    names, not_tried = _observable_effects(task.runs, task.plant)
+    names, not_tried = observable_effects(task.runs, task.plant)
     measured, result, held_out = run_search(task, names)
     return _assembled(
         task, measured, result, held_out, not_tried, tuple(missing.values()), left_out
@@ -141,13 +135,18 @@ def _assembled(
     unexplained = unexplained_gaps(ranked_gaps(balances.maps[2], _allowed(measured, refitted)))
     last = result.steps[-1]
     rivals = {
-        each.candidate.name: each.model.hypothesis
+        each.candidate.name: each.model
         for each in last.evaluated
         if each.candidate in last.ambiguous and each.model
     }
-    scatter = {gap.name: gap.scatter for gap in where}
-    proposal = task.propose(rivals, scatter) if rivals and task.propose else None
+    proposal = None
+    if rivals and task.propose:
+        task.stage("searching for the experiment that separates the effects best")
+        proposal = task.propose(_undecided(result, rivals, train))
     verdict, why = decide_verdict(result, unexplained)
+    best = next(iter(rivals.values()), final)
+    expected = Separation(with_remaining_noise(refitted, best, train), train)
+    tried = tuple(name for name in EFFECTS if name not in not_tried)
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
@@ -175,7 +174,18 @@ def _assembled(
         left_out=left_out,
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
         notes=(*result.notes, *notes, *([] if task.instruments else [_ASSUMED])),
+        separability=expected.separability(tried),
     )
+
+
+def _undecided(
+    result: SearchResult, rivals: Mapping[str, LinearisedModel], train: np.ndarray
+) -> Undecided:
+    """Return the ambiguous set; the best of the ``rivals`` shows what no effect explains."""
+    best = next(iter(rivals.values()))
+    model = with_remaining_noise(result.steps[-1].before, best, train)
+    fitted = {name: model.hypothesis for name, model in rivals.items()}
+    return Undecided(model, train, result.names, fitted)
 
 
 def _uncertain(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
@@ -232,30 +242,6 @@ def _usable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]
         else:
             usable.append(run)
     return tuple(usable), tuple(left_out)
-
-
-def _observable_effects(
-    runs: Sequence[Run], plant: Plant
-) -> tuple[tuple[str, ...], dict[str, str]]:
-    """Return the effects that these channels can show, and why the others are not tried."""
-    observable, not_tried = [], {}
-    for name, row in EFFECTS.items():
-        without = [
-            balance
-            for balance in row.balances
-            if all(channels_missing(run, balance) for run in runs)
-        ]
-        if name in BACKGROUND:
-            not_tried[name] = "every bench has it; it is refitted with the parameters of the model"
-        elif name in plant.effects:
-            not_tried[name] = "the model already contains it; its coefficients are not changed"
-        elif not row.balances:
-            not_tried[name] = "runs of the kind breakaway measure it"
-        elif len(without) == len(row.balances):
-            not_tried[name] = f"no run has the channels of {', '.join(without)}"
-        else:
-            observable.append(name)
-    return tuple(observable), not_tried
 
 
 def _added_effects(

@@ -92,13 +92,47 @@ def maximum_likelihood(
     groups: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the most likely beta (b, chosen) over some ``points``; ``signs`` (b, p) make nulls."""
-    selected, sums = priors.select(chosen), _summed(data, chosen, points, signs, groups)
+    return _most_likely(_summed(data, chosen, points, signs, groups), priors.select(chosen))
+
+
+def _most_likely(sums: "_Sums", priors: Priors) -> np.ndarray:
     noise = np.broadcast_to(sums.noise, (len(sums.mixed), len(sums.noise)))
-    from_noise = _reweighted_fit(sums, selected, noise)
-    centre = np.tile(np.clip(selected.centre, selected.low, selected.high), (len(sums.mixed), 1))
-    from_centre = _reweighted_fit(sums, selected, sums.variance(centre))
-    better = _cost(sums, selected, from_centre) < _cost(sums, selected, from_noise)
+    from_noise = _reweighted_fit(sums, priors, noise)
+    centre = np.tile(np.clip(priors.centre, priors.low, priors.high), (len(sums.mixed), 1))
+    from_centre = _reweighted_fit(sums, priors, sums.variance(centre))
+    better = _cost(sums, priors, from_centre) < _cost(sums, priors, from_noise)
     return np.where(better[:, None], from_centre, from_noise)
+
+
+def expected_loss(
+    data: Products,
+    priors: Priors,
+    chosen: Sequence[int],
+    causes: np.ndarray,
+    points: np.ndarray,
+) -> np.ndarray:
+    """Return the expected loss in ln L (b,) of the best fit of the ``chosen`` columns.
+
+    The differences d are those of ``causes`` (b, q), factors on all columns. The loss is counted
+    from a fit that leaves nothing but the noise; the priors' part is included.
+    """
+    columns = data.summed_columns(points)
+    known = _summed(data, chosen, points, None)
+    sums = replace(
+        known,
+        mixed=np.einsum("bj,gjk->bgk", causes, columns[:, :, list(chosen)], optimize=True),
+        squares=np.einsum("bj,gjk,bk->bg", causes, columns, causes, optimize=True),
+    )
+    selected = priors.select(chosen)
+    fitted = _cost(sums, selected, _most_likely(sums, selected))
+    return fitted - 0.5 * float(np.log(sums.noise) @ sums.points)
+
+
+def information(data: Products, points: np.ndarray) -> np.ndarray:
+    """Return the information (q, q) on all columns: sum n_g / (m_g v_g) c c', v_g that of noise."""
+    sums = _summed(data, (), points, None)
+    weight = sums.points / (sums.windows * sums.noise)
+    return np.tensordot(weight, data.summed_columns(points), axes=1)
 
 
 def cost(data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarray) -> float:

@@ -33,7 +33,7 @@ LAYOUTS: Layouts = {
         **keys("next_experiment", "next_schedule"),
         "gap": {"heldout": "gap_heldout", "train": "gap_train", "runs": "gap_runs"},
         **keys("ranking", "threshold", "refitted", "regions", "heldout_runs", "not_tried"),
-        **keys("missing", "left_out", "notes"),
+        **keys("missing", "left_out", "notes", "separability"),
     },
     Gap: {
         "balance": "name",

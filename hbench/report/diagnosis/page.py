@@ -6,6 +6,7 @@ from dataclasses import replace
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.run_gaps import run_table
+from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 
@@ -82,6 +83,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         (_WHICH,),
         drawings=drawn("ranking"),
         tables=_with_rows(text.ranking_table(diagnosis)),
+        parts=_matrix_part(diagnosis),
     )
     refitted = Section(
         "Refitted values",
@@ -139,6 +141,12 @@ def _answer(diagnosis: Diagnosis) -> Section:
         paragraphs=tuple(filter(None, paragraphs)),
         tables=_with_rows(text.effects_table(diagnosis), text.alternatives_table(diagnosis)),
     )
+
+
+def _matrix_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
+    table = matrix_table(diagnosis)
+    part = Section(table.title, (MATRIX_TEXT,), tables=(replace(table, title=""),))
+    return (part,) if table.rows else ()
 
 
 def _run_part(diagnosis: Diagnosis) -> tuple[Section, ...]:

@@ -228,13 +228,19 @@ def refitted_table(diagnosis: Diagnosis) -> WordTable:
 def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return missing data, effects that were not tried and runs left out, a sentence each."""
     lines = [f"missing for a better verdict: {item}" for item in diagnosis.missing]
-    for reason in dict.fromkeys(diagnosis.not_tried.values()):
-        names = ", ".join(name for name, why in diagnosis.not_tried.items() if why == reason)
-        lines.append(f"not tried ({reason}): {names}")
+    lines += not_tried_lines(diagnosis.not_tried)
     if diagnosis.left_out:
         lines.append(f"runs left out: {len(diagnosis.left_out)}")
         lines += [f"  {line}" for line in diagnosis.left_out]
     return tuple(lines)
+
+
+def not_tried_lines(not_tried: Mapping[str, str]) -> list[str]:
+    """Return a line for each reason for which effects were not tried."""
+    names: dict[str, list[str]] = {}
+    for name, reason in not_tried.items():
+        names.setdefault(reason, []).append(name)
+    return [f"not tried ({reason}): {', '.join(own)}" for reason, own in names.items()]
 
 
 def p_words(value: float) -> str:
