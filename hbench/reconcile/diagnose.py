@@ -33,6 +33,7 @@ from hbench.reconcile.measured.balances import (
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import BACKGROUND, standard_deviation
+from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search import CampaignSearch, SearchResult, silent
 from hbench.reconcile.verdict import (
@@ -148,6 +149,14 @@ def _assembled(
     scatter = {gap.name: gap.scatter for gap in where}
     proposal = task.propose(rivals, scatter) if rivals and task.propose else None
     verdict, why = decide_verdict(result, unexplained)
+    fits = dict.fromkeys(result.names, estimates) | {
+        each.candidate.name: fit_coefficients(
+            task.plant, each.model, (*result.names, each.candidate.name), train
+        )
+        for each in last.evaluated
+        if each.candidate in last.ambiguous and each.model
+    }
+    point, practice = in_practice(measured, final.gap_map, fits)
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
@@ -175,6 +184,8 @@ def _assembled(
         left_out=left_out,
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
         notes=(*result.notes, *notes, *([] if task.instruments else [_ASSUMED])),
+        working_point=point,
+        practice=practice,
     )
 
 

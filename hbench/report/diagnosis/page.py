@@ -5,7 +5,9 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import text as text
+from hbench.report.diagnosis.change_words import changes_table, lookalikes_table
 from hbench.report.diagnosis.run_gaps import run_table
+from hbench.report.diagnosis.summary import summary
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 
@@ -14,7 +16,14 @@ _SENSOR = (
     "An effect of a sensor is an error of the measurement, not of the bench. Correct the "
     "instrument rather than the model."
 )
-_REFITTED = "Refitted: the model with its poorly known values fitted and no effect added."
+_CHANGES = (
+    "What the effects change: each balance evaluated with the effect and without it, all else in the "
+    "model alike. At the working point: in steady motion at the medians of the runs, with the 95 % "
+    "interval that the coefficients' covariance gives. Along the logs: at each window of the measured "
+    "motion. Flows are into a chamber; friction is against the motion; a change of speed holds at the "
+    "same commands and pressures, one of pressure at the same speed and load."
+)
+_REFITTED_STAGE = "Refitted: the model with its poorly known values fitted and no effect added."
 _CLOSED = (
     "The balances decide; the same schedule, simulated in closed loop, confirms. Small errors of "
     "all values add up in the closed loop."
@@ -65,7 +74,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     )
     gap = Section(
         "The gap before and after" if diagnosis.effects else "The gap",
-        (*closed, _REFITTED, f"Held-out runs: {held}."),
+        (text.gap_line(diagnosis), *closed, _REFITTED_STAGE, f"Held-out runs: {held}."),
         drawings=drawn("gap"),
         tables=text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs"),
         parts=_run_part(diagnosis),
@@ -89,6 +98,21 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         drawings=drawn("refitted"),
         tables=_with_rows(text.refitted_table(diagnosis)),
     )
+    effects = Section(
+        "The effects" if diagnosis.effects else "The candidates that remain",
+        (
+            diagnosis.why,
+            *text.effect_lines(diagnosis),
+            _CHANGES if diagnosis.practice else "",
+            _SENSOR if any(effect.of_sensor for effect in diagnosis.effects) else "",
+        ),
+        tables=_with_rows(
+            text.effects_table(diagnosis),
+            text.alternatives_table(diagnosis),
+            changes_table(diagnosis),
+            lookalikes_table(diagnosis),
+        ),
+    )
     missing = Section(
         "Missing data and runs left out", items=(*text.caveats(diagnosis), *diagnosis.notes)
     )
@@ -96,8 +120,11 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Gaps of the runs that the model was fitted to",
         tables=text.gap_tables(diagnosis, diagnosis.gap_train, "training runs"),
     )
-    evidence = (shape, where, gap) if diagnosis.verdict == "unknown" else (gap, where, shape)
-    sections = (_answer(diagnosis), *evidence, overlay, which, refitted, missing, train)
+    if diagnosis.verdict == "unknown":
+        evidence = (shape, where, gap, overlay, effects)
+    else:
+        evidence = (gap, overlay, effects, where, shape)
+    sections = (_answer(diagnosis), *evidence, which, refitted, missing, train)
     return document(
         f"{diagnosis.model} against {provenance.name}",
         f"Campaign {provenance.name}, {provenance.source}, {provenance.started}; "
@@ -124,21 +151,9 @@ def _verdict(diagnosis: Diagnosis) -> str:
 
 
 def _answer(diagnosis: Diagnosis) -> Section:
-    """Return the first section: the reason, the effects with their numbers, the next experiment."""
-    next_ = f"Next experiment: {diagnosis.next_experiment}" if diagnosis.next_experiment else ""
-    paragraphs = (
-        diagnosis.why,
-        text.gap_line(diagnosis),
-        *text.effect_lines(diagnosis),
-        _SENSOR if any(effect.of_sensor for effect in diagnosis.effects) else "",
-        next_,
-        _NEXT_FILE if diagnosis.next_schedule else "",
-        _FILES,
-    )
-    return Section(
-        paragraphs=tuple(filter(None, paragraphs)),
-        tables=_with_rows(text.effects_table(diagnosis), text.alternatives_table(diagnosis)),
-    )
+    """Return the first section: the engineer's paragraph, and the files beside the page."""
+    files = f"{_NEXT_FILE} {_FILES}" if diagnosis.next_schedule else _FILES
+    return Section(paragraphs=(summary(diagnosis), files))
 
 
 def _run_part(diagnosis: Diagnosis) -> tuple[Section, ...]:

@@ -1,0 +1,133 @@
+"""Changes that an effect makes, in words and as a table."""
+
+from collections.abc import Sequence
+
+from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, WordTable
+from hbench.report.diagnosis.names import BALANCE_NAMES, balance, parameter_text, quantity
+from hbench.report.render.numbers import significant
+
+_FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
+_READINGS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
+_GROUPS: tuple[tuple[str, ...], ...] = (
+    _READINGS,
+    _FLOWS,
+    ("speed",),
+    ("force_test", "force_load"),
+    ("pressure",),
+    ("supply",),
+    ("kinematics",),
+)
+_LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
+_CYLINDERS = {"force_test": "test cylinder", "force_load": "load cylinder"}
+
+
+def changes_table(diagnosis: Diagnosis) -> WordTable:
+    """Return what each effect changes, at the working point and along the logs."""
+    rows = tuple(
+        (
+            "" if i else effect.name,
+            quantity(change.quantity),
+            _interval(change),
+            f"{significant(change.along, 2)} {change.unit}",
+            f"{significant(change.largest, 2)} {change.unit}",
+        )
+        for effect in diagnosis.practice
+        for i, change in enumerate(effect.changes)
+    )
+    head = ("effect", "quantity", "at the working point", "along the logs (rms)", "up to (95 %)")
+    return WordTable("What the effects change", head, rows)
+
+
+def lookalikes_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the effects that look like those found, with the runs that separate them."""
+    rows = tuple(
+        ("" if i else effect.name, other, why)
+        for effect in diagnosis.practice
+        for i, (other, why) in enumerate(effect.lookalikes.items())
+    )
+    return WordTable("What looks alike", ("effect", "confused with", "run that separates"), rows)
+
+
+def main_changes(effect: EffectInPractice) -> list[Change]:
+    """Return the changes at the working point: the largest of each group."""
+    chosen = []
+    for names in _GROUPS:
+        group = [change for change in effect.changes if change.quantity in names]
+        group = [c for c in group if abs(c.at_point) > _LEAST * max(c.largest, c.along)]
+        if group:
+            chosen.append(max(group, key=lambda change: abs(change.at_point)))
+    return chosen
+
+
+def phrase(change: Change, direction: str) -> str:
+    """Return a change at the working point as a clause."""
+    more = change.at_point > 0
+    size = _size(change)
+    fed = "P_Tp" if direction == "extend" else "P_Tr"
+    name = change.quantity
+    if name in _READINGS:
+        reads = "the load cell" if name == "f_applied" else f"the transducer of {_symbol(name)}"
+        return f"{reads} shows {size} too {'much' if more else 'little'}"
+    if name in _FLOWS:
+        return f"{size} {'more' if more else 'less'} oil enters chamber {balance(name).title[-2:]}"
+    phrases = {
+        "speed": f"the piston is {size} {'faster' if more else 'slower'} at the same commands",
+        "pressure": f"{fed} is {size} {'higher' if more else 'lower'} at the same speed and load",
+        "supply": f"the supply pressure is {size} {'higher' if more else 'lower'}",
+        "kinematics": f"the logged velocity is {size} {'higher' if more else 'lower'}",
+    }
+    if name in _CYLINDERS:
+        return f"the friction of the {_CYLINDERS[name]} is {size} {'higher' if more else 'lower'}"
+    return phrases.get(name, f"{name} changes by {size}")
+
+
+def _interval(change: Change) -> str:
+    text = parameter_text(FitParameter(change.at_point, None, change.ci95, None, change.unit))
+    return text.removesuffix(" (not determined)")
+
+
+def _size(change: Change) -> str:
+    """Return a change at the working point with its interval, without its sign."""
+    value, ends = abs(change.at_point), change.ci95
+    if ends is not None and change.at_point < 0:
+        ends = -ends[1], -ends[0]
+    text = parameter_text(FitParameter(value, None, ends, None, change.unit))
+    return text.removesuffix(" (not determined)")
+
+
+def _object(change: Change) -> str:
+    """Return a quantity as the object of a sentence."""
+    name = change.quantity
+    if name in _CYLINDERS:
+        return f"the friction of the {_CYLINDERS[name]}"
+    if name in BALANCE_NAMES:
+        return f"the {balance(name).title}"
+    return {"speed": "the speed", "pressure": "the pressure"}.get(name, f"the {quantity(name)}")
+
+
+def along_words(effect: EffectInPractice) -> str:
+    """Return what an effect changes over all measured motion, as objects of a sentence."""
+    known = [change for change in effect.changes if change.largest > 0]
+    groups = (
+        [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
+    )
+    chosen = [max(group, key=lambda change: change.along) for group in groups if group]
+    return listed(
+        [
+            f"{_object(change)} by {significant(change.along, 2)} {change.unit} (root mean square; "
+            f"up to {significant(change.largest, 2)} {change.unit})"
+            for change in chosen
+        ]
+    )
+
+
+def listed(parts: Sequence[str]) -> str:
+    """Return parts of a sentence with commas and "and"."""
+    if len(parts) < 2:
+        return "".join(parts)
+    return f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+def _symbol(channel: str) -> str:
+    head, index = channel.split("_")
+    return f"{head.upper()}_{index.capitalize()}"
