@@ -125,9 +125,12 @@ class AddedEffect:
 
 @dataclass(frozen=True)
 class WorkingPoint:
-    """Working point of a campaign: medians over windows of steady motion in one direction."""
+    """Working point of a campaign: medians over the steady windows of one operating point.
 
-    direction: str  # with the most of these windows
+    It is the one nearest to the medians of speed, load and pressures of all runs in ``direction``.
+    """
+
+    direction: str  # in which most windows are
     windows: int
     v_m_s: FloatOrNan  # signed
     x_m: FloatOrNan

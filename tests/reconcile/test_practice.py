@@ -79,16 +79,35 @@ def practice(campaign, windows, name, keys):
     return point, effect, {one.quantity: one for one in effect.changes}
 
 
-def test_the_working_point_is_the_median_of_steady_windows_in_one_direction(campaign, windows):
+def test_the_working_point_is_a_measured_one_near_the_medians_of_all(campaign, windows):
+    """Its signals are medians of its own steady windows, in the direction with the most of them."""
     (log,), point = campaign.logs, working_point(campaign.logs, windows)
-    chosen = (window_motions(windows) == 1) & (np.abs(windows.v_m_s) > 2e-3)
-    ways = [chosen & (windows.v_m_s > 0), chosen & (windows.v_m_s < 0)]
+    steady = (window_motions(windows) == 1) & (np.abs(windows.v_m_s) > 2e-3)
+    ways = [steady & (windows.v_m_s > 0), steady & (windows.v_m_s < 0)]
     most = max(ways, key=np.sum)
-    assert point.windows == most.sum() > 0
     assert point.direction == ("extend" if most is ways[0] else "retract")
-    assert point.v_m_s == np.median(windows.v_m_s[most])
+    speeds = {
+        each: np.median(windows.v_m_s[most & (windows.point == each)])
+        for each in np.unique(windows.point[most])
+    }
+    (own,) = [each for each, speed in speeds.items() if speed == point.v_m_s]
+    assert min(speeds.values()) < point.v_m_s < max(speeds.values())
+    chosen = most & (windows.point == own)
+    assert point.windows == chosen.sum() > 0
     for field in ("p_tp_pa", "f_applied_n", "u_t_v"):
-        assert getattr(point, field) == np.median(log.mean(log.channels[field])[most])
+        assert getattr(point, field) == np.median(log.mean(log.channels[field])[chosen])
+    flow = windows.difference[:, windows.names.index("flow_tp")]
+    assert point.residuals["flow_tp"] == np.median(flow[chosen])
+
+
+def test_the_signals_of_a_working_point_fit_together(campaign, windows):
+    """F_T less the load of its medians is the median of that force, within 20 N."""
+    (log,), point = campaign.logs, working_point(campaign.logs, windows)
+    c = log.channels
+    lost = log.mean(c["p_tp_pa"] * A_P - c["p_tr_pa"] * A_R - c["f_applied_n"])
+    near = np.isclose(log.mean(c["p_tp_pa"]), point.p_tp_pa, rtol=0.05) & (windows.v_m_s > 0.05)
+    here = point.p_tp_pa * A_P - point.p_tr_pa * A_R - point.f_applied_n
+    assert near.any() and here == pytest.approx(np.median(lost[near]), abs=20)
 
 
 def test_a_leak_is_its_conductance_times_the_difference_of_pressures(campaign, windows):

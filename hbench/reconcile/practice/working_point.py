@@ -18,6 +18,7 @@ READINGS = {  # sensors of a working point: field of ``Run`` by channel
     **dict(zip(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), PRESSURES, strict=True)),
     "f_applied": "f_applied_n",
 }
+_PLACE = ("f_applied_n", "p_tp_pa", "p_tr_pa")  # with the speed, where the bench works
 _RECORD_S = 1e6  # longer than any lag of an effect: its states are at equilibrium
 _RECORDS = 3  # states with nonlinear rates take more than one step
 
@@ -32,9 +33,12 @@ def window_means(logs: Sequence[Session], field: str) -> np.ndarray:
 
 
 def working_point(logs: Sequence[Session], windows: GapMap) -> WorkingPoint | None:
-    """Return the medians over the steady windows of one direction, that with the most of them.
+    """Return the operating point nearest to the medians of the steady windows in one direction.
 
-    Where no window is steady, all windows in motion count. None where the piston never moves.
+    The direction is that with the most steady windows; where none is steady, all windows in motion
+    count. Medians of all runs are of different runs and need not be at balance, so the measured
+    operating point that is nearest to them is taken, in units of their quartiles, and its own
+    medians. None where the piston never moves.
     """
     v = windows.v_m_s
     steady = window_motions(windows) == MOTIONS.index("steady")
@@ -44,23 +48,38 @@ def working_point(logs: Sequence[Session], windows: GapMap) -> WorkingPoint | No
         return None
     extends = np.sum(chosen & (v > 0)) >= np.sum(chosen & (v < 0))
     chosen &= (v > 0) == extends
-
-    def median(values: np.ndarray) -> float:
-        known = values[chosen & np.isfinite(values)]
-        return float(np.median(known)) if len(known) else float("nan")
-
     fields = (*READINGS.values(), *COMMANDS)
+    means = {field: window_means(logs, field) for field in fields}
+    nearest = _nearest_point(windows.point, [v, *(means[f] for f in _PLACE)], chosen)
+    own = chosen & (windows.point == nearest)
     return WorkingPoint(
         direction="extend" if extends else "retract",
-        windows=int(chosen.sum()),
-        v_m_s=median(v),
-        x_m=median(windows.x_m),
+        windows=int(own.sum()),
+        v_m_s=_median(v[own]),
+        x_m=_median(windows.x_m[own]),
         residuals={
-            name: median(residual)
+            name: _median(residual[own])
             for name, residual in zip(windows.names, windows.difference.T, strict=True)
         },
-        **{field: median(window_means(logs, field)) for field in fields},
+        **{field: _median(values[own]) for field, values in means.items()},
     )
+
+
+def _nearest_point(point: np.ndarray, signals: Sequence[np.ndarray], chosen: np.ndarray) -> int:
+    """Return the operating point whose medians are nearest to those of all chosen windows."""
+    points = np.unique(point[chosen])
+    distance = np.zeros(len(points))
+    for signal in signals:
+        low, middle, high = np.nanquantile(signal[chosen], (0.25, 0.5, 0.75))
+        if high > low:
+            own = [_median(signal[chosen & (point == each)]) for each in points]
+            distance += np.nan_to_num((np.array(own) - middle) / (high - low)) ** 2
+    return int(points[np.argmin(distance)])
+
+
+def _median(values: np.ndarray) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else float("nan")
 
 
 def true_value(reading: np.ndarray | float, channel: str, model: BalanceModel) -> np.ndarray:

@@ -17,11 +17,12 @@ _SENSOR = (
     "instrument rather than the model."
 )
 _CHANGES = (
-    "What the effects change: each balance evaluated with the effect and without it, all else in the "
-    "model alike. At the working point: in steady motion at the medians of the runs, with the 95 % "
-    "interval that the coefficients' covariance gives. Along the logs: at each window of the measured "
-    "motion. Flows are into a chamber; friction is against the motion; a change of speed holds at the "
-    "same commands and pressures, one of pressure at the same speed and load."
+    "What the effects change: each balance is evaluated with the effect and without it, all else in"
+    " the model being the same. The working point is the measured operating point nearest to the "
+    "median speed, load and pressures. Its motion is steady; the 95 % interval is that of the "
+    "effect's coefficients. Along the logs: at all windows of the measured motion. Flows are into a"
+    " chamber, friction is against the motion. The speed changes so at the same commands and "
+    "pressures, the pressure of the fed chamber at the same speed and load."
 )
 _REFITTED_STAGE = "Refitted: the model with its poorly known values fitted and no effect added."
 _CLOSED = (

@@ -180,10 +180,7 @@ def _where(point: WorkingPoint | None) -> str:
         parts[0] += f" under {short(point.f_applied_n)} N"
     pressures = {"P_Tp": point.p_tp_pa, "P_Tr": point.p_tr_pa, "P_S": point.p_s_pa}
     parts += [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
-    return (
-        f"At the working point of these runs ({', '.join(parts)}; medians of {point.windows} "
-        "windows)"
-    )
+    return f"At the working point of these runs ({', '.join(parts)})"
 
 
 def _at_point(point: WorkingPoint | None, effect: EffectInPractice, *, brief: bool = False) -> str:
