@@ -68,14 +68,6 @@ GAIN_NOTE = (
     "load_cell_gain represents any gain error between pressure and force: load cell, pressure "
     "transducer, or piston area of the model. Steady strokes show the same with each."
 )
-DISTINGUISHING_TESTS = {
-    "load_cell_gain": "known weights on the load cell, and the piston's bore measured",
-    "load_cell_offset": "the load cell's zero without load",
-    "pressure_offset": "the pressure transducer's zero in open air",
-    "direction_asymmetry": "the same strokes with the cylinder turned around, or other seals in it",
-    "load_friction": "the same strokes with another seal in this cylinder",
-    "seal_pressure_friction": "the same strokes with another seal in this cylinder",
-}
 
 
 @dataclass(frozen=True)
@@ -222,11 +214,8 @@ def _decide_verdict(result: StrokeSearchResult, unexplained: Sequence[Gap]) -> t
 
 
 def _next_experiment(alternatives: Sequence[Candidate]) -> str | None:
-    tests = dict.fromkeys(
-        DISTINGUISHING_TESTS[candidate.name]
-        for candidate in alternatives
-        if candidate.name in DISTINGUISHING_TESTS
-    )
+    inspect = (EFFECTS[candidate.name].inspect for candidate in alternatives)
+    tests = dict.fromkeys(filter(None, inspect))
     return f"Tests that distinguish them: {'; '.join(tests)}." if tests else None
 
 

@@ -55,7 +55,7 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
         group = [change for change in effect.changes if change.quantity in names]
         group = [c for c in group if abs(c.at_point) > _LEAST * max(c.largest, c.along)]
         if group:
-            chosen.append(max(group, key=lambda change: abs(change.at_point)))
+            chosen.append(max(group, key=lambda change: _rounded(change.at_point)))
     return chosen
 
 
@@ -111,7 +111,7 @@ def along_words(effect: EffectInPractice) -> str:
     groups = (
         [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
     )
-    chosen = [max(group, key=lambda change: change.along) for group in groups if group]
+    chosen = [max(group, key=lambda change: _rounded(change.along)) for group in groups if group]
     return listed(
         [
             f"{_object(change)} by {significant(change.along, 2)} {change.unit} (root mean square; "
@@ -119,6 +119,11 @@ def along_words(effect: EffectInPractice) -> str:
             for change in chosen
         ]
     )
+
+
+def _rounded(value: float) -> float:
+    """Return a magnitude for comparison: what one chamber loses to another is equal in both."""
+    return float(f"{abs(value):.2g}")
 
 
 def listed(parts: Sequence[str]) -> str:

@@ -77,8 +77,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "The gap before and after" if diagnosis.effects else "The gap",
         (text.gap_line(diagnosis), *closed, _REFITTED_STAGE, f"Held-out runs: {held}."),
         drawings=drawn("gap"),
-        tables=text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs"),
-        parts=_run_part(diagnosis),
+        parts=(*_table_part(diagnosis), *_run_part(diagnosis)),
     )
     where = Section(
         "Where",
@@ -157,6 +156,12 @@ def _answer(diagnosis: Diagnosis) -> Section:
     return Section(paragraphs=(summary(diagnosis), files))
 
 
+def _table_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
+    tables = text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+    part = Section("Gap of held-out runs in numbers", tables=tables, folded=True)
+    return (part,) if tables else ()
+
+
 def _run_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
     table = run_table(diagnosis, _MOST_RUNS)
     part = Section(table.title, (_RUNS,), tables=(replace(table, title=""),), folded=True)
@@ -168,4 +173,4 @@ def _with_rows(*tables: WordTable) -> tuple[WordTable, ...]:
 
 
 def _holds_something(section: Section) -> bool:
-    return bool(section.items or section.drawings or section.tables)
+    return bool(section.items or section.drawings or section.tables or section.parts)
