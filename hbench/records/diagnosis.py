@@ -160,7 +160,7 @@ class Change:
     at_point: FloatOrNan  # at the working point, in steady motion
     ci95: tuple[float, float] | None  # by the uncertainty of the effect's coefficients
     along: FloatOrNan  # root mean square over the measured windows in motion
-    largest: FloatOrNan  # magnitude that 5 % of all measured windows exceed
+    largest: FloatOrNan  # magnitude that 5 % of these windows exceed
 
 
 @dataclass(frozen=True)

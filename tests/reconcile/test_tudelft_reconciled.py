@@ -10,6 +10,7 @@ from hbench import workflow
 from hbench.config.files.loading import read_yaml
 from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.store.campaign.folder import load_campaign

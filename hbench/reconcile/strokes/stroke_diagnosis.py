@@ -33,6 +33,7 @@ from hbench.reconcile.strokes.leave_one_out import (
     with_floor,
 )
 from hbench.reconcile.strokes.series import MeasuredStrokes, StrokePair, stroke_pairs
+from hbench.reconcile.strokes.stroke_practice import strokes_in_practice
 from hbench.reconcile.strokes.stroke_search import (
     OF_THE_SEAL,
     SeriesSearch,
@@ -158,6 +159,11 @@ def _assembled(
     held_out = gap_table(by_load)
     points = frozenset(start.gap_map.points)
     indices = np.arange(len(points))
+    fits = dict.fromkeys(names, estimates)
+    for candidate in alternatives:
+        joined = (*names, candidate.name)
+        fits[candidate.name] = search.estimates(search.refit(start, joined), joined)
+    point, practice = strokes_in_practice(strokes, result.final.hypothesis, fits)
     train = gap_table([gaps_at(search, start, names, indices)], gap_floor(strokes, estimates))
     return Diagnosis(
         provenance=task.provenance,
@@ -186,6 +192,8 @@ def _assembled(
         left_out=left_out,
         revised=revised(task.plant_data, factors, estimates.hypothesis(estimates.beta)),
         notes=tuple(_notes(labels, search, start, result, by_load)),
+        working_point=point,
+        practice=practice,
     )
 
 

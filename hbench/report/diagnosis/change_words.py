@@ -16,6 +16,8 @@ _GROUPS: tuple[tuple[str, ...], ...] = (
     ("pressure",),
     ("supply",),
     ("kinematics",),
+    ("force_band",),
+    ("force_middle",),
 )
 _LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
 _CYLINDERS = {"force_test": "test cylinder", "force_load": "load cylinder"}
@@ -74,6 +76,8 @@ def phrase(change: Change, direction: str) -> str:
         "speed": f"the piston is {size} {'faster' if more else 'slower'} at the same commands",
         "pressure": f"{fed} is {size} {'higher' if more else 'lower'} at the same speed and load",
         "supply": f"the supply pressure is {size} {'higher' if more else 'lower'}",
+        "force_band": f"friction is {size} {'higher' if more else 'lower'} in both directions",
+        "force_middle": f"the force of both directions is {size} off",
         "kinematics": f"the logged velocity is {size} {'higher' if more else 'lower'}",
     }
     if name in _CYLINDERS:
