@@ -16,8 +16,7 @@ _GROUPS: tuple[tuple[str, ...], ...] = (
     ("pressure",),
     ("supply",),
     ("kinematics",),
-    ("force_band",),
-    ("force_middle",),
+    ("force_band", "force_middle"),
 )
 _LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
 _CYLINDERS = {"force_test": "test cylinder", "force_load": "load cylinder"}
@@ -63,26 +62,25 @@ def main_changes(effect: EffectInPractice) -> list[Change]:
 
 def phrase(change: Change, direction: str) -> str:
     """Return a change at the working point as a clause."""
-    more = change.at_point > 0
-    size = _size(change)
-    fed = "P_Tp" if direction == "extend" else "P_Tr"
-    name = change.quantity
+    more, size, name = change.at_point > 0, _size(change), change.quantity
+    way = "higher" if more else "lower"
     if name in _READINGS:
-        reads = "the load cell" if name == "f_applied" else f"the transducer of {_symbol(name)}"
-        return f"{reads} shows {size} too {'much' if more else 'little'}"
+        sensor = "the load cell" if name == "f_applied" else f"the transducer of {_symbol(name)}"
+        return f"{sensor} shows {size} too {'much' if more else 'little'}"
     if name in _FLOWS:
-        return f"{size} {'more' if more else 'less'} oil enters chamber {balance(name).title[-2:]}"
+        return f"{size} {'more' if more else 'less'} oil enters chamber {name[-2:].capitalize()}"
+    if name in _CYLINDERS:
+        return f"the friction of the {_CYLINDERS[name]} is {size} {way}"
+    fed = "P_Tp" if direction == "extend" else "P_Tr"
     phrases = {
         "speed": f"the piston is {size} {'faster' if more else 'slower'} at the same commands",
-        "pressure": f"{fed} is {size} {'higher' if more else 'lower'} at the same speed and load",
-        "supply": f"the supply pressure is {size} {'higher' if more else 'lower'}",
-        "force_band": f"friction is {size} {'higher' if more else 'lower'} in both directions",
-        "force_middle": f"the force of both directions is {size} off",
-        "kinematics": f"the logged velocity is {size} {'higher' if more else 'lower'}",
+        "pressure": f"{fed} is {size} {way} at the same speed and load",
+        "supply": f"the supply pressure is {size} {way}",
+        "force_band": f"friction is {size} {way} in both directions",
+        "force_middle": f"the force against extension is {size} {way} in both directions",
+        "kinematics": f"the logged velocity is {size} {way}",
     }
-    if name in _CYLINDERS:
-        return f"the friction of the {_CYLINDERS[name]} is {size} {'higher' if more else 'lower'}"
-    return phrases.get(name, f"{name} changes by {size}")
+    return phrases.get(name, f"{name} is {size} {way}")
 
 
 def _interval(change: Change) -> str:

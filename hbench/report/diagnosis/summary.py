@@ -28,12 +28,19 @@ _WAYS = {"extend": "extending", "retract": "retracting"}
 
 def summary(diagnosis: Diagnosis) -> str:
     """Return the paragraph of the page."""
-    return " ".join(filter(None, _sentences(diagnosis)))
+    return _paragraph(diagnosis, _sentences(diagnosis))
 
 
 def short_summary(diagnosis: Diagnosis) -> str:
     """Return the paragraph of the terminal, which follows the verdict's sentence."""
-    return " ".join(filter(None, _short_sentences(diagnosis)))
+    return _paragraph(diagnosis, _short_sentences(diagnosis))
+
+
+def _paragraph(diagnosis: Diagnosis, sentences: Iterator[str]) -> str:
+    """Join sentences; the working point is described once."""
+    text, where = " ".join(filter(None, sentences)), _where(diagnosis.working_point)
+    before, found, after = text.partition(where)
+    return before + found + after.replace(where, "There")
 
 
 def _sentences(diagnosis: Diagnosis) -> Iterator[str]:
@@ -43,7 +50,7 @@ def _sentences(diagnosis: Diagnosis) -> Iterator[str]:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects or diagnosis.alternatives:
         if diagnosis.rest:
-            yield f"Not explained remains {_deviations(diagnosis.rest)}."
+            yield f"Not explained: {_deviations(diagnosis.rest)}."
     elif diagnosis.verdict == "unknown":
         yield from _unknown(diagnosis) if diagnosis.where else _insufficient(diagnosis)
     else:
@@ -129,15 +136,17 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
                 why = practice[name].lookalikes.get(other, "") if name in practice else ""
                 if why:
                     yield f"A run separates {_words(name)} and {_words(other)}: {why}."
+    told = diagnosis.next_experiment or ""
     inspect = [practice[name].inspect for name in names if name in practice]
-    if any(inspect):
-        yield f"At the bench, inspect {'; or '.join(filter(None, inspect))}."
+    inspect = [each for each in inspect if each and each not in told]
+    if inspect:
+        yield f"At the bench, inspect {'; or '.join(inspect)}."
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     gaps = diagnosis.rest or diagnosis.where[:1]
     yield (
-        "Something is missing in the model that no effect of the catalogue explains: "
+        "The model does not contain something that no effect of the catalogue explains: "
         f"{_deviations(gaps)}."
     )
     yield _residuals(diagnosis, [gap.name for gap in gaps])
@@ -244,18 +253,20 @@ def _best_candidate(diagnosis: Diagnosis) -> str:
     best = diagnosis.ranking[0]
     return (
         f"The best of {len(diagnosis.ranking)} effects, {_words(best.name)}, explains "
-        f"{share(best.explained)} of the gap (score {number(best.score + 0.0, 1)} nats; "
-        f"{number(best.threshold, 1)} are needed)."
+        f"{share(best.explained)} of the gap; its score is {number(best.score + 0.0, 1)} nats "
+        f"({number(best.threshold, 1)} needed), its size {significant(best.size, 2)} times a "
+        "typical one."
     )
 
 
 def _agreement(diagnosis: Diagnosis) -> str:
-    total = diagnosis.gap_heldout.total.refitted
-    if not isfinite(total):
+    total = diagnosis.gap_heldout.total
+    if not isfinite(total.refitted):
         return ""
     return (
-        f"The gap of {len(diagnosis.heldout_runs)} held-out runs is {number(total, 2)} with the "
-        "refitted model, where 1 is the repeatability of the bench."
+        f"The gap of {len(diagnosis.heldout_runs)} held-out runs is {number(total.refitted, 2)} "
+        "with the refitted model, where 1 is the repeatability of the bench and "
+        f"{number(total.floor, 2)} that of a correct model with parameters as uncertain."
     )
 
 
@@ -266,9 +277,9 @@ def _deviations(gaps: Sequence[Gap]) -> str:
         size = f"{number(gap.gap, 1)} trial scatters"
         if isfinite(gap.deviation):
             size = f"{in_unit(gap, gap.deviation)} ({in_unit(gap, gap.material)} would not matter)"
-        parts.append(f"{size} in the {balance(gap.name).title}")
-    more = f" and in {len(gaps) - _FEW} more balances" if len(gaps) > _FEW else ""
-    return f"{listed(parts)}{more}"
+        parts.append(f"{balance(gap.name).title}, {size}")
+    more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
+    return f"{'; '.join(parts)}{more}"
 
 
 def _residuals(diagnosis: Diagnosis, names: Sequence[str]) -> str:
@@ -281,7 +292,7 @@ def _residuals(diagnosis: Diagnosis, names: Sequence[str]) -> str:
     for name in known[:_FEW]:
         display = balance(name)
         value = significant(shown(point.residuals[name], display), 2)
-        parts.append(f"{value} {display.unit} in the {display.title}")
+        parts.append(f"{value} {display.unit} ({display.title})")
     return f"{_where(point)} the revised model is off by {listed(parts)}." if parts else ""
 
 
