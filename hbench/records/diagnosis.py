@@ -164,6 +164,15 @@ class Change:
 
 
 @dataclass(frozen=True)
+class Lookalike:
+    """Effect that another one is confused with, and the run that separates the two."""
+
+    name: str
+    kind: str  # of experiment
+    why: str
+
+
+@dataclass(frozen=True)
 class EffectInPractice:
     """What an effect changes at the bench, and what to do about it."""
 
@@ -171,7 +180,7 @@ class EffectInPractice:
     changes: tuple[Change, ...]
     inspect: str  # what confirms it: a noun phrase
     repair: str  # a sentence
-    lookalikes: dict[str, str]  # effects that it is confused with: run that separates them, and why
+    lookalikes: tuple[Lookalike, ...]
 
 
 @dataclass(frozen=True)

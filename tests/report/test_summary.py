@@ -15,6 +15,7 @@ from hbench.records import (
     FitParameter,
     Gap,
     GapTable,
+    Lookalike,
     Provenance,
     Region,
     Rival,
@@ -40,7 +41,7 @@ LEAK = EffectInPractice(
     ),
     "the piston seal",
     "Replace it.",
-    {"external_leakage": "hold: pressures meet, or each falls to zero"},
+    (Lookalike("external_leakage", "hold", "pressures meet, or each falls to zero"),),
 )
 CELL = EffectInPractice(
     "load_cell_gain",
@@ -50,7 +51,7 @@ CELL = EffectInPractice(
     ),
     "known weights",
     "Calibrate it.",
-    {},
+    (),
 )
 
 
@@ -147,7 +148,7 @@ def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
 def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared):
     first = Candidate("internal_leakage", 30.0, 0.9, 1.0, {}, "full", 5.0)
     second = replace(first, name="external_leakage", score=29.0)
-    other = replace(LEAK, name="external_leakage", inspect="the rod seal", lookalikes={})
+    other = replace(LEAK, name="external_leakage", inspect="the rod seal", lookalikes=())
     both = replace(
         compared, verdict="ambiguous", rest=(), alternatives=(first, second), practice=(LEAK, other)
     )
@@ -155,7 +156,7 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
     assert text.startswith("The model does not contain internal leakage or external leakage; ")
     assert text.count("would mean that 0.180 ± 0.010 l/min less oil enters chamber Tp") == 2
     assert "over external leakage by odds of 2.7 to 1: too little to decide." in text
-    assert "separates internal leakage and external leakage: hold: pressures meet" in text
+    assert "kind hold separate internal leakage and external leakage: pressures meet" in text
     assert "inspect the piston seal; or the rod seal." in text
     planned = replace(both, next_experiment="Measure the hold runs of next.yaml.")
     assert "Measure the hold runs of next.yaml." in summary(planned)
@@ -224,5 +225,5 @@ def test_tables_have_every_change_with_its_unit_and_every_look_alike(named):
     assert rows[0][2:] == ("−0.180 ± 0.010 l/min", "0.21 l/min", "0.35 l/min")
     assert [row[0] for row in rows[1:]] == [""] * 3
     assert lookalikes_table(named).rows == (
-        ("internal_leakage", "external_leakage", LEAK.lookalikes["external_leakage"]),
+        ("internal_leakage", "external_leakage", "hold", LEAK.lookalikes[0].why),
     )

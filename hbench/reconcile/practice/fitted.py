@@ -12,7 +12,7 @@ from hbench.reconcile.estimates import ParameterEstimates, whole_dof
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.nuisance import nuisances
 from hbench.reconcile.steps import stepped
-from hbench.records import Change, EffectInPractice
+from hbench.records import Change, EffectInPractice, Lookalike
 
 _LARGEST = 0.95  # quantile of the magnitudes that counts as the largest
 _STEP = 0.05  # of a typical size, for derivatives by the coefficients
@@ -80,8 +80,8 @@ def effect_in_practice(name: str, changes: tuple[Change, ...]) -> EffectInPracti
         changes=tuple(each for each in changes if each.largest > 0 or each.at_point),
         inspect=row.inspect,
         repair=row.repair,
-        lookalikes={
-            other: f"{separation.kind}: {separation.why}"
+        lookalikes=tuple(
+            Lookalike(other, separation.kind, separation.why)
             for other, separation in lookalikes(name).items()
-        },
+        ),
     )

@@ -42,11 +42,12 @@ def changes_table(diagnosis: Diagnosis) -> WordTable:
 def lookalikes_table(diagnosis: Diagnosis) -> WordTable:
     """Return the effects that look like those found, with the runs that separate them."""
     rows = tuple(
-        ("" if i else effect.name, other, why)
+        ("" if i else effect.name, other.name, other.kind, other.why)
         for effect in diagnosis.practice
-        for i, (other, why) in enumerate(effect.lookalikes.items())
+        for i, other in enumerate(effect.lookalikes)
     )
-    return WordTable("What looks alike", ("effect", "confused with", "run that separates"), rows)
+    head = ("effect", "confused with", "run that separates", "why")
+    return WordTable("What looks alike", head, rows)
 
 
 def main_changes(effect: EffectInPractice) -> list[Change]:

@@ -131,11 +131,11 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.next_experiment:
         yield diagnosis.next_experiment
     else:
-        for i, name in enumerate(names):
-            for other in names[i + 1 :]:
-                why = practice[name].lookalikes.get(other, "") if name in practice else ""
-                if why:
-                    yield f"A run separates {_words(name)} and {_words(other)}: {why}."
+        for effect in (practice[name] for name in names if name in practice):
+            for other in effect.lookalikes:
+                if other.name in names[names.index(effect.name) :]:
+                    pair = f"{_words(effect.name)} and {_words(other.name)}"
+                    yield f"Runs of the kind {other.kind} separate {pair}: {other.why}."
     told = diagnosis.next_experiment or ""
     inspect = [practice[name].inspect for name in names if name in practice]
     inspect = [each for each in inspect if each and each not in told]
