@@ -144,7 +144,8 @@ class WorkingPoint:
     u_t_v: FloatOrNan
     u_l1_v: FloatOrNan
     u_l2_v: FloatOrNan
-    residuals: dict[str, FloatOrNan]  # of the revised model, by balance, in the balance's unit
+    # Of the revised model, in SI, by balance; "speed" and "pressure" as of a ``Change``.
+    residuals: dict[str, FloatOrNan]
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,14 @@ def test_the_signals_of_a_working_point_fit_together(campaign, windows):
     assert near.any() and here == pytest.approx(np.median(lost[near]), abs=20)
 
 
+def test_residuals_at_the_working_point_are_also_a_speed_and_a_pressure(campaign, windows):
+    """Of the fed chamber: Q / A, and friction against the motion over A."""
+    point, _, _ = practice(campaign, windows, "internal_leakage", ["test"])
+    assert point.direction == "extend"
+    assert point.residuals["speed"] == pytest.approx(point.residuals["flow_tp"] / A_P)
+    assert point.residuals["pressure"] == pytest.approx(point.residuals["force_test"] / A_P)
+
+
 def test_a_leak_is_its_conductance_times_the_difference_of_pressures(campaign, windows):
     """G (P_Tp - P_Tr) out of Tp and into Tr; the fed chamber's share is speed."""
     point, _, changes = practice(campaign, windows, "internal_leakage", ["test"])

@@ -12,6 +12,7 @@ changes neither, but its own reading, and the friction that is computed from it.
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -57,6 +58,9 @@ def in_practice(
 ) -> tuple[WorkingPoint | None, tuple[EffectInPractice, ...]]:
     """Return the working point, and what each effect changes; ``fits`` are by its name."""
     point = working_point(measured.logs, windows)
+    if point is not None:
+        par = measured.balance_model(measured.start).par
+        point = replace(point, residuals={**point.residuals, **_residual_signals(point, par)})
     effects = tuple(
         effect_in_practice(
             name, _changes(measured, windows, point, fits[name], name) if point else ()
@@ -148,6 +152,14 @@ def _quantities(
     for quantity in UNITS:
         if quantity in si:
             yield quantity, parse_unit(UNITS[quantity]).from_si(si[quantity])
+
+
+def _residual_signals(point: WorkingPoint, par: PlantParameters) -> dict[str, float]:
+    """Return the speed and the pressure that correspond to the residuals at a working point."""
+    v = np.array([point.v_m_s])
+    si = {name: np.array([value]) for name, value in point.residuals.items()}
+    si["force_test"] = np.sign(v) * si["force_test"]
+    return {quantity: float(value[0]) for quantity, value in _solved(si, v, par)}
 
 
 def _solved(

@@ -78,6 +78,11 @@ def balance(name: str) -> DisplayName:
     return BALANCE_NAMES.get(name, DisplayName(name.replace("_", " "), ""))
 
 
+def residual_name(name: str) -> DisplayName:
+    """Return the display name of a residual: of a balance, or of a signal solved for."""
+    return SOLVED_NAMES.get(name) or balance(name)
+
+
 def signal(name: str) -> DisplayName:
     """Return the display name of a signal, by default its key."""
     return SIGNAL_NAMES.get(name, DisplayName(name.replace("_", " "), ""))
