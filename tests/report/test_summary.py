@@ -21,7 +21,7 @@ from hbench.records import (
     Rival,
     WorkingPoint,
 )
-from hbench.report.diagnosis.change_words import changes_table, lookalikes_table
+from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.diagnosis.summary import short_summary, summary
 from hbench.report.diagnosis.text import diagnosis_text
@@ -166,8 +166,9 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     text = summary(compared)
     assert "force, test side, 40 N (12 N would not matter)" in text
     assert ") the revised model is off by 38 N (force, test side)." in text
-    assert "It is largest at: retracting." in text  # all speeds are about alike
+    assert "Its gap is largest at: retracting." in text  # all speeds are about alike
     assert "load friction, explains 80 % of the gap" in text and "27.3 nats (5.0 needed)" in text
+    assert "The gap of 2 held-out runs is 9.50" in text
     assert "No part can be named for inspection." in text
 
 
@@ -210,8 +211,8 @@ def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
             "Internal leakage is an effect of the bench",
             '<h2 id="the-gap-before-and-after">',
             '<h2 id="the-effects">',
-            "What the effects change",
-            "What looks alike",
+            "What internal_leakage changes",
+            "What looks like internal_leakage",
             '<h2 id="where">',
             '<h2 id="which-effect">',
         )
@@ -219,11 +220,15 @@ def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
     assert places == sorted(places)
 
 
+def test_the_page_of_every_verdict_has_the_reason(compared, named):
+    for each in (compared, named, replace(compared, verdict="none", rest=())):
+        assert "Made up." in diagnosis_page(replace(each, why="Made up."), ())
+
+
 def test_tables_have_every_change_with_its_unit_and_every_look_alike(named):
-    rows = changes_table(named).rows
-    assert rows[0][:2] == ("internal_leakage", "oil into chamber Tp")
-    assert rows[0][2:] == ("−0.180 ± 0.010 l/min", "0.21 l/min", "0.35 l/min")
-    assert [row[0] for row in rows[1:]] == [""] * 3
-    assert lookalikes_table(named).rows == (
-        ("internal_leakage", "external_leakage", "hold", LEAK.lookalikes[0].why),
-    )
+    (changes,), (alike,) = changes_tables(named), lookalikes_tables(named)
+    assert changes.title == "What internal_leakage changes" and len(changes.rows) == 4
+    assert changes.rows[0] == (
+        "oil into chamber Tp", "−0.180 ± 0.010 l/min", "0.21 l/min", "0.35 l/min",
+    )  # fmt: skip
+    assert alike.rows == (("external_leakage", "hold", LEAK.lookalikes[0].why),)

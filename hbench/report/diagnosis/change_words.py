@@ -22,32 +22,38 @@ _LEAST = 0.01  # of the largest change along the logs: smaller ones at the point
 _CYLINDERS = {"force_test": "test cylinder", "force_load": "load cylinder"}
 
 
-def changes_table(diagnosis: Diagnosis) -> WordTable:
+def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return what each effect changes, at the working point and along the logs."""
-    rows = tuple(
-        (
-            "" if i else effect.name,
-            quantity(change.quantity),
-            _interval(change),
-            f"{significant(change.along, 2)} {change.unit}",
-            f"{significant(change.largest, 2)} {change.unit}",
+    head = ("quantity", "at the working point", "along the logs (rms)", "up to (95 %)")
+    return tuple(
+        WordTable(
+            f"What {effect.name} changes",
+            head,
+            tuple(
+                (
+                    quantity(change.quantity),
+                    _interval(change),
+                    f"{significant(change.along, 2)} {change.unit}",
+                    f"{significant(change.largest, 2)} {change.unit}",
+                )
+                for change in effect.changes
+            ),
         )
         for effect in diagnosis.practice
-        for i, change in enumerate(effect.changes)
     )
-    head = ("effect", "quantity", "at the working point", "along the logs (rms)", "up to (95 %)")
-    return WordTable("What the effects change", head, rows)
 
 
-def lookalikes_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the effects that look like those found, with the runs that separate them."""
-    rows = tuple(
-        ("" if i else effect.name, other.name, other.kind, other.why)
+def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
+    """Return what each effect is confused with, and the runs that separate the two."""
+    head = ("effect", "runs that separate", "why")
+    return tuple(
+        WordTable(
+            f"What looks like {effect.name}",
+            head,
+            tuple((other.name, other.kind, other.why) for other in effect.lookalikes),
+        )
         for effect in diagnosis.practice
-        for i, other in enumerate(effect.lookalikes)
     )
-    head = ("effect", "confused with", "run that separates", "why")
-    return WordTable("What looks alike", head, rows)
 
 
 def main_changes(effect: EffectInPractice) -> list[Change]:

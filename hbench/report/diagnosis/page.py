@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import text as text
-from hbench.report.diagnosis.change_words import changes_table, lookalikes_table
+from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.summary import summary
 from hbench.report.render.document import Section, document
@@ -17,7 +17,7 @@ _SENSOR = (
     "instrument rather than the model."
 )
 _CHANGES = (
-    "What the effects change: each balance is evaluated with the effect and without it, all else in"
+    "What an effect changes: each balance is evaluated with the effect and without it, all else in"
     " the model being the same. The working point is the measured operating point nearest to the "
     "median speed, load and pressures. Its motion is steady; the 95 % interval is that of the "
     "effect's coefficients. Along the logs: at all windows of the measured motion. Flows are into a"
@@ -88,7 +88,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Which effect",
-        (_WHICH,),
+        (diagnosis.why, _WHICH),
         drawings=drawn("ranking"),
         tables=_with_rows(text.ranking_table(diagnosis)),
     )
@@ -101,7 +101,6 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     effects = Section(
         "The effects" if diagnosis.effects else "The candidates that remain",
         (
-            diagnosis.why,
             *text.effect_lines(diagnosis),
             _CHANGES if diagnosis.practice else "",
             _SENSOR if any(effect.of_sensor for effect in diagnosis.effects) else "",
@@ -109,8 +108,8 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         tables=_with_rows(
             text.effects_table(diagnosis),
             text.alternatives_table(diagnosis),
-            changes_table(diagnosis),
-            lookalikes_table(diagnosis),
+            *changes_tables(diagnosis),
+            *lookalikes_tables(diagnosis),
         ),
     )
     missing = Section(

@@ -170,7 +170,11 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
             stretch = f"{display.title} {low} to {high} {display.unit}"
             places.append((contrast, _WAYS.get(worst.label, worst.label) or stretch))
     places.sort(key=lambda place: -place[0])
-    return f"It is largest at: {', '.join(words for _, words in places[:_FEW])}." if places else ""
+    return (
+        f"Its gap is largest at: {', '.join(words for _, words in places[:_FEW])}."
+        if places
+        else ""
+    )
 
 
 def title(name: str) -> str:

@@ -152,6 +152,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
     )
     yield residual_words(diagnosis, [gap.name for gap in gaps])
     yield worst_region(diagnosis, gaps[0].name)
+    yield agreement(diagnosis)
     yield best_candidate(diagnosis)
     yield (
         "No part can be named for inspection. The shape of the residuals below shows under which "

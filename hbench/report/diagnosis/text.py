@@ -11,7 +11,7 @@ from hbench.records import (
     GapTable,
     WordTable,
 )
-from hbench.report.diagnosis.change_words import changes_table
+from hbench.report.diagnosis.change_words import changes_tables
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     EDGES,
@@ -97,7 +97,7 @@ def effect_words(effect: AddedEffect) -> str:
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return the tables that have rows, the answers first and the evidence after them."""
     every = (
-        changes_table(diagnosis),
+        *changes_tables(diagnosis),
         effects_table(diagnosis),
         alternatives_table(diagnosis),
         where_table(diagnosis),
