@@ -164,6 +164,12 @@ def _faults(row: Any, balances: set[str]) -> list[str]:
         faults += [
             f"{place}: {f}" for place, law in row.laws.items() for f in _law_faults(place, law)
         ]
+    for key in ("law", "signals", "inspect", "repair", "source"):
+        if not isinstance(getattr(row, key), str):
+            faults.append(f"{key} = {getattr(row, key)!r}; must be a string")
+    pairs = row.confused_with
+    if pairs and not _is_mapping(pairs, Separation):
+        faults.append("its confused_with is no mapping {name: Separation(kind, why)}")
     if type(row.states) is not int or row.states < 0:
         faults.append(f"states = {row.states!r}; must be an integer of at least 0")
     return faults
