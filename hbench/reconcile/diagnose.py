@@ -29,6 +29,7 @@ from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import standard_deviation
+from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search import CampaignSearch, SearchResult, silent
 from hbench.reconcile.separation.next_experiment import Undecided
@@ -147,6 +148,14 @@ def _assembled(
     best = next(iter(rivals.values()), final)
     expected = Separation(with_remaining_noise(refitted, best, train), train)
     tried = tuple(name for name in EFFECTS if name not in not_tried)
+    fits = dict.fromkeys(result.names, estimates) | {
+        each.candidate.name: fit_coefficients(
+            task.plant, each.model, (*result.names, each.candidate.name), train
+        )
+        for each in last.evaluated
+        if each.candidate in last.ambiguous and each.model
+    }
+    point, practice = in_practice(measured, final.gap_map, fits)
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
@@ -175,6 +184,8 @@ def _assembled(
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
         notes=(*result.notes, *notes, *([] if task.instruments else [_ASSUMED])),
         separability=expected.separability(tried),
+        working_point=point,
+        practice=practice,
     )
 
 

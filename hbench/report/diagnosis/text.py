@@ -11,6 +11,7 @@ from hbench.records import (
     GapTable,
     WordTable,
 )
+from hbench.report.diagnosis.change_words import changes_tables
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     EDGES,
@@ -23,6 +24,7 @@ from hbench.report.diagnosis.names import (
     steps_of,
 )
 from hbench.report.diagnosis.run_gaps import run_table
+from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short
 from hbench.report.render.terminal_table import table_lines
 
@@ -33,8 +35,8 @@ _UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    blocks = [f"{verdict_sentence(diagnosis)}\n{diagnosis.why}", gap_line(diagnosis)]
-    blocks += effect_lines(diagnosis)
+    blocks = [f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}", gap_line(diagnosis)]
+    blocks += (diagnosis.why, *effect_lines(diagnosis))
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
@@ -95,6 +97,7 @@ def effect_words(effect: AddedEffect) -> str:
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return the tables that have rows, the answers first and the evidence after them."""
     every = (
+        *changes_tables(diagnosis),
         effects_table(diagnosis),
         alternatives_table(diagnosis),
         where_table(diagnosis),
