@@ -155,8 +155,9 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
     text = summary(both)
     assert text.startswith("The model does not contain internal leakage or external leakage; ")
     assert text.count("would mean that 0.180 ± 0.010 l/min less oil enters chamber Tp") == 2
-    assert "over external leakage by odds of 2.7 to 1: too little to decide." in text
-    assert "kind hold separate internal leakage and external leakage: pressures meet" in text
+    assert "(internal leakage 30, external leakage 29 nats) are too close to decide" in text
+    assert "kind hold separate internal leakage and external leakage (pressures meet" in text
+    assert "Not explained" not in summary(replace(both, rest=compared.rest))  # the set would do so
     assert "inspect the piston seal; or the rod seal." in text
     planned = replace(both, next_experiment="Measure the hold runs of next.yaml.")
     assert "Measure the hold runs of next.yaml." in summary(planned)

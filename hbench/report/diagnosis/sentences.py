@@ -69,16 +69,12 @@ def odds_words(effect: AddedEffect) -> str:
     )
 
 
-def odds_within(candidates: Sequence[Candidate]) -> str:
-    """Return how clearly the held-out runs favour the first of some candidates."""
-    best = candidates[0]
-    others = [
-        f"{words(other.name)} by {_ratio(best.score - other.score)}" for other in candidates[1:]
-    ]
-    if not others:
-        return ""
+def closeness(candidates: Sequence[Candidate]) -> str:
+    """Return how close the scores of an ambiguous set are."""
+    scores = [f"{words(each.name)} {number(each.score, 0)}" for each in candidates]
     return (
-        f"The held-out runs favour {words(best.name)} over {listed(others)}: too little to decide."
+        f"Their scores on held-out runs ({', '.join(scores)} nats) are too close to decide: the "
+        "true law may differ from the catalogue's by as much."
     )
 
 

@@ -16,8 +16,8 @@ from hbench.report.diagnosis.sentences import (
     at_point_words,
     best_candidate,
     clause,
+    closeness,
     deviations,
-    odds_within,
     odds_words,
     residual_words,
     title,
@@ -50,10 +50,11 @@ def _sentences(diagnosis: Diagnosis) -> Iterator[str]:
         yield from _named(diagnosis)
     if diagnosis.alternatives:
         yield from _ambiguous(diagnosis)
+    if diagnosis.effects and diagnosis.rest:
+        yield f"Not explained: {deviations(diagnosis.rest)}."
     if diagnosis.effects or diagnosis.alternatives:
-        if diagnosis.rest:
-            yield f"Not explained: {deviations(diagnosis.rest)}."
-    elif diagnosis.verdict == "unknown":
+        return
+    if diagnosis.verdict == "unknown":
         yield from _unknown(diagnosis) if diagnosis.where else _insufficient(diagnosis)
     else:
         yield from _none(diagnosis)
@@ -110,7 +111,7 @@ def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
     also = "also " if diagnosis.effects else ""
     yield f"The model {also}does not contain {names}; these runs cannot show which it is."
     yield from _ambiguous_sizes(diagnosis)
-    yield odds_within(diagnosis.alternatives)
+    yield closeness(diagnosis.alternatives)
     yield from _separation(diagnosis)
 
 
@@ -136,7 +137,7 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
             for other in effect.lookalikes:
                 if other.name in names[names.index(effect.name) :]:
                     pair = f"{words(effect.name)} and {words(other.name)}"
-                    yield f"Runs of the kind {other.kind} separate {pair}: {other.why}."
+                    yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
     told = diagnosis.next_experiment or ""
     inspect = [practice[name].inspect for name in names if name in practice]
     inspect = [each for each in inspect if each and each not in told]
