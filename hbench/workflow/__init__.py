@@ -25,7 +25,7 @@ _MODULES = {
     "identification": ("identify", "write_identification"),
     "reconciliation": ("planned_effects", "reconcile", "write_diagnosis"),
     "exports": ("export",),
-    "controllers": ("design", "write_design"),
+    "controllers": ("design", "write_design", "write_gains"),
     "simulation": (
         "phenomena",
         "replay",

@@ -5,15 +5,18 @@ from dataclasses import replace
 from pathlib import Path
 
 from hbench.config.bench import parse_bench
-from hbench.config.files.loading import read_yaml
+from hbench.config.files.edited_yaml import with_values
+from hbench.config.files.loading import read_text, read_yaml
+from hbench.config.files.yaml_text import parse_yaml
+from hbench.errors import ConfigError
 from hbench.experiment.progress import Progress
 from hbench.model.build import plant_parameters
 from hbench.records import Design
 from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
-from hbench.report.design.text import design_json
+from hbench.report.design.text import design_json, gains_yaml
 from hbench.report.render.figures import figure_files
-from hbench.store.files.atomic import write_files
+from hbench.store.files.atomic import write_atomic, write_files
 
 
 def design(
@@ -51,6 +54,27 @@ def design(
     if ratio is None:
         return present
     return replace(present, proposal=proposal(bench, ratio, nominal, report))
+
+
+def write_gains(bench_file: Path, design: Design) -> None:
+    """Write the proposed gains into the bench file; its other lines stay as they are.
+
+    Raises ``ConfigError`` if the proposal fails a check.
+    """
+    if design.proposal is None or not design.proposal.holds:
+        raise ConfigError(
+            f"{bench_file}: unchanged, since the proposal fails a check",
+            "See the checks that fail in the table; another --ratio may pass.",
+        )
+    gains = parse_yaml(gains_yaml(design.proposal))["controllers"]
+
+    def proposed(path: tuple[str, ...], value: str) -> str | None:
+        section, loop, key = path if len(path) == 3 else ("", "", "")
+        return gains.get(loop, {}).get(key) if section == "controllers" else None
+
+    text = read_text(bench_file)
+    changed = with_values(text, proposed, "proposed by hbench design")
+    write_atomic(bench_file, changed.encode())
 
 
 def write_design(folder: Path, design: Design) -> None:

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from hbench import workflow
 from hbench.cli.main import app
+from hbench.errors import ExitCode, HbenchError
 from tests.support.commands import hbench
 
 BENCH = Path(__file__).parents[2] / "configs" / "bench-aau.yaml"
@@ -107,6 +108,22 @@ def test_proposed_gains_can_be_pasted_into_the_bench_file(design, tmp_path):
         assert board["phase_margin_deg"] > 45 and board["gain_margin_db"] > 6
 
 
+def test_proposed_gains_are_written_into_the_bench_file_with_its_comments(tmp_path):
+    mine, gains = tmp_path / "mine.yaml", {"velocity": (912.0, 0.0123)}
+    mine.write_text(BENCH.read_text())
+    proposal = SimpleNamespace(gains=gains, holds=True)
+    workflow.write_gains(mine, SimpleNamespace(proposal=proposal))
+    before, after = (path.read_text().splitlines() for path in (BENCH, mine))
+    changed = [new for old, new in zip(before, after, strict=True) if new != old]
+    assert [line.split("#")[0].strip() for line in changed] == [
+        "gain: 912 V/m",
+        "time_constant: 12.3 ms",
+    ]
+    with pytest.raises(HbenchError) as refused:
+        workflow.write_gains(mine, SimpleNamespace(proposal=SimpleNamespace(holds=False)))
+    assert refused.value.exit_code == ExitCode.USAGE and mine.read_text().splitlines() == after
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -115,6 +132,8 @@ def test_proposed_gains_can_be_pasted_into_the_bench_file(design, tmp_path):
         ((BENCH, "--operating-point", "v=5"), "v = '5' "),
         ((BENCH, "--operating-point", "load=40 kN"), "bar"),
         ((BENCH, "--fail"), "--propose"),
+        ((BENCH, "--write"), "--propose"),
+        (("--propose", "--write"), "BENCH"),
         ((BENCH, "--propose", "--ratio", "0.5"), "--ratio"),
     ],
 )

@@ -31,6 +31,9 @@ def design(
     ratio: float = typer.Option(
         1.7, min=1.0, max=10.0, help="Ratio of neighbouring loops' bandwidths in the proposal."
     ),
+    write: bool = typer.Option(
+        False, "--write", help="Write the proposed gains into BENCH if they pass all checks."
+    ),
     fail: bool = typer.Option(False, "--fail", help="Exit with 6 if the proposal fails a check."),
     output: Path = typer.Option(None, "-o", "--output", help="Folder for figures, page and JSON."),
     as_json: bool = typer.Option(False, "--json", help="Print design.json instead of tables."),
@@ -44,8 +47,11 @@ def design(
     from importlib.resources import files
 
     given = _operating_point(point)
-    if fail and not propose:
-        raise typer.BadParameter("needs --propose", param_hint="'--fail'")
+    for option, wanted in (("--fail", fail), ("--write", write)):
+        if wanted and not propose:
+            raise typer.BadParameter("needs --propose", param_hint=f"'{option}'")
+    if write and bench is None:
+        raise typer.BadParameter("needs BENCH, the file to write to", param_hint="'--write'")
 
     from hbench import workflow
     from hbench.cli.progress import ProgressLine
@@ -66,6 +72,9 @@ def design(
         workflow.write_design(output, result)
         typer.echo(f"{output / 'design.html'}", err=True)
     typer.echo(design_json(result) if as_json else design_text(result))
+    if write:
+        workflow.write_gains(bench, result)
+        typer.echo(f"{bench}: has the proposed gains", err=True)
     if fail and not result.proposal.holds:
         raise typer.Exit(ExitCode.NEGATIVE)
 

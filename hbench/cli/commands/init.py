@@ -1,11 +1,15 @@
-"""``hbench init``: example files of a bench, schedules, a fit and limits."""
+"""``hbench init``: example files of a bench, schedules and others."""
 
 import shlex
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from hbench.cli.printed import AS_JSON, as_object
+
+if TYPE_CHECKING:
+    from hbench.config.files.sized_examples import Size
 
 _FILES = (
     "bench-aau.yaml",
@@ -18,21 +22,44 @@ _FILES = (
     "demo.yaml",
     "fit.yaml",
     "limits.yaml",
+    "import-csv.yaml",
 )
+# In SI; the example's physics is no guide to others.
+_RANGES = {
+    "bore": (0.016, 0.3),
+    "rod": (0.003, 0.28),
+    "stroke": (0.05, 2.0),
+    "supply": (40e5, 350e5),
+}
 
 
 def init(
-    directory: Path = typer.Argument(help="Folder to write into."), as_json: bool = AS_JSON
+    directory: Path = typer.Argument(help="Folder to write into."),
+    bore: str | None = typer.Option(None, help="Bore of the cylinder under test, in mm."),
+    rod: str | None = typer.Option(None, help="Diameter of its rod, in mm."),
+    stroke: str | None = typer.Option(None, help="Its stroke, in mm."),
+    supply: str | None = typer.Option(None, help="Supply pressure, in bar."),
+    as_json: bool = AS_JSON,
 ) -> None:
-    """Write commented example files to edit: a bench, seven schedules, a fit file and limits.
+    """Write commented example files to edit: a bench, schedules, a fit file, limits, a map.
+
+    With --bore, --rod, --stroke and --supply they are scaled for a cylinder of that size, which the
+    virtual rig then simulates: travel, limits, loads and pressures fit each other.
 
     Example: hbench init my-bench
     """
     from hbench.config.files.examples import example
     from hbench.errors import ConfigError
 
+    size = _size(bore=bore, rod=rod, stroke=stroke, supply=supply)
     contents = {name: example(name) for name in _FILES}
-    taken = [name for name in _FILES if (directory / name).exists()]
+    if size is not None:
+        from hbench.config.files.sized_examples import BENCH_FILE, sized
+
+        contents = {name: sized(text.decode(), size).encode() for name, text in contents.items()}
+        contents = {BENCH_FILE: contents.pop(_FILES[0]), **contents}
+    bench, *_ = contents
+    taken = [name for name in contents if (directory / name).exists()]
     if taken:
         raise ConfigError(f"{directory / taken[0]}: exists already", "Choose another folder.")
     try:
@@ -43,14 +70,43 @@ def init(
         raise ConfigError(
             f"{directory}: can't be written: {error.strerror}", "Choose another folder."
         ) from None
-    paths = [str(directory / name) for name in _FILES]
+    paths = [str(directory / name) for name in contents]
     if as_json:
         typer.echo(as_object("init", files=paths))
         return
     typer.echo("\n".join(paths))
-    schedule = shlex.quote(str(directory / "demo.yaml"))
-    typer.echo(
-        f"next: enter your bench's data in {directory / _FILES[0]}, then run "
-        f"hbench run {schedule} --check",
-        err=True,
-    )
+    schedule, bench_file = (shlex.quote(str(directory / name)) for name in ("demo.yaml", bench))
+    if size is None:
+        then = f"run hbench run {schedule} --check"
+    else:
+        then = f"hbench design {bench_file} --propose --write, then hbench run {schedule} --check"
+    typer.echo(f"next: enter your bench's data in {directory / bench}, then {then}", err=True)
+
+
+def _size(**given: str | None) -> "Size | None":
+    """Return the size of ``--bore`` and the others; None without. Raises ``ConfigError``."""
+    from hbench.config.files.sized_examples import Size
+    from hbench.errors import ConfigError
+    from hbench.units import from_si, to_si
+
+    if all(value is None for value in given.values()):
+        return None
+    si = {}
+    for name, value in given.items():
+        unit = "bar" if name == "supply" else "mm"
+        if value is None:
+            raise ConfigError(
+                f"--{name}: is missing", "Give --bore, --rod, --stroke and --supply together."
+            )
+        try:
+            si[name] = to_si(f"{value} {unit}" if value.strip()[-1:].isdigit() else value, unit)
+        except ValueError as error:
+            raise ConfigError(f"--{name}: {value!r} {error}") from None
+        low, high = _RANGES[name]
+        if not low <= si[name] <= high:
+            limits = " to ".join(f"{from_si(limit, unit):g}" for limit in (low, high))
+            raise ConfigError(f"--{name}: is {value}; limits {limits} {unit}")
+    if not 0.1 * si["bore"] <= si["rod"] <= 0.95 * si["bore"]:
+        rod_mm, bore_mm = 1e3 * si["rod"], 1e3 * si["bore"]
+        raise ConfigError(f"--rod: is {rod_mm:g} mm; limits 10 to 95 % of --bore ({bore_mm:g} mm)")
+    return Size(si["bore"], si["rod"], si["stroke"], si["supply"])

@@ -50,10 +50,10 @@ _MESSAGES = {  # of pydantic's error types, in the terms of YAML
 }
 
 
-def read_yaml(path: Path) -> dict[str, Any]:
-    """Return the mapping in a YAML file. Raises ``ConfigError``."""
+def read_text(path: Path) -> str:
+    """Return the text of a configuration file. Raises ``ConfigError``."""
     try:
-        data = parse_yaml(read_regular_file(path, _MAX_BYTES).decode("utf-8"))
+        return read_regular_file(path, _MAX_BYTES).decode("utf-8")
     except FileTooLarge as error:
         raise ConfigError(f"{path}: {error}; not a configuration file") from None
     except IsADirectoryError:
@@ -65,6 +65,12 @@ def read_yaml(path: Path) -> dict[str, Any]:
         ) from None
     except UnicodeDecodeError:
         raise ConfigError(f"{path}: not a text file in UTF-8") from None
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """Return the mapping in a YAML file. Raises ``ConfigError``."""
+    try:
+        data = parse_yaml(read_text(path))
     except ValueError as error:
         raise ConfigError(f"{path}: {error}", _YAML) from None
     if not isinstance(data, dict):

@@ -1,0 +1,220 @@
+"""The example files for a cylinder of another size.
+
+The example bench is scaled so that it behaves alike: the same speed of the piston per volt of a
+valve, the same friction per length of a seal, pressures in proportion to the supply. Positions and
+speeds scale with the stroke (speeds at most as in the example), loads with the driven area and the
+supply.
+"""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from hbench.config.files.edited_yaml import Path, with_values
+from hbench.units import from_si
+
+BENCH_FILE = "bench.yaml"  # of another size
+_EXAMPLE_BENCH = "bench-aau.yaml"
+_BORE_M, _ROD_M, _STROKE_M, _SUPPLY_PA = 0.040, 0.025, 0.400, 150e5  # of the example bench
+_SPANS_PA = (100e5, 160e5, 250e5, 400e5, 600e5, 1000e5)  # of pressure transducers
+_SPAN_OVER_SUPPLY = 250 / 150
+_LEAST_START_MM = 10.0  # of a travel: braking stays within limits.travel_min
+_LEAST_PISTON_BAR = 3.0  # that p_lr alone causes in P_Lp, above the tank's pressure
+_NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)( .+)")
+_SCALED = "scaled from the example: enter your bench's"
+_HEAD = """\
+# Bench with a {words}.
+#
+# Diameters, stroke and supply pressure are those that were given to `hbench init`. Every line that
+# says "scaled" is a guess by size from the bench of Aalborg University (`hbench init` without
+# options): enter the values of your bench. Other values and comments are those of that bench. Then
+# propose gains: hbench design bench.yaml --propose --write
+"""
+
+
+@dataclass(frozen=True)
+class Size:
+    """Size of the cylinder under test and of its supply, in SI."""
+
+    bore_m: float
+    rod_m: float
+    stroke_m: float
+    supply_pa: float
+
+    @property
+    def piston_area(self) -> float:
+        """A_p over that of the example."""
+        return (self.bore_m / _BORE_M) ** 2
+
+    @property
+    def rod_area(self) -> float:
+        """A_r over that of the example."""
+        return (self.bore_m**2 - self.rod_m**2) / (_BORE_M**2 - _ROD_M**2)
+
+    @property
+    def area_ratio(self) -> float:
+        """A_r / A_p."""
+        return 1 - (self.rod_m / self.bore_m) ** 2
+
+    @property
+    def length(self) -> float:
+        """Stroke over that of the example."""
+        return self.stroke_m / _STROKE_M
+
+    @property
+    def pressure(self) -> float:
+        """Supply pressure over that of the example."""
+        return self.supply_pa / _SUPPLY_PA
+
+    @property
+    def force(self) -> float:
+        """Largest force of the piston side over that of the example."""
+        return self.piston_area * self.pressure
+
+    @property
+    def seal(self) -> float:
+        """Length of the piston seal over that of the example."""
+        return self.bore_m / _BORE_M
+
+    @property
+    def speed(self) -> float:
+        """Speeds over those of the example."""
+        return min(1.0, self.length)
+
+    @property
+    def span_pa(self) -> float:
+        """Span of the pressure transducers."""
+        least = _SPAN_OVER_SUPPLY * self.supply_pa
+        return next((span for span in _SPANS_PA if span >= 0.999 * least), least)
+
+    @property
+    def words(self) -> str:
+        """Name of the cylinder and its supply."""
+        bore, rod, stroke = (f"{1e3 * x:.4g}" for x in (self.bore_m, self.rod_m, self.stroke_m))
+        supply = f"{from_si(self.supply_pa, 'bar'):.4g} bar"
+        return f"cylinder {bore}/{rod}, stroke {stroke} mm, supply {supply}"
+
+
+Rule = Callable[[str, Size], str]  # from a value of the example to that of a size
+
+
+def sized(text: str, size: Size) -> str:
+    """Return the text of an example file, with its comments, for a cylinder of another size."""
+    if text.count("\ntest_cylinder:") == 1 and "\nname:" in text:
+        return _sized_bench(text, size)
+    rules: dict[str, Rule] = {**_SCHEDULE, "bench": lambda value, size: BENCH_FILE}
+    return with_values(text, _by_last_key(rules, size))
+
+
+def _sized_bench(text: str, size: Size) -> str:
+    body = text[text.index("\nname:") + 1 :]
+    body = with_values(body, _by_path(_GIVEN, size), "given")
+    body = with_values(body, _by_path(_BENCH, size), _SCALED)
+    name: dict[Path, Rule] = {("name",): lambda value, size: f"bench with a {size.words}"}
+    return f"{_HEAD.format(words=size.words)}\n" + with_values(body, _by_path(name, size))
+
+
+def _by_path(rules: dict[Path, Rule], size: Size) -> Callable[[Path, str], str | None]:
+    return lambda path, value: rules[path](value, size) if path in rules else None
+
+
+def _by_last_key(rules: dict[str, Rule], size: Size) -> Callable[[Path, str], str | None]:
+    def change(path: Path, value: str) -> str | None:
+        key = next(key for key in reversed(path) if not key.isdigit())
+        return rules[key](value, size) if key in rules else None
+
+    return change
+
+
+def _exactly(unit: str, si: Callable[[Size], float]) -> Rule:
+    """Return the rule of a value that the size states."""
+    return lambda value, size: f"{from_si(si(size), unit):.5g} {unit}"
+
+
+def _times(factor: Callable[[Size], float], digits: int = 2, least: float = -math.inf) -> Rule:
+    """Return the rule of a value times a factor, rounded to some digits; its unit stays."""
+
+    def scaled(value: str, size: Size) -> str:
+        found = _NUMBER.fullmatch(value)
+        if found is None:
+            return value
+        return f"{_rounded(max(float(found[1]) * factor(size), least), digits)}{found[2]}"
+
+    return scaled
+
+
+def _rounded(value: float, digits: int) -> str:
+    if value == 0:
+        return "0"
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
+    return f"{round(value / step) * step:.{digits + 2}g}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def _load(value: str, size: Size) -> str:
+    """Scale a load by the area that drives against it: of the rod side if it is negative."""
+    if _NUMBER.fullmatch(value) is None or float(value.split()[0]) == 0:
+        return value
+    sign, area = (-1, size.rod_area) if value.startswith("-") else (1, size.piston_area)
+    return ("-" if sign < 0 else "") + _times(lambda size: area * size.pressure)(
+        value.lstrip("-"), size
+    )
+
+
+def _rod_pressure(value: str, size: Size) -> str:
+    return _times(lambda size: size.pressure, 2, _LEAST_PISTON_BAR / size.area_ratio)(value, size)
+
+
+def _of_friction(value: str, size: Size) -> str:
+    return _SEAL(value, size) if value.endswith(" N") else value
+
+
+_PISTON = _times(lambda size: size.piston_area, 4)
+_ROD = _times(lambda size: size.rod_area, 4)
+_FORCE = _times(lambda size: size.force)
+_LENGTH = _times(lambda size: size.length)
+_SPEED = _times(lambda size: size.speed)
+_SEAL = _times(lambda size: size.seal)
+
+_CYLINDERS = ("test_cylinder", "load_cylinder")
+_GIVEN: dict[Path, Rule] = {
+    ("test_cylinder", "piston_diameter"): _exactly("mm", lambda size: size.bore_m),
+    ("test_cylinder", "rod_diameter"): _exactly("mm", lambda size: size.rod_m),
+    ("test_cylinder", "stroke"): _exactly("mm", lambda size: size.stroke_m),
+    ("supply", "pressure"): _exactly("bar", lambda size: size.supply_pa),
+}
+_SEALS = ("coulomb", "stiction", "viscous", "bristle_stiffness", "piston_seal", "rod_seal")
+_BENCH: dict[Path, Rule] = {
+    ("load_cylinder", "piston_diameter"): _exactly("mm", lambda size: size.bore_m),
+    ("load_cylinder", "rod_diameter"): _exactly("mm", lambda size: size.rod_m),
+    ("load_cylinder", "stroke"): _exactly("mm", lambda size: size.stroke_m),
+    ("load_cylinder", "offset"): _LENGTH,
+    **{(cylinder, "dead_volume_piston"): _PISTON for cylinder in _CYLINDERS},
+    **{(cylinder, "dead_volume_rod"): _ROD for cylinder in _CYLINDERS},
+    **{("moving_mass", side): _PISTON for side in ("test", "load")},
+    ("valve", "gain"): _times(lambda size: size.piston_area / math.sqrt(size.pressure), 3),
+    **{("friction", side, key): _SEAL for side in ("test", "load") for key in _SEALS},
+    ("end_stop", "stiffness"): _PISTON,
+    ("end_stop", "damping"): _PISTON,
+    ("sensors", "position", "span"): _LENGTH,
+    ("sensors", "pressure", "span"): _exactly("bar", lambda size: size.span_pa),
+    ("sensors", "load_cell", "area"): _FORCE,
+    # Damping by friction falls with size: B / m with the bore, B / A with the stroke's compliance.
+    ("controllers", "velocity", "gain"): _times(lambda s: min(1.0, 1 / (s.seal * s.length**0.5))),
+    ("limits", "travel_max"): _times(lambda size: size.length, 3),
+    ("limits", "pressure_max"): _exactly("bar", lambda size: 0.92 * size.span_pa),
+    ("instruments", "force", "full_scale"): _FORCE,
+    ("instruments", "pressure", "full_scale"): _exactly("bar", lambda size: size.span_pa),
+}
+_SCHEDULE: dict[str, Rule] = {
+    **dict.fromkeys(("loads", "load"), _load),
+    "p_lr": _rod_pressure,
+    "start": _times(lambda size: size.length, least=_LEAST_START_MM),
+    **dict.fromkeys(("end", "position", "positions"), _LENGTH),
+    **dict.fromkeys(("rise", "rate"), _FORCE),
+    **dict.fromkeys(("first", "last", "velocities", "speed", "levels", "velocity"), _SPEED),
+    **dict.fromkeys(("min_step", "max_step", "transition"), _SPEED),
+    **dict.fromkeys(("min", "max", "tolerance"), _of_friction),  # limits, adaptive speeds
+    "piston_diameter": _exactly("mm", lambda size: size.bore_m),  # of import maps
+    "rod_diameter": _exactly("mm", lambda size: size.rod_m),
+}

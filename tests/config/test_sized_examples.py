@@ -1,0 +1,93 @@
+"""Example files for a cylinder of any size: consistent, with their comments, and usable."""
+
+import re
+
+import numpy as np
+import pytest
+import yaml
+
+from hbench.cli.commands.init import _FILES
+from hbench.config.bench import parse_bench
+from hbench.config.conformity.limits import parse_limits
+from hbench.config.files.edited_yaml import with_values
+from hbench.config.files.sized_examples import BENCH_FILE, Size, sized
+from hbench.config.schedule import parse_schedule
+from hbench.errors import HbenchError
+from hbench.experiment.plan import plan_runs
+from tests.support import ROOT
+from tests.support.commands import hbench
+
+EXAMPLES = {name: (ROOT / "configs" / name).read_text() for name in _FILES}
+SIZES = [
+    Size(0.050, 0.036, 0.250, 100e5),
+    Size(0.025, 0.012, 0.100, 160e5),
+    Size(0.100, 0.056, 0.800, 210e5),
+    Size(0.063, 0.045, 1.500, 280e5),
+    Size(0.200, 0.110, 0.300, 63e5),
+]
+
+
+def drawn_sizes(count):
+    rng = np.random.default_rng(3)
+    for _ in range(count):
+        bore = rng.uniform(0.02, 0.2)
+        stroke, supply = np.exp(rng.uniform(np.log([0.06, 50e5]), np.log([1.8, 330e5])))
+        yield Size(bore, bore * rng.uniform(0.3, 0.75), stroke, supply)
+
+
+@pytest.mark.parametrize("size", [*SIZES, *drawn_sizes(12)], ids=lambda size: size.words)
+def test_every_schedule_can_be_planned_on_the_bench_and_limits_are_read(size):
+    files = {name: yaml.safe_load(sized(text, size)) for name, text in EXAMPLES.items()}
+    bench = parse_bench(files["bench-aau.yaml"], "bench")
+    assert bench.test_cylinder.piston_diameter == pytest.approx(size.bore_m, rel=1e-4)
+    assert bench.supply.pressure == pytest.approx(size.supply_pa, rel=1e-4)
+    schedules = [name for name, data in files.items() if "experiments" in data]
+    assert len(schedules) == 7
+    for name in schedules:
+        assert files[name]["bench"] == BENCH_FILE
+        try:
+            assert plan_runs(parse_schedule(files[name], name), bench, name).runs
+        except HbenchError as error:
+            pytest.fail(f"{name}: {error.message}")
+    assert parse_limits(files["limits.yaml"], "limits").limits
+
+
+def test_the_examples_own_size_changes_nothing_but_names_and_comments():
+    own = Size(0.040, 0.025, 0.400, 150e5)
+    for text in EXAMPLES.values():
+        before, after = yaml.safe_load(text), yaml.safe_load(sized(text, own))
+        for data in (before, after):
+            data.pop("name", None), data.pop("bench", None)
+        if "test_cylinder" in before:
+            before, after = (parse_bench({**data, "name": ""}, "b") for data in (before, after))
+        assert after == before
+
+
+def test_scaled_lines_say_so_and_given_ones_too():
+    lines = sized(EXAMPLES["bench-aau.yaml"], SIZES[0]).splitlines()
+    assert sum(line.endswith("# given") for line in lines) == 4
+    scaled = [line for line in lines if "# scaled" in line]
+    assert len(scaled) >= 20
+    assert len({line.index("#") for line in scaled}) == 1  # in their column
+    assert not any(re.search("printed|fitted", line) for line in scaled)
+
+
+def test_values_are_replaced_in_place():
+    text = "a: 1  # one\nb: [2, {c: 3}]\nd: 'x'\n"
+    changed = with_values(text, lambda path, value: f"{value}0" if path != ("d",) else None)
+    assert changed == "a: 10  # one\nb: [20, {c: 30}]\nd: 'x'\n"
+
+
+def test_a_small_cylinder_is_measured_on_the_virtual_rig(tmp_path):
+    """A short stroke: eight runs of the demo schedule, all accepted."""
+    done = hbench("init", tmp_path / "b", "--bore", 25, "--rod", "12 mm", "--stroke", 100)
+    assert done.returncode == 2 and "--supply" in done.stderr
+    for name, text in EXAMPLES.items():
+        text = sized(text, SIZES[1])
+        if name == "demo.yaml":
+            text = text.replace("count: 8", "count: 2").replace("trials: 3", "trials: 1")
+        (tmp_path / (BENCH_FILE if name == "bench-aau.yaml" else name)).write_text(text)
+    done = hbench("run", tmp_path / "demo.yaml", "-o", tmp_path / "campaign")
+    assert done.returncode == 0, done.stderr
+    done = hbench("analyze", tmp_path / "campaign")
+    assert "8 accepted, 0 rejected" in done.stdout, done.stdout
