@@ -11,6 +11,7 @@ _MODULES = {
     "campaign": (
         "Experiment",
         "MeasurementSummary",
+        "demand",
         "estimate",
         "load_experiment",
         "measure",

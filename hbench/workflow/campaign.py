@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hbench.analysis.screening.calibrate import calibrate
 from hbench.analysis.screening.screen import screen
@@ -30,6 +30,9 @@ from hbench.store.campaign.folder import CampaignWriter, StoredCampaign, load_ca
 from hbench.store.campaign.lock_file import campaign_lock
 from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.live import published
+
+if TYPE_CHECKING:
+    from hbench.experiment.steady_demand import SteadyDemand
 
 
 @dataclass(frozen=True)
@@ -104,6 +107,17 @@ def estimate(experiment: Experiment) -> ScheduleEstimate:
     words = sum(plan.motion.duration_s for plan in plans if plan.motion) * rate * len(RECORD)
     seconds = sum(run_seconds(plans, experiment.bench).values())
     return ScheduleEstimate(len(plans), seconds, round(5 * words), bool(experiment.plan.undecided))
+
+
+def demand(experiment: Experiment) -> "SteadyDemand | None":
+    """Return the steady valve openings, pressures and flow that a schedule needs.
+
+    Raises ``ConfigError`` for a steady state that supply or valves can't hold.
+    """
+    from hbench.experiment.steady_demand import steady_demand  # slow import: scipy.optimize
+
+    schedule_file = experiment.files["schedule"]["file"]
+    return steady_demand(experiment.plans, experiment.bench, schedule_file)
 
 
 def measure(

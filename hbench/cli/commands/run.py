@@ -11,7 +11,10 @@ import typer
 from hbench.cli.printed import AS_JSON, as_object
 
 if TYPE_CHECKING:
+    from hbench.experiment.steady_demand import SteadyDemand
     from hbench.workflow import Experiment
+
+_MOST_NOTES = 3
 
 
 def run(
@@ -78,11 +81,17 @@ def run(
     if effects and not check:
         raise typer.BadParameter("needs --check", param_hint="'--effects'")
     if check:
+        demand = workflow.demand(experiment)
         found = {"effects": _effects(experiment, plant, as_json)} if effects else {}
         if as_json:
-            values = vars(estimate) | found
+            steady = {"steady_demand": None if demand is None else vars(demand)}
+            values = vars(estimate) | steady | found
             typer.echo(as_object("estimate", name=experiment.schedule.name, **values))
         else:
+            if demand is not None:
+                typer.echo(_demand_words(demand), err=True)
+                for words in demand.not_held[:_MOST_NOTES]:
+                    typer.echo(f"note: not held: {words}", err=True)
             typer.echo(
                 "checked: travel, speeds, loads and pressures are within the bench's limits; "
                 "nothing has moved",
@@ -125,6 +134,15 @@ def run(
         typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
         if campaigns is None:
             typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)
+
+
+def _demand_words(demand: "SteadyDemand") -> str:
+    return (
+        f"steady states ({demand.points}): valves up to {demand.valve_v:.2g} of "
+        f"{demand.valve_limit_v:g} V (at {1e3 * demand.v_m_s:g} mm/s, {demand.f_load_n:g} N); "
+        f"pressures {demand.p_lowest_pa / 1e5:.3g} to {demand.p_highest_pa / 1e5:.3g} bar; "
+        f"flow up to {6e4 * demand.flow_m3_s:.3g} l/min"
+    )
 
 
 def _effects(experiment: "Experiment", plant: Path | None, as_json: bool) -> Any:

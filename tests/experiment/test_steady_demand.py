@@ -1,0 +1,62 @@
+"""Steady states that a schedule needs: against the rig, and what cannot be held."""
+
+import pytest
+import yaml
+
+from hbench import workflow
+from hbench.errors import ConfigError
+from hbench.experiment.closed_loop import record_plans
+from tests.support import ROOT
+
+
+def schedule(tmp_path, **changes):
+    data = yaml.safe_load((ROOT / "configs" / "demo.yaml").read_text())
+    data["experiments"] = [data["experiments"][0] | {"trials": 1} | changes]
+    data["bench"] = str(ROOT / "configs" / "bench-aau.yaml")
+    path = tmp_path / "demand.yaml"
+    path.write_text(yaml.safe_dump(data))
+    return workflow.load_experiment(path, None)
+
+
+def test_openings_and_pressures_are_those_of_the_rig(tmp_path):
+    experiment = schedule(tmp_path, loads=["2 kN"], velocities=["150 mm/s"])
+    demand = workflow.demand(experiment)
+    (run,) = record_plans(experiment.bench, experiment.plan.runs, seed=3).runs
+    steady = run.at_reference
+    steady[: len(steady) // 2] = False
+    valves = [abs(run.channel(name)[steady].mean()) for name in ("u_t_v", "u_l1_v", "u_l2_v")]
+    assert demand.valve_v == pytest.approx(max(valves), rel=0.05)
+    names = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")
+    pressures = [run.channel(name)[steady].mean() for name in names]
+    assert demand.p_highest_pa == pytest.approx(max(pressures), rel=0.1)
+    assert demand.p_lowest_pa == pytest.approx(min(pressures), rel=0.1)
+    bench = experiment.bench
+    area = bench.test_cylinder.area_piston_m2 + bench.load_cylinder.area_rod_m2
+    assert demand.flow_m3_s == pytest.approx(0.150 * area)
+
+
+def test_what_the_supply_cannot_hold_is_refused_with_numbers(tmp_path):
+    with pytest.raises(ConfigError) as refused:
+        fast = {"velocities": ["330 mm/s"], "acceleration": "5 m/s^2"}
+        workflow.demand(schedule(tmp_path, loads=["11.5 kN"], **fast))
+    assert "1.15e+04 N" in refused.value.message and " V" in refused.value.message
+
+
+def test_in_runs_with_changing_velocity_it_is_a_note():
+    experiment = workflow.load_experiment(ROOT / "configs" / "dynamics.yaml", None)
+    demand = workflow.demand(experiment)
+    assert demand.not_held and demand.valve_v <= demand.valve_limit_v
+
+
+def test_a_schedule_at_rest_needs_nothing(tmp_path):
+    hold = {
+        "kind": "hold",
+        "p_lr": "15 bar",
+        "loads": ["500 N"],
+        "hold": "1 s",
+        "positions": ["200 mm"],
+    }
+    data = {"name": "rest", "bench": str(ROOT / "configs" / "bench-aau.yaml")}
+    path = tmp_path / "rest.yaml"
+    path.write_text(yaml.safe_dump(data | {"experiments": [hold | {"duration": "2 s"}]}))
+    assert workflow.demand(workflow.load_experiment(path, None)) is None
