@@ -37,7 +37,8 @@ def test_openings_and_pressures_are_those_of_the_rig(tmp_path):
 
 def test_what_the_supply_cannot_hold_is_refused_with_numbers(tmp_path):
     with pytest.raises(ConfigError) as refused:
-        fast = {"velocities": ["330 mm/s"], "acceleration": "5 m/s^2"}
+        travel = {"start": "40 mm", "end": "280 mm"}
+        fast = {"velocities": ["330 mm/s"], "acceleration": "5 m/s^2", "travel": travel}
         workflow.demand(schedule(tmp_path, loads=["11.5 kN"], **fast))
     assert "1.15e+04 N" in refused.value.message and " V" in refused.value.message
 
