@@ -2,20 +2,51 @@
 
 from pathlib import Path
 
+from hbench.errors import ConfigError
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.exporting.mat_curves import mat_curves
 from hbench.store.exporting.modelica import modelica_tables
 from hbench.store.exporting.runs import FORMATS
+from hbench.store.exporting.spreadsheets import in_practical_units, with_decimal_comma, workbook
 from hbench.store.files.atomic import write_atomic
-from hbench.workflow.results import derive, screened_runs
+from hbench.workflow.results import derive, result_tables, screened_runs
 
 
-def export(folder: Path, destination: Path, kind: str) -> int:
-    """Write a campaign's runs in SI, or its curves for Modelica; return the number of files.
+def export(
+    folder: Path,
+    destination: Path,
+    kind: str,
+    *,
+    practical_units: bool = False,
+    decimal_comma: bool = False,
+) -> int:
+    """Write a campaign's runs, or its results for Excel or Modelica; return the number of files.
 
-    All runs are exported, rejected ones with the reason. Raises ``ConfigError``, ``DataError``.
+    All runs are exported, rejected ones with the reason, in SI unless ``practical_units`` (mm, bar,
+    l/min, degC) are asked for, in CSV or Excel alone; ``decimal_comma`` is for CSV. Raises
+    ``ConfigError``, ``DataError``.
     """
+    for option, wanted, kinds in (
+        ("--units practical", practical_units, ("csv", "excel")),
+        ("--decimal comma", decimal_comma, ("csv",)),
+    ):
+        if wanted and kind not in kinds:
+            raise ConfigError(
+                f"{option}: is for --format {' and '.join(kinds)}; the format is {kind}",
+                "Other formats contain SI numbers.",
+            )
+    changes = [in_practical_units] * practical_units + [with_decimal_comma] * decimal_comma
+
+    def changed(text: str) -> str:
+        for change in changes:
+            text = change(text)
+        return text
+
     campaign = load_campaign(folder)
+    if kind == "excel":
+        tables = {name: changed(text) for name, text in result_tables(derive(campaign)).items()}
+        write_atomic(destination / "results.xlsx", workbook(tables))
+        return 1
     if kind == "modelica":
         write_atomic(destination / "friction.txt", modelica_tables(derive(campaign).curves))
         return 1
@@ -28,6 +59,8 @@ def export(folder: Path, destination: Path, kind: str) -> int:
     beside = {name: content for name, content in files.items() if content}
     count = int(kind == "mat")
     for name, data in FORMATS[kind](runs, beside):
+        if changes and name.endswith(".csv"):
+            data = changed(data.decode()).encode()
         write_atomic(destination / name, data)
         count += 1
     return count

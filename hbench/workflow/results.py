@@ -40,6 +40,7 @@ from hbench.errors import DataError
 from hbench.experiment.staged_plan import planned_runs
 from hbench.records import KINDS, Provenance, Results, Run, ScreenedRun, ZeroCheck
 from hbench.report.campaign.motion_tables import motion_tables
+from hbench.report.campaign.results_document import results_json
 from hbench.report.campaign.tables import TABLES
 from hbench.store.campaign.folder import StoredCampaign, load_campaign, write_results
 from hbench.store.campaign.stored_diagnosis import diagnoses
@@ -227,6 +228,12 @@ def _without_samples(screened: ScreenedRun) -> ScreenedRun:
     return replace(screened, run=Run(plan, t_s=np.zeros(0), x_m=np.zeros(0)))
 
 
+def result_tables(results: Results) -> dict[str, str]:
+    """Return the text of every table of the results, by its file's name."""
+    tables = {name: table(results) for name, table in TABLES.items() if name.endswith(".csv")}
+    return tables | motion_tables(results)
+
+
 def _tables(results: Results) -> dict[str, bytes]:
-    tables = {name: table(results) for name, table in TABLES.items()} | motion_tables(results)
-    return {name: text.encode() for name, text in tables.items()}
+    texts = {"results.json": results_json(results), **result_tables(results)}
+    return {name: text.encode() for name, text in texts.items()}

@@ -3,11 +3,21 @@
 What else was varied, the factors of imported runs, has a column each.
 """
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
+from statistics import stdev
 from typing import Any
 
-from hbench.records import TEMPERATURES, Curve, EfficiencyCurve, Factors, Fit, Results
+from hbench.records import (
+    TEMPERATURES,
+    Curve,
+    CurvePoint,
+    EfficiencyCurve,
+    Factors,
+    Fit,
+    Results,
+)
 from hbench.report.campaign.results_document import SERIES, results_json, row
 from hbench.report.render.csv_text import csv_text
 
@@ -138,6 +148,27 @@ def _covariance_rows(series: CsvRow, fit: Fit) -> Iterator[CsvRow]:
         yield series | asdict(pair) | {"law": fit.law, "unit": " * ".join(units), "dof": fit.dof}
 
 
+def budget_csv(results: Results) -> str:
+    """Return one row an input of a point's uncertainty: its part in friction, with its sign."""
+    rows = (
+        (curve.factors, _series(curve) | {"v_m_s": point.v_m_s, "input": name, "part_n": part})
+        for curve in results.curves
+        for point in curve.points
+        for name, part in _budget(point).items()
+    )
+    return _csv(_BUDGET_COLUMNS, rows)
+
+
+def _budget(point: CurvePoint) -> dict[str, float]:
+    """Return the parts [N] of a point's combined standard uncertainty, that of the trials first."""
+    parts = dict(point.parts_n)
+    if len(point.trials_n) > 1:
+        parts = {"trials": stdev(point.trials_n) / math.sqrt(len(point.trials_n))} | parts
+    if point.sigma_drift_n is not None:
+        parts["drift"] = point.sigma_drift_n
+    return parts
+
+
 def efficiency_csv(results: Results) -> str:
     """Return one row a point of an efficiency curve."""
     rows = (
@@ -185,6 +216,7 @@ _FIT_COLUMNS = (
     *"law parameter value unit se ci95_low ci95_high at_bound bias disagree rmse_n".split(),
     *"converged verdict message".split(),
 )
+_BUDGET_COLUMNS = (*SERIES, *"v_m_s input part_n".split())
 _COVARIANCE_COLUMNS = (
     *SERIES,
     *"law parameter with_parameter covariance unit correlation dof".split(),
@@ -211,6 +243,7 @@ TABLES: dict[str, Callable[[Results], str]] = {
     "curves_reduced.csv": reduced_curves_csv,
     "fits.csv": fits_csv,
     "covariances.csv": covariances_csv,
+    "budget.csv": budget_csv,
     "efficiency.csv": efficiency_csv,
     "bands.csv": bands_csv,
     "band_trends.csv": band_trends_csv,
