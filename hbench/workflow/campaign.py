@@ -68,9 +68,17 @@ class MeasurementSummary:
     seconds: float  # on the bench's clock
 
 
-def load_experiment(schedule_file: Path, bench_file: Path | None) -> Experiment:
-    """Read and check a schedule and its bench. Raises ``ConfigError``."""
+def load_experiment(
+    schedule_file: Path, bench_file: Path | None, serial: str | None = None
+) -> Experiment:
+    """Read and check a schedule and its bench; ``serial`` is that of the cylinder under test.
+
+    Raises ``ConfigError``.
+    """
     schedule_data = read_yaml(schedule_file)
+    identity = schedule_data.get("specimen") or {}
+    if serial is not None and isinstance(identity, dict):  # anything else is refused below
+        schedule_data = {**schedule_data, "specimen": {**identity, "serial": serial}}
     schedule = parse_schedule(schedule_data, str(schedule_file))
     if schedule.order == "random":  # the campaign records the seed, also the default one
         schedule_data = {**schedule_data, "seed": schedule.seed}

@@ -1,5 +1,6 @@
 """``hbench run``: measurement of a schedule on a bench or on the virtual rig."""
 
+import re
 import shlex
 import sys
 from datetime import datetime
@@ -20,6 +21,11 @@ _MOST_NOTES = 3
 def run(
     schedule: Path = typer.Argument(help="Schedule file, such as configs/demo.yaml."),
     output: Path = typer.Option(None, "-o", "--output", help="Campaign folder to write."),
+    specimen: str = typer.Option(
+        None,
+        help="Serial number of the cylinder under test; '?' asks for it, and a barcode scanner may "
+        "answer. Without -o the campaign folder is named after it, with date and time.",
+    ),
     bench: Path = typer.Option(None, help="Bench file; by default the schedule's own."),
     port: str = typer.Option(
         "sim", help="'sim' for the virtual rig, a serial device, or socket://host:port."
@@ -69,7 +75,8 @@ def run(
     from hbench import workflow
     from hbench.cli.bench_display import BenchDisplay
 
-    experiment = workflow.load_experiment(schedule, bench)
+    serial = _serial(specimen)
+    experiment = workflow.load_experiment(schedule, bench, serial)
     estimate = workflow.estimate(experiment)
     most = "at most " if estimate.at_most else ""
     typer.echo(
@@ -99,7 +106,9 @@ def run(
             )
         return
     if output is None:
-        raise typer.BadParameter("missing: give a campaign folder", param_hint="'-o'")
+        if serial is None or resume:
+            raise typer.BadParameter("missing: give a campaign folder", param_hint="'-o'")
+        output = Path(f"{re.sub(r'[^A-Za-z0-9.-]+', '_', serial)}_{_now():%Y-%m-%d_%H%M%S}")
     display = BenchDisplay(sys.stderr)
     common = {"plant": plant, "resume": resume, "baud": baud, "clock": _now, "retry": retry}
     try:
@@ -134,6 +143,17 @@ def run(
         typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
         if campaigns is None:
             typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)
+
+
+def _serial(specimen: str | None) -> str | None:
+    """Return the serial number, asked for at the terminal for ``?``."""
+    if specimen == "?":
+        specimen = typer.prompt("serial number of the cylinder", err=True)
+    if specimen is None:
+        return None
+    if not specimen.strip(" ._-"):
+        raise typer.BadParameter("is empty", param_hint="'--specimen'")
+    return specimen.strip()
 
 
 def _demand_words(demand: "SteadyDemand") -> str:
