@@ -185,6 +185,7 @@ class FleetCampaign:
     quality: str
     missing: str  # of the plan; empty if it is complete
     report: str  # its page, relative to the fleet's; empty where there is none
+    decision: str  # of its last acceptance; empty where there is none
     v_m_s: float | None  # working speed
     numbers: dict[str, FleetNumber]
 
@@ -276,6 +277,21 @@ class ControlChart:
 
 
 @dataclass(frozen=True)
+class Capability:
+    """Capability of a number against its limits, over the compared campaigns, in SI."""
+
+    quantity: Quantity
+    direction: Side
+    n: int  # campaigns
+    low: float | None  # limits; None: there is no such limit
+    high: float | None
+    mean: float
+    sigma: float  # standard deviation of the campaigns, that of the measurement included
+    cpk: Estimate
+    outside: int  # campaigns beyond the limits
+
+
+@dataclass(frozen=True)
 class WearTrend:
     """Straight line of a cylinder's friction over its distance or friction work."""
 
@@ -323,4 +339,6 @@ class Fleet:
     plan_notes: tuple[str, ...] = ()
     charts: tuple[ControlChart, ...] = ()
     wear: tuple[WearTrend, ...] = ()
+    capabilities: tuple[Capability, ...] = ()
+    decisions: tuple[tuple[str, int], ...] = ()  # of the last acceptances, and how many of each
     rows: tuple[FleetCampaign, ...] = ()  # analyzed campaigns; empty for a large fleet

@@ -10,12 +10,15 @@ from urllib.parse import quote
 from hbench import __version__
 from hbench.analysis.summary.fleet_numbers import fleet_numbers
 from hbench.analysis.summary.headline import at_working_speed, planned_speed_m_s
+from hbench.config.conformity.limits import parse_limits
+from hbench.config.files.loading import read_yaml
 from hbench.errors import DataError, DeviceError, HbenchError
 from hbench.parallel.process_pool import map_on_cores, retry_alone
 from hbench.records import Fleet, FleetRow
 from hbench.report.fleet.row import fleet_row
 from hbench.store.campaign.discovery import find_campaigns, fingerprint
 from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.stored_acceptance import stored_decision
 from hbench.store.fleet.rows import FleetRows
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from hbench.store.formats.parquet import require_pyarrow
@@ -51,6 +54,7 @@ def analyze_fleet(
     scheduler: str | None,
     speed_m_s: float | None,
     tolerance: "Tolerance | None" = None,
+    limits: Path | None = None,
     report: Callable[[int, int, int], None],
     note: Callable[[str], None],
 ) -> Fleet:
@@ -60,12 +64,14 @@ def analyze_fleet(
     of an earlier call are kept unless the campaign has changed since. A campaign that can't be
     analyzed is a row with the reason. ``scheduler`` is the address of a Dask scheduler; by default
     this machine's cores do the work. ``tolerance`` is that of friction or efficiency, to compare
-    the measurement's precision with. ``report`` gets the numbers of campaigns analyzed by this
+    the measurement's precision with; ``limits`` is a file of limits, for the capability. ``report``
+    gets the numbers of campaigns analyzed by this
     call, to analyze, and failed. Raises ``ConfigError``, ``DataError``, ``DeviceError``.
     """
     from hbench.analysis.comparison.fleet_summary import summarize  # needed at the end only
 
     require_pyarrow()
+    product = None if limits is None else parse_limits(read_yaml(limits), str(limits))
     with FleetRows(folder) as rows:
         rows.register(_campaigns(rows, patterns, speed_m_s, note))
         total, done, _ = rows.counts()
@@ -79,7 +85,13 @@ def analyze_fleet(
             _analyze_missing(rows, total - done, scheduler, speed_m_s, report, note)
         write_table(folder / TABLE, rows.cells())
         rows.remove_others()
-    return summarize(FleetTable(folder / TABLE), partial(report_link, folder.resolve()), tolerance)
+    return summarize(
+        FleetTable(folder / TABLE),
+        partial(report_link, folder.resolve()),
+        tolerance,
+        () if product is None else [limit.requirement for limit in product.limits],
+        lambda path: stored_decision(Path(path)),
+    )
 
 
 def report_link(folder: Path, campaign: str) -> str:

@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
+from hbench.analysis.comparison.fleet_summary import summarize
+from hbench.records.conformity.acceptance import Requirement
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
 from hbench.report.fleet.text import fleet_json, fleet_text, fleet_verdict
-from hbench.store.fleet.table import TABLE, cells_of, write_table
+from hbench.store.campaign.stored_acceptance import stored_decision
+from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of
 
 OFF = {17: 120.0, 60: -140.0, 150: 100.0}
@@ -136,3 +139,39 @@ def test_the_terminal_gets_ascii_and_json_the_verdicts(found):
     assert [one["outlier"] for one in document["worst"]].count(True) == 3
     assert sum(one["trend"]["real"] for one in document["spreads"]) == 1
     assert document["first"].startswith("2026-03-02")
+
+
+def test_decisions_are_counted_and_cpk_stands_on_page_in_text_and_json(tmp_path):
+    made_table(tmp_path, 12)
+    requirement = Requirement("friction", "N", low=None, high=900.0)
+    table = FleetTable(tmp_path / TABLE)
+    decisions = {f"{i:07}": "PASS" if i else "FAIL" for i in range(12)}
+    fleet = summarize(table, lambda _: "", None, [requirement], lambda p: decisions[p[-7:]])
+    assert fleet.decisions == (("FAIL", 1), ("PASS", 11))
+    assert {each.decision for each in fleet.rows} == {"FAIL", "PASS"}
+    page, text = fleet_page(fleet, draw_fleet(fleet)), fleet_text(fleet)
+    assert "Cpk" in text and "1 FAIL, 11 PASS" in text
+    assert "Capability" in page and "at most 900" in page
+    assert json.loads(fleet_json(fleet))["capabilities"][0]["cpk"]["value"] == pytest.approx(
+        fleet.capabilities[0].cpk.value
+    )
+
+
+def test_a_decision_is_read_from_the_campaign_alone(tmp_path):
+    results = tmp_path / "a" / "results"
+    results.mkdir(parents=True)
+    assert stored_decision(tmp_path / "a") == ""
+    for text, decision in (
+        ('{"schema": "hbench.acceptance/1", "decision": "FAIL"}', "FAIL"),
+        ('{"schema": "hbench.acceptance/1", "decision": "<b>"}', ""),
+        ('{"schema": "another", "decision": "FAIL"}', ""),
+        ("[", ""),
+    ):
+        (results / "acceptance.json").write_text(text)
+        assert stored_decision(tmp_path / "a") == decision
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "results").symlink_to(results)
+    (results / "acceptance.json").write_text(
+        '{"schema": "hbench.acceptance/1", "decision": "FAIL"}'
+    )
+    assert stored_decision(tmp_path / "b") == ""

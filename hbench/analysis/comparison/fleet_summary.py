@@ -4,13 +4,14 @@ The table is read one column at a time, so that a million rows fit into memory.
 """
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from hbench.analysis.comparison.capability import capabilities
 from hbench.analysis.comparison.measurement_system import measurement_system
 from hbench.analysis.comparison.population import (
     FEWEST,
@@ -36,6 +37,7 @@ from hbench.records import (
     Suspect,
     Trend,
 )
+from hbench.records.conformity.acceptance import Requirement
 from hbench.records.numbers import NORMAL_95
 from hbench.store.fleet.table import SUFFIXES, FleetTable, moment_of
 
@@ -61,13 +63,22 @@ class _Sample:
     se: np.ndarray  # (n,)
 
 
+def _no_decision(path: str) -> str:
+    return ""
+
+
 def summarize(
-    table: FleetTable, report_link: Callable[[str], str], tolerance: Tolerance | None = None
+    table: FleetTable,
+    report_link: Callable[[str], str],
+    tolerance: Tolerance | None = None,
+    requirements: Sequence[Requirement] = (),
+    decision: Callable[[str], str] = _no_decision,
 ) -> Fleet:
     """Return the summary of a fleet's table.
 
-    ``tolerance`` is that of friction or efficiency. ``report_link`` returns the link to the report
-    of the campaign at a path; may be empty.
+    ``tolerance`` is that of friction or efficiency, ``requirements`` are limits. ``report_link``
+    returns the link to the report of the campaign at a path, ``decision`` that of its last
+    acceptance; both may be empty.
     """
     good = table.equals("failed", "")
     protocols = [pair for pair in table.counts("protocol") if pair[0]]
@@ -100,6 +111,14 @@ def summarize(
             worst[int(sample.rows[i])].append(deviation)
     failures = np.flatnonzero(~good)[:_LISTED]
     days = (moments - np.min(known, initial=np.inf, where=np.isfinite(known))) / _DAY_S
+    speeds = table.numbers("v_m_s")[compared]
+    speed = float(np.nanmedian(speeds)) if np.isfinite(speeds).any() else None
+
+    def compared_values(quantity: Quantity, side: Side) -> np.ndarray:
+        x = table.numbers(quantity.column(side))[compared]
+        return x[np.isfinite(x)]
+
+    decisions = Counter(map(decision, table.values("path", np.flatnonzero(good))))
     system = measurement_system(table, good, compared, days, tolerance)
     return Fleet(
         campaigns=table.rows,
@@ -124,7 +143,11 @@ def summarize(
         plan_notes=system.notes,
         charts=system.charts,
         wear=system.wear,
-        rows=tuple(_campaigns(table, np.flatnonzero(good), compared, spreads, report_link)),
+        capabilities=tuple(capabilities(compared_values, requirements, speed)),
+        decisions=tuple(sorted((name, n) for name, n in decisions.items() if name)),
+        rows=tuple(
+            _campaigns(table, np.flatnonzero(good), compared, spreads, report_link, decision)
+        ),
     )
 
 
@@ -146,6 +169,7 @@ def _campaigns(
     compared: np.ndarray,
     spreads: Sequence[Spread],
     report_link: Callable[[str], str],
+    decision: Callable[[str], str],
 ) -> Iterator[FleetCampaign]:
     """Yield the campaigns of a small fleet with their numbers."""
     if len(rows) > _MOST_ROWS:
@@ -167,6 +191,7 @@ def _campaigns(
             quality=quality,
             missing=missing,
             report=report_link(path),
+            decision=decision(path),
             v_m_s=v_m_s,
             numbers=numbers,
         )

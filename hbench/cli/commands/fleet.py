@@ -32,6 +32,9 @@ def fleet(
         help="Width between the limits of friction, such as '60 N', or of efficiency, such as "
         "'3 %'; the page states the share that the measurement uses (%GRR).",
     ),
+    limits: Path | None = typer.Option(
+        None, help="File of limits, as for hbench accept: the page states Cpk with its interval."
+    ),
     fail: bool = typer.Option(False, "--fail", help="Exit with 6 if a campaign has failed."),
     as_json: bool = AS_JSON,
 ) -> None:
@@ -39,6 +42,8 @@ def fleet(
 
     Where cylinders were measured more than once, the page states repeatability and reproducibility:
     set specimen.serial, test.operator and test.mounting in the bench file, schedule or map.
+
+    Decisions of hbench accept are counted.
 
     A repeated call analyzes only new and changed campaigns.
 
@@ -57,6 +62,7 @@ def fleet(
             scheduler=scheduler,
             speed_m_s=v,
             tolerance=None if tolerance is None else _tolerance(tolerance),
+            limits=limits,
             report=line.campaigns,
             note=line.note,
         )

@@ -2,11 +2,20 @@
 
 from pathlib import PurePath
 
-from hbench.records import ControlChart, Deviation, Precision, Quantity, Side, Spread, WearTrend
+from hbench.records import (
+    Capability,
+    ControlChart,
+    Deviation,
+    Precision,
+    Quantity,
+    Side,
+    Spread,
+    WearTrend,
+)
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE
 
-Shown = Spread | Deviation | Precision | ControlChart | WearTrend
+Shown = Spread | Deviation | Precision | Capability | ControlChart | WearTrend
 
 
 def folder_name(path: str) -> str:

@@ -7,6 +7,7 @@ from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
 from hbench.report.fleet.names import folder_name, of_side, without_condition
 from hbench.report.fleet.precision import (
     METHOD,
+    capability_table,
     chart_table,
     components_table,
     limits_table,
@@ -120,6 +121,8 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
         yield Section("Drifts", drawings=chosen, tables=(table,) if table.rows else ())
+    if fleet.capabilities:
+        yield Section("Capability", tables=(_untitled(capability_table(fleet)),))
     if fleet.charts:
         table = _untitled(chart_table(fleet))
         yield Section("Control charts", drawings=_of(drawings, CHARTS), tables=(table,))
@@ -156,6 +159,8 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
     good = fleet.campaigns - fleet.failed
     failed = f"{fleet.failed} failed" if fleet.failed else "none failed"
     yield Tile(f"{good} of {fleet.campaigns}", "campaigns", f"analyzed; {failed}")
+    for name, count in fleet.decisions:
+        yield Tile(str(count), "", f"decision {name} (hbench accept)")
     yield Tile(str(fleet.outliers), "", "outliers", "method-outliers")
     drifts = sum(spread.trend is not None and spread.trend.real for spread in fleet.spreads)
     yield Tile(str(drifts), "", f"of {len(fleet.spreads)} numbers drift", "method-trends")
@@ -192,7 +197,7 @@ def _campaigns(fleet: Fleet) -> Table:
         (Cell(first, link=campaign.report), *map(Cell, rest))
         for campaign, (first, *rest) in zip(fleet.rows, words.rows, strict=True)
     )
-    return Table(words.head, rows, frozenset({"Campaign", "Label", "Remark"}))
+    return Table(words.head, rows, frozenset({"Campaign", "Label", "Decision", "Remark"}))
 
 
 def _worst(fleet: Fleet) -> Table:

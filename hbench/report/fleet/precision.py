@@ -39,6 +39,12 @@ METHOD = (
         "between cylinders over s_R; at least 5 are asked for.",
     ),
     (
+        "Capability",
+        "Cpk = min(upper limit − mean, mean − lower limit) / (3 s); s is the standard deviation of "
+        "the campaigns, the measurement's scatter included. The 95 % interval is Bissell's, for "
+        "normal values. At least 10 campaigns are needed, and a limit without load or label.",
+    ),
+    (
         "Control charts",
         "Individual values with moving ranges (ISO 7870-2): the limits are the mean ± 3 σ with σ = "
         "mean moving range / 1.128; the limit of the moving range is 3.267 times its mean. One "
@@ -175,6 +181,32 @@ def chart_table(fleet: Fleet) -> WordTable:
         )
     head = ("Number", "Campaigns", "Mean", "Limits", "Beyond them", "Moving ranges beyond")
     return WordTable("Control charts", head, tuple(rows))
+
+
+def capability_table(fleet: Fleet) -> WordTable:
+    """Return Cpk of each limited number, with its interval."""
+    rows = []
+    for each in fleet.capabilities:
+        scale, unit = each.quantity.scale, each.quantity.unit
+        low, high = (
+            "" if limit is None else significant(scale * limit, 4)
+            for limit in (each.low, each.high)
+        )
+        both = f"{low} to {high} {unit}"
+        one = f"at least {low} {unit}" if low else f"at most {high} {unit}"
+        rows.append(
+            (
+                name_of(each),
+                str(each.n),
+                both if low and high else one,
+                f"{significant(scale * each.mean, 4)} {unit}",
+                significant(scale * each.sigma, 2),
+                with_ends(each.cpk.value, each.cpk.low, each.cpk.high or each.cpk.value),
+                str(each.outside),
+            )
+        )
+    head = ("Number", "Campaigns", "Limits", "Mean", "s", "Cpk", "Beyond the limits")
+    return WordTable("Capability", head, tuple(rows))
 
 
 def wear_table(fleet: Fleet) -> WordTable:

@@ -15,6 +15,7 @@ from hbench.records import (
 )
 from hbench.report.fleet.names import folder_name, name_of, of_side, signed
 from hbench.report.fleet.precision import (
+    capability_table,
     chart_table,
     components_table,
     limits_table,
@@ -47,17 +48,25 @@ def fleet_text(fleet: Fleet) -> str:
         worst_table(fleet, _FEW),
         limits_table(fleet),
         components_table(fleet),
+        capability_table(fleet),
         chart_table(fleet),
         wear_table(fleet),
     )
     for table in tables:
         if table.rows:
             lines += ["", *table_lines(table)]
+    if fleet.decisions:
+        lines += ["", f"decisions of hbench accept: {decision_words(fleet)}"]
     notes = [f"plan: {note}" for note in fleet.plan_notes]
     lines += ["", *notes, fleet_verdict(fleet)]
     text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
     text = text.replace("×", "x")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
+
+
+def decision_words(fleet: Fleet) -> str:
+    """Write how many campaigns have each decision of acceptance."""
+    return ", ".join(f"{count} {name}" for name, count in fleet.decisions)
 
 
 def fleet_json(fleet: Fleet) -> str:
@@ -129,8 +138,9 @@ def campaign_table(fleet: Fleet) -> WordTable:
         numbers = (campaign.numbers.get(s.quantity.column(s.direction)) for s in shown)
         cells = [_with_ends(n, s.quantity.scale) for n, s in zip(numbers, shown, strict=True)]
         remark = "; ".join(_remarks(campaign))
-        rows.append((folder_name(campaign.path), campaign.label, speed, *cells, remark))
-    head = ("Campaign", "Label", "Speed (mm/s)", *map(name_of, shown), "Remark")
+        name = folder_name(campaign.path)
+        rows.append((name, campaign.label, campaign.decision, speed, *cells, remark))
+    head = ("Campaign", "Label", "Decision", "Speed (mm/s)", *map(name_of, shown), "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
     return WordTable(
         "Campaigns",

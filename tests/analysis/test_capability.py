@@ -1,0 +1,53 @@
+"""Capability against limits: closed form, coverage of the interval, and what has none."""
+
+import numpy as np
+import pytest
+
+from hbench.analysis.comparison.capability import capabilities
+from hbench.records.conformity.acceptance import Requirement
+
+FRICTION = {"quantity": "friction", "unit": "N"}
+
+
+def of(x, *requirements, v_m_s=0.1):
+    def values(quantity, side):
+        return np.asarray(x) if (quantity.name, side) == ("friction_n", "extend") else np.zeros(0)
+
+    return list(capabilities(values, requirements, v_m_s))
+
+
+def test_cpk_is_the_distance_to_the_nearer_limit_in_three_standard_deviations():
+    x = np.arange(12.0)
+    (both,) = of(x, Requirement(**FRICTION, low=-1.0, high=20.0))
+    s = x.std(ddof=1)
+    assert both.cpk.value == pytest.approx((5.5 + 1.0) / (3 * s))
+    assert (both.mean, both.sigma, both.outside) == (pytest.approx(5.5), pytest.approx(s), 0)
+    (one,) = of(x, Requirement(**FRICTION, low=None, high=10.0))
+    assert one.cpk.value == pytest.approx(4.5 / (3 * s)) and one.outside == 1
+
+
+@pytest.mark.parametrize("n", [12, 50])
+@pytest.mark.parametrize("true", [0.8, 1.6])
+def test_the_interval_contains_the_true_cpk(n, true):
+    rng, inside, count = np.random.default_rng(n), 0, 2000
+    requirement = Requirement(**FRICTION, low=None, high=3 * true)
+    for _ in range(count):
+        (found,) = of(rng.standard_normal(n), requirement)
+        inside += found.cpk.low <= true <= found.cpk.high
+    print(f"n = {n}, Cpk {true}: {inside / count:.1%}")
+    assert 0.91 < inside / count < 0.97
+
+
+def test_what_the_fleets_numbers_are_not_has_no_capability():
+    x = np.arange(12.0)
+    for other in (
+        Requirement("friction", "bar", low=None, high=1e5),
+        Requirement(**FRICTION, low=None, high=10.0, f_load_n=500.0),
+        Requirement(**FRICTION, low=None, high=10.0, v_m_s=0.2),
+        Requirement(**FRICTION, low=None, high=10.0, direction="retract"),
+        Requirement("drift", "%", low=-0.1, high=0.1),
+    ):
+        assert not of(x, other)
+    requirement = Requirement(**FRICTION, low=None, high=10.0)
+    assert not of(x[:9], requirement) and not of(np.ones(12), requirement)
+    assert of(x, Requirement(**FRICTION, low=None, high=10.0, v_m_s=0.11))
