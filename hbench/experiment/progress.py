@@ -33,6 +33,8 @@ class Progress:
     f_load_n: float = 0.0  # F_L, from the load cylinder's pressures
     pressures_pa: Mapping[str, float] = field(default_factory=dict)  # p_tp, p_tr, p_lp, p_lr, p_s
     pressure_max_pa: float = 0.0  # at which the board stops itself
+    x_m: float = 0.0
+    travel_m: tuple[float, float] = (0.0, 0.0)  # limits of x_m, at which the board stops itself
     phase: str = "none"
     attempt: int = 1
     waiting: str = ""  # what the operator has to do before the runs go on

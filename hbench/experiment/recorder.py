@@ -92,6 +92,8 @@ class Recorder:
             f_load_n=p_lp * cylinder.area_piston_m2 - p_lr * cylinder.area_rod_m2,
             pressures_pa={name: status[f"{name}_pa"] for name in _PRESSURES},
             pressure_max_pa=self._bench.limits.pressure_max,
+            x_m=status["x_m"],
+            travel_m=(self._bench.limits.travel_min, self._bench.limits.travel_max),
             phase=PHASES[status["phase"]] if status["phase"] < len(PHASES) else "none",
             attempt=self._attempts.get(number, 1),
             ended=tuple(self._verdicts[n] for n in ended if n in self._verdicts),

@@ -19,6 +19,7 @@ _MODULES = {
     "imports": ("import_runs", "preview_import", "suggest_import_map", "write_import_preview"),
     "seeds": ("measure_seeds",),
     "watch": ("Watch",),
+    "station": ("Station",),
     "results": ("analyze", "report"),
     "conformity.acceptance": ("accept",),
     "fleet": ("analyze_fleet", "write_fleet"),

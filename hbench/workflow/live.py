@@ -57,6 +57,8 @@ def _state(progress: Progress) -> dict[str, Any]:
         "f_applied_n": progress.f_applied_n,
         "pressures_pa": dict(progress.pressures_pa),
         "pressure_max_pa": progress.pressure_max_pa,
+        "x_m": progress.x_m,
+        "travel_m": list(progress.travel_m),
         "rejected": progress.rejected,
         "last_rejected": last and {"run": last.plan.run, "reasons": list(last.reasons)},
         "seconds_left": progress.seconds_left,

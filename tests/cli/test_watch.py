@@ -57,9 +57,9 @@ class Page:
 
 
 @contextmanager
-def watched(folder):
+def watched(folder, source=workflow.Watch):
     """Serve ``folder`` as the command does."""
-    server = new_server(workflow.Watch(folder), 0)
+    server = new_server(source(folder), 0)
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
     thread.start()
     try:
@@ -185,6 +185,7 @@ def test_an_interrupted_campaign_says_how_it_ended(on_the_rig, short_schedule, t
         f'{{"schema": "{SCHEMA}"}}',
         f'{{"schema": "{SCHEMA}", "at_s": NaN}}',
         f'{{"schema": "{SCHEMA}", "at_s": true}}',
+        f'{{"schema": "{SCHEMA}", "at_s": {time.time()}, "x_m": 1e999}}',
         "[" * 50_000,
         "9" * 90_000,
         " " * 200_000,
@@ -333,3 +334,34 @@ def test_a_browser_shows_the_words_of_a_hostile_campaign_as_words(sample, requir
     assert "<title>caught" not in dom
     assert "not running" in dom and "Rejected runs:" in dom
     assert len(load_campaign(sample).plans) > 1
+
+
+def test_a_station_follows_the_campaign_that_was_changed_last(sample, tmp_path):
+    folder = tmp_path / "station"
+    moments = {"A": 1e9, "B": 2e9}
+    for name, moment in moments.items():
+        results = shutil.copytree(sample, folder / name) / "results"
+        results.mkdir()
+        text = json.dumps({"schema": "hbench.acceptance/1", "decision": "PASS"})
+        (results / "acceptance.json").write_text(text)
+        for path in (folder / name / "campaign.yaml", results / "acceptance.json"):
+            os.utime(path, (moment, moment))
+    before = files_of(folder)
+    with watched(folder, workflow.Station) as page:
+        state = page.state()
+        assert [one["folder"] for one in state["cylinders"]] == ["B", "A"]
+        assert {one["decision"] for one in state["cylinders"]} == {"PASS"}
+        assert state["version"] == page.runs()["version"] and len(page.runs()["runs"]) > 3
+        os.utime(folder / "A" / "campaign.yaml", (3e9, 3e9))
+        shutil.copytree(sample, folder / "C")
+        os.utime(folder / "C" / "campaign.yaml", (4e9, 4e9))
+        time.sleep(1.1)  # the folder is read once a second
+        state = page.state()
+        assert [one["folder"] for one in state["cylinders"]] == ["C", "A", "B"]
+        assert state["cylinders"][0]["decision"] == ""
+    assert {path: text for path, text in files_of(folder).items() if path in before} == before
+
+
+def test_a_station_without_a_campaign_waits(tmp_path):
+    with watched(tmp_path / "nothing", workflow.Station) as page:
+        assert page.state()["state"] == "nothing" and page.state()["cylinders"] == []

@@ -6,7 +6,15 @@ import typer
 
 
 def watch(
-    campaign: Path = typer.Argument(help="Campaign folder; need not exist yet."),
+    campaign: Path = typer.Argument(
+        help="Campaign folder, or with --station a folder of campaigns; need not exist yet."
+    ),
+    station: bool = typer.Option(
+        False,
+        "--station",
+        help="Follow the newest campaign in the folder, with its decision in large letters and the "
+        "last twenty cylinders.",
+    ),
     port: int = typer.Option(
         8350, min=0, max=65535, help="TCP port on this machine; 0 for any free port."
     ),
@@ -21,7 +29,7 @@ def watch(
     from hbench import workflow
     from hbench.cli.watch_server import new_server
 
-    server = new_server(workflow.Watch(campaign), port)
+    server = new_server((workflow.Station if station else workflow.Watch)(campaign), port)
     try:
         print(f"http://127.0.0.1:{server.server_port}/", flush=True)  # for a reader of a pipe
         server.serve_forever()

@@ -4,6 +4,7 @@ The host removes the file when it ends. A killed host leaves it behind; its time
 """
 
 import json
+import math
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -34,13 +35,21 @@ def remove_live(folder: Path) -> None:
 def read_live(folder: Path) -> dict[str, Any] | None:
     """Return the host's state; None if there is no file, or not one written by a host."""
     try:
-        state = json.loads(read_file(folder / LIVE, _LARGEST), parse_constant=_refuse)
+        text = read_file(folder / LIVE, _LARGEST)
+        state = json.loads(text, parse_constant=_refuse, parse_float=_finite, parse_int=_finite)
     except (DataError, ValueError, RecursionError):
         return None
     if not isinstance(state, dict) or state.get("schema") != SCHEMA:
         return None
     at = state.get("at_s")
     return state if isinstance(at, (int, float)) and not isinstance(at, bool) else None
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is too large")
+    return value if "." in text or "e" in text.lower() else int(value)
 
 
 def _refuse(constant: str) -> None:

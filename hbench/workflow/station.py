@@ -1,0 +1,95 @@
+"""State of a test station for ``hbench watch --station``: present campaign and the last ones."""
+
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+from hbench.errors import HbenchError
+from hbench.store.campaign.folder import JOURNAL, load_campaign
+from hbench.store.campaign.live_file import LIVE
+from hbench.store.campaign.stored_acceptance import FILE_NAME, stored_decision
+from hbench.workflow.watch import Watch
+
+_LAST = 20  # campaigns
+_EVERY_S = 1.0  # between readings of the folder
+
+
+class Station:
+    """Reader of a folder of campaigns for repeated calls; writes nothing.
+
+    Its campaign is the one that was changed last.
+    """
+
+    def __init__(self, folder: Path):
+        self._folder = folder
+        self._watch = Watch(folder / "none")
+        self._shown: Path | None = None
+        self._next_read_s = 0.0
+        self._campaigns: list[Path] = []
+        self._known: dict[Path, tuple[tuple, dict[str, Any]]] = {}  # by folder: version, row
+
+    def state(self) -> dict[str, Any]:
+        """Return the present campaign's state, with the last campaigns of the station."""
+        self._read()
+        state = self._watch.state()
+        cylinders = [self._row(folder) for folder in self._campaigns]
+        version = f"{self._shown}-{state['version']}"
+        return state | {"version": version, "cylinders": cylinders}
+
+    def runs(self) -> dict[str, Any]:
+        """Return the present campaign's runs."""
+        self._read()
+        runs = self._watch.runs()
+        return runs | {"version": f"{self._shown}-{runs['version']}"}
+
+    def _read(self) -> None:
+        now = time.monotonic()
+        if now < self._next_read_s:
+            return
+        self._next_read_s = now + _EVERY_S
+        changed = {folder: max(_moments(folder)) for folder in self._folders()}
+        self._campaigns = sorted(changed, key=lambda f: -changed[f])[:_LAST]
+        newest = self._campaigns[0] if self._campaigns else None
+        if newest is not None and newest != self._shown:
+            self._shown, self._watch = newest, Watch(newest)
+
+    def _folders(self) -> list[Path]:
+        try:
+            entries = [Path(entry.path) for entry in os.scandir(self._folder) if entry.is_dir()]
+        except OSError:
+            return []
+        return [folder for folder in entries if (folder / JOURNAL).is_file()]
+
+    def _row(self, folder: Path) -> dict[str, Any]:
+        """Return name, serial number, time and decision of a campaign."""
+        version = _moments(folder)
+        if folder not in self._known or self._known[folder][0] != version:
+            self._known[folder] = version, _described(folder)
+        return self._known[folder][1]
+
+
+def _moments(folder: Path) -> tuple[float, float, float]:
+    """Return when journal, live state and decision were written; 0 where there is none."""
+    found = []
+    for path in (folder / JOURNAL, folder / LIVE, folder / "results" / FILE_NAME):
+        try:
+            found.append(path.stat().st_mtime)
+        except OSError:
+            found.append(0.0)
+    return found[0], found[1], found[2]
+
+
+def _described(folder: Path) -> dict[str, Any]:
+    row = {"folder": folder.name, "serial": "", "started": "", "source": ""}
+    try:
+        provenance = load_campaign(folder).provenance()
+    except HbenchError:
+        return row | {"decision": "not readable"}
+    specimen = provenance.settings.get("specimen") or {}
+    return row | {
+        "serial": str(specimen.get("serial", "")),
+        "started": provenance.started[:19].replace("T", " "),
+        "source": provenance.source,
+        "decision": stored_decision(folder),
+    }
