@@ -29,7 +29,7 @@ from hbench.rig.ports import Port
 from hbench.store.campaign.folder import CampaignWriter, StoredCampaign, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
 from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
-from hbench.workflow.live import published
+from hbench.workflow.watching.live import published
 
 if TYPE_CHECKING:
     from hbench.experiment.steady_demand import SteadyDemand

@@ -24,7 +24,7 @@ from hbench.cli.watch_server import new_server
 from hbench.errors import ConfigError
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.live_file import LIVE, SCHEMA
-from hbench.workflow import live, watch
+from hbench.workflow.watching import live, watch
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 PATIENCE_S = 60.0

@@ -9,7 +9,7 @@ from hbench.errors import HbenchError
 from hbench.store.campaign.folder import JOURNAL, load_campaign
 from hbench.store.campaign.live_file import LIVE
 from hbench.store.campaign.stored_acceptance import FILE_NAME, stored_decision
-from hbench.workflow.watch import Watch
+from hbench.workflow.watching.watch import Watch
 
 _LAST = 20  # campaigns
 _EVERY_S = 1.0  # between readings of the folder

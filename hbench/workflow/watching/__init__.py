@@ -1,0 +1,1 @@
+"""State of campaigns and stations, published and read while they run."""
