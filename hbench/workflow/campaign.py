@@ -1,7 +1,7 @@
 """From a schedule to a campaign: check, estimate, measurement."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,6 +66,7 @@ class MeasurementSummary:
 
     runs: int
     seconds: float  # on the bench's clock
+    made_again: dict[str, str] = field(default_factory=dict)  # runs with damaged logs: the damage
 
 
 def load_experiment(
@@ -147,7 +148,8 @@ def measure(
     A board that still runs, or has a latched fault, is taken over only with ``take_over`` or
     ``resume``. ``baud`` is the line's rate: by default 115200; on the virtual rig octets then take
     no time. ``plant`` is the file of another plant for the virtual rig; the campaign stores only
-    its checksum. ``clock`` gives the times in the journal; on the virtual rig, only that of the
+    its checksum. ``resume`` also repeats completed runs whose log is missing or changed; a changed
+    log is kept. ``clock`` gives the times in the journal; on the virtual rig, only that of the
     session's start, and the rig's own time is added. A run that is rejected as it ends is repeated
     at once, up to ``retry`` times.
     During the measurement, the folder's ``live.json`` contains the state given to ``report``.
@@ -160,6 +162,7 @@ def measure(
     bench = experiment.bench
     with campaign_lock(folder):
         campaign = load_campaign(folder) if resume else None
+        damaged = campaign.damaged() if campaign else {}
         physics = physics_of(experiment.files["bench"]["content"], plant)
         on_board = bench
         if port == "sim":
@@ -182,7 +185,8 @@ def measure(
             if campaign is not None:
                 refuse_another(campaign, header)
                 journal = CampaignWriter.resume(folder)
-                done = {plan for plan in campaign.plans if plan.run in campaign.done}
+                whole_logs = campaign.done - damaged.keys()
+                done = {plan for plan in campaign.plans if plan.run in whole_logs}
             else:
                 journal = CampaignWriter.create(folder, header)
                 done = set()
@@ -204,7 +208,7 @@ def measure(
                         retry=retry,
                     )
                     runs_made += len(part.runs)
-            return MeasurementSummary(runs_made, line.now() - start)
+            return MeasurementSummary(runs_made, line.now() - start, damaged)
         finally:
             line.close()
 

@@ -111,6 +111,35 @@ def test_an_interrupted_run_is_kept_as_aborted_and_made_again_on_resume(
     assert all(after[name] == before[name] for name in ("0001.dat", "0002.dat"))
 
 
+def test_resume_makes_runs_with_missing_or_changed_logs_again_and_keeps_what_is_there(
+    measure, short_schedule, tmp_path
+):
+    measure(short_schedule())
+    folder = tmp_path / "campaign"
+    before = logs(folder)
+    (folder / "runs" / "0001.dat").unlink()
+    spoilt = before["0003.dat"][:-20]
+    (folder / "runs" / "0003.dat").write_bytes(spoilt)
+    assert load_campaign(folder).damaged().keys() == {"0001", "0003"}
+
+    summary = measure(short_schedule(), resume=True)
+    assert summary.made_again.keys() == {"0001", "0003"} and summary.runs == 2
+    campaign, after = load_campaign(folder), logs(folder)
+    assert not campaign.damaged() and not campaign.warnings
+    assert after["0003~1.dat"] == spoilt
+    assert all(after[name] == before[name] for name in ("0002.dat", "0004.dat"))
+    assert not measure(short_schedule(), resume=True).made_again
+
+
+def test_a_journal_that_is_a_link_out_of_its_folder_is_refused(measure, short_schedule, tmp_path):
+    measure(short_schedule())
+    journal, other = tmp_path / "campaign" / "campaign.yaml", tmp_path / "other"
+    other.mkdir()
+    (other / "campaign.yaml").symlink_to(journal)
+    with pytest.raises(DataError, match="outside"):
+        load_campaign(other)
+
+
 def test_a_fault_of_the_board_ends_the_campaign_with_its_cause_and_what_was_logged(
     measure, short_schedule, tmp_path
 ):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import yaml
 
-from hbench.config.files.regular_file import FileTooLarge, read_regular_file
+from hbench.config.files.regular_file import read_regular_file
 from hbench.config.files.yaml_text import compose_yaml
 
 _MAX_BYTES = 1_000_000
@@ -28,7 +28,7 @@ def _with_line(message: str) -> str:
     file, keys = named.groups()
     try:
         line = line_of(read_regular_file(Path(file), _MAX_BYTES).decode("utf-8"), keys.split("."))
-    except (OSError, FileTooLarge, ValueError):
+    except Exception:  # the file may have changed into anything; a message needs no line
         return message
     return f"{file}: line {line}: {message.removeprefix(f'{file}: ')}" if line else message
 

@@ -68,9 +68,9 @@ class CampaignWriter:
     def resume(cls, folder: Path) -> "CampaignWriter":
         """Continue a campaign; a half-written last line is cut off. Raises ``DataError``."""
         path = folder / JOURNAL
+        check_inside(folder, path)
         data = _read_journal(path)
         journal.parse_journal(data, str(path))
-        check_inside(folder, path)
         check_inside(folder, folder / "runs")
         truncate(path, journal.intact_length(data))
         return cls(folder)
@@ -134,6 +134,15 @@ class StoredCampaign:
         return frozenset(
             entry.plan.run for entry in self.latest if entry.stop and entry.stop.outcome == "done"
         )
+
+    def damaged(self) -> dict[str, str]:
+        """Return the completed runs whose log is missing or changed, each with the reason."""
+        reasons = {
+            entry.plan.run: self._log(entry, ".csv" if self.imported else ".dat")[1]
+            for entry in self.latest
+            if entry.plan.run in self.done
+        }
+        return {run: "; ".join(found) for run, found in reasons.items() if found}
 
     def start_times_s(self) -> dict[str, float]:
         """Return when each run started, in s after the first; empty if that is not known.
@@ -315,6 +324,7 @@ class StoredCampaign:
 def load_campaign(folder: Path) -> StoredCampaign:
     """Read a campaign's journal. Raises ``DataError``."""
     path = folder / JOURNAL
+    check_inside(folder, path)
     content = journal.parse_journal(_read_journal(path), str(path))
     warnings = [str(note) for note in content.header.get("notes") or ()]
     warnings += [*content.warnings, *_unlisted_logs(folder, content), *_repeated_runs(content)]
