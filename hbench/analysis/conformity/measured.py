@@ -16,6 +16,7 @@ from hbench.records import (
     Breakaway,
     Curve,
     EfficiencyCurve,
+    Leakage,
     Results,
     RunPlan,
     ScreenedRun,
@@ -93,19 +94,25 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
 
 
 def _leakage(results: Results, requirement: Requirement) -> Iterable[Measurement]:
-    pressure = requirement.pressure_pa or 0.0
-    for leakage in results.motions.leakages:
-        if requirement.label not in (None, leakage.label):
-            continue
+    """Yield the flow at the required pressure, if it is not above those of the holds."""
+    for leakage in leaks_measured(results, requirement):
+        pressure = requirement.pressure_pa or 0.0
         for leak in leakage.coefficients:
-            if leak.name == requirement.leak and leak.value is not None and leak.ci95 is not None:
-                half = max(leak.value - leak.ci95[0], leak.ci95[1] - leak.value)
+            flow = leakage.flow_m3_s(leak, pressure) if leak.name == requirement.leak else None
+            if flow and pressure <= (1 + TOLERANCE) * leakage.highest_pa(leak.name):
                 yield Measurement(
-                    value=leak.value * pressure,
-                    u95=half * pressure,
+                    value=flow[0],
+                    u95=flow[1],
                     label=leakage.label,
                     runs=tuple(decay.run for decay in leakage.decays),
                 )
+
+
+def leaks_measured(results: Results, requirement: Requirement) -> Iterator[Leakage]:
+    """Yield the leakages of the required label, whatever the pressures of their holds."""
+    for leakage in results.motions.leakages:
+        if requirement.label in (None, leakage.label):
+            yield leakage
 
 
 def _speed_ripple(results: Results, requirement: Requirement) -> Iterable[Measurement]:
