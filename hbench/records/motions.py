@@ -182,6 +182,8 @@ class Breakaway:
     f_applied_n: float
     runs: tuple[str, ...]
     kind: KindName = "breakaway"
+    breakaway_pa: float | None = None  # the same on the driving area; None without hydraulics
+    u95_pa: float | None = None
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from hbench.records import (
     KINDS,
     Breakaway,
     Curve,
+    Direction,
     EfficiencyCurve,
     Leakage,
     Results,
@@ -198,9 +199,8 @@ def _near(value: float | None, stated: float | None) -> bool:
     return value is not None and abs(value - stated) <= TOLERANCE * abs(stated)
 
 
-def _per(results: Results, requirement: Requirement, direction: str) -> float:
+def _per(results: Results, requirement: Requirement, direction: Direction) -> float:
     """Return the divisor of a force: 1, or the driving area [m^2] where a pressure is limited."""
     if not requirement.is_pressure:
         return 1.0
-    specimen = results.runs[0].run.plan.specimen
-    return specimen.area_piston_m2 if direction == "extend" else specimen.area_rod_m2
+    return results.runs[0].run.plan.specimen.driving_area_m2(direction)

@@ -92,7 +92,7 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
         )
     if exponent_ci95 is not None:
         messages.append(
-            f"the leaks grow with the pressure to the power {exponent:.2f} ± {exponent_ci95:.2f} "
+            f"the leaks grow with the pressure to the power {exponent:.3f} ± {exponent_ci95:.1g} "
             f"(1: laminar, 0.5: orifice); the coefficients are those at {p_0 / 1e5:.3g} bar"
         )
     if len(runs) < 2:

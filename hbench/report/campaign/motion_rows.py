@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from hbench.records import Comparison, Leakage, Level, Loop, Motions, Series, Surface
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import number, short, significant, span, with_interval
+from hbench.units import from_si
 
 SIGNIFICANT = 0.05  # of p after Holm
 
@@ -104,18 +105,17 @@ def _of_levels(levels: tuple[Level, ...]) -> Iterator[str]:
 def _of_leakage(leakage: Leakage) -> Iterator[str]:
     holds = f"leakage ({len(leakage.decays)} holds)"
     for coefficient in leakage.coefficients:
-        if coefficient.value is None:
-            yield f"{holds} {LEAKS[coefficient.name]}: not determined"
+        highest = leakage.highest_pa(coefficient.name)
+        flow = leakage.flow_m3_s(coefficient, highest)
+        where = f"{holds} {LEAKS[coefficient.name]}"
+        if flow is None:
+            known = coefficient.value is not None
+            yield f"{where}: {'no interval' if known else 'not determined'}"
         else:
-            zero = coefficient.ci95 is not None and coefficient.ci95[0] <= 0 <= coefficient.ci95[1]
-            half = (
-                ""
-                if coefficient.ci95 is None
-                else f" +- {significant(coefficient.ci95[1] - coefficient.value, 2)}"
-            )
-            value = f"{significant(coefficient.value, 2)}{half} m^3/(s Pa)"
-            note = ", the interval contains 0" if zero else ""
-            yield f"{holds} {LEAKS[coefficient.name]}: {value}{note}"
+            value, half = (from_si(each, "ml/min") for each in flow)
+            text = with_interval(value, half).replace("±", "+-")
+            note = ", the interval contains 0" if abs(value) <= half else ""
+            yield f"{where}: {text} ml/min at {number(from_si(highest, 'bar'), 1)} bar{note}"
 
 
 def _of_surface(surface: Surface) -> str:

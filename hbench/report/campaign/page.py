@@ -181,14 +181,16 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
                 *_titled(page_motions.dwell_table(results), "Laws over the time at rest"),
             ),
         )
-    for name, table in (
-        ("hysteresis", page_motions.loop_table(results)),
-        ("steps", page_motions.level_table(results)),
-        ("leakage", page_motions.leak_table(results)),
+    holds = _titled(page_motions.hold_table(results), "Each hold")
+    for name, table, more in (
+        ("hysteresis", page_motions.loop_table(results), ()),
+        ("steps", page_motions.level_table(results), ()),
+        ("leakage", page_motions.leak_table(results), holds),
     ):
         if drawings := figures.get(name):
             messages = (Section(items=table.messages),) if table.messages else ()
-            yield Section(name.capitalize(), drawings=drawings, tables=(table,), parts=messages)
+            tables = (table, *more)
+            yield Section(name.capitalize(), drawings=drawings, tables=tables, parts=messages)
 
 
 def _budget(results: Results) -> tuple[Section, ...]:

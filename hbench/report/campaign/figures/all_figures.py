@@ -185,8 +185,8 @@ FIGURES = (
         name="leakage",
         section="leakage",
         caption="Oil that left either chamber of the test cylinder, from the decay of its pressure "
-        "and the bench file's bulk modulus and volumes. One point for each hold; negative: "
-        "oil flowed in.",
+        "and the bench file's bulk modulus and volumes. One point and one line over time for each "
+        "hold; negative: oil flowed in.",
         applies=has_leakage,
         draw=leakage,
     ),
