@@ -32,6 +32,10 @@ class Specimen:
     area_rod_m2: float  # A_r, the annulus
     stroke_m: float | None = None  # None: not known
 
+    def driving_area_m2(self, direction: Direction) -> float:
+        """Return the area that the oil drives; 0 without hydraulics or a rod side."""
+        return self.area_piston_m2 if direction == "extend" else self.area_rod_m2
+
 
 @dataclass(frozen=True)
 class Segment:
@@ -228,6 +232,7 @@ class ScreenedRun:
     work_j: float | None = None
     travel_m: float | None = None  # distance travelled in the whole log
     friction_work_j: float | None = None  # work against friction over it; None without the channels
+    ends_m: tuple[float, float] | None = None  # position at the log's beginning and end
 
     @property
     def reason(self) -> str:

@@ -1,5 +1,6 @@
 """Results of runs with changing velocity and of runs at rest. All quantities are SI."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -94,7 +95,7 @@ Leak = Literal["across_piston", "piston_side_out", "rod_side_out"]
 
 @dataclass(frozen=True)
 class LeakCoefficient:
-    """One laminar leak [m^3/(s Pa)], conditional on bulk modulus and volumes of the bench file."""
+    """One leak [m^3/(s Pa)], conditional on bulk modulus and volumes of the bench file."""
 
     name: Leak
     value: float | None  # None: the runs don't determine it
@@ -104,7 +105,10 @@ class LeakCoefficient:
 
 @dataclass(frozen=True)
 class Leakage:
-    """Leakage of the test cylinder with all valves closed."""
+    """Leakage of the test cylinder with all valves closed.
+
+    A leak at the pressure p is C p |p / reference_pa|^(exponent - 1).
+    """
 
     label: str
     coefficients: tuple[LeakCoefficient, ...]
@@ -112,6 +116,34 @@ class Leakage:
     bulk_modulus_pa: float
     message: str
     kind: KindName = "hold"
+    exponent: float = 1.0  # of the pressure, the same for all leaks; 1: laminar
+    exponent_ci95: float | None = None  # half-width of its interval; None: not fitted
+    reference_pa: float | None = None  # pressure at which a coefficient is that of a laminar leak
+
+    def flow_m3_s(self, leak: LeakCoefficient, pressure_pa: float) -> tuple[float, float] | None:
+        """Return the flow of a leak at a pressure, and the half-width of its 95 % interval.
+
+        None where the runs do not determine it. The errors of coefficient and exponent are taken
+        as independent, since the reference pressure lies in the middle of those measured.
+        """
+        if leak.value is None or leak.ci95 is None:
+            return None
+        ratio = pressure_pa / (self.reference_pa or pressure_pa)
+        scale = pressure_pa * ratio ** (self.exponent - 1.0)
+        half = max(leak.value - leak.ci95[0], leak.ci95[1] - leak.value)
+        by_exponent = leak.value * math.log(ratio) * (self.exponent_ci95 or 0.0)
+        return leak.value * scale, math.hypot(half, by_exponent) * scale
+
+    def highest_pa(self, leak: Leak) -> float:
+        """Return the highest mean pressure of a hold that drives a leak."""
+        return max(
+            {
+                "across_piston": abs(decay.p_p_pa - decay.p_r_pa),
+                "piston_side_out": decay.p_p_pa,
+                "rod_side_out": decay.p_r_pa,
+            }[leak]
+            for decay in self.decays
+        )
 
 
 @dataclass(frozen=True)
@@ -127,6 +159,8 @@ class Decay:
     # Oil that left the piston side: V/beta times the pressure loss, less the displaced volume.
     out_p_m3_s: float
     out_r_m3_s: float  # the same of the rod side
+    # Course over time: t_s, and the oil that has left each side since the first row, in m^3.
+    trace: tuple[tuple[float, float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -148,6 +182,8 @@ class Breakaway:
     f_applied_n: float
     runs: tuple[str, ...]
     kind: KindName = "breakaway"
+    breakaway_pa: float | None = None  # the same on the driving area; None without hydraulics
+    u95_pa: float | None = None
 
 
 @dataclass(frozen=True)
@@ -205,8 +241,38 @@ class Surface:
 
 
 @dataclass(frozen=True)
+class DistanceTrend:
+    """Quantity of repeated runs or cycles over the distance travelled in the campaign."""
+
+    # Friction against the motion, of steady runs or of a triangle's cycles; breakaway; or the oil
+    # that leaves the chamber of the higher pressure in a hold.
+    quantity: Literal["friction_n", "breakaway_n", "leakage_m3_s"]
+    series: Series
+    direction: Direction | None  # None: both, or at rest
+    v_m_s: float | None  # of steady runs, or the largest of a cycle
+    dwell_s: float | None  # at rest before breakaway
+    distance_m: tuple[float, ...]
+    values: tuple[float, ...]
+    slope: float  # for each metre, over all values
+    slope_ci95: float  # half-width of its 95 % interval
+    intercept: float
+    p: float  # of no slope
+    p_holm: float  # after Holm, over all trends of the campaign
+    # The last half of the values, four at least: where it begins, its mean, and its change along a
+    # straight line of its own.
+    last_from_m: float
+    last_mean: float
+    last_change: float
+    last_change_ci95: float
+    # Settled: the interval of the last change lies within 5 % of the last mean. Changing: it is
+    # wider and does not contain 0.
+    verdict: Literal["settled", "changing", "not determined"]
+    kind: KindName = "steady"
+
+
+@dataclass(frozen=True)
 class Motions:
-    """Results of all runs that are not steady."""
+    """Results of all runs that are not steady, and of repeated runs over the distance."""
 
     comparisons: tuple[Comparison, ...] = ()
     loops: tuple[Loop, ...] = ()
@@ -216,3 +282,4 @@ class Motions:
     dwell_laws: tuple[DwellLaw, ...] = ()
     zero_checks: tuple[ZeroCheck, ...] = ()
     surfaces: tuple[Surface, ...] = ()
+    over_distance: tuple[DistanceTrend, ...] = ()

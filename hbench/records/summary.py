@@ -42,6 +42,10 @@ class HeadlineSeries:
     breakaway_n: HeadlineNumber | None
     breakaway_dwell_s: float | None  # at rest before breakaway; None where it was not measured
     efficiency: HeadlineNumber | None  # at that speed; 1 is 100 %
+    # Both forces as the pressure on the driving area, as cylinder tests state them; None without
+    # hydraulics. The other chamber's pressure is subtracted, with the ratio of the areas.
+    friction_pa: HeadlineNumber | None = None
+    breakaway_pa: HeadlineNumber | None = None
 
 
 @dataclass(frozen=True)

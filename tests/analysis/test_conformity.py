@@ -132,6 +132,28 @@ def test_a_pressure_is_that_on_the_driving_area(small):
         assert pressure.measurement.u95 == pytest.approx(force.measurement.u95 / area)
 
 
+def test_the_headlines_pressure_is_what_the_chambers_and_the_load_cell_leave(small):
+    """Of the driving side, less the other side's and the load's share of it."""
+    specimen = small.runs[0].run.plan.specimen
+    a_p, a_r = specimen.area_piston_m2, specimen.area_rod_m2
+    compared = 0
+    for series in small.headline.series:
+        for curve in small.curves:
+            same = (curve.direction, curve.f_load_n) == (series.direction, series.f_load_n)
+            for point in curve.points if same else ():
+                if abs(point.v_m_s) != series.v_m_s:
+                    continue
+                drag = point.p_tp_pa - (point.p_tr_pa * a_r + point.f_applied_n) / a_p
+                if curve.direction == "retract":
+                    drag = point.p_tr_pa - (point.p_tp_pa * a_p - point.f_applied_n) / a_r
+                assert series.friction_pa.value == pytest.approx(drag, rel=1e-6)
+                assert series.friction_pa.u95 / drag == pytest.approx(
+                    series.friction_n.u95 / series.friction_n.value
+                )
+                compared += 1
+    assert compared == len(small.headline.series) > 1
+
+
 def test_what_was_not_measured_is_not_tested_and_what_was_is_listed(small):
     (check,) = checks(small, {"quantity": "friction", "speed": "333 mm/s", "max": "1 kN"})
     assert check.decision == "NOT TESTED" and check.measurement is None

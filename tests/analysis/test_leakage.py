@@ -26,15 +26,19 @@ def stiff(bench):
     return bench.model_copy(update={"oil": bench.oil.model_copy(update={"bulk_modulus": BETA})})
 
 
-def hold(bench, start_bar, number, rng, leaks=TRUE, creep_m_s=0.0, noise_pa=300.0):
+def laminar(p):
+    return p
+
+
+def hold(bench, start_bar, number, rng, leaks=TRUE, creep_m_s=0.0, noise_pa=300.0, law=laminar):
     """Solve the chambers' equations with a general solver and log them with noise."""
     cylinder = bench.test_cylinder
     a_p, a_r = cylinder.area_piston_m2, cylinder.area_rod_m2
 
     def rates(t, p):
         x = X_M + creep_m_s * t
-        across = leaks["across_piston"] * (p[0] - p[1])
-        out_p, out_r = leaks["piston_side_out"] * p[0], leaks["rod_side_out"] * p[1]
+        across = leaks["across_piston"] * law(p[0] - p[1])
+        out_p, out_r = leaks["piston_side_out"] * law(p[0]), leaks["rod_side_out"] * law(p[1])
         v_p = cylinder.dead_volume_piston + a_p * x
         v_r = cylinder.dead_volume_rod + a_r * (cylinder.stroke - x)
         return [
@@ -89,6 +93,38 @@ def test_without_leaks_the_intervals_hold_zero_as_often_as_they_say(stiff):
     assert 0.88 < np.mean(hits) < 1.0, np.mean(hits)
 
 
+def orifice(p):
+    """As much as a laminar leak at 80 bar (Torricelli)."""
+    return np.sign(p) * np.sqrt(np.abs(p) * 80e5)
+
+
+def orifice_and_gap(p):
+    """Both in parallel; no power of the pressure."""
+    return 0.5 * orifice(p) + 0.5 * p
+
+
+FLOWS = [("across_piston", 30.0), ("across_piston", 75.0), ("rod_side_out", 60.0)]
+
+
+@pytest.mark.parametrize(("law", "error"), [(orifice, 0.01), (orifice_and_gap, 0.04)])
+def test_flows_of_leaks_that_are_not_laminar(stiff, law, error):
+    starts = ((90.0, 15.0), (30.0, 85.0), (110.0, 100.0), (70.0, 40.0))
+    leaks, found = found_in(holds(stiff, 3, starts, leaks=SMALL, law=law), stiff)
+    assert found.exponent < 1 - found.exponent_ci95
+    if law is orifice:
+        assert abs(found.exponent - 0.5) < found.exponent_ci95 + 0.005
+    for name, bar in FLOWS:
+        flow, half = found.flow_m3_s(leaks[name], bar * 1e5)
+        true = SMALL[name] * law(bar * 1e5)
+        print(f"{law.__name__}: {name} at {bar:g} bar {flow / true - 1:+.2%}, ± {half / true:.2%}")
+        assert flow == pytest.approx(true, rel=error)
+
+
+def test_laminar_leaks_keep_the_exponent_1_as_often_as_the_interval_says(stiff):
+    kept = [found_in(holds(stiff, seed), stiff)[1].exponent_ci95 is None for seed in range(40)]
+    assert np.mean(kept) > 0.85, np.mean(kept)
+
+
 def test_the_oil_that_left_a_side_is_what_the_leaks_took(stiff):
     _, found = found_in(holds(stiff, 4, leaks=SMALL, noise_pa=0.0), stiff)
     for decay in found.decays[::3]:
@@ -97,6 +133,9 @@ def test_the_oil_that_left_a_side_is_what_the_leaks_took(stiff):
         back = -across + SMALL["rod_side_out"] * decay.p_r_pa
         assert decay.out_p_m3_s == pytest.approx(out, rel=0.03)
         assert decay.out_r_m3_s == pytest.approx(back, rel=0.03)
+        t, lost_p, lost_r = decay.trace[-1]
+        assert lost_p == pytest.approx(out * t, rel=0.03)
+        assert lost_r == pytest.approx(back * t, rel=0.03)
 
 
 def test_a_wrong_bulk_modulus_scales_all_leaks_and_the_message_says_so(stiff):

@@ -15,6 +15,7 @@ from hbench.records import (
     Breakaway,
     Comparison,
     Decay,
+    DistanceTrend,
     DwellLaw,
     Leakage,
     LeakCoefficient,
@@ -39,6 +40,7 @@ from tests.support.report.made_page import page_html
 
 SERIES = Series("seal A", 500.0, 15e5)
 BLANK = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
+LOST = ((0.0, 0.0, 0.0), (2.0, 6e-10, -4e-10))
 PHASE = np.linspace(0, 2 * np.pi, 60, endpoint=False)
 
 
@@ -86,9 +88,16 @@ MOTIONS = Motions(
                 LeakCoefficient("piston_side_out", 1e-16, 1e-15, (-2e-15, 2.2e-15)),
                 LeakCoefficient("rod_side_out", None, None, None),
             ),
-            (Decay("0003", SERIES, 45e5, 60e5, -100.0, 50.0, 3e-10, -2e-10),),
+            (Decay("0003", SERIES, 45e5, 60e5, -100.0, 50.0, 3e-10, -2e-10, LOST),),
             7e7,
             "conditional on the bench file's bulk modulus",
+        ),
+    ),
+    over_distance=(
+        DistanceTrend(
+            *("friction_n", SERIES, None, 0.15, None, (1.0, 2.0, 3.0, 4.0, 5.0)),
+            *((420.0, 410.0, 403.0, 401.0, 400.0), -4.9, 3.6, 421.5, 0.02, 0.04),
+            *(2.0, 403.5, -9.7, 6.6, "settled", "triangle"),
         ),
     ),
     surfaces=(
@@ -166,10 +175,12 @@ def test_every_csv_has_the_records_in_si(moving):
         "levels.csv": 2,
         "leakage.csv": 3,
         "decays.csv": 1,
+        "decay_traces.csv": 2,
         "breakaways.csv": 2,
         "dwell_laws.csv": 1,
         "zeros.csv": 1,
         "surface.csv": 9,
+        "over_distance.csv": 5,
     }
     assert (
         made["breakaways.csv"][0]["ci95_n"] == "12.0" and made["breakaways.csv"][1]["u95_n"] == ""
@@ -233,10 +244,11 @@ def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
         r"steady: 0 of 1 ",
         r"\+175\.90 \+- 0\.27 J\b.*\b2 cycles\b.*\b1 trial\b.* -17\.6 \+- 1\.9 N at -50, ",
         r"steps: 2 .*\b65\.8 N, .*\b0\.3 s\b",
-        r"leakage \(1 .* piston: 4\.0e-14 \+- 3\.0e-15 m\^3/\(s Pa\)",
-        r" piston side: 1\.0e-16 \+- 2\.1e-15 m\^3/\(s Pa\), .*\b0\b",
+        r"leakage \(1 .* piston: 3\.60 \+- 0\.27 ml/min at 15\.0 bar$",
+        r" piston side: 0\.03 \+- 0\.57 ml/min at 45\.0 bar, .*\b0\b",
         r" rod side: \D*$",
         r"\(extend\): 3 loads 500 to 5000 N, 3 speeds",
+        r"over 5\.0 m \(seal A, 500 N, .* 150 mm/s\): settled, 404 N and -9\.7 \+- 6\.6 N",
         r"ramp 0\.1 m/s\^2 extend",
     ):
         assert re.search(numbers, text, re.MULTILINE), numbers

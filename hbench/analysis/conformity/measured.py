@@ -15,7 +15,9 @@ from hbench.records import (
     KINDS,
     Breakaway,
     Curve,
+    Direction,
     EfficiencyCurve,
+    Leakage,
     Results,
     RunPlan,
     ScreenedRun,
@@ -93,19 +95,25 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
 
 
 def _leakage(results: Results, requirement: Requirement) -> Iterable[Measurement]:
-    pressure = requirement.pressure_pa or 0.0
-    for leakage in results.motions.leakages:
-        if requirement.label not in (None, leakage.label):
-            continue
+    """Yield the flow at the required pressure, if it is not above those of the holds."""
+    for leakage in leaks_measured(results, requirement):
+        pressure = requirement.pressure_pa or 0.0
         for leak in leakage.coefficients:
-            if leak.name == requirement.leak and leak.value is not None and leak.ci95 is not None:
-                half = max(leak.value - leak.ci95[0], leak.ci95[1] - leak.value)
+            flow = leakage.flow_m3_s(leak, pressure) if leak.name == requirement.leak else None
+            if flow and pressure <= (1 + TOLERANCE) * leakage.highest_pa(leak.name):
                 yield Measurement(
-                    value=leak.value * pressure,
-                    u95=half * pressure,
+                    value=flow[0],
+                    u95=flow[1],
                     label=leakage.label,
                     runs=tuple(decay.run for decay in leakage.decays),
                 )
+
+
+def leaks_measured(results: Results, requirement: Requirement) -> Iterator[Leakage]:
+    """Yield the leakages of the required label, whatever the pressures of their holds."""
+    for leakage in results.motions.leakages:
+        if requirement.label in (None, leakage.label):
+            yield leakage
 
 
 def _speed_ripple(results: Results, requirement: Requirement) -> Iterable[Measurement]:
@@ -191,9 +199,8 @@ def _near(value: float | None, stated: float | None) -> bool:
     return value is not None and abs(value - stated) <= TOLERANCE * abs(stated)
 
 
-def _per(results: Results, requirement: Requirement, direction: str) -> float:
+def _per(results: Results, requirement: Requirement, direction: Direction) -> float:
     """Return the divisor of a force: 1, or the driving area [m^2] where a pressure is limited."""
     if not requirement.is_pressure:
         return 1.0
-    specimen = results.runs[0].run.plan.specimen
-    return specimen.area_piston_m2 if direction == "extend" else specimen.area_rod_m2
+    return results.runs[0].run.plan.specimen.driving_area_m2(direction)

@@ -145,6 +145,7 @@ def _mean(
     load = plan.f_load_n, plan.p_lr_ref_pa
     curve = Curve(plan.kind, plan.direction, *load, plan.label, plan.specimen, (point,))
     (point,) = with_instruments(curve, instruments).points
+    area = plan.specimen.driving_area_m2(plan.direction)
     return Breakaway(
         series=Series(plan.label, *load),
         direction=plan.direction,
@@ -161,6 +162,8 @@ def _mean(
         f_applied_n=point.f_applied_n,
         runs=point.runs,
         kind=plan.kind,
+        breakaway_pa=mean.friction_n / area if area else None,
+        u95_pa=point.u95_n / area if area and point.u95_n is not None else None,
     )
 
 

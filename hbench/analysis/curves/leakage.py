@@ -3,8 +3,11 @@
     V_p/beta dp_p/dt + A_p v  =  -C_i (p_p - p_r) - C_p p_p
     V_r/beta dp_r/dt - A_r v  =   C_i (p_p - p_r) - C_r p_r
 
-C_i is the leakage across the piston, C_p and C_r from either side to outside, at 0 bar gauge; all
-laminar. The integral over time avoids differentiating measured signals:
+C_i is the leakage across the piston, C_p and C_r from either side to outside, at 0 bar gauge. They
+are laminar unless the holds show another exponent n, that of an orifice being 0.5: then each
+pressure p above becomes p |p/p_0|^(n-1), p_0 being the root mean square of all these pressures. The
+exponent is the one with the least squares, the same for all leaks. The integral over time avoids
+differentiating measured signals:
 
     V_p/beta (p_p - p_p(0)) + A_p (x - x(0))  =  -C_i I(p_p - p_r) - C_p I(p_p)  + constant
 
@@ -23,6 +26,8 @@ volumes: with beta 10 % higher, C is 10 % lower.
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,6 +44,8 @@ _SETTLE_S = 0.3  # after the valves have closed
 # changes by 3 % give about this value; with less, every error would be amplified thirtyfold.
 _DETERMINED = 1e-3
 _PART = 0.1  # of a leak in directions that are not determined
+_EXPONENTS = (0.3, 1.5)  # searched; an orifice has 0.5, a laminar gap 1
+_TRACE = 30  # parts of a hold, for its course over time
 
 
 def chamber_leakage(screened: Iterable[ScreenedRun], bench: Bench) -> tuple[Leakage, ...]:
@@ -52,41 +59,41 @@ def chamber_leakage(screened: Iterable[ScreenedRun], bench: Bench) -> tuple[Leak
 
 def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     beta = bench.oil.bulk_modulus
-    equations = [_equations(run, bench) for run in runs]
-    matrix = np.concatenate([matrix for matrix, _, _ in equations])
-    moved = np.concatenate([moved for _, moved, _ in equations])
-    number = np.repeat(np.arange(len(equations)), [len(moved) for _, moved, _ in equations])
-    scale = np.sqrt(np.sum(matrix**2, axis=0))
-    effect = has_effect(matrix, np.ones(len(LEAK_NAMES)))  # a plunger does not have all leaks
-    scale[~effect] = 1.0
-    jacobian = np.where(effect, matrix / scale, 0.0)
-    s2, vectors = np.linalg.eigh(jacobian.T @ jacobian)
-    used = s2 > _DETERMINED * s2[-1]
-    unknown = parts_in(vectors[:, ~used]) > _PART
-    solution = (vectors[:, used] / s2[used]) @ vectors[:, used].T @ (jacobian.T @ moved)
-    covariance = covariance_over_runs(jacobian, moved - jacobian @ solution, number)
-    t = student_factor(len(runs) - 1) if len(runs) > 1 else np.nan
-    rounding = _rounding(
-        (vectors[:, used] / s2[used]) @ vectors[:, used].T @ jacobian.T, runs, bench
-    )
+    holds = [_hold(run, bench) for run in runs]
+    moved = np.concatenate([hold.moved for hold in holds])
+    number = np.repeat(np.arange(len(holds)), [len(hold.moved) for hold in holds])
+    p_0 = float(np.sqrt(np.mean(np.concatenate([hold.pressures.ravel() for hold in holds]) ** 2)))
+    laminar = _solved(_matrix(holds, 1.0, p_0), moved, number, runs, bench)
+    found, exponent, exponent_ci95 = laminar, 1.0, None
+    if p_0 > 0 and not laminar.unknown.any() and (abs(laminar.value) > laminar.half).any():
+        n, half = _exponent(holds, moved, number, p_0)
+        if abs(n - 1.0) > half:
+            found = _solved(_matrix(holds, n, p_0), moved, number, runs, bench)
+            exponent, exponent_ci95 = n, half
     coefficients, messages = [], []
     for i, name in enumerate(LEAK_NAMES):
-        value, se = float(solution[i] / scale[i]), float(np.sqrt(covariance[i, i]) / scale[i])
-        known = not unknown[i] and np.isfinite(t * se)
-        half = max(t * se, float(rounding[i] / scale[i]))
+        value, se, half = float(found.value[i]), float(found.se[i]), float(found.half[i])
+        known = not found.unknown[i] and np.isfinite(half)
         interval = (value - half, value + half) if known else None
         if known and value < 0:
             messages.append(f"{name} is negative: no leak detected")
-        if known and half > t * se:
+        if known and found.by_rounding[i]:
             messages.append(f"the interval of {name} is that of a drift by one converter code")
         coefficients.append(
-            LeakCoefficient(name, None if unknown[i] else value, se if known else None, interval)
+            LeakCoefficient(
+                name, None if found.unknown[i] else value, se if known else None, interval
+            )
         )
-    if unknown.any():
-        names = " and ".join(name for name, flag in zip(LEAK_NAMES, unknown, strict=True) if flag)
+    if found.unknown.any():
+        unknown = [name for name, flag in zip(LEAK_NAMES, found.unknown, strict=True) if flag]
         messages.append(
-            f"{names} are not distinguishable at the pressures of these holds. Hold at other "
-            "loads and rod-side pressures"
+            f"{' and '.join(unknown)} are not distinguishable at the pressures of these holds. "
+            "Hold at other loads and rod-side pressures"
+        )
+    if exponent_ci95 is not None:
+        messages.append(
+            f"the leaks grow with the pressure to the power {exponent:.3f} ± {exponent_ci95:.1g} "
+            f"(1: laminar, 0.5: orifice); the coefficients are those at {p_0 / 1e5:.3g} bar"
         )
     if len(runs) < 2:
         messages.append("no interval: there is only one hold")
@@ -97,11 +104,72 @@ def _leakage(label: str, runs: Sequence[Run], bench: Bench) -> Leakage:
     return Leakage(
         label=label,
         coefficients=tuple(coefficients),
-        decays=tuple(decay for _, _, decay in equations),
+        decays=tuple(hold.decay for hold in holds),
         bulk_modulus_pa=beta,
         message="; ".join(messages),
         kind=runs[0].plan.kind,
+        exponent=exponent,
+        exponent_ci95=exponent_ci95,
+        reference_pa=p_0,
     )
+
+
+class _Solution(NamedTuple):
+    """Leaks (3,) of one exponent with their errors."""
+
+    value: np.ndarray
+    se: np.ndarray
+    half: np.ndarray  # of the 95 % interval
+    unknown: np.ndarray  # bool
+    by_rounding: np.ndarray  # bool: half is that of a converter code
+
+
+def _solved(
+    matrix: np.ndarray, moved: np.ndarray, number: np.ndarray, runs: Sequence[Run], bench: Bench
+) -> _Solution:
+    """Solve for the leaks by least squares; ``matrix`` (n, 3) are the derivatives of ``moved``."""
+    scale = np.sqrt(np.sum(matrix**2, axis=0))
+    effect = has_effect(matrix, np.ones(len(LEAK_NAMES)))  # a plunger does not have all leaks
+    scale[~effect] = 1.0
+    jacobian = np.where(effect, matrix / scale, 0.0)
+    s2, vectors = np.linalg.eigh(jacobian.T @ jacobian)
+    used = s2 > _DETERMINED * s2[-1]
+    unknown = parts_in(vectors[:, ~used]) > _PART
+    inverse = (vectors[:, used] / s2[used]) @ vectors[:, used].T @ jacobian.T
+    solution = inverse @ moved
+    covariance = covariance_over_runs(jacobian, moved - jacobian @ solution, number)
+    t = student_factor(len(runs) - 1) if len(runs) > 1 else np.nan
+    se = np.sqrt(np.diag(covariance)) / scale
+    rounding = _rounding(inverse, runs, bench) / scale
+    return _Solution(
+        value=solution / scale,
+        se=se,
+        half=np.where(np.isfinite(t * se), np.fmax(t * se, rounding), np.nan),
+        unknown=unknown,
+        by_rounding=rounding > t * se,
+    )
+
+
+def _exponent(
+    holds: Sequence["_Hold"], moved: np.ndarray, number: np.ndarray, p_0: float
+) -> tuple[float, float]:
+    """Return the exponent with the least squares and its half-width; infinite: not determined."""
+    from scipy.optimize import minimize_scalar  # slow import
+
+    def leaks(n: float) -> np.ndarray:
+        matrix = _matrix(holds, n, p_0)
+        return np.linalg.lstsq(matrix, moved, rcond=None)[0]
+
+    def residual(n: float) -> np.ndarray:
+        return moved - _matrix(holds, n, p_0) @ leaks(n)
+
+    n = float(minimize_scalar(lambda n: float(np.sum(residual(n) ** 2)), bounds=_EXPONENTS).x)
+    step = 1e-3
+    shift = (_matrix(holds, n + step, p_0) - _matrix(holds, n - step, p_0)) / (2 * step)
+    jacobian = np.column_stack([_matrix(holds, n, p_0), shift @ leaks(n)])
+    variance = covariance_over_runs(jacobian, residual(n), number)[3, 3]
+    half = student_factor(len(holds) - 1) * np.sqrt(variance)
+    return n, float(half) if np.isfinite(half) else np.inf
 
 
 def _rounding(inverse: np.ndarray, runs: Sequence[Run], bench: Bench) -> np.ndarray:
@@ -144,28 +212,48 @@ def _is_plunger(run: Run) -> bool:
     return run.plan.specimen.area_rod_m2 == 0
 
 
-def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
-    """Return derivatives (2 n, 3) by leak and moved volumes (2 n,) [m^3], without means."""
+@dataclass(frozen=True)
+class _Hold:
+    """Settled part of a hold: pressures that drive the leaks, and what the chambers lost."""
+
+    t_s: np.ndarray  # (m,)
+    pressures: np.ndarray  # (m, 3), in the order of LEAK_NAMES; 0 without a rod side
+    moved: np.ndarray  # (2 m,) [m^3], without each side's mean
+    decay: Decay
+
+
+def _matrix(holds: Sequence[_Hold], exponent: float, p_0: float) -> np.ndarray:
+    """Return the derivatives (n, 3) of the moved volumes by leak, without means."""
     from scipy.integrate import cumulative_trapezoid  # slow import
 
-    cylinder = bench.test_cylinder
+    parts = []
+    for hold in holds:
+        p = hold.pressures
+        if exponent != 1.0:
+            p = np.sign(p) * p_0 * np.abs(p / p_0) ** exponent
+        across, out_p, out_r = cumulative_trapezoid(p, hold.t_s, axis=0, initial=0).T
+        none = np.zeros(len(hold.t_s))
+        sides = [[-across, -out_p, none], [across, none, -out_r]]
+        parts += [(c - c.mean(axis=0)) for c in map(np.column_stack, sides)]
+    return np.concatenate(parts)
+
+
+def _hold(run: Run, bench: Bench) -> _Hold:
+    cylinder, plan = bench.test_cylinder, run.plan
     settled, ((p_p, compliance_p), (p_r, compliance_r)) = _chambers(run, bench)
     t, x = run.t_s[settled], run.x_m[settled]
     moved_p = compliance_p * p_p + cylinder.area_piston_m2 * x
     moved_r = compliance_r * p_r - cylinder.area_rod_m2 * x
-    across, out_p, out_r = (cumulative_trapezoid(p, t, initial=0) for p in (p_p - p_r, p_p, p_r))
-    none = np.zeros(len(t))
+    across = p_p - p_r
     if _is_plunger(run):
-        across, moved_r = none, none
-    sides = (
-        (np.column_stack([-across, -out_p, none]), moved_p),
-        (np.column_stack([across, none, -out_r]), moved_r),
-    )
-    plan = run.plan
+        across = moved_r = np.zeros(len(t))
 
     def slope(y: np.ndarray) -> float:
         return float(np.polynomial.polynomial.polyfit(t - t[0], y, 1)[1])
 
+    at = np.linspace(0, len(t), min(_TRACE, len(t)) + 1).astype(int)
+    means = (np.add.reduceat(y, at[:-1]) / np.diff(at) for y in (t, moved_p, moved_r))
+    t_mean, lost_p, lost_r = (y - y[0] for y in means)
     decay = Decay(
         run=plan.run,
         series=Series(plan.label, plan.f_load_n, plan.p_lr_ref_pa),
@@ -175,7 +263,7 @@ def _equations(run: Run, bench: Bench) -> tuple[np.ndarray, np.ndarray, Decay]:
         rate_r_pa_s=slope(p_r),
         out_p_m3_s=-slope(moved_p),
         out_r_m3_s=-slope(moved_r),
+        trace=tuple(zip(t_mean.tolist(), (-lost_p).tolist(), (-lost_r).tolist(), strict=True)),
     )
-    matrix = np.concatenate([columns - columns.mean(axis=0) for columns, _ in sides])
-    moved = np.concatenate([values - values.mean() for _, values in sides])
-    return matrix, moved, decay
+    moved = np.concatenate([moved_p - moved_p.mean(), moved_r - moved_r.mean()])
+    return _Hold(t, np.column_stack([across, p_p, p_r]), moved, decay)

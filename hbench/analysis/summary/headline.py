@@ -69,6 +69,8 @@ def headline(
             point = _nearest(curve.points, speed) if steady else None
         measured = at_rest.pop(_key(original), None)
         breakaway = _measured(measured) if measured else _AtRest(_breakaway(curve, ramps))
+        friction = None if point is None else _friction(curve, point)
+        area = curve.specimen.driving_area_m2(curve.direction)
         series.append(
             HeadlineSeries(
                 kind=curve.kind,
@@ -78,10 +80,12 @@ def headline(
                 p_lr_ref_pa=original.p_lr_ref_pa,
                 a_ref_m_s2=curve.a_ref_m_s2,
                 v_m_s=None if point is None else abs(point.v_m_s),
-                friction_n=None if point is None else _friction(curve, point),
+                friction_n=friction,
                 breakaway_n=breakaway.breakaway_n,
                 breakaway_dwell_s=breakaway.dwell_s,
                 efficiency=None if point is None else _efficiency(curve, point, efficiency),
+                friction_pa=_on(area, friction),
+                breakaway_pa=_on(area, breakaway.breakaway_n),
             )
         )
     series += map(_only_breakaway, at_rest.values())
@@ -122,6 +126,16 @@ def _friction(curve: Curve, point: CurvePoint) -> HeadlineNumber:
     )
 
 
+def _on(area_m2: float, force: HeadlineNumber | None) -> HeadlineNumber | None:
+    """Return a force as the pressure on an area; None without an area."""
+    if force is None or not area_m2:
+        return None
+    u95, ci95, se = (
+        None if each is None else each / area_m2 for each in (force.u95, force.ci95, force.se)
+    )
+    return HeadlineNumber(force.value / area_m2, u95, ci95, se, force.basis)
+
+
 def _longest_dwells(breakaways: Iterable[Breakaway]) -> dict[tuple, Breakaway]:
     """Return the breakaway after the longest rest of each series, as ``_key`` names it."""
     longest: dict[tuple, Breakaway] = {}
@@ -140,6 +154,7 @@ def _measured(breakaway: Breakaway) -> _AtRest:
 
 def _only_breakaway(breakaway: Breakaway) -> HeadlineSeries:
     number, dwell_s = _measured(breakaway)
+    area = breakaway.breakaway_n / breakaway.breakaway_pa if breakaway.breakaway_pa else 0.0
     return HeadlineSeries(
         kind=breakaway.kind,
         label=breakaway.series.label,
@@ -152,6 +167,7 @@ def _only_breakaway(breakaway: Breakaway) -> HeadlineSeries:
         breakaway_n=number,
         breakaway_dwell_s=dwell_s,
         efficiency=None,
+        breakaway_pa=_on(area, number),
     )
 
 

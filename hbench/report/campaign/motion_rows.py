@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 
-from hbench.records import Comparison, Leakage, Level, Loop, Motions, Series, Surface
+from hbench.records import Comparison, DistanceTrend, Leakage, Level, Loop, Motions, Series, Surface
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import number, short, significant, span, with_interval
+from hbench.units import from_si
 
 SIGNIFICANT = 0.05  # of p after Holm
 
@@ -12,6 +13,13 @@ LEAKS = {
     "across_piston": "across the piston",
     "piston_side_out": "out of the piston side",
     "rod_side_out": "out of the rod side",
+}
+
+
+DISTANCE_QUANTITIES = {  # name and unit
+    "friction_n": ("Friction", "N"),
+    "breakaway_n": ("Breakaway", "N"),
+    "leakage_m3_s": ("Leakage", "ml/min"),
 }
 
 
@@ -28,6 +36,7 @@ def motion_lines(motions: Motions) -> list[str]:
         *_of_levels(motions.levels),
         *(line for leakage in motions.leakages for line in _of_leakage(leakage)),
         *map(_of_surface, motions.surfaces),
+        *map(_of_distance, motions.over_distance),
     ]
 
 
@@ -42,6 +51,29 @@ def comparison_words(comparison: Comparison) -> str:
 def differs(comparison: Comparison) -> bool:
     """Return whether a difference is significant after the correction for the number of tests."""
     return comparison.p_holm is not None and comparison.p_holm < SIGNIFICANT
+
+
+def distance_words(trend: DistanceTrend) -> str:
+    """Write the series of a trend, such as ``run-in, 0 N, cycles up to 60 mm/s``."""
+    speed = "" if trend.v_m_s is None else f"{number(1e3 * trend.v_m_s, 0)} mm/s"
+    if speed and trend.direction is None:
+        speed = f"cycles up to {speed}"
+    rest = "" if trend.dwell_s is None else f"after {short(trend.dwell_s)} s"
+    words = (series_words(trend.series), trend.direction or "", speed, rest)
+    return ", ".join(filter(None, words))
+
+
+def _of_distance(trend: DistanceTrend) -> str:
+    name, unit = DISTANCE_QUANTITIES[trend.quantity]
+    mean, change, half = (
+        from_si(each, unit) for each in (trend.last_mean, trend.last_change, trend.last_change_ci95)
+    )
+    level = number(mean, 0 if unit == "N" else 3)
+    return (
+        f"{name.lower()} over {number(trend.distance_m[-1], 1)} m ({distance_words(trend)}): "
+        f"{trend.verdict}, {level} {unit} and {_signed(change, half)} {unit} "
+        f"from {number(trend.last_from_m, 1)} m on"
+    )
 
 
 def _of_comparisons(comparisons: tuple[Comparison, ...]) -> Iterator[str]:
@@ -104,18 +136,17 @@ def _of_levels(levels: tuple[Level, ...]) -> Iterator[str]:
 def _of_leakage(leakage: Leakage) -> Iterator[str]:
     holds = f"leakage ({len(leakage.decays)} holds)"
     for coefficient in leakage.coefficients:
-        if coefficient.value is None:
-            yield f"{holds} {LEAKS[coefficient.name]}: not determined"
+        highest = leakage.highest_pa(coefficient.name)
+        flow = leakage.flow_m3_s(coefficient, highest)
+        where = f"{holds} {LEAKS[coefficient.name]}"
+        if flow is None:
+            known = coefficient.value is not None
+            yield f"{where}: {'no interval' if known else 'not determined'}"
         else:
-            zero = coefficient.ci95 is not None and coefficient.ci95[0] <= 0 <= coefficient.ci95[1]
-            half = (
-                ""
-                if coefficient.ci95 is None
-                else f" +- {significant(coefficient.ci95[1] - coefficient.value, 2)}"
-            )
-            value = f"{significant(coefficient.value, 2)}{half} m^3/(s Pa)"
-            note = ", the interval contains 0" if zero else ""
-            yield f"{holds} {LEAKS[coefficient.name]}: {value}{note}"
+            value, half = (from_si(each, "ml/min") for each in flow)
+            text = with_interval(value, half).replace("±", "+-")
+            note = ", the interval contains 0" if abs(value) <= half else ""
+            yield f"{where}: {text} ml/min at {number(from_si(highest, 'bar'), 1)} bar{note}"
 
 
 def _of_surface(surface: Surface) -> str:

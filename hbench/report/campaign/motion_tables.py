@@ -61,7 +61,7 @@ def leakage_csv(results: Results) -> str:
             rows.append({**vars(leakage), **cells})
     columns = (
         "kind label leak value_m3_s_pa se_m3_s_pa ci95_low_m3_s_pa ci95_high_m3_s_pa "
-        "bulk_modulus_pa message"
+        "exponent exponent_ci95 reference_pa bulk_modulus_pa message"
     )
     return csv_text(tuple(columns.split()), rows)
 
@@ -77,12 +77,23 @@ def decays_csv(results: Results) -> str:
     return csv_text((*_SERIES, *columns.split()), rows)
 
 
+def decay_traces_csv(results: Results) -> str:
+    """Return the oil that has left each side over the time of each hold."""
+    rows = (
+        {"kind": leakage.kind, **row(decay), "t_s": t_s, "out_p_m3": out_p, "out_r_m3": out_r}
+        for leakage in results.motions.leakages
+        for decay in leakage.decays
+        for t_s, out_p, out_r in decay.trace
+    )
+    return csv_text((*_SERIES, "run", "t_s", "out_p_m3", "out_r_m3"), rows)
+
+
 def breakaways_csv(results: Results) -> str:
     """Return one row a direction, load, dwell and rate."""
     rows = ({**row(each), "runs": " ".join(each.runs)} for each in results.motions.breakaways)
     columns = (
         "direction dwell_s rate_n_s breakaway_n ci95_n u95_n n displacement_m p_tp_pa p_tr_pa "
-        "f_applied_n runs"
+        "f_applied_n breakaway_pa u95_pa runs"
     )
     return csv_text((*_SERIES, *columns.split()), rows)
 
@@ -118,6 +129,20 @@ def surface_csv(results: Results) -> str:
     return csv_text(tuple(columns.split()), rows)
 
 
+def over_distance_csv(results: Results) -> str:
+    """Return one row a value, with the trend of its series in each."""
+    rows = (
+        {**row(trend), "at_m": at_m, "value": value}
+        for trend in results.motions.over_distance
+        for at_m, value in zip(trend.distance_m, trend.values, strict=True)
+    )
+    columns = (
+        "direction quantity v_m_s dwell_s at_m value slope slope_ci95 p p_holm last_from_m "
+        "last_mean last_change last_change_ci95 verdict"
+    )
+    return csv_text((*_SERIES, *columns.split()), rows)
+
+
 def motion_tables(results: Results) -> dict[str, str]:
     """Return the text of each of ``MOTION_TABLES`` that has rows, by its file's name."""
     texts = {name: table(results) for name, table in MOTION_TABLES.items()}
@@ -131,8 +156,10 @@ MOTION_TABLES: dict[str, Callable[[Results], str]] = {
     "levels.csv": levels_csv,
     "leakage.csv": leakage_csv,
     "decays.csv": decays_csv,
+    "decay_traces.csv": decay_traces_csv,
     "breakaways.csv": breakaways_csv,
     "dwell_laws.csv": dwell_laws_csv,
     "zeros.csv": zeros_csv,
     "surface.csv": surface_csv,
+    "over_distance.csv": over_distance_csv,
 }

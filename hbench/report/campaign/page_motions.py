@@ -1,7 +1,13 @@
 """The page's tables of moving and resting runs."""
 
 from hbench.records import Comparison, DwellLaw, Results, Zero
-from hbench.report.campaign.motion_rows import LEAKS, differs, series_words
+from hbench.report.campaign.motion_rows import (
+    DISTANCE_QUANTITIES,
+    LEAKS,
+    differs,
+    distance_words,
+    series_words,
+)
 from hbench.report.campaign.page_tables import table
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
@@ -88,33 +94,60 @@ def level_table(results: Results) -> Table:
 
 
 def leak_table(results: Results) -> Table:
-    """Return the leak coefficients in mm^3/(s bar), and below them their conditions."""
-    scale = 1e9 * from_si(1.0, "bar") ** -1
+    """Return the leaks at the highest pressure of their holds, and below them their conditions."""
     rows = []
     for leakage in results.motions.leakages:
         for coefficient in leakage.coefficients:
+            highest = leakage.highest_pa(coefficient.name)
+            flow = leakage.flow_m3_s(coefficient, highest)
             if coefficient.value is None:
                 cell = Cell(NONE, "not determined")
+            elif flow is None:
+                cell = Cell(NONE, "no interval")
             else:
-                half = (
-                    None
-                    if coefficient.ci95 is None
-                    else scale * (coefficient.ci95[1] - coefficient.value)
-                )
-                cell = Cell(
-                    with_interval(scale * coefficient.value, half), "" if half else "no interval"
-                )
-            rows.append((leakage.label, LEAKS[coefficient.name], cell, str(len(leakage.decays))))
+                cell = Cell(with_interval(*(from_si(each, "ml/min") for each in flow)))
+            at = number(from_si(highest, "bar"), 1)
+            rows.append((leakage.label, LEAKS[coefficient.name], at, cell))
     messages = tuple(leakage.message for leakage in results.motions.leakages)
-    head = ("Label", "Leak", "Coefficient (mm³/(s bar))", "Holds")
+    head = ("Label", "Leak", "At (bar)", "Leakage (ml/min)")
     return table(head, rows, messages, words=("Leak",))
+
+
+def hold_table(results: Results) -> Table:
+    """Return what each hold measured, without a law of the leaks."""
+    head = (
+        *("Run", "Load", "P_Tp (bar)", "P_Tr (bar)", "Difference (bar)"),
+        *("Out of the piston side (ml/min)", "Out of the rod side (ml/min)"),
+        "Out of the cylinder (ml/min)",
+    )
+    rows = [
+        (
+            decay.run,
+            series_words(decay.series),
+            *(
+                number(from_si(p, "bar"), 1)
+                for p in (decay.p_p_pa, decay.p_r_pa, decay.p_p_pa - decay.p_r_pa)
+            ),
+            *(
+                number(from_si(q, "ml/min"), 3)
+                for q in (
+                    decay.out_p_m3_s,
+                    decay.out_r_m3_s,
+                    decay.out_p_m3_s + decay.out_r_m3_s,
+                )
+            ),
+        )
+        for leakage in results.motions.leakages
+        for decay in leakage.decays
+    ]
+    return table(head, rows, words=("Load",))
 
 
 def breakaway_table(results: Results) -> Table:
     """Return breakaway of each direction, load, rest and rate."""
     head = (
-        *("Load", "Direction", "At rest (s)", "Rate (N/s)", "Breakaway (N)", "Trials alone (N)"),
-        *("Trials", "Displacement (mm)"),
+        *("Load", "Direction", "At rest (s)", "Rate (N/s)", "Breakaway (N)", "Breakaway (bar)"),
+        *("Trials alone (N)", "Trials", "Displacement (mm)"),
     )
     rows = [
         (
@@ -123,6 +156,7 @@ def breakaway_table(results: Results) -> Table:
             "" if each.dwell_s is None else short(each.dwell_s),
             short(each.rate_n_s),
             with_interval(each.breakaway_n, each.u95_n or each.ci95_n),
+            "" if each.breakaway_pa is None else _in_bar(each.breakaway_pa, each.u95_pa),
             "" if each.ci95_n is None else f"±{significant(each.ci95_n, 2)}",
             str(each.n),
             number(1e3 * each.displacement_m, 2),
@@ -150,6 +184,31 @@ def dwell_table(results: Results) -> Table:
     return table(head, rows, words=("Load", "Law"))
 
 
+def distance_table(results: Results) -> Table:
+    """Return trends over the distance, and whether each quantity has settled."""
+    head = (
+        *("Quantity", "Of", "Distance (m)", "Change per km", "p after Holm"),
+        *("Mean of the last half", "Its change", "Verdict"),
+    )
+    rows = []
+    for trend in results.motions.over_distance:
+        name, unit = DISTANCE_QUANTITIES[trend.quantity]
+        scale = from_si(1.0, unit)
+        rows.append(
+            (
+                f"{name} ({unit})",
+                distance_words(trend),
+                number(trend.distance_m[-1], 1),
+                with_interval(1e3 * scale * trend.slope, 1e3 * scale * trend.slope_ci95),
+                significant(trend.p_holm, 2),
+                number(scale * trend.last_mean, 0 if unit == "N" else 3),
+                with_interval(scale * trend.last_change, scale * trend.last_change_ci95),
+                trend.verdict,
+            )
+        )
+    return table(head, rows, words=("Quantity", "Of", "Verdict"))
+
+
 def zero_table(results: Results) -> Table:
     """Return the zero errors of each sensor in each check, in bar or N."""
     checks = results.motions.zero_checks
@@ -167,6 +226,11 @@ def zero_table(results: Results) -> Table:
             )
         )
     return table(head, rows, words=("Sensor",))
+
+
+def _in_bar(value_pa: float, half_pa: float | None) -> str:
+    half = None if half_pa is None else from_si(half_pa, "bar")
+    return with_interval(from_si(value_pa, "bar"), half)
 
 
 def _zero(zero: Zero | None, unit: str) -> Cell:

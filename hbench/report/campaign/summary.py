@@ -150,19 +150,25 @@ def _tile(
 
 
 def _table(series: Iterable[HeadlineSeries]) -> Table:
+    per_bar = from_si(1.0, "bar")
     rows: list[tuple[str | Cell, ...]] = [
         (
             *who(each)[:1],
             *who(each)[2:],
             number(None if each.v_m_s is None else 1e3 * each.v_m_s),
             _cell(each.friction_n),
+            _cell(each.friction_pa, per_bar) if each.friction_pa else "",
             _trials(each.friction_n),
             _breakaway(each),
+            _cell(each.breakaway_pa, per_bar) if each.breakaway_pa else "",
             _cell(each.efficiency, 100.0),
         )
         for each in series
     ]
-    head = ("At (mm/s)", "Friction (N)", "Trials alone (N)", "Breakaway (N)", "Efficiency (%)")
+    head = (
+        *("At (mm/s)", "Friction (N)", "Friction (bar)", "Trials alone (N)"),
+        *("Breakaway (N)", "Breakaway (bar)", "Efficiency (%)"),
+    )
     return table((WHO[0], *WHO[2:], *head), rows)
 
 

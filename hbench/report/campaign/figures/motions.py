@@ -93,22 +93,27 @@ def has_leakage(results: Results) -> bool:
 
 
 def leakage(results: Results) -> dict[str, Figure]:
-    """Draw the oil that left each side [mm^3/s] against its pressure [bar], a point a hold."""
-    figure = style.new_figure(height_in=3.6)
-    axes = figure.add_subplot()
+    """Draw the oil that left each side: flow [ml/min] by hold, volume [ml] over time."""
+    figure = style.new_figure(height_in=5.6)
+    flows, volumes = figure.subplots(2)
+    decays = [decay for leak in results.motions.leakages for decay in leak.decays]
     sides = (("piston side", "p_p_pa", "out_p_m3_s"), ("rod side", "p_r_pa", "out_r_m3_s"))
     for rank, (side, pressure, flow) in enumerate(sides):
-        decays = [decay for leak in results.motions.leakages for decay in leak.decays]
         p = [from_si(getattr(decay, pressure), "bar") for decay in decays]
-        q = [1e9 * getattr(decay, flow) for decay in decays]
+        q = [from_si(getattr(decay, flow), "ml/min") for decay in decays]
         look = style.series_style(rank)
-        bars = axes.errorbar(p, q, label=side, **look, **style.POINTS)
+        bars = flows.errorbar(p, q, label=side, **look, **style.POINTS)
         behind(bars, {"run": [decay.run for decay in decays]})
-    axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
-    axes.set(xlabel="Pressure of the side (bar)", ylabel="Oil that leaves (mm³/s)")
-    style.head(axes, "Leakage with all valves closed", results)
-    style.read_as(figure, "One point for each hold; negative: oil flowed in.")
-    style.legend_above(figure, axes)
+        for decay in decays:
+            t_s = [row[0] for row in decay.trace]
+            volumes.plot(t_s, [1e6 * row[1 + rank] for row in decay.trace], color=look["color"])
+    for axes in (flows, volumes):
+        axes.axhline(0, color="#374151", linewidth=0.9, zorder=1)
+    flows.set(xlabel="Pressure of the side (bar)", ylabel="Oil that leaves (ml/min)")
+    volumes.set(xlabel="Time (s)", ylabel="Oil that has left (ml)")
+    style.head(flows, "Leakage with all valves closed", results)
+    style.read_as(figure, "One point and line for each hold; negative: oil flowed in.")
+    style.legend_above(figure, flows)
     return {"": figure}
 
 
