@@ -148,6 +148,7 @@ class Breakaway:
     f_applied_n: float
     runs: tuple[str, ...]
     kind: KindName = "breakaway"
+    u95_dof: float | None = None  # effective degrees of freedom of u95_n; None: infinite
 
 
 @dataclass(frozen=True)
