@@ -20,6 +20,7 @@ _MODULES = {
     "watch": ("Watch",),
     "results": ("analyze", "report"),
     "conformity.acceptance": ("accept",),
+    "conformity.certificate": ("certify",),
     "fleet": ("analyze_fleet", "write_fleet"),
     "comparison": ("compare", "write_comparison"),
     "identification": ("identify", "write_identification"),
