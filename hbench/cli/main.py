@@ -9,9 +9,9 @@ import typer
 
 from hbench import __version__
 from hbench.cli.commands import (
-    accept,
     analyze,
     compare,
+    conformity,
     design,
     export,
     flash,
@@ -47,7 +47,8 @@ app.command("import")(imports.import_)
 app.command("export")(export.export)
 app.command("analyze")(analyze.analyze)
 app.command("report")(analyze.report)
-app.command("accept")(accept.accept)
+app.command("accept")(conformity.accept)
+app.command("certificate")(conformity.certificate)
 app.command("compare")(compare.compare)
 app.command("fleet")(fleet.fleet)
 app.command("identify")(identify.identify)

@@ -184,6 +184,7 @@ class Breakaway:
     kind: KindName = "breakaway"
     breakaway_pa: float | None = None  # the same on the driving area; None without hydraulics
     u95_pa: float | None = None
+    u95_dof: float | None = None  # effective degrees of freedom of u95_n; None: infinite
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ _MODULES = {
     "watching.station": ("Station",),
     "results": ("analyze", "report"),
     "conformity.acceptance": ("accept",),
+    "conformity.certificate": ("certify",),
     "fleet": ("analyze_fleet", "write_fleet"),
     "comparison": ("compare", "write_comparison"),
     "identification": ("identify", "write_identification"),

@@ -67,7 +67,8 @@ def line(world):
 def limits(world):
     campaigns("demo")(world)
     bench_file(world)
-    shutil.copy(ROOT / "configs" / "limits.yaml", world / "my-bench")
+    for name in ("limits.yaml", "certificate.yaml"):
+        shutil.copy(ROOT / "configs" / name, world / "my-bench")
 
 
 def bench_file(world):
@@ -105,6 +106,7 @@ def nothing(world):
 EXAMPLES = {
     "accept": (limits, ["demo/results/acceptance.json", "demo/results/acceptance.xml"]),
     "analyze": (campaigns("demo"), ["demo/results/results.json"]),
+    "certificate": (limits, ["certificate.pdf"]),
     "compare": (campaigns("before", "after"), ["comparison/comparison.html"]),
     "design": (bench_file, []),
     "export": (campaigns("demo"), ["demo-mat/campaign.mat", "demo-mat/curves.mat"]),

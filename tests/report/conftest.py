@@ -3,13 +3,16 @@
 import json
 import math
 from dataclasses import replace
+from datetime import date
 from importlib.resources import files
 
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
+from hbench.analysis.conformity.certified import certified_values
 from hbench.analysis.curves.band_trends import band_trends
+from hbench.config.conformity.certificate import completed, parse_certificate
 from hbench.records import (
     Band,
     Curve,
@@ -27,6 +30,13 @@ from hbench.records import (
     SteadyMeans,
 )
 from hbench.report.campaign.figures.all_figures import draw_all
+from hbench.report.conformity.certificate.certificate import Certificate
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.raw_logs import raw_data
+from hbench.workflow.conformity.acceptance import decided
+from hbench.workflow.results import derive
+from tests.support import ROOT
+from tests.support.certificates import FILE, LIMITS
 from tests.support.report.made_page import made_results
 from tests.support.shared import once
 
@@ -279,3 +289,40 @@ def two_rod_sides(small):
 @pytest.fixture(scope="session")
 def seals():
     return seal_results()
+
+
+@pytest.fixture(scope="module")
+def sample_campaign():
+    return load_campaign(ROOT / "data_samples" / "stribeck-small")
+
+
+@pytest.fixture(scope="module")
+def sample_results(sample_campaign):
+    return derive(sample_campaign)
+
+
+@pytest.fixture(scope="module")
+def certificate(sample_campaign, sample_results, tmp_path_factory):
+    """Return a function that makes a certificate; keywords replace keys of its file."""
+    limits = tmp_path_factory.mktemp("limits") / "limits.yaml"
+    limits.write_text(LIMITS)
+    values, all_speeds = certified_values(sample_results, sample_campaign.setup().instruments)
+
+    def make(source: str = "real", **keys) -> Certificate:
+        file = parse_certificate(FILE | keys, "certificate.yaml")
+        specimen, test = completed(file, {}, "certificate.yaml")
+        provenance = replace(sample_results.provenance, source=source)
+        return Certificate(
+            file=file,
+            issued=file.issued or date(2026, 2, 3),
+            specimen=specimen,
+            test=test,
+            results=replace(sample_results, provenance=provenance),
+            values=values,
+            all_speeds=all_speeds,
+            instruments=sample_campaign.setup().instruments,
+            raw=raw_data(sample_campaign),
+            acceptance=decided(sample_results, limits),
+        )
+
+    return make

@@ -84,7 +84,7 @@ def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measureme
         yield Measurement(
             value=each.breakaway_n / per,
             u95=None if u95 is None else u95 / per,
-            dof=None if each.u95_n else each.n - 1,
+            dof=each.u95_dof if each.u95_n else each.n - 1,
             label=each.series.label,
             direction=each.direction,
             f_load_n=each.series.f_load_n,

@@ -154,6 +154,7 @@ def _mean(
         breakaway_n=mean.friction_n,
         ci95_n=point.ci95_n,
         u95_n=point.u95_n,
+        u95_dof=point.u95_dof,
         n=point.n,
         trials_n=point.trials_n,
         displacement_m=mean.displacement_m,

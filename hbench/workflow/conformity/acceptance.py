@@ -5,6 +5,7 @@ from pathlib import Path
 from hbench.analysis.conformity.acceptance import conformity_checks
 from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.loading import file_sha256, read_yaml
+from hbench.records import Results
 from hbench.records.conformity.acceptance import Acceptance
 from hbench.report.campaign.quality import missing_words
 from hbench.report.conformity.acceptance_document import acceptance_json
@@ -15,15 +16,25 @@ from hbench.workflow.results import derive
 
 def accept(folder: Path, limits_file: Path) -> Acceptance:
     """Decide whether a campaign's cylinder conforms; write ``acceptance.json`` and ``.xml``."""
+    acceptance = decided(derive(load_campaign(folder)), limits_file)
+    files = {
+        "acceptance.json": acceptance_json(acceptance),
+        "acceptance.xml": junit_xml(acceptance),
+    }
+    write_results(folder, {name: text.encode() for name, text in files.items()})
+    return acceptance
+
+
+def decided(results: Results, limits_file: Path) -> Acceptance:
+    """Return the decisions on a campaign's cylinder; nothing is written."""
     limits = parse_limits(read_yaml(limits_file), str(limits_file))
-    results = derive(load_campaign(folder))
     settings = results.provenance.settings
     notes = []
     if results.quality.grade != "good":
         notes.append(f"the quality of the data is {results.quality.grade!r}; see hbench report")
     if missing := missing_words(results.quality.completeness):
         notes.append(missing)
-    acceptance = Acceptance(
+    return Acceptance(
         provenance=results.provenance,
         serial=str((settings.get("specimen") or {}).get("serial", "")),
         product=limits.product,
@@ -40,9 +51,3 @@ def accept(folder: Path, limits_file: Path) -> Acceptance:
         data=results.quality.grade,
         notes=tuple(notes),
     )
-    files = {
-        "acceptance.json": acceptance_json(acceptance),
-        "acceptance.xml": junit_xml(acceptance),
-    }
-    write_results(folder, {name: text.encode() for name, text in files.items()})
-    return acceptance

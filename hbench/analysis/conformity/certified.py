@@ -1,0 +1,123 @@
+"""What a certificate states of a campaign, and why a campaign is not certified.
+
+The coverage factor of a value is Student's factor for its effective degrees of freedom (JCGM 100,
+G.6.4), or 2 where the instruments' file says so (``expansion: k_2``).
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from statistics import median_low
+from typing import Literal, get_args
+
+from hbench.analysis.conformity.measured import measurements
+from hbench.analysis.statistics.student import student_factor
+from hbench.config.sensors import Instruments
+from hbench.records import Results
+from hbench.records.conformity.acceptance import Measurement, Requirement
+from hbench.records.conformity.certified import Certified
+from hbench.records.motions import Leak
+
+MOST_POINTS = 16  # steady points on a certificate; of more, three speeds of each series
+_UNIT_LEAK_PA = 1.0  # difference of pressure at which the leak is its coefficient
+
+
+def certified_values(
+    results: Results, instruments: Instruments | None
+) -> tuple[tuple[Certified, ...], bool]:
+    """Return the values of a certificate, and whether all measured speeds are among them.
+
+    Of more than ``MOST_POINTS`` steady points, each series keeps its lowest and highest speed and
+    the one next to the working speed. Errors of the instruments are in the uncertainty only where
+    ``instruments`` are known.
+    """
+    forces = [_force(results, "friction", each, instruments) for each in _all(results, "friction")]
+    kept = _fewer(forces, results.headline.v_m_s)
+    speeds = {_point(each.measurement) for each in kept}
+    efficiencies = [
+        Certified("efficiency", each, _factor(each, instruments) if instruments else None)
+        for each in _all(results, "efficiency")
+        if _point(each) in speeds or not forces
+    ]
+    breakaways = (
+        _force(results, "breakaway", each, instruments) for each in _all(results, "breakaway")
+    )
+    values = (*kept, *efficiencies, *breakaways, *_leaks(results))
+    return values, len(kept) == len(forces)
+
+
+def why_not_certified(results: Results) -> tuple[str, ...]:
+    """Return the reasons why a campaign gets no certificate; empty if it gets one."""
+    complete = results.quality.completeness
+    reasons = []
+    if complete.not_completed:
+        count = len(complete.not_completed)
+        reasons.append(f"{count} of {complete.planned} planned runs were not completed")
+    unmeasured = sum(point.accepted == 0 for point in complete.short_points)
+    if unmeasured:
+        reasons.append(f"{unmeasured} of {complete.points} points have no accepted trial")
+    if results.quality.grade == "poor":
+        reasons.append("the quality of the data is 'poor'")
+    if not any(run.accepted for run in results.runs):
+        reasons.append("no run was accepted")
+    return tuple(reasons)
+
+
+def _all(
+    results: Results, quantity: Literal["friction", "efficiency", "breakaway"]
+) -> tuple[Measurement, ...]:
+    return measurements(results, Requirement(quantity, "N", None, None))
+
+
+def _force(
+    results: Results,
+    quantity: Literal["friction", "breakaway"],
+    measured: Measurement,
+    instruments: Instruments | None,
+) -> Certified:
+    """Return a force, also as the pressure on the driving area where that is known."""
+    specimen = results.runs[0].run.plan.specimen
+    extends = measured.direction == "extend"
+    area = specimen.area_piston_m2 if extends else specimen.area_rod_m2
+    certified = Certified(quantity, measured, _factor(measured, instruments))
+    if not area:
+        return certified
+    half = None if measured.u95 is None else measured.u95 / area
+    return replace(certified, pressure_pa=measured.value / area, pressure_u95_pa=half)
+
+
+def _factor(measured: Measurement, instruments: Instruments | None) -> float | None:
+    if measured.u95 is None:
+        return None
+    if instruments is not None and instruments.expansion == "k_2":
+        return 2.0
+    return student_factor(float("inf") if measured.dof is None else measured.dof)
+
+
+def _leaks(results: Results) -> Iterator[Certified]:
+    """Yield the leak coefficients. Their intervals are those of a fit: no factor is stated."""
+    for leak in get_args(Leak):
+        asked = Requirement("leakage", "ml/min", None, None, leak=leak, pressure_pa=_UNIT_LEAK_PA)
+        for measured in measurements(results, asked):
+            yield Certified("leakage", measured, None, leak=leak)
+
+
+def _fewer(points: list[Certified], working_m_s: float | None) -> list[Certified]:
+    if len(points) <= MOST_POINTS:
+        return points
+    of_series: dict[tuple, list[float]] = {}
+    for each in points:
+        of_series.setdefault(_series(each.measurement), []).append(each.measurement.v_m_s or 0.0)
+    kept = set()
+    for series, speeds in of_series.items():
+        working = median_low(speeds) if working_m_s is None else working_m_s
+        nearest = min(speeds, key=lambda speed: abs(speed - working))
+        kept |= {(*series, speed) for speed in (min(speeds), nearest, max(speeds))}
+    return [each for each in points if _point(each.measurement) in kept]
+
+
+def _series(measured: Measurement) -> tuple:
+    return measured.label, measured.direction, measured.f_load_n, measured.p_lr_ref_pa
+
+
+def _point(measured: Measurement) -> tuple:
+    return *_series(measured), measured.v_m_s or 0.0

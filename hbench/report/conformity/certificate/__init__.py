@@ -1,0 +1,1 @@
+"""Test certificate of a campaign: page, PDF and digital calibration certificate."""

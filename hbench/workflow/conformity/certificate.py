@@ -1,0 +1,111 @@
+"""Certificate of a campaign: page, PDF, digital calibration certificate or archive."""
+
+from collections.abc import Callable
+from datetime import date
+from pathlib import Path
+
+from hbench.analysis.conformity.certified import certified_values, why_not_certified
+from hbench.config.conformity.certificate import (
+    completed,
+    parse_certificate,
+    read_logo,
+    read_template,
+)
+from hbench.config.files.loading import read_yaml
+from hbench.errors import ConfigError, DataError
+from hbench.report.campaign.results_document import results_json
+from hbench.report.conformity.certificate.certificate import Certificate
+from hbench.report.conformity.certificate.dcc import dcc_xml
+from hbench.report.conformity.certificate.page import certificate_page
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.raw_logs import raw_data
+from hbench.store.exporting.ro_crate import Described, write_crate
+from hbench.store.files.atomic import write_atomic
+from hbench.workflow.conformity.acceptance import decided
+from hbench.workflow.results import derive
+
+_FORMS = (".html", ".pdf", ".xml", ".zip")
+
+
+def certify(folder: Path, file: Path, output: Path, today: date | None = None) -> Certificate:
+    """Write the certificate of a campaign; the form follows from the name of ``output``.
+
+    ``.html``, ``.pdf``, ``.xml`` (digital calibration certificate), ``.zip`` or no extension
+    (RO-Crate with the raw logs). ``today`` is the date of issue where the file states none.
+    Raises ``DataError`` for a campaign that gets no certificate.
+    """
+    form = output.suffix.lower()
+    if form and form not in _FORMS:
+        raise ConfigError(
+            f"{output}: '{form}' is no form of a certificate",
+            f"Use {', '.join(_FORMS)}, or a folder's name without an extension.",
+        )
+    certificate = _certificate(folder, file, today or date.today())
+    template = certificate.file.template
+    own = None if template is None else read_template(file.parent / template)
+
+    def page() -> bytes:
+        return certificate_page(certificate, own, str(template)).encode()
+
+    def pdf() -> bytes:
+        from hbench.report.conformity.certificate.pdf import certificate_pdf  # slow: matplotlib
+
+        return certificate_pdf(certificate)
+
+    def xml() -> bytes:
+        return dcc_xml(certificate).encode()
+
+    forms: dict[str, Callable[[], bytes]] = {".html": page, ".pdf": pdf, ".xml": xml}
+    if form in forms:
+        write_atomic(output, forms[form]())
+        return certificate
+    derived = {
+        "certificate.html": page(),
+        "results.json": results_json(certificate.results).encode(),
+    }
+    if certificate.performed is not None:  # the DCC needs the date
+        derived["certificate.xml"] = xml()
+    about = Described(
+        name=f"{certificate.word('title')} {certificate.number}",
+        description=certificate.word("simulated" if certificate.simulated else "only_item"),
+        number=certificate.number,
+        published=certificate.issued,
+        publisher=certificate.file.laboratory.name,
+        raw=certificate.raw,
+    )
+    write_crate(output, load_campaign(folder), derived, about)
+    return certificate
+
+
+def _certificate(folder: Path, path: Path, today: date) -> Certificate:
+    file = parse_certificate(read_yaml(path), str(path))
+    campaign = load_campaign(folder)
+    results = derive(campaign)
+    reasons = why_not_certified(results)
+    if reasons:
+        raise DataError(
+            f"{folder}: gets no certificate: {'; '.join(reasons)}",
+            "`hbench report` shows the data; continue an interrupted campaign with --resume.",
+        )
+    specimen, test = completed(file, results.provenance.settings, str(path))
+    instruments = campaign.setup().instruments
+    values, all_speeds = certified_values(results, instruments)
+    if not values:
+        raise DataError(f"{folder}: gets no certificate: none of its quantities was measured")
+    acceptance = None
+    if file.limits is not None:
+        acceptance = decided(results, path.parent / file.limits)
+    return Certificate(
+        file=file,
+        issued=file.issued or today,
+        specimen=specimen,
+        test=test,
+        results=results,
+        values=values,
+        all_speeds=all_speeds,
+        instruments=instruments,
+        raw=raw_data(campaign),
+        acceptance=acceptance,
+        warnings=campaign.warnings,
+        logo=None if file.logo is None else read_logo(path.parent / file.logo),
+    )

@@ -1,0 +1,108 @@
+"""``hbench certificate``: forms, archive and refusals."""
+
+import hashlib
+import json
+import shutil
+import subprocess
+import zipfile
+from urllib.request import pathname2url
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from hbench import workflow
+from hbench.cli.main import app
+from hbench.config.conformity.certificate import parse_certificate
+from hbench.errors import ConfigError, DataError
+from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.raw_logs import raw_data
+from tests.support import ROOT
+from tests.support.certificates import FILE, LIMITS
+
+SAMPLE = ROOT / "data_samples" / "stribeck-small"
+STATED = {"issued": "2026-02-03", "limits": "limits.yaml"}
+
+
+@pytest.fixture
+def file(tmp_path):
+    (tmp_path / "limits.yaml").write_text(LIMITS)
+    path = tmp_path / "certificate.yaml"
+    path.write_text(yaml.safe_dump(FILE | STATED, allow_unicode=True))
+    return path
+
+
+def test_the_command_prints_the_number_and_what_is_missing(file, tmp_path):
+    output = tmp_path / "c.html"
+    line = ["certificate", str(SAMPLE), "--with", str(file), "-o", str(output), "--json"]
+    said = CliRunner().invoke(app, line)
+    assert said.exit_code == 0
+    document = json.loads(said.stdout)
+    assert document["number"] == "SIM-L-17" and document["simulated"]
+    assert "instruments.force.calibration.certificate" in document["missing"]
+    assert "SIM-L-17" in output.read_text()
+
+
+def test_the_archive_lists_each_file_with_its_checksum_and_is_a_campaign(file, tmp_path):
+    for name in ("a.zip", "b.zip"):
+        workflow.certify(SAMPLE, file, tmp_path / name)
+    assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
+    with zipfile.ZipFile(tmp_path / "a.zip") as archive:
+        archive.extractall(tmp_path / "crate")
+    crate = tmp_path / "crate"
+    graph = json.loads((crate / "ro-crate-metadata.json").read_text())["@graph"]
+    listed = {entity["@id"]: entity for entity in graph if entity["@type"] == "File"}
+    there = {p.relative_to(crate).as_posix() for p in crate.rglob("*") if p.is_file()}
+    assert there == {*listed, "ro-crate-metadata.json"}
+    assert {"campaign.yaml", "results.json", "certificate.html", "certificate.xml"} <= there
+    for name, entity in listed.items():
+        data = (crate / name).read_bytes()
+        assert entity["sha256"] == hashlib.sha256(data).hexdigest()
+        assert entity["contentSize"] == str(len(data))
+    root = next(entity for entity in graph if entity["@id"] == "./")
+    assert {part["@id"] for part in root["hasPart"]} == set(listed)
+    assert root["identifier"] == "SIM-L-17"
+    assert raw_data(load_campaign(crate)) == raw_data(load_campaign(SAMPLE))
+    recipe = "sha256sum runs/*.dat | LC_ALL=C sort -k2 | sha256sum"
+    said = subprocess.run(recipe, shell=True, cwd=crate, capture_output=True, text=True, check=True)
+    assert said.stdout.split()[0] == root["sha256"]
+
+
+def test_the_rocrate_library_reads_the_archive(file, tmp_path):
+    rocrate = pytest.importorskip("rocrate.rocrate")
+    workflow.certify(SAMPLE, file, tmp_path / "crate")
+    crate = rocrate.ROCrate(tmp_path / "crate")
+    assert crate.root_dataset["identifier"] == "SIM-L-17"
+    assert crate.get(pathname2url("runs/0001.dat"))["encodingFormat"] == "text/plain"
+    assert len(crate.root_dataset["hasPart"]) == 72 + 4
+
+
+def test_a_changed_or_missing_log_is_refused(file, tmp_path):
+    copy = tmp_path / "campaign"
+    shutil.copytree(SAMPLE, copy)
+    log = copy / "runs" / "0003.dat"
+    log.write_bytes(log.read_bytes()[:-3] + b"0\r\n")
+    with pytest.raises(DataError, match="0003"):
+        raw_data(load_campaign(copy))
+    log.unlink()
+    with pytest.raises(DataError, match="0003"):
+        workflow.certify(copy, file, tmp_path / "c.html")
+    assert not (tmp_path / "c.html").exists()
+
+
+def test_poor_data_and_unknown_forms_are_refused(file, tmp_path):
+    with pytest.raises(DataError, match="'poor'"):
+        workflow.certify(ROOT / "data_samples" / "bad-runs", file, tmp_path / "c.pdf")
+    with pytest.raises(ConfigError, match="no form"):
+        workflow.certify(SAMPLE, file, tmp_path / "c.docx")
+
+
+def test_the_example_file_is_valid_and_its_keys_are_known():
+    text = (ROOT / "configs" / "certificate.yaml").read_text()
+    with_comments = "\n".join(
+        line[2:] if line.startswith("# ") and ":" in line.split("#")[1][:12] else line
+        for line in text.splitlines()
+    )
+    for data in (yaml.safe_load(text), yaml.safe_load(with_comments)):
+        parse_certificate(data, "certificate.yaml")
+    assert yaml.safe_load(with_comments).keys() >= {"number", "replaces", "logo", "template"}

@@ -1,0 +1,316 @@
+"""The certificate: its fields after ISO/IEC 17025, 7.8, its languages, templates and marks."""
+
+import re
+import string
+from dataclasses import replace
+from datetime import date
+from html import unescape
+
+import pytest
+
+from hbench.analysis.conformity.certified import certified_values, why_not_certified
+from hbench.config.conformity.certificate import Image, completed, parse_certificate, read_logo
+from hbench.errors import ConfigError
+from hbench.records.conformity.acceptance import Measurement
+from hbench.records.conformity.certified import Certified
+from hbench.report.conformity.certificate.certificate import Certificate
+from hbench.report.conformity.certificate.content import content
+from hbench.report.conformity.certificate.page import certificate_page
+from hbench.report.conformity.certificate.pdf import certificate_pdf, sheets, wrapped
+from hbench.report.conformity.certificate.words import WORDS
+from tests.support import ROOT
+from tests.support.certificates import FILE, HOSTILE, PNG
+
+README = ROOT / "hbench" / "report" / "conformity" / "README.md"
+# A text of the certificate for each clause that the README lists.
+CLAUSES = {
+    "7.8.2.1 a": "Test certificate",
+    "7.8.2.1 b": "Labor & Söhne",
+    "7.8.2.1 c": "test hall 2",
+    "7.8.2.1 d": "End of certificate L-17",
+    "7.8.2.1 e": "Kunde AG",
+    "7.8.2.1 f": "Procedure of the laboratory: WI-12.",
+    "7.8.2.1 g": "S-4711",
+    "7.8.2.1 h": "2026-01-05",
+    "7.8.2.1 i": "2026-01-01",
+    "7.8.2.1 j": "2026-02-03",
+    "7.8.2.1 k": "No sampling plan",
+    "7.8.2.1 l": "The results relate only to the item tested",
+    "7.8.2.1 m": "Friction ± U (N)",
+    "7.8.2.1 n": "No deviations from the schedule.",
+    "7.8.2.1 o": "Prof. Prüfer",
+    "7.8.2.1 p": "No results from external providers are recorded.",
+    "7.8.2.2": "as stated by the customer",
+    "7.8.3.1 a": "23 °C, 40 %",
+    "7.8.3.1 b": "Statement of conformity",
+    "7.8.3.1 c": "U is the expanded uncertainty after JCGM 100",
+    "7.8.3.1 d": "A remark of the laboratory",
+    "7.8.3.1 e": "Back pressure: set pressure",
+    "7.8.4.1 a": "for a coverage probability of approximately 95 %",
+    "7.8.4.1 b": "Oil temperature",
+    "7.8.4.1 c": "Traceability to the SI is not stated",
+    "7.8.4.1 d": "no adjustment of the item are recorded",
+    "7.8.4.1 e": "Decision on the specimen",
+    "7.8.6.1": "Decision rule: guard band (JCGM 106, 8.3.2; ILAC-G8)",
+    "7.8.6.2 a": "The statement applies to the quantities in the table",
+    "7.8.6.2 b": "limits of limits.yaml, SHA-256",
+    "7.8.6.2 c": "Decision rule",
+    "7.8.8.3": "L-16",
+}
+
+
+def page_text(certificate: Certificate) -> str:
+    body = certificate_page(certificate).partition("</head>")[2]
+    return flat(unescape(re.sub(r"<[^>]+>", " ", body)))
+
+
+def pdf_text(certificate: Certificate) -> str:
+    return flat(" ".join(t.get_text() for sheet in sheets(certificate) for t in sheet.texts))
+
+
+def flat(text: str) -> str:
+    return " ".join(text.split())
+
+
+def test_the_readme_lists_each_clause_and_page_and_pdf_contain_its_field(certificate):
+    rows = re.findall(r"^\| (7\.8\.[\d.]+(?: [a-p])?) \|", README.read_text(), re.MULTILINE)
+    assert rows == list(CLAUSES)
+    assert {f"7.8.2.1 {letter}" for letter in string.ascii_lowercase[:16]} <= set(rows)
+    made = certificate()
+    for text in (page_text(made), pdf_text(made)):
+        assert not {clause for clause, field in CLAUSES.items() if field not in text}
+
+
+def test_a_value_is_stated_with_its_uncertainty_and_factor(certificate):
+    measured = Measurement(412.34, u95=27.76, dof=4.0, direction="extend", v_m_s=0.082)
+    values = (
+        Certified("friction", measured, 2.776, 328_000.0, 22_100.0),
+        Certified("breakaway", replace(measured, v_m_s=None, dwell_s=60.0), 2.776),
+        Certified("leakage", Measurement(2.5e-13, 5e-14), None, leak="across_piston"),
+    )
+    for made in (certificate(), certificate(language="de")):
+        parts = content(replace(made, values=values)).parts
+        point = ["412 ± 28", "2.78", "3.28 ± 0.22"]
+        leak = "1.50 ± 0.30"  # 2.5e-13 m^3/(s Pa) is 2.5e-13 * 1e6 * 60 * 1e5 ml/(min bar)
+        if made.file.language == "de":
+            point = [text.replace(".", ",") for text in point]
+            leak = leak.replace(".", ",")
+        assert list(parts["friction"].tables[0].rows[0][-3:]) == point
+        assert point[0] in parts["breakaway"].tables[0].rows[0]
+        assert parts["leakage"].tables[0].rows[0][-1] == leak
+
+
+def test_the_coverage_factor_is_students_or_two(sample_campaign, sample_results):
+    instruments = sample_campaign.setup().instruments
+    by_dof, _ = certified_values(sample_results, instruments)
+    assert all(1.9599 < value.k < 1.97 for value in by_dof)  # hundreds of degrees of freedom
+    two, _ = certified_values(sample_results, instruments.model_copy(update={"expansion": "k_2"}))
+    assert {value.k for value in two} == {2.0}
+
+
+def test_of_many_speeds_three_of_each_series_are_stated(sample_results, certificate):
+    values, all_speeds = certified_values(sample_results, None)
+    speeds = [v.measurement.v_m_s for v in values if v.quantity == "friction"]
+    assert not all_speeds and len(speeds) == 4 * 3
+    assert min(speeds) < 0.0081 and max(speeds) > 0.179
+    assert "Of each series the lowest" in page_text(certificate())
+
+
+def test_simulated_data_is_marked_on_each_page(certificate):
+    made = certificate("simulated")
+    mark = WORDS["en"]["simulated_short"]
+    assert made.number == "SIM-L-17"
+    for sheet in sheets(made):
+        assert sum(mark in text.get_text() for text in sheet.texts) >= 2  # foot and watermark
+    page = certificate_page(made)
+    assert f'@bottom-center {{ content: "{mark}"' in page and 'class="watermark"' in page
+    for text in (page_text(certificate()), pdf_text(certificate())):
+        assert mark not in text
+
+
+def test_each_sheet_has_the_number_and_page_x_of_y(certificate):
+    made = sheets(certificate())
+    assert len(made) == 2
+    for number, sheet in enumerate(made, start=1):
+        texts = [text.get_text() for text in sheet.texts]
+        assert f"page {number} of 2" in texts and "Certificate no. L-17" in texts
+
+
+def test_no_text_leaves_its_sheet(certificate):
+    for sheet in sheets(certificate("simulated", language="de")):
+        renderer = sheet.canvas.get_renderer()
+        for text in sheet.texts:
+            box = text.get_window_extent(renderer)
+            assert 0 < box.x0 < box.x1 < sheet.bbox.width, text.get_text()
+            assert 0 < box.y0 < box.y1 < sheet.bbox.height, text.get_text()
+
+
+def test_lines_are_broken_without_loss_also_within_long_words():
+    text = "SHA-256 of all: " + "0123456789abcdef" * 8
+    lines = wrapped(text, 100.0, 8.0)
+    assert len(lines) > 4 and "".join(lines).replace(" ", "") == text.replace(" ", "")
+
+
+def test_both_languages_have_the_same_words_and_fields():
+    english, german = WORDS["en"], WORDS["de"]
+    assert english.keys() == german.keys()
+    for key in english:
+        names = [{f[1] for f in string.Formatter().parse(t)} for t in (english[key], german[key])]
+        assert names[0] == names[1], key
+    assert {key for key in english if english[key] == german[key]} == {"name", "k"}
+
+
+def test_german_results_have_decimal_commas(certificate):
+    shown = content(certificate(language="de"))
+    cells = {c for p in shown.parts.values() for t in p.tables for row in t.rows for c in row}
+    assert any("," in cell for cell in cells)
+    assert not [cell for cell in cells if re.search(r"\d\.\d", cell)]
+    assert shown.title == "Prüfzertifikat" and 'lang="de"' in certificate_page(
+        certificate(language="de")
+    )
+
+
+def test_hostile_texts_are_escaped(certificate):
+    made = certificate(
+        remarks=[HOSTILE],
+        laboratory=FILE["laboratory"] | {"name": HOSTILE},
+        test={"operator": HOSTILE},
+    )
+    page = certificate_page(made)
+    assert "<script" not in page and HOSTILE in page_text(made)
+    assert "default-src 'none'" in page
+    assert flat(HOSTILE) in pdf_text(made)
+
+
+def test_a_number_that_could_end_a_style_sheet_is_refused():
+    with pytest.raises(ConfigError, match="60 letters"):
+        parse_certificate(FILE | {"number": '"} body{'}, "c.yaml")
+
+
+OWN = "{{ parts.customer.facts[0][1] }} {{ certificate.number }} {{ certificate.mark }}"
+
+
+def test_a_laboratorys_template_replaces_the_page(certificate):
+    made = certificate(customer={"name": HOSTILE})
+    assert certificate_page(made, OWN).startswith("&lt;script&gt;")
+
+
+@pytest.mark.parametrize(
+    ("template", "message"),
+    [
+        ("{{ ''.__class__.__mro__ }}", "unsafe"),
+        ("{{ certificate.rows.__class__.__subclasses__() }}", "unsafe"),
+        ("{% include '/etc/hostname' %}", "loader"),
+        ("line\n{% if %}", "line 2"),
+        ("{{ no_such_name }}", "no_such_name"),
+        ("nothing", "does not contain 'SIM-L-17'"),
+        ("{{ certificate.number }}", "does not contain 'SIMULATED"),
+        ("{{ 1 / 0 }}", "ZeroDivisionError"),
+    ],
+)
+def test_a_template_runs_in_a_sandbox_and_shows_number_and_mark(certificate, template, message):
+    with pytest.raises(ConfigError, match=re.escape(message)):
+        certificate_page(certificate("simulated"), template, "own.j2")
+
+
+def test_a_logo_is_embedded_as_an_image(certificate, tmp_path):
+    (tmp_path / "logo.png").write_bytes(PNG)
+    (tmp_path / "logo.svg").write_text('<svg xmlns="x"><script>alert(1)</script></svg>')
+    png, svg = (read_logo(tmp_path / name) for name in ("logo.png", "logo.svg"))
+    page = certificate_page(replace(certificate(), logo=svg))
+    assert "data:image/svg+xml;base64," in page and "<script" not in page  # an image runs none
+    assert len(sheets(replace(certificate(), logo=png))[0].axes) == 1
+    with pytest.raises(ConfigError, match="PNG file only"):
+        certificate_pdf(replace(certificate(), logo=svg))
+    with pytest.raises(ConfigError, match="logo"):
+        certificate_pdf(replace(certificate(), logo=Image("image/png", PNG[:40])))
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (PNG[:16] + (9000).to_bytes(4, "big") + PNG[20:], "9000 x 1 pixels"),
+        (b"GIF89a", "neither a PNG nor an SVG"),
+        (PNG + bytes(400_000), "limit 0.3 MB"),
+    ],
+)
+def test_a_logo_that_is_too_large_or_no_image_is_refused(tmp_path, data, message):
+    (tmp_path / "logo.png").write_bytes(data)
+    with pytest.raises(ConfigError, match=message):
+        read_logo(tmp_path / "logo.png")
+
+
+def test_the_same_campaign_gives_the_same_bytes(certificate):
+    assert certificate_page(certificate()) == certificate_page(certificate())
+    assert certificate_pdf(certificate()) == certificate_pdf(certificate())
+
+
+def test_a_derived_number_changes_with_all_that_the_document_states(certificate):
+    made = certificate("simulated", number="", replaces="")
+    assert re.fullmatch(r"SIM-HB-20260203-[0-9A-F]{10}", made.number)
+    others = [
+        certificate(number="", replaces=""),
+        certificate("simulated", number="", replaces="", language="de"),
+        replace(made, issued=date(2026, 2, 4)),
+        replace(made, raw=replace(made.raw, sha256="0")),
+        replace(made, raw=replace(made.raw, record_sha256="0")),
+        replace(made, acceptance=None),
+    ]
+    assert len({made.number, *(other.number for other in others)}) == 7
+
+
+def test_an_amended_certificate_needs_a_number():
+    for number in ("", "L-16"):
+        with pytest.raises(ConfigError, match="of its own"):
+            parse_certificate(FILE | {"number": number, "replaces": "L-16"}, "c.yaml")
+
+
+def test_the_file_adds_to_the_record_and_cannot_change_it():
+    file = parse_certificate(FILE, "c.yaml")
+    specimen, _ = completed(file, {"specimen": {"seals": "NBR", "serial": "S-4711"}}, "c.yaml")
+    assert (specimen.serial, specimen.seals) == ("S-4711", "NBR")
+    with pytest.raises(ConfigError, match="the campaign has 'S-1'"):
+        completed(file, {"specimen": {"serial": "S-1"}}, "c.yaml")
+
+
+def test_what_is_not_stated_is_listed_and_printed(certificate):
+    made = certificate(customer={}, specimen={}, test={}, method="")
+    assert {"customer.name", "specimen.serial", "test.place", "method"} <= set(made.missing)
+    facts = dict(content(made).parts["specimen"].facts)
+    assert facts["Serial number"] == "not stated"
+    assert not {"customer.name", "test.date"} & set(certificate().missing)
+
+
+def test_an_overdue_calibration_gives_no_traceability(certificate):
+    made = certificate()
+    stated = {"certificate": "D-K-1", "calibrated": date(2025, 1, 1), "due": date(2025, 12, 31)}
+    force, pressure = made.instruments.force, made.instruments.pressure
+
+    def with_due(due):
+        calibration = force.calibration.model_copy(update=stated | {"due": due})
+        changed = {
+            "force": force.model_copy(update={"calibration": calibration}),
+            "pressure": pressure.model_copy(update={"calibration": calibration}),
+        }
+        return pdf_text(replace(made, instruments=made.instruments.model_copy(update=changed)))
+
+    assert "make the results traceable" in with_due(date(2026, 12, 31))
+    overdue = with_due(date(2025, 12, 31))
+    assert "2025-12-31 (overdue)" in overdue and "is not given" in overdue
+
+
+def test_without_tolerances_the_uncertainty_is_said_to_be_incomplete(certificate):
+    text = page_text(replace(certificate(), instruments=None))
+    assert "no complete uncertainty after JCGM 100" in text
+    assert "errors of the instruments are not recorded" in text.lower()
+
+
+def test_incomplete_and_poor_campaigns_are_not_certified(sample_results):
+    assert why_not_certified(sample_results) == ()
+    quality = sample_results.quality
+    missing = replace(quality.completeness, not_completed=("0072",))
+    poor = replace(sample_results, quality=replace(quality, grade="poor", completeness=missing))
+    reasons = "; ".join(why_not_certified(poor))
+    assert "1 of 72 planned runs were not completed" in reasons and "'poor'" in reasons
+    rejected = tuple(replace(run, reasons=("no",)) for run in sample_results.runs)
+    assert "no run was accepted" in why_not_certified(replace(sample_results, runs=rejected))
