@@ -11,6 +11,7 @@ from hbench.analysis.curves.average import curves
 from hbench.analysis.curves.breakaway import breakaways, dwell_laws
 from hbench.analysis.curves.hysteresis import hysteresis
 from hbench.analysis.curves.leakage import chamber_leakage
+from hbench.analysis.curves.over_distance import distance_trends
 from hbench.analysis.curves.ramp_tests import ramp_comparisons
 from hbench.analysis.curves.ramps import ramp_curves, sliding
 from hbench.analysis.curves.step_levels import level_runs, step_levels
@@ -77,6 +78,7 @@ class AnalysedRuns:
 
 def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting) -> AnalysedRuns:
     """Analyse the runs of each kind of experiment, and compare ramps with steady curves."""
+    screened = tuple(screened)
     runs: dict[str, list[ScreenedRun]] = defaultdict(list)
     for run in screened:
         runs[KINDS[run.run.plan.kind].analysis].append(run)
@@ -91,6 +93,7 @@ def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting
         curve for name in products if name != "steady_curve" for curve in products[name].curves
     )
     broken_away = products["breakaway"].breakaways
+    leakages = products["leakage"].leakages
     accepted = {name for name in runs if any(run.accepted for run in runs[name])}
     return AnalysedRuns(
         steady=steady,
@@ -99,10 +102,11 @@ def analyse_runs(screened: Iterable[ScreenedRun], setup: Setup, fitting: Fitting
             comparisons=ramp_comparisons((*steady, *map(sliding, ramps))),
             loops=tuple(loop for product in products.values() for loop in product.loops),
             levels=tuple(level for product in products.values() for level in product.levels),
-            leakages=tuple(leak for product in products.values() for leak in product.leakages),
+            leakages=leakages,
             breakaways=broken_away,
             dwell_laws=dwell_laws(broken_away),
             surfaces=friction_surfaces(steady),
+            over_distance=distance_trends(screened, steady, broken_away, leakages),
         ),
         notes=(
             *(note for product in products.values() for note in product.notes),

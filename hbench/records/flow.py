@@ -232,6 +232,7 @@ class ScreenedRun:
     work_j: float | None = None
     travel_m: float | None = None  # distance travelled in the whole log
     friction_work_j: float | None = None  # work against friction over it; None without the channels
+    ends_m: tuple[float, float] | None = None  # position at the log's beginning and end
 
     @property
     def reason(self) -> str:

@@ -241,8 +241,38 @@ class Surface:
 
 
 @dataclass(frozen=True)
+class DistanceTrend:
+    """Quantity of repeated runs or cycles over the distance travelled in the campaign."""
+
+    # Friction against the motion, of steady runs or of a triangle's cycles; breakaway; or the oil
+    # that leaves the chamber of the higher pressure in a hold.
+    quantity: Literal["friction_n", "breakaway_n", "leakage_m3_s"]
+    series: Series
+    direction: Direction | None  # None: both, or at rest
+    v_m_s: float | None  # of steady runs, or the largest of a cycle
+    dwell_s: float | None  # at rest before breakaway
+    distance_m: tuple[float, ...]
+    values: tuple[float, ...]
+    slope: float  # for each metre, over all values
+    slope_ci95: float  # half-width of its 95 % interval
+    intercept: float
+    p: float  # of no slope
+    p_holm: float  # after Holm, over all trends of the campaign
+    # The last half of the values, four at least: where it begins, its mean, and its change along a
+    # straight line of its own.
+    last_from_m: float
+    last_mean: float
+    last_change: float
+    last_change_ci95: float
+    # Settled: the interval of the last change lies within 5 % of the last mean. Changing: it is
+    # wider and does not contain 0.
+    verdict: Literal["settled", "changing", "not determined"]
+    kind: KindName = "steady"
+
+
+@dataclass(frozen=True)
 class Motions:
-    """Results of all runs that are not steady."""
+    """Results of all runs that are not steady, and of repeated runs over the distance."""
 
     comparisons: tuple[Comparison, ...] = ()
     loops: tuple[Loop, ...] = ()
@@ -252,3 +282,4 @@ class Motions:
     dwell_laws: tuple[DwellLaw, ...] = ()
     zero_checks: tuple[ZeroCheck, ...] = ()
     surfaces: tuple[Surface, ...] = ()
+    over_distance: tuple[DistanceTrend, ...] = ()

@@ -15,6 +15,7 @@ from hbench.records import (
     Breakaway,
     Comparison,
     Decay,
+    DistanceTrend,
     DwellLaw,
     Leakage,
     LeakCoefficient,
@@ -90,6 +91,13 @@ MOTIONS = Motions(
             (Decay("0003", SERIES, 45e5, 60e5, -100.0, 50.0, 3e-10, -2e-10, LOST),),
             7e7,
             "conditional on the bench file's bulk modulus",
+        ),
+    ),
+    over_distance=(
+        DistanceTrend(
+            *("friction_n", SERIES, None, 0.15, None, (1.0, 2.0, 3.0, 4.0, 5.0)),
+            *((420.0, 410.0, 403.0, 401.0, 400.0), -4.9, 3.6, 421.5, 0.02, 0.04),
+            *(2.0, 403.5, -9.7, 6.6, "settled", "triangle"),
         ),
     ),
     surfaces=(
@@ -172,6 +180,7 @@ def test_every_csv_has_the_records_in_si(moving):
         "dwell_laws.csv": 1,
         "zeros.csv": 1,
         "surface.csv": 9,
+        "over_distance.csv": 5,
     }
     assert (
         made["breakaways.csv"][0]["ci95_n"] == "12.0" and made["breakaways.csv"][1]["u95_n"] == ""
@@ -239,6 +248,7 @@ def test_the_summary_has_lines_for_each_kind_in_plain_ascii(moving):
         r" piston side: 0\.03 \+- 0\.57 ml/min at 45\.0 bar, .*\b0\b",
         r" rod side: \D*$",
         r"\(extend\): 3 loads 500 to 5000 N, 3 speeds",
+        r"over 5\.0 m \(seal A, 500 N, .* 150 mm/s\): settled, 404 N and -9\.7 \+- 6\.6 N",
         r"ramp 0\.1 m/s\^2 extend",
     ):
         assert re.search(numbers, text, re.MULTILINE), numbers

@@ -10,11 +10,10 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from scipy.special import stdtr
 
 from hbench.analysis.rounding import is_constant
 from hbench.analysis.statistics.holm import holm
-from hbench.analysis.statistics.student import student_factor
+from hbench.analysis.statistics.line import straight_line
 from hbench.records import Quantity, Side, WearTrend
 
 FEWEST = 4  # campaigns of a cylinder
@@ -80,14 +79,7 @@ def _trend(
     t: np.ndarray,
     x: np.ndarray,
 ) -> WearTrend:
-    dt = t - t.mean()
-    slope = float(dt @ x / (dt @ dt))
-    intercept = float(x.mean() - slope * t.mean())
-    residual = x - intercept - slope * t
-    dof = len(x) - 2
-    se = float(np.sqrt(residual @ residual / dof / (dt @ dt)))
-    half = student_factor(dof) * se
-    p = float(2 * stdtr(dof, -abs(slope) / se)) if se > 0 else 0.0
+    line = straight_line(t, x)
     return WearTrend(
         quantity=quantity,
         direction=direction,
@@ -95,10 +87,10 @@ def _trend(
         over=over,
         x=tuple(t.tolist()),
         values=tuple(x.tolist()),
-        slope=slope,
-        low=slope - half,
-        high=slope + half,
-        intercept=intercept,
-        p=p,
-        p_holm=p,
+        slope=line.slope,
+        low=line.slope - line.half,
+        high=line.slope + line.half,
+        intercept=line.intercept,
+        p=line.p,
+        p_holm=line.p,
     )

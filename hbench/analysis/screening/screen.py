@@ -61,6 +61,7 @@ def screen(run: Run, rules: Screening) -> ScreenedRun:
         _screened(run, rules, notes),
         travel_m=travel(run.t_s, run.x_m),
         friction_work_j=None if missing_friction_channels(run) else _work(run),
+        ends_m=(float(run.x_m[0]), float(run.x_m[-1])) if len(run.x_m) else None,
     )
 
 

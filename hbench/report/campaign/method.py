@@ -37,6 +37,7 @@ def method_section(results: Results) -> Section:
         "Loops": bool(motions.loops),
         "Steps": bool(motions.levels),
         "Leakage": bool(motions.leakages),
+        "Over the distance": bool(motions.over_distance),
         "Efficiency": efficient,
         "Half band and middle": bool(results.bands),
         "Energy of a cycle": any(band.energy_j is not None for band in results.bands),
@@ -131,6 +132,9 @@ _NUMBERS = {
     "Leakage": "From the decay of both chambers' pressures with all valves closed, V/β dp/dt less "
     "the flow displaced by the piston; conditional on the bench file's bulk modulus and volumes. "
     "Leaks are proportional to the pressure, or to a power of it where the holds show one.",
+    "Over the distance": "The distance is that of all logs and of the ways back to the next start. "
+    "The friction of a cycle is the work against it, from rest to rest, over its distance. "
+    "Student's t has the number of values − 2 degrees of freedom.",
     "Efficiency": "F_applied/F_T (6.10) where the oil drives the load, and its inverse where the "
     "load drives the oil. Its σ comes from the same errors by first-order propagation (6.16 to "
     "6.19); all points share it, so that a mean over speeds does not reduce it. ± is U_95, of "

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from hbench.records import Comparison, Leakage, Level, Loop, Motions, Series, Surface
+from hbench.records import Comparison, DistanceTrend, Leakage, Level, Loop, Motions, Series, Surface
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import number, short, significant, span, with_interval
 from hbench.units import from_si
@@ -13,6 +13,13 @@ LEAKS = {
     "across_piston": "across the piston",
     "piston_side_out": "out of the piston side",
     "rod_side_out": "out of the rod side",
+}
+
+
+DISTANCE_QUANTITIES = {  # name and unit
+    "friction_n": ("Friction", "N"),
+    "breakaway_n": ("Breakaway", "N"),
+    "leakage_m3_s": ("Leakage", "ml/min"),
 }
 
 
@@ -29,6 +36,7 @@ def motion_lines(motions: Motions) -> list[str]:
         *_of_levels(motions.levels),
         *(line for leakage in motions.leakages for line in _of_leakage(leakage)),
         *map(_of_surface, motions.surfaces),
+        *map(_of_distance, motions.over_distance),
     ]
 
 
@@ -43,6 +51,29 @@ def comparison_words(comparison: Comparison) -> str:
 def differs(comparison: Comparison) -> bool:
     """Return whether a difference is significant after the correction for the number of tests."""
     return comparison.p_holm is not None and comparison.p_holm < SIGNIFICANT
+
+
+def distance_words(trend: DistanceTrend) -> str:
+    """Write the series of a trend, such as ``run-in, 0 N, cycles up to 60 mm/s``."""
+    speed = "" if trend.v_m_s is None else f"{number(1e3 * trend.v_m_s, 0)} mm/s"
+    if speed and trend.direction is None:
+        speed = f"cycles up to {speed}"
+    rest = "" if trend.dwell_s is None else f"after {short(trend.dwell_s)} s"
+    words = (series_words(trend.series), trend.direction or "", speed, rest)
+    return ", ".join(filter(None, words))
+
+
+def _of_distance(trend: DistanceTrend) -> str:
+    name, unit = DISTANCE_QUANTITIES[trend.quantity]
+    mean, change, half = (
+        from_si(each, unit) for each in (trend.last_mean, trend.last_change, trend.last_change_ci95)
+    )
+    level = number(mean, 0 if unit == "N" else 3)
+    return (
+        f"{name.lower()} over {number(trend.distance_m[-1], 1)} m ({distance_words(trend)}): "
+        f"{trend.verdict}, {level} {unit} and {_signed(change, half)} {unit} "
+        f"from {number(trend.last_from_m, 1)} m on"
+    )
 
 
 def _of_comparisons(comparisons: tuple[Comparison, ...]) -> Iterator[str]:

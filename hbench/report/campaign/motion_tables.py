@@ -129,6 +129,20 @@ def surface_csv(results: Results) -> str:
     return csv_text(tuple(columns.split()), rows)
 
 
+def over_distance_csv(results: Results) -> str:
+    """Return one row a value, with the trend of its series in each."""
+    rows = (
+        {**row(trend), "at_m": at_m, "value": value}
+        for trend in results.motions.over_distance
+        for at_m, value in zip(trend.distance_m, trend.values, strict=True)
+    )
+    columns = (
+        "direction quantity v_m_s dwell_s at_m value slope slope_ci95 p p_holm last_from_m "
+        "last_mean last_change last_change_ci95 verdict"
+    )
+    return csv_text((*_SERIES, *columns.split()), rows)
+
+
 def motion_tables(results: Results) -> dict[str, str]:
     """Return the text of each of ``MOTION_TABLES`` that has rows, by its file's name."""
     texts = {name: table(results) for name, table in MOTION_TABLES.items()}
@@ -147,4 +161,5 @@ MOTION_TABLES: dict[str, Callable[[Results], str]] = {
     "dwell_laws.csv": dwell_laws_csv,
     "zeros.csv": zeros_csv,
     "surface.csv": surface_csv,
+    "over_distance.csv": over_distance_csv,
 }

@@ -35,6 +35,11 @@ _BREAKAWAY = (
     "The largest friction while a rising force pushes the piston, which has rested under load. "
     "It is a property of the seals, of the rest and of the rate."
 )
+_DISTANCE = (
+    "Changes along straight lines with their 95 % intervals: over all values (endurance), and over "
+    "the last half of them (run-in). Settled: the interval of the last change lies within 5 % of "
+    "the mean. Changing: it is wider and does not contain 0."
+)
 _ZEROS = (
     "The zeros of the sensors were checked with the supply off and the chambers vented. Their "
     "errors were subtracted, in between as a straight line over time; the error of the reference "
@@ -191,6 +196,9 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             messages = (Section(items=table.messages),) if table.messages else ()
             tables = (table, *more)
             yield Section(name.capitalize(), drawings=drawings, tables=tables, parts=messages)
+    if drawings := figures.get("over-distance"):
+        table = page_motions.distance_table(results)
+        yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=(table,))
 
 
 def _budget(results: Results) -> tuple[Section, ...]:

@@ -1,7 +1,13 @@
 """The page's tables of moving and resting runs."""
 
 from hbench.records import Comparison, DwellLaw, Results, Zero
-from hbench.report.campaign.motion_rows import LEAKS, differs, series_words
+from hbench.report.campaign.motion_rows import (
+    DISTANCE_QUANTITIES,
+    LEAKS,
+    differs,
+    distance_words,
+    series_words,
+)
 from hbench.report.campaign.page_tables import table
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render.numbers import NONE, number, short, significant, span, with_interval
@@ -176,6 +182,31 @@ def dwell_table(results: Results) -> Table:
         for law in results.motions.dwell_laws
     ]
     return table(head, rows, words=("Load", "Law"))
+
+
+def distance_table(results: Results) -> Table:
+    """Return trends over the distance, and whether each quantity has settled."""
+    head = (
+        *("Quantity", "Of", "Distance (m)", "Change per km", "p after Holm"),
+        *("Mean of the last half", "Its change", "Verdict"),
+    )
+    rows = []
+    for trend in results.motions.over_distance:
+        name, unit = DISTANCE_QUANTITIES[trend.quantity]
+        scale = from_si(1.0, unit)
+        rows.append(
+            (
+                f"{name} ({unit})",
+                distance_words(trend),
+                number(trend.distance_m[-1], 1),
+                with_interval(1e3 * scale * trend.slope, 1e3 * scale * trend.slope_ci95),
+                significant(trend.p_holm, 2),
+                number(scale * trend.last_mean, 0 if unit == "N" else 3),
+                with_interval(scale * trend.last_change, scale * trend.last_change_ci95),
+                trend.verdict,
+            )
+        )
+    return table(head, rows, words=("Quantity", "Of", "Verdict"))
 
 
 def zero_table(results: Results) -> Table:

@@ -15,6 +15,7 @@ from hbench.records import (
     Comparison,
     Curve,
     Decay,
+    DistanceTrend,
     DwellLaw,
     EfficiencyCurve,
     EfficiencyPoint,
@@ -69,6 +70,7 @@ LAYOUTS: Layouts = {
         "leakage": "motions.leakages",
         **{name: f"motions.{name}" for name in ("breakaways", "dwell_laws", "zero_checks")},
         "surfaces": "motions.surfaces",
+        "over_distance": "motions.over_distance",
         **keys("drift", "oil_temperature", "headline", "quality", "fit_verdicts", "notes"),
     },
     ScreenedRun: {
@@ -114,6 +116,7 @@ LAYOUTS: Layouts = {
     Decay: _with_series(Decay),
     Breakaway: _with_series(Breakaway),
     DwellLaw: _with_series(DwellLaw),
+    DistanceTrend: _with_series(DistanceTrend),
 }
 
 

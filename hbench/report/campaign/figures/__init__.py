@@ -11,6 +11,7 @@ FIGURE_NAMES = (  # of all_figures.FIGURES, for callers that do not draw
     "steps",
     "leakage",
     "breakaway",
+    "over-distance",
     "friction-reduced",
     "friction-hersey",
     "efficiency",

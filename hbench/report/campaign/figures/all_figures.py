@@ -34,6 +34,7 @@ from hbench.report.campaign.figures.oil import (
     has_reduced,
     reduced_friction,
 )
+from hbench.report.campaign.figures.over_distance import has_over_distance, over_distance
 from hbench.report.campaign.figures.pressure import friction_pressure, has_pressures
 from hbench.report.campaign.figures.ramps import comparisons, has_comparisons, has_ramps, ramps
 from hbench.report.campaign.figures.rejected import has_rejected, rejected
@@ -197,6 +198,15 @@ FIGURES = (
         "Mean of the trials with the 95 % Student interval.",
         applies=has_breakaways,
         draw=breakaways,
+    ),
+    FigureKind(
+        name="over-distance",
+        section="over-distance",
+        caption="Friction of each steady run or of each cycle, breakaway and leakage over the "
+        "distance that the piston has travelled in the campaign, returns to the start included. "
+        "Lines: straight, by least squares.",
+        applies=has_over_distance,
+        draw=over_distance,
     ),
     FigureKind(
         name="friction-reduced",
