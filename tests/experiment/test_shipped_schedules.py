@@ -13,7 +13,9 @@ CLOSER = {"speed_error": "30 mm/s", "stopping_time": "20 ms", "speed_max": "300 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", ["demo", "dynamics", "breakaway", "discriminate", "warm-up", "stribeck"]
+    "name",
+    ["demo", "dynamics", "breakaway", "discriminate", "warm-up", "stribeck"]
+    + ["acceptance-test", "run-in", "endurance"],
 )
 def test_no_limit_stops_a_shipped_schedule_even_when_limits_are_a_quarter_closer(
     name, tmp_path, on_the_rig

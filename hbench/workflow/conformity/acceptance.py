@@ -13,6 +13,11 @@ from hbench.report.conformity.text import junit_xml
 from hbench.store.campaign.folder import load_campaign, write_results
 from hbench.workflow.results import derive
 
+_OF_LEAKAGE = (
+    "U95 of leakage is that of the holds alone: it takes the bulk modulus and the dead volumes of "
+    "the bench file, and tightly closed valves, for granted"
+)
+
 
 def accept(folder: Path, limits_file: Path) -> Acceptance:
     """Decide whether a campaign's cylinder conforms; write ``acceptance.json`` and ``.xml``."""
@@ -34,6 +39,8 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
         notes.append(f"the quality of the data is {results.quality.grade!r}; see hbench report")
     if missing := missing_words(results.quality.completeness):
         notes.append(missing)
+    if any(limit.quantity == "leakage" for limit in limits.limits):
+        notes.append(_OF_LEAKAGE)
     return Acceptance(
         provenance=results.provenance,
         serial=str((settings.get("specimen") or {}).get("serial", "")),
