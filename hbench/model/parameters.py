@@ -4,7 +4,7 @@ Vary one with ``par._replace(...)``. Every field is a float unless it says other
 would compile everything anew.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class FrictionParameters(NamedTuple):
@@ -100,5 +100,6 @@ class PlantParameters(NamedTuple):
     valve: ValveParameters
     end_stop: EndStopParameters
     substeps: int  # of one control tick, as the stiffest friction law needs
-    effects: tuple[tuple[float, ...], ...] | None = None  # coefficients; see effects/catalogue.py
+    # Coefficients of each effect (effects/catalogue.py), last the learned laws (effects/learned.py).
+    effects: tuple[Any, ...] | None = None
     oil_k: float = 313.15  # temperature in the tank at the start
