@@ -115,7 +115,8 @@ class LearnedLaw(ConfigSection):
 
     adds_to: Target
     over: dict[str, tuple[float, ...]]  # knots [SI] by quantity
-    values: tuple[float | tuple[float, ...], ...]  # [SI]; over two quantities a row for each knot of the first
+    # [SI]; over two quantities a row for each knot of the first
+    values: tuple[float | tuple[float, ...], ...]
 
     @model_validator(mode="before")
     @classmethod

@@ -100,6 +100,6 @@ class PlantParameters(NamedTuple):
     valve: ValveParameters
     end_stop: EndStopParameters
     substeps: int  # of one control tick, as the stiffest friction law needs
-    # Coefficients of each effect (effects/catalogue.py), last the learned laws (effects/learned.py).
+    # Coefficients of each effect (effects/catalogue.py), then the table of effects/learned.py.
     effects: tuple[Any, ...] | None = None
     oil_k: float = 313.15  # temperature in the tank at the start

@@ -24,6 +24,8 @@ from hbench.reconcile.gaps.overlays import overlays
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
+from hbench.reconcile.learned.law_search import LawSearch
+from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import (
     balance_model,
@@ -42,7 +44,15 @@ from hbench.reconcile.verdict import (
     unexplained_gaps,
     unmeasured_channels,
 )
-from hbench.records import AddedEffect, Diagnosis, Overlay, Provenance, Run, RunPlan
+from hbench.records import (
+    AddedEffect,
+    Diagnosis,
+    Overlay,
+    Provenance,
+    Run,
+    RunPlan,
+    UnnamedLaw,
+)
 from hbench.records.diagnosis import MATERIAL
 
 HELD_OUT = 5  # every fifth operating point is held out from refit and search
@@ -92,7 +102,12 @@ def run_search(
     points = np.arange(len({point_of(run.plan) for run in task.runs}))
     held_out = points % HELD_OUT == _FIRST_HELD_OUT
     search = CampaignSearch(measured, points[~held_out], tuple(names), task.stage)
-    return measured, search.run(), points[held_out]
+    result, out = search.run(), points[held_out]
+    if not result.steps[-1].ambiguous:
+        final, laws = LawSearch(measured, search, result.names, out).run(result.final)
+        if laws:
+            result = replace(result, final=final, laws=laws, unlearned=result.final)
+    return measured, result, out
 
 
 def diagnose(task: ReconcileTask) -> Diagnosis:
@@ -175,7 +190,19 @@ def _assembled(
         left_out=left_out,
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
         notes=(*result.notes, *notes, *([] if task.instruments else [_ASSUMED])),
+        unnamed=_unnamed_laws(result, estimates, held_out),
     )
+
+
+def _unnamed_laws(
+    result: SearchResult, estimates: ParameterEstimates, held_out: np.ndarray
+) -> tuple[UnnamedLaw, ...]:
+    """Return the learned laws; their gaps are in the scatter of the refitted model."""
+    if result.unlearned is None:
+        return ()
+    scale = result.refitted.gap_map
+    before, after = (each.gap_map.in_units_of(scale) for each in (result.unlearned, result.final))
+    return unnamed_laws(result.laws, estimates, before, after, held_out)
 
 
 def _uncertain(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
@@ -263,7 +290,7 @@ def _added_effects(
 ) -> tuple[AddedEffect, ...]:
     effects = []
     for step in result.steps:
-        if step.added is not None:
+        if step.added in result.names:
             balances = EFFECTS[step.added].balances
             effect = added_effect(
                 step.added,

@@ -22,6 +22,7 @@ from hbench.records.diagnosis import (
     ResidualMap,
     Rival,
     RunGap,
+    UnnamedLaw,
     Verdict,
 )
 from hbench.records.differences import (
@@ -264,6 +265,7 @@ __all__ = [
     "Trace",
     "Trend",
     "VarianceSource",
+    "UnnamedLaw",
     "Verdict",
     "ViscosityEffect",
     "WearTrend",

@@ -1,8 +1,9 @@
-"""Learned laws: tables that a plant file adds to the equations where no effect of the catalogue does.
+"""Learned laws: tables that a plant file adds to the equations beside the effects.
 
 A law adds g(q) or g(q_1, q_2) to one term: the inflow of a chamber, the force against extension of
 a cylinder, or the magnitude of its dry friction. g is linear (bilinear) between its knots and
-constant beyond them. The laws are the rows of one array, so their number and size need no compiling.
+constant beyond them. The laws are the rows of one array, so that laws of any number and size use
+the same compiled code.
 """
 
 from collections.abc import Sequence
@@ -41,7 +42,9 @@ def learned_table(laws: Sequence[LearnedLaw]) -> np.ndarray:
 
 
 @inlined
-def learned_flows(q: ChamberFlows, c: np.ndarray, state: np.ndarray, par: PlantParameters):
+def learned_flows(
+    q: ChamberFlows, c: np.ndarray, state: np.ndarray, par: PlantParameters
+) -> ChamberFlows:
     """Add the laws of the chambers' flows."""
     tp, tr, lp, lr = q.tp, q.tr, q.lp, q.lr
     for i in range(c.shape[0]):
@@ -58,7 +61,9 @@ def learned_flows(q: ChamberFlows, c: np.ndarray, state: np.ndarray, par: PlantP
 
 
 @inlined
-def learned_friction(f: FrictionTerms, c: np.ndarray, state: np.ndarray, par: PlantParameters):
+def learned_friction(
+    f: FrictionTerms, c: np.ndarray, state: np.ndarray, par: PlantParameters
+) -> FrictionTerms:
     """Add the laws of forces and of dry friction."""
     for i in range(c.shape[0]):
         target = c[i, 0]

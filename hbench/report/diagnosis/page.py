@@ -63,6 +63,11 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Shape of the residuals" if diagnosis.verdict == "unknown" else "Residuals of each balance",
         drawings=drawn("shape"),
     )
+    unnamed = Section(
+        "Unnamed laws in the revised model",
+        items=text.law_lines(diagnosis),
+        drawings=drawn("unnamed"),
+    )
     gap = Section(
         "The gap before and after" if diagnosis.effects else "The gap",
         (*closed, _REFITTED, f"Held-out runs: {held}."),
@@ -97,7 +102,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         tables=text.gap_tables(diagnosis, diagnosis.gap_train, "training runs"),
     )
     evidence = (shape, where, gap) if diagnosis.verdict == "unknown" else (gap, where, shape)
-    sections = (_answer(diagnosis), *evidence, overlay, which, refitted, missing, train)
+    sections = (_answer(diagnosis), unnamed, *evidence, overlay, which, refitted, missing, train)
     return document(
         f"{diagnosis.model} against {provenance.name}",
         f"Campaign {provenance.name}, {provenance.source}, {provenance.started}; "
