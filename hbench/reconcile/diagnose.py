@@ -153,7 +153,8 @@ def _assembled(
     runs = tuple(run for log in measured.logs for run in log.runs)
     simulated, overlaid, notes = _verification(task, result, held_out_points)
     where = ranked_gaps(refitted.gap_map, _allowed(measured, refitted))
-    unexplained = unexplained_gaps(ranked_gaps(balances.maps[2], _allowed(measured, refitted)))
+    by_effects = (result.unlearned or final).gap_map.in_units_of(refitted.gap_map)
+    unexplained = unexplained_gaps(ranked_gaps(by_effects, _allowed(measured, refitted)))
     last = result.steps[-1]
     rivals = {
         each.candidate.name: each.model.hypothesis

@@ -148,7 +148,7 @@ class CampaignSearch(CandidateEvaluator):
             residuals,
             {key: model.columns[key] for key in taking_part},
         )
-        best = self.refit(start, names)
+        best = self.refit(self.with_columns(start, taking_part), names)
         for name in names:
             shapes = [".".join(which) for which in shape_coefficients(name)]
             if new := [shape for shape in shapes if shape not in best.columns]:

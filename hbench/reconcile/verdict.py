@@ -37,7 +37,10 @@ def unexplained_gaps(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
 
 
 def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:
-    """Return the verdict and its reason; ``unexplained`` are the gaps of the final model."""
+    """Return the verdict and its reason.
+
+    ``unexplained`` are the gaps of the model with all effects and without learned laws.
+    """
     last = result.steps[-1]
     where, unnamed = gap_list(unexplained), _unnamed(result)
     if result.names:
@@ -50,10 +53,8 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
         return "named", reason + unnamed
     if last.ambiguous:
         return "ambiguous", f"Not distinguishable, scores in nats: {scores(last.ambiguous)}."
-    if unexplained or unnamed:
-        reason = "No effect of the catalogue explains the gaps."
-        if unexplained:
-            reason = f"No effect of the catalogue explains the gaps (in trial scatters): {where}."
+    if unexplained:
+        reason = f"No effect of the catalogue explains the gaps (in trial scatters): {where}."
         if last.evaluated:
             best = last.evaluated[0].candidate
             reason += (

@@ -172,7 +172,7 @@ class Diagnosis:
     regions: tuple[Region, ...]  # of the refitted model
     effects: tuple[AddedEffect, ...]  # in order of adding
     alternatives: tuple[Candidate, ...]  # the ambiguous set
-    rest: tuple[Gap, ...]  # balances with residuals after adding
+    rest: tuple[Gap, ...]  # balances whose residuals no effect explains
     next_experiment: str | None  # in words
     next_schedule: dict[str, Any] | None  # for `hbench run`
     gap_heldout: GapTable

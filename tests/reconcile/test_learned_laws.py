@@ -1,4 +1,4 @@
-"""Learned laws on made-up logs: laws of other forms than tables, noise, and friction that wanders."""
+"""Learned laws on made-up logs: laws of other forms than tables, and friction that wanders."""
 
 from types import SimpleNamespace
 
@@ -85,7 +85,9 @@ def test_a_tight_place_of_the_bore_becomes_friction_over_the_position(bench, ben
 
 
 def test_a_law_of_two_quantities_gets_a_table_over_both(bench, bench_data):
-    one = one_balance(bench, bench_data, lambda x, v, drop: np.sign(v) * 3e-5 * drop * (x / 0.2) ** 2)
+    one = one_balance(
+        bench, bench_data, lambda x, v, drop: np.sign(v) * 3e-5 * drop * (x / 0.2) ** 2
+    )
     table, gain, threshold = best_table(one, np.arange(POINTS))
     assert gain > threshold
     assert "position" in table.knots and len(table.knots) == 2
@@ -106,7 +108,9 @@ def test_a_law_that_held_out_runs_contradict_is_refused(bench, bench_data):
     left = one.without(table, np.flatnonzero(train)).residuals
     in_training = reductions(one.residuals, left)
     fitted = one.residuals.difference - left.difference
-    contradicted = GapMap(**vars(without.residuals) | {"difference": without.residuals.difference - fitted})
+    contradicted = GapMap(
+        **vars(without.residuals) | {"difference": without.residuals.difference - fitted}
+    )
     elsewhere = reductions(without.residuals, contradicted)
     assert sign_test(in_training[train]) < 0.01
     assert sign_test(in_training[held_out]) < 0.1  # the same law there: four points

@@ -85,9 +85,7 @@ class LawSearch:
             return None
         with_table = self._with_table(model, table)
         left, total = (_excess(each.gap_map, balance, points) for each in (with_table, model))
-        changes = reductions(
-            model.gap_map, with_table.gap_map, BALANCES.index(balance)
-        )
+        changes = reductions(model.gap_map, with_table.gap_map, BALANCES.index(balance))
         p_value = sign_test(changes[self.held_out])
         if left >= (1 - CRITERIA.explained) * total or p_value >= _SIGNIFICANCE:
             return None
