@@ -45,6 +45,7 @@ UNITS: dict[str, Unit] = {
     "um": _unit(1e-6, m=1),
     "in": _unit(0.0254, m=1),
     "l": _unit(1e-3, m=3),
+    "ml": _unit(1e-6, m=3),
     "kg": _unit(1.0, kg=1),
     "g": _unit(1e-3, kg=1),
     "s": _unit(1.0, s=1),

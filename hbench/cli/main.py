@@ -9,6 +9,7 @@ import typer
 
 from hbench import __version__
 from hbench.cli.commands import (
+    accept,
     analyze,
     compare,
     design,
@@ -46,6 +47,7 @@ app.command("import")(imports.import_)
 app.command("export")(export.export)
 app.command("analyze")(analyze.analyze)
 app.command("report")(analyze.report)
+app.command("accept")(accept.accept)
 app.command("compare")(compare.compare)
 app.command("fleet")(fleet.fleet)
 app.command("identify")(identify.identify)

@@ -78,7 +78,7 @@ def parse_effects(data: Effects, known: Specification) -> dict[str, dict[str, fl
                 faults.append(f"effects.{name}.{key} = {value!r}: {error}")
         effects[name] = values
     if faults:
-        raise ConfigError("\n".join(faults), "hbench/model/effects/catalogue.py lists the effects.")
+        raise ConfigError("\n".join(faults), "hbench/model/effects/README.md lists the effects.")
     return effects
 
 

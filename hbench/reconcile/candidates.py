@@ -69,10 +69,14 @@ class AcceptanceCriteria:
 CRITERIA = AcceptanceCriteria(score=5.0, explained=0.25, size=0.35)
 
 
+def ambiguity_margin(best: float) -> float:
+    """Return the distance [nats] from the ``best`` score within which scores are close to it."""
+    return max(_AMBIGUOUS_NATS, _AMBIGUOUS_SHARE * best)
+
+
 def indistinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
     """Return the candidates whose scores are close to that of the first, the best one."""
-    best = accepted[0].score
-    least = best - max(_AMBIGUOUS_NATS, _AMBIGUOUS_SHARE * best)
+    least = accepted[0].score - ambiguity_margin(accepted[0].score)
     return tuple(candidate for candidate in accepted if candidate.score >= least)
 
 

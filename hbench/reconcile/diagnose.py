@@ -27,16 +27,16 @@ from hbench.reconcile.hypothesis import Hypothesis, typical_size
 from hbench.reconcile.learned.law_search import LawSearch
 from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
-from hbench.reconcile.measured.balances import (
-    balance_model,
-    channels_missing,
-    incomplete_reason,
-)
+from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
-from hbench.reconcile.nuisance import BACKGROUND, standard_deviation
+from hbench.reconcile.nuisance import standard_deviation
+from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.revised_model import revised
 from hbench.reconcile.search import CampaignSearch, SearchResult, silent
+from hbench.reconcile.separation.next_experiment import Undecided
+from hbench.reconcile.separation.observable import divided_points, observable_effects
+from hbench.reconcile.separation.separability import Separation, with_remaining_noise
 from hbench.reconcile.verdict import (
     data_shortfalls,
     decide_verdict,
@@ -55,8 +55,6 @@ from hbench.records import (
 )
 from hbench.records.diagnosis import MATERIAL
 
-HELD_OUT = 5  # every fifth operating point is held out from refit and search
-_FIRST_HELD_OUT = 2
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
 _NOT_SIMULATED = "The motion of imported runs can't be simulated: no gaps of signals, no overlays."
 _ASSUMED = (
@@ -66,10 +64,8 @@ _ASSUMED = (
 _NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
 _STOPPED = "The simulated board stops before the end of the campaign: no gaps of signals."
 
-ProposeExperiment = Callable[
-    [Mapping[str, Hypothesis], Mapping[str, float]], tuple[str, dict[str, Any]] | None
-]
-"""Returns the experiment that distinguishes hypotheses, in words and as a schedule."""
+ProposeExperiment = Callable[[Undecided], tuple[str, dict[str, Any]] | None]
+"""Returns the experiment that separates the effects of a set, in words and as a schedule."""
 
 Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Run, ...] | None]]
 """Simulates one run of each operating point of some plans; None where the board stops."""
@@ -99,15 +95,14 @@ def run_search(
     measured = MeasuredCampaign(
         task.bench, task.plant, task.instruments, sessions(task.runs), task.material
     )
-    points = np.arange(len({point_of(run.plan) for run in task.runs}))
-    held_out = points % HELD_OUT == _FIRST_HELD_OUT
-    search = CampaignSearch(measured, points[~held_out], tuple(names), task.stage)
-    result, out = search.run(), points[held_out]
+    train, held_out = divided_points(len({point_of(run.plan) for run in task.runs}))
+    search = CampaignSearch(measured, train, tuple(names), task.stage)
+    result = search.run()
     if not result.steps[-1].ambiguous:
-        final, laws = LawSearch(measured, search, result.names, out).run(result.final)
+        final, laws = LawSearch(measured, search, result.names, held_out).run(result.final)
         if laws:
             result = replace(result, final=final, laws=laws, unlearned=result.final)
-    return measured, result, out
+    return measured, result, held_out
 
 
 def diagnose(task: ReconcileTask) -> Diagnosis:
@@ -121,7 +116,7 @@ def diagnose(task: ReconcileTask) -> Diagnosis:
         every = tuple((shortfalls | missing).values())
         return insufficient_data_diagnosis(task, every, left_out, _LIBRARY_ADVICE)
     task = replace(task, runs=usable)
-    names, not_tried = _observable_effects(task.runs, task.plant)
+    names, not_tried = observable_effects(task.runs, task.plant)
     measured, result, held_out = run_search(task, names)
     return _assembled(
         task, measured, result, held_out, not_tried, tuple(missing.values()), left_out
@@ -157,13 +152,26 @@ def _assembled(
     unexplained = unexplained_gaps(ranked_gaps(by_effects, _allowed(measured, refitted)))
     last = result.steps[-1]
     rivals = {
-        each.candidate.name: each.model.hypothesis
+        each.candidate.name: each.model
         for each in last.evaluated
         if each.candidate in last.ambiguous and each.model
     }
-    scatter = {gap.name: gap.scatter for gap in where}
-    proposal = task.propose(rivals, scatter) if rivals and task.propose else None
+    proposal = None
+    if rivals and task.propose:
+        task.stage("searching for the experiment that separates the effects best")
+        proposal = task.propose(_undecided(result, rivals, train))
     verdict, why = decide_verdict(result, unexplained)
+    best = next(iter(rivals.values()), final)
+    expected = Separation(with_remaining_noise(refitted, best, train), train)
+    tried = tuple(name for name in EFFECTS if name not in not_tried)
+    fits = dict.fromkeys(result.names, estimates) | {
+        each.candidate.name: fit_coefficients(
+            task.plant, each.model, (*result.names, each.candidate.name), train
+        )
+        for each in last.evaluated
+        if each.candidate in last.ambiguous and each.model
+    }
+    point, practice = in_practice(measured, final.gap_map, fits)
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
@@ -192,6 +200,9 @@ def _assembled(
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
         notes=(*result.notes, *notes, *([] if task.instruments else [_ASSUMED])),
         unnamed=_unnamed_laws(result, estimates, held_out),
+        separability=expected.separability(tried),
+        working_point=point,
+        practice=practice,
     )
 
 
@@ -204,6 +215,16 @@ def _unnamed_laws(
     scale = result.refitted.gap_map
     before, after = (each.gap_map.in_units_of(scale) for each in (result.unlearned, result.final))
     return unnamed_laws(result.laws, estimates, before, after, held_out)
+
+
+def _undecided(
+    result: SearchResult, rivals: Mapping[str, LinearisedModel], train: np.ndarray
+) -> Undecided:
+    """Return the ambiguous set; the best of the ``rivals`` shows what no effect explains."""
+    best = next(iter(rivals.values()))
+    model = with_remaining_noise(result.steps[-1].before, best, train)
+    fitted = {name: model.hypothesis for name, model in rivals.items()}
+    return Undecided(model, train, result.names, fitted)
 
 
 def _uncertain(final: LinearisedModel, estimates: ParameterEstimates) -> np.ndarray:
@@ -260,30 +281,6 @@ def _usable_runs(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[str, ...]]
         else:
             usable.append(run)
     return tuple(usable), tuple(left_out)
-
-
-def _observable_effects(
-    runs: Sequence[Run], plant: Plant
-) -> tuple[tuple[str, ...], dict[str, str]]:
-    """Return the effects that these channels can show, and why the others are not tried."""
-    observable, not_tried = [], {}
-    for name, row in EFFECTS.items():
-        without = [
-            balance
-            for balance in row.balances
-            if all(channels_missing(run, balance) for run in runs)
-        ]
-        if name in BACKGROUND:
-            not_tried[name] = "every bench has it; it is refitted with the parameters of the model"
-        elif name in plant.effects:
-            not_tried[name] = "the model already contains it; its coefficients are not changed"
-        elif not row.balances:
-            not_tried[name] = "runs of the kind breakaway measure it"
-        elif len(without) == len(row.balances):
-            not_tried[name] = f"no run has the channels of {', '.join(without)}"
-        else:
-            observable.append(name)
-    return tuple(observable), not_tried
 
 
 def _added_effects(

@@ -19,14 +19,15 @@ a candidate these are its own residuals: what it does not explain, however large
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 FOLDS = 5
-_REWEIGHTINGS = 6
+_REWEIGHTINGS = 6  # at most
+_CONVERGED = 1e-4  # standard deviations of priors and typical sizes; no further reweighting below
 _BOUND_ITERATIONS = 3  # each may fix further parameters at their bounds
 _FIXED_WEIGHT = 1e9  # fixes a parameter at its bound
 
@@ -52,6 +53,11 @@ class Products:
 
     @cached_property
     def _sums(self) -> dict[bytes, np.ndarray]:
+        return {}
+
+    @cached_property
+    def predictions(self) -> dict[tuple, "CrossValidation"]:
+        """Cross-validations of these data that are known."""
         return {}
 
     @cached_property
@@ -86,13 +92,47 @@ def maximum_likelihood(
     groups: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the most likely beta (b, chosen) over some ``points``; ``signs`` (b, p) make nulls."""
-    selected, sums = priors.select(chosen), _summed(data, chosen, points, signs, groups)
+    return _most_likely(_summed(data, chosen, points, signs, groups), priors.select(chosen))
+
+
+def _most_likely(sums: "_Sums", priors: Priors) -> np.ndarray:
     noise = np.broadcast_to(sums.noise, (len(sums.mixed), len(sums.noise)))
-    from_noise = _reweighted_fit(sums, selected, noise)
-    centre = np.tile(np.clip(selected.centre, selected.low, selected.high), (len(sums.mixed), 1))
-    from_centre = _reweighted_fit(sums, selected, sums.variance(centre))
-    better = _cost(sums, selected, from_centre) < _cost(sums, selected, from_noise)
+    from_noise = _reweighted_fit(sums, priors, noise)
+    centre = np.tile(np.clip(priors.centre, priors.low, priors.high), (len(sums.mixed), 1))
+    from_centre = _reweighted_fit(sums, priors, sums.variance(centre))
+    better = _cost(sums, priors, from_centre) < _cost(sums, priors, from_noise)
     return np.where(better[:, None], from_centre, from_noise)
+
+
+def expected_loss(
+    data: Products,
+    priors: Priors,
+    chosen: Sequence[int],
+    causes: np.ndarray,
+    points: np.ndarray,
+) -> np.ndarray:
+    """Return the expected loss in ln L (b,) of the best fit of the ``chosen`` columns.
+
+    The differences d are those of ``causes`` (b, q), factors on all columns. The loss is counted
+    from a fit that leaves nothing but the noise; the priors' part is included.
+    """
+    columns = data.summed_columns(points)
+    known = _summed(data, chosen, points, None)
+    sums = replace(
+        known,
+        mixed=np.einsum("bj,gjk->bgk", causes, columns[:, :, list(chosen)], optimize=True),
+        squares=np.einsum("bj,gjk,bk->bg", causes, columns, causes, optimize=True),
+    )
+    selected = priors.select(chosen)
+    fitted = _cost(sums, selected, _most_likely(sums, selected))
+    return fitted - 0.5 * float(np.log(sums.noise) @ sums.points)
+
+
+def information(data: Products, points: np.ndarray) -> np.ndarray:
+    """Return the information (q, q) on all columns: sum n_g / (m_g v_g) c c', v_g that of noise."""
+    sums = _summed(data, (), points, None)
+    weight = sums.points / (sums.windows * sums.noise)
+    return np.tensordot(weight, data.summed_columns(points), axes=1)
 
 
 def cost(data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarray) -> float:
@@ -113,27 +153,40 @@ def _reweighted_fit(sums: "_Sums", priors: Priors, variance: np.ndarray) -> np.n
     ln L has several maxima: a group that one beta fits well outweighs the others. A start with the
     noise gives the largest residuals the largest weight.
     """
+    beta = np.full((len(variance), len(priors.centre)), np.inf)
+    rows = np.arange(len(beta))
     for _ in range(_REWEIGHTINGS):
-        weight = sums.points / (sums.windows * variance)
-        curved = np.tensordot(weight, sums.columns, axes=1)
-        driven = np.einsum("bg,bgj->bj", weight, sums.mixed)
-        beta = np.zeros_like(driven)
-        fixed = np.zeros_like(driven, bool)
-        rows = np.arange(len(driven))
-        for _ in range(_BOUND_ITERATIONS):  # fix parameters beyond a bound, solve for the others
-            matrix, held = curved[rows], fixed[rows]
-            diagonal = np.einsum("bjj->bj", matrix)
-            stiff = np.where(held, _FIXED_WEIGHT * (1 + diagonal), priors.sigma**-2.0)
-            aim = np.where(held, beta[rows], priors.centre)
-            diagonal += stiff
-            solved = np.linalg.solve(matrix, (driven[rows] + stiff * aim)[..., None])[..., 0]
-            beta[rows] = np.clip(solved, priors.low, priors.high)
-            beyond = ((solved < priors.low) | (solved > priors.high)) & ~held
-            fixed[rows] |= beyond
-            rows = rows[beyond.any(axis=1)]
-            if not len(rows):
-                break
-        variance = sums.variance(beta)
+        step = _weighted_fit(sums.select(rows), priors, variance)
+        moves = np.any(np.abs(step - beta[rows]) > _CONVERGED, axis=1)
+        beta[rows] = step
+        rows = rows[moves]
+        if not len(rows):
+            break
+        variance = sums.select(rows).variance(beta[rows])
+    return beta
+
+
+def _weighted_fit(sums: "_Sums", priors: Priors, variance: np.ndarray) -> np.ndarray:
+    """Return beta (b, q) within its bounds where the groups' variances (b, g) are known."""
+    weight = sums.points / (sums.windows * variance)
+    curved = np.tensordot(weight, sums.columns, axes=1)
+    driven = np.einsum("bg,bgj->bj", weight, sums.mixed)
+    beta = np.zeros_like(driven)
+    fixed = np.zeros_like(driven, bool)
+    rows = np.arange(len(driven))
+    for _ in range(_BOUND_ITERATIONS):  # fix parameters beyond a bound, solve for the others
+        matrix, held = curved[rows], fixed[rows]
+        diagonal = np.einsum("bjj->bj", matrix)
+        stiff = np.where(held, _FIXED_WEIGHT * (1 + diagonal), priors.sigma**-2.0)
+        aim = np.where(held, beta[rows], priors.centre)
+        diagonal += stiff
+        solved = np.linalg.solve(matrix, (driven[rows] + stiff * aim)[..., None])[..., 0]
+        beta[rows] = np.clip(solved, priors.low, priors.high)
+        beyond = ((solved < priors.low) | (solved > priors.high)) & ~held
+        fixed[rows] |= beyond
+        rows = rows[beyond.any(axis=1)]
+        if not len(rows):
+            break
     return beta
 
 
@@ -219,7 +272,30 @@ def cross_validate(
     signs: np.ndarray | None = None,
     groups: np.ndarray | None = None,
 ) -> CrossValidation:
-    """Predict each fold of the operating points by a fit to the others; ``groups`` are indices."""
+    """Predict each fold of the operating points by a fit to the others; ``groups`` are indices.
+
+    The data keep the result: candidates share the fits without them.
+    """
+    key = _key(*vars(priors.select(chosen)).values(), chosen, points, signs, groups)
+    if key not in data.predictions:
+        data.predictions[key] = _cross_validated(data, priors, chosen, points, signs, groups)
+    return data.predictions[key]
+
+
+def _key(*arrays: np.ndarray | Sequence[int] | None) -> tuple[tuple, ...]:
+    """Return what distinguishes arrays from others, in little memory."""
+    every = [np.asarray(array) for array in arrays if array is not None]
+    return tuple((array.shape, hash(array.tobytes())) for array in every)
+
+
+def _cross_validated(
+    data: Products,
+    priors: Priors,
+    chosen: Sequence[int],
+    points: np.ndarray,
+    signs: np.ndarray | None,
+    groups: np.ndarray | None,
+) -> CrossValidation:
     total = np.zeros(1)
     for number in range(min(FOLDS, len(points))):
         fold = np.arange(len(points)) % FOLDS == number
@@ -263,6 +339,11 @@ class _Sums:
     noise: np.ndarray  # (g,) per window
     windows: np.ndarray  # (g,), at least 1
     points: np.ndarray  # (g,)
+
+    def select(self, rows: np.ndarray) -> "_Sums":
+        """Return the sums of some data sets."""
+        squares = self.squares if self.squares.ndim == 1 else self.squares[rows]
+        return replace(self, mixed=self.mixed[rows], squares=squares)
 
     def squared_residuals(self, beta: np.ndarray) -> np.ndarray:
         """Return sums (b, g) of (d - beta c)^2."""

@@ -101,6 +101,52 @@ class Candidate:
 
 
 @dataclass(frozen=True)
+class DetectableSize:
+    """Smallest value of an effect's coefficient that some runs would show, in its unit."""
+
+    effect: str
+    coefficient: str
+    smallest: FloatOrNan  # nan: not detectable at ten times its typical value
+    typical: FloatOrNan
+    unit: str
+    limit: Literal["evidence", "size"]  # what determines it: its score, or the least size named
+
+    @property
+    def detectable(self) -> bool:
+        """Whether the typical value is detectable."""
+        return self.smallest <= self.typical
+
+
+@dataclass(frozen=True)
+class EffectPair:
+    """Separation of two effects by some runs."""
+
+    first: str
+    second: str
+    angle_deg: FloatOrNan  # of their signatures; nan: the runs do not show one of them
+    lead: FloatOrNan  # expected lead in score of the true effect in the worst case, nats
+    distinguishable: bool | None  # None: neither effect is detectable
+
+
+@dataclass(frozen=True)
+class Separability:
+    """Effects that some runs would detect, and the separation of each pair."""
+
+    sizes: tuple[DetectableSize, ...]
+    pairs: tuple[EffectPair, ...]
+
+
+@dataclass(frozen=True)
+class PlannedEffects:
+    """Effects that planned runs would show, by simulation."""
+
+    separability: Separability
+    not_tried: dict[str, str]  # effects that the runs do not show at all, with the reason
+    shortfalls: tuple[str, ...]  # for which no effect would be named, whatever its size
+    missing: tuple[str, ...]  # experiments that make more effects distinguishable
+
+
+@dataclass(frozen=True)
 class Rival:
     """Effect with the second-best score."""
 
@@ -148,6 +194,67 @@ class UnnamedLaw:
 
 
 @dataclass(frozen=True)
+class WorkingPoint:
+    """Working point of a campaign: medians over the steady windows of one operating point.
+
+    It is the one nearest to the medians of speed, load and pressures of all runs in ``direction``.
+    """
+
+    direction: str  # in which most windows are
+    windows: int
+    v_m_s: FloatOrNan  # signed
+    x_m: FloatOrNan
+    # Readings; nan where no run has the channel.
+    f_applied_n: FloatOrNan
+    p_tp_pa: FloatOrNan
+    p_tr_pa: FloatOrNan
+    p_lp_pa: FloatOrNan
+    p_lr_pa: FloatOrNan
+    p_s_pa: FloatOrNan
+    u_t_v: FloatOrNan
+    u_l1_v: FloatOrNan
+    u_l2_v: FloatOrNan
+    # Of the revised model, in SI, by balance; "speed" and "pressure" as of a ``Change``.
+    residuals: dict[str, FloatOrNan]
+
+
+@dataclass(frozen=True)
+class Change:
+    """Change of one quantity by an effect: with it less without it, in ``unit``.
+
+    Of a balance (flow into a chamber, friction against the motion, pressure of the source), of a
+    sensor's reading, or of ``speed`` and ``pressure``: those of the piston and the fed chamber.
+    """
+
+    quantity: str
+    unit: str  # a bench's
+    at_point: FloatOrNan  # at the working point, in steady motion
+    ci95: tuple[float, float] | None  # by the uncertainty of the effect's coefficients
+    along: FloatOrNan  # root mean square over the measured windows in motion
+    largest: FloatOrNan  # magnitude that 5 % of these windows exceed
+
+
+@dataclass(frozen=True)
+class Lookalike:
+    """Effect that another one is confused with, and the run that separates the two."""
+
+    name: str
+    kind: str  # of experiment
+    why: str
+
+
+@dataclass(frozen=True)
+class EffectInPractice:
+    """What an effect changes at the bench, and what to do about it."""
+
+    name: str
+    changes: tuple[Change, ...]
+    inspect: str  # what confirms it: a noun phrase
+    repair: str  # a sentence
+    lookalikes: tuple[Lookalike, ...]
+
+
+@dataclass(frozen=True)
 class Overlay:
     """A signal of one held-out run: measured, and simulated before and after."""
 
@@ -191,3 +298,6 @@ class Diagnosis:
     revised: dict[str, Any] = field(default_factory=dict)  # the revised model's file
     unnamed: tuple[UnnamedLaw, ...] = ()  # in order of adding
     notes: tuple[str, ...] = ()
+    separability: Separability | None = None  # None where strokes are compared
+    working_point: WorkingPoint | None = None
+    practice: tuple[EffectInPractice, ...] = ()  # of the effects and the ambiguous set

@@ -211,6 +211,8 @@ class SteadyMeans:
     temp_tank_k: float | None = None  # of the oil, as those of ``Run``
     temp_port_k: float | None = None
     temp_seal_k: float | None = None
+    # Standard deviation of the mean speeds over 0.1 s, noise included; None: window too short.
+    v_ripple_m_s: float | None = None
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ After a change of a record:
 
     python -m hbench.report.schemas results > hbench/report/campaign/results.schema.json
     python -m hbench.report.schemas diagnosis > hbench/report/diagnosis/diagnosis.schema.json
+    python -m hbench.report.schemas acceptance > hbench/report/conformity/acceptance.schema.json
 """
 
 import json
@@ -12,6 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 from hbench.report.campaign.results_document import results_schema
+from hbench.report.conformity.acceptance_document import acceptance_schema
 from hbench.report.diagnosis.diagnosis_document import diagnosis_schema
 from hbench.report.json_documents.schema import Schema
 
@@ -19,6 +21,7 @@ _WIDTH = 100
 SCHEMAS: dict[str, Callable[[], Schema]] = {
     "results": results_schema,
     "diagnosis": diagnosis_schema,
+    "acceptance": acceptance_schema,
 }
 
 

@@ -19,10 +19,11 @@ _MODULES = {
     "seeds": ("measure_seeds",),
     "watch": ("Watch",),
     "results": ("analyze", "report"),
+    "conformity.acceptance": ("accept",),
     "fleet": ("analyze_fleet", "write_fleet"),
     "comparison": ("compare", "write_comparison"),
     "identification": ("identify", "write_identification"),
-    "reconciliation": ("reconcile", "write_diagnosis"),
+    "reconciliation": ("planned_effects", "reconcile", "write_diagnosis"),
     "exports": ("export",),
     "controllers": ("design", "write_design"),
     "simulation": (

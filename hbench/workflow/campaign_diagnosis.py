@@ -1,7 +1,6 @@
 """Diagnosis of a campaign along its logs, measured with hbench or imported."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,7 @@ from hbench.config.bench import plant_sections
 from hbench.config.files.loading import read_yaml
 from hbench.reconcile.diagnose import ReconcileTask, diagnose
 from hbench.reconcile.measured.balances import FLOWS, channels_missing
-from hbench.reconcile.next_experiment import next_experiment
+from hbench.reconcile.separation.next_experiment import ExperimentLibrary
 from hbench.reconcile.simulated_runs import simulator
 from hbench.records import Diagnosis, Run
 from hbench.store.campaign.folder import StoredCampaign
@@ -36,6 +35,9 @@ def diagnosed(
     plant = physics_of(content, model_file)
     assert plant is not None  # there is a file
     simulate = simulator(bench, plant, report) if bench and not campaign.imported else None
+    instruments = campaign.setup().instruments
+    schedule = (campaign.header.get("schedule") or {}).get("content") or {}
+    library = ExperimentLibrary(bench, plant, instruments, schedule) if bench else None
     return diagnose(
         ReconcileTask(
             provenance=campaign.provenance(),
@@ -44,10 +46,10 @@ def diagnosed(
             plant=plant,
             plant_data=sections,
             runs=tuple(runs),
-            instruments=campaign.setup().instruments,
+            instruments=instruments,
             material=material,
             simulate=simulate,
-            propose=partial(next_experiment, bench, plant) if bench else None,
+            propose=library.propose if library else None,
             stage=stage,
         )
     )

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hbench.errors import ConfigError
-from hbench.records import KINDS, Diagnosis
+from hbench.records import KINDS, Diagnosis, PlannedEffects
 from hbench.records.diagnosis import MATERIAL
 from hbench.report.diagnosis.all_figures import draw_diagnosis
 from hbench.report.diagnosis.diagnosis_document import diagnosis_json
@@ -15,6 +15,8 @@ from hbench.report.render.figures import figure_files
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.stored_diagnosis import FILE_NAME
 from hbench.store.files.atomic import remove_files, write_files
+from hbench.workflow.board import physics_of
+from hbench.workflow.campaign import Experiment
 from hbench.workflow.results import calibrated_runs
 
 _OPTIONAL = ("next.yaml", "gaps_by_run.csv")  # files of some diagnoses only
@@ -52,6 +54,19 @@ def reconcile(
             "Remove --series.",
         )
     return campaign_diagnosis.diagnosed(campaign, runs, model_file, material, report, stage)
+
+
+def planned_effects(experiment: Experiment, plant: Path | None) -> PlannedEffects:
+    """Return the effects that ``reconcile`` would find in the runs of a schedule, by simulation.
+
+    The bench's own physics are the model, or those of the file ``plant``. Raises ``ConfigError``,
+    ``DataError``.
+    """
+    from hbench.reconcile.separation import planned_runs  # compiles
+
+    bench = experiment.bench
+    model = physics_of(experiment.files["bench"]["content"], plant) or bench
+    return planned_runs.planned_effects(bench, model, experiment.plans)
 
 
 def write_diagnosis(folder: Path, diagnosis: Diagnosis) -> None:

@@ -79,6 +79,26 @@ def test_check_estimates_and_writes_nothing(hbench, short_schedule, tmp_path):
     assert set(tmp_path.iterdir()) == before
 
 
+def test_check_lists_the_effects_that_the_runs_would_show(hbench, short_schedule, tmp_path):
+    """Of one load and one direction: this simulates them and writes nothing."""
+    schedule = short_schedule()
+    before = set(tmp_path.iterdir())
+    done = hbench("run", schedule, "--check", "--effects")
+    assert done.returncode == 0 and "simulat" in done.stderr
+    assert "internal_leakage" in done.stdout and "l/min/bar" in done.stdout
+    assert "no effect can be named; missing: operating points: 2, at least 8" in done.stdout
+    done = hbench("run", schedule, "--check", "--effects", "--json")
+    effects = json.loads(done.stdout)["effects"]
+    sizes = {(size["effect"], size["coefficient"]) for size in effects["separability"]["sizes"]}
+    assert ("supply_droop", "slope") in sizes and "rest_time" in effects["not_tried"]
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_effects_are_those_of_a_check(hbench, short_schedule):
+    done = hbench("run", short_schedule(), "-o", "out", "--effects")
+    assert done.returncode == 2 and "--check" in done.stderr
+
+
 def test_check_says_where_the_number_of_runs_is_not_known_beforehand(hbench, short_schedule):
     ends = {"first": "60 mm/s", "last": "130 mm/s"}
     steps = {"min_step": "10 mm/s", "max_step": "30 mm/s", "tolerance": "5 N"}

@@ -64,6 +64,12 @@ def line(world):
         shutil.copytree(ROOT / "data_samples" / "bad-runs", world / "line-1" / name)
 
 
+def limits(world):
+    campaigns("demo")(world)
+    bench_file(world)
+    shutil.copy(ROOT / "configs" / "limits.yaml", world / "my-bench")
+
+
 def bench_file(world):
     (world / "my-bench").mkdir()
     shutil.copy(ROOT / "configs" / "bench-aau.yaml", world / "my-bench")
@@ -97,6 +103,7 @@ def nothing(world):
 
 # What an example needs, and what it leaves.
 EXAMPLES = {
+    "accept": (limits, ["demo/results/acceptance.json", "demo/results/acceptance.xml"]),
     "analyze": (campaigns("demo"), ["demo/results/results.json"]),
     "compare": (campaigns("before", "after"), ["comparison/comparison.html"]),
     "design": (bench_file, []),

@@ -45,6 +45,8 @@ def test_the_verdict_is_on_stdout_and_the_page_in_the_folder(finds, tmp_path):
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith("named: internal_leakage")
     assert (tmp_path / "out" / "report.html").is_file()
+    log = (tmp_path / "out" / "reconcile.log").read_text().splitlines()
+    assert log[0].endswith(f"reading {SAMPLE}") and log[-1].endswith("  finished")
 
 
 def test_deviations_that_do_not_matter_are_those_of_the_library():

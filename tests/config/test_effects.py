@@ -6,8 +6,11 @@ from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.effects import Coefficient, parse_effects
 from hbench.config.files.loading import read_yaml
 from hbench.errors import ConfigError
-from hbench.model.effects.catalogue import EFFECTS, read_effects
+from hbench.model.effects.catalogue import EFFECTS, lookalikes, read_effects
+from hbench.model.effects.guide import guide
+from hbench.model.effects.rows import Effect
 from hbench.reconcile.measured.balances import BALANCES
+from hbench.records import KINDS
 from tests.support import ROOT
 
 BENCH = read_yaml(ROOT / "configs" / "bench-aau.yaml")
@@ -100,3 +103,52 @@ def test_rows_of_valves_and_transducers_have_a_coefficient_for_each_of_them():
         "null_load_1": pytest.approx(-0.05),
         "exponent": 0.1,
     }
+
+
+# ---- what the catalogue tells its reader
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_a_row_says_what_moves_what_to_inspect_and_repair_and_where_its_law_is_from(name):
+    row = EFFECTS[name]
+    assert not row.description.endswith(".") and not row.inspect.endswith(".")
+    assert row.law and row.source
+    for sentence in (row.signals, row.repair):
+        assert sentence[0].isupper() and sentence.endswith(".")
+    for one in row.coefficients.values():
+        assert one.low <= one.typical <= one.high or not one.typical
+
+
+def test_look_alikes_are_effects_and_are_so_both_ways_with_one_run_for_each_pair():
+    pairs = [(name, other) for name, row in EFFECTS.items() for other in row.confused_with]
+    assert {other for _, other in pairs} <= set(EFFECTS)
+    assert len({frozenset(pair) for pair in pairs}) == len(pairs)
+    for name, other in pairs:
+        assert name != other
+        assert lookalikes(name)[other] == lookalikes(other)[name]
+        assert lookalikes(name)[other].kind in KINDS
+        assert lookalikes(name)[other].why
+    assert all(lookalikes(name) for name, row in EFFECTS.items() if row.balances)
+
+
+def test_the_committed_page_of_the_catalogue_is_the_generated_one():
+    page = ROOT / "hbench" / "model" / "effects" / "README.md"
+    assert page.read_text() == guide(EFFECTS), "run python -m hbench.model.effects.guide"
+
+
+def test_every_name_unit_bound_and_text_is_on_the_page():
+    page = guide(EFFECTS)
+    for name, row in EFFECTS.items():
+        part = page.partition(f"\n## {name}\n")[2].partition("\n## ")[0]
+        texts = (row.law, row.signals, row.inspect, row.repair, row.source, *row.coefficients)
+        assert all(text in part for text in texts), name
+        for other, separation in lookalikes(name).items():
+            assert f"[{other}](#{other}) | `{separation.kind}` | {separation.why} |" in part
+        for one in row.coefficients.values():
+            assert f"| {one.unit} | " in part and f" | {one.low:g} | {one.high:g} | " in part
+
+
+def test_a_users_effect_without_texts_has_a_page_too():
+    row = Effect("1 / beta grows", {"soft": Coefficient("1/bar", 1e-4, 0, 0.1)}, (), {})
+    page = guide({"soft_hose": row, **EFFECTS})
+    assert "## soft_hose" in page and "| soft | 1/bar | 0.0001 | 0 | 0.1 | 0 |" in page

@@ -108,6 +108,16 @@ BAD = {
     ),
     "no size": (HOSE.read_text().replace("1e-4", "1.0"), "", "soft_hose: soft: typical = 1 "),
     "no balance": (HOSE.read_text().replace("flow_tr", "flow"), "", "soft_hose: its balances"),
+    "no text": (
+        HOSE.read_text().replace('{"oil": cavity}', '{"oil": cavity}, repair=1'),
+        "",
+        "soft_hose: repair = 1; must be a string",
+    ),
+    "no look-alike": (
+        HOSE.read_text().replace('{"oil": cavity}', '{"oil": cavity}, confused_with={"a": "b"}'),
+        "",
+        "soft_hose: its confused_with",
+    ),
     "no place": (HOSE.read_text().replace('"oil"', '"hose"'), "", "soft_hose: hose: "),
     "a decorated law": (
         HOSE.read_text().replace("def cavity", "import numba\n\n\n@numba.njit\ndef cavity"),

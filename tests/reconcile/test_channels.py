@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.reconcile.diagnose import _observable_effects
 from hbench.reconcile.nuisance import BACKGROUND
+from hbench.reconcile.separation.observable import observable_effects
 from hbench.records import Run, RunPlan, Specimen
 
 CHANNELS = (
@@ -38,7 +38,7 @@ def run(*lacking):
 def test_effects_that_the_channels_cannot_tell_are_left_out_with_the_reason(
     bench, lacking, gone, kept, balance
 ):
-    told, not_tried = _observable_effects([run(*lacking)], bench)
+    told, not_tried = observable_effects([run(*lacking)], bench)
     assert kept <= set(told)
     assert gone <= set(not_tried)
     assert not set(told) & set(not_tried)
@@ -46,7 +46,7 @@ def test_effects_that_the_channels_cannot_tell_are_left_out_with_the_reason(
 
 
 def test_effects_that_only_tell_benches_apart_are_refitted_and_never_tried(bench):
-    told, not_tried = _observable_effects([run()], bench)
+    told, not_tried = observable_effects([run()], bench)
     assert BACKGROUND == {"valve_trim", "pressure_gain"}
     assert BACKGROUND <= set(not_tried) and not BACKGROUND & set(told)
     assert all("refitted" in not_tried[name] for name in BACKGROUND)

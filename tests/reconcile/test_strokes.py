@@ -97,6 +97,21 @@ def test_friction_that_saturates_with_pressure_is_named_with_the_seals_law(of_tw
     assert not found.alternatives
 
 
+def test_the_friction_of_seals_at_the_load_in_the_middle_is_its_coefficient_times_the_pressure(
+    of_two_seals,
+):
+    """30 bar of 10 to 60: k P, about the hidden seals' own 120 P / (P + 120)."""
+    point, (effect,) = of_two_seals.working_point, of_two_seals.practice
+    assert point.p_tp_pa == pytest.approx(30e5)
+    changes = {one.quantity: one for one in effect.changes}
+    k = of_two_seals.effects[0].parameters["test_piston"]
+    band = changes["force_band"]
+    assert band.at_point == pytest.approx(30 * k.value, rel=0.02)
+    assert band.at_point == pytest.approx(120 * 30 / 150, rel=0.25)
+    assert band.ci95[0] < band.at_point < band.ci95[1]
+    assert band.largest <= 60 * k.value * 1.02
+
+
 def test_constant_friction_of_another_size_is_no_effect():
     found = diagnosed(one=strokes(lambda bar: 55.0))
     assert found.verdict == "none"

@@ -10,7 +10,8 @@ from hbench import workflow
 from hbench.config.files.loading import read_yaml
 from hbench.config.stroke_model import parse_strokes, stroke_sections
 from hbench.errors import ConfigError
-from hbench.reconcile.strokes.stroke_diagnosis import DISTINGUISHING_TESTS, GAIN_NOTE
+from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.strokes.stroke_diagnosis import GAIN_NOTE
 from hbench.report.diagnosis.text import diagnosis_text
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.reconciliation import write_diagnosis
@@ -69,7 +70,7 @@ def test_the_mean_offset_is_ambiguous_between_a_gain_an_area_and_an_asymmetry(se
     assert GAIN_NOTE in found.notes
     middle = found.gap_heldout.balances["force_middle"]
     assert middle.after > 0.9 * middle.refitted  # nothing was added for it
-    assert DISTINGUISHING_TESTS["load_cell_gain"] in found.next_experiment
+    assert EFFECTS["load_cell_gain"].inspect in found.next_experiment
 
 
 def test_the_diagnosis_is_written_as_for_any_campaign(seal, tmp_path, undrawn):

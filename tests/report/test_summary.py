@@ -1,325 +1,251 @@
-"""The summary: friction at the working speed, breakaway, efficiency, and the data's quality."""
+"""The paragraph for the engineer: every verdict, in the units of the bench."""
 
-import json
-import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
-from hbench.analysis.summary.completeness import PlannedRuns
-from hbench.analysis.summary.quality import quality
-from hbench.records import FitParameter
-from hbench.report.campaign.fit_tables import fit_tables, fits_verdict
-from hbench.report.campaign.page import report_document
-from hbench.report.campaign.quality import quality_table, quality_verdict
-from hbench.report.campaign.results_document import results_json
-from hbench.report.campaign.summary import summary_section
-from hbench.report.campaign.terminal import summary_text
-from hbench.report.render.document import page
-from hbench.report.render.numbers import alike, number, with_interval
-from tests.support.analysis.drawn_seal import drawn_seal
-from tests.support.report.made_page import page_html, summarized
-
-
-def page_html_as_is(results):
-    return page(report_document(results, ()))
-
-
-def series(results, speed_m_s=None):
-    return summarized(results, speed_m_s).headline.series
-
-
-def checks(results):
-    return {check.name: check for check in summarized(results).quality.checks}
-
-
-def grade(results, name):
-    return checks(results)[name].grade
-
-
-def with_points(results, **changes):
-    curves = tuple(
-        replace(c, points=tuple(replace(p, **changes) for p in c.points)) for c in results.curves
-    )
-    return replace(results, curves=curves)
-
-
-def test_the_working_speed_is_the_middle_one_of_those_measured(small):
-    speeds = sorted(abs(p.v_m_s) for p in small.curves[0].points)
-    assert small.headline.v_m_s == pytest.approx(speeds[2])
-    for one, curve in zip(small.headline.series, small.curves, strict=True):
-        assert (one.direction, one.f_load_n) == (curve.direction, curve.f_load_n)
-        assert one.friction_n.value == abs(curve.points[2].friction_n)
-        assert one.friction_n.u95 == one.friction_n.ci95 == curve.points[2].ci95_n
-
-
-def test_a_point_stands_for_a_speed_asked_for_only_if_it_is_near(small):
-    v = abs(small.curves[0].points[3].v_m_s)
-    assert all(one.v_m_s == pytest.approx(v) for one in series(small, 1.15 * v))
-    assert all(one.friction_n is None for one in series(small, 0.5))
-    assert "friction" not in str(summary_section(summarized(small, 0.5)).tiles[0].more)
-
-
-def test_strokes_of_one_speed_each_have_their_own_unless_a_speed_is_asked_for():
-    strokes = drawn_seal(1, speeds=(12e-3, 6e-3))
-    shown = {each.direction: each.v_m_s for each in strokes.headline.series}
-    assert shown == {"extend": 12e-3, "retract": 6e-3}
-    asked = summarized(strokes, 12e-3).headline.series
-    assert {each.direction: each.v_m_s for each in asked} == {"extend": 12e-3, "retract": None}
-    (tile, *_) = summary_section(strokes).tiles
-    assert "6–12 mm/s" in tile.more
-
-
-def test_half_band_and_slope_have_tiles_with_their_ranges_or_interval():
-    seal = drawn_seal(1)
-    tiles = {tile.unit: tile for tile in summary_section(seal).tiles if "half" in tile.more}
-    halves = [band.half_n for band in seal.bands]
-    assert tiles["N"].value == alike(halves)
-    line = seal.band_trends[0].half
-    expected = with_interval(1e5 * line.slope_n_pa, 1e5 * line.slope_ci95_n_pa)
-    assert tiles["N/bar"].value == expected
-
-
-def test_the_interval_is_that_of_trials_and_instruments_where_these_are_known(small):
-    known = with_points(small, u95_n=77.0)
-    assert all(one.friction_n.u95 == 77.0 != one.friction_n.ci95 for one in series(known))
-
-
-def test_breakaway_is_the_fits_at_rest_and_says_so(small):
-    known = with_points(small, sigma_instruments_n=10.0)
-    one = series(known)[1].breakaway_n
-    fitted = small.curves[1].fits[0].parameters["f_stiction_n"]
-    assert one.value == fitted.value and one.basis == "extrapolated"
-    assert one.u95 == pytest.approx(math.hypot(12.3, 19.59964))
-
-
-def test_breakaway_without_a_fit_is_where_the_slowest_ramp_begins_to_slide(small):
-    curve = small.curves[0]
-    starts = {0.1: 900.0, 0.03: 700.0}
-    ramps = []
-    for a, peak in starts.items():
-        points = list(curve.points)
-        points[0] = replace(points[0], friction_n=1.0)  # before the seals have slid
-        points[1] = replace(points[1], friction_n=peak, ci95_n=9.0)
-        fit = replace(curve.fits[0], line=tuple((p.v_m_s, 1.0) for p in points[1:]))
-        ramps.append(replace(curve, kind="ramp", a_ref_m_s2=a, points=tuple(points), fits=(fit,)))
-    unfitted = tuple(replace(each, fits=()) for each in small.curves)
-    one = series(replace(small, curves=(*unfitted, *ramps)))[0].breakaway_n
-    assert (one.value, one.u95, one.basis) == (700.0, 9.0, "ramp")
-    with_fit = series(replace(small, curves=(*small.curves, *ramps)))[0].breakaway_n
-    assert with_fit.basis == "extrapolated"
-    alone = series(replace(small, curves=tuple(ramps), efficiency=()))
-    assert len(alone) == 1 and alone[0].friction_n is None and alone[0].breakaway_n.value == 700.0
-
-
-def test_efficiency_is_that_of_the_same_direction_load_and_speed(small):
-    for one, curve in zip(small.headline.series, small.efficiency, strict=True):
-        assert one.efficiency.value == curve.points[2].efficiency
-        assert one.efficiency.u95 == curve.points[2].u95
-    without = [
-        replace(curve, points=tuple(replace(point, u95=None) for point in curve.points))
-        for curve in small.efficiency
-    ]
-    for one, curve in zip(series(replace(small, efficiency=tuple(without))), without, strict=True):
-        assert one.efficiency.u95 == curve.points[2].ci95  # of the trials alone
-
-
-@pytest.mark.parametrize("rejected,expected", [(0, "good"), (4, "with care"), (20, "poor")])
-def test_the_share_of_accepted_runs_is_graded(small, rejected, expected):
-    runs = [replace(run, reasons=()) for run in small.runs]
-    runs[:rejected] = [replace(run, reasons=("gapped: x",)) for run in runs[:rejected]]
-    assert len(runs) == 60
-    assert grade(replace(small, runs=tuple(runs)), "runs_accepted") == expected
-
-
-@pytest.mark.parametrize("n,expected", [(3, "good"), (2, "with care"), (1, "poor")])
-def test_the_fewest_trials_of_a_point_are_graded(small, n, expected):
-    assert grade(with_points(small, n=n), "trials_per_point") == expected
-
-
-@pytest.mark.parametrize(
-    "half,expected", [(10.0, "good"), (60.0, "with care"), (200.0, "poor")]
-)  # of 350 to 700 N
-def test_the_trials_scatter_is_graded(small, half, expected):
-    assert grade(with_points(small, ci95_n=half), "repeatability") == expected
-
-
-@pytest.mark.parametrize("sigma,expected", [(5.0, "good"), (500.0, "with care")])
-def test_instruments_never_make_data_poor_but_may_ask_for_care(small, sigma, expected):
-    assert grade(with_points(small, sigma_instruments_n=sigma), "instruments") == expected
-    assert grade(small, "instruments") == "with care"  # not known
-
-
-def test_fits_have_verdicts_of_their_own_and_leave_the_grade_of_the_data(small):
-    good = with_points(small, n=3, sigma_instruments_n=5.0)
-    good = replace(good, runs=tuple(replace(run, reasons=()) for run in good.runs))
-    loose = FitParameter(1.0, None, None, None, "N")
-    wide = FitParameter(1.0, 2.0, (-3.0, 5.0), None, "N", wide=True)
-
-    def with_fits(**changes):
-        curves = tuple(replace(c, fits=(replace(c.fits[0], **changes),)) for c in good.curves)
-        return summarized(replace(good, curves=curves))
-
-    assert [curve.fits[0].verdict for curve in good.curves[:2]] == ["not determined", "determined"]
-    for changes, verdict in (
-        ({"parameters": {"f_coulomb_n": loose}}, "not determined"),
-        ({"parameters": {"f_coulomb_n": wide}}, "not determined"),
-        ({"parameters": {}}, "not determined"),
-        ({"converged": False}, "not converged"),
-    ):
-        changed = with_fits(**changes)
-        assert {curve.fits[0].verdict for curve in changed.curves} == {verdict}
-        assert changed.quality.grade == "good"
-        assert "good" in quality_verdict(changed.quality)
-        for text in (fits_verdict(changed), summary_text(changed), page_html(changed, ())):
-            assert "all parameters determined: Tustin 0 of 4" in text
-        (written,) = json.loads(results_json(changed))["fit_verdicts"]
-        assert written["fits"] == written[verdict.replace(" ", "_")] == 4
-
-
-def test_a_fits_table_names_the_parameters_that_are_not_determined(small):
-    table = fit_tables(small)["tustin"]
-    verdicts = [row[-1].text or row[-1].flag for row in table.rows]
-    assert verdicts == ["F_C not determined", "determined", "determined", "determined"]
-
-
-def test_the_verdict_is_the_worst_grade_and_its_sentence_has_the_checks_of_that_grade(small):
-    few = summarized(with_points(small, n=1)).quality
-    assert few.grade == "poor"
-    rows = [[cell.text for cell in row] for row in quality_table(few).rows]
-    for check, (name, _, value, *_) in zip(few.checks, rows, strict=True):
-        assert (name.lower() in quality_verdict(few).lower()) == (check.grade == "poor")
-        assert check.name != "trials_per_point" or value in quality_verdict(few)
-    good = with_points(replace(small, curves=small.curves[1:]), sigma_instruments_n=5.0)
-    good = replace(good, runs=tuple(replace(run, reasons=()) for run in good.runs))
-    good = summarized(with_points(good, n=3)).quality
-    assert good.grade == "good" and {check.grade for check in good.checks} == {"good"}
-    assert f" {len(good.checks)} checks" in quality_verdict(good)
-
-
-def with_plan(results, missing=()):
-    """The results of a campaign whose plan has all its runs; those in ``missing`` were not made."""
-    plans = tuple(run.run.plan for run in results.runs)
-    runs = tuple(run for run in results.runs if run.run.plan.run not in missing)
-    planned = PlannedRuns(plans, frozenset(run.run.plan.run for run in runs))
-    return replace(
-        results,
-        runs=runs,
-        quality=quality(runs, results.curves, results.efficiency, planned),
-    )
-
-
-def accepted_all(results):
-    return replace(results, runs=tuple(replace(run, reasons=()) for run in results.runs))
-
-
-def test_a_campaign_without_its_last_run_is_headed_as_incomplete(small):
-    good = accepted_all(with_points(small, n=3))
-    whole = with_plan(good)
-    assert whole.quality.completeness.not_completed == ()
-    assert {c.name: c for c in whole.quality.checks}["complete"].grade == "good"
-    assert "incomplete" not in quality_verdict(whole.quality)
-    last = good.runs[-1].run.plan.run
-    cut = with_plan(good, missing={last})
-    check = {c.name: c for c in cut.quality.checks}["complete"]
-    assert (check.grade, check.count, check.of) == ("with care", 59, 60)
-    assert cut.quality.completeness.not_completed == (last,)
-    (point,) = cut.quality.completeness.short_points
-    assert (point.accepted, point.planned) == (2, 3)
-    for text in (summary_text(cut), page_html_as_is(cut)):
-        assert "incomplete: 1 of 60 planned runs was not completed; 1 has fewer" in text
-        assert "--resume" in text
-    assert "59 of 60" in {tile.value for tile in summary_section(cut).tiles}
-    written = json.loads(results_json(cut))["quality"]["completeness"]
-    assert written["planned"] == 60 and written["not_completed"] == [last]
-
-
-def test_a_point_whose_runs_were_all_rejected_counts_with_no_trial(small):
-    good = accepted_all(with_points(small, n=3))
-    *points, lost = good.curves[0].points
-    curve = replace(good.curves[0], points=tuple(points))
-    runs = tuple(
-        replace(run, reasons=("gapped: x",)) if run.run.plan.run in lost.runs else run
-        for run in good.runs
-    )
-    without = replace(good, runs=runs, curves=(curve, *good.curves[1:]))
-    for results in (summarized(without), with_plan(without)):  # imported; measured
-        check = {c.name: c for c in results.quality.checks}["trials_per_point"]
-        assert (check.value, check.count, check.grade) == (0, 1, "poor")
-        (point,) = results.quality.completeness.short_points
-        assert (point.accepted, point.v_ref_m_s) == (0, pytest.approx(lost.v_m_s))
-        verdict = quality_verdict(results.quality)
-        assert verdict.startswith("The campaign is incomplete: 1 of 20 points has no accepted")
-        assert "of the other points" in verdict and "do not rely" not in verdict
-        shown = summary_section(results).parts[-1].tables[1]
-        assert shown.rows[0][-1].text == "0 of 3"
-
-
-def with_friction(results, friction_n, half):
-    """The results with one friction against the motion, in the first point of each curve."""
-    curves = []
-    for curve in results.curves:
-        one, *rest = curve.points
-        value = curve.against_motion * friction_n
-        one = replace(one, friction_n=value, ci95_n=half, u95_n=None)
-        curves.append(replace(curve, points=(one, *rest)))
-    return replace(results, curves=tuple(curves))
-
-
-def test_friction_with_the_motion_is_negative_and_called_an_error_of_the_instruments(small):
-    known = with_points(small, n=3, sigma_instruments_n=5.0)
-    slowest = 1e3 * small.curves[0].points[0].v_m_s
-    wrong = summarized(with_friction(known, -10.2, 4.0), 1e-3 * slowest)
-    assert {one.friction_n.value for one in wrong.headline.series} == {-10.2}
-    check = checks(with_friction(known, -10.2, 4.0))["plausible_signs"]
-    assert (check.grade, check.value, check.count) == ("poor", 4, 4)
-    terminal = summary_text(wrong).replace("+-", "±").replace("-10", "−10")
-    for text in (terminal, page_html(wrong, ())):
-        assert "instruments, their zero or an area are in error" in text
-        assert f"extend, 500 N, {number(slowest)} mm/s: friction −10.2 ± 4.0 N" in text
-    written = json.loads(results_json(wrong))["quality"]["implausible"]
-    assert [(p["quantity"], p["value"], p["beyond"]) for p in written] == [
-        ("friction_n", -10.2, True)
-    ] * 4
-    within = with_friction(known, -10.2, 40.0)
-    assert grade(within, "plausible_signs") == "with care"
-    assert "in error" not in quality_verdict(summarized(within).quality)
-    assert grade(with_friction(known, 10.2, 4.0), "plausible_signs") == "good"
-
-
-@pytest.mark.parametrize(
-    "value,u95,expected", [(1.03, 0.02, "poor"), (1.03, 0.05, "with care"), (0.99, 0.02, "good")]
+from hbench.reconcile.diagnosis_fields import insufficient_data_diagnosis
+from hbench.records import (
+    AddedEffect,
+    BeforeAfter,
+    Candidate,
+    Change,
+    EffectInPractice,
+    FitParameter,
+    Gap,
+    GapTable,
+    Lookalike,
+    Provenance,
+    Region,
+    Rival,
+    UnnamedLaw,
+    WorkingPoint,
 )
-def test_an_efficiency_above_100_percent_is_implausible(small, value, u95, expected):
-    first, *others = small.efficiency
-    point = replace(first.points[0], efficiency=value, u95=u95)
-    curve = replace(first, points=(point, *first.points[1:]))
-    found = summarized(replace(small, efficiency=(curve, *others))).quality
-    assert {c.name: c for c in found.checks}["plausible_signs"].grade == expected
-    assert ("efficiency 103.0 ± 2.0 %" in quality_verdict(found)) == (expected == "poor")
+from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
+from hbench.report.diagnosis.page import diagnosis_page
+from hbench.report.diagnosis.summary import short_summary, summary
+from hbench.report.diagnosis.text import diagnosis_text
+
+NAN = float("nan")
+POINT = WorkingPoint(
+    "extend", 12, 0.08, 0.2, 2490.0, 63e5, 52.1e5, 40e5, 15e5, 150e5, 1.0, 0.5, -1.0,
+    {"flow_tp": 1e-6, "force_test": 38.4},
+)  # fmt: skip
+LEAK = EffectInPractice(
+    "internal_leakage",
+    (
+        Change("flow_tp", "l/min", -0.18, (-0.19, -0.17), 0.21, 0.35),
+        Change("flow_tr", "l/min", 0.18, (0.17, 0.19), 0.21, 0.35),
+        Change("speed", "mm/s", -2.4, (-2.5, -2.3), 2.8, 4.6),
+        Change("force_load", "N", 1e-4, None, 5.0, 9.0),
+    ),
+    "the piston seal",
+    "Replace it.",
+    (Lookalike("external_leakage", "hold", "pressures meet, or each falls to zero"),),
+)
+CELL = EffectInPractice(
+    "load_cell_gain",
+    (
+        Change("f_applied", "N", 49.8, None, 60.0, 100.0),
+        Change("force_test", "N", -49.8, None, 60.0, 100.0),
+    ),
+    "known weights",
+    "Calibrate it.",
+    (),
+)
 
 
-def test_a_range_with_a_negative_end_has_no_dash_that_looks_like_a_minus():
-    assert alike([-10.2, 600.0]) == "−10 to 600" and alike([10.0, 600.0]) == "10–600"
+@pytest.fixture
+def few():
+    about = Provenance("made", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
+    task = SimpleNamespace(provenance=about, model="model.yaml", plant_data={})
+    return insufficient_data_diagnosis(task, ("a second load",), ())
 
 
-def test_a_campaign_without_anything_is_poor_and_has_a_summary(small):
-    bare = replace(small, runs=(), curves=(), efficiency=())
-    bare = summarized(bare)
-    assert bare.quality.grade == "poor" and bare.headline.v_m_s is None
-    assert summary_section(bare).tiles[0].value == "0 of 0"
+@pytest.fixture
+def compared(few):
+    """A diagnosis with gaps, candidates and a working point, and nothing named."""
+    gap = BeforeAfter(12.0, 9.5, 9.5, 1.2)
+    table = GapTable(gap, {"flow_tp": gap}, {}, {})
+    where = (
+        Gap("force_test", 5.5, 5.4, 0.01, 7.3, 580, 40.0, 12.0, 113.0),
+        Gap("flow_tp", 1.1, 0.5, 0.5, 1e-7, 580, 1e-7, 4e-7, 1e-6),
+    )
+    ranking = (
+        Candidate("load_friction", 27.3, 0.8, 0.22, {}, "full", 5.0),
+        Candidate("position_friction", 4.0, 0.1, 1.0, {}, "full", 5.0),
+    )
+    regions = tuple(
+        Region("direction", label, NAN, NAN, 200, {"force_test": value})
+        for label, value in (("extend", 2.0), ("retract", 9.0))
+    ) + (
+        Region("speed_m_s", "", 0.01, 0.05, 100, {"force_test": 5.0}),
+        Region("speed_m_s", "", 0.05, 0.2, 100, {"force_test": 5.5}),
+    )
+    return replace(
+        few, where=where, rest=where[:1], ranking=ranking, gap_heldout=table, regions=regions,
+        working_point=POINT, missing=(), next_experiment=None, heldout_runs=("3", "8"),
+    )  # fmt: skip
 
 
-def test_ranges_of_measured_numbers_keep_their_decimals_and_zero_has_no_sign():
-    assert alike([67.71, 92.96]) == "67.7–93.0" and alike([402.4, 529.0]) == "402–529"
-    assert number(-0.04) == "0.0" and number(-0.06) == "−0.1" and number(-10.0) == "−10.0"
+def added(name, margin, of_sensor=False):
+    parameters = {"test": FitParameter(0.003, 1e-4, (0.0028, 0.0032), None, "l/min/bar")}
+    rival = None if margin is None else Rival("external_leakage", margin)
+    return AddedEffect(name, "oil leaks", parameters, of_sensor, 16.7, 1.6, 140.0, rival)
 
 
-def test_a_tile_says_that_a_flag_is_of_some_and_that_efficiency_is_in_points(small):
-    one, *others = small.curves
-    few = replace(one, points=tuple(replace(p, n=1, ci95_n=None) for p in one.points))
-    friction, _, efficiency, *_ = summary_section(
-        summarized(replace(small, curves=(few, *others)))
-    ).tiles
-    assert "partly" in friction.more and friction.unit == "N"
-    assert efficiency.unit == "%" and "points" in efficiency.more
+@pytest.fixture
+def named(compared):
+    return replace(
+        compared, verdict="named", effects=(added("internal_leakage", 119.0),), rest=(),
+        practice=(LEAK,),
+    )  # fmt: skip
+
+
+def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(named):
+    text = summary(named)
+    assert text.startswith(
+        "Internal leakage is an effect of the bench that the model does not contain: oil leaks. "
+        "At the working point of these runs (extending at 80 mm/s under 2490 N, P_Tp 63 bar, "
+        "P_Tr 52.1 bar, P_S 150 bar) 0.180 ± 0.010 l/min less oil enters chamber Tp and the piston "
+        "is 2.40 ± 0.10 mm/s slower at the same commands. "
+    )
+    order = (
+        "0.21 l/min (root mean square; up to 0.35 l/min)",
+        "2.8 mm/s (root mean square; up to 4.6 mm/s)",
+        "from 16.7 to 1.6",
+        "external leakage, by odds of more than 1000 to 1",
+        "Inspect the piston seal. Replace it.",
+    )
+    places = [text.index(part) for part in order]
+    assert places == sorted(places)
+    assert "friction of the load cylinder" not in text.partition("Computed")[0]  # 1e-4 N
+
+
+def test_odds_are_those_of_the_held_out_likelihood_and_not_overdone(named):
+    for nats, says in ((0.7, "2.0 to 1"), (3.0, "20 to 1"), (8.0, "more than 1000 to 1")):
+        text = summary(replace(named, effects=(added("internal_leakage", nats),)))
+        assert f"by odds of {says}." in text
+    alone = summary(replace(named, effects=(added("internal_leakage", None),)))
+    assert "No other effect of the catalogue explains the held-out runs." in alone
+
+
+def test_an_error_of_a_sensor_is_told_as_one_with_what_it_shows_too_much(named):
+    effects = (added("load_cell_gain", 40.0, of_sensor=True),)
+    text = summary(replace(named, effects=effects, practice=(CELL,)))
+    assert "Load cell gain is an error of the measurement that the model does not" in text
+    assert "the load cell shows 49.8 N too much" in text
+    assert "the friction of the test cylinder is 49.8 N lower" in text
+
+
+def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
+    only = replace(LEAK, changes=(Change("force_test", "N", 0.0, None, 20.0, 60.0),))
+    text = summary(replace(named, practice=(only,)))
+    assert ") it changes nothing: it acts only while speed or pressure changes" in text
+    assert "the friction of the test cylinder by 20 N (root mean square; up to 60 N)" in text
+
+
+def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared):
+    first = Candidate("internal_leakage", 30.0, 0.9, 1.0, {}, "full", 5.0)
+    second = replace(first, name="external_leakage", score=29.0)
+    other = replace(LEAK, name="external_leakage", inspect="the rod seal", lookalikes=())
+    both = replace(
+        compared, verdict="ambiguous", rest=(), alternatives=(first, second), practice=(LEAK, other)
+    )
+    text = summary(both)
+    assert text.startswith("The model does not contain internal leakage or external leakage; ")
+    assert text.count("would mean that 0.180 ± 0.010 l/min less oil enters chamber Tp") == 2
+    assert "(internal leakage 30, external leakage 29 nats) are too close to decide" in text
+    assert "kind hold separate internal leakage and external leakage (pressures meet" in text
+    assert "Not explained" not in summary(replace(both, rest=compared.rest))  # the set would do so
+    assert "inspect the piston seal; or the rod seal." in text
+    planned = replace(both, next_experiment="Measure the hold runs of next.yaml.")
+    assert "Measure the hold runs of next.yaml." in summary(planned)
+
+
+def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best_explains(compared):
+    text = summary(compared)
+    assert "force, test side, 40 N (12 N would not matter)" in text
+    assert ") the revised model is off by 38 N (force, test side)." in text
+    assert "Its gap is largest at: retracting." in text  # all speeds are about alike
+    assert "load friction, explains 80 % of the gap" in text and "27.3 nats (5.0 needed)" in text
+    assert "The gap of 2 held-out runs is 9.50" in text
+    assert "No part can be named for inspection." in text
+
+
+def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unnamed(compared):
+    law = UnnamedLaw(
+        "friction_test", "force_test", "N", ("position",), ("mm",), ((0.0, 100.0, 200.0),),
+        (-2.0, 31.4, 5.0), (-3.0, 30.0, 4.0), (-1.0, 33.0, 6.0), 9.5, 2.1, 40.0, 12.0, 0.001,
+    )  # fmt: skip
+    says = (
+        "The revised model contains an unnamed law, fitted as a table: dry friction of −2.0 to "
+        "31 N over position in the balance force, test side, whose gap of held-out runs falls from "
+        "9.5 to 2.1. A table reproduces a deviation but does not show its cause."
+    )
+    text = summary(replace(compared, verdict="unknown", unnamed=(law,)))
+    assert says in text and "No part can be named for inspection." in text
+    assert says in short_summary(replace(compared, verdict="unknown", unnamed=(law,)))
+
+
+def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
+    text = summary(replace(compared, verdict="none", rest=()))
+    assert text.startswith("Nothing is missing in the model within what these runs can show.")
+    assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
+    assert "1.20 that of a correct model" in text
+    assert "38 N (force, test side) and 0.060 l/min (oil into chamber Tp)" in text
+    assert "There is nothing to inspect or to repair." in text
+
+
+def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):
+    text = summary(few)
+    assert "do not suffice to find a missing effect, so its size is not known." in text
+    assert "Missing: a second load." in text and few.next_experiment in text
+    assert short_summary(few) in diagnosis_text(few)
+
+
+def test_two_effects_share_one_description_of_the_working_point(named):
+    second = added("load_cell_gain", 9.0, of_sensor=True)
+    text = summary(replace(named, effects=(*named.effects, second), practice=(LEAK, CELL)))
+    assert text.count("extending at 80 mm/s") == 1
+    assert ". There the load cell shows 49.8 N too much" in text
+
+
+def test_the_terminal_begins_with_the_verdict_and_the_paragraph_in_short(named):
+    first, second, *_ = diagnosis_text(named).splitlines()
+    assert first.startswith("named: internal_leakage (test ")
+    assert second.startswith("At the working point of these runs (extending at 80 mm/s under ")
+    assert "0.180 +- 0.010 l/min less oil" in second and "Inspect the piston seal." in second
+    assert "root mean square" not in second and len(second) < len(summary(named))
+
+
+def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
+    page = diagnosis_page(named, ())
+    places = [
+        page.index(part)
+        for part in (
+            "Internal leakage is an effect of the bench",
+            '<h2 id="the-gap-before-and-after">',
+            '<h2 id="the-effects">',
+            "What internal_leakage changes",
+            "What looks like internal_leakage",
+            '<h2 id="where">',
+            '<h2 id="which-effect">',
+        )
+    ]
+    assert places == sorted(places)
+
+
+def test_the_page_of_every_verdict_has_the_reason(compared, named):
+    for each in (compared, named, replace(compared, verdict="none", rest=())):
+        assert "Made up." in diagnosis_page(replace(each, why="Made up."), ())
+
+
+def test_tables_have_every_change_with_its_unit_and_every_look_alike(named):
+    (changes,), (alike,) = changes_tables(named), lookalikes_tables(named)
+    assert changes.title == "What internal_leakage changes" and len(changes.rows) == 4
+    assert changes.rows[0] == (
+        "oil into chamber Tp", "−0.180 ± 0.010 l/min", "0.21 l/min", "0.35 l/min",
+    )  # fmt: skip
+    assert alike.rows == (("external_leakage", "hold", LEAK.lookalikes[0].why),)

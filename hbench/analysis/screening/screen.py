@@ -257,6 +257,7 @@ def window_means(run: Run, window: slice) -> SteadyMeans:
         p_tp_pa=p_tp,
         p_tr_pa=p_tr,
         efficiency=efficiency,
+        v_ripple_m_s=speed_ripple(t, run.x_m[window]).total_m_s or None,
         **{name: _known_mean(getattr(run, name), window) for name in TEMPERATURES},
     )
 

@@ -1,4 +1,4 @@
-"""``hbench init``: example files of a bench, schedules and a fit."""
+"""``hbench init``: example files of a bench, schedules, a fit and limits."""
 
 import shlex
 from pathlib import Path
@@ -17,13 +17,14 @@ _FILES = (
     "warm-up.yaml",
     "demo.yaml",
     "fit.yaml",
+    "limits.yaml",
 )
 
 
 def init(
     directory: Path = typer.Argument(help="Folder to write into."), as_json: bool = AS_JSON
 ) -> None:
-    """Write commented example files to edit: a bench, seven schedules and a fit file.
+    """Write commented example files to edit: a bench, seven schedules, a fit file and limits.
 
     Example: hbench init my-bench
     """

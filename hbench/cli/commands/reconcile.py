@@ -31,22 +31,34 @@ def reconcile(
 
     Verdicts: named (the missing effect is identified); ambiguous (several effects fit; next.yaml is
     an experiment that distinguishes them); unknown (no known effect fits); none (no difference).
+    The stages are logged to reconcile.log in the output folder, with a line at least every 30 s.
 
     Example: hbench reconcile telling --model my-bench/bench-aau.yaml -o diagnosis
     """
     from hbench import workflow
     from hbench.cli.progress import ProgressLine
+    from hbench.cli.stage_log import stage_log
     from hbench.report.diagnosis.diagnosis_document import diagnosis_json
     from hbench.report.diagnosis.text import diagnosis_text
 
     progress = ProgressLine(sys.stderr)
-    try:
-        diagnosis = workflow.reconcile(
-            campaign, model, progress.counted, series, material / 100, progress.stage
-        )
-    finally:
-        progress.close()
-    workflow.write_diagnosis(output, diagnosis)
+    with stage_log(output / "reconcile.log") as log:
+
+        def counted(done: int, total: int) -> None:
+            progress.counted(done, total)
+            log.counted(done, total)
+
+        def stage(text: str) -> None:
+            progress.stage(text)
+            log.stage(text)
+
+        log.stage(f"reading {campaign}")
+        try:
+            diagnosis = workflow.reconcile(campaign, model, counted, series, material / 100, stage)
+        finally:
+            progress.close()
+        log.stage("drawing the figures and writing the page")
+        workflow.write_diagnosis(output, diagnosis)
     typer.echo(f"{output / 'report.html'}", err=True)
     typer.echo(diagnosis_json(diagnosis) if as_json else diagnosis_text(diagnosis))
     if fail and diagnosis.verdict != "none":

@@ -4,10 +4,14 @@ import shlex
 import sys
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from hbench.cli.printed import AS_JSON, as_object
+
+if TYPE_CHECKING:
+    from hbench.workflow import Experiment
 
 
 def run(
@@ -35,6 +39,12 @@ def run(
     ),
     check: bool = typer.Option(
         False, "--check", help="Only check the schedule and estimate its time; nothing moves."
+    ),
+    effects: bool = typer.Option(
+        False,
+        "--effects",
+        help="With --check: simulate the runs, and list the effects that hbench reconcile would "
+        "detect in them, from which size on, and the pairs that it would not distinguish.",
     ),
     resume: bool = typer.Option(False, "--resume", help="Continue an interrupted campaign."),
     take_over: bool = typer.Option(
@@ -65,9 +75,13 @@ def run(
         f"{'; adaptive velocities: the measured friction determines how many' if most else ''}",
         err=True,
     )
+    if effects and not check:
+        raise typer.BadParameter("needs --check", param_hint="'--effects'")
     if check:
+        found = {"effects": _effects(experiment, plant, as_json)} if effects else {}
         if as_json:
-            typer.echo(as_object("estimate", name=experiment.schedule.name, **vars(estimate)))
+            values = vars(estimate) | found
+            typer.echo(as_object("estimate", name=experiment.schedule.name, **values))
         else:
             typer.echo(
                 "checked: travel, speeds, loads and pressures are within the bench's limits; "
@@ -111,6 +125,19 @@ def run(
         typer.echo(f"{output}: {summary.runs} runs in {_minutes(summary.seconds)} of bench time")
         if campaigns is None:
             typer.echo(f"next: hbench report {shlex.quote(str(output))}", err=True)
+
+
+def _effects(experiment: "Experiment", plant: Path | None, as_json: bool) -> Any:
+    """Return the effects that the runs would show as a JSON object; print them otherwise."""
+    from hbench import workflow
+    from hbench.report.diagnosis.separability_tables import planned_effects_text
+    from hbench.report.json_documents.layout import json_document
+
+    typer.echo("simulating a run of each operating point with the bench's model", err=True)
+    planned = workflow.planned_effects(experiment, plant)
+    if not as_json:
+        typer.echo(planned_effects_text(planned))
+    return json_document(planned, {})
 
 
 def _now() -> datetime:

@@ -11,6 +11,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,8 @@ from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilPrope
 from hbench.model.parameters import PlantParameters
 from hbench.units import parse_unit
 
+FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")  # balances
+FORCES = ("force_test", "force_load")
 MOVING = ("openings", "oil", "flows", "friction")  # places in the equations of motion
 _ARGUMENTS = {  # of a law, by its place
     **dict.fromkeys(MOVING, ("terms", "c", "state", "at", "rates", "par")),
@@ -39,16 +42,34 @@ _TERMS: dict[str, Any] = {
 HINT = "HBENCH_EFFECTS names this file; hbench/model/effects/catalogue.py begins with an example."
 
 
-class Effect(NamedTuple):
-    """Row of the catalogue."""
+class Separation(NamedTuple):
+    """Run that separates two effects that look alike."""
 
-    description: str
-    coefficients: dict[str, Coefficient]
+    kind: str  # of experiment; see records/kinds.py
+    why: str
+
+
+class Effect(NamedTuple):
+    """Row of the catalogue.
+
+    The texts after ``builds_up`` are for the reader of a diagnosis and of the catalogue's page. An
+    effect without them has only its description there.
+    """
+
+    description: str  # the law in words
+    coefficients: dict[str, Coefficient]  # unit, typical size and bounds of each
     # Of reconcile/measured/balances.py that it changes; empty: reconcile does not look for it.
     balances: tuple[str, ...]
     laws: dict[str, Callable]  # by place
     states: int = 0
     builds_up: bool = False  # over many runs, so that trials differ
+    law: str = ""  # formula, in the names of the coefficients
+    signals: str = ""  # which move, and how: a sentence
+    # Effects that look alike. Each pair is in one of its rows; ``lookalikes`` returns both ways.
+    confused_with: Mapping[str, Separation] = MappingProxyType({})
+    inspect: str = ""  # what confirms it at the bench: a noun phrase
+    repair: str = ""  # what to do then: a sentence
+    source: str = ""  # of the law
 
     @property
     def of_sensor(self) -> bool:
@@ -143,6 +164,12 @@ def _faults(row: Any, balances: set[str]) -> list[str]:
         faults += [
             f"{place}: {f}" for place, law in row.laws.items() for f in _law_faults(place, law)
         ]
+    for key in ("law", "signals", "inspect", "repair", "source"):
+        if not isinstance(getattr(row, key), str):
+            faults.append(f"{key} = {getattr(row, key)!r}; must be a string")
+    pairs = row.confused_with
+    if pairs and not _is_mapping(pairs, Separation):
+        faults.append("its confused_with is no mapping {name: Separation(kind, why)}")
     if type(row.states) is not int or row.states < 0:
         faults.append(f"states = {row.states!r}; must be an integer of at least 0")
     return faults

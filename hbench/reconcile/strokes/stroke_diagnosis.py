@@ -33,6 +33,7 @@ from hbench.reconcile.strokes.leave_one_out import (
     with_floor,
 )
 from hbench.reconcile.strokes.series import MeasuredStrokes, StrokePair, stroke_pairs
+from hbench.reconcile.strokes.stroke_practice import strokes_in_practice
 from hbench.reconcile.strokes.stroke_search import (
     OF_THE_SEAL,
     SeriesSearch,
@@ -68,14 +69,6 @@ GAIN_NOTE = (
     "load_cell_gain represents any gain error between pressure and force: load cell, pressure "
     "transducer, or piston area of the model. Steady strokes show the same with each."
 )
-DISTINGUISHING_TESTS = {
-    "load_cell_gain": "known weights on the load cell, and the piston's bore measured",
-    "load_cell_offset": "the load cell's zero without load",
-    "pressure_offset": "the pressure transducer's zero in open air",
-    "direction_asymmetry": "the same strokes with the cylinder turned around, or other seals in it",
-    "load_friction": "the same strokes with another seal in this cylinder",
-    "seal_pressure_friction": "the same strokes with another seal in this cylinder",
-}
 
 
 @dataclass(frozen=True)
@@ -166,6 +159,11 @@ def _assembled(
     held_out = gap_table(by_load)
     points = frozenset(start.gap_map.points)
     indices = np.arange(len(points))
+    fits = dict.fromkeys(names, estimates)
+    for candidate in alternatives:
+        joined = (*names, candidate.name)
+        fits[candidate.name] = search.estimates(search.refit(start, joined), joined)
+    point, practice = strokes_in_practice(strokes, result.final.hypothesis, fits)
     train = gap_table([gaps_at(search, start, names, indices)], gap_floor(strokes, estimates))
     return Diagnosis(
         provenance=task.provenance,
@@ -194,6 +192,8 @@ def _assembled(
         left_out=left_out,
         revised=revised(task.plant_data, factors, estimates.hypothesis(estimates.beta)),
         notes=tuple(_notes(labels, search, start, result, by_load)),
+        working_point=point,
+        practice=practice,
     )
 
 
@@ -222,11 +222,8 @@ def _decide_verdict(result: StrokeSearchResult, unexplained: Sequence[Gap]) -> t
 
 
 def _next_experiment(alternatives: Sequence[Candidate]) -> str | None:
-    tests = dict.fromkeys(
-        DISTINGUISHING_TESTS[candidate.name]
-        for candidate in alternatives
-        if candidate.name in DISTINGUISHING_TESTS
-    )
+    inspect = (EFFECTS[candidate.name].inspect for candidate in alternatives)
+    tests = dict.fromkeys(filter(None, inspect))
     return f"Tests that distinguish them: {'; '.join(tests)}." if tests else None
 
 

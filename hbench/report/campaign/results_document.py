@@ -50,6 +50,7 @@ _MEANS = (
     *("friction_n", "efficiency", "f_test_n", "f_applied_n", "p_tp_pa", "p_tr_pa"),
     *("t_start_s", "t_stop_s", "n"),
     *TEMPERATURES,
+    "v_ripple_m_s",
 )
 
 

@@ -38,11 +38,12 @@ _PLAN = ("run", "kind", "label", "direction", "v_ref_m_s", "f_load_n", "p_lr_ref
 LAYOUTS: Layouts = {
     Diagnosis: {
         "schema": Constant(f"hbench.{NAME}"),
-        **keys("provenance", "model", "verdict", "why", "where", "effects", "alternatives", "rest"),
+        **keys("provenance", "model", "verdict", "why", "working_point", "practice"),
+        **keys("where", "effects", "alternatives", "rest"),
         **keys("next_experiment", "next_schedule"),
         "gap": {"heldout": "gap_heldout", "train": "gap_train", "runs": "gap_runs"},
         **keys("ranking", "threshold", "refitted", "regions", "heldout_runs", "not_tried"),
-        **keys("missing", "left_out", "notes", "unnamed"),
+        **keys("missing", "left_out", "notes", "unnamed", "separability"),
     },
     Gap: {
         "balance": "name",

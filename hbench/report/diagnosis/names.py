@@ -39,6 +39,11 @@ SIGNAL_NAMES = {
     "u_l2": DisplayName("valve L2", "V"),
     "friction": DisplayName("friction", "N"),
 }
+# Quantities that an effect changes, besides balances and readings, by the records' names.
+SOLVED_NAMES = {
+    "speed": DisplayName("speed at the same commands", "mm/s"),
+    "pressure": DisplayName("pressure at the same speed and load", "bar"),
+}
 # Axes of regions and maps, by the records' names.
 AXES = {
     "direction": DisplayName("direction", ""),
@@ -73,9 +78,23 @@ def balance(name: str) -> DisplayName:
     return BALANCE_NAMES.get(name, DisplayName(name.replace("_", " "), ""))
 
 
+def residual_name(name: str) -> DisplayName:
+    """Return the display name of a residual: of a balance, or of a signal solved for."""
+    return SOLVED_NAMES.get(name) or balance(name)
+
+
 def signal(name: str) -> DisplayName:
     """Return the display name of a signal, by default its key."""
     return SIGNAL_NAMES.get(name, DisplayName(name.replace("_", " "), ""))
+
+
+def quantity(name: str) -> str:
+    """Return the title of a quantity that an effect changes."""
+    if name in BALANCE_NAMES:
+        return BALANCE_NAMES[name].title
+    if name in SIGNAL_NAMES:
+        return f"reading: {SIGNAL_NAMES[name].title}"
+    return SOLVED_NAMES[name].title if name in SOLVED_NAMES else name.replace("_", " ")
 
 
 def steps_of(diagnosis: Diagnosis) -> dict[str, str]:

@@ -5,7 +5,10 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import text as text
+from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
 from hbench.report.diagnosis.run_gaps import run_table
+from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
+from hbench.report.diagnosis.summary import summary
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 
@@ -14,7 +17,15 @@ _SENSOR = (
     "An effect of a sensor is an error of the measurement, not of the bench. Correct the "
     "instrument rather than the model."
 )
-_REFITTED = "Refitted: the model with its poorly known values fitted and no effect added."
+_CHANGES = (
+    "What an effect changes: each balance is evaluated with the effect and without it, all else in"
+    " the model being the same. The working point is the measured operating point nearest to the "
+    "median speed, load and pressures. Its motion is steady; the 95 % interval is that of the "
+    "effect's coefficients. Along the logs: at all windows of the measured motion. Flows are into a"
+    " chamber, friction is against the motion. The speed changes so at the same commands and "
+    "pressures, the pressure of the fed chamber at the same speed and load."
+)
+_REFITTED_STAGE = "Refitted: the model with its poorly known values fitted and no effect added."
 _CLOSED = (
     "The balances decide; the same schedule, simulated in closed loop, confirms. Small errors of "
     "all values add up in the closed loop."
@@ -70,10 +81,9 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     )
     gap = Section(
         "The gap before and after" if diagnosis.effects else "The gap",
-        (*closed, _REFITTED, f"Held-out runs: {held}."),
+        (text.gap_line(diagnosis), *closed, _REFITTED_STAGE, f"Held-out runs: {held}."),
         drawings=drawn("gap"),
-        tables=text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs"),
-        parts=_run_part(diagnosis),
+        parts=(*_table_part(diagnosis), *_run_part(diagnosis)),
     )
     where = Section(
         "Where",
@@ -84,15 +94,30 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Which effect",
-        (_WHICH,),
+        (diagnosis.why, _WHICH),
         drawings=drawn("ranking"),
         tables=_with_rows(text.ranking_table(diagnosis)),
+        parts=_matrix_part(diagnosis),
     )
     refitted = Section(
         "Refitted values",
         (_REFITTED,),
         drawings=drawn("refitted"),
         tables=_with_rows(text.refitted_table(diagnosis)),
+    )
+    effects = Section(
+        "The effects" if diagnosis.effects else "The candidates that remain",
+        (
+            *text.effect_lines(diagnosis),
+            _CHANGES if diagnosis.practice else "",
+            _SENSOR if any(effect.of_sensor for effect in diagnosis.effects) else "",
+        ),
+        tables=_with_rows(
+            text.effects_table(diagnosis),
+            text.alternatives_table(diagnosis),
+            *changes_tables(diagnosis),
+            *lookalikes_tables(diagnosis),
+        ),
     )
     missing = Section(
         "Missing data and runs left out", items=(*text.caveats(diagnosis), *diagnosis.notes)
@@ -101,8 +126,11 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Gaps of the runs that the model was fitted to",
         tables=text.gap_tables(diagnosis, diagnosis.gap_train, "training runs"),
     )
-    evidence = (shape, where, gap) if diagnosis.verdict == "unknown" else (gap, where, shape)
-    sections = (_answer(diagnosis), unnamed, *evidence, overlay, which, refitted, missing, train)
+    if diagnosis.verdict == "unknown":
+        evidence = (shape, where, gap, overlay, effects)
+    else:
+        evidence = (gap, overlay, effects, where, shape)
+    sections = (_answer(diagnosis), unnamed, *evidence, which, refitted, missing, train)
     return document(
         f"{diagnosis.model} against {provenance.name}",
         f"Campaign {provenance.name}, {provenance.source}, {provenance.started}; "
@@ -129,21 +157,21 @@ def _verdict(diagnosis: Diagnosis) -> str:
 
 
 def _answer(diagnosis: Diagnosis) -> Section:
-    """Return the first section: the reason, the effects with their numbers, the next experiment."""
-    next_ = f"Next experiment: {diagnosis.next_experiment}" if diagnosis.next_experiment else ""
-    paragraphs = (
-        diagnosis.why,
-        text.gap_line(diagnosis),
-        *text.effect_lines(diagnosis),
-        _SENSOR if any(effect.of_sensor for effect in diagnosis.effects) else "",
-        next_,
-        _NEXT_FILE if diagnosis.next_schedule else "",
-        _FILES,
-    )
-    return Section(
-        paragraphs=tuple(filter(None, paragraphs)),
-        tables=_with_rows(text.effects_table(diagnosis), text.alternatives_table(diagnosis)),
-    )
+    """Return the first section: the engineer's paragraph, and the files beside the page."""
+    files = f"{_NEXT_FILE} {_FILES}" if diagnosis.next_schedule else _FILES
+    return Section(paragraphs=(summary(diagnosis), files))
+
+
+def _table_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
+    tables = text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+    part = Section("Gap of held-out runs in numbers", tables=tables, folded=True)
+    return (part,) if tables else ()
+
+
+def _matrix_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
+    table = matrix_table(diagnosis)
+    part = Section(table.title, (MATRIX_TEXT,), tables=(replace(table, title=""),))
+    return (part,) if table.rows else ()
 
 
 def _run_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
@@ -157,4 +185,4 @@ def _with_rows(*tables: WordTable) -> tuple[WordTable, ...]:
 
 
 def _holds_something(section: Section) -> bool:
-    return bool(section.items or section.drawings or section.tables)
+    return bool(section.items or section.drawings or section.tables or section.parts)

@@ -11,6 +11,7 @@ from hbench.records import (
     GapTable,
     WordTable,
 )
+from hbench.report.diagnosis.change_words import changes_tables
 from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
@@ -24,6 +25,7 @@ from hbench.report.diagnosis.names import (
     steps_of,
 )
 from hbench.report.diagnosis.run_gaps import run_table
+from hbench.report.diagnosis.summary import short_summary
 from hbench.report.render.numbers import NONE, number, short
 from hbench.report.render.terminal_table import table_lines
 
@@ -34,8 +36,8 @@ _UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    blocks = [f"{verdict_sentence(diagnosis)}\n{diagnosis.why}", gap_line(diagnosis)]
-    blocks += [*effect_lines(diagnosis), *law_lines(diagnosis)]
+    blocks = [f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}", gap_line(diagnosis)]
+    blocks += (diagnosis.why, *effect_lines(diagnosis), *law_lines(diagnosis))
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
@@ -96,6 +98,7 @@ def effect_words(effect: AddedEffect) -> str:
 def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     """Return the tables that have rows, the answers first and the evidence after them."""
     every = (
+        *changes_tables(diagnosis),
         effects_table(diagnosis),
         alternatives_table(diagnosis),
         where_table(diagnosis),
@@ -234,13 +237,19 @@ def refitted_table(diagnosis: Diagnosis) -> WordTable:
 def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return missing data, effects that were not tried and runs left out, a sentence each."""
     lines = [f"missing for a better verdict: {item}" for item in diagnosis.missing]
-    for reason in dict.fromkeys(diagnosis.not_tried.values()):
-        names = ", ".join(name for name, why in diagnosis.not_tried.items() if why == reason)
-        lines.append(f"not tried ({reason}): {names}")
+    lines += not_tried_lines(diagnosis.not_tried)
     if diagnosis.left_out:
         lines.append(f"runs left out: {len(diagnosis.left_out)}")
         lines += [f"  {line}" for line in diagnosis.left_out]
     return tuple(lines)
+
+
+def not_tried_lines(not_tried: Mapping[str, str]) -> list[str]:
+    """Return a line for each reason for which effects were not tried."""
+    names: dict[str, list[str]] = {}
+    for name, reason in not_tried.items():
+        names.setdefault(reason, []).append(name)
+    return [f"not tried ({reason}): {', '.join(own)}" for reason, own in names.items()]
 
 
 def p_words(value: float) -> str:

@@ -26,6 +26,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--cases", default="small", help="stored, small, all, or a part of their names"
     )
+    parser.add_argument(
+        "--hide",
+        nargs=3,
+        action="append",
+        metavar=("EFFECT", "SEVERITY", "SEED"),
+        help="instead of --cases: a campaign with this effect, OUT/EFFECT-SEVERITY-SEED",
+    )
     parser.add_argument("--schedule", type=Path, default=DISCRIMINATE)
     parser.add_argument(
         "--csv",
@@ -34,7 +41,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     given = parser.parse_args(arguments)
     lists = {"stored": stored, "small": small_sample, "all": cases}
-    if given.cases in lists:
+    if given.hide:
+        listed = tuple(
+            Case("-".join(hidden), {hidden[0]: float(hidden[1])}, int(hidden[2]), "single")
+            for hidden in given.hide
+        )
+    elif given.cases in lists:
         listed = lists[given.cases]()
     else:
         listed = tuple(case for case in cases() if given.cases in case.name)

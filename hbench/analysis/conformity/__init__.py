@@ -1,0 +1,1 @@
+"""Conformity of a cylinder: measured quantities, and decisions under uncertainty."""

@@ -1,0 +1,100 @@
+"""Acceptance of a cylinder: each requirement decided for each series that it applies to."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from hbench.analysis.conformity.decision import decide
+from hbench.analysis.conformity.measured import TOLERANCE, measurements
+from hbench.records import Results
+from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement, Rule
+from hbench.units import from_si
+
+_NOT_MEASURED = {
+    "friction": "no accepted steady runs",
+    "breakaway": "no accepted runs of kind breakaway",
+    "efficiency": "no accepted steady runs with an efficiency",
+    "leakage": "no accepted runs of kind hold that determine it",
+    "speed_ripple": "no steady runs",
+    "drift": "no operating point was measured twice at different times",
+}
+
+
+def conformity_checks(
+    results: Results,
+    requirements: Iterable[Requirement],
+    rule: Rule,
+    largest_uncertainty: float | None,
+) -> tuple[ConformityCheck, ...]:
+    """Return the decisions, in the order of the requirements.
+
+    Of several speeds of a series, the one with the smallest probability of conformity decides.
+    """
+    return tuple(
+        check
+        for requirement in requirements
+        for check in _checks(results, requirement, rule, largest_uncertainty)
+    )
+
+
+def _checks(
+    results: Results, requirement: Requirement, rule: Rule, largest_uncertainty: float | None
+) -> Iterator[ConformityCheck]:
+    worst: dict[tuple, ConformityCheck] = {}
+    for measured in measurements(results, requirement):
+        decided = decide(requirement, measured, rule, largest_uncertainty)
+        check = ConformityCheck(
+            requirement, measured, decided.probability, decided.decision, decided.reason
+        )
+        key = _series(measured)
+        if key not in worst or _goodness(check) < _goodness(worst[key]):
+            worst[key] = check
+    yield from worst.values()
+    if not worst:
+        reason = _why_not(results, requirement)
+        yield ConformityCheck(requirement, None, None, "NOT TESTED", reason)
+
+
+def _why_not(results: Results, requirement: Requirement) -> str:
+    """Return the reason for which nothing was measured: what was, in place of what is required."""
+    anywhere = replace(
+        requirement, label=None, direction=None, f_load_n=None, p_lr_ref_pa=None, v_m_s=None
+    )
+    others = measurements(results, replace(anywhere, dwell_s=None))
+    asked = [
+        (requirement.v_m_s, "speeds", "mm/s", [each.v_m_s for each in others]),
+        (requirement.f_load_n, "loads", "N", [each.f_load_n for each in others]),
+        (requirement.p_lr_ref_pa, "rod-side pressures", "bar", [e.p_lr_ref_pa for e in others]),
+        (requirement.dwell_s, "rests", "s", [each.dwell_s for each in others]),
+    ]
+    measured = [
+        f"{name} {_listed(values, unit)}"
+        for limit, name, unit, values in asked
+        if limit is not None and any(value is not None for value in values)
+    ]
+    if not others:
+        return _NOT_MEASURED[requirement.quantity]
+    nearby = f" (a value within {TOLERANCE:.0%} counts)" if measured else ""
+    return f"not measured there; measured: {'; '.join(measured) or 'other series'}{nearby}"
+
+
+def _listed(values: Iterable[float | None], unit: str) -> str:
+    """Write the different values of what was measured."""
+    known = {f"{from_si(value, unit):.3g}": value for value in values if value is not None}
+    return f"{', '.join(sorted(known, key=lambda text: known[text]))} {unit}"
+
+
+def _goodness(check: ConformityCheck) -> tuple[bool, float, float]:
+    """Return what is smaller for the worse of two checks of one requirement."""
+    measured, requirement = check.measurement, check.requirement
+    assert measured is not None
+    margins = [
+        sign * (limit - measured.value)
+        for sign, limit in ((-1.0, requirement.low), (1.0, requirement.high))
+        if limit is not None
+    ]
+    known = 1.0 if check.probability is None else check.probability
+    return check.decision not in ("FAIL", "NOT TESTED"), known, min(margins)
+
+
+def _series(measured: Measurement) -> tuple:
+    return measured.label, measured.direction, measured.f_load_n, measured.p_lr_ref_pa

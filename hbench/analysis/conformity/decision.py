@@ -1,0 +1,85 @@
+"""Decisions on conformity under uncertainty (JCGM 106:2012, ILAC-G8:09/2019).
+
+Of the quantity Y, given a measured value y with the standard uncertainty u,
+
+    (Y - y) / u ~ Student's t with the degrees of freedom of u; normal where they are infinite
+    p_c = P(T_L <= Y <= T_U)                                                       (JCGM 106, 7.5)
+
+    simple        PASS where T_L <= y <= T_U, else FAIL                             (JCGM 106, 8.2)
+    shared_risk   the same where U95 is small enough to be shared by both sides
+    guard_band    PASS where T_L + U95 <= y <= T_U - U95, MARGINAL in the guard bands up to the
+                  limits, FAIL beyond them                                       (JCGM 106, 8.3.2)
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import stdtr
+
+from hbench.analysis.statistics.student import student_factor
+from hbench.records.conformity.acceptance import Conformity, Measurement, Requirement, Rule
+
+
+class Decision(NamedTuple):
+    """Decision with the probability of conformity and, where nothing was decided, the reason."""
+
+    decision: Conformity
+    probability: float | None
+    reason: str = ""
+
+
+def decide(
+    requirement: Requirement,
+    measured: Measurement,
+    rule: Rule,
+    largest_uncertainty: float | None = None,
+) -> Decision:
+    """Return the decision on a measured value; ``largest_uncertainty`` is a share of the limit."""
+    probability = probability_of_conformity(requirement, measured)
+    inside = _margin(requirement, measured.value)
+    if rule == "simple":
+        return Decision("PASS" if inside >= 0 else "FAIL", probability)
+    if measured.u95 is None:
+        return Decision("NOT TESTED", None, "the uncertainty is not known")
+    if rule == "shared_risk":
+        allowed = (largest_uncertainty or 0.0) * _smallest_limit(requirement)
+        if measured.u95 > allowed:
+            share = measured.u95 / _smallest_limit(requirement)
+            reason = (
+                f"U95 is {share:.0%} of the limit; at most {largest_uncertainty:.0%} is allowed"
+            )
+            return Decision("NOT TESTED", probability, reason)
+        return Decision("PASS" if inside >= 0 else "FAIL", probability)
+    if inside < 0:
+        return Decision("FAIL", probability)
+    return Decision("PASS" if inside >= measured.u95 else "MARGINAL", probability)
+
+
+def probability_of_conformity(requirement: Requirement, measured: Measurement) -> float | None:
+    """Return P(T_L <= Y <= T_U); None where the uncertainty is not known."""
+    if measured.u95 is None:
+        return None
+    low = -np.inf if requirement.low is None else requirement.low
+    high = np.inf if requirement.high is None else requirement.high
+    if measured.u95 == 0:
+        return float(low <= measured.value <= high)
+    dof = 1e9 if measured.dof is None else measured.dof
+    u = measured.u95 / student_factor(dof)
+    below, above = (stdtr(dof, (limit - measured.value) / u) for limit in (low, high))
+    return float(above - below)
+
+
+def _margin(requirement: Requirement, value: float) -> float:
+    """Return the distance from the nearest limit, positive inside."""
+    margins = []
+    if requirement.low is not None:
+        margins.append(value - requirement.low)
+    if requirement.high is not None:
+        margins.append(requirement.high - value)
+    return min(margins)
+
+
+def _smallest_limit(requirement: Requirement) -> float:
+    """Return the smallest magnitude of the limits, by which U95 is judged."""
+    limits = (requirement.low, requirement.high)
+    return min(abs(limit) for limit in limits if limit is not None)

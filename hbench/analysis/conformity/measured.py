@@ -1,0 +1,199 @@
+"""Measured values of the quantities that limits are stated for.
+
+A requirement that names no speed applies to all measured speeds, one that names no series to all
+series. Nothing is interpolated: a speed, a load or a pressure counts as measured within
+``TOLERANCE``.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from statistics import mean, stdev
+from typing import TypeVar
+
+from hbench.analysis.statistics.student import student_factor
+from hbench.records import (
+    KINDS,
+    Breakaway,
+    Curve,
+    EfficiencyCurve,
+    Results,
+    RunPlan,
+    ScreenedRun,
+)
+from hbench.records.conformity.acceptance import LimitQuantity, Measurement, Requirement
+from hbench.records.motions import Series
+
+TOLERANCE = 0.05  # relative difference from the stated speed, load or pressure
+_UNSTEADY = "not_steady"  # reason for rejection
+_SteadyCurve = TypeVar("_SteadyCurve", Curve, EfficiencyCurve)
+
+
+def measurements(results: Results, requirement: Requirement) -> tuple[Measurement, ...]:
+    """Return the measured values that a requirement applies to, one for each series and speed."""
+    return tuple(_MEASURED[requirement.quantity](results, requirement))
+
+
+def _friction(results: Results, requirement: Requirement) -> Iterable[Measurement]:
+    for curve in _steady(results.curves, requirement):
+        for point in curve.points:
+            if _near(abs(point.v_m_s), requirement.v_m_s):
+                per = _per(results, requirement, curve.direction)
+                u95 = point.u95_n or point.ci95_n
+                yield Measurement(
+                    value=curve.against_motion * point.friction_n / per,
+                    u95=None if u95 is None else u95 / per,
+                    dof=point.u95_dof if point.u95_n else point.n - 1,
+                    label=curve.label,
+                    direction=curve.direction,
+                    f_load_n=curve.f_load_n,
+                    p_lr_ref_pa=curve.p_lr_ref_pa,
+                    v_m_s=abs(point.v_m_s),
+                    runs=point.runs,
+                )
+
+
+def _efficiency(results: Results, requirement: Requirement) -> Iterable[Measurement]:
+    for curve in _steady(results.efficiency, requirement):
+        for point in curve.points:
+            if point.efficiency is not None and _near(abs(point.v_m_s), requirement.v_m_s):
+                yield Measurement(
+                    value=point.efficiency,
+                    u95=point.u95 or point.ci95,
+                    dof=point.u95_dof if point.u95 else None,
+                    label=curve.label,
+                    direction=curve.direction,
+                    f_load_n=curve.f_load_n,
+                    p_lr_ref_pa=curve.p_lr_ref_pa,
+                    v_m_s=abs(point.v_m_s),
+                )
+
+
+def _breakaway(results: Results, requirement: Requirement) -> Iterable[Measurement]:
+    longest: dict[tuple, Breakaway] = {}
+    for each in results.motions.breakaways:
+        series, stated = each.series, requirement.dwell_s
+        if _applies(each, series, requirement) and _near(each.dwell_s, stated):
+            key = series, each.direction
+            if key not in longest or (each.dwell_s or 0.0) > (longest[key].dwell_s or 0.0):
+                longest[key] = each
+    for each in longest.values():
+        per = _per(results, requirement, each.direction)
+        u95 = each.u95_n or each.ci95_n
+        yield Measurement(
+            value=each.breakaway_n / per,
+            u95=None if u95 is None else u95 / per,
+            dof=None if each.u95_n else each.n - 1,
+            label=each.series.label,
+            direction=each.direction,
+            f_load_n=each.series.f_load_n,
+            p_lr_ref_pa=each.series.p_lr_ref_pa,
+            dwell_s=each.dwell_s,
+            runs=each.runs,
+        )
+
+
+def _leakage(results: Results, requirement: Requirement) -> Iterable[Measurement]:
+    pressure = requirement.pressure_pa or 0.0
+    for leakage in results.motions.leakages:
+        if requirement.label not in (None, leakage.label):
+            continue
+        for leak in leakage.coefficients:
+            if leak.name == requirement.leak and leak.value is not None and leak.ci95 is not None:
+                half = max(leak.value - leak.ci95[0], leak.ci95[1] - leak.value)
+                yield Measurement(
+                    value=leak.value * pressure,
+                    u95=half * pressure,
+                    label=leakage.label,
+                    runs=tuple(decay.run for decay in leakage.decays),
+                )
+
+
+def _speed_ripple(results: Results, requirement: Requirement) -> Iterable[Measurement]:
+    """Yield the ripple of each steady point, relative to its speed; stick-slip is no reason not to.
+
+    Its uncertainty is that of the trials alone.
+    """
+    trials: dict[tuple, list[ScreenedRun]] = {}
+    for each in results.runs:
+        plan = each.run.plan
+        only_unsteady = all(reason.startswith(_UNSTEADY) for reason in each.reasons)
+        if KINDS[plan.kind].has_constant_speed and only_unsteady and _ripple_of(each) is not None:
+            if _applies(plan, plan, requirement) and _near(abs(plan.v_ref_m_s), requirement.v_m_s):
+                series = plan.label, plan.direction, plan.f_load_n, plan.p_lr_ref_pa
+                trials.setdefault((*series, abs(plan.v_ref_m_s)), []).append(each)
+    for (label, direction, f_load_n, p_lr_ref_pa, v_m_s), runs in trials.items():
+        ripples = [ripple for ripple in map(_ripple_of, runs) if ripple is not None]
+        dof = len(ripples) - 1
+        yield Measurement(
+            value=mean(ripples),
+            u95=student_factor(dof) * stdev(ripples) / math.sqrt(dof + 1) if dof else None,
+            dof=dof or None,
+            label=label,
+            direction=direction,
+            f_load_n=f_load_n,
+            p_lr_ref_pa=p_lr_ref_pa,
+            v_m_s=v_m_s,
+            runs=tuple(each.run.plan.run for each in runs),
+        )
+
+
+def _ripple_of(screened: ScreenedRun) -> float | None:
+    """Return the standard deviation of the speed as a share of the reference."""
+    if screened.means is None or screened.means.v_ripple_m_s is None:
+        return None
+    return screened.means.v_ripple_m_s / abs(screened.run.plan.v_ref_m_s)
+
+
+def _drift(results: Results, requirement: Requirement) -> Iterable[Measurement]:
+    drift = results.drift
+    if drift is not None:
+        yield Measurement(
+            value=drift.change_percent / 100,
+            u95=drift.change_percent_ci95 / 100,
+            dof=drift.trials - drift.points - 1,
+        )
+
+
+_MEASURED: dict[LimitQuantity, Callable[[Results, Requirement], Iterable[Measurement]]] = {
+    "friction": _friction,
+    "breakaway": _breakaway,
+    "efficiency": _efficiency,
+    "leakage": _leakage,
+    "speed_ripple": _speed_ripple,
+    "drift": _drift,
+}
+
+
+def _steady(curves: Iterable[_SteadyCurve], requirement: Requirement) -> Iterator[_SteadyCurve]:
+    for curve in curves:
+        if KINDS[curve.kind].has_constant_speed and _applies(curve, curve, requirement):
+            yield curve
+
+
+def _applies(
+    directed: Curve | EfficiencyCurve | Breakaway | RunPlan,
+    series: Curve | EfficiencyCurve | Series | RunPlan,
+    requirement: Requirement,
+) -> bool:
+    """Whether a requirement applies to a series in its direction."""
+    return (
+        requirement.label in (None, series.label)
+        and requirement.direction in (None, directed.direction)
+        and _near(series.f_load_n, requirement.f_load_n)
+        and _near(series.p_lr_ref_pa, requirement.p_lr_ref_pa)
+    )
+
+
+def _near(value: float | None, stated: float | None) -> bool:
+    """Whether a value is the stated one, within the tolerance; anything is where none is stated."""
+    if stated is None:
+        return True
+    return value is not None and abs(value - stated) <= TOLERANCE * abs(stated)
+
+
+def _per(results: Results, requirement: Requirement, direction: str) -> float:
+    """Return the divisor of a force: 1, or the driving area [m^2] where a pressure is limited."""
+    if not requirement.is_pressure:
+        return 1.0
+    specimen = results.runs[0].run.plan.specimen
+    return specimen.area_piston_m2 if direction == "extend" else specimen.area_rod_m2

@@ -1,0 +1,1 @@
+"""Files that state when a cylinder conforms."""

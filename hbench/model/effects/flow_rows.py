@@ -1,0 +1,233 @@
+"""Rows of the catalogue for valves, oil, lines and leaks."""
+
+from hbench.config.effects import Coefficient
+from hbench.model.effects import flows, friction
+from hbench.model.effects.rows import FLOWS, FORCES, Effect, Separation
+
+_VALVES = ("test", "load_1", "load_2")
+_SHARES = {side: Coefficient("%", 5, -50, 50) for side in ("test", "load")}
+_LEAK = Coefficient("l/min/bar", 3e-3, 0, 1)
+_LINEAR = Coefficient("1", 0, 0.3, 3, 1)  # exponent
+
+ROWS = {
+    "valve_trim": Effect(
+        description="each valve has a gain and a null of its own",
+        coefficients={
+            **{f"gain_{valve}": Coefficient("%", 5, -50, 50) for valve in _VALVES},
+            **{f"null_{valve}": Coefficient("V", 0.05, -2, 2) for valve in _VALVES},
+            "curvature": Coefficient("1/V", 0.005, -0.1, 0.1),
+            "exponent": Coefficient("1", 0.02, -0.2, 0.5),
+        },
+        balances=FLOWS,
+        laws={"openings": flows.valve_trim, "flows": flows.port_exponent},
+        law="opening = u (1 + gain + curvature |u|) + null; Q grows with dP^(1/2 + exponent)",
+        signals="Commands at a given speed, by a share or by a constant voltage; each valve alone.",
+        confused_with={
+            "valve_asymmetry": Separation(
+                "steady", "both directions at several speeds: a gain is the same in both"
+            ),
+            "valve_deadband": Separation(
+                "steady", "slow strokes in both directions: a null has one sign, an overlap two"
+            ),
+            "internal_leakage": Separation(
+                "hold", "closed valves: what then still flows is leakage"
+            ),
+            "external_leakage": Separation(
+                "hold", "closed valves: what then still flows is leakage"
+            ),
+        },
+        inspect="the null adjustment and the flow gain of each valve, from a recorded flow curve",
+        repair="Adjust the null and enter the measured flow gain in the bench file.",
+        source="Merritt, Hydraulic Control Systems (1967), section 3.4",
+    ),
+    "valve_lag": Effect(
+        description="each valve's opening follows its spool with a first-order lag",
+        coefficients={"time": Coefficient("ms", 3, 0.1, 100)},
+        balances=FLOWS,
+        laws={"openings": flows.valve_lag},
+        states=3,
+        law="time dy/dt = u - y, y the opening",
+        signals="Velocity and pressures after a change of the command; nothing at constant speed.",
+        confused_with={
+            "added_mass": Separation(
+                "steps", "a mass changes the measured force at once, a slow valve only the flow"
+            ),
+            "friction_lag": Separation(
+                "triangle", "reversals at constant load: friction's lag changes force, not flow"
+            ),
+            "velocity_filter_lag": Separation(
+                "steps", "position against logged velocity shows the filter alone"
+            ),
+            "entrained_air": Separation(
+                "steps", "at low and at high chamber pressure: a valve is slow at both"
+            ),
+        },
+        inspect="the valve's step response, its pilot pressure and filter, and its amplifier",
+        repair="Clean or replace the pilot stage, or enter the measured bandwidth.",
+        source="Merritt (1967), chapter 7",
+    ),
+    "valve_deadband": Effect(
+        description="a valve opens only beyond a voltage",
+        coefficients={
+            "test": Coefficient("V", 0.05, 0, 5),
+            "load": Coefficient("V", 0.05, 0, 5),
+            "softness": Coefficient("1", 0, 0, 5),
+        },
+        balances=FLOWS,
+        laws={"openings": flows.valve_deadband},
+        law="opening = sign(u) max(|u| - w, 0), w = test or load; softness rounds the edge",
+        signals="Commands at low speed rise by the same voltage in both directions.",
+        confused_with={
+            "valve_asymmetry": Separation(
+                "steady", "slow and fast strokes: an overlap is a voltage, an asymmetry a share"
+            ),
+            "pressure_offset": Separation(
+                "check", "the transducers' zeros with the supply off are free of the valves"
+            ),
+        },
+        inspect="the spool's overlap, and the deadband compensation of the valve's amplifier",
+        repair="Enter the compensation voltage, or replace a spool with worn edges.",
+        source="Merritt (1967), section 5.5",
+    ),
+    "valve_asymmetry": Effect(
+        description="a valve opens further in one direction than in the other",
+        coefficients={**_SHARES, "knee": Coefficient("V", 0, 0, 10)},
+        balances=FLOWS,
+        laws={"openings": flows.valve_asymmetry},
+        law="opening = u (1 + k sign u), k = test or load; less below the knee",
+        signals="Commands at the same speed differ between extending and retracting.",
+        confused_with={
+            "internal_leakage": Separation(
+                "hold", "closed valves: what then still flows is leakage"
+            ),
+            "external_leakage": Separation(
+                "hold", "closed valves: what then still flows is leakage"
+            ),
+            "pressure_offset": Separation(
+                "check", "the transducers' zeros with the supply off are free of the valves"
+            ),
+        },
+        inspect="the flow curve of the valve in both directions, and its metering edges for wear",
+        repair="Enter a gain for each direction, or replace the spool.",
+        source="Merritt (1967), section 5.5, with unequal edges",
+    ),
+    "entrained_air": Effect(
+        description="free air makes the oil softer at low pressure",
+        coefficients={"fraction": Coefficient("%", 2, 0, 20)},
+        balances=FLOWS,
+        laws={"oil": flows.entrained_air},
+        law="1/beta grows by fraction p_0 / (p_0 + P)^2, p_0 = 1.013 bar",
+        signals="Pressures rise more slowly and the piston yields, below some 30 bar.",
+        confused_with={
+            "tank_back_pressure": Separation(
+                "steps", "the line's pressure follows the flow, the softness the chamber pressure"
+            ),
+        },
+        inspect="the oil for foam, the level in the tank, and the suction line's fittings",
+        repair="Bleed the chambers by full strokes at low load, and tighten the suction line.",
+        source="Merritt (1967), section 2.5; Wylie and Streeter, Fluid Transients (1993), 1.3",
+    ),
+    "tank_back_pressure": Effect(
+        description="the pressure at the valves' return ports rises with the return flow's square",
+        coefficients={
+            "resistance": Coefficient("bar min^2/l^2", 0.005, 0, 10),
+            "lag": Coefficient("ms", 0, 1, 1e4, 5),
+            "exponent": Coefficient("1", 0, 0.3, 3, 2),
+        },
+        balances=FLOWS,
+        laws={"oil": flows.tank_back_pressure, "flows": flows.return_line},
+        states=1,
+        law="lag dp/dt = resistance Q |Q| - p, p added to the tank's pressure",
+        signals="Commands and the pressure of the emptying chamber rise with the square of speed.",
+        confused_with={
+            "supply_droop": Separation(
+                "steady", "fast strokes: a droop shows in P_S, a return line does not"
+            ),
+            "valve_asymmetry": Separation(
+                "steady", "several speeds: the line's pressure grows with the square of the flow"
+            ),
+        },
+        inspect="the return filter and its by-pass, and the bore and length of the return line",
+        repair="Change the filter element, or fit a wider return line.",
+        source="Merritt (1967), section 3.2 (turbulent line)",
+    ),
+    "supply_droop": Effect(
+        description="the supply pressure falls with the flow drawn",
+        coefficients={
+            "slope": Coefficient("bar min/l", 0.1, 0, 50),
+            "lag": Coefficient("ms", 0, 1, 1e4, 20),
+            "exponent": _LINEAR,
+        },
+        balances=("supply",),
+        laws={"flows": flows.supply_droop},
+        law="lag dP_S/dt = P_0 - slope Q - P_S, Q the flow drawn",
+        signals="P_S falls while the piston moves fast, and recovers at rest.",
+        confused_with={
+            "pressure_gain": Separation(
+                "steady", "several speeds: an error of the transducer does not follow the flow"
+            ),
+        },
+        inspect="the pump's regulator, the accumulator's charge, and the pressure filter",
+        repair="Readjust the regulator, or recharge the accumulator.",
+        source="droop of a pressure-compensated pump, linear and with one lag",
+    ),
+    "oil_warming": Effect(
+        description="the oil warms with the pump and the power drawn: less viscous friction, more "
+        "leakage",
+        coefficients={
+            "rise": Coefficient("K/kW", 10, 0, 1e3),
+            "pump": Coefficient("K", 10, 0, 200),
+            "time": Coefficient("s", 0, 0.1, 1e5, 300),
+            "viscosity": Coefficient("1/K", 0, 0, 0.1, 0.03),
+        },
+        balances=(*FORCES, *FLOWS),
+        laws={"flows": flows.warmth, "friction": friction.thinner_film},
+        states=1,
+        builds_up=True,
+        law="time dT/dt = pump + rise P_S Q - T; viscosity falls by exp(-viscosity T)",
+        signals="Friction at high speed falls and leaks grow in the course of the session.",
+        confused_with={
+            "load_friction": Separation(
+                "steady", "repeat the first point at the end: only warming changes it"
+            ),
+        },
+        inspect="the oil's temperature over the session, the cooler, and the pump's relief valve",
+        repair="Warm up before the campaign, control the temperature, or measure in passes.",
+        source="heat balance of the tank; viscosity after Vogel and Barus, near one temperature",
+    ),
+    "internal_leakage": Effect(
+        description="oil leaks across the piston with the pressure drop",
+        coefficients={"test": _LEAK, "load": _LEAK, "exponent": _LINEAR},
+        balances=FLOWS,
+        laws={"flows": flows.internal_leakage},
+        law="Q = G (P_p - P_r) from piston to rod side, G = test or load; exponent 0.5: an orifice",
+        signals="The piston is slower than the command; with closed valves both pressures meet.",
+        confused_with={
+            "external_leakage": Separation(
+                "hold", "closed valves: pressures of both chambers meet, or each falls to zero"
+            ),
+            "pressure_offset": Separation(
+                "hold", "closed valves: a leak changes the pressures over time, an offset does not"
+            ),
+        },
+        inspect="the piston seal: hold with closed valves, and the flow at a disconnected rod port",
+        repair="Replace the piston seal; look for scoring of the bore.",
+        source="Merritt (1967), section 6.1",
+    ),
+    "external_leakage": Effect(
+        description="oil leaks out of a chamber with its pressure",
+        coefficients={"tp": _LEAK, "tr": _LEAK, "lp": _LEAK, "lr": _LEAK, "exponent": _LINEAR},
+        balances=FLOWS,
+        laws={"flows": flows.external_leakage},
+        law="Q = G P out of each chamber, G = tp, tr, lp or lr",
+        signals="One chamber needs more oil; with closed valves its pressure falls to zero.",
+        confused_with={
+            "pressure_offset": Separation(
+                "hold", "closed valves: a leak changes the pressures over time, an offset does not"
+            ),
+        },
+        inspect="the rod seal, the fittings and the valve's ports of that chamber for oil",
+        repair="Replace the rod seal, or tighten the fitting.",
+        source="Merritt (1967), section 6.1",
+    ),
+}

@@ -1,0 +1,1 @@
+"""What an effect does at the bench: its size at the working point and along the logs."""

@@ -1,0 +1,1 @@
+"""Separation of effects by runs, made or planned."""

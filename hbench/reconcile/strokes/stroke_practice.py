@@ -1,0 +1,73 @@
+"""What an effect changes in steady strokes, at the load in the middle and over all loads."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hbench.reconcile.estimates import ParameterEstimates
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.practice.fitted import (
+    change,
+    effect_in_practice,
+    half_widths,
+    without_effect,
+)
+from hbench.reconcile.strokes.series import STROKE_BALANCES, MeasuredStrokes
+from hbench.records import Change, EffectInPractice, WorkingPoint
+
+_NAN = float("nan")
+
+
+def strokes_in_practice(
+    strokes: MeasuredStrokes, final: Hypothesis, fits: Mapping[str, ParameterEstimates]
+) -> tuple[WorkingPoint, tuple[EffectInPractice, ...]]:
+    """Return the working point, and what each effect changes; ``fits`` are by its name.
+
+    The working point is the mean extending stroke of the load in the middle of all, with the
+    residuals of the ``final`` hypothesis.
+    """
+    pairs = strokes.mean_pairs
+    order = np.argsort([pair.extend.f_applied_n for pair in pairs], kind="stable")
+    middle = int(order[len(order) // 2])
+    stroke = pairs[middle].extend
+    residuals = strokes.gap_map(final).difference[middle]
+    point = WorkingPoint(
+        direction="extend",
+        windows=1,
+        v_m_s=stroke.v_m_s,
+        x_m=_NAN,
+        f_applied_n=stroke.f_applied_n,
+        p_tp_pa=stroke.p_tp_pa,
+        p_tr_pa=stroke.p_tr_pa or _NAN,
+        p_lp_pa=_NAN,
+        p_lr_pa=_NAN,
+        p_s_pa=_NAN,
+        u_t_v=_NAN,
+        u_l1_v=_NAN,
+        u_l2_v=_NAN,
+        residuals=dict(zip(STROKE_BALANCES, residuals.tolist(), strict=True)),
+    )
+    effects = (
+        effect_in_practice(name, _changes(strokes, middle, estimates, name))
+        for name, estimates in fits.items()
+    )
+    return point, tuple(effects)
+
+
+def _changes(
+    strokes: MeasuredStrokes, middle: int, estimates: ParameterEstimates, name: str
+) -> tuple[Change, ...]:
+    def missing(hypothesis: Hypothesis) -> np.ndarray:
+        without = strokes.gap_map(without_effect(hypothesis, name)).difference
+        return without - strokes.gap_map(hypothesis).difference
+
+    def at_point(hypothesis: Hypothesis) -> dict[str, float]:
+        return dict(zip(STROKE_BALANCES, missing(hypothesis)[middle].tolist(), strict=True))
+
+    fitted = estimates.hypothesis(estimates.beta)
+    half = half_widths(strokes.plant, estimates, name, at_point)
+    of_loads = missing(fitted)
+    return tuple(
+        change(balance, "N", float(values[middle]), half[balance], values)
+        for balance, values in zip(STROKE_BALANCES, of_loads.T, strict=True)
+    )

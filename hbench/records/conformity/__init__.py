@@ -1,0 +1,1 @@
+"""Records of conformity: measured quantities against limits."""

@@ -1,0 +1,87 @@
+"""Conformity of a cylinder with limits. All quantities are SI."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from hbench.records.flow import Direction, Provenance
+from hbench.records.motions import Leak
+from hbench.records.summary import Grade
+
+LimitQuantity = Literal["friction", "breakaway", "efficiency", "leakage", "speed_ripple", "drift"]
+Rule = Literal["simple", "shared_risk", "guard_band"]
+Conformity = Literal["PASS", "MARGINAL", "FAIL", "NOT TESTED"]
+_WORST_FIRST: tuple[Conformity, ...] = ("FAIL", "NOT TESTED", "MARGINAL", "PASS")
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """Limit of one quantity, and the series of runs that it applies to; None: to all."""
+
+    quantity: LimitQuantity
+    unit: str  # of the file: the value and its limits are given in it
+    low: float | None  # SI; None: no lower limit
+    high: float | None  # SI; None: no upper limit
+    name: str = ""  # of the file, such as a clause of a specification
+    label: str | None = None
+    direction: Direction | None = None
+    f_load_n: float | None = None
+    p_lr_ref_pa: float | None = None
+    v_m_s: float | None = None  # speed without sign
+    dwell_s: float | None = None  # at rest before breakaway; None: the longest
+    leak: Leak | None = None
+    pressure_pa: float | None = None  # difference that drives a leak
+
+    @property
+    def is_pressure(self) -> bool:
+        """Whether a force is limited as the pressure on the driving area."""
+        return self.unit == "bar"
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Measured value of a required quantity, with the series and the runs that it comes from."""
+
+    value: float
+    u95: float | None  # half-width with the instruments where known; None: not known
+    dof: float | None = None  # its degrees of freedom; None: infinite
+    label: str = ""
+    direction: Direction | None = None
+    f_load_n: float | None = None
+    p_lr_ref_pa: float | None = None
+    v_m_s: float | None = None
+    dwell_s: float | None = None
+    runs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ConformityCheck:
+    """Decision on one requirement and one series."""
+
+    requirement: Requirement
+    measurement: Measurement | None  # None: not tested
+    probability: float | None  # of conformity; None where the uncertainty is not known
+    decision: Conformity
+    reason: str = ""  # why not tested
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """Conformity of a cylinder with all requirements of a file of limits."""
+
+    provenance: Provenance
+    serial: str  # of the cylinder; empty: not stated
+    product: str  # that the limits belong to
+    limits: str  # file name
+    limits_sha256: str
+    rule: Rule
+    # Share of a limit: rule shared_risk decides only where U95 is at most this.
+    largest_uncertainty: float | None
+    checks: tuple[ConformityCheck, ...]
+    data: Grade  # of the campaign
+    notes: tuple[str, ...]
+
+    @property
+    def decision(self) -> Conformity:
+        """Decision on the cylinder: the worst of all checks."""
+        decisions = {check.decision for check in self.checks}
+        return next(each for each in _WORST_FIRST if each in decisions)

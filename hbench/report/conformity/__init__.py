@@ -1,0 +1,1 @@
+"""Acceptance of a cylinder as text, JSON and JUnit XML."""

@@ -1,0 +1,149 @@
+"""Acceptance of a cylinder for the terminal, and as JUnit XML for production servers."""
+
+from xml.etree import ElementTree
+
+from hbench.records import WordTable
+from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
+from hbench.report.campaign.series_words import load_words
+from hbench.report.render.numbers import NONE, short, significant, with_interval
+from hbench.report.render.terminal_table import table_lines
+from hbench.units import from_si
+from hbench.untrusted_text import printable
+
+QUANTITIES = {
+    "friction": "friction",
+    "breakaway": "breakaway",
+    "efficiency": "efficiency",
+    "leakage": "leakage",
+    "speed_ripple": "speed ripple",
+    "drift": "drift of friction",
+}
+_LEAKS = {
+    "across_piston": "across the piston",
+    "piston_side_out": "from the piston side outwards",
+    "rod_side_out": "from the rod side outwards",
+}
+RULES = {
+    "simple": "simple acceptance: the measured value decides",
+    "shared_risk": "shared risk: the measured value decides where U95 is at most {share} of the "
+    "limit",
+    "guard_band": "guard band: a value passes if it is inside the limit by at least U95",
+}
+
+
+def acceptance_table(acceptance: Acceptance) -> WordTable:
+    """Return a row for each decision."""
+    rows = tuple(
+        (
+            requirement_words(check),
+            series_words(check),
+            measured_words(check),
+            limit_words(check.requirement),
+            probability_words(check.probability),
+            check.decision + (f": {check.reason}" if check.reason else ""),
+        )
+        for check in acceptance.checks
+    )
+    head = ("quantity", "series", "measured, U95", "limit", "conforms", "decision")
+    return WordTable("", head, rows)
+
+
+def acceptance_text(acceptance: Acceptance) -> str:
+    """Return the decision first, then the table, the rule and the notes."""
+    cylinder = f"cylinder {acceptance.serial}" if acceptance.serial else acceptance.provenance.name
+    product = f", product {acceptance.product}" if acceptance.product else ""
+    lines = [
+        f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
+        *list(table_lines(acceptance_table(acceptance)))[1:],
+        f"rule: {rule_words(acceptance)}; limits of {acceptance.limits}",
+        *(f"note: {note}" for note in acceptance.notes),
+    ]
+    return "\n".join(lines).replace("−", "-").replace("–", "-").replace("±", "+-")
+
+
+def junit_xml(acceptance: Acceptance) -> str:
+    """Return a test suite with a case for each decision; only PASS is no failure."""
+    checks = acceptance.checks
+    failed = [check for check in checks if check.decision in ("FAIL", "MARGINAL")]
+    untested = [check for check in checks if check.decision == "NOT TESTED"]
+    suite = ElementTree.Element(
+        "testsuite",
+        name=printable(f"hbench accept {acceptance.provenance.name}"),
+        tests=str(len(checks)),
+        failures=str(len(failed)),
+        errors=str(len(untested)),
+    )
+    for check in checks:
+        case = ElementTree.SubElement(
+            suite,
+            "testcase",
+            classname=printable(acceptance.product or acceptance.limits),
+            name=printable(f"{requirement_words(check)} {series_words(check)}".strip()),
+        )
+        if check.decision != "PASS":
+            tag = "error" if check.decision == "NOT TESTED" else "failure"
+            words = f"{measured_words(check)}; limit {limit_words(check.requirement)}"
+            message = check.reason or words
+            ElementTree.SubElement(case, tag, type=check.decision, message=printable(message))
+    ElementTree.indent(suite)
+    return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def rule_words(acceptance: Acceptance) -> str:
+    """Write the decision rule."""
+    return RULES[acceptance.rule].format(share=f"{acceptance.largest_uncertainty or 0:.0%}")
+
+
+def requirement_words(check: ConformityCheck) -> str:
+    """Write the quantity, after the name that the file gives it."""
+    requirement, measured = check.requirement, check.measurement
+    words = QUANTITIES[requirement.quantity]
+    if requirement.leak is not None and requirement.pressure_pa is not None:
+        at = short(from_si(requirement.pressure_pa, "bar"))
+        words += f" {_LEAKS[requirement.leak]} at {at} bar"
+    speed = requirement.v_m_s if measured is None else measured.v_m_s
+    if speed is not None:
+        words += f" at {short(1e3 * speed)} mm/s"
+    dwell = requirement.dwell_s if measured is None else measured.dwell_s
+    if dwell is not None:
+        words += f" after {short(dwell)} s at rest"
+    return f"{requirement.name}: {words}" if requirement.name else words
+
+
+def series_words(check: ConformityCheck) -> str:
+    """Write label, direction and load of the series; those required where nothing was measured."""
+    series = check.measurement or check.requirement
+    load = load_words(series.f_load_n, series.p_lr_ref_pa)
+    return " ".join(filter(None, (series.label, series.direction, load)))
+
+
+def measured_words(check: ConformityCheck) -> str:
+    """Write the measured value with U95 and its unit."""
+    if check.measurement is None:
+        return NONE
+    unit = check.requirement.unit
+    value, u95 = check.measurement.value, check.measurement.u95
+    half = None if u95 is None else from_si(u95, unit)
+    return f"{with_interval(from_si(value, unit), half)} {unit}"
+
+
+def limit_words(requirement: Requirement) -> str:
+    """Write the limits with their unit, such as ``at most 400 N``."""
+    unit = requirement.unit
+    low, high = (
+        None if limit is None else short(from_si(limit, unit))
+        for limit in (requirement.low, requirement.high)
+    )
+    if low is not None and high is not None:
+        return f"{low} to {high} {unit}"
+    return f"at least {low} {unit}" if high is None else f"at most {high} {unit}"
+
+
+def probability_words(probability: float | None) -> str:
+    """Write the probability of conformity; certainty is not claimed."""
+    if probability is None:
+        return NONE
+    percent = 100 * probability
+    if percent > 99.9:
+        return "> 99.9 %"
+    return "< 0.1 %" if percent < 0.1 else f"{significant(percent, 3)} %"

@@ -1,0 +1,147 @@
+"""Changes that an effect makes, in words and as a table."""
+
+from collections.abc import Sequence
+
+from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, WordTable
+from hbench.report.diagnosis.names import BALANCE_NAMES, balance, parameter_text, quantity
+from hbench.report.render.numbers import significant
+
+_FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
+_READINGS = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
+_GROUPS: tuple[tuple[str, ...], ...] = (
+    _READINGS,
+    _FLOWS,
+    ("speed",),
+    ("force_test", "force_load"),
+    ("pressure",),
+    ("supply",),
+    ("kinematics",),
+    ("force_band", "force_middle"),
+)
+_LEAST = 0.01  # of the largest change along the logs: smaller ones at the point are none
+_CYLINDERS = {"force_test": "test cylinder", "force_load": "load cylinder"}
+
+
+def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
+    """Return what each effect changes, at the working point and along the logs."""
+    head = ("quantity", "at the working point", "along the logs (rms)", "up to (95 %)")
+    return tuple(
+        WordTable(
+            f"What {effect.name} changes",
+            head,
+            tuple(
+                (
+                    quantity(change.quantity),
+                    _interval(change),
+                    f"{significant(change.along, 2)} {change.unit}",
+                    f"{significant(change.largest, 2)} {change.unit}",
+                )
+                for change in effect.changes
+            ),
+        )
+        for effect in diagnosis.practice
+    )
+
+
+def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
+    """Return what each effect is confused with, and the runs that separate the two."""
+    head = ("effect", "runs that separate", "why")
+    return tuple(
+        WordTable(
+            f"What looks like {effect.name}",
+            head,
+            tuple((other.name, other.kind, other.why) for other in effect.lookalikes),
+        )
+        for effect in diagnosis.practice
+    )
+
+
+def main_changes(effect: EffectInPractice) -> list[Change]:
+    """Return the changes at the working point: the largest of each group."""
+    chosen = []
+    for names in _GROUPS:
+        group = [change for change in effect.changes if change.quantity in names]
+        group = [c for c in group if abs(c.at_point) > _LEAST * max(c.largest, c.along)]
+        if group:
+            chosen.append(max(group, key=lambda change: _rounded(change.at_point)))
+    return chosen
+
+
+def phrase(change: Change, direction: str) -> str:
+    """Return a change at the working point as a clause."""
+    more, size, name = change.at_point > 0, _size(change), change.quantity
+    way = "higher" if more else "lower"
+    if name in _READINGS:
+        sensor = "the load cell" if name == "f_applied" else f"the transducer of {_symbol(name)}"
+        return f"{sensor} shows {size} too {'much' if more else 'little'}"
+    if name in _FLOWS:
+        return f"{size} {'more' if more else 'less'} oil enters chamber {name[-2:].capitalize()}"
+    if name in _CYLINDERS:
+        return f"the friction of the {_CYLINDERS[name]} is {size} {way}"
+    fed = "P_Tp" if direction == "extend" else "P_Tr"
+    phrases = {
+        "speed": f"the piston is {size} {'faster' if more else 'slower'} at the same commands",
+        "pressure": f"{fed} is {size} {way} at the same speed and load",
+        "supply": f"the supply pressure is {size} {way}",
+        "force_band": f"friction is {size} {way} in both directions",
+        "force_middle": f"the force against extension is {size} {way} in both directions",
+        "kinematics": f"the logged velocity is {size} {way}",
+    }
+    return phrases.get(name, f"{name} is {size} {way}")
+
+
+def _interval(change: Change) -> str:
+    text = parameter_text(FitParameter(change.at_point, None, change.ci95, None, change.unit))
+    return text.removesuffix(" (not determined)")
+
+
+def _size(change: Change) -> str:
+    """Return a change at the working point with its interval, without its sign."""
+    value, ends = abs(change.at_point), change.ci95
+    if ends is not None and change.at_point < 0:
+        ends = -ends[1], -ends[0]
+    text = parameter_text(FitParameter(value, None, ends, None, change.unit))
+    return text.removesuffix(" (not determined)")
+
+
+def _object(change: Change) -> str:
+    """Return a quantity as the object of a sentence."""
+    name = change.quantity
+    if name in _CYLINDERS:
+        return f"the friction of the {_CYLINDERS[name]}"
+    if name in BALANCE_NAMES:
+        return f"the {balance(name).title}"
+    return {"speed": "the speed", "pressure": "the pressure"}.get(name, f"the {quantity(name)}")
+
+
+def along_words(effect: EffectInPractice) -> str:
+    """Return what an effect changes over all measured motion, as objects of a sentence."""
+    known = [change for change in effect.changes if change.largest > 0]
+    groups = (
+        [c for c in known if c.quantity in names] for names in _GROUPS if "pressure" not in names
+    )
+    chosen = [max(group, key=lambda change: _rounded(change.along)) for group in groups if group]
+    return listed(
+        [
+            f"{_object(change)} by {significant(change.along, 2)} {change.unit} (root mean square; "
+            f"up to {significant(change.largest, 2)} {change.unit})"
+            for change in chosen
+        ]
+    )
+
+
+def _rounded(value: float) -> float:
+    """Return a magnitude for comparison: what one chamber loses to another is equal in both."""
+    return float(f"{abs(value):.2g}")
+
+
+def listed(parts: Sequence[str]) -> str:
+    """Return parts of a sentence with commas and "and"."""
+    if len(parts) < 2:
+        return "".join(parts)
+    return f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+def _symbol(channel: str) -> str:
+    head, index = channel.split("_")
+    return f"{head.upper()}_{index.capitalize()}"

@@ -1,0 +1,184 @@
+"""Sentences of a diagnosis: where, how large, how sure, and what to do."""
+
+from collections.abc import Sequence
+from math import exp, isfinite
+
+from hbench.records import (
+    AddedEffect,
+    Candidate,
+    Change,
+    Diagnosis,
+    EffectInPractice,
+    Gap,
+    WorkingPoint,
+)
+from hbench.report.diagnosis.change_words import listed, main_changes, phrase
+from hbench.report.diagnosis.names import AXES, balance, in_unit, residual_name, share, shown
+from hbench.report.render.numbers import number, short, significant
+
+_MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is not that exact
+_CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
+_FEW = 2  # balances, or unexplained gaps, in a sentence
+_WAYS = {"extend": "extending", "retract": "retracting"}
+
+
+def where_words(point: WorkingPoint | None) -> str:
+    """Return the working point in words, as the beginning of a sentence."""
+    if point is None:
+        return "In these runs"
+    parts = [f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"]
+    if isfinite(point.f_applied_n):
+        parts[0] += f" under {short(point.f_applied_n)} N"
+    pressures = {"P_Tp": point.p_tp_pa, "P_Tr": point.p_tr_pa, "P_S": point.p_s_pa}
+    parts += [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
+    return f"At the working point of these runs ({', '.join(parts)})"
+
+
+def at_point_words(
+    point: WorkingPoint | None, effect: EffectInPractice, *, brief: bool = False
+) -> str:
+    """Return what an effect changes at the working point, its main changes if ``brief``."""
+    if not effect.changes or point is None:
+        return ""
+    changes = main_changes(effect)
+    if not changes:
+        return (
+            f"{where_words(point)} it changes nothing: it acts only while speed or pressure "
+            "changes, or at other places of the stroke."
+        )
+    if brief:
+        changes = [change for change in changes if change.quantity not in ("pressure",)][:2]
+    clauses = [phrase(change, point.direction) for change in changes]
+    return f"{where_words(point)} {listed(clauses)}."
+
+
+def clause(change: Change, diagnosis: Diagnosis) -> str:
+    """Return a change at the working point of a diagnosis."""
+    assert diagnosis.working_point is not None  # there are changes
+    return phrase(change, diagnosis.working_point.direction)
+
+
+def odds_words(effect: AddedEffect) -> str:
+    """Return how clearly the held-out runs favour an effect over the next best one."""
+    rival = effect.runner_up
+    if rival is None or not isfinite(rival.margin):
+        return "No other effect of the catalogue explains the held-out runs."
+    return (
+        f"The held-out runs favour it over the next best explanation, {words(rival.name)}, by "
+        f"{_ratio(rival.margin)}."
+    )
+
+
+def closeness(candidates: Sequence[Candidate]) -> str:
+    """Return how close the scores of an ambiguous set are."""
+    scores = [f"{words(each.name)} {number(each.score, 0)}" for each in candidates]
+    return (
+        f"Their scores on held-out runs ({', '.join(scores)} nats) are too close to decide: the "
+        "true law may differ from the catalogue's by as much."
+    )
+
+
+def _ratio(nats: float) -> str:
+    """Return the odds that correspond to a gain of log-likelihood."""
+    odds = exp(min(max(nats, 0.0), 700.0))
+    if odds > _MOST_ODDS:
+        return f"odds of more than {_MOST_ODDS:.0f} to 1"
+    return f"odds of {significant(odds, 2)} to 1"
+
+
+def advice(effect: EffectInPractice) -> str:
+    """Return what to inspect and what to do then."""
+    inspect = f"Inspect {effect.inspect}." if effect.inspect else ""
+    return " ".join(filter(None, (inspect, effect.repair)))
+
+
+def best_candidate(diagnosis: Diagnosis) -> str:
+    """Return how much the best candidate explains, with its score and size."""
+    if not diagnosis.ranking:
+        return ""
+    best = diagnosis.ranking[0]
+    return (
+        f"The best of {len(diagnosis.ranking)} effects, {words(best.name)}, explains "
+        f"{share(best.explained)} of the gap; its score is {number(best.score + 0.0, 1)} nats "
+        f"({number(best.threshold, 1)} needed), its size {significant(best.size, 2)} times a "
+        "typical one."
+    )
+
+
+def agreement(diagnosis: Diagnosis) -> str:
+    """Return the gap of held-out runs with the refitted model, beside its floor."""
+    total = diagnosis.gap_heldout.total
+    if not isfinite(total.refitted):
+        return ""
+    return (
+        f"The gap of {len(diagnosis.heldout_runs)} held-out runs is {number(total.refitted, 2)} "
+        "with the refitted model, where 1 is the repeatability of the bench and "
+        f"{number(total.floor, 2)} that of a correct model with parameters as uncertain."
+    )
+
+
+def deviations(gaps: Sequence[Gap]) -> str:
+    """Return gaps in their units, with the limits below which they do not matter."""
+    parts = []
+    for gap in gaps[:_FEW]:
+        size = f"{number(gap.gap, 1)} trial scatters"
+        if isfinite(gap.deviation):
+            size = f"{in_unit(gap, gap.deviation)} ({in_unit(gap, gap.material)} would not matter)"
+        parts.append(f"{balance(gap.name).title}, {size}")
+    more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
+    return f"{'; '.join(parts)}{more}"
+
+
+def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
+    """Return the residuals at the working point, also as speed and pressure."""
+    point = diagnosis.working_point
+    if point is None:
+        return ""
+    shown_names = list(names[:_FEW])
+    shown_names += ["speed"] if any(name.startswith("flow_t") for name in shown_names) else []
+    shown_names += ["pressure"] if "force_test" in shown_names else []
+    parts = []
+    for name in shown_names:
+        value, display = point.residuals.get(name, float("nan")), residual_name(name)
+        if isfinite(value):
+            parts.append(
+                f"{significant(shown(value, display), 2)} {display.unit} ({display.title})"
+            )
+    return f"{where_words(point)} the revised model is off by {listed(parts)}." if parts else ""
+
+
+def worst_region(diagnosis: Diagnosis, name: str) -> str:
+    """Return in which regions the gap of a balance is most clearly larger than elsewhere."""
+    places = []
+    for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
+        own = [
+            region
+            for region in diagnosis.regions
+            if region.axis == axis and isfinite(region.gaps.get(name, float("nan")))
+        ]
+        if len(own) < 2:
+            continue
+        worst = max(own, key=lambda region: region.gaps[name])
+        contrast = worst.gaps[name] / min(region.gaps[name] for region in own)
+        if contrast > _CLEARLY_LARGER:
+            display = AXES[axis]
+            low, high = (significant(shown(end, display), 2) for end in (worst.low, worst.high))
+            stretch = f"{display.title} {low} to {high} {display.unit}"
+            places.append((contrast, _WAYS.get(worst.label, worst.label) or stretch))
+    places.sort(key=lambda place: -place[0])
+    return (
+        f"Its gap is largest at: {', '.join(words for _, words in places[:_FEW])}."
+        if places
+        else ""
+    )
+
+
+def title(name: str) -> str:
+    """Return an effect's name as the beginning of a sentence."""
+    text = words(name)
+    return text[:1].upper() + text[1:]
+
+
+def words(name: str) -> str:
+    """Return an effect's name in words."""
+    return name.replace("_", " ")

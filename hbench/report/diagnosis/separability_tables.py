@@ -1,0 +1,117 @@
+"""Tables of the effects that some runs detect, and of the pairs that they distinguish."""
+
+from collections.abc import Sequence
+from math import isfinite
+
+from hbench.records import Diagnosis, EffectPair, PlannedEffects, Separability, WordTable
+from hbench.report.diagnosis.text import not_tried_lines
+from hbench.report.render.numbers import NONE, number, significant
+from hbench.report.render.terminal_table import table_lines
+
+MATRIX_TEXT = (
+    "Angle of the signatures of two effects in these runs, after the refitted values are projected "
+    "out: 90° is unlike, 0° alike for some coefficients, of either sign. An asterisk marks a pair "
+    "that these runs do not distinguish: the wrong effect, with coefficients within their limits, "
+    "is expected to score nearly as well. diagnosis.json contains all pairs and the smallest "
+    "detectable size of every effect."
+)
+_LIMITS = {
+    "evidence": "residuals",
+    "size": "least size that is named",
+}
+_SIZES = "Smallest effects that hbench reconcile would detect, by simulation of the runs"
+_NO_PAIR = "All pairs of detectable effects are distinguishable."
+_NEIGHBOURS = 3  # closest effects to each one that matters
+_MOST = 8  # effects of the matrix
+
+
+def sizes_table(separability: Separability) -> WordTable:
+    """Return a row for each coefficient: its smallest detectable and its typical value."""
+    rows = tuple(
+        (
+            size.effect,
+            size.coefficient,
+            _with_unit(size.smallest, size.unit),
+            _with_unit(size.typical, size.unit),
+            "yes" if size.detectable else "no",
+            _LIMITS[size.limit] if isfinite(size.smallest) else "not at ten times typical",
+        )
+        for size in separability.sizes
+    )
+    head = ("effect", "coefficient", "smallest detectable", "typical")
+    return WordTable(_SIZES, (*head, "typical is detected", "limited by"), rows)
+
+
+def alike_table(separability: Separability) -> WordTable:
+    """Return the pairs that are not distinguishable, those with the smallest angle first."""
+    alike = [pair for pair in separability.pairs if pair.distinguishable is False]
+    rows = tuple(
+        (pair.first, pair.second, number(pair.angle_deg, 0), number(pair.lead, 1))
+        for pair in sorted(alike, key=lambda pair: pair.angle_deg)
+    )
+    head = ("effect", "effect", "angle of signatures, degrees", "lead of the right one, nats")
+    return WordTable("Pairs of effects that these runs do not distinguish", head, rows)
+
+
+def planned_effects_text(planned: PlannedEffects) -> str:
+    """Return the tables of planned runs and what they lack, for a terminal (ASCII)."""
+    alike = alike_table(planned.separability)
+    shortfalls = [f"no effect can be named; missing: {item}" for item in planned.shortfalls]
+    missing = [f"missing to distinguish more effects: {item}" for item in planned.missing]
+    blocks = [
+        "\n".join(table_lines(sizes_table(planned.separability))),
+        "\n".join(table_lines(alike)) if alike.rows else _NO_PAIR,
+        "\n".join([*shortfalls, *missing, *not_tried_lines(planned.not_tried)]),
+    ]
+    text = "\n\n".join(filter(None, blocks))
+    return text.replace(NONE, "-").replace("\u2212", "-")
+
+
+def matrix_table(diagnosis: Diagnosis) -> WordTable:
+    """Return the angles between the effects that matter and those closest to them."""
+    title = "Angles between effects"
+    if diagnosis.separability is None:
+        return WordTable(title, (), ())
+    pairs = diagnosis.separability.pairs
+    names = _that_matter(diagnosis, pairs)
+    angles = {frozenset((pair.first, pair.second)): pair for pair in pairs}
+    rows = tuple(
+        (
+            row,
+            *(
+                NONE if row == column else _cell(angles[frozenset((row, column))])
+                for column in names
+            ),
+        )
+        for row in names
+    )
+    return WordTable(title, ("", *names), rows)
+
+
+def _that_matter(diagnosis: Diagnosis, pairs: Sequence[EffectPair]) -> tuple[str, ...]:
+    """Return the named effects and the ambiguous set, with those closest to them.
+
+    Where there are none, the effects of the pairs that are not distinguishable.
+    """
+    known = {name for pair in pairs for name in (pair.first, pair.second)}
+    every = [effect.name for effect in diagnosis.effects]
+    every += [candidate.name for candidate in diagnosis.alternatives]
+    chosen = [name for name in dict.fromkeys(every) if name in known]
+    close = sorted((p for p in pairs if isfinite(p.angle_deg)), key=lambda pair: pair.angle_deg)
+    if not chosen:
+        alike = [each for each in close if each.distinguishable is False]
+        chosen = [name for each in alike for name in (each.first, each.second)]
+    neighbours: list[str] = []
+    for name in chosen:
+        own = [pair for pair in close if name in (pair.first, pair.second)]
+        neighbours += [p.second if p.first == name else p.first for p in own[:_NEIGHBOURS]]
+    return tuple(dict.fromkeys([*chosen, *neighbours]))[:_MOST]
+
+
+def _cell(pair: EffectPair) -> str:
+    angle = number(pair.angle_deg, 0)
+    return f"{angle}°{' *' if pair.distinguishable is False else ''}" if angle != NONE else NONE
+
+
+def _with_unit(value: float, unit: str) -> str:
+    return f"{significant(value, 2)} {unit}" if isfinite(value) else NONE

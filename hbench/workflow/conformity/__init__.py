@@ -1,0 +1,1 @@
+"""Acceptance of a cylinder by a campaign."""

@@ -1,0 +1,48 @@
+"""Acceptance of a cylinder: a campaign against a file of limits."""
+
+from pathlib import Path
+
+from hbench.analysis.conformity.acceptance import conformity_checks
+from hbench.config.conformity.limits import parse_limits
+from hbench.config.files.loading import file_sha256, read_yaml
+from hbench.records.conformity.acceptance import Acceptance
+from hbench.report.campaign.quality import missing_words
+from hbench.report.conformity.acceptance_document import acceptance_json
+from hbench.report.conformity.text import junit_xml
+from hbench.store.campaign.folder import load_campaign, write_results
+from hbench.workflow.results import derive
+
+
+def accept(folder: Path, limits_file: Path) -> Acceptance:
+    """Decide whether a campaign's cylinder conforms; write ``acceptance.json`` and ``.xml``."""
+    limits = parse_limits(read_yaml(limits_file), str(limits_file))
+    results = derive(load_campaign(folder))
+    settings = results.provenance.settings
+    notes = []
+    if results.quality.grade != "good":
+        notes.append(f"the quality of the data is {results.quality.grade!r}; see hbench report")
+    if missing := missing_words(results.quality.completeness):
+        notes.append(missing)
+    acceptance = Acceptance(
+        provenance=results.provenance,
+        serial=str((settings.get("specimen") or {}).get("serial", "")),
+        product=limits.product,
+        limits=limits_file.name,
+        limits_sha256=file_sha256(limits_file),
+        rule=limits.rule,
+        largest_uncertainty=limits.largest_uncertainty,
+        checks=conformity_checks(
+            results,
+            [limit.requirement for limit in limits.limits],
+            limits.rule,
+            limits.largest_uncertainty,
+        ),
+        data=results.quality.grade,
+        notes=tuple(notes),
+    )
+    files = {
+        "acceptance.json": acceptance_json(acceptance),
+        "acceptance.xml": junit_xml(acceptance),
+    }
+    write_results(folder, {name: text.encode() for name, text in files.items()})
+    return acceptance

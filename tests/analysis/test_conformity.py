@@ -1,0 +1,178 @@
+"""Decisions on conformity under uncertainty, and the risks that they leave."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import integrate, stats
+
+from hbench.analysis.conformity.acceptance import conformity_checks
+from hbench.analysis.conformity.decision import decide, probability_of_conformity
+from hbench.config.conformity.limits import parse_limits
+from hbench.errors import ConfigError
+from hbench.records.conformity.acceptance import Measurement, Requirement
+from hbench.store.campaign.folder import load_campaign
+from hbench.workflow.results import derive
+from tests.support import ROOT
+
+HIGHEST = Requirement("friction", "N", low=None, high=100.0)
+BETWEEN = Requirement("friction", "N", low=80.0, high=100.0)
+
+
+@pytest.mark.parametrize("dof", [None, 3.0, 12.5])
+@pytest.mark.parametrize("value", [60.0, 97.0, 100.0, 104.0])
+def test_the_probability_is_that_of_students_distribution(value, dof):
+    u = 4.0
+    spread = stats.norm if dof is None else stats.t(dof)
+    measured = Measurement(value, u95=u * spread.ppf(0.975), dof=dof)
+    for requirement, low in ((HIGHEST, -np.inf), (BETWEEN, 80.0)):
+        expected = spread.cdf((100 - value) / u) - spread.cdf((low - value) / u)
+        assert probability_of_conformity(requirement, measured) == pytest.approx(expected, 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("value", "simple", "guarded"),
+    [(91.9, "PASS", "PASS"), (92.1, "PASS", "MARGINAL"), (100.0, "PASS", "MARGINAL")]
+    + [(100.1, "FAIL", "FAIL"), (88.1, "PASS", "PASS"), (87.9, "PASS", "MARGINAL")]
+    + [(79.9, "FAIL", "FAIL")],
+)
+def test_a_guard_band_lies_inside_the_limits(value, simple, guarded):
+    measured = Measurement(value, u95=8.0)
+    assert decide(BETWEEN, measured, "simple").decision == simple
+    assert decide(BETWEEN, measured, "guard_band").decision == guarded
+
+
+def test_at_the_end_of_a_guard_band_one_cylinder_in_forty_does_not_conform():
+    decided = decide(HIGHEST, Measurement(92.0, u95=8.0), "guard_band")
+    assert decided == ("PASS", pytest.approx(0.975, abs=1e-6), "")
+
+
+def test_shared_risk_decides_only_where_the_uncertainty_is_small_enough():
+    assert decide(HIGHEST, Measurement(99.0, u95=9.0), "shared_risk", 0.1).decision == "PASS"
+    assert decide(HIGHEST, Measurement(101.0, u95=9.0), "shared_risk", 0.1).decision == "FAIL"
+    refused = decide(HIGHEST, Measurement(50.0, u95=11.0), "shared_risk", 0.1)
+    assert refused.decision == "NOT TESTED" and "11%" in refused.reason
+
+
+def test_without_an_uncertainty_only_the_simple_rule_decides():
+    measured = Measurement(50.0, u95=None)
+    assert decide(HIGHEST, measured, "simple") == ("PASS", None, "")
+    assert decide(HIGHEST, measured, "guard_band").decision == "NOT TESTED"
+
+
+@pytest.mark.parametrize("rule", ["simple", "guard_band"])
+def test_false_decisions_on_1000_cylinders_are_as_frequent_as_computed(rule):
+    """Global risks of JCGM 106, 9.3, by integration over production and measurement.
+
+    Each cylinder is measured in four trials whose scatter is not known to the rule, with an error
+    of the instruments that is: the interval is Student's with effective degrees of freedom.
+    """
+    rng = np.random.default_rng(7)
+    made, spread, trials, scatter, instruments = 90.0, 8.0, 4, 3.0, 2.0
+    u = np.hypot(scatter / np.sqrt(trials), instruments)
+    accepts_wrongly = rejects_wrongly = predicted = 0.0
+    accepted_of = 1000
+    for _ in range(accepted_of):
+        truth = rng.normal(made, spread)
+        shown = truth + rng.normal(0, instruments) + rng.normal(0, scatter, trials)
+        a, b = shown.std(ddof=1) / np.sqrt(trials), instruments
+        dof = (a**2 + b**2) ** 2 / (a**4 / (trials - 1))
+        u95 = float(stats.t(dof).ppf(0.975) * np.hypot(a, b))
+        decided = decide(HIGHEST, Measurement(float(shown.mean()), u95, dof), rule)
+        accepted = decided.decision == "PASS"
+        accepts_wrongly += accepted and truth > 100
+        rejects_wrongly += not accepted and truth <= 100
+        predicted += accepted * (1 - decided.probability)
+    edge = 100.0 if rule == "simple" else 100.0 - 1.959964 * u
+
+    def passing(y):
+        return stats.norm.cdf((edge - y) / u) * stats.norm.pdf(y, made, spread)
+
+    consumer = integrate.quad(passing, 100.0, made + 8 * spread)[0]
+    producer = stats.norm.cdf((100 - made) / spread) - integrate.quad(passing, 0.0, 100.0)[0]
+    print(f"{rule}: accepted wrongly {accepts_wrongly:.0f} of 1000, computed {1000 * consumer:.1f}")
+    print(f"{rule}: rejected wrongly {rejects_wrongly:.0f} of 1000, computed {1000 * producer:.1f}")
+    for counted, risk in ((accepts_wrongly, consumer), (rejects_wrongly, producer)):
+        assert abs(counted / 1000 - risk) < 4 * np.sqrt(risk / 1000) + 0.003
+    assert (accepts_wrongly <= 10) == (rule == "guard_band")
+
+
+@pytest.fixture(scope="module")
+def small():
+    return derive(load_campaign(ROOT / "data_samples" / "stribeck-small"))
+
+
+def requirements(*limits):
+    return [limit.requirement for limit in parse_limits({"limits": list(limits)}, "limits").limits]
+
+
+def checks(results, *limits, rule="simple"):
+    return conformity_checks(results, requirements(*limits), rule, None)
+
+
+def test_each_series_is_decided_by_its_worst_speed(small):
+    found = checks(small, {"quantity": "friction", "max": "1 kN"})
+    curves = [curve for curve in small.curves if curve.kind == "steady"]
+    assert len(found) == len(curves)
+    for check, curve in zip(found, curves, strict=True):
+        worst = max(curve.points, key=lambda point: abs(point.friction_n))
+        assert check.measurement.value == pytest.approx(abs(worst.friction_n))
+        assert check.measurement.u95 == worst.u95_n
+        assert check.measurement.runs == worst.runs
+
+
+def test_a_pressure_is_that_on_the_driving_area(small):
+    in_n = checks(small, {"quantity": "friction", "max": "1 kN"})
+    in_bar = checks(small, {"quantity": "friction", "max": "1 bar"})
+    specimen = small.runs[0].run.plan.specimen
+    areas = {"extend": specimen.area_piston_m2, "retract": specimen.area_rod_m2}
+    for force, pressure in zip(in_n, in_bar, strict=True):
+        area = areas[force.measurement.direction]
+        assert pressure.measurement.value == pytest.approx(force.measurement.value / area)
+        assert pressure.measurement.u95 == pytest.approx(force.measurement.u95 / area)
+
+
+def test_what_was_not_measured_is_not_tested_and_what_was_is_listed(small):
+    (check,) = checks(small, {"quantity": "friction", "speed": "333 mm/s", "max": "1 kN"})
+    assert check.decision == "NOT TESTED" and check.measurement is None
+    assert "speeds" in check.reason and "mm/s" in check.reason
+    for quantity, limit in (("breakaway", "5 N"), ("drift", "5 %")):
+        (check,) = checks(replace(small, drift=None), {"quantity": quantity, "max": limit})
+        assert check.decision == "NOT TESTED" and check.reason
+
+
+def test_a_drift_is_limited_both_ways(small):
+    (requirement,) = requirements({"quantity": "drift", "max": "5 %"})
+    assert (requirement.low, requirement.high) == pytest.approx((-0.05, 0.05))
+
+
+def test_the_ripple_is_that_of_screening(small):
+    found = checks(small, {"quantity": "speed_ripple", "max": "5 %"})
+    assert found and all(0 < check.measurement.value < 0.05 for check in found)
+    assert all(check.decision == "PASS" for check in found)
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        {"quantity": "friction"},
+        {"quantity": "friction", "max": "5 mm"},
+        {"quantity": "efficiency", "max": "5 N"},
+        {"quantity": "friction", "max": "5 N", "dwell": "3 s"},
+        {"quantity": "leakage", "max": "5 ml/min"},
+        {"quantity": "friction", "min": "5 N", "max": "4 N"},
+        {"quantity": "wear", "max": "5 N"},
+    ],
+)
+def test_a_limit_that_says_nothing_is_refused_with_its_place(limits):
+    with pytest.raises(ConfigError) as refused:
+        parse_limits({"limits": [limits]}, "limits.yaml")
+    assert "limits.yaml" in refused.value.message
+    assert "limits.0" in refused.value.message
+
+
+def test_a_largest_uncertainty_belongs_to_shared_risk():
+    limit = {"quantity": "drift", "max": "5 %"}
+    for extra in ({"rule": "shared_risk"}, {"largest_uncertainty": "10 %"}):
+        with pytest.raises(ConfigError):
+            parse_limits({"limits": [limit], **extra}, "limits.yaml")

@@ -1,0 +1,63 @@
+"""``hbench accept``: decision, files and exit codes."""
+
+import json
+import shutil
+from xml.etree import ElementTree
+
+import jsonschema
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from hbench.cli.main import app
+from hbench.report.schemas import schema_text
+from tests.support import ROOT
+
+MET = {"quantity": "friction", "max": "10 kN", "name": "A.1"}
+MISSED = {"quantity": "friction", "max": "1 N"}
+NOT_MEASURED = {"quantity": "breakaway", "max": "5 bar"}
+
+
+@pytest.fixture
+def accept(tmp_path):
+    shutil.copytree(ROOT / "data_samples" / "stribeck-small", tmp_path / "campaign")
+
+    def run(*limits, rule="guard_band", arguments=()):
+        file = tmp_path / "limits.yaml"
+        file.write_text(yaml.safe_dump({"product": "P", "rule": rule, "limits": list(limits)}))
+        line = ["accept", str(tmp_path / "campaign"), "--limits", str(file), *arguments]
+        return CliRunner().invoke(app, line)
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("limits", "decision", "code"),
+    [
+        ([MET], "PASS", 0),
+        ([MET, MISSED], "FAIL", 6),
+        ([MET, NOT_MEASURED], "NOT TESTED", 6),
+        ([MISSED, NOT_MEASURED], "FAIL", 6),
+    ],
+)
+def test_the_worst_decision_counts_and_fail_gives_the_exit_code(accept, limits, decision, code):
+    said = accept(*limits)
+    assert said.exit_code == 0
+    assert said.stdout.startswith(f"{decision}: ")
+    assert accept(*limits, arguments=["--fail"]).exit_code == code
+
+
+def test_the_files_hold_each_decision(accept, tmp_path):
+    said = accept(MET, MISSED, NOT_MEASURED, arguments=["--json"])
+    folder = tmp_path / "campaign" / "results"
+    assert (folder / "acceptance.json").read_text() == said.stdout.rstrip("\n") + "\n"
+    document = json.loads(said.stdout)
+    jsonschema.validate(document, json.loads(schema_text("acceptance")))
+    suite = ElementTree.parse(folder / "acceptance.xml").getroot()
+    tags = {"PASS": [], "FAIL": ["failure"], "MARGINAL": ["failure"], "NOT TESTED": ["error"]}
+    cases = suite.findall("testcase")
+    assert len(cases) == len(document["checks"]) == int(suite.get("tests"))
+    for case, check in zip(cases, document["checks"], strict=True):
+        assert [each.tag for each in case] == tags[check["decision"]]
+    assert int(suite.get("failures")) > 0 and suite.get("errors") == "1"
+    assert cases[0].get("name").startswith("A.1: friction")
