@@ -100,6 +100,6 @@ class PlantParameters(NamedTuple):
     valve: ValveParameters
     end_stop: EndStopParameters
     substeps: int  # of one control tick, as the stiffest friction law needs
-    # Coefficients of each effect (effects/catalogue.py), then the table of effects/learned.py.
-    effects: tuple[Any, ...] | None = None
+    effects: tuple[tuple[float, ...], ...] | None = None  # coefficients; see effects/catalogue.py
     oil_k: float = 313.15  # temperature in the tank at the start
+    learned: Any = None  # array of effects/learned.py; None where ``effects`` is

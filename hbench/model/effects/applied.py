@@ -16,7 +16,6 @@ from hbench.model.states import P_LP, P_LR, P_TP, P_TR, SPOOL_L1, SPOOL_L2, SPOO
 
 LEAST_DRY = 0.1  # of the law's dry friction, a lower limit of effects: friction stays passive
 
-_LEARNED = len(EFFECTS)  # place of the learned laws in ``par.effects``
 _STATES = sum(row.states for row in EFFECTS.values())
 # Place of the oil's warming among the effects' states.
 _WARMTH = sum(row.states for row in list(EFFECTS.values())[: list(EFFECTS).index("oil_warming")])
@@ -53,7 +52,7 @@ _openings, _oil, _flows, _friction = (compose(place, EFFECTS) for place in MOVIN
 
 
 @inlined
-def effect_states(effects: Any) -> int:
+def effect_states(effects: tuple[tuple[float, ...], ...] | None) -> int:
     """Return the number of states that the effects have."""
     if effects is None:
         return 0
@@ -98,7 +97,7 @@ def flow_effects(
     if effects is None:
         return q
     q = _flows(q, bristles_end(par), state, rates, par)
-    return learned_flows(q, effects[_LEARNED], state, par)
+    return learned_flows(q, par.learned, state, par)
 
 
 @inlined
@@ -118,7 +117,7 @@ def friction_effects(
     dry_l, _ = steady_parts(v, state[P_LP], state[P_LR], level_l, par.load.friction)
     terms = FrictionTerms(abs(dry_t), abs(dry_l), 0.0, 0.0, 0.0, 0.0)
     f = _friction(terms, bristles_end(par), state, rates, par)
-    f = learned_friction(f, effects[_LEARNED], state, par)
+    f = learned_friction(f, par.learned, state, par)
     level_t = _raised(level_t, f.more_t, f.dry_t)
     level_l = _raised(level_l, f.more_l, f.dry_l)
     return level_t, level_l, f.force_t, f.force_l

@@ -110,8 +110,8 @@ def with_all_effects(
     par: PlantParameters, values: Values, learned: Sequence[LearnedLaw] = ()
 ) -> PlantParameters:
     """Add all effects, those without ``values`` with their defaults: one type for the compiler."""
-    rows = (_in_order(name, values.get(name, {})) for name in EFFECTS)
-    par = par._replace(effects=(*rows, learned_table(learned)))
+    rows = tuple(_in_order(name, values.get(name, {})) for name in EFFECTS)
+    par = par._replace(effects=rows, learned=learned_table(learned))
     if _unchecked:
         check_neutral(_unchecked, par)
         _unchecked.clear()
