@@ -123,8 +123,7 @@ class CampaignSearch(CandidateEvaluator):
             without = self.refit(
                 self.linearise_at(model, self._hypothesis_without(model, name)), others
             )
-            own = [".".join(which) for which in model.coefficients_of([name])]
-            without = self.with_columns(without, own)
+            without = self.with_columns(without, _columns_of(model, [name]))
             evaluated = self._evaluate_in_full(without, others, name)
             evaluated = self._with_threshold(evaluated, others, [name])
             if not CRITERIA.accepts(evaluated.candidate):
@@ -139,7 +138,10 @@ class CampaignSearch(CandidateEvaluator):
         return replace(model.hypothesis, effects=kept | {k: start[k] for k in start if k == name})
 
     def refined(self, model: LinearisedModel, names: tuple[str, ...]) -> LinearisedModel:
-        """Return the model with effects ``names`` and their shapes refitted to all deviations."""
+        """Return the model with effects ``names`` and their shapes refitted to all deviations.
+
+        The columns of the nuisances stay those of ``model``: refinement changes them little.
+        """
         taking_part = [model.data.names[i] for i in model.index(names)]
         residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
         start = linearise_residuals(
@@ -148,11 +150,12 @@ class CampaignSearch(CandidateEvaluator):
             residuals,
             {key: model.columns[key] for key in taking_part},
         )
-        best = self.refit(self.with_columns(start, taking_part), names)
+        best = self.refit(start, names, _columns_of(start, names))
         for name in names:
             shapes = [".".join(which) for which in shape_coefficients(name)]
             if new := [shape for shape in shapes if shape not in best.columns]:
-                shaped = self.refit(self.with_columns(best, new), names)
+                shaped = self.with_columns(best, new)
+                shaped = self.refit(shaped, names, _columns_of(shaped, names))
                 gain = [log_likelihood(self._cross_validate(m, names))[0] for m in (best, shaped)]
                 best = shaped if gain[1] > gain[0] else best
         return linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
@@ -237,6 +240,11 @@ def _mean_square(residuals: GapMap, points: np.ndarray) -> float:
     """Return the mean square of the residuals at some operating points, in scatters."""
     chosen = residuals.select_points(points)
     return float(np.nanmean((chosen.difference / chosen.scatter) ** 2))
+
+
+def _columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:
+    """Return the names of the columns that some effects have in a model."""
+    return [".".join(which) for which in model.coefficients_of(names)]
 
 
 def _best_first(evaluated: Iterable[EvaluatedCandidate]) -> tuple[EvaluatedCandidate, ...]:

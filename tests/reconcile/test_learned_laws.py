@@ -10,8 +10,8 @@ from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.learned.balance_products import BalanceProducts
-from hbench.reconcile.learned.law_search import best_table, reductions, sign_test
-from hbench.reconcile.learned.table import empty_table
+from hbench.reconcile.learned.law_search import best_table, reductions, score_to_exceed, sign_test
+from hbench.reconcile.learned.table import Table, empty_table
 from hbench.reconcile.linearised import products
 from hbench.reconcile.measured.balances import BALANCES, balance_model
 from hbench.reconcile.measured.session import Session
@@ -72,6 +72,13 @@ def one_balance(bench, bench_data, law, seed=1, level_n=2.0, noise_n=1.0) -> Bal
     return BalanceProducts(measured, BALANCE, model, residuals, constant, base, priors)
 
 
+def best(one) -> tuple[Table, float, float]:
+    """The best table of a balance, its score, and the score that it must exceed."""
+    points = np.arange(POINTS)
+    table, gain = best_table(one, points)
+    return table, gain, score_to_exceed(one, one.without(table, points), table, points)
+
+
 def bump(x, v, drop):
     """A tight place of the bore."""
     return 15.0 * np.sign(v) * np.exp(-(((x - 0.17) / 0.06) ** 2))
@@ -79,16 +86,23 @@ def bump(x, v, drop):
 
 def test_a_tight_place_of_the_bore_becomes_friction_over_the_position(bench, bench_data):
     one = one_balance(bench, bench_data, bump)
-    table, gain, threshold = best_table(one, np.arange(POINTS))
+    table, gain, threshold = best(one)
     assert gain > 3 * threshold
     assert (table.adds_to, list(table.knots)) == ("friction_test", ["position"])
+
+
+def test_a_table_that_was_fitted_has_nothing_more_to_explain(bench, bench_data):
+    one, points = one_balance(bench, bench_data, bump), np.arange(POINTS)
+    table = one.table("friction_test", ("position",))
+    assert one.score(table, points)[0] > 20
+    assert one.without(table, points).score(table, points)[0] < 1
 
 
 def test_a_law_of_two_quantities_gets_a_table_over_both(bench, bench_data):
     one = one_balance(
         bench, bench_data, lambda x, v, drop: np.sign(v) * 3e-5 * drop * (x / 0.2) ** 2
     )
-    table, gain, threshold = best_table(one, np.arange(POINTS))
+    table, gain, threshold = best(one)
     assert gain > threshold
     assert "position" in table.knots and len(table.knots) == 2
 
@@ -96,15 +110,15 @@ def test_a_law_of_two_quantities_gets_a_table_over_both(bench, bench_data):
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_friction_that_wanders_from_run_to_run_is_no_law(bench, bench_data, seed):
     one = one_balance(bench, bench_data, lambda x, v, drop: 0.0 * x, seed, level_n=6.0)
-    found = best_table(one, np.arange(POINTS))
-    assert found is None or found[1] <= found[2]
+    table, gain = best_table(one, np.arange(POINTS))
+    assert table is None or gain <= 5.0 or gain <= best(one)[2]
 
 
 def test_a_law_that_held_out_runs_contradict_is_refused(bench, bench_data):
     """The bump is in the training runs alone, so the table makes the held-out runs worse."""
     one, without = (one_balance(bench, bench_data, law) for law in (bump, lambda x, v, drop: 0 * x))
     train, held_out = np.arange(POINTS) % 5 != 2, np.arange(POINTS) % 5 == 2
-    table, *_ = best_table(one, np.flatnonzero(train))
+    table, _ = best_table(one, np.flatnonzero(train))
     left = one.without(table, np.flatnonzero(train)).residuals
     in_training = reductions(one.residuals, left)
     fitted = one.residuals.difference - left.difference

@@ -49,14 +49,12 @@ def learned_flows(
     tp, tr, lp, lr = q.tp, q.tr, q.lp, q.lr
     for i in range(c.shape[0]):
         target = c[i, 0]
-        if target == 0.0:
-            tp += _law(c[i], state, SPOOL_T, par)
-        elif target == 1.0:
-            tr += _law(c[i], state, SPOOL_T, par)
-        elif target == 2.0:
-            lp += _law(c[i], state, SPOOL_L2, par)
-        elif target == 3.0:
-            lr += _law(c[i], state, SPOOL_L1, par)
+        if target < 4.0:
+            more = _law(c[i], state, par)
+            tp += more if target == 0.0 else 0.0
+            tr += more if target == 1.0 else 0.0
+            lp += more if target == 2.0 else 0.0
+            lr += more if target == 3.0 else 0.0
     return ChamberFlows(tp, tr, lp, lr, q.drawn, q.returned, q.fluidity)
 
 
@@ -67,20 +65,17 @@ def learned_friction(
     """Add the laws of forces and of dry friction."""
     for i in range(c.shape[0]):
         target = c[i, 0]
-        if target == 4.0:
-            f = add_force(f, _law(c[i], state, SPOOL_T, par), 0.0)
-        elif target == 5.0:
-            f = add_force(f, 0.0, _law(c[i], state, SPOOL_T, par))
-        elif target == 6.0:
-            f = add_dry(f, _law(c[i], state, SPOOL_T, par), 0.0)
-        elif target == 7.0:
-            f = add_dry(f, 0.0, _law(c[i], state, SPOOL_T, par))
+        if target >= 4.0:
+            more = _law(c[i], state, par)
+            f = add_force(f, more if target == 4.0 else 0.0, more if target == 5.0 else 0.0)
+            f = add_dry(f, more if target == 6.0 else 0.0, more if target == 7.0 else 0.0)
     return f
 
 
 @inlined
-def _law(c: np.ndarray, state: np.ndarray, spool: int, par: PlantParameters) -> float:
+def _law(c: np.ndarray, state: np.ndarray, par: PlantParameters) -> float:
     """Return g of one row at a state."""
+    spool = SPOOL_L2 if c[0] == 2.0 else SPOOL_L1 if c[0] == 3.0 else SPOOL_T
     is_load = c[0] == 2.0 or c[0] == 3.0 or c[0] == 5.0 or c[0] == 7.0
     n, m = int(c[_COUNTS]), int(c[_COUNTS + 1])
     at = _place(_quantity(c[1], is_load, state, spool, par), c, _KNOTS, n)

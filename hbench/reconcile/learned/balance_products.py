@@ -7,7 +7,16 @@ from functools import cached_property
 import numpy as np
 
 from hbench.config.effects import Target
-from hbench.reconcile.evidence import Fit, Priors, Products, maximum_likelihood, score
+from hbench.reconcile.evidence import (
+    Fit,
+    Priors,
+    Products,
+    least_cost,
+    log_likelihood,
+    maximum_likelihood,
+    predicted,
+    touched,
+)
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.learned.columns import knots_of, quantity_samples, table_columns
 from hbench.reconcile.learned.table import Table, empty_table
@@ -62,10 +71,24 @@ class BalanceProducts:
         self, table: Table, points: np.ndarray, signs: np.ndarray | None = None
     ) -> np.ndarray:
         """Return the cross-validated gain (b,) of a table in nats, or its scores on nulls."""
+        data, before, after, groups = self._fits(table)
+        # The products of the nuisances are the same for every table: they keep their prediction.
+        known = predicted(self.base, before, points, signs, groups)
+        with_table = predicted(data, after, points, signs, groups)
+        return log_likelihood(with_table) - log_likelihood(known)
+
+    def gain(self, table: Table, points: np.ndarray) -> float:
+        """Return the gain of a table in nats at the points that it is fitted to."""
+        data, before, after, groups = self._fits(table)
+        known = least_cost(self.base, before, points, groups)
+        return known - least_cost(data, after, points, groups)
+
+    def _fits(self, table: Table) -> tuple[Products, Fit, Fit, np.ndarray]:
+        """Return the products with a table, the fits without and with it, and its groups."""
         data, priors = self._with(table)
         n, q = len(self.columns), len(data.names)
-        before, after = Fit(range(n), priors), Fit(range(q), priors)
-        return score(data, before, after, range(n, q), points, signs)
+        groups = touched(data, range(n), range(n, q))
+        return data, Fit(range(n), self.priors), Fit(range(q), priors), groups
 
     def without(self, table: Table, points: np.ndarray) -> "BalanceProducts":
         """Return the products of the residuals that remain at the fit of a table."""
@@ -83,13 +106,15 @@ class BalanceProducts:
         )
         known = self.priors
         shifted = Priors(known.centre - steps, known.sigma, known.low - steps, known.high - steps)
-        difference = self.residuals.difference - fitted
-        return replace(
-            self,
-            residuals=replace(self.residuals, difference=difference),
-            base=rest,
-            priors=shifted,
-        )
+        residuals = replace(self.residuals, difference=self.residuals.difference - fitted)
+        own, groups = products(residuals, self.columns), self._groups
+        rest.mixed[:, groups], rest.squares[:, groups] = own.mixed, own.squares
+        return replace(self, residuals=residuals, base=rest, priors=shifted)
+
+    @property
+    def _groups(self) -> np.ndarray:
+        """Indices of the balance's groups."""
+        return np.flatnonzero([name == self.balance for name, _ in self.base.groups])
 
     def _modes(self, table: Table) -> dict[str, np.ndarray]:
         at = BALANCES.index(self.balance)
@@ -100,8 +125,7 @@ class BalanceProducts:
         """Return the products with a table's modes, and the priors of all columns."""
         modes, base, n = self._modes(table), self.base, len(self.columns)
         own = products(self.residuals, {**self.columns, **modes})
-        q = n + len(modes)
-        groups = np.flatnonzero([name == self.balance for name, _ in base.groups])
+        q, groups = n + len(modes), self._groups
         shape = base.squares.shape
         columns, mixed = np.zeros((*shape, q, q)), np.zeros((*shape, q))
         squares = base.squares.copy()
