@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
-from hbench.config.effects import Effects
+from hbench.config.effects import Effects, LearnedLaw
 from hbench.config.files.loading import validate
 from hbench.config.friction import FrictionPair
 from hbench.config.identity import Identified
@@ -121,6 +121,7 @@ class Plant(ConfigSection):
     end_stop: EndStop
     sensors: Sensors
     effects: Effects = Field(default_factory=dict)
+    learned: tuple[LearnedLaw, ...] = ()
 
 
 class VelocityLoop(ConfigSection):

@@ -5,11 +5,23 @@
       valve_deadband: {test: 50 mV, load: 50 mV}
 
 An effect that the file does not name is off. The catalogue is ``model/effects/catalogue.py``.
+
+``learned`` lists tables that ``hbench reconcile`` fitted where no effect explains the residuals:
+
+    learned:
+      - adds_to: friction_test
+        over: {position: [50 mm, 150 mm, 250 mm]}
+        values: [4 N, -8 N, 2 N]
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Literal, get_args
 
+from pydantic import model_validator
+
+from hbench.config.quantity import ConfigSection
 from hbench.errors import ConfigError
 from hbench.units import from_si, parse_unit, to_si
 
@@ -68,3 +80,90 @@ def parse_effects(data: Effects, known: Specification) -> dict[str, dict[str, fl
     if faults:
         raise ConfigError("\n".join(faults), "hbench/model/effects/README.md lists the effects.")
     return effects
+
+
+Target = Literal[
+    "flow_tp", "flow_tr", "flow_lp", "flow_lr",
+    "force_test", "force_load", "friction_test", "friction_load",
+]  # fmt: skip
+"""Term of the plant's equations: inflow of a chamber, force against extension of a cylinder, or
+magnitude of a cylinder's dry friction."""
+TARGETS: tuple[Target, ...] = get_args(Target)
+# Quantities of a learned law: those of the cylinder and the chamber that it acts on.
+QUANTITIES = {
+    "velocity": "mm/s",
+    "position": "mm",
+    "piston_pressure": "bar",
+    "rod_pressure": "bar",
+    "pressure_drop": "bar",  # piston side less rod side
+    "hydraulic_force": "N",
+    "opening": "V",  # of the chamber's valve
+}
+MOST_KNOTS = 8  # of a quantity
+
+
+def target_unit(target: Target) -> str:
+    """Return the unit of a learned law's values."""
+    return "l/min" if target.startswith("flow") else "N"
+
+
+class LearnedLaw(ConfigSection):
+    """Unnamed law of one balance: a table over one or two quantities.
+
+    It is linear between the knots and constant beyond the first and last.
+    """
+
+    adds_to: Target
+    over: dict[str, tuple[float, ...]]  # knots [SI] by quantity
+    # [SI]; over two quantities a row for each knot of the first
+    values: tuple[float | tuple[float, ...], ...]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_si(cls, data: Any) -> Any:
+        """Read knots and values with their units."""
+        if not isinstance(data, Mapping) or not isinstance(data.get("over"), Mapping):
+            return data
+        if unknown := [name for name in data["over"] if name not in QUANTITIES]:
+            raise ValueError(f"over.{unknown[0]}: known are {', '.join(QUANTITIES)}")
+        unit = target_unit(data.get("adds_to", "force_test"))
+        over = {name: _read(knots, QUANTITIES[name]) for name, knots in data["over"].items()}
+        return {**data, "over": over, "values": _read(data.get("values"), unit)}
+
+    @model_validator(mode="after")
+    def _is_table(self) -> "LearnedLaw":
+        if len(self.over) not in (1, 2):
+            raise ValueError("over must have one or two quantities")
+        if "opening" in self.over and not self.adds_to.startswith("flow"):
+            raise ValueError(f"{self.adds_to} has no valve: over.opening is of flows")
+        for name, knots in self.over.items():
+            if not 2 <= len(knots) <= MOST_KNOTS or any(b <= a for a, b in pairwise(knots)):
+                raise ValueError(f"over.{name} must have 2 to {MOST_KNOTS} ascending knots")
+        shape = tuple(map(len, self.over.values()))
+        rows = self.values if len(shape) == 2 else (self.values,)
+        if len(shape) == 2 and len(rows) != shape[0]:
+            raise ValueError(f"values must have {shape[0]} rows")
+        if any(not isinstance(row, tuple) or len(row) != shape[-1] for row in rows):
+            raise ValueError(f"values must have {shape[-1]} numbers for the knots of {name}")
+        return self
+
+    def section(self) -> dict[str, Any]:
+        """Return the law as in a file."""
+        return {
+            "adds_to": self.adds_to,
+            "over": {name: _written(knots, QUANTITIES[name]) for name, knots in self.over.items()},
+            "values": _written(self.values, target_unit(self.adds_to)),
+        }
+
+
+def _read(values: Any, unit: str) -> Any:
+    """Return nested lists of quantities in SI."""
+    if isinstance(values, (list, tuple)):
+        return tuple(_read(value, unit) for value in values)
+    return to_si(values, unit)
+
+
+def _written(values: Any, unit: str) -> Any:
+    if isinstance(values, tuple):
+        return [_written(value, unit) for value in values]
+    return f"{values / parse_unit(unit).factor:.6g} {unit}"

@@ -36,7 +36,7 @@ def plant_parameters(plant: Plant) -> PlantParameters:
         substeps=max(law.substeps for law in laws),
         oil_k=float(plant.oil.temperature),
     )
-    return with_effects(par, read_effects(plant.effects))
+    return with_effects(par, read_effects(plant.effects), plant.learned)
 
 
 def _cylinder(cylinder: Cylinder, friction: Friction) -> CylinderParameters:

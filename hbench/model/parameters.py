@@ -4,7 +4,7 @@ Vary one with ``par._replace(...)``. Every field is a float unless it says other
 would compile everything anew.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class FrictionParameters(NamedTuple):
@@ -102,3 +102,4 @@ class PlantParameters(NamedTuple):
     substeps: int  # of one control tick, as the stiffest friction law needs
     effects: tuple[tuple[float, ...], ...] | None = None  # coefficients; see effects/catalogue.py
     oil_k: float = 313.15  # temperature in the tank at the start
+    learned: Any = None  # array of effects/learned.py; None where ``effects`` is

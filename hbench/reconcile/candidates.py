@@ -105,10 +105,18 @@ class CandidateEvaluator:
         columns = {**model.columns, **self.measured.columns(model.hypothesis, names)}
         return linearise_residuals(self.measured, model.hypothesis, model.gap_map, columns)
 
-    def refit(self, start: LinearisedModel, effects: Sequence[str]) -> LinearisedModel:
-        """Refit the nuisances and the coefficients of ``effects``; never return a worse model."""
+    def refit(
+        self,
+        start: LinearisedModel,
+        effects: Sequence[str],
+        renewed: Sequence[str] | None = None,
+    ) -> LinearisedModel:
+        """Refit the nuisances and the coefficients of ``effects``; never return a worse model.
+
+        After each step the columns ``renewed`` are computed again, by default all that take part.
+        """
         chosen = start.index(effects)
-        names = [start.data.names[i] for i in chosen]
+        names = [start.data.names[i] for i in chosen] if renewed is None else renewed
         current = start
         for _ in range(_REFIT_ROUNDS):
             beta = self._fit(current, effects)

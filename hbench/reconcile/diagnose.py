@@ -24,6 +24,8 @@ from hbench.reconcile.gaps.overlays import overlays
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.gaps.tables import BalanceStages, SimulatedStages, gap_table, gaps_of_runs
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
+from hbench.reconcile.learned.law_search import LawSearch
+from hbench.reconcile.learned.unnamed_laws import unnamed_laws
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import balance_model, incomplete_reason
 from hbench.reconcile.measured.session import sessions
@@ -42,7 +44,15 @@ from hbench.reconcile.verdict import (
     unexplained_gaps,
     unmeasured_channels,
 )
-from hbench.records import AddedEffect, Diagnosis, Overlay, Provenance, Run, RunPlan
+from hbench.records import (
+    AddedEffect,
+    Diagnosis,
+    Overlay,
+    Provenance,
+    Run,
+    RunPlan,
+    UnnamedLaw,
+)
 from hbench.records.diagnosis import MATERIAL
 
 _LIBRARY_ADVICE = "The schedule configs/discriminate.yaml contains all runs that are needed."
@@ -87,7 +97,12 @@ def run_search(
     )
     train, held_out = divided_points(len({point_of(run.plan) for run in task.runs}))
     search = CampaignSearch(measured, train, tuple(names), task.stage)
-    return measured, search.run(), held_out
+    result = search.run()
+    if not result.steps[-1].ambiguous:
+        final, laws = LawSearch(measured, search, result.names, held_out).run(result.final)
+        if laws:
+            result = replace(result, final=final, laws=laws, unlearned=result.final)
+    return measured, result, held_out
 
 
 def diagnose(task: ReconcileTask) -> Diagnosis:
@@ -133,7 +148,8 @@ def _assembled(
     runs = tuple(run for log in measured.logs for run in log.runs)
     simulated, overlaid, notes = _verification(task, result, held_out_points)
     where = ranked_gaps(refitted.gap_map, _allowed(measured, refitted))
-    unexplained = unexplained_gaps(ranked_gaps(balances.maps[2], _allowed(measured, refitted)))
+    by_effects = (result.unlearned or final).gap_map.in_units_of(refitted.gap_map)
+    unexplained = unexplained_gaps(ranked_gaps(by_effects, _allowed(measured, refitted)))
     last = result.steps[-1]
     rivals = {
         each.candidate.name: each.model
@@ -183,10 +199,22 @@ def _assembled(
         left_out=left_out,
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
         notes=(*result.notes, *notes, *([] if task.instruments else [_ASSUMED])),
+        unnamed=_unnamed_laws(result, estimates, held_out),
         separability=expected.separability(tried),
         working_point=point,
         practice=practice,
     )
+
+
+def _unnamed_laws(
+    result: SearchResult, estimates: ParameterEstimates, held_out: np.ndarray
+) -> tuple[UnnamedLaw, ...]:
+    """Return the learned laws; their gaps are in the scatter of the refitted model."""
+    if result.unlearned is None:
+        return ()
+    scale = result.refitted.gap_map
+    before, after = (each.gap_map.in_units_of(scale) for each in (result.unlearned, result.final))
+    return unnamed_laws(result.laws, estimates, before, after, held_out)
 
 
 def _undecided(
@@ -260,7 +288,7 @@ def _added_effects(
 ) -> tuple[AddedEffect, ...]:
     effects = []
     for step in result.steps:
-        if step.added is not None:
+        if step.added in result.names:
             balances = EFFECTS[step.added].balances
             effect = added_effect(
                 step.added,

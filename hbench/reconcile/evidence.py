@@ -141,6 +141,13 @@ def cost(data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarr
     return float(_cost(sums, priors.select(chosen), np.zeros((1, len(chosen))))[0])
 
 
+def least_cost(data: Products, fit: "Fit", points: np.ndarray, groups: np.ndarray) -> float:
+    """Return - ln L of the best fit to some ``points`` and ``groups``, less a constant."""
+    chosen = fit.changing(data, groups)
+    sums, priors = _summed(data, chosen, points, None, groups), fit.priors.select(chosen)
+    return float(_cost(sums, priors, _most_likely(sums, priors))[0])
+
+
 def _cost(sums: "_Sums", priors: Priors, beta: np.ndarray) -> np.ndarray:
     """Return - ln L (b,) of beta (b, q), less a constant."""
     off = (beta - priors.centre) / priors.sigma
@@ -222,6 +229,10 @@ class Fit(NamedTuple):
     chosen: Sequence[int]
     priors: Priors
 
+    def changing(self, data: Products, groups: np.ndarray) -> list[int]:
+        """Return the columns that change some groups."""
+        return [j for j in self.chosen if data.nonzero[groups, j].any()]
+
 
 def score(
     data: Products,
@@ -235,16 +246,20 @@ def score(
 
     They differ in the columns ``more``, which one of them lacks or keeps within a tolerance.
     """
-    groups = _touched(data, before.chosen, more)
-    gains = []
-    for fit in (before, after):
-        chosen = [j for j in fit.chosen if data.nonzero[groups, j].any()]
-        prediction = cross_validate(data, fit.priors, chosen, points, signs, groups)
-        gains.append(log_likelihood(prediction))
-    return gains[1] - gains[0]
+    groups = touched(data, before.chosen, more)
+    predictions = [predicted(data, fit, points, signs, groups) for fit in (before, after)]
+    return log_likelihood(predictions[1]) - log_likelihood(predictions[0])
 
 
-def _touched(data: Products, base: Sequence[int], more: Sequence[int]) -> np.ndarray:
+def predicted(
+    data: Products, fit: "Fit", points: np.ndarray, signs: np.ndarray | None, groups: np.ndarray
+) -> "CrossValidation":
+    """Cross-validate a fit in some groups, with the columns that change them."""
+    chosen = fit.changing(data, groups)
+    return cross_validate(data, fit.priors, chosen, points, signs, groups)
+
+
+def touched(data: Products, base: Sequence[int], more: Sequence[int]) -> np.ndarray:
     """Return the groups that ``more`` columns change, or that share a column with these.
 
     The others cancel in a score.

@@ -1,4 +1,4 @@
-"""Hypothesis: the given plant with factors on its nuisance parameters and with effects."""
+"""Hypothesis: the given plant with factors on its nuisance parameters, effects, learned laws."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -6,6 +6,7 @@ from typing import Any
 
 from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
+from hbench.reconcile.learned.table import Table
 from hbench.units import parse_unit
 
 CoefficientKey = tuple[str, str]  # name of the effect, key of its coefficient
@@ -13,15 +14,19 @@ CoefficientKey = tuple[str, str]  # name of the effect, key of its coefficient
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Factors on nuisance parameters by dotted path, and coefficients of effects in SI."""
+    """Factors on nuisance parameters by dotted path, coefficients of effects in SI, tables."""
 
     factors: Mapping[str, float] = field(default_factory=dict)
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    tables: tuple[Table, ...] = ()
 
     def plant(self, given: Any) -> Any:
         """Return the given plant, or part of a plant, with the factors and effects applied."""
         changed = scaled(given, self.factors)
-        return changed.model_copy(update={"effects": {**given.effects, **self.section()}})
+        update: dict[str, Any] = {"effects": {**given.effects, **self.section()}}
+        if self.tables:
+            update["learned"] = (*given.learned, *(table.law for table in self.tables))
+        return changed.model_copy(update=update)
 
     def section(self) -> dict[str, dict[str, str]]:
         """Return the effects as in a file, in the units of the catalogue."""

@@ -2,7 +2,7 @@
 
 The columns (see ``evidence.py``) are the derivatives of the measured residuals by the parameters.
 Units: factors in standard deviations of their priors (of the logarithm), coefficients in typical
-sizes.
+sizes, modes of learned laws in standard deviations of their priors.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,12 +16,14 @@ from hbench.reconcile.evidence import Priors, Products
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.gaps.log_map import between_runs
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
+from hbench.reconcile.learned.table import is_mode, mode_of
 from hbench.reconcile.nuisance import BOUND, nuisances, standard_deviation
 from hbench.records.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady")
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default
+_LARGEST_MODE = 30.0  # of a learned law, in standard deviations of its prior
 _UNSTEADY = 0.1  # relative change of the velocity over a window's width
 Columns = Mapping[str, np.ndarray]  # by name: change of the residuals (w, c) by one unit
 
@@ -61,7 +63,7 @@ class LinearisedModel:
     def coefficients_of(self, names: Iterable[str]) -> tuple[CoefficientKey, ...]:
         """Return the coefficients of some effects that have a column, in column order."""
         wanted = set(names)
-        split = (name.partition(".") for name in self.data.names if not name.startswith("/"))
+        split = (name.partition(".") for name in self.data.names if name[0] not in "/#")
         return tuple((effect, key) for effect, _, key in split if effect in wanted)
 
     def column(self, which: CoefficientKey) -> int:
@@ -122,6 +124,12 @@ def linearise_residuals(
             tight.append((-at, 1.0, -BOUND - at, BOUND - at))
             wide.append(tight[-1])
             continue
+        if is_mode(name):
+            table, mode = mode_of(name)
+            at = hypothesis.tables[table].modes[mode]
+            tight.append((-at, 1.0, -_LARGEST_MODE - at, _LARGEST_MODE - at))
+            wide.append(tight[-1])
+            continue
         effect, _, key = name.partition(".")
         which = effect, key
         row, size = EFFECTS[effect].coefficients[key], typical_size(which)
@@ -135,7 +143,7 @@ def linearise_residuals(
         hypothesis,
         residuals,
         columns,
-        _products(residuals, columns),
+        products(residuals, columns),
         Priors(*np.array(tight).reshape(-1, 4).T),
         Priors(*np.array(wide).reshape(-1, 4).T),
     )
@@ -149,17 +157,21 @@ def hypothesis_at(
 ) -> Hypothesis:
     """Return the hypothesis at steps ``beta`` (q,) of the ``chosen`` columns."""
     before, widths = model.hypothesis, nuisances(plant)
-    factors, values = dict(before.factors), {}
+    factors, values, tables = dict(before.factors), {}, list(before.tables)
     for i, step in zip(chosen, beta.tolist(), strict=True):
         name = model.data.names[i]
         if name.startswith("/"):
             path = name[1:]
             factors[path] = float(factors.get(path, 1.0) * np.exp(step * widths[path]))
+        elif is_mode(name):
+            table, mode = mode_of(name)
+            tables[table] = tables[table].stepped(mode, step)
         else:
             effect, _, key = name.partition(".")
             which = effect, key
             values[which] = before.coefficient(which) + step * typical_size(which)
-    return replace(before, factors=factors).with_coefficients(values)
+    changed = replace(before, factors=factors, tables=tuple(tables))
+    return changed.with_coefficients(values)
 
 
 def window_motions(residuals: GapMap) -> np.ndarray:
@@ -176,7 +188,7 @@ def window_motions(residuals: GapMap) -> np.ndarray:
     return np.where(unsteady, 2, np.where(np.abs(v) < REST_M_S, 0, 1))
 
 
-def _products(residuals: GapMap, columns: Columns) -> Products:
+def products(residuals: GapMap, columns: Columns) -> Products:
     """Return the sums of products of residuals and columns, both in units of the scatter."""
     w, c = residuals.difference.shape
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -14,6 +14,8 @@ from hbench.model.effects.catalogue import EFFECTS, read_effects
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel, point_of
 from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis
+from hbench.reconcile.learned.columns import table_columns
+from hbench.reconcile.learned.table import is_mode, mode_of
 from hbench.reconcile.linearised import Columns
 from hbench.reconcile.measured.balances import (
     BALANCES,
@@ -111,7 +113,8 @@ class MeasuredCampaign:
         edges = np.flatnonzero(np.diff(residuals.run)) + 1
         starts = [0, *edges.tolist(), len(residuals.run)]
         raised = replace(model, levels=(1.0 + _STEP, 1.0 + _STEP))
-        dry = (_values(self._smooth, raised) - _values(self._smooth, model)) / _STEP
+        values = [_values(self.smoothed_sessions, each) for each in (raised, model)]
+        dry = (values[0] - values[1]) / _STEP
         with np.errstate(invalid="ignore"):
             change = np.nan_to_num(_LEVEL_SCATTER * dry / residuals.scatter)
         for balance in (BALANCES.index(name) for name in ("force_test", "force_load")):
@@ -120,24 +123,30 @@ class MeasuredCampaign:
                 yield RunLevel(windows, balance, change[windows, balance], 1.0)
 
     @cached_property
-    def _smooth(self) -> tuple[Session, ...]:
+    def smoothed_sessions(self) -> tuple[Session, ...]:
+        """The logs with smoothed pressures, for columns."""
         return tuple(log.smoothed() for log in self.logs)
 
     def columns(self, hypothesis: Hypothesis, names: Iterable[str]) -> Columns:
         """Return the columns ``names`` at a hypothesis: changes by one unit, times -1.
 
-        By finite differences along the logs, on all cores.
+        By finite differences along the logs, on all cores; those of learned laws directly.
         """
-        before = _values(self._smooth, self._coarse_model(hypothesis))
-        wanted = list(names)
+        coarse, wanted = self._coarse_model(hypothesis), list(names)
+        differences = [name for name in wanted if not is_mode(name)]
+        modes: dict[str, np.ndarray] = {}
+        for i in dict.fromkeys(mode_of(name)[0] for name in wanted if is_mode(name)):
+            modes |= table_columns(hypothesis.tables[i], i, self.smoothed_sessions, coarse)
+        before = _values(self.smoothed_sessions, coarse)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            columns = pool.map(lambda name: self._column(hypothesis, name, before), wanted)
-            return dict(zip(wanted, columns, strict=True))
+            columns = pool.map(lambda name: self._column(hypothesis, name, before), differences)
+            found = dict(zip(differences, columns, strict=True)) | modes
+        return {name: found[name] for name in wanted}
 
     def _column(self, hypothesis: Hypothesis, name: str, before: np.ndarray) -> np.ndarray:
         size = _STEP if name.startswith("/") else _SHARE
         at_step, share = stepped(hypothesis, name, nuisances(self.plant), size)
-        after = _values(self._smooth, self._coarse_model(at_step))
+        after = _values(self.smoothed_sessions, self._coarse_model(at_step))
         change = (before - after) / share
         if name.startswith("/"):
             return change

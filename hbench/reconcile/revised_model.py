@@ -17,7 +17,7 @@ _DEFAULTS = {"bristle_stiffness": f"{LuGre.model_fields['bristle_stiffness'].def
 def revised(
     sections: Mapping[str, Any], factors: Mapping[str, FitParameter], hypothesis: Hypothesis
 ) -> dict[str, Any]:
-    """Return a plant's sections with values multiplied by their factors, and with effects."""
+    """Return a plant's sections with factors on values, effects and learned laws."""
     revised_sections = deepcopy(dict(sections))
     for path, factor in factors.items():
         *parents, key = path.split(".")
@@ -29,6 +29,9 @@ def revised(
     if hypothesis.effects:
         effects = revised_sections.get("effects", {})
         revised_sections["effects"] = {**effects, **hypothesis.section()}
+    if hypothesis.tables:
+        laws = [table.law.section() for table in hypothesis.tables]
+        revised_sections["learned"] = [*revised_sections.get("learned", []), *laws]
     return revised_sections
 
 

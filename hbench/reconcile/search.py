@@ -10,6 +10,11 @@ cross-validation over operating points,
     its coefficient is at least a third of the typical size, and beyond its tolerance.
 
 Candidates whose scores are close to the best one form an ambiguous set, and none is added.
+
+After each addition the earlier effects are evaluated again beside the others, and dropped where
+they no longer meet these criteria. At the end the effects found are refined: refitted with the
+nuisances, now with the deviations below what is material, which a search for names leaves out, and
+with the shape of each law that cross-validation supports.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -27,10 +32,11 @@ from hbench.reconcile.candidates import (
     EvaluatedCandidate,
     indistinguishable,
 )
-from hbench.reconcile.evidence import random_signs
+from hbench.reconcile.evidence import log_likelihood, random_signs
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.hypothesis import effect_coefficients
-from hbench.reconcile.linearised import LinearisedModel, linearise
+from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, shape_coefficients
+from hbench.reconcile.learned.table import LawFound
+from hbench.reconcile.linearised import LinearisedModel, linearise, linearise_residuals
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import nuisances
 from hbench.records import Candidate
@@ -57,6 +63,7 @@ class SearchStep:
     evaluated: tuple[EvaluatedCandidate, ...]
     added: str | None
     ambiguous: tuple[Candidate, ...]  # where none was added
+    dropped: tuple[str, ...] = ()  # earlier effects that the added one makes superfluous
 
 
 @dataclass(frozen=True)
@@ -68,10 +75,12 @@ class SearchResult:
     steps: tuple[SearchStep, ...]
     final: LinearisedModel
     notes: tuple[str, ...] = ()
+    laws: tuple[LawFound, ...] = ()  # learned, in the final model
+    unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The effects that were added, in order."""
+        """The effects that were added and not dropped, in order."""
         return _added(self.steps)
 
 
@@ -94,11 +103,62 @@ class CampaignSearch(CandidateEvaluator):
             so_far = f" beside {', '.join(_added(steps))}" if steps else ""
             self.stage(f"searching for an effect{so_far} among {len(self.candidates)} candidates")
             step, with_effect = self._step(current, _added(steps))
-            steps.append(step)
             if with_effect is None:
+                steps.append(step)
                 break
-            current = with_effect
+            current, dropped = self.without_superfluous(with_effect, _added([*steps, step]))
+            steps.append(replace(step, dropped=dropped))
+        if names := _added(steps):
+            self.stage(f"refining {', '.join(names)}")
+            current = self.refined(current, names)
         return SearchResult(given, refitted, tuple(steps), current, notes)
+
+    def without_superfluous(
+        self, model: LinearisedModel, names: tuple[str, ...]
+    ) -> tuple[LinearisedModel, tuple[str, ...]]:
+        """Return the model without the effects that the last of ``names`` makes superfluous."""
+        dropped: list[str] = []
+        for name in names[:-1]:
+            others = tuple(each for each in names if each not in (name, *dropped))
+            without = self.refit(
+                self.linearise_at(model, self._hypothesis_without(model, name)), others
+            )
+            without = self.with_columns(without, _columns_of(model, [name]))
+            evaluated = self._evaluate_in_full(without, others, name)
+            evaluated = self._with_threshold(evaluated, others, [name])
+            if not CRITERIA.accepts(evaluated.candidate):
+                dropped.append(name)
+                model = without
+        return model, tuple(dropped)
+
+    def _hypothesis_without(self, model: LinearisedModel, name: str) -> Hypothesis:
+        """Return a model's hypothesis with an effect at its start."""
+        kept = {key: c for key, c in model.hypothesis.effects.items() if key != name}
+        start = self.measured.start.effects
+        return replace(model.hypothesis, effects=kept | {k: start[k] for k in start if k == name})
+
+    def refined(self, model: LinearisedModel, names: tuple[str, ...]) -> LinearisedModel:
+        """Return the model with effects ``names`` and their shapes refitted to all deviations.
+
+        The columns of the nuisances stay those of ``model``: refinement changes them little.
+        """
+        taking_part = [model.data.names[i] for i in model.index(names)]
+        residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
+        start = linearise_residuals(
+            self.measured,
+            model.hypothesis,
+            residuals,
+            {key: model.columns[key] for key in taking_part},
+        )
+        best = self.refit(start, names, _columns_of(start, names))
+        for name in names:
+            shapes = [".".join(which) for which in shape_coefficients(name)]
+            if new := [shape for shape in shapes if shape not in best.columns]:
+                shaped = self.with_columns(best, new)
+                shaped = self.refit(shaped, names, _columns_of(shaped, names))
+                gain = [log_likelihood(self._cross_validate(m, names))[0] for m in (best, shaped)]
+                best = shaped if gain[1] > gain[0] else best
+        return linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
 
     def _refitted(self) -> tuple[LinearisedModel, LinearisedModel, tuple[str, ...]]:
         """Return the given and the refitted model; the given one again if the refit is no better.
@@ -182,9 +242,17 @@ def _mean_square(residuals: GapMap, points: np.ndarray) -> float:
     return float(np.nanmean((chosen.difference / chosen.scatter) ** 2))
 
 
+def _columns_of(model: LinearisedModel, names: Iterable[str]) -> list[str]:
+    """Return the names of the columns that some effects have in a model."""
+    return [".".join(which) for which in model.coefficients_of(names)]
+
+
 def _best_first(evaluated: Iterable[EvaluatedCandidate]) -> tuple[EvaluatedCandidate, ...]:
     return tuple(ranked(tuple(evaluated), lambda each: each.candidate.score, TIE))
 
 
 def _added(steps: Sequence[SearchStep]) -> tuple[str, ...]:
-    return tuple(step.added for step in steps if step.added)
+    dropped = {name: i for i, step in enumerate(steps) for name in step.dropped}
+    return tuple(
+        step.added for i, step in enumerate(steps) if step.added and i >= dropped.get(step.added, 0)
+    )

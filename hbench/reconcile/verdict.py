@@ -37,9 +37,12 @@ def unexplained_gaps(ranked: Sequence[Gap]) -> tuple[Gap, ...]:
 
 
 def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Verdict, str]:
-    """Return the verdict and its reason; ``unexplained`` are the gaps of the final model."""
+    """Return the verdict and its reason.
+
+    ``unexplained`` are the gaps of the model with all effects and without learned laws.
+    """
     last = result.steps[-1]
-    where = gap_list(unexplained)
+    where, unnamed = gap_list(unexplained), _unnamed(result)
     if result.names:
         reason = f"{explains(result.names)} the residuals at held-out operating points."
         if last.ambiguous:
@@ -47,7 +50,7 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
             reason += f" {others} would explain the remaining residuals equally well."
         elif unexplained:
             reason += f" No effect explains the remaining gaps (in trial scatters): {where}."
-        return "named", reason
+        return "named", reason + unnamed
     if last.ambiguous:
         return "ambiguous", f"Not distinguishable, scores in nats: {scores(last.ambiguous)}."
     if unexplained:
@@ -58,8 +61,16 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
                 f" The best candidate, {best.name}, explains {best.explained:.0%} at held-out "
                 f"operating points (score {best.score:.1f}, threshold {best.threshold:.1f})."
             )
-        return "unknown", reason
+        return "unknown", reason + unnamed
     return "none", NO_RESIDUALS
+
+
+def _unnamed(result: SearchResult) -> str:
+    """Return the sentence about learned laws; empty without any."""
+    tables = [result.final.hypothesis.tables[law.table] for law in result.laws]
+    words = [f"{table.balance} over {' and '.join(table.knots)}" for table in tables]
+    laws = "laws" if len(words) > 1 else "law"
+    return f" The revised model contains an unnamed {laws}: {', '.join(words)}." if words else ""
 
 
 def explains(names: Sequence[str]) -> str:

@@ -29,6 +29,7 @@ from hbench.records.diagnosis import (
     Rival,
     RunGap,
     Separability,
+    UnnamedLaw,
     Verdict,
     WorkingPoint,
 )
@@ -283,6 +284,7 @@ __all__ = [
     "Trace",
     "Trend",
     "VarianceSource",
+    "UnnamedLaw",
     "Verdict",
     "ViscosityEffect",
     "WearTrend",

@@ -170,6 +170,30 @@ class AddedEffect:
 
 
 @dataclass(frozen=True)
+class UnnamedLaw:
+    """Learned law of a balance: a table over one or two quantities that no effect explains.
+
+    Knots and values are in their units. Over two quantities the values follow row by row, a row for
+    each knot of the first.
+    """
+
+    adds_to: str  # flow into a chamber, force against extension, or magnitude of dry friction
+    balance: str
+    unit: str
+    quantities: tuple[str, ...]
+    quantity_units: tuple[str, ...]
+    knots: tuple[tuple[float, ...], ...]  # (n,), (m,)
+    values: tuple[float, ...]  # (n,) or (n m,)
+    low: tuple[float, ...]  # 95 % intervals of the values, pointwise
+    high: tuple[float, ...]
+    gap_before: FloatOrNan  # held-out runs, of the balance: the model with all effects
+    gap_after: FloatOrNan  # with all learned laws
+    score: FloatOrNan  # nats
+    threshold: FloatOrNan
+    p_value: FloatOrNan  # of the reduction at held-out operating points
+
+
+@dataclass(frozen=True)
 class WorkingPoint:
     """Working point of a campaign: medians over the steady windows of one operating point.
 
@@ -255,7 +279,7 @@ class Diagnosis:
     regions: tuple[Region, ...]  # of the refitted model
     effects: tuple[AddedEffect, ...]  # in order of adding
     alternatives: tuple[Candidate, ...]  # the ambiguous set
-    rest: tuple[Gap, ...]  # balances with residuals after adding
+    rest: tuple[Gap, ...]  # balances whose residuals no effect explains
     next_experiment: str | None  # in words
     next_schedule: dict[str, Any] | None  # for `hbench run`
     gap_heldout: GapTable
@@ -272,6 +296,7 @@ class Diagnosis:
     missing: tuple[str, ...]  # data that would improve the verdict
     left_out: tuple[str, ...]  # runs left out, each with its reason
     revised: dict[str, Any] = field(default_factory=dict)  # the revised model's file
+    unnamed: tuple[UnnamedLaw, ...] = ()  # in order of adding
     notes: tuple[str, ...] = ()
     separability: Separability | None = None  # None where strokes are compared
     working_point: WorkingPoint | None = None

@@ -255,7 +255,7 @@ def test_a_whole_bench_file_as_a_plant_file_is_its_physics_alone():
 def test_the_model_of_the_shipped_bench_is_its_physics():
     """Every section of it but the sensors, which are the campaign's; so no number differs."""
     model = read_yaml(CONFIGS / "model-aau.yaml")
-    assert set(model) == set(Plant.model_fields) - {"sensors", "effects"}
+    assert set(model) == set(Plant.model_fields) - {"sensors", "effects", "learned"}
     only_sensors = {"sensors": BENCH["sensors"]}
     assert parse_plant(only_sensors, model, "model") == parse_plant(BENCH, {}, "bench")
 

@@ -11,7 +11,6 @@ from hbench.reconcile.evidence import (
     Fit,
     Priors,
     Products,
-    _touched,
     cost,
     cross_validate,
     intervals,
@@ -19,6 +18,7 @@ from hbench.reconcile.evidence import (
     maximum_likelihood,
     random_signs,
     score,
+    touched,
 )
 
 NOISE = 1e-3  # variance of d, in squares of the scatter
@@ -206,7 +206,7 @@ def test_groups_that_a_candidate_does_not_touch_change_no_score():
     shown = np.array([[1, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]], bool)  # (g, q)
     data = Drawn(raw.d, raw.columns * shown[:, None]).products()
     free, points = freedom(4), everywhere(data)
-    assert list(_touched(data, [0, 2], [1])) == [0, 1]
+    assert list(touched(data, [0, 2], [1])) == [0, 1]
 
     def whole(chosen):
         return log_likelihood(cross_validate(data, free, chosen, points))[0]
@@ -216,7 +216,7 @@ def test_groups_that_a_candidate_does_not_touch_change_no_score():
     )
 
 
-def test_a_group_that_shares_a_nuisance_with_a_touched_one_counts():
+def test_a_group_that_shares_a_nuisance_with_atouched_one_counts():
     """Column 0 is in all groups, column 1 in the first: a better beta_0 shows in the others."""
     rng = np.random.default_rng(12)
     raw = drawn(rng, [1.0, 2.0], spread=(0.3, 0.3, 0.3))
@@ -225,7 +225,7 @@ def test_a_group_that_shares_a_nuisance_with_a_touched_one_counts():
     columns[:, 0, :, 1] += columns[:, 0, :, 0]  # the effect looks like the nuisance there
     d = raw.d - raw.columns @ [1.0, 2.0] + columns @ [1.0, 2.0]
     data = Drawn(d, columns).products()
-    assert list(_touched(data, [0], [1])) == [0, 1, 2]
+    assert list(touched(data, [0], [1])) == [0, 1, 2]
     first = cross_validate(data, freedom(2), [0], everywhere(data), groups=np.array([0]))
     assert first.variance.shape == (1, 1)
     whole = [

@@ -19,10 +19,10 @@ from hbench.reconcile.hypothesis import (
 )
 from hbench.reconcile.linearised import (
     MOTIONS,
-    _products,
     _take_out,
     hypothesis_at,
     linearise,
+    products,
     window_motions,
 )
 from hbench.reconcile.nuisance import BOUND, nuisances
@@ -91,7 +91,7 @@ def test_products_are_those_of_the_windows_that_are_compared():
     found.noise[3, :2] = np.nan
     columns = {name: rng.standard_normal((21, 3)) for name in ("one", "two")}
     columns["one"][11] = np.nan
-    data = _products(found, columns)
+    data = products(found, columns)
     motion = window_motions(found)
     expected = np.zeros((3, 9, 3, 3))
     noise, windows = np.zeros((3, 9)), np.zeros((3, 9))
@@ -151,7 +151,7 @@ def noise_map(rng, between=BETWEEN, shift=0.0, material=None, levels=()):
 
 def sums(found):
     """Sums over all windows, in squares of the noise of a window: squares, least variance."""
-    data = _products(found, {})
+    data = products(found, {})
     unit = (SIGMA / found.scatter[0, 0]) ** 2 * RUNS * PER_RUN
     return data.squares.sum() / unit, data.noise.sum() / unit
 
@@ -184,12 +184,12 @@ def test_deviations_that_do_not_matter_raise_the_least_variance_by_their_square(
     rng = np.random.default_rng(3)
     plain = noise_map(rng)
     raised = replace(plain, material=np.array([material]))
-    before, after = (_products(each, {}) for each in (plain, raised))
+    before, after = (products(each, {}) for each in (plain, raised))
     assert after.noise - before.noise == pytest.approx(after.windows * material**2)
     assert after.squares == pytest.approx(before.squares)
     still = replace(raised, v_m_s=0 * plain.v_m_s)
-    assert _products(still, {}).noise.sum() == pytest.approx(
-        _products(replace(plain, v_m_s=0 * plain.v_m_s), {}).noise.sum()
+    assert products(still, {}).noise.sum() == pytest.approx(
+        products(replace(plain, v_m_s=0 * plain.v_m_s), {}).noise.sum()
     )  # at rest nothing has a direction
 
 
@@ -239,7 +239,7 @@ def test_columns_of_a_balance_lose_the_level_and_those_of_others_do_not():
     level = RunLevel(slice(0, 8), 1, change, 0.5)
     column = rng.standard_normal((14, 3))
     before, after = (
-        _products(replace(found, levels=levels), {"one": column}) for levels in ((), (level,))
+        products(replace(found, levels=levels), {"one": column}) for levels in ((), (level,))
     )
     square = change @ change
     whiten = np.eye(8) - (1 - sqrt(0.5 / (0.5 + square))) * np.outer(change, change) / square
@@ -323,7 +323,7 @@ def test_a_reference_gives_the_scatter(measured):
     assert found.gap_map.scatter is other.scatter
     assert found.gap_map.difference is measured.map.difference
     assert found.data.squares == pytest.approx(
-        _products(measured.map.in_units_of(other), columns).squares
+        products(measured.map.in_units_of(other), columns).squares
     )
 
 
@@ -340,7 +340,7 @@ def test_coefficients_switch_effects_on_and_shapes_do_not(bench):
         assert all(typical_size(one) > 0 for one in (*switches, *forms))
     only = Hypothesis().with_coefficients({("internal_leakage", "exponent"): 0.5})
     par = plant_parameters(only.plant(plant_of(bench)))
-    assert par._replace(effects=None) == plain
+    assert par._replace(effects=None, learned=None) == plain
     assert typical_size(LEAK) == pytest.approx(3e-3 * 1e-3 / 60 / 1e5)
     assert typical_size(("internal_leakage", "exponent")) == 0.25
 

@@ -19,6 +19,7 @@ from hbench.records import (
     Provenance,
     Region,
     Rival,
+    UnnamedLaw,
     WorkingPoint,
 )
 from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
@@ -171,6 +172,21 @@ def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best
     assert "load friction, explains 80 % of the gap" in text and "27.3 nats (5.0 needed)" in text
     assert "The gap of 2 held-out runs is 9.50" in text
     assert "No part can be named for inspection." in text
+
+
+def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unnamed(compared):
+    law = UnnamedLaw(
+        "friction_test", "force_test", "N", ("position",), ("mm",), ((0.0, 100.0, 200.0),),
+        (-2.0, 31.4, 5.0), (-3.0, 30.0, 4.0), (-1.0, 33.0, 6.0), 9.5, 2.1, 40.0, 12.0, 0.001,
+    )  # fmt: skip
+    says = (
+        "The revised model contains an unnamed law, fitted as a table: dry friction of −2.0 to "
+        "31 N over position in the balance force, test side, whose gap of held-out runs falls from "
+        "9.5 to 2.1. A table reproduces a deviation but does not show its cause."
+    )
+    text = summary(replace(compared, verdict="unknown", unnamed=(law,)))
+    assert says in text and "No part can be named for inspection." in text
+    assert says in short_summary(replace(compared, verdict="unknown", unnamed=(law,)))
 
 
 def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):

@@ -8,6 +8,7 @@ import numpy as np
 from hbench.model.compiled import inlined
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.effects.couplings import ChamberFlows, FrictionTerms, OilProperties, Openings
+from hbench.model.effects.learned import learned_flows, learned_friction
 from hbench.model.effects.rows import MOVING, Effect
 from hbench.model.friction.laws import steady_parts
 from hbench.model.parameters import PlantParameters
@@ -95,7 +96,8 @@ def flow_effects(
     """Return the flows into the chambers: ``q`` of the valves, changed by the effects."""
     if effects is None:
         return q
-    return _flows(q, bristles_end(par), state, rates, par)
+    q = _flows(q, bristles_end(par), state, rates, par)
+    return learned_flows(q, par.learned, state, par)
 
 
 @inlined
@@ -115,6 +117,7 @@ def friction_effects(
     dry_l, _ = steady_parts(v, state[P_LP], state[P_LR], level_l, par.load.friction)
     terms = FrictionTerms(abs(dry_t), abs(dry_l), 0.0, 0.0, 0.0, 0.0)
     f = _friction(terms, bristles_end(par), state, rates, par)
+    f = learned_friction(f, par.learned, state, par)
     level_t = _raised(level_t, f.more_t, f.dry_t)
     level_l = _raised(level_l, f.more_l, f.dry_l)
     return level_t, level_l, f.force_t, f.force_l

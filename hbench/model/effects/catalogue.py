@@ -38,14 +38,15 @@ Without any of the effects that act in the equations of motion ``par.effects`` i
 code is not compiled at all. With one of them all are, so that coefficients vary without compiling.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hbench.config.effects import Coefficient as Coefficient  # for a user's file of effects
 from hbench.config.effects import Effects as Section
-from hbench.config.effects import parse_effects
+from hbench.config.effects import LearnedLaw, parse_effects
 from hbench.errors import ConfigError
 from hbench.model.effects import flow_rows, friction_rows, instrument_rows
+from hbench.model.effects.learned import learned_table
 from hbench.model.effects.rows import (
     MOVING,
     Effect,
@@ -91,21 +92,26 @@ def changed_by(place: str, parameters: Any, values: Values) -> Any:
     return parameters
 
 
-def with_effects(par: PlantParameters, values: Values) -> PlantParameters:
-    """Add effects to a plant that has none. Raises ``ConfigError``."""
+def with_effects(
+    par: PlantParameters, values: Values, learned: Sequence[LearnedLaw] = ()
+) -> PlantParameters:
+    """Add effects and learned laws to a plant that has none. Raises ``ConfigError``."""
     if "supply_droop" in values and par.supply.has_pump:
         raise ConfigError(
             "effects.supply_droop: the supply has a pump, which has a droop of its own",
             "Change supply.pump.band, or remove supply.pump.",
         )
-    if all(set(MOVING).isdisjoint(EFFECTS[name].laws) for name in values):
+    if not learned and all(set(MOVING).isdisjoint(EFFECTS[name].laws) for name in values):
         return par
-    return with_all_effects(par, values)
+    return with_all_effects(par, values, learned)
 
 
-def with_all_effects(par: PlantParameters, values: Values) -> PlantParameters:
+def with_all_effects(
+    par: PlantParameters, values: Values, learned: Sequence[LearnedLaw] = ()
+) -> PlantParameters:
     """Add all effects, those without ``values`` with their defaults: one type for the compiler."""
-    par = par._replace(effects=tuple(_in_order(name, values.get(name, {})) for name in EFFECTS))
+    rows = tuple(_in_order(name, values.get(name, {})) for name in EFFECTS)
+    par = par._replace(effects=rows, learned=learned_table(learned))
     if _unchecked:
         check_neutral(_unchecked, par)
         _unchecked.clear()

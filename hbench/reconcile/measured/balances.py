@@ -112,7 +112,8 @@ def balance_model(bench: Bench | None, plant: Plant) -> BalanceModel:
     half a tick. Raises ``ConfigError`` for effects that are not in the catalogue.
     """
     effects = read_effects(plant.effects)
-    par = with_all_effects(plant_parameters(plant.model_copy(update={"effects": {}})), effects)
+    bare = plant_parameters(plant.model_copy(update={"effects": {}, "learned": ()}))
+    par = with_all_effects(bare, effects, plant.learned)
     if bench is None:
         return BalanceModel(par, _sensor_maps(ideal_sensors(), ideal_sensors(), effects), None, {})
     board: Controllers = changed_by("board", bench.controllers, effects)
@@ -181,7 +182,7 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
     States of effects that build up over many runs go from one log to the next.
     """
     par = model.par
-    signals = _signals(session, model)
+    signals = driving_signals(session, model)
     p_tp, p_tr, p_lp, p_lr, p_s = signals[2:7]
     f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
     f_load = p_lp * par.load.area_piston_m2 - p_lr * par.load.area_rod_m2
@@ -227,7 +228,7 @@ def _along(
     return AlongLog(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))
 
 
-def _signals(session: Session, model: BalanceModel) -> np.ndarray:
+def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:
     """Return what drives the laws (10, n), see ``along``."""
     pressures = [
         _true(session.channels[field], model.sensors[name])

@@ -53,9 +53,14 @@ class SeriesSearch(CandidateEvaluator):
     levels: Mapping[str, float]  # factors by which the given model was levelled
     before: GapMap  # residuals of the given model
 
-    def refit(self, start: LinearisedModel, effects: Sequence[str]) -> LinearisedModel:
+    def refit(
+        self,
+        start: LinearisedModel,
+        effects: Sequence[str],
+        renewed: Sequence[str] | None = None,
+    ) -> LinearisedModel:
         """Refit the nuisances and the coefficients of ``effects``; all columns at the result."""
-        model = super().refit(start, effects)
+        model = super().refit(start, effects, renewed)
         return self.with_columns(model, model.columns)
 
     def evaluate(

@@ -13,6 +13,8 @@ from hbench.report.diagnosis.gap_figures import (
     refitted_figure,
     region_figure,
 )
+from hbench.report.diagnosis.law_figures import law_figure
+from hbench.report.diagnosis.law_words import law_title
 from hbench.report.diagnosis.names import balance
 from hbench.report.diagnosis.overlay_figures import overlay_figures
 from hbench.report.diagnosis.residual_figures import maps_figure, shape_figure, worst
@@ -39,6 +41,11 @@ _SHAPE = (
     "Residuals of this balance, one point a window of 0.16 s, in units of the trials' scatter "
     "(grey band: ±1). Black: medians of bins with equal numbers of windows, "
     "extending (>) and retracting (<). Points beyond the axis are drawn at its edge."
+)
+_LAW = (
+    "A table that was fitted to what no effect of the catalogue explains, with 95 % intervals of "
+    "its values. It is linear between its points and constant beyond them. It predicts held-out "
+    "runs better; it does not state a cause."
 )
 _HELD_OUT = " Coloured: held-out runs; grey: runs that the model was fitted to."
 _OVERLAY = (
@@ -69,6 +76,9 @@ def draw_diagnosis(diagnosis: Diagnosis) -> tuple[Drawing, ...]:
 
 def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]]:
     """Yield each figure with its section, name, title and caption."""
+    for i, law in enumerate(diagnosis.unnamed):
+        title = f"Unnamed law: {law_title(law)}"
+        yield "unnamed", f"law {i} {law.adds_to}", title, _LAW, law_figure(diagnosis, law)
     if diagnosis.where:
         yield "where", "maps", "Residuals over velocity and load", _MAPS, maps_figure(diagnosis)
         shape = _SHAPE + (_HELD_OUT if diagnosis.effects else "")

@@ -6,7 +6,16 @@ not exist is null. Gaps are in trial scatters; a parameter's numbers are in its 
 
 import json
 
-from hbench.records import AddedEffect, Candidate, Diagnosis, FitParameter, Gap, GapTable, RunGap
+from hbench.records import (
+    AddedEffect,
+    Candidate,
+    Diagnosis,
+    FitParameter,
+    Gap,
+    GapTable,
+    RunGap,
+    UnnamedLaw,
+)
 from hbench.report.json_documents.layout import (
     Constant,
     Layouts,
@@ -34,7 +43,7 @@ LAYOUTS: Layouts = {
         **keys("next_experiment", "next_schedule"),
         "gap": {"heldout": "gap_heldout", "train": "gap_train", "runs": "gap_runs"},
         **keys("ranking", "threshold", "refitted", "regions", "heldout_runs", "not_tried"),
-        **keys("missing", "left_out", "notes", "separability"),
+        **keys("missing", "left_out", "notes", "unnamed", "separability"),
     },
     Gap: {
         "balance": "name",
@@ -48,6 +57,7 @@ LAYOUTS: Layouts = {
         "runner_up": "runner_up",
         "shape": NullIfEmpty("shape"),
     },
+    UnnamedLaw: all_fields(UnnamedLaw),
     FitParameter: keys("value", "se", "ci95", "at_bound", "unit"),
     Candidate: {**all_fields(Candidate, without=("parameters",)), "parameters_si": "parameters"},
     GapTable: {**{name: f"total.{name}" for name in _STAGES}, **keys(*_PARTS)},

@@ -99,7 +99,9 @@ def quantity(name: str) -> str:
 
 def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
     """Return the fields of ``BeforeAfter`` that differ from each other, and their display names."""
-    return {step: title for step, title in STEPS.items() if diagnosis.effects or step != "after"}
+    steps = {**STEPS, "after": STEPS["after"] if diagnosis.effects else "with the unnamed laws"}
+    has_after = diagnosis.effects or diagnosis.unnamed
+    return {step: title for step, title in steps.items() if has_after or step != "after"}
 
 
 def in_unit(gap: Gap, value: float) -> str:

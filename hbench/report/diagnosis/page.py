@@ -74,6 +74,11 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         "Shape of the residuals" if diagnosis.verdict == "unknown" else "Residuals of each balance",
         drawings=drawn("shape"),
     )
+    unnamed = Section(
+        "Unnamed laws in the revised model",
+        items=text.law_lines(diagnosis),
+        drawings=drawn("unnamed"),
+    )
     gap = Section(
         "The gap before and after" if diagnosis.effects else "The gap",
         (text.gap_line(diagnosis), *closed, _REFITTED_STAGE, f"Held-out runs: {held}."),
@@ -125,7 +130,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         evidence = (shape, where, gap, overlay, effects)
     else:
         evidence = (gap, overlay, effects, where, shape)
-    sections = (_answer(diagnosis), *evidence, which, refitted, missing, train)
+    sections = (_answer(diagnosis), unnamed, *evidence, which, refitted, missing, train)
     return document(
         f"{diagnosis.model} against {provenance.name}",
         f"Campaign {provenance.name}, {provenance.source}, {provenance.started}; "

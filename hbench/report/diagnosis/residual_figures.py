@@ -100,7 +100,7 @@ def worst(diagnosis: Diagnosis) -> list[str]:
 
 def _sides(diagnosis: Diagnosis) -> list[ResidualMap]:
     before, after = diagnosis.residuals_before, diagnosis.residuals_after
-    return [before, after] if diagnosis.effects else [before]
+    return [before, after] if diagnosis.effects or diagnosis.unnamed else [before]
 
 
 def _cells(side: ResidualMap, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -51,6 +51,8 @@ def _comments(diagnosis: Diagnosis) -> dict[tuple[str, ...], str]:
         tuple(path.split(".")): f"refitted: the model's times {parameter_text(factor)}"
         for path, factor in diagnosis.refitted.items()
     }
+    if diagnosis.unnamed:
+        comments["learned",] = "unnamed: tables fitted to what no effect of the catalogue explains"
     for effect in diagnosis.effects:
         comments["effects", effect.name] = _law(effect)
         for name, parameter in effect.parameters.items():
@@ -78,6 +80,9 @@ def _lines(
                 yield f"{indent}# {comment}\n"
             yield f"{indent}{name}:\n"
             yield from _lines(value, said, path)
+        elif value and isinstance(value, list) and isinstance(value[0], Mapping):
+            yield f"{indent}# {comment}\n{indent}{name}:\n" if comment else f"{indent}{name}:\n"
+            yield from (f"{indent}  - {_flow(each)}\n" for each in value)
         else:
             line = f"{indent}{name}: {_dump(value)}"
             yield f"{line:{_COLUMN}}# {comment}\n" if comment else f"{line}\n"
@@ -87,6 +92,11 @@ def _dump(value: Any) -> str:
     """Write a value on one line as YAML; a mapping in as many as it takes."""
     if isinstance(value, Mapping) and value:
         return yaml.safe_dump(dict(value), sort_keys=False, allow_unicode=True)
+    return _flow(value)
+
+
+def _flow(value: Any) -> str:
+    """Write a value on one line as YAML."""
     text = yaml.safe_dump(
         value, default_flow_style=True, allow_unicode=True, width=2**30, sort_keys=False
     )

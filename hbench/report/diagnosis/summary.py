@@ -10,6 +10,7 @@ from hbench.records import (
     Diagnosis,
 )
 from hbench.report.diagnosis.change_words import along_words, listed, main_changes
+from hbench.report.diagnosis.law_words import law_summary
 from hbench.report.diagnosis.sentences import (
     advice,
     agreement,
@@ -52,6 +53,7 @@ def _sentences(diagnosis: Diagnosis) -> Iterator[str]:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects and diagnosis.rest:
         yield f"Not explained: {deviations(diagnosis.rest)}."
+        yield law_summary(diagnosis.unnamed)
     if diagnosis.effects or diagnosis.alternatives:
         return
     if diagnosis.verdict == "unknown":
@@ -76,6 +78,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield from _insufficient(diagnosis)
         elif diagnosis.verdict == "unknown":
             yield f"Not explained: {deviations(diagnosis.rest or diagnosis.where[:1])}."
+            yield law_summary(diagnosis.unnamed)
             yield best_candidate(diagnosis)
         else:
             yield agreement(diagnosis)
@@ -151,6 +154,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
         "The measurement deviates from the model, and no effect of the catalogue explains how: "
         f"{deviations(gaps)}."
     )
+    yield law_summary(diagnosis.unnamed)
     yield residual_words(diagnosis, [gap.name for gap in gaps])
     yield worst_region(diagnosis, gaps[0].name)
     yield agreement(diagnosis)

@@ -12,6 +12,7 @@ from hbench.records import (
     WordTable,
 )
 from hbench.report.diagnosis.change_words import changes_tables
+from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     EDGES,
@@ -36,7 +37,7 @@ _UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
     blocks = [f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}", gap_line(diagnosis)]
-    blocks += (diagnosis.why, *effect_lines(diagnosis))
+    blocks += (diagnosis.why, *effect_lines(diagnosis), *law_lines(diagnosis))
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
@@ -116,6 +117,11 @@ def effect_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
         f"form: {effect.shape or 'the textbook one'}."
         for effect in diagnosis.effects
     )
+
+
+def law_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return for each unnamed law what it adds and what it does to held-out runs."""
+    return tuple(map(law_line, diagnosis.unnamed))
 
 
 def effects_table(diagnosis: Diagnosis) -> WordTable:

@@ -55,6 +55,7 @@ class Outcome:
     after: float
     seconds: float  # of CPU
     coefficients: dict[str, float] = field(default_factory=dict)  # of the first effect, in SI
+    learned: tuple[str, ...] = ()  # unnamed laws
 
 
 def outcome(folder: Path) -> Outcome:
@@ -63,7 +64,8 @@ def outcome(folder: Path) -> Outcome:
     task = task_of(folder)
     measured, found, out = run_search(task, CANDIDATES)
     final = found.final.gap_map.in_units_of(found.refitted.gap_map)
-    left = unexplained_gaps(ranked_gaps(final, np.zeros(len(BALANCES))))
+    by_effects = (found.unlearned or found.final).gap_map.in_units_of(found.refitted.gap_map)
+    left = unexplained_gaps(ranked_gaps(by_effects, np.zeros(len(BALANCES))))
     verdict, _ = decide_verdict(found, left)
     best = found.steps[0].evaluated[0].candidate
     touched = EFFECTS[best.name].balances
@@ -79,6 +81,10 @@ def outcome(folder: Path) -> Outcome:
         after=gap_of_balances(final, touched, out),
         seconds=time.process_time() - started,
         coefficients=dict(found.final.hypothesis.effects.get(best.name, {})),
+        learned=tuple(
+            f"{table.adds_to} over {', '.join(table.knots)}"
+            for table in found.final.hypothesis.tables
+        ),
     )
 
 
@@ -132,7 +138,8 @@ def row(one: Outcome) -> str:
     return (
         f"{one.name:44} {one.verdict:9} {said:40} best {name:22} {score:7.1f}/{one.threshold:5.1f} "
         f"{share:5.0%} {size:5.2f}  {one.before:6.2f} -> {one.after:5.2f}  "
-        f"rest {','.join(one.rest) or '-'}  {one.seconds:.0f} s"
+        f"rest {','.join(one.rest) or '-'}  learned {'; '.join(one.learned) or '-'}  "
+        f"{one.seconds:.0f} s"
     )
 
 

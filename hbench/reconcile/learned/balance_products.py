@@ -1,0 +1,185 @@
+"""Products of all balances for tables of one of them, about a linearised model."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from hbench.config.effects import Target
+from hbench.reconcile.evidence import (
+    Fit,
+    Priors,
+    Products,
+    least_cost,
+    log_likelihood,
+    maximum_likelihood,
+    predicted,
+    touched,
+)
+from hbench.reconcile.gaps.gap_map import GapMap
+from hbench.reconcile.learned.columns import knots_of, quantity_samples, table_columns
+from hbench.reconcile.learned.table import Table, empty_table
+from hbench.reconcile.linearised import LinearisedModel, products
+from hbench.reconcile.measured.balances import BALANCES, BalanceModel
+from hbench.reconcile.measured_campaign import MeasuredCampaign
+
+_KNOTS, _KNOTS_OF_TWO = 6, 4
+_ALONG_STROKE = 8  # knots of the position, over which a bore changes most
+_SIZE = 2.0  # prior standard deviation of a value, in root mean squares of the residual
+
+
+@dataclass(frozen=True)
+class BalanceProducts:
+    """Products with the nuisances and effects of a model, for tables of one balance.
+
+    The nuisances take part in every fit, so a table explains only what they do not; the other
+    balances determine them too.
+    """
+
+    measured: MeasuredCampaign
+    balance: str
+    model: BalanceModel
+    residuals: GapMap  # of the balance alone
+    columns: dict[str, np.ndarray]  # (w, 1) of nuisances and effects
+    base: Products  # of these, all balances
+    priors: Priors
+
+    @cached_property
+    def root_mean_square(self) -> float:
+        """Root mean square of the balance's residuals [SI]."""
+        return float(np.sqrt(np.nanmean(self.residuals.difference**2)))
+
+    @cached_property
+    def _samples(self) -> dict[tuple[Target, str], np.ndarray]:
+        return {}
+
+    def table(self, target: Target, quantities: Sequence[str]) -> Table:
+        """Return an empty table of a target over one or two quantities."""
+        knots = {}
+        for name in quantities:
+            if (target, name) not in self._samples:
+                self._samples[target, name] = np.concatenate(
+                    [quantity_samples(name, target, log, self.model) for log in self.measured.logs]
+                )
+            count = _KNOTS if len(quantities) == 1 else _KNOTS_OF_TWO
+            count = _ALONG_STROKE if name == "position" else count
+            knots[name] = knots_of(self._samples[target, name], count)
+        return empty_table(target, knots, _SIZE * self.root_mean_square)
+
+    def score(
+        self, table: Table, points: np.ndarray, signs: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Return the cross-validated gain (b,) of a table in nats, or its scores on nulls."""
+        data, before, after, groups = self._fits(table)
+        # The products of the nuisances are the same for every table: they keep their prediction.
+        known = predicted(self.base, before, points, signs, groups)
+        with_table = predicted(data, after, points, signs, groups)
+        return log_likelihood(with_table) - log_likelihood(known)
+
+    def gain(self, table: Table, points: np.ndarray) -> float:
+        """Return the gain of a table in nats at the points that it is fitted to."""
+        data, before, after, groups = self._fits(table)
+        known = least_cost(self.base, before, points, groups)
+        return known - least_cost(data, after, points, groups)
+
+    def _fits(self, table: Table) -> tuple[Products, Fit, Fit, np.ndarray]:
+        """Return the products with a table, the fits without and with it, and its groups."""
+        data, priors = self._with(table)
+        n, q = len(self.columns), len(data.names)
+        groups = touched(data, range(n), range(n, q))
+        return data, Fit(range(n), self.priors), Fit(range(q), priors), groups
+
+    def without(self, table: Table, points: np.ndarray) -> "BalanceProducts":
+        """Return the products of the residuals that remain at the fit of a table."""
+        data, priors = self._with(table)
+        n, q = len(self.columns), len(data.names)
+        beta = maximum_likelihood(data, priors, range(q), points)[0]
+        every = {**self.columns, **self._modes(table)}
+        fitted = sum(np.nan_to_num(c) * b for c, b in zip(every.values(), beta, strict=True))
+        steps, base = beta[:n], self.base
+        curved = base.columns @ steps
+        rest = replace(
+            base,
+            mixed=base.mixed - curved,
+            squares=base.squares - 2 * base.mixed @ steps + curved @ steps,
+        )
+        known = self.priors
+        shifted = Priors(known.centre - steps, known.sigma, known.low - steps, known.high - steps)
+        residuals = replace(self.residuals, difference=self.residuals.difference - fitted)
+        own, groups = products(residuals, self.columns), self._groups
+        rest.mixed[:, groups], rest.squares[:, groups] = own.mixed, own.squares
+        return replace(self, residuals=residuals, base=rest, priors=shifted)
+
+    @property
+    def _groups(self) -> np.ndarray:
+        """Indices of the balance's groups."""
+        return np.flatnonzero([name == self.balance for name, _ in self.base.groups])
+
+    def _modes(self, table: Table) -> dict[str, np.ndarray]:
+        at = BALANCES.index(self.balance)
+        columns = table_columns(table, 0, self.measured.smoothed_sessions, self.model)
+        return {f"table {name}": column[:, [at]] for name, column in columns.items()}
+
+    def _with(self, table: Table) -> tuple[Products, Priors]:
+        """Return the products with a table's modes, and the priors of all columns."""
+        modes, base, n = self._modes(table), self.base, len(self.columns)
+        own = products(self.residuals, {**self.columns, **modes})
+        q, groups = n + len(modes), self._groups
+        shape = base.squares.shape
+        columns, mixed = np.zeros((*shape, q, q)), np.zeros((*shape, q))
+        squares = base.squares.copy()
+        columns[..., :n, :n], mixed[..., :n] = base.columns, base.mixed
+        columns[:, groups], mixed[:, groups], squares[:, groups] = (
+            own.columns, own.mixed, own.squares,
+        )  # fmt: skip
+        wide = zip(
+            (self.priors.centre, self.priors.sigma, self.priors.low, self.priors.high),
+            (0.0, 1.0, -np.inf, np.inf),
+            strict=True,
+        )
+        priors = Priors(*(np.concatenate([known, np.full(q - n, more)]) for known, more in wide))
+        names = (*base.names, *modes)
+        return (
+            replace(base, names=names, columns=columns, mixed=mixed, squares=squares),
+            priors,
+        )
+
+
+def balance_products(
+    measured: MeasuredCampaign, model: LinearisedModel, balance: str, effects: Sequence[str]
+) -> BalanceProducts:
+    """Return the products of one balance about a model with some effects."""
+    at, chosen = BALANCES.index(balance), model.index(effects)
+    names = tuple(model.data.names[i] for i in chosen)
+    data = model.data
+    base = replace(
+        data,
+        names=names,
+        columns=data.columns[..., chosen, :][..., chosen],
+        mixed=data.mixed[..., chosen],
+    )
+    return BalanceProducts(
+        measured,
+        balance,
+        measured.balance_model(model.hypothesis),
+        _one_balance(model.gap_map, at),
+        {name: model.columns[name][:, [at]] for name in names},
+        base,
+        model.priors(effects).select(chosen),
+    )
+
+
+def _one_balance(residuals: GapMap, at: int) -> GapMap:
+    """Return the map of a single balance, by its index."""
+    levels = tuple(replace(each, balance=0) for each in residuals.levels if each.balance == at)
+    rows = {name: getattr(residuals, name)[:, [at]] for name in ("difference", "scatter", "noise")}
+    assert residuals.white is not None and residuals.material is not None
+    return replace(
+        residuals,
+        names=(residuals.names[at],),
+        levels=levels,
+        white=residuals.white[[at]],
+        material=residuals.material[[at]],
+        **rows,
+    )

@@ -1,0 +1,40 @@
+"""Figures of unnamed laws: the shape of what no effect of the catalogue explains."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from hbench.records import Diagnosis, UnnamedLaw
+from hbench.report.diagnosis.law_words import term, words
+from hbench.report.render import style
+from hbench.report.render.series import behind
+
+_HEIGHT_IN = 3.6
+
+
+def law_figure(diagnosis: Diagnosis, law: UnnamedLaw) -> Figure:
+    """Draw a law with its 95 % band; over two quantities a line for each knot of the second."""
+    figure = style.new_figure(height_in=_HEIGHT_IN, wide=len(law.knots) == 2)
+    axes = figure.subplots()
+    shape = [len(knots) for knots in law.knots]
+    columns = [np.reshape(each, (shape[0], -1)) for each in (law.values, law.low, law.high)]
+    first, unit = np.array(law.knots[0]), law.quantity_units[0]
+    x_label = f"{words(law.quantities[:1]).capitalize()} ({unit})"
+    y_label = f"{term(law).capitalize()} ({law.unit})"
+    for j, (value, low, high) in enumerate(zip(*(each.T for each in columns), strict=True)):
+        colour = style.COLOURS[j % len(style.COLOURS)]
+        label = None
+        if len(law.knots) == 2:
+            second = f"{law.knots[1][j]:.3g} {law.quantity_units[1]}"
+            label = f"{words(law.quantities[1:])} {second}"
+        axes.fill_between(first, low, high, color=colour, alpha=0.15, linewidth=0)
+        (line,) = axes.plot(
+            first, value, color=colour, marker=style.MARKERS[j % len(style.MARKERS)], label=label
+        )
+        behind(line, {"low": low, "high": high})
+    axes.axhline(0.0, color=style.QUIET, linewidth=0.8)
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+    style.head(axes, "Unnamed law", diagnosis, axes)
+    if len(law.knots) == 2:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+    return figure

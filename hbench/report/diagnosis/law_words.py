@@ -1,0 +1,61 @@
+"""Unnamed laws in words."""
+
+from collections.abc import Sequence
+
+from hbench.records import UnnamedLaw
+from hbench.report.diagnosis.names import balance
+from hbench.report.render.numbers import number, significant
+
+_TERMS = {
+    "flow": "inflow",
+    "force": "force against extension",
+    "friction": "dry friction",
+}
+
+
+def law_title(law: UnnamedLaw) -> str:
+    """Return balance and quantities of a law in words."""
+    return f"{balance(law.balance).title}: {term(law)} over {words(law.quantities)}"
+
+
+def law_line(law: UnnamedLaw) -> str:
+    """Return what a law adds, and what it does to held-out runs."""
+    before, after = (number(gap, 2) for gap in (law.gap_before, law.gap_after))
+    return (
+        f"Unnamed law, {law_title(law)}: a fitted table, not an explanation. The gap of held-out "
+        f"runs in this balance: {before} without, {after} with all unnamed laws "
+        f"(p = {number(law.p_value, 2)}, score {number(law.score, 2)} nats)."
+    )
+
+
+def law_summary(laws: Sequence[UnnamedLaw]) -> str:
+    """Return the sentences for the engineer: what is added, how large, and that it has no name.
+
+    Empty without laws.
+    """
+    if not laws:
+        return ""
+    parts = []
+    for law in laws:
+        low, high = (significant(end(law.values), 2) for end in (min, max))
+        before, after = (number(gap, 1) for gap in (law.gap_before, law.gap_after))
+        parts.append(
+            f"{term(law)} of {low} to {high} {law.unit} over {words(law.quantities)} in the "
+            f"balance {balance(law.balance).title}, whose gap of held-out runs falls from {before} "
+            f"to {after}"
+        )
+    kind = "an unnamed law" if len(laws) == 1 else "unnamed laws"
+    return (
+        f"The revised model contains {kind}, fitted as a table: {'; '.join(parts)}. A table "
+        "reproduces a deviation but does not show its cause."
+    )
+
+
+def term(law: UnnamedLaw) -> str:
+    """Return the term that a law adds to."""
+    return _TERMS[law.adds_to.partition("_")[0]]
+
+
+def words(quantities: tuple[str, ...]) -> str:
+    """Return quantities in words."""
+    return " and ".join(name.replace("_", " ") for name in quantities)

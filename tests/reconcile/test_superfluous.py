@@ -1,0 +1,83 @@
+"""Effects that a later one makes superfluous are dropped again; made-up scores, no search."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from hbench.reconcile.candidates import EvaluatedCandidate
+from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.search import CampaignSearch, SearchResult, SearchStep
+from hbench.records import Candidate
+
+
+class Search(CampaignSearch):
+    """A search whose models are the names of their effects, with given scores."""
+
+    def linearise_at(self, start, hypothesis):
+        return SimpleNamespace(**vars(start) | {"hypothesis": hypothesis})
+
+    def refit(self, start, effects):
+        return start
+
+    def with_columns(self, model, names):
+        return model
+
+    def _evaluate_in_full(self, model, added, name):
+        assert name not in model.hypothesis.effects and name not in added
+        score = self.scores[frozenset(added)][name]
+        candidate = Candidate(name, score, 0.9, 1.0, {}, "full", 5.0)
+        return EvaluatedCandidate(candidate, model)
+
+    def _with_threshold(self, evaluated, added, names):
+        return evaluated
+
+
+def search(scores):
+    made = Search(SimpleNamespace(start=Hypothesis()), None, ())
+    object.__setattr__(made, "scores", {frozenset(key): row for key, row in scores.items()})
+    return made
+
+
+def model(*names):
+    return SimpleNamespace(
+        hypothesis=Hypothesis(effects={name: {"test": 1.0} for name in names}),
+        coefficients_of=lambda wanted: [],
+    )
+
+
+def test_an_effect_that_adds_nothing_beside_a_later_one_is_dropped():
+    found, dropped = search(
+        {("load_friction",): {"seal_pressure_friction": 1.2}}
+    ).without_superfluous(
+        model("seal_pressure_friction", "load_friction"),
+        ("seal_pressure_friction", "load_friction"),
+    )
+    assert dropped == ("seal_pressure_friction",)
+    assert list(found.hypothesis.effects) == ["load_friction"]
+
+
+def test_of_two_that_replace_each_other_beside_a_third_one_stays():
+    """Each alone is superfluous; without the first the second is not."""
+    scores = {("b", "c"): {"a": 0.0}, ("c",): {"b": 30.0}}
+    found, dropped = search(scores).without_superfluous(model("a", "b", "c"), ("a", "b", "c"))
+    assert dropped == ("a",)
+    assert list(found.hypothesis.effects) == ["b", "c"]
+
+
+def test_an_effect_that_still_explains_residuals_stays():
+    start = model("a", "b")
+    found, dropped = search({("b",): {"a": 12.0}}).without_superfluous(start, ("a", "b"))
+    assert dropped == () and found is start
+
+
+@pytest.mark.parametrize(
+    ("steps", "names"),
+    [
+        ([("a", ()), ("b", ("a",))], ("b",)),
+        ([("a", ()), ("b", ("a",)), ("a", ())], ("b", "a")),
+        ([("a", ()), ("b", ()), (None, ())], ("a", "b")),
+    ],
+)
+def test_a_result_names_what_is_in_its_final_model(steps, names):
+    rows = tuple(SearchStep(None, (), added, (), dropped) for added, dropped in steps)
+    assert SearchResult(None, None, rows, None).names == names
