@@ -120,6 +120,19 @@ def test_flows_of_leaks_that_are_not_laminar(stiff, law, error):
         assert flow == pytest.approx(true, rel=error)
 
 
+def test_intervals_of_orifices_hold_the_truth_as_often_as_they_say(stiff):
+    hits = []
+    for seed in range(40):
+        leaks, found = found_in(
+            holds(stiff, seed, leaks=SMALL, noise_pa=3000.0, law=orifice), stiff
+        )
+        for name, bar in FLOWS:
+            flow, half = found.flow_m3_s(leaks[name], bar * 1e5)
+            hits.append(abs(flow - SMALL[name] * orifice(bar * 1e5)) <= half)
+    print(f"intervals held the truth in {np.mean(hits):.1%}")
+    assert 0.88 < np.mean(hits) <= 1.0, np.mean(hits)
+
+
 def test_laminar_leaks_keep_the_exponent_1_as_often_as_the_interval_says(stiff):
     kept = [found_in(holds(stiff, seed), stiff)[1].exponent_ci95 is None for seed in range(40)]
     assert np.mean(kept) > 0.85, np.mean(kept)

@@ -1,5 +1,7 @@
 """Friction over the distance, from made-up cycles whose friction and distance are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -93,6 +95,13 @@ def test_intervals_of_the_last_change_contain_a_linear_change_as_often_as_they_s
         (trend,) = distance_trends([cycles(1, dry)], (), (), ())
         inside += abs(trend.last_change + 6.0 * (at[-1] - at[8])) <= trend.last_change_ci95
     assert inside >= 90, inside
+
+
+def test_imported_logs_have_no_trend_since_the_way_between_them_is_not_known():
+    run = cycles(1, [400.0] * 8)
+    foreign = replace(run, run=replace(run.run, plan=replace(run.run.plan, motion=None)))
+    assert distance_trends([run], (), (), ()) != ()
+    assert distance_trends([foreign], (), (), ()) == ()
 
 
 def test_four_values_make_no_trend():

@@ -61,7 +61,12 @@ def distance_trends(
     breakaways: Iterable[Breakaway],
     leakages: Iterable[Leakage],
 ) -> tuple[DistanceTrend, ...]:
-    """Return a trend for each quantity and series that was measured often enough."""
+    """Return a trend for each quantity and series that was measured often enough.
+
+    Imported logs have none: their order and the motion between them are not known.
+    """
+    if any(each.run.plan.motion is None for each in screened):
+        return ()
     spans = _spans(screened)
     trends = [
         *_of_cycles(screened, spans),
