@@ -21,6 +21,7 @@ class CampaignSettings(Identified):
     # Anything else that identifies the test, printed in the report: oil, temperature, ...
     details: dict[str, str] = Field(default={}, max_length=30)
     screening: Screening = Screening()
+    simulated: bool = False  # the runs were computed: exports of simulated campaigns state it
 
     @field_validator("details")
     @classmethod

@@ -5,6 +5,7 @@ import json
 import shutil
 import subprocess
 import zipfile
+from datetime import UTC, datetime
 from urllib.request import pathname2url
 
 import pytest
@@ -106,3 +107,12 @@ def test_the_example_file_is_valid_and_its_keys_are_known():
     for data in (yaml.safe_load(text), yaml.safe_load(with_comments)):
         parse_certificate(data, "certificate.yaml")
     assert yaml.safe_load(with_comments).keys() >= {"number", "replaces", "logo", "template"}
+
+
+@pytest.mark.parametrize("kind", ["csv", "mat"])
+def test_a_simulated_campaign_stays_simulated_when_it_is_exported_and_imported(kind, tmp_path):
+    exported, again = tmp_path / "exported", tmp_path / "again"
+    workflow.export(SAMPLE, exported, kind)
+    workflow.import_runs(exported, again, None, lambda: datetime.now(UTC))
+    assert load_campaign(again).provenance().source == "simulated"
+    assert load_campaign(again).exported_settings()["simulated"] is True

@@ -16,7 +16,8 @@ from hbench.records.conformity.certified import Certified
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.page import certificate_page
-from hbench.report.conformity.certificate.pdf import certificate_pdf, sheets, wrapped
+from hbench.report.conformity.certificate.pdf import certificate_pdf, sheets
+from hbench.report.conformity.certificate.pdf_pen import wrapped
 from hbench.report.conformity.certificate.words import WORDS
 from tests.support import ROOT
 from tests.support.certificates import FILE, HOSTILE, PNG
@@ -279,6 +280,11 @@ def test_what_is_not_stated_is_listed_and_printed(certificate):
     facts = dict(content(made).parts["specimen"].facts)
     assert facts["Serial number"] == "not stated"
     assert not {"customer.name", "test.date"} & set(certificate().missing)
+
+
+def test_notes_of_the_record_are_on_the_certificate(certificate):
+    made = replace(certificate(), warnings=("section bench was edited",))
+    assert "Notes of the record: section bench was edited" in page_text(made)
 
 
 def test_an_overdue_calibration_gives_no_traceability(certificate):

@@ -9,7 +9,8 @@ import pytest
 from hbench.errors import ConfigError
 from hbench.records.conformity.acceptance import Measurement
 from hbench.records.conformity.certified import Certified
-from hbench.report.conformity.certificate.dcc import DCC, SI, dcc_xml
+from hbench.report.conformity.certificate.dcc import dcc_xml
+from hbench.report.conformity.certificate.dcc_elements import DCC, SI
 from tests.support.certificates import HOSTILE
 
 # Children in the order of the schema, those that it requires with "!"; "a|b": in any order.
@@ -21,6 +22,7 @@ STRUCTURE = {
     "administrativeData": "dccSoftware!|coreData!|items!|calibrationLaboratory!|respPersons!"
     "|customer!|statements",
     "dccSoftware": "software!",
+    "usedSoftware": "software!",
     "software": "name! release! type description",
     "coreData": "countryCodeISO3166_1! usedLangCodeISO639_1! mandatoryLangCodeISO639_1! "
     "uniqueIdentifier! identifications receiptDate beginPerformanceDate! endPerformanceDate! "
@@ -77,8 +79,9 @@ TEXTS = {
         r"\d{4}-\d\d-\d\d",
     ),
     **dict.fromkeys(
-        ("uniqueIdentifier", "replacedUniqueIdentifier", "release", "role", "norm"), r"\S+(\s+\S+)*"
+        ("uniqueIdentifier", "replacedUniqueIdentifier", "role", "norm"), r"\S+(\s+\S+)*"
     ),
+    "release": r"[a-zA-Z] ?(\d{1,3}\.){0,3}\d{1,3}",  # a rule of PTB's Schematron file
     **dict.fromkeys(("value", "valueExpandedMU", "coverageFactor"), r"\S+(\s+\S+)*"),
     "coverageProbability": r"0\.95",
     # D-SI: products of units with powers

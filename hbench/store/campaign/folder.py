@@ -191,7 +191,7 @@ class StoredCampaign:
         rules = self._settings()
         return Provenance(
             name=str(header["name"]),
-            source=header["source"],
+            source="simulated" if rules and rules.simulated else header["source"],
             bench=str(bench.get("content", {}).get("name", "not specified")),
             firmware=", ".join(f"{key} {value}" for key, value in firmware.items()),
             started=str(header["created"]),
@@ -301,7 +301,8 @@ class StoredCampaign:
     def exported_settings(self) -> dict[str, Any]:
         """Return the settings as they are written, for an export; empty if all are defaults."""
         contents = [(self.header.get(key) or {}).get("content") for key in _WITH_SETTINGS]
-        return {
+        simulated = {"simulated": True} if self.header["source"] == "simulated" else {}
+        return simulated | {
             key: content[key]
             for content in contents
             if isinstance(content, dict)

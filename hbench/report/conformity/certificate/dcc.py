@@ -13,17 +13,20 @@ from hbench.errors import ConfigError
 from hbench.records.conformity.acceptance import Conformity
 from hbench.records.conformity.certified import Certified
 from hbench.report.conformity.certificate.certificate import Certificate
-from hbench.report.conformity.certificate.content import (
-    Part,
-    content,
-    limit_words,
-    quantity_words,
+from hbench.report.conformity.certificate.conformity_parts import limit_words, quantity_words
+from hbench.report.conformity.certificate.content import content
+from hbench.report.conformity.certificate.dcc_elements import (
+    DCC,
+    SI,
+    dcc,
+    one_line,
+    optional,
+    real,
+    text_of,
 )
-from hbench.untrusted_text import printable
+from hbench.report.conformity.certificate.layout import Part
 
 VERSION = "3.3.0"
-DCC = "https://ptb.de/dcc"
-SI = "https://ptb.de/si"
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _SCHEMA = f"{DCC} https://ptb.de/dcc/v{VERSION}/dcc.xsd"
 _NEWTON, _PASCAL, _ONE, _KELVIN = r"\newton", r"\pascal", r"\one", r"\kelvin"
@@ -36,7 +39,6 @@ _CONFORMITY: dict[Conformity, str] = {
     "FAIL": "fail",
     "MARGINAL": "conditionalPass",
 }
-_COVERAGE = "0.95"
 
 
 def dcc_xml(certificate: Certificate) -> str:
@@ -53,49 +55,13 @@ def dcc_xml(certificate: Certificate) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, "unicode") + "\n"
 
 
-def _dcc(tag: str, *children: Element | None, text: str = "", **attributes: str) -> Element:
-    """Return an element of the DCC; children that are None are left out."""
-    element = Element(f"{{{DCC}}}{tag}", attributes)
-    element.extend(child for child in children if child is not None)
-    if text:
-        element.text = text
-    return element
-
-
-def _si(tag: str, *children: Element | None, text: str = "") -> Element:
-    element = Element(f"{{{SI}}}{tag}")
-    element.extend(child for child in children if child is not None)
-    if text:
-        element.text = text
-    return element
-
-
-def _line(text: str) -> str:
-    """Return text as schema and XML want it: no control characters, no blanks at its ends."""
-    return " ".join(printable(text).split())
-
-
-def _optional(tag: str, text: str) -> Element | None:
-    return _dcc(tag, text=_line(text)) if text.strip() else None
-
-
-def _text(certificate: Certificate, tag: str, *lines: str) -> Element:
-    """Return an element with ``content`` in the certificate's language."""
-    language = certificate.file.language
-    return _dcc(tag, *(_dcc("content", text=_line(line), lang=language) for line in lines))
-
-
 def _administrative(certificate: Certificate) -> Element:
-    version = certificate.results.provenance.software.get("hbench", "not recorded")
-    software = _dcc(
-        "software", _text(certificate, "name", "hbench"), _dcc("release", text=_line(version))
-    )
-    return _dcc(
+    return dcc(
         "administrativeData",
-        _dcc("dccSoftware", software),
+        dcc("dccSoftware", _software(certificate)),
         _core(certificate),
-        _dcc("items", _item(certificate)),
-        _dcc("calibrationLaboratory", _contact(certificate, "contact", *_laboratory(certificate))),
+        dcc("items", _item(certificate)),
+        dcc("calibrationLaboratory", _contact(certificate, "contact", *_laboratory(certificate))),
         _persons(certificate),
         _contact(
             certificate,
@@ -104,6 +70,14 @@ def _administrative(certificate: Certificate) -> Element:
             certificate.file.customer,
         ),
         _statements(certificate),
+    )
+
+
+def _software(certificate: Certificate) -> Element:
+    """Return hbench with its release, written as PTB's rules want it: ``v0.1.0``."""
+    version = one_line(certificate.results.provenance.software.get("hbench", "0"))
+    return dcc(
+        "software", text_of(certificate, "name", "hbench"), dcc("release", text=f"v{version}")
     )
 
 
@@ -122,23 +96,23 @@ def _core(certificate: Certificate) -> Element:
     )
     replaced = None
     if file.replaces:
-        replaced = _dcc(
+        replaced = dcc(
             "reportAmendedSubstituted",
-            _dcc("typeOfChange", text="substituted"),
-            _dcc("replacedUniqueIdentifier", text=file.replaces),
+            dcc("typeOfChange", text="substituted"),
+            dcc("replacedUniqueIdentifier", text=file.replaces),
         )
-    return _dcc(
+    return dcc(
         "coreData",
-        _dcc("countryCodeISO3166_1", text=file.laboratory.country),
-        _dcc("usedLangCodeISO639_1", text=language),
-        _dcc("mandatoryLangCodeISO639_1", text=language),
-        _dcc("uniqueIdentifier", text=certificate.number),
+        dcc("countryCodeISO3166_1", text=file.laboratory.country),
+        dcc("usedLangCodeISO639_1", text=language),
+        dcc("mandatoryLangCodeISO639_1", text=language),
+        dcc("uniqueIdentifier", text=certificate.number),
         order,
-        None if file.received is None else _dcc("receiptDate", text=file.received.isoformat()),
-        _dcc("beginPerformanceDate", text=days[0].isoformat()),
-        _dcc("endPerformanceDate", text=days[1].isoformat()),
-        _dcc("performanceLocation", text="laboratory"),
-        _dcc("issueDate", text=certificate.issued.isoformat()),
+        None if file.received is None else dcc("receiptDate", text=file.received.isoformat()),
+        dcc("beginPerformanceDate", text=days[0].isoformat()),
+        dcc("endPerformanceDate", text=days[1].isoformat()),
+        dcc("performanceLocation", text="laboratory"),
+        dcc("issueDate", text=certificate.issued.isoformat()),
         replaced,
     )
 
@@ -148,22 +122,22 @@ def _optional_identifications(
 ) -> Element | None:
     """Return identifications of issuer, value, word's key and refType; None without a value."""
     known = [
-        _dcc(
+        dcc(
             "identification",
-            _dcc("issuer", text=issuer),
-            _dcc("value", text=_line(value)),
-            _text(certificate, "name", certificate.word(key)),
+            dcc("issuer", text=issuer),
+            dcc("value", text=one_line(value)),
+            text_of(certificate, "name", certificate.word(key)),
             **({"refType": kind} if kind else {}),
         )
         for issuer, value, key, kind in stated
         if value.strip()
     ]
-    return _dcc("identifications", *known) if known else None
+    return dcc("identifications", *known) if known else None
 
 
 def _item(certificate: Certificate) -> Element:
     specimen = certificate.specimen
-    serial = _line(specimen.serial) or certificate.word("not_stated")
+    serial = one_line(specimen.serial) or certificate.word("not_stated")
     about = [
         f"{certificate.word(key)}: {getattr(specimen, key)}"
         for key in ("bore", "rod", "stroke", "seals", "wear")
@@ -171,20 +145,20 @@ def _item(certificate: Certificate) -> Element:
     ]
     areas = certificate.results.runs[0].run.plan.specimen
     quantities = [
-        _dcc("itemQuantity", _text(certificate, "name", name), _real(area, _AREA))
+        dcc("itemQuantity", text_of(certificate, "name", name), real(area, _AREA))
         for name, area in (("A_p", areas.area_piston_m2), ("A_r", areas.area_rod_m2))
         if area
     ]
-    maker = _line(specimen.maker)
-    return _dcc(
+    maker = one_line(specimen.maker)
+    return dcc(
         "item",
-        _text(certificate, "name", certificate.word("cylinder")),
-        _text(certificate, "description", *about) if about else None,
-        _dcc("manufacturer", _text(certificate, "name", maker)) if maker else None,
+        text_of(certificate, "name", certificate.word("cylinder")),
+        text_of(certificate, "description", *about) if about else None,
+        dcc("manufacturer", text_of(certificate, "name", maker)) if maker else None,
         _optional_identifications(
             certificate, ("manufacturer", serial, "serial", "basic_serialNumber")
         ),
-        _dcc("itemQuantities", *quantities) if quantities else None,
+        dcc("itemQuantities", *quantities) if quantities else None,
     )
 
 
@@ -194,23 +168,23 @@ def _laboratory(certificate: Certificate) -> tuple[str, Contact]:
 
 def _contact(certificate: Certificate, tag: str, name: str, contact: Contact) -> Element:
     lines = contact.address or (certificate.word("not_stated"),)
-    country = _dcc("countryCode", text=contact.country) if contact.country else None
-    return _dcc(
+    country = dcc("countryCode", text=contact.country) if contact.country else None
+    return dcc(
         tag,
-        _text(certificate, "name", name or certificate.word("not_stated")),
-        _dcc("location", country, _text(certificate, "further", *lines)),
+        text_of(certificate, "name", name or certificate.word("not_stated")),
+        dcc("location", country, text_of(certificate, "further", *lines)),
     )
 
 
 def _persons(certificate: Certificate) -> Element:
-    return _dcc(
+    return dcc(
         "respPersons",
         *(
-            _dcc(
+            dcc(
                 "respPerson",
-                _dcc("person", _text(certificate, "name", each.name)),
-                _optional("role", each.role),
-                _dcc("mainSigner", text="true" if number == 0 else "false"),
+                dcc("person", text_of(certificate, "name", each.name)),
+                optional("role", each.role),
+                dcc("mainSigner", text="true" if number == 0 else "false"),
             )
             for number, each in enumerate(certificate.file.signatories)
         ),
@@ -231,18 +205,18 @@ def _statements(certificate: Certificate) -> Element:
         _statement(certificate, data.title, *facts),
         *_conformity(certificate, shown.parts["conformity"]),
     ]
-    return _dcc("statements", *statements)
+    return dcc("statements", *statements)
 
 
 def _statement(
     certificate: Certificate, title: str, *lines: str, conformity: str = "", norm: str = ""
 ) -> Element:
-    return _dcc(
+    return dcc(
         "statement",
-        _text(certificate, "name", title),
-        _optional("norm", norm),
-        _text(certificate, "declaration", *lines),
-        _optional("conformity", conformity),
+        text_of(certificate, "name", title),
+        optional("norm", norm),
+        text_of(certificate, "declaration", *lines),
+        optional("conformity", conformity),
         **({"refType": "basic_conformity"} if conformity else {}),
     )
 
@@ -268,25 +242,26 @@ def _conformity(certificate: Certificate, part: Part) -> Iterable[Element]:
 def _results(certificate: Certificate) -> Element:
     word = certificate.word
     method = content(certificate).parts["method"]
-    used = _dcc(
+    used = dcc(
         "usedMethod",
-        _text(certificate, "name", certificate.file.method or method.title),
-        _text(certificate, "description", *method.paragraphs),
+        text_of(certificate, "name", certificate.file.method or method.title),
+        text_of(certificate, "description", *method.paragraphs),
     )
     equipment = [_equipment(certificate, key, each) for key, _, each in certificate.calibrations()]
     results = [
         _result(certificate, word(f"q_{quantity}"), certificate.of(quantity))
         for quantity in dict.fromkeys(value.quantity for value in certificate.values)
     ]
-    return _dcc(
+    return dcc(
         "measurementResults",
-        _dcc(
+        dcc(
             "measurementResult",
-            _text(certificate, "name", word("cylinder")),
-            _dcc("usedMethods", used),
-            _dcc("measuringEquipments", *equipment) if equipment else None,
+            text_of(certificate, "name", word("cylinder")),
+            dcc("usedMethods", used),
+            dcc("usedSoftware", _software(certificate)),
+            dcc("measuringEquipments", *equipment) if equipment else None,
             _influences(certificate),
-            _dcc("results", *results),
+            dcc("results", *results),
         ),
     )
 
@@ -299,10 +274,10 @@ def _equipment(certificate: Certificate, key: str, calibration: Calibration) -> 
         "due": str(calibration.due or ""),
     }
     lines = [f"{word(name)}: {text or word('not_stated')}" for name, text in stated.items()]
-    return _dcc(
+    return dcc(
         "measuringEquipment",
-        _text(certificate, "name", word(key)),
-        _text(certificate, "description", *lines),
+        text_of(certificate, "name", word(key)),
+        text_of(certificate, "description", *lines),
         _optional_identifications(
             certificate, ("manufacturer", calibration.serial, "serial", "basic_serialNumber")
         ),
@@ -312,26 +287,26 @@ def _equipment(certificate: Certificate, key: str, calibration: Calibration) -> 
 def _influences(certificate: Certificate) -> Element:
     word, oil = certificate.word, certificate.results.oil_temperature
     ambient = certificate.test.ambient or word("not_stated")
-    conditions = [_condition(certificate, "ambient", _text(certificate, "noQuantity", ambient))]
+    conditions = [_condition(certificate, "ambient", text_of(certificate, "noQuantity", ambient))]
     if oil is None:
-        text = _text(certificate, "noQuantity", word("oil_not_measured"))
+        text = text_of(certificate, "noQuantity", word("oil_not_measured"))
         conditions.append(_condition(certificate, "oil_temperature", text))
     else:
-        conditions.append(_condition(certificate, "oil_temperature", _real(oil.mean_k, _KELVIN)))
-    return _dcc("influenceConditions", *conditions)
+        conditions.append(_condition(certificate, "oil_temperature", real(oil.mean_k, _KELVIN)))
+    return dcc("influenceConditions", *conditions)
 
 
 def _condition(certificate: Certificate, key: str, quantity: Element) -> Element:
-    return _dcc(
+    return dcc(
         "influenceCondition",
-        _text(certificate, "name", certificate.word(key)),
-        _dcc("data", _dcc("quantity", quantity)),
+        text_of(certificate, "name", certificate.word(key)),
+        dcc("data", dcc("quantity", quantity)),
     )
 
 
 def _result(certificate: Certificate, name: str, values: Iterable[Certified]) -> Element:
     lists = [_values(certificate, value) for value in values]
-    return _dcc("result", _text(certificate, "name", name), _dcc("data", *lists))
+    return dcc("result", text_of(certificate, "name", name), dcc("data", *lists))
 
 
 def _values(certificate: Certificate, value: Certified) -> Element:
@@ -354,43 +329,25 @@ def _values(certificate: Certificate, value: Certified) -> Element:
         ("dwell", each.dwell_s, r"\second"),
     )
     quantities = [
-        _quantity(certificate, _without_unit(word(key)), _real(number, unit))
+        _quantity(certificate, _without_unit(word(key)), real(number, unit))
         for key, number, unit in point
         if number is not None
     ]
-    measured = _real(each.value, _UNITS[value.quantity], each.u95, value.k)
+    measured = real(each.value, _UNITS[value.quantity], each.u95, value.k)
     name = word(f"q_{value.quantity}")
     quantities.append(_quantity(certificate, name, measured, "basic_measuredValue"))
     if value.pressure_pa is not None:
-        pressure = _real(value.pressure_pa, _PASCAL, value.pressure_u95_pa, value.k)
+        pressure = real(value.pressure_pa, _PASCAL, value.pressure_u95_pa, value.k)
         name = f"{name}, {_without_unit(word('pressure_u'))}"
         quantities.append(_quantity(certificate, name, pressure, "basic_measuredValue"))
-    heading = _text(certificate, "name", title) if title else None
-    return _dcc("list", heading, *quantities)
+    heading = text_of(certificate, "name", title) if title else None
+    return dcc("list", heading, *quantities)
 
 
 def _quantity(certificate: Certificate, name: str, real: Element, kind: str = "") -> Element:
     attributes = {"refType": kind} if kind else {}
-    return _dcc("quantity", _text(certificate, "name", name), real, **attributes)
+    return dcc("quantity", text_of(certificate, "name", name), real, **attributes)
 
 
 def _without_unit(text: str) -> str:
     return text.rpartition(" (")[0] or text
-
-
-def _real(value: float, unit: str, u95: float | None = None, k: float | None = None) -> Element:
-    """Return a D-SI value; an uncertainty without a coverage factor cannot be expressed."""
-    uncertainty = None
-    if u95 is not None and k is not None:
-        expanded = _si(
-            "expandedMU",
-            _si("valueExpandedMU", text=_number(u95)),
-            _si("coverageFactor", text=_number(k)),
-            _si("coverageProbability", text=_COVERAGE),
-        )
-        uncertainty = _si("measurementUncertaintyUnivariate", expanded)
-    return _si("real", _si("value", text=_number(value)), _si("unit", text=unit), uncertainty)
-
-
-def _number(value: float) -> str:
-    return f"{value:.9g}"

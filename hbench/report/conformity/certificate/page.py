@@ -1,7 +1,7 @@
 """The certificate as a page: one file, A4 when printed, or a laboratory's own template.
 
 The text of a replacement template is rendered in Jinja's sandbox with autoescape. Its variables:
-``certificate`` (the content, see ``content.Content``), ``parts`` (the same parts by key),
+``certificate`` (the content, see ``layout.Content``), ``parts`` (the same parts by key),
 ``laboratory``, ``logo`` (a data URL) and ``style``. It can load no other file.
 """
 
@@ -22,7 +22,8 @@ from markupsafe import Markup
 from hbench.config.conformity.certificate import Image
 from hbench.errors import ConfigError
 from hbench.report.conformity.certificate.certificate import Certificate
-from hbench.report.conformity.certificate.content import Content, content
+from hbench.report.conformity.certificate.content import content
+from hbench.report.conformity.certificate.layout import Content
 
 _PAGE = "certificate.html.j2"
 # Chromium from 131 on prints what is in the margins; elsewhere the browser's own header does.

@@ -1,0 +1,116 @@
+"""Parts with the statement of conformity, and with what was not tested."""
+
+from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
+from hbench.records.conformity.certified import CERTIFIED_QUANTITIES
+from hbench.report.conformity.certificate.certificate import Certificate
+from hbench.report.conformity.certificate.layout import (
+    GridTable,
+    Part,
+    localized,
+    without_empty,
+)
+from hbench.report.render.numbers import NONE, short, significant, with_interval
+from hbench.units import from_si
+from hbench.untrusted_text import printable
+
+
+def conformity_part(certificate: Certificate) -> Part:
+    """Return the decision on the specimen, the table of decisions and the rule."""
+    word, acceptance = certificate.word, certificate.acceptance
+    if acceptance is None:
+        return Part("conformity", word("conformity"), paragraphs=(word("no_limits"),))
+    keys = ("quantity", "series", "measured", "limit", "conforms", "decision")
+    rows = tuple(_decision_row(certificate, check) for check in acceptance.checks)
+    table = without_empty(GridTable(tuple(map(word, keys)), rows, frozenset({2, 4})))
+    share = localized(certificate, short(100 * (acceptance.largest_uncertainty or 0.0)))
+    rule = word(f"rule_{acceptance.rule}", share=share)
+    paragraphs = (word("decision_rule", rule=rule), word("applies"))
+    decision = word("overall", decision=word(acceptance.decision), limits=_file(acceptance))
+    if acceptance.product:
+        decision += " " + word("of_product", product=acceptance.product)
+    title = word("conformity")
+    return Part("conformity", title, tables=(table,), paragraphs=paragraphs, lead=decision)
+
+
+def _file(acceptance: Acceptance) -> str:
+    return f"{printable(acceptance.limits)}, SHA-256 {acceptance.limits_sha256[:12]}…"
+
+
+def _decision_row(certificate: Certificate, check: ConformityCheck) -> tuple[str, ...]:
+    word, measured, unit = certificate.word, check.measurement, check.requirement.unit
+    series = measured or check.requirement
+    load = "" if series.f_load_n is None else f"{short(series.f_load_n)} N"
+    direction = word(series.direction) if series.direction else ""
+    where = filter(None, (series.label, direction, localized(certificate, load)))
+    text, percent = NONE, NONE
+    if measured is not None:
+        half = None if measured.u95 is None else from_si(measured.u95, unit)
+        text = f"{with_interval(from_si(measured.value, unit), half)} {unit}"
+    if check.probability is not None:
+        shown = 100 * check.probability
+        percent = "> 99.9" if shown > 99.9 else "< 0.1" if shown < 0.1 else significant(shown, 3)
+    return (
+        quantity_words(certificate, check),
+        ", ".join(where),
+        localized(certificate, text),
+        limit_words(certificate, check.requirement),
+        localized(certificate, percent),
+        word(check.decision),
+    )
+
+
+def quantity_words(certificate: Certificate, check: ConformityCheck) -> str:
+    """Write the limited quantity, after the name that the file of limits gives it."""
+    word, requirement, measured = certificate.word, check.requirement, check.measurement
+    parts = [word(f"q_{requirement.quantity}")]
+    if requirement.leak is not None and requirement.pressure_pa is not None:
+        pressure = short(from_si(requirement.pressure_pa, "bar"))
+        leak = word(requirement.leak)
+        parts.append(word("at_pressure", leak=leak, pressure=localized(certificate, pressure)))
+    speed = requirement.v_m_s if measured is None else measured.v_m_s
+    if speed is not None:
+        parts.append(word("at_speed", speed=localized(certificate, short(1e3 * speed))))
+    dwell = requirement.dwell_s if measured is None else measured.dwell_s
+    if dwell is not None:
+        parts.append(word("after_rest", dwell=localized(certificate, short(dwell))))
+    text = " ".join(parts)
+    return f"{requirement.name}: {text}" if requirement.name else text
+
+
+def limit_words(certificate: Certificate, requirement: Requirement) -> str:
+    """Write the limits with their unit."""
+    low, high = (
+        "" if limit is None else localized(certificate, short(from_si(limit, requirement.unit)))
+        for limit in (requirement.low, requirement.high)
+    )
+    key = "between" if low and high else "at_least" if low else "at_most"
+    return certificate.word(key, low=low, high=high, unit=requirement.unit)
+
+
+def not_tested_part(certificate: Certificate) -> Part:
+    """Return what was not measured, and how the campaign deviates from its plan."""
+    word, results = certificate.word, certificate.results
+    complete, paragraphs = results.quality.completeness, []
+    measured = {value.quantity for value in certificate.values}
+    untested = [word(f"q_{key}") for key in CERTIFIED_QUANTITIES if key not in measured]
+    if certificate.acceptance is not None:
+        checks = certificate.acceptance.checks
+        asked = [quantity_words(certificate, c) for c in checks if c.measurement is None]
+        untested += [text for text in asked if text not in untested]
+    if untested:
+        paragraphs.append(word("untested", quantities="; ".join(untested)))
+    rejected = sum(not run.accepted for run in results.runs)
+    deviations = []
+    if complete.short_points:
+        points = len(complete.short_points)
+        deviations.append(word("short", points=points, of=complete.points))
+    if rejected:
+        deviations.append(word("rejected", runs=rejected))
+    paragraphs += deviations or [word("no_deviations")]
+    if results.quality.grade == "with care":
+        care = [c.name for c in results.quality.checks if c.grade != "good"]
+        graded = ", ".join(word(f"check_{name}") for name in care)
+        paragraphs.append(word("care", checks=graded))
+    if certificate.warnings:
+        paragraphs.append(word("record_notes", notes="; ".join(certificate.warnings)))
+    return Part("not_tested", word("not_tested"), paragraphs=tuple(paragraphs))

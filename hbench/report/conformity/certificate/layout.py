@@ -1,0 +1,104 @@
+"""Parts of a certificate: facts, tables, paragraphs, and numbers in its language."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from hbench.report.conformity.certificate.certificate import Certificate
+from hbench.report.render.numbers import NONE
+
+_UNIT = re.compile(r"(\d) (mm/s|mm²|N|bar|%|°C|s|ml/min)(?![\w/])")
+
+Fact = tuple[str, str]  # name and text
+
+
+@dataclass(frozen=True)
+class GridTable:
+    """Table of a certificate; columns named in ``numbers`` are aligned to the right."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numbers: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True)
+class Part:
+    """Part of a certificate; ``key`` names it for templates."""
+
+    key: str
+    title: str
+    facts: tuple[Fact, ...] = ()
+    tables: tuple[GridTable, ...] = ()
+    paragraphs: tuple[str, ...] = ()
+    lead: str = ""  # before the rest, in bold
+
+
+@dataclass(frozen=True)
+class Content:
+    """All that a certificate shows. ``rows`` holds the parts; two in a row are side by side."""
+
+    language: str
+    title: str
+    number_label: str
+    number: str
+    page_label: str
+    of_label: str
+    mark: str  # on every page of a document that certifies nothing; empty: none
+    mark_text: str  # the same in full
+    head_facts: tuple[Fact, ...]
+    rows: tuple[tuple[Part, ...], ...]
+    signature_title: str
+    signatories: tuple[tuple[str, str], ...]  # name and role
+    signature_label: str
+    end: str
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        """The parts by their keys."""
+        return {part.key: part for row in self.rows for part in row}
+
+
+def localized(certificate: Certificate, text: str) -> str:
+    """Return a number's text with the decimal sign of the certificate's language."""
+    return text.replace(".", ",") if certificate.file.language == "de" else text
+
+
+def with_joined_units(part: Part) -> Part:
+    """Return a part whose numbers stay on the line of their units."""
+
+    def join(text: str) -> str:
+        return _UNIT.sub("\\1\u00a0\\2", text)
+
+    tables = (
+        replace(table, rows=tuple(tuple(map(join, row)) for row in table.rows))
+        for table in part.tables
+    )
+    return replace(
+        part,
+        facts=tuple((name, join(text)) for name, text in part.facts),
+        tables=tuple(tables),
+        paragraphs=tuple(map(join, part.paragraphs)),
+    )
+
+
+def stated_facts(
+    certificate: Certificate, pairs: Iterable[tuple[str, str, bool]]
+) -> tuple[Fact, ...]:
+    """Return facts of words' keys and texts; empty ones only if they are required."""
+    return tuple(
+        (certificate.word(key), text or certificate.word("not_stated"))
+        for key, text, required in pairs
+        if text or required
+    )
+
+
+def without_empty(table: GridTable) -> GridTable:
+    """Return the table without columns that have no text in any row."""
+    kept = [
+        i for i in range(len(table.head)) if any(row[i] not in ("", NONE) for row in table.rows)
+    ]
+    return GridTable(
+        tuple(table.head[i] for i in kept),
+        tuple(tuple(row[i] for i in kept) for row in table.rows),
+        frozenset(new for new, old in enumerate(kept) if old in table.numbers),
+    )

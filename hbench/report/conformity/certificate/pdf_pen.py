@@ -1,0 +1,109 @@
+"""Sheets of A4 that are filled from the top, and words broken by their measured widths."""
+
+from collections.abc import Callable
+from functools import cache
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.lines import Line2D
+from matplotlib.textpath import TextToPath
+
+SHEET_WIDTH, SHEET_HEIGHT = 595.28, 841.89  # of A4
+LEFT, _TOP, _BOTTOM = 43.0, 50.0, 44.0
+INNER = SHEET_WIDTH - 2 * LEFT
+LINE = 1.27  # times the size of the letters
+INK, _RULE = "#000000", "#bbbbbb"
+_FAMILY = "DejaVu Sans"
+_TOGETHER = 6  # lines of a paragraph that is not broken
+
+
+class Pen:
+    """Place on the sheets that is filled next: a column at a height."""
+
+    def __init__(self) -> None:
+        self.done: list[Figure] = []
+        self.x, self.width = LEFT, INNER
+        self.on_turn: Callable[[], None] | None = None  # repeats the head of a table
+        self._turn()
+
+    def _turn(self) -> None:
+        figure = Figure(figsize=(SHEET_WIDTH / 72, SHEET_HEIGHT / 72))
+        FigureCanvasAgg(figure)
+        self.done.append(figure)
+        self.y = _TOP
+
+    def room(self, height: float) -> None:
+        """Begin another sheet where this one has less than ``height`` left."""
+        if self.y + height > SHEET_HEIGHT - _BOTTOM and self.y > _TOP:
+            self._turn()
+            if self.on_turn is not None:
+                self.on_turn()
+
+    def space(self, height: float) -> None:
+        """Leave a height empty."""
+        self.y += height
+
+    def write(self, line: str, size: float, x: float | None = None, **look: str) -> None:
+        """Set a line and go below it."""
+        self.y += size * LINE
+        set_text(self.done[-1], self.x if x is None else x, self.y, line, size, **look)
+
+    def words(self, text: str, size: float, weight: str = "normal", color: str = INK) -> None:
+        """Set a paragraph in the column, over sheets if need be."""
+        lines = wrapped(text, self.width, size, weight)
+        if len(lines) <= _TOGETHER:
+            self.room(len(lines) * size * LINE)
+        for line in lines:
+            self.room(size * LINE)
+            self.write(line, size, weight=weight, color=color)
+
+    def rule(self, color: str = _RULE, width: float = 0.6) -> None:
+        """Draw a line over the column."""
+        y = 1 - self.y / SHEET_HEIGHT
+        ends = self.x / SHEET_WIDTH, (self.x + self.width) / SHEET_WIDTH
+        self.done[-1].add_artist(Line2D(ends, (y, y), color=color, linewidth=width))
+
+
+@cache
+def _font(weight: str) -> FontProperties:
+    return FontProperties(family=_FAMILY, weight=weight, size=100)
+
+
+_MEASURE = TextToPath()
+
+
+@cache
+def width_of(text: str, weight: str) -> float:
+    """Return the width of a text per point of its size."""
+    font = _font(weight)
+    return float(_MEASURE.get_text_width_height_descent(text, font, False)[0]) / 100
+
+
+def wrapped(text: str, width: float, size: float, weight: str = "normal") -> list[str]:
+    """Break a text into lines of at most ``width``; a longer word is broken too."""
+    width += 0.01  # of rounding
+    lines, line = [], ""
+    for word in text.split(" "):
+        longer = f"{line} {word}".strip()
+        if width_of(longer, weight) * size <= width:
+            line = longer
+            continue
+        if line:
+            lines.append(line)
+        while len(word) > 1 and width_of(word, weight) * size > width:
+            fits = max(
+                1, sum(width_of(word[:n], weight) * size <= width for n in range(1, len(word)))
+            )
+            lines.append(word[:fits])
+            word = word[fits:]
+        line = word
+    return [*lines, line] if line or not lines else lines
+
+
+def set_text(sheet: Figure, x: float, y: float, text: str, size: float, **look: str) -> None:
+    """Set a line with its base at a place of the sheet; text is no mathematics."""
+    style = {"color": INK, "va": "baseline", **look}
+    if text:
+        place = x / SHEET_WIDTH, 1 - y / SHEET_HEIGHT
+        sheet.text(*place, text, size=size, parse_math=False, **style)

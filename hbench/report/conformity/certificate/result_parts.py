@@ -1,0 +1,152 @@
+"""Parts with the method, the results and their uncertainty."""
+
+from collections.abc import Iterable, Iterator
+
+from hbench.records.conformity.certified import Certified
+from hbench.report.conformity.certificate.certificate import Certificate
+from hbench.report.conformity.certificate.layout import (
+    GridTable,
+    Part,
+    localized,
+    without_empty,
+)
+from hbench.report.render.numbers import NONE, number, short, with_interval
+from hbench.units import from_si
+from hbench.untrusted_text import printable
+
+
+def method_part(certificate: Certificate) -> Part:
+    """Return the laboratory's procedure, how each quantity is measured, and the software."""
+    word, file, provenance = certificate.word, certificate.file, certificate.results.provenance
+    measured = {value.quantity for value in certificate.values}
+    version = provenance.software.get("hbench", word("not_stated"))
+    firmware = printable(provenance.firmware) or word("not_stated")
+    paragraphs = [
+        *([word("procedure", method=file.method)] if file.method else []),
+        *([word("method_steady")] if measured & {"friction", "efficiency"} else []),
+        *(word(f"method_{key}") for key in ("breakaway", "leakage") if key in measured),
+        word("software", version=printable(version), firmware=firmware),
+        word("external", external=file.external) if file.external else word("no_external"),
+        word("no_sampling"),
+    ]
+    if provenance.source == "imported":
+        paragraphs.append(word("imported"))
+    return Part("method", word("method"), paragraphs=tuple(paragraphs))
+
+
+def result_parts(certificate: Certificate) -> Iterator[Part]:
+    """Yield a part for each kind of measurement."""
+    word = certificate.word
+    if certificate.of("friction") or certificate.of("efficiency"):
+        remarks = (
+            [word("p_lr")] if any(v.measurement.p_lr_ref_pa for v in certificate.values) else []
+        )
+        if not certificate.all_speeds:
+            remarks.append(word("fewer"))
+        table = _steady(certificate)
+        yield Part("friction", word("friction"), tables=(table,), paragraphs=tuple(remarks))
+    if certificate.of("breakaway"):
+        yield Part("breakaway", word("breakaway"), tables=(_breakaways(certificate),))
+    if certificate.of("leakage"):
+        rows = tuple(
+            (
+                word(value.leak or ""),
+                value.measurement.label,
+                _interval(certificate, value, from_si(1.0, "ml/min") / from_si(1.0, "bar")),
+            )
+            for value in certificate.of("leakage")
+        )
+        head = tuple(map(word, ("leak", "series", "leakage_u")))
+        table = without_empty(GridTable(head, rows, frozenset({2})))
+        yield Part("leakage", word("leakage"), tables=(table,))
+
+
+def _steady(certificate: Certificate) -> GridTable:
+    """Return a row for each series and speed, with friction, pressure and efficiency."""
+    points: dict[tuple, dict[str, Certified]] = {}
+    for value in (*certificate.of("friction"), *certificate.of("efficiency")):
+        each = value.measurement
+        at = each.label, each.direction, each.f_load_n, each.p_lr_ref_pa, each.v_m_s
+        points.setdefault(at, {})[value.quantity] = value
+    rows = []
+    for (*series, speed), values in points.items():
+        force, share = values.get("friction"), values.get("efficiency")
+        row = (
+            *_series(certificate, series),
+            localized(certificate, number(None if speed is None else 1e3 * speed)),
+            _interval(certificate, force),
+            _factor(certificate, force),
+            _pressure(certificate, force),
+            _interval(certificate, share, 100.0),
+            _factor(certificate, share),
+        )
+        rows.append(row)
+    words = (
+        *("series", "direction", "load", "back_pressure", "speed"),
+        *("friction_u", "k", "pressure_u", "efficiency_u", "k"),
+    )
+    head = tuple(map(certificate.word, words))
+    return without_empty(GridTable(head, tuple(rows), frozenset(range(2, len(head)))))
+
+
+def _breakaways(certificate: Certificate) -> GridTable:
+    rows = tuple(
+        (
+            *_series(
+                certificate,
+                (each.label, each.direction, each.f_load_n, each.p_lr_ref_pa),
+            ),
+            localized(certificate, short(each.dwell_s)),
+            _interval(certificate, value),
+            _factor(certificate, value),
+            _pressure(certificate, value),
+        )
+        for value in certificate.of("breakaway")
+        for each in (value.measurement,)
+    )
+    words = ("series", "direction", "load", "back_pressure", "dwell", "breakaway_u", "k")
+    head = tuple(map(certificate.word, (*words, "pressure_u")))
+    return without_empty(GridTable(head, rows, frozenset(range(2, len(head)))))
+
+
+def _series(certificate: Certificate, series: Iterable) -> tuple[str, str, str, str]:
+    label, direction, f_load_n, p_lr_ref_pa = series
+    back = None if p_lr_ref_pa is None else from_si(p_lr_ref_pa, "bar")
+    return (
+        label,
+        certificate.word(direction) if direction else "",
+        "" if f_load_n is None else localized(certificate, short(f_load_n)),
+        "" if back is None else localized(certificate, short(back)),
+    )
+
+
+def _interval(certificate: Certificate, value: Certified | None, scale: float = 1.0) -> str:
+    if value is None:
+        return NONE
+    half = value.measurement.u95
+    text = with_interval(scale * value.measurement.value, None if half is None else scale * half)
+    return localized(certificate, text)
+
+
+def _pressure(certificate: Certificate, value: Certified | None) -> str:
+    if value is None or value.pressure_pa is None:
+        return NONE
+    half = value.pressure_u95_pa
+    bar = from_si(value.pressure_pa, "bar")
+    return localized(
+        certificate, with_interval(bar, None if half is None else from_si(half, "bar"))
+    )
+
+
+def _factor(certificate: Certificate, value: Certified | None) -> str:
+    k = None if value is None or value.measurement.u95 is None else value.k
+    return localized(certificate, number(k, 2))
+
+
+def uncertainty_part(certificate: Certificate) -> Part:
+    """Return what U is and what it does not contain."""
+    word = certificate.word
+    paragraphs = [word("trials_only" if certificate.instruments is None else "gum")]
+    if certificate.of("leakage"):
+        paragraphs.append(word("leak_interval"))
+    return Part("uncertainty", word("uncertainty"), paragraphs=tuple(paragraphs))
