@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from hbench.cli.commands.init import _FILES
+from hbench.cli.commands.init import _FILES, _OF_ONE_SIZE
 from hbench.config.bench import parse_bench
 from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.edited_yaml import with_values
@@ -17,7 +17,9 @@ from hbench.experiment.plan import plan_runs
 from tests.support import ROOT
 from tests.support.commands import hbench
 
-EXAMPLES = {name: (ROOT / "configs" / name).read_text() for name in _FILES}
+EXAMPLES = {
+    name: (ROOT / "configs" / name).read_text() for name in _FILES if name not in _OF_ONE_SIZE
+}
 SIZES = [
     Size(0.050, 0.036, 0.250, 100e5),
     Size(0.025, 0.012, 0.100, 160e5),
@@ -42,7 +44,7 @@ def test_every_schedule_can_be_planned_on_the_bench_and_limits_are_read(size):
     assert bench.test_cylinder.piston_diameter == pytest.approx(size.bore_m, rel=1e-4)
     assert bench.supply.pressure == pytest.approx(size.supply_pa, rel=1e-4)
     schedules = [name for name, data in files.items() if "experiments" in data]
-    assert len(schedules) == 7
+    assert len(schedules) == 8
     for name in schedules:
         assert files[name]["bench"] == BENCH_FILE
         try:
@@ -76,6 +78,7 @@ def test_values_are_replaced_in_place():
     text = "a: 1  # one\nb: [2, {c: 3}]\nd: 'x'\n"
     changed = with_values(text, lambda path, value: f"{value}0" if path != ("d",) else None)
     assert changed == "a: 10  # one\nb: [20, {c: 30}]\nd: 'x'\n"
+    assert with_values("a: &x 1 # n\nb: *x\n", lambda path, value: "2") == "a: &x 2 # n\nb: *x\n"
 
 
 def test_a_small_cylinder_is_measured_on_the_virtual_rig(tmp_path):

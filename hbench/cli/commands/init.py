@@ -19,11 +19,17 @@ _FILES = (
     "breakaway.yaml",
     "discriminate.yaml",
     "warm-up.yaml",
+    "acceptance-test.yaml",
+    "run-in.yaml",
+    "endurance.yaml",
     "demo.yaml",
     "fit.yaml",
     "limits.yaml",
+    "acceptance-limits.yaml",
+    "certificate.yaml",
     "import-csv.yaml",
 )
+_OF_ONE_SIZE = ("acceptance-test.yaml", "acceptance-limits.yaml", "endurance.yaml")  # not scaled
 # In SI; the example's physics is no guide to others.
 _RANGES = {
     "bore": (0.016, 0.3),
@@ -44,7 +50,8 @@ def init(
     """Write commented example files to edit: a bench, schedules, a fit file, limits, a map.
 
     With --bore, --rod, --stroke and --supply they are scaled for a cylinder of that size, which the
-    virtual rig then simulates: travel, limits, loads and pressures fit each other.
+    virtual rig then simulates: travel, limits, loads and pressures fit each other. Acceptance
+    test and endurance are left out: their loads are for the example's load cell.
 
     Example: hbench init my-bench
     """
@@ -56,7 +63,11 @@ def init(
     if size is not None:
         from hbench.config.files.sized_examples import BENCH_FILE, sized
 
-        contents = {name: sized(text.decode(), size).encode() for name, text in contents.items()}
+        contents = {
+            name: sized(text.decode(), size).encode()
+            for name, text in contents.items()
+            if name not in _OF_ONE_SIZE
+        }
         contents = {BENCH_FILE: contents.pop(_FILES[0]), **contents}
     bench, *_ = contents
     taken = [name for name in contents if (directory / name).exists()]

@@ -1,5 +1,6 @@
 """Values of YAML text replaced in place, so that comments and order stay."""
 
+import re
 from collections.abc import Callable, Iterator
 
 import yaml
@@ -7,6 +8,7 @@ import yaml
 from hbench.config.files.yaml_text import compose_yaml
 
 Path = tuple[str, ...]  # keys, and the numbers of list items
+_ANCHOR = re.compile(r"&\S+\s+")
 
 
 def with_values(text: str, change: Callable[[Path, str], str | None], comment: str = "") -> str:
@@ -19,7 +21,9 @@ def with_values(text: str, change: Callable[[Path, str], str | None], comment: s
     for path, scalar in scalars(compose_yaml(text)):
         new = change(path, scalar.value)
         if new is not None and new != scalar.value:
-            changes[scalar.start_mark.index] = scalar.end_mark.index, new
+            start, end = scalar.start_mark.index, scalar.end_mark.index
+            anchor = _ANCHOR.match(text, start, end)
+            changes[anchor.end() if anchor else start] = end, new
     for start in sorted(changes, reverse=True):
         end, new = changes[start]
         text = text[:start] + new + _rest(text[end:], end - start - len(new), comment)
