@@ -78,7 +78,7 @@ def test_values_are_replaced_in_place():
     text = "a: 1  # one\nb: [2, {c: 3}]\nd: 'x'\n"
     changed = with_values(text, lambda path, value: f"{value}0" if path != ("d",) else None)
     assert changed == "a: 10  # one\nb: [20, {c: 30}]\nd: 'x'\n"
-    assert with_values("a: &x 1 # n\nb: *x\n", lambda path, value: "2") == "a: &x 2 # n\nb: *x\n"
+    assert with_values("a: &x 1  # n\nb: *x\n", lambda path, value: "2") == "a: &x 2  # n\nb: *x\n"
 
 
 def test_a_small_cylinder_is_measured_on_the_virtual_rig(tmp_path):
