@@ -120,9 +120,8 @@ class CampaignSearch(CandidateEvaluator):
         dropped: list[str] = []
         for name in names[:-1]:
             others = tuple(each for each in names if each not in (name, *dropped))
-            without = self.refit(
-                self.linearise_at(model, self._hypothesis_without(model, name)), others
-            )
+            start = self.linearise_at(model, self._hypothesis_without(model, name))
+            without = self.refit(start, others, _columns_of(model, others))
             without = self.with_columns(without, _columns_of(model, [name]))
             evaluated = self._evaluate_in_full(without, others, name)
             evaluated = self._with_threshold(evaluated, others, [name])

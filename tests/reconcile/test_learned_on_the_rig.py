@@ -22,7 +22,7 @@ BORE = {"position_friction": {"slope": "60 N", "bow": "120 N"}}
 
 def reconciled(runs, bench, sections, monkeypatch):
     monkeypatch.setattr(
-        "hbench.reconcile.diagnose._observable_effects",
+        "hbench.reconcile.diagnose.observable_effects",
         lambda runs, plant: (("supply_droop", "velocity_filter_lag"), {}),
     )
     provenance = Provenance("bore", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")

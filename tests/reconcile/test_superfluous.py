@@ -16,7 +16,7 @@ class Search(CampaignSearch):
     def linearise_at(self, start, hypothesis):
         return SimpleNamespace(**vars(start) | {"hypothesis": hypothesis})
 
-    def refit(self, start, effects):
+    def refit(self, start, effects, renewed):
         return start
 
     def with_columns(self, model, names):

@@ -181,8 +181,8 @@ def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unname
     )  # fmt: skip
     says = (
         "The revised model contains an unnamed law, fitted as a table: dry friction of −2.0 to "
-        "31 N over position in the balance force, test side, whose gap of held-out runs falls from "
-        "9.5 to 2.1. A table reproduces a deviation but does not show its cause."
+        "31 N over position (force, test side; gap of held-out runs 9.5 before, 2.1 after). A "
+        "table reproduces a deviation but does not show its cause."
     )
     text = summary(replace(compared, verdict="unknown", unnamed=(law,)))
     assert says in text and "No part can be named for inspection." in text

@@ -40,9 +40,8 @@ def law_summary(laws: Sequence[UnnamedLaw]) -> str:
         low, high = (significant(end(law.values), 2) for end in (min, max))
         before, after = (number(gap, 1) for gap in (law.gap_before, law.gap_after))
         parts.append(
-            f"{term(law)} of {low} to {high} {law.unit} over {words(law.quantities)} in the "
-            f"balance {balance(law.balance).title}, whose gap of held-out runs falls from {before} "
-            f"to {after}"
+            f"{term(law)} of {low} to {high} {law.unit} over {words(law.quantities)} "
+            f"({balance(law.balance).title}; gap of held-out runs {before} before, {after} after)"
         )
     kind = "an unnamed law" if len(laws) == 1 else "unnamed laws"
     return (
