@@ -139,7 +139,8 @@ class CampaignSearch(CandidateEvaluator):
     def refined(self, model: LinearisedModel, names: tuple[str, ...]) -> LinearisedModel:
         """Return the model with effects ``names`` and their shapes refitted to all deviations.
 
-        The columns of the nuisances stay those of ``model``: refinement changes them little.
+        All columns are computed at ``model`` first: with those of the model without an effect no
+        step may be better. Those of the nuisances then stay, as refinement changes them little.
         """
         taking_part = [model.data.names[i] for i in model.index(names)]
         residuals = replace(model.gap_map, material=np.zeros(len(model.gap_map.names)))
@@ -149,6 +150,7 @@ class CampaignSearch(CandidateEvaluator):
             residuals,
             {key: model.columns[key] for key in taking_part},
         )
+        start = self.with_columns(start, taking_part)
         best = self.refit(start, names, _columns_of(start, names))
         for name in names:
             shapes = [".".join(which) for which in shape_coefficients(name)]
