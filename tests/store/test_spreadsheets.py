@@ -32,6 +32,16 @@ def test_practical_units_are_in_names_and_numbers():
     assert table.p_tp_bar[1] == pytest.approx(-2) and table.temp_port_degc[1] == 0
 
 
+def test_a_leak_coefficient_keeps_its_flow_at_any_pressure():
+    head = "value_m3_s_pa,ci95_low_m3_s_pa,pressure_pa,flow_m3_s"
+    coefficient, pressure = 2e-13, 80e5
+    text = in_practical_units(f"{head}\n{coefficient},1e-13,{pressure},{coefficient * pressure}\n")
+    table = frame(text)
+    assert list(table) == ["value_l_min_bar", "ci95_low_l_min_bar", "pressure_bar", "flow_l_min"]
+    value, _, bar, flow = table.iloc[0]
+    assert value * bar == pytest.approx(flow) == pytest.approx(0.096)
+
+
 def test_a_decimal_comma_is_read_back_and_texts_stay():
     text = with_decimal_comma(TABLE)
     table = frame(text, sep=";", decimal=",", dtype={"run": str})

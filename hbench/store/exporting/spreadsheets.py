@@ -23,6 +23,7 @@ _LONGEST_NAME = 31  # of a sheet
 _WIDEST = 40  # characters
 # Ending of a column in SI, its ending in practical units, and that unit; the longer ones first.
 _PRACTICAL: tuple[tuple[str, str, Unit], ...] = (
+    ("_m3_s_pa", "_l_min_bar", Unit(1e-3 / 60 / 1e5, ())),
     ("_n_pa", "_n_bar", Unit(1e-5, ())),
     ("_m3_s", "_l_min", Unit(1e-3 / 60, ())),
     ("_m_s2", "_m_s2", UNITS["1"]),
