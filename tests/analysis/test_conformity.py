@@ -54,6 +54,16 @@ def test_shared_risk_decides_only_where_the_uncertainty_is_small_enough():
     assert refused.decision == "NOT TESTED" and "11%" in refused.reason
 
 
+def test_between_two_limits_the_uncertainty_is_compared_with_half_of_their_distance():
+    from_zero = Requirement("friction", "N", low=0.0, high=100.0)
+    assert decide(from_zero, Measurement(50.0, u95=4.9), "shared_risk", 0.1).decision == "PASS"
+    assert decide(from_zero, Measurement(50.0, u95=5.1), "shared_risk", 0.1).decision != "PASS"
+    limit = {"quantity": "friction", "min": "0 N"}
+    shared = {"rule": "shared_risk", "largest_uncertainty": "10 %"}
+    with pytest.raises(ConfigError, match="must not be 0"):
+        parse_limits({"limits": [limit], **shared}, "limits.yaml")
+
+
 def test_without_an_uncertainty_only_the_simple_rule_decides():
     measured = Measurement(50.0, u95=None)
     assert decide(HIGHEST, measured, "simple") == ("PASS", None, "")

@@ -42,12 +42,9 @@ def decide(
     if measured.u95 is None:
         return Decision("NOT TESTED", None, "the uncertainty is not known")
     if rule == "shared_risk":
-        allowed = (largest_uncertainty or 0.0) * _smallest_limit(requirement)
-        if measured.u95 > allowed:
-            share = measured.u95 / _smallest_limit(requirement)
-            reason = (
-                f"U95 is {share:.0%} of the limit; at most {largest_uncertainty:.0%} is allowed"
-            )
+        share = measured.u95 / requirement.tolerance
+        if largest_uncertainty is None or share > largest_uncertainty:
+            reason = f"U95 is {share:.0%} of the limit; limit {largest_uncertainty or 0:.0%}"
             return Decision("NOT TESTED", probability, reason)
         return Decision("PASS" if inside >= 0 else "FAIL", probability)
     if inside < 0:
@@ -77,9 +74,3 @@ def _margin(requirement: Requirement, value: float) -> float:
     if requirement.high is not None:
         margins.append(requirement.high - value)
     return min(margins)
-
-
-def _smallest_limit(requirement: Requirement) -> float:
-    """Return the smallest magnitude of the limits, by which U95 is judged."""
-    limits = (requirement.low, requirement.high)
-    return min(abs(limit) for limit in limits if limit is not None)

@@ -124,6 +124,8 @@ class Limits(ConfigSection):
             raise ValueError(
                 "rule shared_risk needs 'largest_uncertainty', the largest U95 in % of a limit"
             )
+        if needed and any(limit.requirement.tolerance == 0 for limit in self.limits):
+            raise ValueError("rule shared_risk compares U95 with the limit, which must not be 0")
         if not needed and self.largest_uncertainty is not None:
             raise ValueError("'largest_uncertainty' belongs to rule shared_risk")
         return self

@@ -32,6 +32,13 @@ class Requirement:
     pressure_pa: float | None = None  # difference that drives a leak
 
     @property
+    def tolerance(self) -> float:
+        """Size that U95 is compared with: of the limit, or half of the distance between two."""
+        if self.low is not None and self.high is not None:
+            return (self.high - self.low) / 2
+        return abs(self.low or self.high or 0.0)
+
+    @property
     def is_pressure(self) -> bool:
         """Whether a force is limited as the pressure on the driving area."""
         return self.unit == "bar"
