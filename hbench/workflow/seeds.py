@@ -37,10 +37,12 @@ def measure_seeds(
     rig.close()
     job = partial(_measure_seed, experiment, folder, plant, resume, clock, baud, retry)
     runs, seconds = 0, 0.0
-    for done, summary in enumerate(map_on_cores(job, seeds), start=1):
+    made_again: dict[str, str] = {}
+    for done, (seed, summary) in enumerate(map_on_cores(job, seeds), start=1):
         runs, seconds = runs + summary.runs, seconds + summary.seconds
+        made_again |= {f"{seed}/{run}": found for run, found in summary.made_again.items()}
         report(done)
-    return MeasurementSummary(runs, seconds)
+    return MeasurementSummary(runs, seconds, made_again)
 
 
 def _measure_seed(
@@ -52,9 +54,9 @@ def _measure_seed(
     baud: int | None,
     retry: int,
     seed: int,
-) -> MeasurementSummary:
+) -> tuple[int, MeasurementSummary]:
     destination = folder / str(seed)
-    return measure(
+    return seed, measure(
         experiment,
         destination,
         port="sim",

@@ -137,7 +137,7 @@ def run(
         raise
     finally:
         display.close()
-    for run_id, found in getattr(summary, "made_again", {}).items():
+    for run_id, found in summary.made_again.items():
         typer.echo(f"note: run {run_id} was made again, its log was damaged: {found}", err=True)
     if as_json:
         typer.echo(as_object("run", campaign=output, **vars(summary)))
