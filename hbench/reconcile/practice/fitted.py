@@ -70,7 +70,7 @@ def change(
 
 
 def effect_in_practice(name: str, changes: tuple[Change, ...]) -> EffectInPractice:
-    """Return what an effect changes, with what its row of the catalogue tells the reader.
+    """Return what an effect changes, with the description and advice of its catalogue row.
 
     Quantities that it does not change are left out.
     """

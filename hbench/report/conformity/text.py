@@ -4,6 +4,7 @@ from xml.etree import ElementTree
 
 from hbench.records import WordTable
 from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
+from hbench.report.campaign.motion_rows import LEAKS
 from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import NONE, short, significant, with_interval
 from hbench.report.render.terminal_table import table_lines
@@ -17,11 +18,6 @@ QUANTITIES = {
     "leakage": "leakage",
     "speed_ripple": "speed ripple",
     "drift": "drift of friction",
-}
-_LEAKS = {
-    "across_piston": "across the piston",
-    "piston_side_out": "from the piston side outwards",
-    "rod_side_out": "from the rod side outwards",
 }
 RULES = {
     "simple": "simple acceptance: the measured value decides",
@@ -100,7 +96,7 @@ def requirement_words(check: ConformityCheck) -> str:
     words = QUANTITIES[requirement.quantity]
     if requirement.leak is not None and requirement.pressure_pa is not None:
         at = short(from_si(requirement.pressure_pa, "bar"))
-        words += f" {_LEAKS[requirement.leak]} at {at} bar"
+        words += f" {LEAKS[requirement.leak]} at {at} bar"
     speed = requirement.v_m_s if measured is None else measured.v_m_s
     if speed is not None:
         words += f" at {short(1e3 * speed)} mm/s"

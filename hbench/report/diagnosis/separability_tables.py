@@ -54,7 +54,7 @@ def alike_table(separability: Separability) -> WordTable:
 
 
 def planned_effects_text(planned: PlannedEffects) -> str:
-    """Return the tables of planned runs and what they lack, for a terminal (ASCII)."""
+    """Return the tables of planned runs and what is missing for more effects, in ASCII."""
     alike = alike_table(planned.separability)
     shortfalls = [f"no effect can be named; missing: {item}" for item in planned.shortfalls]
     missing = [f"missing to distinguish more effects: {item}" for item in planned.missing]

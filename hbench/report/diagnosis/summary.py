@@ -141,9 +141,9 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
                 if other.name in names[names.index(effect.name) :]:
                     pair = f"{words(effect.name)} and {words(other.name)}"
                     yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
-    told = diagnosis.next_experiment or ""
+    experiment = diagnosis.next_experiment or ""
     inspect = [practice[name].inspect for name in names if name in practice]
-    inspect = [each for each in inspect if each and each not in told]
+    inspect = [each for each in inspect if each and each not in experiment]
     if inspect:
         yield f"At the bench, inspect {'; or '.join(inspect)}."
 

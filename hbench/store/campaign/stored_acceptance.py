@@ -1,12 +1,10 @@
 """The decision that ``hbench accept`` wrote into a campaign folder."""
 
-import json
 from pathlib import Path
 from typing import get_args
 
-from hbench.errors import DataError
 from hbench.records.conformity.acceptance import Conformity
-from hbench.store.files.bounded_read import LARGEST_JOURNAL, read_file
+from hbench.store.campaign.stored_diagnosis import read_document
 
 FILE_NAME = "acceptance.json"
 SCHEMA = "hbench.acceptance/1"
@@ -20,11 +18,6 @@ def stored_decision(folder: Path) -> str:
     path = folder / "results" / FILE_NAME
     if not path.is_file() or not path.resolve().is_relative_to(folder.resolve()):
         return ""
-    try:
-        content = json.loads(read_file(path, LARGEST_JOURNAL))
-    except (DataError, ValueError, RecursionError):
-        return ""
-    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        return ""
-    decision = str(content.get("decision"))
-    return decision if decision in get_args(Conformity) else ""
+    content = read_document(path, SCHEMA)
+    decision = content.get("decision") if isinstance(content, dict) else None
+    return str(decision) if decision in get_args(Conformity) else ""

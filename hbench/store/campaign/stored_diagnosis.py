@@ -18,19 +18,20 @@ def diagnoses(folder: Path) -> list[tuple[str, dict[str, Any] | str]]:
     followed.
     """
     return [
-        (path.parent.name, _read(path))
+        (path.parent.name, read_document(path, SCHEMA))
         for path in sorted(folder.glob(f"*/{FILE_NAME}"))
         if path.resolve().is_relative_to(folder.resolve())
     ]
 
 
-def _read(path: Path) -> dict[str, Any] | str:
+def read_document(path: Path, schema: str) -> dict[str, Any] | str:
+    """Return the content of a JSON document of this ``schema``; the reason if it has none."""
     try:
         content = json.loads(read_file(path, LARGEST_JOURNAL))
     except DataError as error:
         return error.message
     except (ValueError, RecursionError) as error:
         return f"{path}: is not JSON: {error}"
-    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        return f"{path}: schema is not {SCHEMA}"
+    if not isinstance(content, dict) or content.get("schema") != schema:
+        return f"{path}: schema is not {schema}"
     return content
