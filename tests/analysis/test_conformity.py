@@ -10,6 +10,7 @@ from hbench.analysis.conformity.acceptance import conformity_checks
 from hbench.analysis.conformity.decision import decide, probability_of_conformity
 from hbench.config.conformity.limits import parse_limits
 from hbench.errors import ConfigError
+from hbench.records import Specimen
 from hbench.records.conformity.acceptance import Measurement, Requirement
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import derive
@@ -162,6 +163,17 @@ def test_the_headlines_pressure_is_what_the_chambers_and_the_load_cell_leave(sma
                 )
                 compared += 1
     assert compared == len(small.headline.series) > 1
+
+
+def test_without_hydraulics_a_limit_in_bar_is_not_tested(small):
+    def bare(screened):
+        plan = replace(screened.run.plan, specimen=Specimen(0.0, 0.0))
+        return replace(screened, run=replace(screened.run, plan=plan))
+
+    drive = replace(small, runs=tuple(map(bare, small.runs)))
+    (check,) = checks(drive, {"quantity": "friction", "max": "1 bar"})
+    assert check.decision == "NOT TESTED" and "area" in check.reason
+    assert checks(drive, {"quantity": "friction", "max": "1 kN"})[0].measurement is not None
 
 
 def test_what_was_not_measured_is_not_tested_and_what_was_is_listed(small):

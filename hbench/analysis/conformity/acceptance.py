@@ -4,7 +4,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from hbench.analysis.conformity.decision import decide
-from hbench.analysis.conformity.measured import TOLERANCE, leaks_measured, measurements
+from hbench.analysis.conformity.measured import (
+    TOLERANCE,
+    has_areas,
+    leaks_measured,
+    measurements,
+)
 from hbench.records import Results
 from hbench.records.conformity.acceptance import ConformityCheck, Measurement, Requirement, Rule
 from hbench.units import from_si
@@ -60,6 +65,8 @@ def _why_not(results: Results, requirement: Requirement) -> str:
         highest = max(leakage.highest_pa(requirement.leak) for leakage in leakages)
         if requirement.pressure_pa and requirement.pressure_pa > (1 + TOLERANCE) * highest:
             return f"the holds reached {from_si(highest, 'bar'):.3g} bar"
+    if requirement.is_pressure and not has_areas(results):
+        return "the driving area, on which a pressure is limited, is not known"
     anywhere = replace(
         requirement, label=None, direction=None, f_load_n=None, p_lr_ref_pa=None, v_m_s=None
     )

@@ -32,6 +32,8 @@ _SteadyCurve = TypeVar("_SteadyCurve", Curve, EfficiencyCurve)
 
 def measurements(results: Results, requirement: Requirement) -> tuple[Measurement, ...]:
     """Return the measured values that a requirement applies to, one for each series and speed."""
+    if requirement.is_pressure and not has_areas(results):
+        return ()
     return tuple(_MEASURED[requirement.quantity](results, requirement))
 
 
@@ -197,6 +199,12 @@ def _near(value: float | None, stated: float | None) -> bool:
     if stated is None:
         return True
     return value is not None and abs(value - stated) <= TOLERANCE * abs(stated)
+
+
+def has_areas(results: Results) -> bool:
+    """Return whether the driving areas are known: a drive without hydraulics has none."""
+    specimen = results.runs[0].run.plan.specimen
+    return specimen.area_piston_m2 > 0 and specimen.area_rod_m2 > 0
 
 
 def _per(results: Results, requirement: Requirement, direction: Direction) -> float:
