@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from hbench.analysis.statistics import profile
 from hbench.analysis.statistics.bounded import Problem, descend, sum_of_squares
 from hbench.analysis.statistics.profile import profile_interval
 from hbench.analysis.statistics.student import student_factor
@@ -123,3 +124,30 @@ def test_an_end_that_the_data_does_not_set_is_infinite():
     level = 2.1**2 * sum_of_squares(problem, solution.x) / 18
     ends = profile_interval(problem, solution, 1, level, np.full(2, np.nan))
     assert INFINITE in ends or -INFINITE in ends
+
+
+def test_steps_on_ellipsoids_find_the_limits_of_the_search_along_the_parameter(monkeypatch):
+    """Decays through noise, some of which end at a bound: 20 curves of three parameters."""
+    x = np.linspace(0.02, 1.0, 15)
+    by_ellipsoids, quick = profile._by_ellipsoids, []
+
+    def counted(*arguments):
+        quick.append(by_ellipsoids(*arguments))
+        return quick[-1]
+
+    for seed in range(20):
+        y = 1.0 + 2.0 * np.exp(-x / 0.3) + 0.1 * np.random.default_rng(seed).standard_normal(15)
+        problem = Problem(
+            lambda p, y=y: p[0] + p[1] * np.exp(-x / p[2]) - y,
+            np.array([0.8, 0.0, 0.02]),
+            np.array([INFINITE, INFINITE, 1.0]),
+            np.array([1.0, 1.0, 0.3]),
+        )
+        solution = descend(problem, np.array([1.0, 2.0, 0.3]))
+        monkeypatch.setattr(profile, "_by_ellipsoids", counted)
+        found = intervals(problem, solution, 12)
+        monkeypatch.setattr(profile, "_by_ellipsoids", lambda *arguments: None)
+        expected = intervals(problem, solution, 12)
+        half = np.abs(expected - solution.x[:, None])
+        np.testing.assert_array_less(np.abs(found - expected), 3e-3 * half + 1e-12)
+    assert np.mean([limit is not None for limit in quick]) > 0.6

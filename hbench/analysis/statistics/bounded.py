@@ -21,7 +21,8 @@ _STATIONARY, _CONVERGED = 1e-14, 1e-6  # cosine of residual and effects at a min
 _NEAR = 1e-3  # of a parameter's scale: a nearer bound may be active
 _EVALUATIONS = 2000
 _EXACT = 1e-3  # of rounding: nothing is left to search for
-_STEPS = 20  # tried before the trust region
+_STEPS = 50  # tried before the trust region
+_LEAST_DAMPING = 1e-3  # of the Jacobian's norm
 
 
 class Problem(NamedTuple):
@@ -101,7 +102,7 @@ def descend(
 
     The search ends when the relative change of cost or step is below ``tolerance``. Without free
     parameters it has converged. With a larger ``tolerance`` than the default, the start is assumed
-    to be near the solution: Gauss-Newton steps, which are much faster, are tried first.
+    to be near the solution: Levenberg-Marquardt steps, which are much faster, are tried first.
     """
     movable = np.ones(len(start), dtype=bool)
     movable[list(fixed)] = False
@@ -140,7 +141,7 @@ def _search(
     if _offset(problem, x, free) <= _STATIONARY:  # where the search would not end
         return x, True
     if tolerance > _TOLERANCE:
-        x, converged = _gauss_newton(problem, x, free, tolerance)
+        x, converged = _levenberg_marquardt(problem, x, free, tolerance)
         if converged:
             return x, True
 
@@ -177,28 +178,43 @@ def _offset(problem: Problem, x: np.ndarray, free: np.ndarray) -> float:
     return float(along.max(initial=0.0) / np.linalg.norm(residual))
 
 
-def _gauss_newton(
+def _levenberg_marquardt(
     problem: Problem, x: np.ndarray, free: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, bool]:
-    """Take Gauss-Newton steps while they reduce the cost inside the bounds; return convergence.
+    """Take damped Gauss-Newton steps, cut off at the bounds; return ``x`` and convergence.
 
-    It has converged where a step changes the cost by no more than the tolerance.
+    A parameter at a bound is held there while the cost falls outwards. It has converged where an
+    undamped step of the others is expected to change the cost by no more than the tolerance.
     """
-    residual = problem.residual(x)
+    residual, damping = problem.residual(x), 0.0
     least = residual @ residual
     for _ in range(_STEPS):
-        jacobian = problem.derivatives(x)[:, free]
+        jacobian = problem.derivatives(x) * problem.scale
         if not np.isfinite(jacobian).all():
             break
-        y = x.copy()
-        y[free] -= np.linalg.lstsq(jacobian, residual, rcond=None)[0]
-        if not ((problem.lower < y) & (y < problem.upper))[free].all():
-            break
-        residual = problem.residual(y)
-        squares = residual @ residual
-        if abs(least - squares) <= tolerance * least:  # up or down
-            return (y if squares < least else x), True
-        if not squares < least:
-            break
-        x, least = y, squares
+        gradient = residual @ jacobian
+        outwards = np.where(gradient > 0, x <= problem.lower, x >= problem.upper)
+        moved = np.flatnonzero(free & ~outwards)
+        jacobian = jacobian[:, moved]
+        size = np.linalg.norm(jacobian)
+        while True:
+            rows, right = jacobian, residual
+            if damping:
+                rows = np.vstack([jacobian, damping * size * np.eye(len(moved))])
+                right = np.append(residual, np.zeros(len(moved)))
+            change = np.linalg.lstsq(rows, right, rcond=None)[0]
+            y = x.copy()
+            y[moved] -= change * problem.scale[moved]
+            y = np.where(free, np.clip(y, problem.lower, problem.upper), y)
+            after = problem.residual(y)
+            squares = after @ after
+            if not damping and np.sum((jacobian @ change) ** 2) <= tolerance * least:
+                return (y if squares < least else x), True
+            if squares < least:
+                break
+            damping = max(10.0 * damping, _LEAST_DAMPING)
+            if damping > 1.0:
+                return x, False
+        x, residual, least = y, after, squares
+        damping = damping / 10.0 if damping > _LEAST_DAMPING else 0.0
     return x, False

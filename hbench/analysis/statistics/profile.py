@@ -5,13 +5,19 @@
 The interval is |tau| <= t, Student's factor (Bates and Watts, 1988, section 6.1). It need not be
 symmetric, and bounds of the other parameters are active in S(theta) only where needed. The interval
 ends at the parameter's own bound and is one-sided there.
+
+A limit is the largest value of the parameter where S <= S_min + t^2 s^2. It is sought over all
+parameters at once (Venzon and Moolgavkar, 1988), each step on the ellipsoid of the linearised
+residuals. Where that fails, S(theta) is evaluated along the parameter.
 """
 
 import numpy as np
 
+from hbench.analysis.rounding import ROUNDING
 from hbench.analysis.statistics.bounded import Problem, Solution, descend, sum_of_squares
 
 _NEAR = 1e-3  # of t: tolerance of the search for a limit
+_STEPS = 15  # on ellipsoids
 _TOLERANCE = 1e-10  # of the cost: the others are then exact to 1e-5 of their standard errors
 _EVALUATIONS = 40
 _GROWTH = 4.0  # longest step outwards, as a multiple of the distance so far
@@ -39,8 +45,11 @@ def _limit(
     sign: float,
     direction: np.ndarray,
 ) -> float:
-    """Search for tau = t on one side: secant steps in tau, kept inside the bracket."""
+    """Search for tau = t on one side. Along the parameter: secant steps in tau in a bracket."""
     best, least = solution.x, sum_of_squares(problem, solution.x)
+    limit = _by_ellipsoids(problem, best + direction, number, sign, least, level)
+    if limit is not None:
+        return limit
     bound = problem.upper[number] if sign > 0 else problem.lower[number]
     to_bound = abs(bound - best[number])
     if to_bound == 0.0:
@@ -79,3 +88,42 @@ def _limit(
         if distance > 1e9 * problem.scale[number]:
             return sign * np.inf
     return float(best[number] + sign * distance)
+
+
+def _by_ellipsoids(
+    problem: Problem, x: np.ndarray, number: int, sign: float, least: float, level: float
+) -> float | None:
+    """Search for a limit from ``x`` near it; None where it is not found inside the bounds.
+
+    Each step leads to the extreme of the ellipsoid |r + J d|^2 = S_min + level. Other parameters at
+    a bound stay there while S falls outwards.
+    """
+    own = np.arange(len(x)) == number
+    for _ in range(_STEPS):
+        if not problem.lower[number] < x[number] < problem.upper[number]:
+            return None  # NaN too
+        x = np.clip(x, problem.lower, problem.upper)
+        with np.errstate(all="ignore"):
+            residual, jacobian = problem.residual(x), problem.derivatives(x) * problem.scale
+        if not (np.isfinite(jacobian).all() and np.isfinite(residual).all()):
+            return None
+        gradient = residual @ jacobian
+        held = np.where(gradient > 0, x <= problem.lower, x >= problem.upper) & ~own
+        moved = np.append(np.flatnonzero(~held & ~own), number)  # its own column is the last
+        q, r = np.linalg.qr(jacobian[:, moved])
+        if np.abs(np.diag(r)).min() <= ROUNDING * np.abs(r).max():
+            return None
+        along = residual @ q
+        room = least + level - residual @ residual + along @ along
+        if room < 0.0:
+            along[-1] = 0.0  # no such point: reduce S at this value of the parameter
+        to_edge = -along
+        if room >= 0.0:
+            to_edge[-1] += sign * np.copysign(np.sqrt(room), r[-1, -1])
+        elif to_edge @ to_edge <= _NEAR**2 * level:
+            return None
+        x[moved] += np.linalg.solve(r, to_edge) * problem.scale[moved]
+        inside = problem.lower[number] < x[number] < problem.upper[number]
+        if inside and room >= 0.0 and to_edge @ to_edge <= _NEAR**2 * level:
+            return float(x[number])
+    return None
