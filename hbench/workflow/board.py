@@ -10,9 +10,11 @@ from hbench.errors import ConfigError
 from hbench.model.sensors import sensor_gains
 from hbench.rig.client import Identity
 from hbench.rig.discovery import ListedPort, ProbedPort, probe_ports, system_ports
-from hbench.rig.flash import boot_rom
-from hbench.rig.flash.boot_image import BootImage, read_boot_image
+from hbench.rig.flash.f28335 import boot_rom as f28335
+from hbench.rig.flash.f28335.boot_image import BootImage
+from hbench.rig.flash.image import Image, read_image
 from hbench.rig.flash.programmer import flash_through
+from hbench.rig.flash.stm32f4 import boot_rom as stm32f4
 from hbench.rig.lines import open_line
 from hbench.rig.ports import BAUD, Port, SerialPort
 from hbench.rig.serve import FullSpeed, WallClock, serve
@@ -21,17 +23,23 @@ from hbench.units import from_si
 _INTERVAL_OF_HEARTBEAT = 0.5  # at full speed; the rest is for the client's next message
 
 
-def load_image(image_file: Path) -> BootImage:
+def load_image(image_file: Path) -> Image:
     """Read and check a firmware image. Raises ``ConfigError``, ``DataError``."""
-    return read_boot_image(image_file)
+    return read_image(image_file)
 
 
-def flash(image: BootImage, port: str, boot_baud: int, baud: int) -> Identity:
+def flash(
+    image: Image, port: str, boot_baud: int, baud: int, firmware_port: str | None = None
+) -> Identity:
     """Load ``image`` into the board at ``port``; return the board's identity.
 
-    Raises ``ConfigError``, ``DeviceError``.
+    ``firmware_port`` is the line on which the firmware answers, if not that of the boot ROM. Raises
+    ``ConfigError``, ``DeviceError``.
     """
-    return boot_rom.flash(image, _line_to_board(port), boot_baud, baud)
+    firmware = _line_to_board(firmware_port or port)
+    if isinstance(image, BootImage):
+        return f28335.flash(image, _line_to_board(port), firmware, boot_baud, baud)
+    return stm32f4.flash(image, _line_to_board(port, "E"), firmware, boot_baud, baud)
 
 
 def flash_through_programmer(image_file: Path, bench_file: Path, port: str, baud: int) -> Identity:
@@ -48,12 +56,12 @@ def flash_through_programmer(image_file: Path, bench_file: Path, port: str, baud
     return flash_through(programmer.command, programmer.timeout, image_file, line, baud)
 
 
-def _line_to_board(port: str) -> Callable[[int], Port]:
+def _line_to_board(port: str, parity: str = "N") -> Callable[[int], Port]:
     if port == "sim":
         raise ConfigError(
             "--port sim: the virtual rig can't be flashed", "Give a serial device as --port."
         )
-    return lambda rate: SerialPort(port, rate)
+    return lambda rate: SerialPort(port, rate, parity)
 
 
 def find_boards(names: Sequence[str]) -> tuple[ProbedPort, ...]:

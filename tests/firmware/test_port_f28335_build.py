@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hbench.rig.flash.boot_image import LOADABLE
+from hbench.rig.flash.f28335.boot_image import LOADABLE
 from tests.support.board.f28335_board import COMPILER, CORE, PORT, SOURCES, data_words
 
 STRICT = (

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hbench.errors import ConfigError, DataError, ExitCode
-from hbench.rig.flash.boot_image import parse_boot_image, read_boot_image
+from hbench.rig.flash.f28335.boot_image import parse_boot_image
+from hbench.rig.flash.image import read_image
 from tests.support.board.boot_rom_standin import octets_of, stream_of, text_of
 
 GOOD = stream_of(0x008000, [(0x008000, [0x1234, 0xABCD]), (0x000000, [0x0040, 0x8000])])
@@ -52,7 +53,7 @@ def test_one_mark_alone_is_taken():
 
 @pytest.mark.parametrize("start, words", [(0x000050, 0x7B0), (0x008000, 0x8000)])
 def test_a_block_may_fill_a_region_to_its_last_word(start, words):
-    assert parse(stream_of(start, [(start, [0] * words)])).words == words
+    assert parse(stream_of(start, [(start, [0] * words)])).size == f"{words} words in 1 blocks"
 
 
 @pytest.mark.parametrize(
@@ -132,7 +133,7 @@ def test_no_file_is_anything_but_an_image_or_a_data_error(tmp_path_factory, cont
     path = tmp_path_factory.getbasetemp() / "any.txt"
     path.write_bytes(content)
     with pytest.raises(DataError):
-        read_boot_image(path)
+        read_image(path)
 
 
 @given(st.lists(st.integers(0, 0xFFFF), max_size=60))
@@ -144,4 +145,4 @@ def test_no_words_are_anything_but_an_image_or_a_data_error(words):
 
 def test_a_missing_file_is_a_usage_error(tmp_path):
     with pytest.raises(ConfigError, match="none.txt"):
-        read_boot_image(tmp_path / "none.txt")
+        read_image(tmp_path / "none.txt")

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError, ExitCode
-from hbench.rig.flash.boot_image import parse_boot_image
-from hbench.rig.flash.boot_rom import ECHO_WINDOW, NotInBoot, flash, send_image
+from hbench.rig.flash.f28335.boot_image import parse_boot_image
+from hbench.rig.flash.f28335.boot_rom import ECHO_WINDOW, flash, send_image
+from hbench.rig.flash.identity import NotInBoot
 from tests.support.board.boot_rom_standin import (
     FIRMWARE,
     PROGRAM_BAUD,
@@ -26,7 +27,7 @@ from tests.support.board.boot_rom_standin import (
 )
 
 BAUD = 57_600
-ID_WORDS = [ord(character) for character in FIRMWARE]
+ID_WORDS = [ord(character) for character in FIRMWARE + "f28335"]
 STREAM = stream_of(0x8000, [(0x8000, [*range(1, 400)]), (0x9000, [*ID_WORDS, 0])])
 IMAGE = parse_boot_image(text_of(STREAM), "image.txt")
 WORDS = st.lists(st.integers(0, 0xFFFF), min_size=1, max_size=40)
@@ -46,7 +47,7 @@ class Bench:
 
     def flash(self):
         try:
-            return flash(IMAGE, self.open, BAUD, PROGRAM_BAUD)
+            return flash(IMAGE, self.open, self.open, BAUD, PROGRAM_BAUD)
         finally:
             assert all(line.closed for line in self.lines)
 
@@ -201,6 +202,12 @@ def test_another_firmware_than_the_loaded_one_is_found_out():
     assert re.search(r"'hbench-core 8.8'.*image.txt", error.message)
 
 
+def test_another_board_than_that_of_the_image_is_found_out():
+    other = Program()
+    other.identity["board"] = "mps2"
+    assert re.search(r"'mps2'.*image.txt", failure(Bench(BootRom(ram_program=other))).message)
+
+
 def test_a_firmware_of_another_protocol_is_refused_by_name():
     assert "protocol 99," in failure(Bench(BootRom(ram_program=Program(protocol=99)))).message
 
@@ -260,14 +267,14 @@ def test_the_command_prints_who_runs(terminal, tmp_path, monkeypatch, capsys):
     out, err = capsys.readouterr()
     assert end.value.code == 0
     assert re.fullmatch(rf"{device}: .*'{FIRMWARE}' .*'f28335'\n", out)
-    assert re.search(rf"\b{399 + len(FIRMWARE) + 1} words\b.*\b2 blocks", err)
+    assert re.search(rf"\b{399 + len(ID_WORDS) + 1} words\b.*\b2 blocks", err)
 
 
 def test_the_command_ends_with_the_exit_code_of_a_bad_image(tmp_path, monkeypatch, capsys):
     from hbench.cli.main import main
 
     path = tmp_path / "image.txt"
-    path.write_text("\x7fELF")
+    path.write_text("no image")
     monkeypatch.setattr("sys.argv", ["hbench", "flash", str(path), "--port", "/dev/none"])
     with pytest.raises(SystemExit) as end:
         main()

@@ -15,9 +15,9 @@ Written from the documents and tested with a simulated ROM only, never on hardwa
 from collections.abc import Callable
 
 from hbench.errors import DeviceError
-from hbench.rig.client import BoardClient, Identity, NoAnswer
-from hbench.rig.flash.boot_image import BootImage
-from hbench.rig.flash.identity import verified_identity
+from hbench.rig.client import Identity
+from hbench.rig.flash.f28335.boot_image import BootImage
+from hbench.rig.flash.identity import NotInBoot, running_firmware_error, verified_identity
 from hbench.rig.ports import Port
 
 ECHO_WINDOW = 48  # octets without echo yet
@@ -35,26 +35,26 @@ _SILENT_PROGRAM = (
 )
 
 
-class NotInBoot(DeviceError):
-    """Absence of a boot ROM that waits for its ``A``."""
-
-
 def flash(
-    image: BootImage, open_port: Callable[[int], Port], boot_baud: int, baud: int
+    image: BootImage,
+    open_boot: Callable[[int], Port],
+    open_firmware: Callable[[int], Port],
+    boot_baud: int,
+    baud: int,
 ) -> Identity:
     """Load ``image`` at ``boot_baud``, start it, and return its identity, read at ``baud``.
 
-    ``open_port`` opens the line at a rate. Raises ``DeviceError``.
+    The functions open the ROM's line and the firmware's at a rate. Raises ``DeviceError``.
     """
-    port = open_port(boot_baud)
+    port = open_boot(boot_baud)
     try:
         send_image(port, image)
     except NotInBoot as error:
         port.close()
-        raise _running_firmware_error(open_port, baud) or error from None
+        raise running_firmware_error(open_firmware(baud), f"{_RESET}.") or error from None
     finally:
         port.close()
-    return verified_identity(open_port(baud), image.name, image.contains_text, _SILENT_PROGRAM)
+    return verified_identity(open_firmware(baud), image.name, image.contains_text, _SILENT_PROGRAM)
 
 
 def send_image(port: Port, image: BootImage) -> None:
@@ -127,22 +127,3 @@ def _compare(name: str, stream: bytes, awaited: range, echo: bytes) -> None:
                 f"sent 0x{stream[at]:02X}, got 0x{octet:02X}",
                 f"Check the line for interference. {_LINE}",
             )
-
-
-def _running_firmware_error(open_port: Callable[[int], Port], baud: int) -> DeviceError | None:
-    """Return the error of wrong boot pins if a firmware runs instead of the boot ROM."""
-    port = open_port(baud)
-    try:
-        firmware = BoardClient(port).identify().firmware
-        answer = f"firmware '{firmware}' is running and answers"
-    except NoAnswer:
-        return None
-    except DeviceError as error:
-        answer = error.message.removeprefix(f"{port.name}: ")
-    finally:
-        port.close()
-    return NotInBoot(
-        f"{port.name}: wrong boot pins or no reset: a program runs instead of the boot ROM: "
-        f"{answer}",
-        f"{_RESET}.",
-    )

@@ -15,14 +15,11 @@ Written from those documents; not yet tried with a board.
 
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
-from hbench.config.files.regular_file import FileTooLarge, read_regular_file
-from hbench.errors import ConfigError, DataError
+from hbench.errors import DataError
 
 KEY = b"\xaa\x08"
 _RESERVED_OCTETS = 16
-_LARGEST = 16_000_000  # bytes of text; the chip's memory takes less than two
 LOADABLE = ((0x000000, 0x000001), (0x000050, 0x0007FF), (0x008000, 0x00FFFF))
 """First and last address of M0 and M1, less the ROM's own stack, and of L0 to L7."""
 
@@ -48,9 +45,14 @@ class BootImage:
     stream: bytes
 
     @property
-    def words(self) -> int:
-        """Number of words loaded."""
-        return sum(len(block.words) for block in self.blocks)
+    def size(self) -> str:
+        """What is loaded, for the user."""
+        words = sum(len(block.words) for block in self.blocks)
+        return f"{words} words in {len(self.blocks)} blocks"
+
+    def seconds(self, baud: int) -> float:
+        """Return the time on the line, s: 10 bits an octet."""
+        return 10 * len(self.stream) / baud
 
     def contains_text(self, text: str) -> bool:
         """Return whether the loaded memory contains a string, one character per word (C28x)."""
@@ -62,19 +64,6 @@ class BootImage:
             all(memory.get(address + i) == word for i, word in enumerate(wanted))
             for address in memory
         )
-
-
-def read_boot_image(path: Path) -> BootImage:
-    """Read and check an image file. Raises ``ConfigError`` (no file), ``DataError``."""
-    try:
-        text = read_regular_file(path, _LARGEST).decode(
-            "latin-1"
-        )  # never fails; what is not hex is shown
-    except FileTooLarge as error:
-        raise DataError(f"{path}: {error}", "Give an image for the F28335.") from None
-    except OSError as error:
-        raise ConfigError(f"{path}: {error.strerror or error}", "Check the path.") from None
-    return parse_boot_image(text, str(path))
 
 
 def parse_boot_image(text: str, source: str) -> BootImage:
