@@ -1,8 +1,8 @@
 """Check of proposed gains in the nonlinear closed loop, on the bench and on variants of it.
 
 The firmware makes steady runs at the grid's slow, middle and fast speed, every load and both
-directions, over as much of the stroke as 6 s and the braking distance allow. Each run is screened
-as by ``hbench analyze``.
+directions, over as much of the stroke as 6 s and the braking distance allow. A speed for which the
+stroke is too short is lowered. Each run is screened as by ``hbench analyze``.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,6 +28,8 @@ from hbench.records import Check, Proposal, Run
 OVERSHOOT = 0.5  # of limits.speed_error, at which the board stops
 PRESSURE_ERROR = 0.01  # of the supply pressure; mean error of a load pressure
 _LAG_S, _WINDOW_S, _SPARE_M = 0.06, 6.0, 2e-3
+_SHORTEST_S, _SLOWER = 0.5, 0.8  # steady window, and the factor by which a speed is lowered for it
+_SLOWEST_M_S = 1e-3
 
 
 def proposal(
@@ -121,12 +123,13 @@ def _physics(bench: Bench, factors: Mapping[str, float]) -> Plant:
 
 def schedule(bench: Bench) -> dict[str, Any]:
     """Return the schedule of the check, in the form of a schedule file."""
-    limits, brake = bench.limits, bench.controllers.acceleration
+    brake = bench.controllers.acceleration
     experiments = []
     for condition in conditions(bench, plant_parameters(bench))[0]:
         speed = abs(condition.v_m_s)
-        spare = _LAG_S * speed + speed**2 / (2 * brake) + _SPARE_M
-        low, high = limits.travel_min + spare, limits.travel_max - spare
+        while (travel := _travel(bench, speed)) is None:
+            speed *= _SLOWER
+        low, high = travel
         experiments.append(
             {
                 "kind": "steady",
@@ -142,6 +145,17 @@ def schedule(bench: Bench) -> dict[str, Any]:
             }
         )
     return {"name": "design", "experiments": experiments}
+
+
+def _travel(bench: Bench, speed: float) -> tuple[float, float] | None:
+    """Return a travel for a steady run; None where it leaves too short a window."""
+    limits, brake, rules = bench.limits, bench.controllers.acceleration, Screening()
+    ramp = speed**2 / (2 * brake)
+    spare = _LAG_S * speed + ramp + _SPARE_M
+    low, high = limits.travel_min + spare, limits.travel_max - spare
+    steady = (high - low - ramp) / speed - max(rules.settle_time, rules.settle_travel / speed)
+    # At the slowest speed the plan tells what is missing.
+    return (low, high) if steady >= _SHORTEST_S or speed < _SLOWEST_M_S else None
 
 
 def judge(recorded: ClosedLoopRuns, bench: Bench, rules: Screening, plant: str) -> Iterator[Check]:

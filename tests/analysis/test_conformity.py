@@ -32,6 +32,22 @@ def test_the_probability_is_that_of_students_distribution(value, dof):
 
 
 @pytest.mark.parametrize(
+    ("low", "high", "value", "u", "published"),
+    [
+        (None, -5.40, -5.47, 0.05, 0.92),  # V, breakdown voltage of a Zener diode
+        (490.0, None, 509.7, 8.6, 0.989),  # kPa, bursting strength of a container
+        (12.5, 16.3, 13.6, 1.8, 0.66),  # mm^2/s, viscosity of a motor oil
+    ],
+)
+def test_the_examples_of_jcgm_106(low, high, value, u, published):
+    """Section 7 of the guide, typed from memory: the pages were not at hand."""
+    requirement = Requirement("friction", "N", low=low, high=high)
+    measured = Measurement(value, u95=u * stats.norm.ppf(0.975))
+    found = probability_of_conformity(requirement, measured)
+    assert found == pytest.approx(published, abs=0.006)
+
+
+@pytest.mark.parametrize(
     ("value", "simple", "guarded"),
     [(91.9, "PASS", "PASS"), (92.1, "PASS", "MARGINAL"), (100.0, "PASS", "MARGINAL")]
     + [(100.1, "FAIL", "FAIL"), (88.1, "PASS", "PASS"), (87.9, "PASS", "MARGINAL")]

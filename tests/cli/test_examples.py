@@ -14,13 +14,13 @@ import typer.main
 from typer.testing import CliRunner
 
 from hbench.cli.main import app
-from tests.support.board.boot_rom_standin import (
-    FIRMWARE,
-    BootLine,
-    BootRom,
-    Program,
-    stream_of,
-    text_of,
+from tests.support.board.stm32_rom_standin import (
+    FLASH,
+    RomLine,
+    Stm32Rom,
+    elf,
+    program,
+    running,
 )
 
 ROOT = Path(__file__).parents[2]
@@ -44,8 +44,10 @@ def world(tmp_path, quick_schedule, monkeypatch, undrawn):
     shutil.move(schedule, tmp_path / "configs" / "demo.yaml")
     shutil.move(tmp_path / "bench.yaml", tmp_path / "configs" / "bench.yaml")
     shutil.copy(ROOT / "configs" / "import-csv.yaml", tmp_path / "configs")
-    rom = BootRom(ram_program=Program())
-    monkeypatch.setattr("hbench.workflow.board.SerialPort", lambda name, rate: BootLine(rom, rate))
+    rom = Stm32Rom(program=running())
+    monkeypatch.setattr(
+        "hbench.workflow.board.SerialPort", lambda name, rate, parity: RomLine(rom, rate)
+    )
     monkeypatch.setattr("hbench.workflow.board.system_ports", lambda: [])
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -87,9 +89,7 @@ def logs(world):
 
 
 def image(world):
-    identity = [*map(ord, FIRMWARE), 0]
-    stream = stream_of(0x8000, [(0x8000, [*range(1, 40)]), (0x9000, identity)])
-    (world / "firmware.txt").write_text(text_of(stream))
+    (world / "hbench-stm32f4.elf").write_bytes(elf([(FLASH, program(600))]))
 
 
 def too_few_runs(world):

@@ -6,20 +6,19 @@ import numpy as np
 import pytest
 import yaml
 
-from hbench.cli.commands.init import _FILES, _OF_ONE_SIZE
+from hbench.cli.commands.init import _FILES
 from hbench.config.bench import parse_bench
 from hbench.config.conformity.limits import parse_limits
 from hbench.config.files.edited_yaml import with_values
 from hbench.config.files.sized_examples import BENCH_FILE, Size, sized
 from hbench.config.schedule import parse_schedule
 from hbench.errors import HbenchError
+from hbench.experiment import design_verification
 from hbench.experiment.plan import plan_runs
 from tests.support import ROOT
 from tests.support.commands import hbench
 
-EXAMPLES = {
-    name: (ROOT / "configs" / name).read_text() for name in _FILES if name not in _OF_ONE_SIZE
-}
+EXAMPLES = {name: (ROOT / "configs" / name).read_text() for name in _FILES}
 SIZES = [
     Size(0.050, 0.036, 0.250, 100e5),
     Size(0.025, 0.012, 0.100, 160e5),
@@ -44,14 +43,17 @@ def test_every_schedule_can_be_planned_on_the_bench_and_limits_are_read(size):
     assert bench.test_cylinder.piston_diameter == pytest.approx(size.bore_m, rel=1e-4)
     assert bench.supply.pressure == pytest.approx(size.supply_pa, rel=1e-4)
     schedules = [name for name, data in files.items() if "experiments" in data]
-    assert len(schedules) == 8
+    assert len(schedules) == 10
     for name in schedules:
         assert files[name]["bench"] == BENCH_FILE
         try:
             assert plan_runs(parse_schedule(files[name], name), bench, name).runs
         except HbenchError as error:
             pytest.fail(f"{name}: {error.message}")
+    check = parse_schedule(design_verification.schedule(bench), "design")
+    assert len(plan_runs(check, bench, "design").runs) > 8
     assert parse_limits(files["limits.yaml"], "limits").limits
+    assert parse_limits(files["acceptance-limits.yaml"], "limits").limits
 
 
 def test_the_examples_own_size_changes_nothing_but_names_and_comments():

@@ -29,7 +29,6 @@ _FILES = (
     "certificate.yaml",
     "import-csv.yaml",
 )
-_OF_ONE_SIZE = ("acceptance-test.yaml", "acceptance-limits.yaml", "endurance.yaml")  # not scaled
 # In SI; the example's physics is no guide to others.
 _RANGES = {
     "bore": (0.016, 0.3),
@@ -63,11 +62,7 @@ def init(
     if size is not None:
         from hbench.config.files.sized_examples import BENCH_FILE, sized
 
-        contents = {
-            name: sized(text.decode(), size).encode()
-            for name, text in contents.items()
-            if name not in _OF_ONE_SIZE
-        }
+        contents = {name: sized(text.decode(), size).encode() for name, text in contents.items()}
         contents = {BENCH_FILE: contents.pop(_FILES[0]), **contents}
     bench, *_ = contents
     taken = [name for name in contents if (directory / name).exists()]

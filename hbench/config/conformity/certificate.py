@@ -113,7 +113,8 @@ def completed(
                 raise ConfigError(
                     f"{source}: {section}.{key} = {extra[key]!r}: the campaign has "
                     f"{recorded[key]!r}",
-                    "The certificate file adds to the campaign's record and cannot change it.",
+                    f"Remove {key!r} from the file: it adds to the campaign's record and cannot "
+                    "change it.",
                 )
         stated[section] = extra | {key: value for key, value in recorded.items() if value}
     return (

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hbench.config.files.edited_yaml import Path, with_values
-from hbench.units import from_si
+from hbench.units import from_si, to_si
 
 BENCH_FILE = "bench.yaml"  # of another size
 _EXAMPLE_BENCH = "bench-aau.yaml"
@@ -21,6 +21,8 @@ _SPANS_PA = (100e5, 160e5, 250e5, 400e5, 600e5, 1000e5)  # of pressure transduce
 _SPAN_OVER_SUPPLY = 250 / 150
 _LEAST_START_MM = 10.0  # of a travel: braking stays within limits.travel_min
 _LEAST_PISTON_BAR = 3.0  # that p_lr alone causes in P_Lp, above the tank's pressure
+_HIGHEST_ROD = 140 / 150  # of the supply: highest p_lr of the examples
+_LEAST_P_LP_PA = 5.5e5  # that the largest retracting load leaves
 _NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)( .+)")
 _SCALED = "scaled from the example: enter your bench's"
 _HEAD = """\
@@ -51,6 +53,16 @@ class Size:
     def rod_area(self) -> float:
         """A_r over that of the example."""
         return (self.bore_m**2 - self.rod_m**2) / (_BORE_M**2 - _ROD_M**2)
+
+    @property
+    def piston_m2(self) -> float:
+        """A_p."""
+        return math.pi / 4 * self.bore_m**2
+
+    @property
+    def rod_m2(self) -> float:
+        """A_r."""
+        return self.piston_m2 * self.area_ratio
 
     @property
     def area_ratio(self) -> float:
@@ -144,21 +156,26 @@ def _times(factor: Callable[[Size], float], digits: int = 2, least: float = -mat
     return scaled
 
 
-def _rounded(value: float, digits: int) -> str:
+def _rounded(value: float, digits: int, rounding: Callable[[float], int] = round) -> str:
     if value == 0:
         return "0"
     step = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
-    return f"{round(value / step) * step:.{digits + 2}g}".replace("e-0", "e-").replace("e+0", "e")
+    rounded = rounding(value / step + 1e-9) * step
+    return f"{rounded:.{digits + 2}g}".replace("e-0", "e-").replace("e+0", "e")
 
 
 def _load(value: str, size: Size) -> str:
-    """Scale a load by the area that drives against it: of the rod side if it is negative."""
-    if _NUMBER.fullmatch(value) is None or float(value.split()[0]) == 0:
-        return value
-    sign, area = (-1, size.rod_area) if value.startswith("-") else (1, size.piston_area)
-    return ("-" if sign < 0 else "") + _times(lambda size: area * size.pressure)(
-        value.lstrip("-"), size
-    )
+    """Scale a load by the area that drives against it: of the rod side if it is negative.
+
+    Then no more than what leaves P_Lp above the tank's pressure at the highest p_lr.
+    """
+    digits = max(2, len(value.split()[0].replace(".", "").strip("-0")))  # as the example
+    if not value.startswith("-"):
+        return _times(lambda size: size.force, digits)(value, size)
+    number, unit = value[1:].split()
+    most_n = _HIGHEST_ROD * size.supply_pa * size.rod_m2 - _LEAST_P_LP_PA * size.piston_m2
+    least = min(float(number) * size.rod_area * size.pressure, most_n / to_si(f"1 {unit}", "N"))
+    return f"-{_rounded(least, digits, math.floor)} {unit}"
 
 
 def _rod_pressure(value: str, size: Size) -> str:
@@ -172,6 +189,7 @@ def _of_friction(value: str, size: Size) -> str:
 _PISTON = _times(lambda size: size.piston_area, 4)
 _ROD = _times(lambda size: size.rod_area, 4)
 _FORCE = _times(lambda size: size.force)
+_LOAD_CELL = _times(lambda size: max(size.piston_area, size.rod_area) * size.pressure)
 _LENGTH = _times(lambda size: size.length)
 _SPEED = _times(lambda size: size.speed)
 _SEAL = _times(lambda size: size.seal)
@@ -198,19 +216,20 @@ _BENCH: dict[Path, Rule] = {
     ("end_stop", "damping"): _PISTON,
     ("sensors", "position", "span"): _LENGTH,
     ("sensors", "pressure", "span"): _exactly("bar", lambda size: size.span_pa),
-    ("sensors", "load_cell", "area"): _FORCE,
+    ("sensors", "load_cell", "area"): _LOAD_CELL,
     # Damping by friction falls with size: B / m with the bore, B / A with the stroke's compliance.
     ("controllers", "velocity", "gain"): _times(lambda s: min(1.0, 1 / (s.seal * s.length**0.5))),
     ("limits", "travel_max"): _times(lambda size: size.length, 3),
     ("limits", "pressure_max"): _exactly("bar", lambda size: 0.92 * size.span_pa),
-    ("instruments", "force", "full_scale"): _FORCE,
+    ("instruments", "force", "full_scale"): _LOAD_CELL,
     ("instruments", "pressure", "full_scale"): _exactly("bar", lambda size: size.span_pa),
 }
 _SCHEDULE: dict[str, Rule] = {
     **dict.fromkeys(("loads", "load"), _load),
     "p_lr": _rod_pressure,
+    "pressure": _times(lambda size: size.pressure),  # of limits
     "start": _times(lambda size: size.length, least=_LEAST_START_MM),
-    **dict.fromkeys(("end", "position", "positions"), _LENGTH),
+    **dict.fromkeys(("end", "position", "positions", "rest_travel"), _LENGTH),
     **dict.fromkeys(("rise", "rate"), _FORCE),
     **dict.fromkeys(("first", "last", "velocities", "speed", "levels", "velocity"), _SPEED),
     **dict.fromkeys(("min_step", "max_step", "transition"), _SPEED),
