@@ -38,6 +38,7 @@ FAULT_WORDS = {
     "limits.speed_error_time",
     "overrun": "the control interrupt was late or took too long",
     "return": "the piston did not return to the start of a run in time",
+    "load": "the references of the load's pressures were not reached in time",
     "supply": "the supply was on during a zero check",
 }
 
