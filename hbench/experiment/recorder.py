@@ -11,16 +11,20 @@ from hbench.config.bench import Bench
 from hbench.errors import DeviceError
 from hbench.experiment.progress import Ended, Progress
 from hbench.experiment.run_journal import Journal
-from hbench.protocol.dictionary import PHASES, RECORD, RECORD_FLAGS
+from hbench.protocol.dictionary import PHASES, RECORD, RECORD_FLAGS, STATES
 from hbench.records import LogChannel, Outcome, RawRun, RunPlan, ScreenedRun
 
 LOG_CHANNELS = tuple(LogChannel(word.name, word.signed, word.scale, word.unit) for word in RECORD)
 END_MISSING = "the end of its log is missing"
+FALSE_END = "a record is marked as the last of its log, but the run went on"
 OVERRUN = "{} records were overwritten before they were pulled: the log ran over"
 
 _WORDS = [word.name for word in RECORD]
 _RUN, _INDEX, _FLAGS = (_WORDS.index(name) for name in ("run", "index", "flags"))
 _LAST, _SETTLED = (1 << RECORD_FLAGS.index(name) for name in ("last", "settled"))
+_MOVING = tuple(
+    PHASES.index(name) for name in ("accelerate", "steady", "closed", "push", "vent")
+)  # the phases in which a run is logged
 _PRESSURES = ("p_tp", "p_tr", "p_lp", "p_lr", "p_s")
 
 Judge = Callable[[RawRun], ScreenedRun]
@@ -29,8 +33,9 @@ Judge = Callable[[RawRun], ScreenedRun]
 class Recorder:
     """Recorder of the runs of a plan; journals each run at its start and its end.
 
-    A run is done once all its records up to the last have been received. ``judge``, if given,
-    screens each run as it ends; a rejected one may be repeated ``retry`` times.
+    A run is done once all its records up to the last have been received, and the next record or the
+    board's status confirms that it is over. ``judge``, if given, screens each run as it ends; a
+    rejected one may be repeated ``retry`` times.
     """
 
     def __init__(
@@ -52,6 +57,8 @@ class Recorder:
         self._number = 0  # of the current run; 0: none
         self._lost = 0  # records of the current run, at most
         self._gap = 0  # records lost right before the next one
+        self._marked = False  # the newest record is marked as the run's last
+        self._false_end = False  # an earlier one was
         self._finished: dict[int, Outcome] = {}
         self._attempts: dict[int, int] = {}
         self._verdicts: dict[int, Ended] = {}  # the last of each run
@@ -104,7 +111,10 @@ class Recorder:
 
         The board still names a run while it brakes after the last record; that starts nothing.
         """
-        if number == self._number or number in self._finished:
+        if number == self._number:
+            return
+        self._end_if_marked()
+        if number in self._finished:
             return
         if number not in self._plans:
             raise DeviceError(f"the board reports run {number}, which is not in the plan")
@@ -119,7 +129,7 @@ class Recorder:
     def lose(self, count: int) -> None:
         """Note that the next ``count`` records are lost, of whichever runs."""
         self._gap += count
-        if self._number:
+        if self._number and not self._marked:
             self._lost += count
 
     def feed(self, words: np.ndarray) -> None:
@@ -131,10 +141,32 @@ class Recorder:
                 self._lost = self._gap  # which held this run's first records
             self._gap = 0
             if not self._number:
-                raise DeviceError(f"the board sent records of run {piece[0, _RUN]} after its last")
+                self._recall(int(piece[0, _RUN]))
+            marks = (piece[:, _FLAGS] & _LAST) != 0
+            self._false_end |= self._marked or bool(marks[:-1].any())
+            self._marked = bool(marks[-1])
             self._words.append(piece)
-            if piece[-1, _FLAGS] & _LAST:
-                self.finish("done", _ending(self._plans[self._number], piece[-1, _FLAGS]))
+
+    def follow(self, status: Mapping[str, Any]) -> None:
+        """Note the board's status after all records that were logged before it."""
+        moving = STATES[status["state"]] == "running" and status["phase"] in _MOVING
+        if moving and status["run"] == self._number:
+            self._false_end |= self._marked
+            self._marked = False
+        self._end_if_marked()
+
+    def _recall(self, number: int) -> None:
+        """Count a run that was done as not made: records follow its last. Raises ``DeviceError``."""
+        del self._finished[number]
+        self.begin(number)
+        raise DeviceError(
+            f"the board sent records of run {number:04d} after its last",
+            "Reset the board, then continue with --resume.",
+        )
+
+    def _end_if_marked(self) -> None:
+        if self._marked:
+            self.finish("done", _ending(self._plans[self._number], self._words[-1][-1, _FLAGS]))
 
     def finish(self, outcome: Outcome, why: str) -> None:
         """End the current run: journal its log and its outcome, then screen it."""
@@ -144,8 +176,11 @@ class Recorder:
         words = np.concatenate(self._words) if self._words else np.zeros((0, len(RECORD)), "<u2")
         if self._lost and (outcome == "done" or why == END_MISSING):
             outcome, why = "failed", OVERRUN.format(self._lost)
+        elif self._false_end and (outcome == "done" or why == END_MISSING):
+            outcome, why = "failed", FALSE_END
         self._finished[number] = outcome
         self._words, self._number, self._lost = [], 0, 0
+        self._marked = self._false_end = False
         self._journal.finish_run(plan, words, outcome, why, self._clock())
         self._unreported.append(number)
         if self._judge is not None:

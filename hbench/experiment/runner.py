@@ -175,6 +175,7 @@ def _follow(client: BoardClient, recorder: Recorder, report: Report, number: int
             recorder.lose(part.lost)
             recorder.feed(part.words)
         number = status["log_next"]
+        recorder.follow(status)
         if state in ("running", "fault"):
             recorder.begin(status["run"])
         if state == "done":

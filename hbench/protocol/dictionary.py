@@ -261,7 +261,9 @@ def canonical_text() -> str:
         "faults": FAULTS,
         "refusals": REFUSALS,
         "inputs": INPUTS,
-        "settings": tuple(f"{name}:{low:g}:{high:g}" for name, (low, high) in SETTING_RANGES.items()),
+        "settings": tuple(
+            f"{name}:{low:g}:{high:g}" for name, (low, high) in SETTING_RANGES.items()
+        ),
         "flags": RECORD_FLAGS,
     }
     lines += [f"{name} {' '.join(table)}" for name, table in tables.items()]
