@@ -156,7 +156,7 @@ class Recorder:
         self._end_if_marked()
 
     def _recall(self, number: int) -> None:
-        """Count a run that was done as not made: records follow its last. Raises ``DeviceError``."""
+        """Count a run as not made, since records follow its last one. Raises ``DeviceError``."""
         del self._finished[number]
         self.begin(number)
         raise DeviceError(
