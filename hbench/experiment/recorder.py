@@ -48,12 +48,13 @@ class Recorder:
         retry: int = 0,
     ):
         self._plans = {int(plan.run): plan for plan in plans}
-        self._bench = bench
+        self.bench = bench
         self._journal = journal
         self._clock = clock
         self._judge = judge
         self._retry = retry
         self._words: list[np.ndarray] = []
+        self._records = 0  # in these words
         self._number = 0  # of the current run; 0: none
         self._lost = 0  # records of the current run, at most
         self._gap = 0  # records lost right before the next one
@@ -65,11 +66,6 @@ class Recorder:
         self._unreported: list[int] = []  # runs that have ended since the last report
         self._again: set[int] = set()  # finished, but to be repeated
         self.supply_is_off = False  # as the last upload needed it
-
-    @property
-    def supply_pa(self) -> float:
-        """Supply pressure of the bench file."""
-        return self._bench.supply.pressure
 
     @property
     def current(self) -> str:
@@ -87,7 +83,7 @@ class Recorder:
         return replace(self._progress(status, int(plan.run), []), waiting=what)
 
     def _progress(self, status: Mapping[str, Any], number: int, ended: list[int]) -> Progress:
-        cylinder = self._bench.load_cylinder
+        cylinder = self.bench.load_cylinder
         p_lp, p_lr = status["p_lp_pa"], status["p_lr_pa"]
         return Progress(
             runs_done=len(self._finished) - len(self._again),
@@ -98,9 +94,9 @@ class Recorder:
             v_ref_m_s=status["v_ref_m_s"],
             f_load_n=p_lp * cylinder.area_piston_m2 - p_lr * cylinder.area_rod_m2,
             pressures_pa={name: status[f"{name}_pa"] for name in _PRESSURES},
-            pressure_max_pa=self._bench.limits.pressure_max,
+            pressure_max_pa=self.bench.limits.pressure_max,
             x_m=status["x_m"],
-            travel_m=(self._bench.limits.travel_min, self._bench.limits.travel_max),
+            travel_m=(self.bench.limits.travel_min, self.bench.limits.travel_max),
             phase=PHASES[status["phase"]] if status["phase"] < len(PHASES) else "none",
             attempt=self._attempts.get(number, 1),
             ended=tuple(self._verdicts[n] for n in ended if n in self._verdicts),
@@ -136,16 +132,29 @@ class Recorder:
         """Sort records in order: ``words`` (n, words of a record)."""
         edges = np.flatnonzero(np.diff(words[:, _RUN])) + 1
         for piece in np.split(words, edges) if len(words) else ():
-            self.begin(int(piece[0, _RUN]))
+            number = int(piece[0, _RUN])
+            self.begin(number)
+            if number != self._number:
+                self._recall(number)
             if not self._words and piece[0, _INDEX]:
                 self._lost = self._gap  # which held this run's first records
             self._gap = 0
-            if not self._number:
-                self._recall(int(piece[0, _RUN]))
             marks = (piece[:, _FLAGS] & _LAST) != 0
             self._false_end |= self._marked or bool(marks[:-1].any())
             self._marked = bool(marks[-1])
             self._words.append(piece)
+            self._records += len(piece)
+            self._check_length()
+
+    def _check_length(self) -> None:
+        plan = self._plans[self._number]
+        longest = plan.planned_motion.duration_s * self.bench.controllers.log_rate
+        if self._records > 1.01 * longest + 100:
+            raise DeviceError(
+                f"run {plan.run}: the board sent {self._records} records; its longest log has "
+                f"{longest:.0f}",
+                "Reset the board, then continue with --resume.",
+            )
 
     def follow(self, status: Mapping[str, Any]) -> None:
         """Note the board's status after all records that were logged before it."""
@@ -179,12 +188,12 @@ class Recorder:
         elif self._false_end and (outcome == "done" or why == END_MISSING):
             outcome, why = "failed", FALSE_END
         self._finished[number] = outcome
-        self._words, self._number, self._lost = [], 0, 0
+        self._words, self._records, self._number, self._lost = [], 0, 0, 0
         self._marked = self._false_end = False
         self._journal.finish_run(plan, words, outcome, why, self._clock())
         self._unreported.append(number)
         if self._judge is not None:
-            rate_hz = self._bench.controllers.log_rate
+            rate_hz = self.bench.controllers.log_rate
             screened = self._judge(
                 RawRun(plan, words, LOG_CHANNELS, RECORD_FLAGS, rate_hz, outcome, why)
             )

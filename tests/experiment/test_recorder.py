@@ -89,6 +89,14 @@ def test_a_false_mark_inside_a_run_does_not_end_it_and_the_run_is_failed(recorde
         recorder.close()
 
 
+def test_a_run_that_logs_more_than_its_motion_can_last_ends_in_an_error(recorder, quick_experiment):
+    longest = quick_experiment.plans[0].motion.duration_s * recorder.bench.controllers.log_rate
+    parts = (records(1, 7 * n, 7 * (n + 1)) for n in range(10_000))
+    with pytest.raises(DeviceError, match=f"run 0001: the board sent .* {longest:.0f}\n"):
+        for part in parts:
+            recorder.feed(part)
+
+
 def test_a_run_whose_records_go_on_after_its_end_was_confirmed_is_not_made(recorder, journal):
     """The board's status lies as well. The journal's last word on the run is that it failed."""
     recorder.feed(records(1, 0, 20, [19]))
