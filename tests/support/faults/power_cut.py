@@ -1,6 +1,6 @@
 """System calls of this process below a folder, and what a power cut leaves of each prefix of them.
 
-``Trace`` records the calls. ``Disk`` is the model of a file system after ALICE (Pillai et al., 2014)
+``Trace`` records the calls. ``Disk`` is a model of a file system after ALICE (Pillai et al., 2014)
 and POSIX: written octets are durable once their file was flushed, entries of a folder once the
 folder was. ``leftovers`` gives the trees that a cut may leave:
 
