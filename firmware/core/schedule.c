@@ -4,7 +4,7 @@
 
 #define HB_RETURN_GAIN_1_S 5.0f
 /* Margin of the time in which the load's references are reached. */
-#define HB_LOAD_MARGIN_S 1.0f
+#define HB_LOAD_MARGIN_S 0.1f
 /* The return ends after this time within this distance of the start: mean speed <= 20 mm/s. */
 #define HB_NEAR_M 1e-3f
 #define HB_NEAR_S 0.1f

@@ -40,7 +40,7 @@ class Upload:
         travel = limits.travel_max - limits.travel_min
         gain = min(5.0, 1.5 * acceleration / speed)
         back = 3 * travel / speed + 10 + 8 / gain
-        load = 2 * (limits.pressure_max / control.pressure_slew + speed / acceleration) + 1
+        load = 2 * (limits.pressure_max / control.pressure_slew + speed / acceleration) + 0.1
         return 2 * (back + load) + 2 * max(step["hold_s"] for step in self.steps)
 
     def takes(self, plan: RunPlan, board: Identity) -> bool:
