@@ -2,11 +2,6 @@
 
 #include "crc.h"
 
-static const struct {
-    float low;
-    float high;
-} range[HB_SETTINGS] = HB_SETTING_RANGES;
-
 void hb_settings_init(hb_settings *settings)
 {
     for (hb_u16 i = 0; i < HB_SETTINGS; i++) {
@@ -33,6 +28,10 @@ bool hb_settings_complete(const hb_settings *settings)
 
 bool hb_settings_in_range(const hb_settings *settings, float voltage_range_v)
 {
+    static const struct {
+        float low;
+        float high;
+    } range[HB_SETTINGS] = HB_SETTING_RANGES;
     const float *value = settings->value;
 
     for (hb_u16 i = 0; i < HB_SETTINGS; i++) {
