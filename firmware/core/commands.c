@@ -91,7 +91,6 @@ static hb_u16 write_step(hb_core *core, hb_reader *reader)
 
 static hb_u16 start(hb_core *core, hb_octet sequence, hb_reader *reader)
 {
-    const float *value = core->settings.value;
     hb_start_request request;
 
     if (!hb_get_start(reader, &request)) {
@@ -120,9 +119,11 @@ static hb_u16 start(hb_core *core, hb_octet sequence, hb_reader *reader)
         return HB_REFUSAL_STEPS_DIFFER;
     }
     if (!hb_settings_in_range(&core->settings, core->hal.dac.range_v)
-        || !hb_steps_sound(&core->steps, value[HB_SETTING_TRAVEL_MIN_M],
-                           value[HB_SETTING_TRAVEL_MAX_M])) {
+        || !hb_steps_sound(&core->steps, &core->settings)) {
         return HB_REFUSAL_OUT_OF_RANGE;
+    }
+    if (!hb_log_has_numbers(&core->log)) {
+        return HB_REFUSAL_RESET_NEEDED;
     }
     core->started = true;
     core->start_sequence = sequence;

@@ -96,10 +96,9 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_INPUTS], hb_i16 dac[HB_VALV
             references->pushing ? core->sensors.velocity.v : references->v_m_s;
         const hb_u16 fault =
             hb_safety_step(&core->safety_config, &core->safety, &core->sensors, v_ref_m_s);
-        if (fault != HB_FAULT_NONE) {
-            hb_core_halt(core, HB_STATE_FAULT, fault);
-        } else if (hb_schedule_overdue(&core->schedule_config, &core->schedule)) {
-            hb_core_halt(core, HB_STATE_FAULT, HB_FAULT_RETURN);
+        const hb_u16 overdue = hb_schedule_overdue(&core->schedule_config, &core->schedule);
+        if (fault != HB_FAULT_NONE || overdue != HB_FAULT_NONE) {
+            hb_core_halt(core, HB_STATE_FAULT, fault != HB_FAULT_NONE ? fault : overdue);
         } else {
             advance(core);
         }

@@ -48,7 +48,7 @@ void hb_core_configure(hb_core *core);
 void hb_core_start(hb_core *core);
 /* Ends the schedule; the valves are neutral from now on. */
 void hb_core_halt(hb_core *core, hb_u16 state, hb_u16 fault);
-/* Restarts the heartbeat's time: a request has come from the host. */
+/* Restarts the heartbeat's time: a request that the board knows has come from the host. */
 void hb_core_heartbeat(hb_core *core);
 
 #endif

@@ -4,7 +4,7 @@
 #define HB_DICTIONARY_H
 
 #define HB_PROTOCOL 1u
-#define HB_DICTIONARY_HASH 0x0ECDF2E3UL
+#define HB_DICTIONARY_HASH 0x5DB95202UL
 #define HB_REPLY 0x80u
 #define HB_ERROR 0xFFu
 #define HB_MAX_FRAME 254u
@@ -66,8 +66,9 @@ enum hb_fault {
     HB_FAULT_SPEED_ERROR = 6,
     HB_FAULT_OVERRUN = 7,
     HB_FAULT_RETURN = 8,
-    HB_FAULT_STOPPED = 9,
-    HB_FAULT_SUPPLY = 10
+    HB_FAULT_LOAD = 9,
+    HB_FAULT_STOPPED = 10,
+    HB_FAULT_SUPPLY = 11
 };
 
 enum hb_refusal {
@@ -79,7 +80,8 @@ enum hb_refusal {
     HB_REFUSAL_SETTINGS_DIFFER = 5,
     HB_REFUSAL_STEPS_DIFFER = 6,
     HB_REFUSAL_FAULT_LATCHED = 7,
-    HB_REFUSAL_OUT_OF_RANGE = 8
+    HB_REFUSAL_OUT_OF_RANGE = 8,
+    HB_REFUSAL_RESET_NEEDED = 9
 };
 
 enum hb_sensor {
@@ -141,6 +143,51 @@ enum hb_setting {
     HB_SETTINGS = 41
 };
 
+/* Lowest and highest value of each setting. */
+#define HB_SETTING_RANGES { \
+    {1e-09f, 0.001f}, \
+    {0.001f, 100000.0f}, \
+    {0.001f, 100000.0f}, \
+    {0.001f, 100000.0f}, \
+    {0.001f, 100000.0f}, \
+    {0.001f, 100000.0f}, \
+    {1e-06f, 1000000.0f}, \
+    {-100.0f, 100.0f}, \
+    {-1000000000.0f, 1000000000.0f}, \
+    {-1000000000.0f, 1000000000.0f}, \
+    {-1000000000.0f, 1000000000.0f}, \
+    {-1000000000.0f, 1000000000.0f}, \
+    {-1000000000.0f, 1000000000.0f}, \
+    {-1000000000.0f, 1000000000.0f}, \
+    {1e-06f, 1000000.0f}, \
+    {0.0f, 60.0f}, \
+    {1e-12f, 1000.0f}, \
+    {1e-12f, 1.0f}, \
+    {0.0f, 60.0f}, \
+    {1e-12f, 1.0f}, \
+    {0.0f, 60.0f}, \
+    {0.0f, 60.0f}, \
+    {0.0f, 60.0f}, \
+    {0.0f, 1.0f}, \
+    {0.0f, 10000.0f}, \
+    {0.0f, 10000.0f}, \
+    {0.001f, 100.0f}, \
+    {100000.0f, 10000000000.0f}, \
+    {1e-09f, 10.0f}, \
+    {0.01f, 100.0f}, \
+    {0.0f, 20.0f}, \
+    {0.0f, 20.0f}, \
+    {1.0f, 100000000.0f}, \
+    {1e-09f, 10.0f}, \
+    {0.0f, 1.0f}, \
+    {1e-09f, 10.0f}, \
+    {0.0f, 60.0f}, \
+    {0.001f, 60.0f}, \
+    {1e-09f, 10.0f}, \
+    {1e-09f, 10.0f}, \
+    {1.0f, 65535.0f} \
+}
+
 enum hb_word {
     HB_WORD_RUN = 0,
     HB_WORD_INDEX = 1,
@@ -177,7 +224,7 @@ enum hb_flag {
 };
 
 /* For the status line at a terminal; the names initialise char[][HB_NAME_SIZE]. */
-#define HB_VERSION_TEXT "protocol 1, dictionary 0ECDF2E3"
+#define HB_VERSION_TEXT "protocol 1, dictionary 5DB95202"
 #define HB_NAME_SIZE 12u
 #define HB_STATE_NAMES { \
     "idle", \
@@ -195,6 +242,7 @@ enum hb_flag {
     "speed error", \
     "overrun", \
     "return", \
+    "load", \
     "stopped", \
     "supply" \
 }

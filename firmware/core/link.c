@@ -36,13 +36,17 @@ static void answer(hb_link *link, const hb_frame *frame)
 
     const bool masked = frame->type != HB_MESSAGE_READ_LOG; /* which masks record by record */
 
-    hal->mask_control(hal->context);
-    hb_core_heartbeat(link->core);
-    if (!masked) {
-        hal->unmask_control(hal->context);
+    if (masked) {
+        hal->mask_control(hal->context);
     }
     const hb_u16 refusal = hb_command(link->core, frame, &reply);
     if (masked) {
+        hal->unmask_control(hal->context);
+    }
+    /* A request that the board can't read does not show that its host is in control. */
+    if (refusal != HB_REFUSAL_UNKNOWN_MESSAGE && refusal != HB_REFUSAL_BAD_PAYLOAD) {
+        hal->mask_control(hal->context);
+        hb_core_heartbeat(link->core);
         hal->unmask_control(hal->context);
     }
 

@@ -3,6 +3,8 @@
 #include "filters.h"
 #include "numeric.h"
 
+#define LAST_START 0x80000000UL /* highest number at which a schedule may start */
+
 static void clear_sums(hb_log *log)
 {
     log->ticks = 0;
@@ -99,6 +101,11 @@ void hb_log_end(hb_log *log, hb_u16 flags)
         log->newest[HB_WORD_FLAGS] = (hb_u16)(log->newest[HB_WORD_FLAGS] | flags);
         publish(log);
     }
+}
+
+bool hb_log_has_numbers(const hb_log *log)
+{
+    return log->next <= LAST_START;
 }
 
 hb_u32 hb_log_first(const hb_log *log)

@@ -41,6 +41,9 @@ void hb_log_add(hb_log *log, const hb_sample *sample);
 /* flags: added to the run's last record; HB_FLAG_LAST if the run was completed. */
 void hb_log_end(hb_log *log, hb_u16 flags);
 
+/* The numbers suffice for another schedule. Half of them are used up after at least two and a half
+ * days of motion (one record a tick), 248 days at 100 Hz. */
+bool hb_log_has_numbers(const hb_log *log);
 /* Number of the oldest record in the ring; log->next if the ring is empty. */
 hb_u32 hb_log_first(const hb_log *log);
 /* The words of a record between hb_log_first and log->next. */

@@ -17,7 +17,7 @@ typedef struct {
 } hb_safety_config;
 
 typedef struct {
-    hb_u32 silence_ticks; /* since the host's last valid frame */
+    hb_u32 silence_ticks; /* since the host's last request that the board knows */
     hb_u32 error_ticks;   /* since the speed error exceeds its limit */
 } hb_safety_state;
 

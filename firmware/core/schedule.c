@@ -3,6 +3,8 @@
 #include "numeric.h"
 
 #define HB_RETURN_GAIN_1_S 5.0f
+/* Margin of the time in which the load's references are reached. */
+#define HB_LOAD_MARGIN_S 0.1f
 /* The return ends after this time within this distance of the start: mean speed <= 20 mm/s. */
 #define HB_NEAR_M 1e-3f
 #define HB_NEAR_S 0.1f
@@ -34,6 +36,13 @@ hb_schedule_config hb_schedule_design(const hb_settings *settings)
                    + 10.0f + 8.0f / config.return_gain_1_s,
                HB_MAX_TIME_S),
         (float)HB_RATE_HZ);
+    /* Twice the ramps of the pressures over their whole range and of the velocity to 0. */
+    config.load_ticks = hb_ticks(
+        hb_min(2.0f * (value[HB_SETTING_PRESSURE_MAX_PA] / value[HB_SETTING_PRESSURE_SLEW_PA_S]
+                       + speed / acceleration)
+                   + HB_LOAD_MARGIN_S,
+               HB_MAX_TIME_S),
+        (float)HB_RATE_HZ);
     config.pressure_step_pa = value[HB_SETTING_PRESSURE_SLEW_PA_S] * HB_PERIOD_S;
     config.area_piston_m2 = value[HB_SETTING_AREA_PISTON_M2];
     config.area_rod_m2 = value[HB_SETTING_AREA_ROD_M2];
@@ -44,7 +53,7 @@ static void enter(hb_schedule_state *state, hb_u16 phase)
 {
     state->phase = phase;
     state->ticks = 0;
-    state->return_ticks = 0;
+    state->wait_ticks = 0;
 }
 
 void hb_schedule_init(hb_schedule_state *state)
@@ -248,12 +257,14 @@ static void follow_phase(const hb_schedule_config *config, const hb_steps *steps
                               config->return_speed_m_s),
                      config->velocity_step_m_s);
         state->ticks = hb_abs(distance) <= HB_NEAR_M ? state->ticks + 1u : 0u;
-        state->return_ticks++;
+        state->wait_ticks++;
         break;
     case HB_PHASE_HOLD:
         *v = hb_slew(*v, 0.0f, config->velocity_step_m_s);
         if (loaded && *v == 0.0f) {
             state->ticks++;
+        } else {
+            state->wait_ticks++;
         }
         break;
     case HB_PHASE_ACCELERATE:
@@ -309,9 +320,15 @@ void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
     }
 }
 
-bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state)
+hb_u16 hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state)
 {
-    return state->phase == HB_PHASE_RETURN && state->return_ticks > config->return_ticks;
+    if (state->phase == HB_PHASE_RETURN && state->wait_ticks > config->return_ticks) {
+        return HB_FAULT_RETURN;
+    }
+    if (state->phase == HB_PHASE_HOLD && state->wait_ticks > config->load_ticks) {
+        return HB_FAULT_LOAD;
+    }
+    return HB_FAULT_NONE;
 }
 
 float hb_schedule_vent_v(const hb_schedule_state *state)

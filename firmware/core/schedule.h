@@ -16,6 +16,7 @@ typedef struct {
     float velocity_step_m_s; /* per tick, while returning and braking */
     float pressure_step_pa;  /* per tick */
     hb_u32 return_ticks;     /* upper limit for a return */
+    hb_u32 load_ticks;       /* upper limit until the load is applied while holding */
     float area_piston_m2;    /* of the test cylinder, for its friction */
     float area_rod_m2;
 } hb_schedule_config;
@@ -28,7 +29,7 @@ typedef struct {
     hb_u16 segment; /* of the step, from 0 */
     hb_u16 runs_done;
     hb_u32 ticks;        /* counted towards the end of the phase or segment */
-    hb_u32 return_ticks; /* since the return began */
+    hb_u32 wait_ticks;   /* since the return began, or while holding until the load is applied */
     hb_settle settle;
     bool settled; /* the last run ended by its condition */
     hb_u32 supply_ticks; /* while venting: since the supply's pressure was low */
@@ -47,8 +48,9 @@ void hb_schedule_start(hb_schedule_state *state, const hb_sensors_state *sensors
 void hb_schedule_step(const hb_schedule_config *config, const hb_steps *steps,
                       hb_schedule_state *state, const hb_sensors_state *sensors);
 
-/* The return takes longer than its limit: the piston is blocked, or the pump is off. */
-bool hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state);
+/* The fault of a wait that takes longer than its limit: the return (the piston is blocked, or the
+ * pump is off), or the load's references while holding. HB_FAULT_NONE without one. */
+hb_u16 hb_schedule_overdue(const hb_schedule_config *config, const hb_schedule_state *state);
 
 /* Command of all valves while venting [V]: to either side in turn. */
 float hb_schedule_vent_v(const hb_schedule_state *state);

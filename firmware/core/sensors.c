@@ -67,9 +67,9 @@ void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
     state->value[HB_SENSOR_X] = si[HB_SENSOR_X];
     state->value[HB_SENSOR_F_APPLIED] = si[HB_SENSOR_F_APPLIED];
     for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
-        hb_lowpass_step(&config->pressure, &state->value[i], si[i]);
+        (void)hb_lowpass_step(&config->pressure, &state->value[i], si[i]);
     }
-    hb_velocity_step(&config->velocity, &state->velocity, si[HB_SENSOR_X]);
+    (void)hb_velocity_step(&config->velocity, &state->velocity, si[HB_SENSOR_X]);
 }
 
 float hb_test_force(const hb_sensors_state *state, float area_piston_m2, float area_rod_m2)

@@ -21,7 +21,7 @@ bool hb_segment_in_range(const hb_segment *segment)
         && hb_finite(segment->v_m_s)
         && hb_finite(segment->a_m_s2) && segment->a_m_s2 > 0.0f
         && is_duration(segment->duration_s) && segment->duration_s > 0.0f
-        && hb_finite(segment->force_rate_n_s)
+        && hb_abs(segment->force_rate_n_s) <= HB_MAX_FORCE_RATE_N_S
         && hb_finite(segment->displacement_m) && segment->displacement_m >= 0.0f;
 }
 
@@ -79,14 +79,26 @@ static bool between(float x, float low, float high)
     return x >= low && x <= high;
 }
 
-bool hb_steps_sound(const hb_steps *steps, float x_min_m, float x_max_m)
+bool hb_steps_sound(const hb_steps *steps, const hb_settings *settings)
 {
+    const float x_min_m = settings->value[HB_SETTING_TRAVEL_MIN_M];
+    const float x_max_m = settings->value[HB_SETTING_TRAVEL_MAX_M];
+    const float p_max_pa = settings->value[HB_SETTING_PRESSURE_MAX_PA];
+    const float v_max_m_s = settings->value[HB_SETTING_SPEED_MAX_M_S];
+
     for (hb_u16 i = 0; i < steps->count; i++) {
         const hb_step *step = &steps->step[i];
         if ((hb_u32)step->segment + step->segments > steps->segments
             || !between(step->x_start_m, x_min_m, x_max_m)
             || !between(step->x_min_m, x_min_m, x_max_m)
-            || !between(step->x_max_m, x_min_m, x_max_m)) {
+            || !between(step->x_max_m, x_min_m, x_max_m)
+            || !between(step->p_lr_ref_pa, 0.0f, p_max_pa)
+            || !between(step->p_lp_ref_pa, 0.0f, p_max_pa)) {
+            return false;
+        }
+    }
+    for (hb_u16 i = 0; i < steps->segments; i++) {
+        if (!between(steps->segment[i].v_m_s, -v_max_m_s, v_max_m_s)) {
             return false;
         }
     }

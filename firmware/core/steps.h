@@ -6,6 +6,7 @@
 #include "config.h"
 #include "dictionary.h"
 #include "payloads.h"
+#include "settings.h"
 
 typedef struct {
     hb_segment segment[HB_MAX_SEGMENTS];
@@ -26,8 +27,9 @@ bool hb_step_in_range(const hb_step *step);
 bool hb_segments_write(hb_steps *steps, hb_u16 index, const hb_segment *segment);
 bool hb_steps_write(hb_steps *steps, hb_u16 index, const hb_step *step);
 
-/* The segments of every step exist, and its positions lie between the two limits. */
-bool hb_steps_sound(const hb_steps *steps, float x_min_m, float x_max_m);
+/* The segments of every step exist; positions, pressures and velocities are within the limits in
+ * the settings. */
+bool hb_steps_sound(const hb_steps *steps, const hb_settings *settings);
 
 /* CRC-16 over the fields of all segments, then of all steps, as they are sent but without index. */
 hb_u16 hb_steps_crc(const hb_steps *steps);

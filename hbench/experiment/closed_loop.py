@@ -11,13 +11,16 @@ from hbench.analysis.screening.calibrate import calibrate
 from hbench.config.bench import Bench, Plant
 from hbench.config.schedule import parse_schedule
 from hbench.errors import DeviceError
-from hbench.experiment.plan import plan_runs
+from hbench.experiment.plan import plan_runs, run_seconds
 from hbench.experiment.progress import Progress
 from hbench.experiment.recorder import LOG_CHANNELS
 from hbench.experiment.runner import run_campaign
 from hbench.protocol.dictionary import RECORD_FLAGS
 from hbench.records import Outcome, RawRun, Run, RunPlan
 from hbench.rig.client import BoardClient
+
+LONGEST = 2.0  # simulated time of plans, in times of that estimated (a sound bench: about 0.9) ...
+LONGEST_S = 10.0  # ... plus this
 
 
 @dataclass(frozen=True)
@@ -71,15 +74,30 @@ def record_plans(
     report: Callable[[Progress], None] = lambda progress: None,
     seed: int = 1,
 ) -> ClosedLoopRuns:
-    """Make planned runs on the virtual rig; otherwise as ``record``."""
+    """Make planned runs on the virtual rig; otherwise as ``record``.
+
+    A plant on which they take more than ``LONGEST`` times the estimated time is not simulated to
+    the end; ``stopped`` says so. Computing time is proportional to simulated time.
+    """
     from hbench.model.simulated_bench import as_run  # compiles
     from hbench.rig.virtual import VirtualRig
 
     on_board = as_run(bench, plant)
     rig, journal = VirtualRig(bench, plant, seed), _MemoryJournal(bench)
+    expected_s = sum(run_seconds(plans, bench).values())
+    limit_s = LONGEST * expected_s + LONGEST_S
+
+    def in_time(progress: Progress) -> None:
+        report(progress)
+        if rig.now() > limit_s:
+            raise DeviceError(
+                f"run {progress.plan.run}: the simulation was ended after {rig.now():.0f} s of the "
+                f"bench's time; {expected_s:.0f} s were expected for {len(plans)} runs"
+            )
+
     try:
         clock = datetime.fromtimestamp(0, UTC)
-        run_campaign(plans, on_board, BoardClient(rig), journal, lambda: clock, report)
+        run_campaign(plans, on_board, BoardClient(rig), journal, lambda: clock, in_time)
     except DeviceError as error:
         return ClosedLoopRuns(tuple(journal.runs), len(plans), error.message)
     finally:

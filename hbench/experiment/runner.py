@@ -38,6 +38,7 @@ FAULT_WORDS = {
     "limits.speed_error_time",
     "overrun": "the control interrupt was late or took too long",
     "return": "the piston did not return to the start of a run in time",
+    "load": "the references of the load's pressures were not reached in time",
     "supply": "the supply was on during a zero check",
 }
 
@@ -95,7 +96,7 @@ def _make(
             _await_supply(client, upload, recorder, report)
         number = client.status()["log_next"]  # records before are of an earlier host
         client.start(settings_crc, schedule_crc)
-        _follow(client, recorder, report, number)
+        _follow(client, recorder, report, number, upload.longest_rest_s(recorder.bench))
 
 
 def _await_supply(client: BoardClient, upload: Upload, recorder: Recorder, report: Report) -> None:
@@ -105,7 +106,7 @@ def _await_supply(client: BoardClient, upload: Upload, recorder: Recorder, repor
     """
     off, plan = upload.supply_is_off, upload.first
     assert plan is not None  # every upload has runs
-    limit_pa = SUPPLY_OFF_PA if off else _SUPPLY_ON * recorder.supply_pa
+    limit_pa = SUPPLY_OFF_PA if off else _SUPPLY_ON * recorder.bench.supply.pressure
     deadline = client.port.now() + _SUPPLY_S
     while True:
         status = client.status()
@@ -164,16 +165,37 @@ def bring_to_rest(client: BoardClient, allowed: bool) -> None:
         client.clear_fault()
 
 
-def _follow(client: BoardClient, recorder: Recorder, report: Report, number: int) -> None:
-    """Follow the board through one upload, and pull its records from ``number`` on."""
+def _follow(
+    client: BoardClient, recorder: Recorder, report: Report, number: int, longest_rest_s: float
+) -> None:
+    """Follow the board through one upload, and pull its records from ``number`` on.
+
+    Raises ``DeviceError`` if it is running without a record for longer than ``longest_rest_s``.
+    """
+    recorded_s = client.port.now()
     while True:
         status = client.status()
         state = STATES[status["state"]]
+        if status["log_next"] > number:
+            recorded_s = client.port.now()
+        elif state == "running" and client.port.now() - recorded_s > longest_rest_s:
+            raise DeviceError(
+                f"run {status['run']:04d}: the board is running, but logged nothing for "
+                f"{client.port.now() - recorded_s:.0f} s; limit {longest_rest_s:.0f} s",
+                "Reset the board, then continue with --resume.",
+            )
+        if status["log_next"] < number:
+            raise DeviceError(
+                f"{_where(recorder.current)}: the board reports {status['log_next']} records; "
+                f"before it reported {number}",
+                "Reset the board, then continue with --resume.",
+            )
         # Before the status counts, so that a run is complete before the next begins.
         for part in client.pull(number, status["log_next"]):
             recorder.lose(part.lost)
             recorder.feed(part.words)
         number = status["log_next"]
+        recorder.follow(status)
         if state in ("running", "fault"):
             recorder.begin(status["run"])
         if state == "done":

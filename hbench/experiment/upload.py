@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hbench.config.bench import Bench
 from hbench.errors import ConfigError
 from hbench.experiment.plan import trials_in_a_row
 from hbench.protocol.dictionary import CONDITIONS, VALVES
@@ -27,6 +28,20 @@ class Upload:
     def supply_is_off(self) -> bool:
         """Whether its runs need the supply switched off."""
         return self.first is not None and KINDS[self.first.kind].needs_supply_off
+
+    def longest_rest_s(self, bench: Bench) -> float:
+        """Return the longest time between two records [s]: return, load and hold.
+
+        The return and the ramps of the load's pressures have twice the time that the board allows
+        them (firmware/core/schedule.c).
+        """
+        control, limits = bench.controllers, bench.limits
+        speed, acceleration = control.return_speed, control.acceleration
+        travel = limits.travel_max - limits.travel_min
+        gain = min(5.0, 1.5 * acceleration / speed)
+        back = 3 * travel / speed + 10 + 8 / gain
+        load = 2 * (limits.pressure_max / control.pressure_slew + speed / acceleration) + 0.1
+        return 2 * (back + load) + 2 * max(step["hold_s"] for step in self.steps)
 
     def takes(self, plan: RunPlan, board: Identity) -> bool:
         """Return whether one more step with the motion of ``plan`` has room."""

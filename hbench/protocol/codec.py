@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from hbench.protocol.dictionary import MESSAGES, SETTINGS, Message
+from hbench.untrusted_text import printable
 
 _FORMATS = {"u16": "H", "u32": "I", "f32": "f", "text16": "16s"}
 _TAILS = {"words": "<u2", "f32s": "<f4"}  # arrays at the end of a payload
@@ -46,11 +47,16 @@ def unpack(fields: Sequence[tuple[str, str]], payload: bytes) -> dict[str, Any]:
         if offset + size > len(payload):
             raise ValueError(f"payload of {len(payload)} octets ends before field {name}")
         (value,) = struct.unpack_from("<" + _FORMATS[kind], payload, offset)
-        values[name] = value.rstrip(b"\0").decode("ascii", "replace") if kind == "text16" else value
+        values[name] = _text(value) if kind == "text16" else value
         offset += size
     if offset != len(payload):
         raise ValueError(f"payload of {len(payload)} octets, {offset} expected")
     return values
+
+
+def _text(octets: bytes) -> str:
+    """Return text that is harmless on a terminal."""
+    return printable(octets.rstrip(b"\0").decode("ascii", "replace"))
 
 
 def pack_settings(settings: Mapping[str, float]) -> bytes:

@@ -149,6 +149,7 @@ FAULTS = (
     "speed_error",  # too far from the reference for too long
     "overrun",  # of the control interrupt
     "return",  # the start position is not reached in time
+    "load",  # the references of the load's pressures are not reached in time
     "stopped",  # by the host, during a schedule
     "supply",  # on while venting
 )
@@ -162,6 +163,7 @@ REFUSALS = (
     "steps_differ",
     "fault_latched",
     "out_of_range",
+    "reset_needed",  # the numbers of log records are used up
 )
 
 # Sensors of loops, limits and status, in the order of the converter words of a tick.
@@ -169,38 +171,45 @@ SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
 # The converter words of a tick and of a record: further ones are logged, and have no other effect.
 INPUTS = (*SENSORS, "temp_tank")
 
-# Settings of the bench that the host uploads, in this order. SI; gains per 1/16 ADC count.
-SETTINGS: tuple[str, ...] = (
-    *(f"gain_{name}" for name in SENSORS),
-    *(f"offset_{name}" for name in SENSORS),
-    "velocity_gain_v_m",
-    "velocity_time_constant_s",
-    "force_gain_v_n",
-    "rod_gain_v_pa_s",
-    "rod_time_constant_s",
-    "piston_gain_v_pa_s",
-    "piston_time_constant_s",
-    "velocity_filter_s",
-    "pressure_filter_s",
-    "feedforward_on",
-    "feedforward_rod_v_s_m",
-    "feedforward_piston_v_s_m",
-    "voltage_limit_v",
-    "pressure_slew_pa_s",
-    "return_speed_m_s",
-    "acceleration_m_s2",
-    "travel_min_m",
-    "travel_max_m",
-    "pressure_max_pa",
-    "speed_max_m_s",
-    "stopping_time_s",
-    "speed_error_max_m_s",
-    "speed_error_time_s",
-    "heartbeat_s",
-    "area_piston_m2",
-    "area_rod_m2",
-    "log_divider",
-)
+_PRESSURES = tuple(name for name in SENSORS if name.startswith("p_"))
+# Settings of the bench that the host uploads, in this order, with the range in which the board
+# starts. SI; gains per 1/16 ADC count. The ranges are wider than any bench and exclude wrong units.
+# Within them all products are finite, and no step of a ramp is lost in rounding.
+SETTING_RANGES: dict[str, tuple[float, float]] = {
+    "gain_x": (1e-9, 1e-3),
+    **{f"gain_{name}": (1e-3, 1e5) for name in _PRESSURES},
+    "gain_f_applied": (1e-6, 1e6),
+    "offset_x": (-100.0, 100.0),
+    **{f"offset_{name}": (-1e9, 1e9) for name in (*_PRESSURES, "f_applied")},
+    "velocity_gain_v_m": (1e-6, 1e6),
+    "velocity_time_constant_s": (0.0, 60.0),
+    "force_gain_v_n": (1e-12, 1e3),
+    "rod_gain_v_pa_s": (1e-12, 1.0),
+    "rod_time_constant_s": (0.0, 60.0),
+    "piston_gain_v_pa_s": (1e-12, 1.0),
+    "piston_time_constant_s": (0.0, 60.0),
+    "velocity_filter_s": (0.0, 60.0),
+    "pressure_filter_s": (0.0, 60.0),
+    "feedforward_on": (0.0, 1.0),
+    "feedforward_rod_v_s_m": (0.0, 1e4),
+    "feedforward_piston_v_s_m": (0.0, 1e4),
+    "voltage_limit_v": (1e-3, 100.0),  # and at most the DAC's range
+    "pressure_slew_pa_s": (1e5, 1e10),
+    "return_speed_m_s": (1e-9, 10.0),
+    "acceleration_m_s2": (0.01, 100.0),
+    "travel_min_m": (0.0, 20.0),
+    "travel_max_m": (0.0, 20.0),
+    "pressure_max_pa": (1.0, 1e8),
+    "speed_max_m_s": (1e-9, 10.0),
+    "stopping_time_s": (0.0, 1.0),
+    "speed_error_max_m_s": (1e-9, 10.0),
+    "speed_error_time_s": (0.0, 60.0),
+    "heartbeat_s": (1e-3, 60.0),
+    "area_piston_m2": (1e-9, 10.0),
+    "area_rod_m2": (1e-9, 10.0),
+    "log_divider": (1.0, 65535.0),
+}
+SETTINGS = tuple(SETTING_RANGES)
 
 
 @dataclass(frozen=True)
@@ -252,7 +261,9 @@ def canonical_text() -> str:
         "faults": FAULTS,
         "refusals": REFUSALS,
         "inputs": INPUTS,
-        "settings": SETTINGS,
+        "settings": tuple(
+            f"{name}:{low:g}:{high:g}" for name, (low, high) in SETTING_RANGES.items()
+        ),
         "flags": RECORD_FLAGS,
     }
     lines += [f"{name} {' '.join(table)}" for name, table in tables.items()]

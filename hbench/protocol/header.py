@@ -30,6 +30,8 @@ def header_text() -> str:
         "/* Converter words of a tick: the sensors, then those that are only logged. */\n"
         + _defines(("HB_INPUTS", f"{len(d.INPUTS)}u")),
         _numbered("setting", d.SETTINGS, count="HB_SETTINGS"),
+        "/* Lowest and highest value of each setting. */\n"
+        + _defines(("HB_SETTING_RANGES", _rows(map(_range, d.SETTING_RANGES.values())))),
         _numbered("word", (word.name for word in d.RECORD), count="HB_RECORD_WORDS"),
         "/* Words per SI unit, the inverse of the dictionary's scales. */\n"
         + _defines(*((f"HB_WORD_{name}_PER_SI", f"{per_si:.1f}f") for name, per_si in _scaled())),
@@ -55,8 +57,17 @@ def _defines(*pairs: tuple[str, str]) -> str:
 
 
 def _texts(names: Iterable[str]) -> str:
-    """Return names as a C initialiser, one per line."""
-    rows = ", \\\n    ".join(f'"{name.replace("_", " ")}"' for name in names)
+    return _rows(f'"{name.replace("_", " ")}"' for name in names)
+
+
+def _range(limits: tuple[float, float]) -> str:
+    low, high = (f"{limit!r}f" for limit in limits)
+    return f"{{{low}, {high}}}"
+
+
+def _rows(items: Iterable[str]) -> str:
+    """Return a C initialiser, one item per line."""
+    rows = ", \\\n    ".join(items)
     return f"{{ \\\n    {rows} \\\n}}"
 
 

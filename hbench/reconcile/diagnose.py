@@ -62,13 +62,13 @@ _ASSUMED = (
     "sensors below that are not named."
 )
 _NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
-_STOPPED = "The simulated board stops before the end of the campaign: no gaps of signals."
+_STOPPED = "The simulation with the {} model ended early: no gaps of signals. {}"
 
 ProposeExperiment = Callable[[Undecided], tuple[str, dict[str, Any]] | None]
 """Returns the experiment that separates the effects of a set, in words and as a schedule."""
 
-Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Run, ...] | None]]
-"""Simulates one run of each operating point of some plans; None where the board stops."""
+Simulate = Callable[[Sequence[Hypothesis], Sequence[RunPlan]], Sequence[tuple[Run, ...] | str]]
+"""Simulates one run of each operating point of some plans; text: why the simulation ended early."""
 
 
 @dataclass(frozen=True)
@@ -260,11 +260,15 @@ def _verification(
         return None, (), (_NO_TRIALS,)
     task.stage("simulating the schedule with the given, the refitted and the final model")
     hypotheses = [model.hypothesis for model in (result.given, result.refitted, result.final)]
-    simulated = [
-        each for each in task.simulate(hypotheses, [run.plan for run in runs]) if each is not None
-    ]
-    if len(simulated) < len(hypotheses):
-        return None, (), (_STOPPED,)
+    simulated, ended = [], []
+    results = task.simulate(hypotheses, [run.plan for run in runs])
+    for model, made in zip(("given", "refitted", "final"), results, strict=True):
+        if isinstance(made, str):
+            ended.append(_STOPPED.format(model, made))
+        else:
+            simulated.append(made)
+    if ended:
+        return None, (), tuple(ended)
     models = [balance_model(task.bench, each.plant(task.plant)) for each in hypotheses]
     stages = SimulatedStages(runs, list(zip(simulated, models, strict=True)))
     shown = overlays(runs, simulated[1], simulated[2], models[1], held_out)

@@ -21,9 +21,11 @@ def simulator(
     plant: Plant,
     report: Callable[[int, int], None] = lambda done, of: None,
     spread: Callable[[Callable, Sequence], Iterable] = map_on_cores,
-) -> Callable[[Sequence[Hypothesis], Sequence[RunPlan]], list[tuple[Run, ...] | None]]:
-    """Return a function that simulates plans with hypotheses of ``plant``; None: the board stops.
+) -> Callable[[Sequence[Hypothesis], Sequence[RunPlan]], list[tuple[Run, ...] | str]]:
+    """Return a function that simulates plans with hypotheses of ``plant``.
 
+    For a hypothesis with which the board stops, or takes far longer than expected, it returns the
+    reason as text.
     One trial of each operating point gives the mean: friction has no scatter from stroke to stroke.
     ``report`` receives the number of completed simulations and the total. ``spread`` maps over many
     simulations; pass ``map`` to run them in sequence.
@@ -31,14 +33,14 @@ def simulator(
 
     def simulate(
         hypotheses: Sequence[Hypothesis], plans: Sequence[RunPlan]
-    ) -> list[tuple[Run, ...] | None]:
+    ) -> list[tuple[Run, ...] | str]:
         chosen = tuple({point_of(plan): plan for plan in reversed(plans)}.values())[::-1]
         tasks = [
             (i, bench, _without_scatter(hypothesis.plant(plant)), chosen)
             for i, hypothesis in enumerate(hypotheses)
         ]
         results = map(_simulate, tasks) if len(tasks) <= _FEW else spread(_simulate, tasks)
-        runs_by_number: dict[int, tuple[Run, ...] | None] = {}
+        runs_by_number: dict[int, tuple[Run, ...] | str] = {}
         for number, runs in results:
             runs_by_number[number] = runs
             report(len(runs_by_number), len(tasks))
@@ -47,10 +49,10 @@ def simulator(
     return simulate
 
 
-def _simulate(task: _Task) -> tuple[int, tuple[Run, ...] | None]:
+def _simulate(task: _Task) -> tuple[int, tuple[Run, ...] | str]:
     number, bench, plant, plans = task
     recorded = record_plans(bench, plans, plant, seed=_SEED)
-    return number, None if recorded.stopped else recorded.runs
+    return number, recorded.stopped or recorded.runs
 
 
 def _without_scatter(plant: Plant) -> Plant:

@@ -3,8 +3,9 @@
 from math import pi, sqrt
 
 from hbench.config.bench import Bench
+from hbench.errors import ConfigError
 from hbench.model.sensors import sensor_gains
-from hbench.protocol.dictionary import SENSORS
+from hbench.protocol.dictionary import SENSORS, SETTING_RANGES
 
 STEPS_PER_COUNT = 16  # the board's sensor words are in sixteenths of an ADC count
 
@@ -12,7 +13,23 @@ _FORCE_BANDWIDTH = 0.05  # of the valve's: far enough from it for any position a
 
 
 def board_settings(bench: Bench) -> dict[str, float]:
-    """Return every setting of the dictionary, in SI."""
+    """Return every setting of the dictionary, in SI.
+
+    Raises ``ConfigError`` for a value with which the board refuses to start.
+    """
+    settings = _settings(bench)
+    for name, value in settings.items():
+        low, high = SETTING_RANGES[name]
+        if not low <= value <= high:
+            raise ConfigError(
+                f"bench '{bench.name}': the board's setting {name} = {value:.4g}; limits "
+                f"{low:g} to {high:g}",
+                "Check the units in the bench file.",
+            )
+    return settings
+
+
+def _settings(bench: Bench) -> dict[str, float]:
     control, limits, gains = bench.controllers, bench.limits, sensor_gains(bench.sensors)
     return {
         **{f"gain_{name}": gains[name][0] / STEPS_PER_COUNT for name in SENSORS},

@@ -1,5 +1,6 @@
 """Client of the board: requests with retransmission, typed by the protocol's dictionary."""
 
+import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -143,6 +144,12 @@ class BoardClient:
                 f"{status['fault']}; limits {len(STATES) - 1} and {len(FAULTS) - 1}",
                 "Reset the board; if it happens again, flash its firmware anew.",
             )
+        for name, value in status.items():
+            if not math.isfinite(value):
+                raise DeviceError(
+                    f"{self.port.name}: the board reports {name} = {value}",
+                    "Reset the board; if it happens again, flash its firmware anew.",
+                )
         return status
 
     def pull(self, first: int, until: int, window: int = PULL_WINDOW) -> Iterator[LogPart]:

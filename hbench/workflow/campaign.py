@@ -24,15 +24,20 @@ from hbench.experiment.runner import bring_to_rest, run_campaign
 from hbench.experiment.staged_plan import plan_parts
 from hbench.protocol.dictionary import RECORD
 from hbench.records import RunPlan
+from hbench.rig.board_settings import board_settings
 from hbench.rig.client import BoardClient
 from hbench.rig.ports import Port
 from hbench.store.campaign.folder import CampaignWriter, StoredCampaign, load_campaign
 from hbench.store.campaign.lock_file import campaign_lock
+from hbench.store.files.bounded_read import LARGEST_LOG
 from hbench.workflow.board import check_effects, check_sensors, open_port, physics_of
 from hbench.workflow.watching.live import published
 
 if TYPE_CHECKING:
     from hbench.experiment.steady_demand import SteadyDemand
+
+
+RECORD_BYTES = 5 * len(RECORD)  # of a raw log: four digits and a line feed a word
 
 
 @dataclass(frozen=True)
@@ -99,10 +104,13 @@ def load_experiment(
     bench = parse_bench(bench_data, str(bench_file))
     check_effects(bench, bench_file)
     check_sensors(bench, bench_file)
+    board_settings(bench)  # refuses what the board would refuse
+    plan = plan_runs(schedule, bench, str(schedule_file))
+    _check_log_sizes(plan, bench, schedule_file)
     return Experiment(
         schedule=schedule,
         bench=bench,
-        plan=plan_runs(schedule, bench, str(schedule_file)),
+        plan=plan,
         files={
             "bench": {"file": bench_file.name, "content": bench_data},
             "schedule": {"file": schedule_file.name, "content": schedule_data},
@@ -110,12 +118,28 @@ def load_experiment(
     )
 
 
+def _check_log_sizes(plan: Plan, bench: Bench, schedule_file: Path) -> None:
+    """Raise ``ConfigError`` for a run whose log could be too large to be read again."""
+    rate = bench.controllers.log_rate
+    for run in (*plan.runs, *plan.undecided):
+        seconds = run.planned_motion.duration_s
+        size, limit = seconds * rate * RECORD_BYTES / 1e6, LARGEST_LOG / 1e6
+        if size > limit:
+            raise ConfigError(
+                f"{schedule_file}: run {run.run} ({run.kind}) may last {seconds:.0f} s, which is "
+                f"{size:.0f} MB of log at {rate:g} Hz; limit {limit:g} MB",
+                "Shorten the run, or lower controllers.log_rate.",
+            )
+
+
 def estimate(experiment: Experiment) -> ScheduleEstimate:
     """Return the runs, the time on the bench and the size of the raw logs."""
     plans, rate = experiment.plans, experiment.bench.controllers.log_rate
-    words = sum(plan.motion.duration_s for plan in plans if plan.motion) * rate * len(RECORD)
+    records = sum(plan.motion.duration_s for plan in plans if plan.motion) * rate
     seconds = sum(run_seconds(plans, experiment.bench).values())
-    return ScheduleEstimate(len(plans), seconds, round(5 * words), bool(experiment.plan.undecided))
+    return ScheduleEstimate(
+        len(plans), seconds, round(records * RECORD_BYTES), bool(experiment.plan.undecided)
+    )
 
 
 def demand(experiment: Experiment) -> "SteadyDemand | None":

@@ -247,6 +247,12 @@ class Board:
         words = np.frombuffer(reply[8:], "<u2").reshape(-1, len(RECORD))
         return *struct.unpack("<II", reply[:8]), words
 
+    def skip_records(self, number):
+        """Give the log's next record a number, as after so many records."""
+        skip = firmware.load_library().hb_probe_skip_records
+        skip.restype, skip.argtypes = None, (ctypes.c_void_p, ctypes.c_uint32)
+        skip(self.firmware.addresses[2], number)
+
     def words(self):
         """Converter words of the present sensor values."""
         words = {n: round((self.si[n] - OFFSET.get(n, 0.0)) / GAIN[n]) for n in SENSORS}

@@ -12,6 +12,7 @@ from hbench.protocol.dictionary import (
     FAULTS,
     PROTOCOL,
     RECORD,
+    SETTING_RANGES,
     SETTINGS,
     STATES,
     dictionary_hash,
@@ -19,6 +20,10 @@ from hbench.protocol.dictionary import (
 
 SEGMENT_OCTETS = 2 + 3 * 4
 STEP_OCTETS = 6 * 2 + 7 * 4
+DEPENDENT = {  # on each other, on the DAC or on the schedule
+    *("voltage_limit_v", "travel_min_m", "travel_max_m"),
+    *("pressure_max_pa", "speed_max_m_s"),
+}
 
 
 def state(board):
@@ -81,6 +86,16 @@ def test_settings_out_of_range_are_refused_and_change_nothing(board, payload, re
 @pytest.mark.parametrize(
     "change",
     [
+        {"velocity_gain_v_m": 2e6},  # gains in a wrong unit
+        {"velocity_gain_v_m": -800.0},
+        {"rod_gain_v_pa_s": 1.25},
+        {"piston_gain_v_pa_s": 0.0},
+        {"force_gain_v_n": -1e-3},
+        {"feedforward_rod_v_s_m": -5.7},
+        {"gain_p_s": 0.0},  # its limit would never be exceeded
+        {"gain_x": -7e-6},
+        {"pressure_max_pa": 39e5},  # the load's pressure is 40 bar
+        {"speed_max_m_s": 0.09},  # the segment's is 0.1
         {"voltage_limit_v": 10.1},
         {"voltage_limit_v": 0.0},
         {"velocity_filter_s": -1e-4},
@@ -100,6 +115,28 @@ def test_start_is_refused_with_unusable_settings(board, change):
     assert board.start() == "out_of_range"
     assert board.write_settings() == b""
     assert board.start() == b""
+
+
+@pytest.mark.parametrize("limit", [0, 1])
+def test_a_setting_just_beyond_its_range_is_refused_and_at_its_limit_it_is_not(board, limit):
+    for name, limits in SETTING_RANGES.items():
+        value = np.float32(limits[limit])
+        for allowed in (value, np.nextafter(value, np.float32((-1) ** (1 - limit) * np.inf))):
+            board.write_settings(**{name: allowed})
+            refused = board.start() == "out_of_range"
+            if allowed == value:  # limits that also depend on other values
+                assert not refused or name in DEPENDENT, name
+            else:
+                assert refused, name
+            board.request("stop")
+
+
+def test_a_schedule_is_refused_once_half_of_the_record_numbers_are_used(board):
+    """At 100 Hz after 248 days of motion. They would wrap to 0, and the host would lose records."""
+    for number, reply in ((2**31, b""), (2**31 + 1, "reset_needed")):
+        board.skip_records(number)
+        assert board.start() == reply
+        board.request("stop")
 
 
 def test_crcs_are_those_of_the_host_codec(board):
@@ -133,6 +170,7 @@ def test_start_is_refused_when_the_segments_differ(board):
         {"duration_s": 0.0},
         {"duration_s": float("nan")},
         {"force_rate_n_s": float("nan")},
+        {"force_rate_n_s": -2e9},
         {"displacement_m": -1e-3},
     ],
     ids=str,

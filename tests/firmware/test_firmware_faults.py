@@ -181,7 +181,7 @@ def test_of_several_faults_in_a_tick_the_cause_is_reported(board, fault, raw, ch
     for tick in range(1202):
         # The host sends requests until both have 200 ticks left.
         if tick <= 1001 and tick % 7 == 0 or tick == 1001:
-            board.exchange(board.frame(1, 0x7E))
+            board.request("status")
         if tick == 1201:
             board.si.update(change)
             board.raw = raw

@@ -2,7 +2,8 @@
 
 import pytest
 
-from hbench.protocol.dictionary import FAULTS, STATES
+from hbench.protocol.dictionary import FAULTS, PHASES, STATES
+from hbench.protocol.frames import Frame, encode
 
 TRIPS = [
     ("travel", {"x": 0.0049}),
@@ -75,8 +76,21 @@ def test_silence_of_the_host_stops_the_board_after_the_heartbeat(board):
     assert board.cause() == ("fault", "heartbeat")
 
 
-@pytest.mark.parametrize("octets", [b"", b"\x07\x07\x07\0", b"\0" * 9])
-def test_garbage_is_no_heartbeat(board, octets):
+def frame(sequence, code, payload):
+    return encode(Frame(sequence, code, payload))
+
+
+UNKNOWN, TOO_LONG, TOO_SHORT = 0x7E, 0x08, 0x09  # status with a payload, read_log without
+
+
+@pytest.mark.parametrize(
+    "octets",
+    [b"", b"\x07\x07\x07\0", b"\0" * 9]
+    + [frame(1, code, payload) for code, payload in ((UNKNOWN, b""), (TOO_LONG, b"?"))]
+    + [frame(1, TOO_SHORT, b"")],
+    ids=["silence", "damaged", "zeros", "unknown", "too long", "too short"],
+)
+def test_what_is_no_request_of_this_protocol_is_no_heartbeat(board, octets):
     board.write_settings(heartbeat_s=0.02)
     board.start()
     for _ in range(250):
@@ -85,13 +99,15 @@ def test_garbage_is_no_heartbeat(board, octets):
     assert board.cause() == ("fault", "heartbeat")
 
 
-def test_any_valid_frame_is_a_heartbeat(board):
+@pytest.mark.parametrize("name", ["status", "start", "write_settings"])
+def test_a_request_is_a_heartbeat_also_if_it_is_refused(board, name):
     board.write_settings(heartbeat_s=0.02)
     board.start()
+    payload = {"status": b"", "start": bytes(4), "write_settings": bytes(6)}[name]
     for _ in range(5):
         for _ in range(150):
             board.tick()
-        board.exchange(board.frame(1, 0x7E))
+        assert board.request(name, payload) == "busy" or name == "status"
     assert board.cause() == ("running", "none")
 
 
@@ -117,3 +133,26 @@ def test_a_return_that_exceeds_its_time_is_a_latched_fault(board):
         assert seconds < 30
     assert board.status()["fault"] == FAULTS.index("return")
     assert seconds == 20 and tuple(codes) == (0, 0, 0)
+
+
+def test_a_load_that_is_not_reached_in_time_is_a_latched_fault(board):
+    """From -1e9 Pa, as a wrong offset gives, a step of 10 Pa a tick is lost in rounding.
+
+    2 x (1e5 Pa / (1e5 Pa/s) + 0.15 m/s / (0.5 m/s^2)) + 0.1 s = 2.7 s.
+    """
+    board.write_settings(
+        pressure_max_pa=1e5, pressure_slew_pa_s=1e5, heartbeat_s=60.0, offset_p_lr=-1e9
+    )
+    board.write_motion(p_lr_ref_pa=1e5, p_lp_ref_pa=0.0)
+    board.si.update(dict.fromkeys(("p_tp", "p_tr", "p_lp", "p_lr", "p_s"), 0.0))
+    board.rest(0.1, x=0.05)
+    assert board.start() == b""
+    ticks = 0
+    while board.status()["phase"] != PHASES.index("hold"):
+        board.tick()
+    while board.status()["state"] == STATES.index("running"):
+        codes = [board.tick() for _ in range(100)][-1]
+        ticks += 100
+        assert ticks < 50_000
+    assert board.status()["fault"] == FAULTS.index("load")
+    assert ticks == 27_100 and codes == [0, 0, 0]

@@ -1,6 +1,7 @@
 """Two processes make what one would."""
 
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -32,6 +33,27 @@ def test_other_processes_make_all_in_order_and_their_errors_are_raised():
         [sys.executable, "-c", IN_A_PROCESS_OF_ITS_OWN], capture_output=True, text=True
     )
     assert (done.returncode, done.stdout) == (0, "told\n"), done.stderr
+
+
+KILLED = """
+import os, signal, time
+from hbench.parallel.forked import map_forked
+
+def work(number):
+    if number:
+        os.kill(parent, signal.SIGKILL)
+    time.sleep(60)
+
+parent = os.getpid()
+map_forked(work, [0, 1])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks on Linux alone")
+def test_they_end_soon_after_a_parent_that_is_killed():
+    """The pipe of their output ends with the last of them."""
+    done = subprocess.run([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, timeout=30)
+    assert done.returncode == -signal.SIGKILL
 
 
 def test_where_there_is_a_thread_nothing_is_forked():

@@ -165,3 +165,9 @@ def test_no_ports_are_said_to_be_none(command, monkeypatch):
     (line,) = command().splitlines()
     assert not any(line.startswith(f"{name} ") for name in DEVICES)
     assert json.loads(command("--json"))["ports"] == []
+
+
+def test_the_name_of_a_board_is_no_command_to_the_terminal():
+    device = Device("A", IDENTITY | {"firmware": "\x1b]0;title\x07\x1b[2J", "board": "a\rb"})
+    (probed,) = probe_ports([ListedPort("A", "")], lambda name: device)
+    assert (probed.board.firmware, probed.board.board) == ("?]0;title??[2J", "a?b")

@@ -152,7 +152,7 @@ class NoJournal:
     def __init__(self):
         self.outcomes = []
 
-    def start_run(self, plan, at):
+    def start_run(self, plan, at, after_rejection):
         pass
 
     def finish_run(self, plan, words, outcome, why, at):

@@ -1,11 +1,14 @@
 """An import writes a whole campaign or nothing."""
 
+import shutil
+
 import pytest
 import yaml
 
 from hbench.errors import DataError
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.importing.importer import import_folder
+from tests.support.faults.power_cut import Trace, leftovers, write_tree
 
 LOG = "t_s,x_m,p_tp_pa\n" + "".join(f"{n / 100},{n / 1000},5e5\n" for n in range(100))
 
@@ -73,3 +76,24 @@ def test_nothing_is_written_or_removed_through_a_link(bring_in, tmp_path, name):
     with pytest.raises(DataError, match=name):
         bring_in(tmp_path / "out")
     assert (precious / "0001.csv").read_text() == "mine" and below(precious) == ["0001.csv"]
+
+
+def test_a_power_cut_during_an_import_leaves_the_logs_and_a_whole_campaign_or_none(
+    bring_in, tmp_path
+):
+    """At each system call. The same command then imports what it had not."""
+    root = tmp_path / "root"
+    trace = Trace(root)
+    root.mkdir()
+    with trace.recording():
+        bring_in(root / "new" / "out")
+    cuts = leftovers({}, trace.calls)
+    assert len(cuts) > 20
+    for _, _, tree in cuts:
+        shutil.rmtree(root)
+        write_tree(root, tree)
+        if not (root / "new" / "out" / "campaign.yaml").exists():
+            bring_in(root / "new" / "out")
+        campaign = load_campaign(root / "new" / "out")
+        assert len(campaign.done) == 3 and not campaign.damaged()
+    assert (root / "new" / "out" / "campaign.yaml").exists()

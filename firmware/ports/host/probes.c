@@ -114,6 +114,13 @@ uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32
     return copied;
 }
 
+void hb_probe_skip_records(hb_host *host, uint32_t next)
+{
+    hb_core *core = (hb_core *)hb_host_core(host);
+
+    core->log.next = next;
+}
+
 uint16_t hb_probe_frame(unsigned char sequence, unsigned char type, const unsigned char *payload,
                         uint16_t count, unsigned char *out)
 {

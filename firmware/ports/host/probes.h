@@ -22,6 +22,9 @@ uint16_t hb_probe_cobs_decode(const unsigned char *in, uint16_t count, unsigned 
  * on, without the protocol; returns their number. */
 uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32_t capacity);
 
+/* Gives the log's next record a number, as after so many records. */
+void hb_probe_skip_records(hb_host *host, uint32_t next);
+
 /* Encodes a frame; returns the number of octets in out. */
 uint16_t hb_probe_frame(unsigned char sequence, unsigned char type, const unsigned char *payload,
                         uint16_t count, unsigned char *out);

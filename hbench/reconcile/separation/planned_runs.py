@@ -58,8 +58,8 @@ def linearised_runs(
 def simulated_runs(
     bench: Bench, plant: Plant, plans: Sequence[RunPlan], at: Hypothesis | None = None
 ) -> tuple[Run, ...]:
-    """Return a run of each operating point; none where the board stops."""
+    """Return a run of each operating point; none where the simulation ends early."""
     if not plans:
         return ()
     (runs,) = simulator(bench, plant, spread=map)((at or Hypothesis(),), plans)
-    return runs or ()
+    return () if isinstance(runs, str) else runs

@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from hbench.errors import ConfigError, DataError
+from hbench.store.files.atomic import make_folder
 
 try:
     import fcntl
@@ -24,7 +25,7 @@ def campaign_lock(folder: Path) -> Iterator[None]:
         raise ConfigError(f"{folder}: is a file", "Give a folder as the campaign's name.")
     created = not folder.exists()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         handle = os.open(folder, os.O_RDONLY) if fcntl else None
     except OSError as error:
         raise DataError(f"{folder}: can't be created or opened: {error.strerror}") from None

@@ -11,6 +11,17 @@ from hbench.errors import DataError
 from hbench.store.files.bounded_read import check_inside
 
 
+def make_folder(path: Path) -> None:
+    """Create a folder and its missing parents, and flush their entries to disk.
+
+    Raises ``OSError``. Without a flush, a power failure can lose a folder with flushed files in it.
+    """
+    missing = [folder for folder in (path, *path.parents) if not folder.exists()]
+    path.mkdir(parents=True, exist_ok=True)
+    for folder in reversed(missing):
+        _flush_folder(folder.parent)
+
+
 def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bool = True) -> None:
     """Write ``data`` to ``path``: a temporary file beside it, flushed to disk, then renamed.
 
@@ -29,7 +40,7 @@ def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
     """Open a temporary file that replaces ``path`` after the last write, as ``write_atomic``."""
     part = path.with_name(f".{path.name}.part")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
         part.unlink(missing_ok=True)
         with part.open("xb") as file:  # "x" refuses a link in its place
             yield file
@@ -49,7 +60,7 @@ def whole_file(path: Path, *, lasting: bool = True) -> Iterator[IO[bytes]]:
 def new_file(path: Path) -> Iterator[IO[bytes]]:
     """Open a file that does not exist for writing; flush it to disk. Raises ``DataError``."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
         with path.open("xb") as file:
             yield file
             _flush(file)
@@ -84,7 +95,7 @@ def move_files(source: Path, destination: Path) -> None:
     Raises ``DataError``.
     """
     try:
-        destination.mkdir(exist_ok=True)
+        make_folder(destination)
         for path in sorted(source.iterdir()):
             os.replace(path, destination / path.name)
         _flush_folder(destination)

@@ -38,6 +38,34 @@ static void output_u16(unsigned value)
     play_output(value >> 8 & 0xFFu);
 }
 
+/* Contracts of a running board: all that commands and time limits promise. Comparisons with NaN are
+ * false. */
+static void check_running(const hb_core *core)
+{
+    const float *setting = core->settings.value;
+    const hb_schedule_state *schedule = &core->schedule;
+    const hb_schedule_config *config = &core->schedule_config;
+    const float limit = setting[HB_SETTING_VOLTAGE_LIMIT_V];
+    const float p_max = setting[HB_SETTING_PRESSURE_MAX_PA];
+    const hb_step *step = &core->steps.step[schedule->step];
+
+    PLAY_CHECK(hb_settings_complete(&core->settings));
+    PLAY_CHECK(hb_settings_in_range(&core->settings, core->hal.dac.range_v));
+    PLAY_CHECK(core->safety.silence_ticks <= core->safety_config.heartbeat_ticks);
+    PLAY_CHECK(core->safety.error_ticks <= core->safety_config.speed_error_ticks);
+    PLAY_CHECK(schedule->step < core->steps.count && schedule->trial < step->trials);
+    PLAY_CHECK(schedule->segment < step->segments && schedule->cycle < step->cycles);
+    PLAY_CHECK(step->p_lr_ref_pa <= p_max && step->p_lp_ref_pa <= p_max);
+    PLAY_CHECK(schedule->wait_ticks <= (schedule->phase == HB_PHASE_HOLD ? config->load_ticks
+                                                                         : config->return_ticks)
+                                           + 1u);
+    if (schedule->phase != HB_PHASE_VENT) {
+        for (hb_u16 i = 0; i < HB_VALVES; i++) {
+            PLAY_CHECK(core->control.u[i] >= -limit && core->control.u[i] <= limit);
+        }
+    }
+}
+
 /* Invariants after a step, and those of its changes. */
 static void check(const session *s, hb_u16 state, hb_u16 fault, hb_u32 log_next, bool may_start)
 {
@@ -51,6 +79,7 @@ static void check(const session *s, hb_u16 state, hb_u16 fault, hb_u32 log_next,
     PLAY_CHECK(core->log.next >= log_next);
     if (core->state == HB_STATE_RUNNING) {
         PLAY_CHECK(state == HB_STATE_RUNNING || may_start);
+        check_running(core);
     }
     if (state == HB_STATE_FAULT && !s->cleared) {
         PLAY_CHECK(core->state == HB_STATE_FAULT && core->fault == fault);

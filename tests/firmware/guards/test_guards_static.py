@@ -1,5 +1,7 @@
-"""Static checks of the core: cppcheck, and its size on the C28x."""
+"""Static checks of the core: cppcheck, MISRA C:2012, and its size on the C28x."""
 
+import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -35,6 +37,16 @@ STAND_INS = {
 def test_cppcheck_reports_nothing(platform, run, require_tool):
     options = [*CPPCHECK.split(), f"--platform={platform}", "-I", CORE]
     run(require_tool("cppcheck"), *options, CORE, ROOT / "firmware" / "ports" / "host")
+
+
+@pytest.mark.slow
+def test_misra_reports_only_the_deviations_that_are_documented(run, require_tool):
+    """``pytest -s -m slow -k misra tests/firmware/guards`` prints their number for each rule."""
+    command = [require_tool("cppcheck"), "--addon=misra", "--std=c99", "-q", "-I", CORE, CORE]
+    found = Counter(re.findall(r"\[misra-c2012-([\d.]+)\]", run(*command).stderr.decode()))
+    print("MISRA C:2012:", dict(sorted(found.items(), key=lambda rule: -rule[1])))
+    table = (ROOT / "firmware" / "MISRA.md").read_text()
+    assert set(re.findall(r"^\| D\d+ \| (\d+\.\d+) \|", table, re.M)) == found.keys()
 
 
 def test_core_link_and_log_ring_fit_the_ram_of_an_f28335(run, tmp_path, require_tool):
