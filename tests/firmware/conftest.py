@@ -29,34 +29,31 @@ FIRMWARE = Path(__file__).parents[2] / "firmware"
 
 
 @pytest.fixture(scope="session")
-def mps2_build(tmp_path_factory, require_tool):
-    """Folder of the mps2 port's image and objects, built by its Makefile."""
-    require_tool("arm-none-eabi-gcc")
-    command = [require_tool("make"), "-s", "-C", FIRMWARE / "ports" / "mps2"]
-
-    def build():
-        folder = tmp_path_factory.mktemp("mps2")
-        done = subprocess.run([*command, f"BUILD={folder}"], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-        return folder
-
-    return shared.once("mps2", build)
-
-
-@pytest.fixture(scope="session")
-def stm32f4_images(tmp_path_factory, require_tool):
-    """Folder of the stm32f4 port's images, built by its preset."""
+def build_preset(tmp_path_factory, require_tool):
+    """Function that builds a preset of the firmware once, and returns the folder."""
     require_tool("arm-none-eabi-gcc")
     cmake = require_tool("cmake")
 
-    def build():
-        folder = tmp_path_factory.mktemp("stm32f4")
-        for command in (["--preset", "stm32f4", "-B", folder], ["--build", folder]):
-            done = subprocess.run([cmake, *command], cwd=FIRMWARE, capture_output=True, text=True)
+    def build(preset):
+        folder = tmp_path_factory.mktemp(preset)
+        for options in (["--preset", preset, "-B", folder], ["--build", folder]):
+            done = subprocess.run([cmake, *options], cwd=FIRMWARE, capture_output=True, text=True)
             assert done.returncode == 0, done.stdout + done.stderr
         return folder
 
-    return shared.once("stm32f4", build)
+    return lambda preset: shared.once(preset, lambda: build(preset))
+
+
+@pytest.fixture(scope="session")
+def mps2_build(build_preset):
+    """Folder of the mps2 port's image."""
+    return build_preset("mps2")
+
+
+@pytest.fixture(scope="session")
+def stm32f4_images(build_preset):
+    """Folder of the stm32f4 port's images and call graphs."""
+    return build_preset("stm32f4")
 
 
 _f32 = np.ctypeslib.ndpointer(np.float32, flags="C")
