@@ -13,7 +13,7 @@ from hbench.protocol.dictionary import PROTOCOL, RECORD, RECORD_FLAGS, dictionar
 from hbench.rig.client import Identity
 from hbench.store.campaign.folder import StoredCampaign
 
-SIMULATED_BOARDS = ("host", "mps2")  # firmware ports without a real bench
+SIMULATED_BOARDS = ("host", "mps2", "stm32f4-emulated")  # firmware ports without a real bench
 _PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
 
 

@@ -47,7 +47,7 @@ class EmulatedFirmware:
         if not image.is_file():
             raise ConfigError(
                 f"{image}: does not exist",
-                "Build it with make -C firmware/ports/mps2; the image is then in build/.",
+                "Build it: cd firmware && cmake --preset mps2 && cmake --build --preset mps2.",
             )
         self._image = image
         self._received = bytearray()

@@ -3,6 +3,8 @@
 import binascii
 import ctypes
 import struct
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +23,38 @@ from hbench.protocol.dictionary import (
     STATES,
 )
 from hbench.rig import firmware
+from tests.support import shared
+
+FIRMWARE = Path(__file__).parents[2] / "firmware"
+
+
+@pytest.fixture(scope="session")
+def build_preset(tmp_path_factory, require_tool):
+    """Function that builds a preset of the firmware once, and returns the folder."""
+    require_tool("arm-none-eabi-gcc")
+    cmake = require_tool("cmake")
+
+    def build(preset):
+        folder = tmp_path_factory.mktemp(preset)
+        for options in (["--preset", preset, "-B", folder], ["--build", folder]):
+            done = subprocess.run([cmake, *options], cwd=FIRMWARE, capture_output=True, text=True)
+            assert done.returncode == 0, done.stdout + done.stderr
+        return folder
+
+    return lambda preset: shared.once(preset, lambda: build(preset))
+
+
+@pytest.fixture(scope="session")
+def mps2_build(build_preset):
+    """Folder of the mps2 port's image."""
+    return build_preset("mps2")
+
+
+@pytest.fixture(scope="session")
+def stm32f4_images(build_preset):
+    """Folder of the stm32f4 port's images and call graphs."""
+    return build_preset("stm32f4")
+
 
 _f32 = np.ctypeslib.ndpointer(np.float32, flags="C")
 _u16 = np.ctypeslib.ndpointer(np.uint16, flags="C")
@@ -160,8 +194,8 @@ STATUS = {
 class Board:
     """A board with requests as octets and sensors that the test sets, without the host's codec."""
 
-    def __init__(self, boots=1):
-        self.firmware = firmware.HostFirmware(boots)
+    def __init__(self, boots=1, on=None):
+        self.firmware = on or firmware.HostFirmware(boots)
         self.sequence = 0
         self.si = {"x": 0.05, "p_tp": 6e6, "p_tr": 3e6, "p_lp": 4e6, "p_lr": 1.5e6, "p_s": 1.5e7}
         self.si["f_applied"] = 500.0
@@ -271,12 +305,17 @@ class Board:
 
 @pytest.fixture(scope="module")
 def new_board():
-    """Function that returns a board after a reset; all are closed after the module."""
+    """Function that returns a board after a reset; all are closed after the module.
+
+    ``on`` is firmware that runs elsewhere, to be closed by the caller.
+    """
     boards = []
 
-    def make(boots=1):
-        boards.append(Board(boots))
-        return boards[-1]
+    def make(boots=1, on=None):
+        board = Board(boots, on)
+        if on is None:
+            boards.append(board)
+        return board
 
     yield make
     for board in boards:

@@ -29,27 +29,15 @@ from hbench.rig.stepped import SteppedRig
 from hbench.store.campaign.folder import load_campaign
 from tests.support.commands import hbench
 
-PORT = Path(__file__).parents[2] / "firmware" / "ports" / "mps2"
 PATIENCE_S = 60.0
 IDENTIFY = BY_NAME["identify"].code
 
 
-@pytest.fixture(scope="session")
-def build(tmp_path_factory, require_tool):
-    """Folder of the port's image and objects, built by its Makefile."""
-    require_tool("arm-none-eabi-gcc")
-    folder = tmp_path_factory.mktemp("mps2")
-    command = [require_tool("make"), "-s", "-C", PORT, f"BUILD={folder}"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return folder
-
-
 @pytest.fixture
-def image(build, tmp_path, require_tool):
+def image(mps2_build, tmp_path, require_tool):
     """A copy of the image for this test only; its emulators must end with the test."""
     require_tool(emulator.PROGRAM)
-    copy = shutil.copy(build / "hbench-mps2.elf", tmp_path / "board.elf")
+    copy = shutil.copy(mps2_build / "hbench-mps2.elf", tmp_path / "board.elf")
     yield copy
     for process in emulators_of(copy):
         os.kill(process, signal.SIGKILL)
@@ -212,9 +200,9 @@ def test_the_same_campaign_again_takes_the_same_instructions(image, short_schedu
 
 
 def test_the_image_has_no_double_precision_no_heap_no_library_and_no_fused_arithmetic(
-    build, require_tool
+    mps2_build, require_tool
 ):
-    image = build / "hbench-mps2.elf"
+    image = mps2_build / "hbench-mps2.elf"
 
     def output(tool, option):
         command = [require_tool(f"arm-none-eabi-{tool}"), option, image]
@@ -286,10 +274,10 @@ def test_a_missing_image_is_a_configuration_error(tmp_path):
         EmulatedFirmware(tmp_path / "none.elf")
 
 
-def test_without_the_emulator_the_hint_is_its_package(build, monkeypatch, tmp_path):
+def test_without_the_emulator_the_hint_is_its_package(mps2_build, monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(DeviceError) as caught:
-        EmulatedFirmware(build / "hbench-mps2.elf")
+        EmulatedFirmware(mps2_build / "hbench-mps2.elf")
     assert emulator.PROGRAM in caught.value.message
     assert "qemu-system-arm" in caught.value.hint
 

@@ -47,15 +47,19 @@ def test_table_has_a_row_for_each_port():
     assert set(table()) == {path.name for path in PORTS.iterdir() if path.is_dir()}
 
 
-def test_mps2(tmp_path, require_tool):
-    require_tool("arm-none-eabi-gcc")
-    command = [require_tool("make"), "-s", "-C", PORTS / "mps2", f"BUILD={tmp_path}"]
-    subprocess.run(command, check=True)
-    image = tmp_path / "hbench-mps2.elf"
+def compare_image(port, image, require_tool):
     size = [require_tool("arm-none-eabi-size"), image]
     row = subprocess.run(size, capture_output=True, text=True, check=True).stdout.splitlines()[1]
     sizes = data_sizes(image, require_tool("arm-none-eabi-nm"))
-    compare("mps2", code=int(row.split()[0]), **split(sizes))
+    compare(port, code=int(row.split()[0]), **split(sizes))
+
+
+def test_mps2(mps2_build, require_tool):
+    compare_image("mps2", mps2_build / "hbench-mps2.elf", require_tool)
+
+
+def test_stm32f4(stm32f4_images, require_tool):
+    compare_image("stm32f4", stm32f4_images / "hbench-stm32f4.elf", require_tool)
 
 
 def test_f28335(tmp_path, require_tool):

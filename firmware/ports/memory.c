@@ -1,5 +1,5 @@
 /* The functions that a compiler may call to copy or clear a struct; there is no C library. An
- * option in the Makefile prevents the compiler from turning their loops into calls of
+ * option of each build file prevents the compiler from turning their loops into calls of
  * themselves. */
 #include <stddef.h>
 
