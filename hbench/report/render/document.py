@@ -19,7 +19,8 @@ from hbench.report.render.word_tables import Cell, Table
 
 _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
 _SYMBOL = re.compile(
-    r"\b(?:([AFPp])_(\w+)|(k|a)_(\d)\b|(v)_(SW|stribeck)\b|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b)"
+    r"\b(?:([AFPp])_(\w+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
+    r"|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b)"
 )
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
@@ -67,6 +68,8 @@ class Document:
     banner: str = ""  # warning at the top: the origin of the numbers
     source: str = ""  # simulated, imported, real: the banner's colour
     folder: str = ""  # distinguishes reports of the same title, as in browser tabs
+    identity: tuple[tuple[str, str], ...] = ()  # name and value: what was measured, where, by whom
+    alarm: str = ""  # why the document is not to be used as it is, such as an aborted campaign
 
     @property
     def tab(self) -> str:
@@ -133,6 +136,7 @@ def _environment() -> Environment:
         "csv_link": _csv_link,
         "numeric": numeric,
         "flag": lambda cell: cell.flag if isinstance(cell, Cell) else "",
+        "sortable": lambda table: isinstance(table, Table) and table.sortable,
         "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
         "words": lambda cell: cell.text if isinstance(cell, Cell) else _subscripts(cell),
         "subscripts": _subscripts,
