@@ -241,7 +241,9 @@ def _step_words(results: Results) -> str:
     levels = results.motions.levels
     speeds = span([1e3 * abs(level.v_to_m_s) for level in levels])
     known = [level.settling_s for level in levels if level.settling_s is not None]
-    slowest = f" The longest settling time of friction is {number(max(known), 2)} s." if known else ""
+    slowest = (
+        f" The longest settling time of friction is {number(max(known), 2)} s." if known else ""
+    )
     return f"{_count(len(levels), 'level')} of {speeds} mm/s.{slowest}"
 
 

@@ -99,7 +99,9 @@ def _facts(results: Results) -> Iterator[tuple[str, str]]:
 
 def _dimensions(specimen: Specimen) -> str:
     areas = (1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2)
-    stroke = "" if specimen.stroke_m is None else f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
+    stroke = (
+        "" if specimen.stroke_m is None else f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
+    )
     return f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²{stroke}"
 
 
