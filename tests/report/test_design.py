@@ -96,7 +96,7 @@ def drawings(design):
 def test_the_page_holds_everything_and_escapes_names(design, drawings):
     page = design_page(design, drawings)
     assert "<b>bench</b>" not in page and "&lt;b&gt;bench" in page
-    assert "&lt;+200 mm/s&gt;" in page and "FAILS" in page
+    assert "&lt;+200 mm/s&gt;" in page and "FAIL: the proposal fails" in page
     assert page.count('class="plot"') == len(drawings) == 4
 
 

@@ -22,6 +22,10 @@ CHAINS = {
     "board": "valve, filters and 10 kHz sampling, the other two loops closed",
 }
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
+LIMITS = (
+    "Margins are the smallest over all operating points. The closed loop is simulated with the "
+    "firmware on the bench as its file states it, and on a softer and a stiffer one."
+)
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -208,6 +212,23 @@ def design_verdict(proposal: Proposal) -> str:
     if failed:
         return f"verdict: the proposal FAILS {failed} of {len(checks)} checks"
     return f"verdict: the proposal passes all {len(checks)} checks, in simulation"
+
+
+def page_verdict(proposal: Proposal) -> str:
+    """Return the verdict on a proposal, with the checks that it fails."""
+    checks = (*proposal.margins, *proposal.closed_loop)
+    failed = [check.what for check in checks if not check.holds]
+    if failed:
+        named = "; ".join(failed)
+        return f"FAIL: the proposal fails {len(failed)} of {len(checks)} checks: {named}."
+    return f"PASS: the proposal passes all {len(checks)} checks, in simulation."
+
+
+def loops_verdict(design: Design) -> str:
+    """Return whether the loops of the bench file are stable, with their smallest margins."""
+    stable = "PASS: stable" if design.coupled_modulus < 1 else "FAIL: unstable"
+    margins = fact_lines(design)[0]
+    return f"{stable} with all three loops closed on the board. {margins[0].upper()}{margins[1:]}."
 
 
 def proposal_lines(proposal: Proposal) -> tuple[str, ...]:

@@ -18,9 +18,10 @@ from hbench.report.render.style import DARK
 from hbench.report.render.word_tables import Cell, Table
 
 _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
+_DIGIT = re.compile(r"\d")
 _SYMBOL = re.compile(
     r"\b(?:([AFPp])_(\w+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
-    r"|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b)"
+    r"|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b|([σθ])_(\d|i)\b|(Δ)_(max|i)\b|(k)_(piston|rod)\b)"
 )
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
@@ -155,7 +156,12 @@ def numeric(table: WordTable | Table) -> set[int]:
     if isinstance(table, Table):
         return {i for i, name in enumerate(table.head) if name not in table.words}
     columns = enumerate(zip(*table.rows, strict=True))
-    return {i for i, cells in columns if all(_NUMBER.fullmatch(cell) for cell in cells)}
+    return {
+        i
+        for i, cells in columns
+        if all(_NUMBER.fullmatch(cell) for cell in cells)
+        and (any(map(_DIGIT.search, cells)) or not any(cells))
+    }
 
 
 def _subscripts(text: str) -> Markup:
