@@ -77,10 +77,10 @@ def test_failed_campaigns_are_counted_with_their_reason_and_named(found, page):
 
 def test_a_campaigns_name_stays_words_and_its_link_leads_to_its_report(found, page):
     links = re.findall(r'<a href="([^"#]*report\.html)">([^<]*)', page)
-    assert links == [
+    assert set(links) == {
         ("line/%3Cb%3E%3D1%2B1%22%27%26amp%3B0000017/results/report.html",
          "&lt;b&gt;=1+1&#34;&#39;&amp;amp;0000017")
-    ]  # fmt: skip
+    }  # fmt: skip
     assert "<b>=1" not in page
     assert [bool(suspect.report) for suspect in found.worst[:3]] == [False, True, False]
 

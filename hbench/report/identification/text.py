@@ -173,7 +173,9 @@ def _parameter_rows(identification: Identification) -> list[tuple[str, ...]]:
 def _parameter_row(law: str, name: str, parameter: FitParameter) -> tuple[str, ...]:
     """Write a parameter with its title and symbol, in the unit of pages and bench files."""
     words, unit = parameter_words(name, parameter.unit)
-    ends = parameter.ci95 and tuple(from_si(end, unit) for end in parameter.ci95)
+    ends = None
+    if parameter.ci95 is not None:
+        ends = from_si(parameter.ci95[0], unit), from_si(parameter.ci95[1], unit)
     bound = f"at {parameter.at_bound} bound" if parameter.at_bound else ""
     value = significant(from_si(parameter.value, unit), 4)
     return (law, words, unit, value, interval(ends), bound)

@@ -116,9 +116,10 @@ def _table(pen: Pen, table: WordTable | Table) -> None:
         pen.room(60)
         pen.space(6)
         pen.words(table.title, _BODY, weight="bold")
-    rows = [
-        [_cell(cell, column in numbers) for column, cell in enumerate(row)] for row in table.rows
-    ]
+    rows = []
+    for row in table.rows:
+        cells: tuple[str | Cell, ...] = row
+        rows.append([_cell(cell, column in numbers) for column, cell in enumerate(cells)])
     pen.space(2)
     set_table(pen, table.head, rows, numbers)
     pen.space(4)

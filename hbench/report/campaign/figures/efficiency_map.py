@@ -29,7 +29,7 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
     Loads that oppose the motion and loads that help it have separate figures, since the power
     flows in opposite directions and there is no efficiency between them.
     """
-    figures = {}
+    figures: dict[str, Figure] = {}
     groups = {name: _points(curves) for name, curves in _groups(results).items()}
     if not groups:
         return figures
