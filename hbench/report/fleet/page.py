@@ -37,7 +37,6 @@ from hbench.report.render.numbers import alike
 from hbench.report.render.word_tables import Cell, Table
 
 _FEW = f"Histograms are drawn from {FEWEST_IN_HISTOGRAM} campaigns on."
-_HINT = "Click on a column's head to sort by it; a second click reverses the order."
 _PRECISION = "Repeatability and reproducibility"
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
@@ -120,8 +119,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.precision:
         yield _precision(fleet, drawings)
     if fleet.rows:
-        hint = (_HINT,) if len(fleet.rows) > 1 else ()
-        yield Section("Campaigns", (*hint, *_at_median(fleet)), tables=(_campaigns(fleet),))
+        yield Section("Campaigns", _at_median(fleet), tables=(_campaigns(fleet),))
     if fleet.worst:
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
         none = (few,) if fleet.outliers < _LEAST else ()
@@ -193,7 +191,7 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     groups = [
         f"not compared: {kind_difference(protocol, evaluated)}" for protocol, _ in fleet.protocols
     ]
-    groups[:1] = ["evaluated here"]
+    groups[:1] = ["evaluated here"][: len(groups)]
     rows = tuple(
         (Cell(str(count)), Cell(protocol), Cell(group))
         for (protocol, count), group in zip(fleet.protocols, groups, strict=True)
@@ -212,9 +210,17 @@ def _at_median(fleet: Fleet) -> tuple[str, ...]:
 
 def _campaigns(fleet: Fleet) -> Table:
     words = campaign_table(fleet)
+    decision = words.head.index("Decision") if "Decision" in words.head else -1
     rows = tuple(
-        (Cell(first, link=campaign.report), *map(Cell, rest))
-        for campaign, (first, *rest) in zip(fleet.rows, words.rows, strict=True)
+        tuple(
+            Cell(text, link=campaign.report)
+            if column == 0
+            else Cell("", text)
+            if column == decision and text not in ("", "PASS")
+            else Cell(text)
+            for column, text in enumerate(row)
+        )
+        for campaign, row in zip(fleet.rows, words.rows, strict=True)
     )
     text_columns = frozenset({*ROW_WORDS, "Remark"})
     return Table(words.head, rows, text_columns, sortable=len(rows) > 1)

@@ -77,6 +77,10 @@
   for (const table of document.querySelectorAll("table.sortable")) {
     const heads = [...table.tHead.rows[0].cells];
     const body = table.tBodies[0];
+    const how = document.createElement("p");
+    how.className = "how";
+    how.textContent = "Click on a column's head to sort by it; a second click reverses the order.";
+    table.closest(".scroll").before(how);
     heads.forEach((head, column) => {
       const button = document.createElement("button");
       button.type = "button";
