@@ -54,7 +54,7 @@ def control_chart(
     order = np.argsort(at[rows], kind="stable")
     values, rows = values[order], rows[order]
     ranges = np.abs(np.diff(values))
-    centre, sigma = float(values.mean()), float(ranges.mean()) / _D2
+    centre, sigma = centre_and_sigma(values)
     outside = np.flatnonzero(np.abs(values - centre) > 3 * sigma)
     averages = ewma(values, centre, sigma)
     signals: dict[str, np.ndarray] = {}
@@ -94,6 +94,11 @@ def control_chart(
             step.p,
         ),
     )
+
+
+def centre_and_sigma(values: np.ndarray) -> tuple[float, float]:
+    """Return the mean of values (n,) in their order, and sigma from their moving ranges."""
+    return float(np.mean(values)), float(np.abs(np.diff(values)).mean()) / _D2
 
 
 def with_corrected_steps(charts: Sequence[ControlChart]) -> tuple[ControlChart, ...]:
