@@ -364,12 +364,12 @@ def test_a_station_follows_the_campaign_that_was_changed_last(sample, tmp_path):
     assert {path: text for path, text in files_of(folder).items() if path in before} == before
 
 
-def decided(folder, value, **changes):
+def decided(folder, value, speed_m_s=None, **changes):
     """Write a decision on a breakaway pressure [Pa], as hbench accept does."""
     requirement = {"quantity": "breakaway", "unit": "bar", "low": None, "high": 4e5} | changes
     check = {
         "requirement": requirement,
-        "measurement": {"value": value, "u95": 1e4, "direction": "extend"},
+        "measurement": {"value": value, "u95": 1e4, "direction": "extend", "v_m_s": speed_m_s},
         "decision": "PASS",
     }
     (folder / "results").mkdir(parents=True)
@@ -382,14 +382,14 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     header = (sample / "campaign.yaml").read_text().partition("\nruns:")[0] + "\nruns: []\n"
     values = [3.0e5, 3.2e5] * 6 + [4.1e5]
     for number, value in enumerate(values):
-        decided(folder / f"C{number:02d}", value)
+        decided(folder / f"C{number:02d}", value, speed_m_s=0.05 + 1e-5 * number)  # as measured
         path = folder / f"C{number:02d}" / "campaign.yaml"
         path.write_text(header)
         for one in (path, path.parent / "results" / "acceptance.json"):
             os.utime(one, (1e9 + number, 1e9 + number))
     with watched(folder, workflow.Station) as page:
         (chart,) = page.state()["charts"]
-    assert chart["title"] == "breakaway extend" and chart["unit"] == "bar"
+    assert chart["title"] == "breakaway at 50.1 mm/s extend" and chart["unit"] == "bar"
     assert chart["values"] == pytest.approx([1e-5 * value for value in values])
     assert (chart["low"], chart["high"]) == (None, pytest.approx(4.0))
     mean, moving = np.mean(values), np.abs(np.diff(values)).mean() / 1.128

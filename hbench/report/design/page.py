@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from hbench.records import Design, Proposal, WordTable
+from hbench.records import Check, Design, Proposal, WordTable
 from hbench.report.design import text
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
@@ -14,7 +14,10 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     proposal = design.proposal
     sections = []
     if proposal is not None:
-        sections += [_checks(proposal), _proposal(proposal)]
+        checks = (*proposal.margins, *proposal.closed_loop)
+        sections += [_checks(checks, text.LIMITS), _proposal(proposal)]
+    elif design.checks:
+        sections.append(_checks(design.checks, text.POINT_LIMITS))
     chains = tuple(f"{_capital(name)}: {about}." for name, about in text.CHAINS.items())
     loops = WordTable("", text.LOOP_HEAD, tuple(text.loop_rows(design)))
     facts = tuple(f"{_capital(line)}." for line in text.fact_lines(design))
@@ -36,18 +39,24 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     )
 
 
-def _checks(proposal: Proposal) -> Section:
+def _checks(checks: tuple[Check, ...], words: str) -> Section:
     """Return the checks as a table, those that fail first."""
-    checks = (*proposal.margins, *proposal.closed_loop)
     ranked = sorted(checks, key=lambda check: check.holds)
     rows = []
-    for check, words in zip(ranked, text.check_rows(ranked), strict=True):
-        what, value, limit, unit, _, where = words
+    for check, row in zip(ranked, text.check_rows(ranked), strict=True):
+        what, value, limit, unit, _, where = row
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
         rows.append((verdict, *map(Cell, (_capital(what), value, limit, unit, where))))
     head = ("Result", "Check", "Value", "Limit", "Unit", "Worst at")
     table = Table(head, tuple(rows), frozenset({"Result", "Check", "Unit", "Worst at"}))
-    return Section("Checks", (text.LIMITS,), tables=(table,))
+    return Section("Checks", (words,), tables=(_without_empty(table),))
+
+
+def _without_empty(table: Table) -> Table:
+    """Return the table without columns that have no entry."""
+    kept = [i for i in range(len(table.head)) if any(r[i].text or r[i].flag for r in table.rows)]
+    head = tuple(table.head[i] for i in kept)
+    return Table(head, tuple(tuple(row[i] for i in kept) for row in table.rows), table.words)
 
 
 def _proposal(proposal: Proposal) -> Section:

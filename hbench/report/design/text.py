@@ -26,6 +26,10 @@ LIMITS = (
     "Margins are the smallest over all operating points. The closed loop is simulated with the "
     "firmware on the bench as its file states it, and on a softer and a stiffer one."
 )
+POINT_LIMITS = (
+    "Margins of the present gains on the board at the operating point above; hbench design "
+    "--propose checks all operating points, and the closed loop with the firmware."
+)
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -43,6 +47,7 @@ def design_json(design: Design) -> str:
         "coupled_modulus": design.coupled_modulus,
         "reproduced": [vars(number) for number in design.reproduced],
         "proposal": _proposal(design.proposal),
+        "checks": [vars(check) for check in design.checks],
     }
     return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
@@ -216,19 +221,27 @@ def design_verdict(proposal: Proposal) -> str:
 
 def page_verdict(proposal: Proposal) -> str:
     """Return the verdict on a proposal, with the checks that it fails."""
-    checks = (*proposal.margins, *proposal.closed_loop)
-    failed = [check.what for check in checks if not check.holds]
-    if failed:
-        named = "; ".join(failed)
-        return f"FAIL: the proposal fails {len(failed)} of {len(checks)} checks: {named}."
-    return f"PASS: the proposal passes all {len(checks)} checks, in simulation."
+    return _verdict((*proposal.margins, *proposal.closed_loop), "The proposal", ", in simulation")
 
 
 def loops_verdict(design: Design) -> str:
-    """Return whether the loops of the bench file are stable, with their smallest margins."""
-    stable = "PASS: stable" if design.coupled_modulus < 1 else "FAIL: unstable"
-    margins = fact_lines(design)[0]
-    return f"{stable} with all three loops closed on the board. {margins[0].upper()}{margins[1:]}."
+    """Return the verdict on the present gains, with the checks that they fail."""
+    if not design.checks:
+        return ""
+    return _verdict(design.checks, "The present gains", " at this operating point")
+
+
+def _verdict(checks: Sequence[Check], who: str, where: str) -> str:
+    failed = [
+        f"{check.what} {short(check.value)} {check.unit}, limit {short(check.limit)} {check.unit}"
+        for check in checks
+        if not check.holds
+    ]
+    one = who.endswith("proposal")
+    if failed:
+        count = f"{len(failed)} of {len(checks)} checks{where}"
+        return f"FAIL. {who} {'fails' if one else 'fail'} {count}: {'; '.join(failed)}."
+    return f"PASS. {who} {'passes' if one else 'pass'} all {len(checks)} checks{where}."
 
 
 def proposal_lines(proposal: Proposal) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from hbench.report.conformity.text import requirement_words, series_words
 from hbench.units import from_si
 
 _MOST = 4  # charts
+Series = tuple[tuple, tuple, int]  # requirement, label and load, number of its kind
 
 
 def station_charts(
@@ -24,25 +25,36 @@ def station_charts(
     sigma of the moving ranges, with the rules that signal at each value.
     """
     newest = next((each for each in reversed(checks) if each), ())
-    titles = list(dict.fromkeys(map(_title, newest)))[:_MOST]
-    return [_chart(title, names, checks) for title in titles]
+    by_series = [_by_series(each) for each in checks]
+    return [_chart(series, names, by_series) for series in list(_by_series(newest))[:_MOST]]
 
 
-def _title(check: ConformityCheck) -> str:
-    return " ".join(filter(None, (requirement_words(check), series_words(check))))
+def _by_series(checks: Sequence[ConformityCheck]) -> dict[Series, ConformityCheck]:
+    """Return the checks of a cylinder by what they are of.
+
+    Measured speeds, which differ a little from cylinder to cylinder, are no part of that: several
+    speeds of a series are counted.
+    """
+    found: dict[Series, ConformityCheck] = {}
+    for check in checks:
+        what, series = check.requirement, check.measurement
+        assert series is not None
+        load = (series.label, series.direction, series.f_load_n, series.p_lr_ref_pa)
+        named = (what.quantity, what.unit, what.name, what.v_m_s, what.dwell_s, what.leak)
+        count = sum(key[:2] == (named, load) for key in found)
+        found[named, load, count] = check
+    return found
 
 
 def _chart(
-    title: str, names: Sequence[str], checks: Sequence[Sequence[ConformityCheck]]
+    series: Series, names: Sequence[str], checks: Sequence[dict[Series, ConformityCheck]]
 ) -> dict[str, Any]:
     found = [
-        (name, check)
-        for name, each in zip(names, checks, strict=True)
-        for check in each
-        if _title(check) == title
+        (name, each[series]) for name, each in zip(names, checks, strict=True) if series in each
     ]
-    unit = found[-1][1].requirement.unit
-    limits = found[-1][1].requirement
+    last = found[-1][1]
+    title = " ".join(filter(None, (requirement_words(last), series_words(last))))
+    unit, limits = last.requirement.unit, last.requirement
     values = np.array(
         [from_si(check.measurement.value, unit) for _, check in found if check.measurement]
     )
