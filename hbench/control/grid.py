@@ -23,7 +23,7 @@ from hbench.control.sampled import Pi, SampledPlant
 from hbench.errors import ConfigError
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import TICK_S
-from hbench.records import Check
+from hbench.records import Check, Design
 
 PHASE_MARGIN_DEG, GAIN_MARGIN_DB = 45.0, 6.0
 # Shares of the travel, of the force that the rod side can bring, of limits.speed_max.
@@ -126,6 +126,23 @@ def grid(bench: Bench, par: PlantParameters, reached: Sequence[Condition]) -> li
             where += f"{condition.f_load_n:.0f} N"
             points.append(GridPoint(where, plant, sampled.measurement_response(plant, _OMEGA)))
     return points
+
+
+def point_checks(design: Design) -> tuple[Check, ...]:
+    """Check the margins of a design's loops on the board at its operating point."""
+    checks = []
+    for loop in design.loops:
+        board = loop.merits[-1]
+        phase, gain = board.phase_margin_deg, 20 * np.log10(board.gain_margin)
+        checks += [
+            Check(f"{loop.name}: {what}", float(value), limit, unit, bool(value >= limit))
+            for what, value, limit, unit in (
+                ("phase margin", phase, PHASE_MARGIN_DEG, "deg"),
+                ("gain margin", gain, GAIN_MARGIN_DB, "dB"),
+            )
+        ]
+    modulus = design.coupled_modulus
+    return (*checks, Check("largest modulus of a digital pole", modulus, 1.0, "1", modulus < 1.0))
 
 
 def margin_checks(points: Sequence[GridPoint], loops: Sequence[Pi]) -> tuple[Check, ...]:

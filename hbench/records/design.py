@@ -68,7 +68,7 @@ class Reproduced:
 
 @dataclass(frozen=True)
 class Check:
-    """One condition on a proposal, and whether it holds."""
+    """One condition on gains, and whether it holds."""
 
     what: str
     value: float
@@ -111,3 +111,4 @@ class Design:
     coupled_modulus: float  # all three loops on the board
     reproduced: tuple[Reproduced, ...] = ()  # of the source's bench alone
     proposal: Proposal | None = None
+    checks: tuple[Check, ...] = ()  # of the present gains on the board, at the operating point

@@ -188,6 +188,9 @@ class FleetCampaign:
     decision: str  # of its last acceptance; empty where there is none
     v_m_s: float | None  # working speed
     numbers: dict[str, FleetNumber]
+    specimen: str = ""  # serial number
+    started: datetime | None = None
+    protocol: str = ""  # kind of campaign
 
 
 @dataclass(frozen=True)
@@ -254,8 +257,34 @@ class Precision:
 
 
 @dataclass(frozen=True)
+class ChartSignal:
+    """Campaigns at which a rule of a control chart signals."""
+
+    rule: str  # its name and number
+    count: int
+    names: tuple[str, ...]  # of the first campaigns
+
+
+@dataclass(frozen=True)
+class ChartStep:
+    """The most likely step of the mean on a control chart, in SI."""
+
+    name: str  # of the first campaign after it
+    at: float  # day of this campaign
+    before: float  # means
+    after: float
+    p: float  # of no step, by permutation
+    p_holm: float  # corrected for the number of charts
+
+    @property
+    def real(self) -> bool:
+        """Significant."""
+        return self.p_holm < 0.05
+
+
+@dataclass(frozen=True)
 class ControlChart:
-    """Individuals chart of a number over the dates of the campaigns, in SI."""
+    """Individuals and EWMA chart of a number over the dates of the campaigns, in SI."""
 
     quantity: Quantity
     direction: Side
@@ -269,6 +298,11 @@ class ControlChart:
     outside: tuple[str, ...]  # names of the first campaigns beyond the limits
     beyond: int  # campaigns beyond the limits
     moved: int  # campaigns whose moving range is beyond its limit
+    ewma: tuple[float, ...] = ()  # averages at ``at``, and their limits
+    ewma_low: tuple[float, ...] = ()
+    ewma_high: tuple[float, ...] = ()
+    signals: tuple[ChartSignal, ...] = ()  # of each rule that signals
+    step: ChartStep | None = None
 
     @property
     def limits(self) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.records.flow import Direction, Fit, Provenance, Run
+from hbench.records.flow import Curve, Direction, Fit, Provenance, Run
 
 PARTS = ("steady", "unsteady", "rest")  # of a verification run
 
@@ -76,6 +76,15 @@ class Followed:
 
 
 @dataclass(frozen=True)
+class LawsAlongCurve:
+    """A measured steady curve, and the steady friction of the laws between its ends."""
+
+    curve: Curve
+    v_m_s: np.ndarray  # (n,)
+    friction_n: dict[str, np.ndarray]  # by law, (n,)
+
+
+@dataclass(frozen=True)
 class Identification:
     """Friction laws identified from a campaign, and their errors in a model of the bench."""
 
@@ -89,6 +98,7 @@ class Identification:
     followed: tuple[Followed, ...]  # the first trial of each profile and load
     left_out: tuple[str, ...]  # runs that took no part, each with its reason
     notes: tuple[str, ...]
+    steady: tuple[LawsAlongCurve, ...] = ()
 
 
 @dataclass(frozen=True)

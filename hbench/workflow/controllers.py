@@ -34,7 +34,7 @@ def design(
     operating point is taken. ``ratio`` is that of neighbouring bandwidths; with it, gains are
     proposed and checked with the firmware. Raises ``ConfigError``, ``ConvergenceError``.
     """
-    from hbench.control.grid import operating_point  # slow import: scipy.signal
+    from hbench.control.grid import operating_point, point_checks  # slow import: scipy.signal
     from hbench.control.loops import design_at
     from hbench.experiment.design_verification import proposal
     from hbench.studies.source_design import OPERATING_POINT, reproduce
@@ -51,6 +51,7 @@ def design(
         (control.velocity_filter, control.pressure_filter),
         reproduce(par) if source else (),
     )
+    present = replace(present, checks=point_checks(present))
     if ratio is None:
         return present
     return replace(present, proposal=proposal(bench, ratio, nominal, report))

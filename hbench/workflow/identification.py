@@ -31,6 +31,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
     from hbench.analysis.curves.ramp_fits import compare_fits
     from hbench.analysis.identification.held_out import split_motions, with_held_out_errors
     from hbench.analysis.identification.identify import identify_laws  # slow import: it compiles
+    from hbench.analysis.identification.steady_curves import laws_along_curves
     from hbench.analysis.identification.verification import trial_scatter
     from hbench.experiment.law_verification import VerifiedLaws, verify_laws
 
@@ -70,6 +71,7 @@ def identify(folder: Path, report: Callable[[Progress], None]) -> Identification
         followed=verified.followed,
         left_out=left_out,
         notes=(*_NOTES, *campaign.warnings),
+        steady=laws_along_curves(steady, laws),
     )
 
 

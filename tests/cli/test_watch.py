@@ -16,14 +16,16 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
 from hbench import workflow
 from hbench.cli.watch_server import new_server
 from hbench.errors import ConfigError
-from hbench.store.campaign.folder import load_campaign
+from hbench.store.campaign.folder import load_campaign, load_header
 from hbench.store.campaign.live_file import LIVE, SCHEMA
+from hbench.store.campaign.stored_acceptance import stored_checks
 from hbench.workflow.watching import live, watch
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
@@ -360,6 +362,69 @@ def test_a_station_follows_the_campaign_that_was_changed_last(sample, tmp_path):
         assert [one["folder"] for one in state["cylinders"]] == ["C", "A", "B"]
         assert state["cylinders"][0]["decision"] == ""
     assert {path: text for path, text in files_of(folder).items() if path in before} == before
+
+
+def decided(folder, value, speed_m_s=None, **changes):
+    """Write a decision on a breakaway pressure [Pa], as hbench accept does."""
+    requirement = {"quantity": "breakaway", "unit": "bar", "low": None, "high": 4e5} | changes
+    check = {
+        "requirement": requirement,
+        "measurement": {"value": value, "u95": 1e4, "direction": "extend", "v_m_s": speed_m_s},
+        "decision": "PASS",
+    }
+    (folder / "results").mkdir(parents=True)
+    text = json.dumps({"schema": "hbench.acceptance/1", "decision": "PASS", "checks": [check]})
+    (folder / "results" / "acceptance.json").write_text(text)
+
+
+def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path):
+    folder = tmp_path / "station"
+    header = (sample / "campaign.yaml").read_text().partition("\nruns:")[0] + "\nruns: []\n"
+    values = [3.0e5, 3.2e5] * 6 + [4.1e5]
+    for number, value in enumerate(values):
+        decided(folder / f"C{number:02d}", value, speed_m_s=0.05 + 1e-5 * number)  # as measured
+        path = folder / f"C{number:02d}" / "campaign.yaml"
+        path.write_text(header)
+        for one in (path, path.parent / "results" / "acceptance.json"):
+            os.utime(one, (1e9 + number, 1e9 + number))
+    with watched(folder, workflow.Station) as page:
+        (chart,) = page.state()["charts"]
+    assert chart["title"] == "breakaway at 50.1 mm/s extend" and chart["unit"] == "bar"
+    assert chart["values"] == pytest.approx([1e-5 * value for value in values])
+    assert (chart["low"], chart["high"]) == (None, pytest.approx(4.0))
+    mean, moving = np.mean(values), np.abs(np.diff(values)).mean() / 1.128
+    assert chart["control"] == pytest.approx([1e-5 * (mean + step * moving) for step in (-3, 0, 3)])
+    assert "beyond 3 σ" in chart["signals"][-1] and not any(chart["signals"][:-1])
+    decided(tmp_path / "few" / "C", 3e5)
+    (tmp_path / "few" / "C" / "campaign.yaml").write_text(header)
+    with watched(tmp_path / "few", workflow.Station) as page:
+        (chart,) = page.state()["charts"]
+    assert chart["control"] is None and chart["values"] == pytest.approx([3.0])
+
+
+@pytest.mark.parametrize(
+    ("changes", "measured"),
+    [
+        ({"quantity": "__class__"}, 1.0),
+        ({"unit": "parsec"}, 1.0),
+        ({"high": "1e999"}, 1.0),
+        ({"direction": ["extend"]}, 1.0),
+        ({}, True),
+        ({}, None),
+        ({}, float("inf")),
+    ],
+)
+def test_a_decision_that_hbench_did_not_write_is_not_charted(tmp_path, changes, measured):
+    decided(tmp_path, measured, **changes)
+    assert stored_checks(tmp_path) == ()
+
+
+def test_a_header_is_read_without_the_runs(sample):
+    path = sample / "campaign.yaml"
+    whole = load_campaign(sample)
+    path.write_text(path.read_text() + "- not: [a run\n" * 1000)
+    header = load_header(sample)
+    assert header.header == whole.header and header.entries == ()
 
 
 def test_a_station_without_a_campaign_waits(tmp_path):

@@ -17,8 +17,8 @@ from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.page import certificate_page
 from hbench.report.conformity.certificate.pdf import certificate_pdf, sheets
-from hbench.report.conformity.certificate.pdf_pen import wrapped
 from hbench.report.conformity.certificate.words import WORDS
+from hbench.report.render.pdf_pen import wrapped
 from tests.support import ROOT
 from tests.support.certificates import FILE, HOSTILE, PNG
 

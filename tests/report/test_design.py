@@ -2,6 +2,7 @@
 
 import json
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -96,8 +97,22 @@ def drawings(design):
 def test_the_page_holds_everything_and_escapes_names(design, drawings):
     page = design_page(design, drawings)
     assert "<b>bench</b>" not in page and "&lt;b&gt;bench" in page
-    assert "&lt;+200 mm/s&gt;" in page and "FAILS" in page
+    assert "&lt;+200 mm/s&gt;" in page and "FAIL. The proposal fails 1 of 2 checks" in page
     assert page.count('class="plot"') == len(drawings) == 4
+
+
+def test_present_gains_pass_or_fail_with_the_check_first(design):
+    checks = (
+        Check("velocity: phase margin", 50.0, 45.0, "deg", True),
+        Check("velocity: gain margin", 5.7, 6.0, "dB", False),
+    )
+    page = design_page(replace(design, proposal=None, checks=checks), ())
+    assert "FAIL. The present gains fail 1 of 2 checks at this operating point: " in page
+    assert "velocity: gain margin 5.7 dB, limit 6 dB." in page
+    assert page.index("Velocity: gain margin") < page.index("Velocity: phase margin")
+    passing = replace(design, proposal=None, checks=checks[:1])
+    assert "PASS. The present gains pass all 1 checks" in design_page(passing, ())
+    assert json.loads(design_json(passing))["checks"][0]["holds"] is True
 
 
 def test_every_figure_is_the_same_twice(design, drawings):

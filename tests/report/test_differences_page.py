@@ -9,6 +9,7 @@ import pytest
 
 from hbench.records import CampaignDifferences, CurveDifference, Difference, FrictionDifference
 from hbench.report.comparison.figures import draw_differences, draw_pair
+from hbench.report.comparison.settings import settings_that_differ
 from hbench.report.comparison.text import differences_json, differences_page, differences_text
 
 NOTE = "retract: A"
@@ -87,3 +88,19 @@ def test_a_figure_fills_the_points_that_differ_and_is_the_same_twice(found):
     np.testing.assert_allclose(faces["white"], 1.0)
     assert "B − A" in axes.get_ylabel()
     assert draw_differences(found) == draw_differences(found)
+
+
+def test_a_comparison_states_each_setting_that_differs(found):
+    assert settings_that_differ(found) == ()
+    assert "schedule and software of both campaigns agree" in differences_page(found, ())
+    oil = {"bulk_modulus": "700 bar", "points": {"density": "870 kg/m^3"}}
+    a = replace(found.a, settings={"oil": oil}, firmware="one")
+    b = replace(found.b, settings={"oil": oil | {"points": {"density": "850 kg/m^3"}}, "x": 1})
+    changed = replace(found, a=a, b=replace(b, firmware="two"))
+    assert settings_that_differ(changed) == (
+        ("bench", "firmware", "one", "two"),
+        ("oil", "points density", "870 kg/m^3", "850 kg/m^3"),
+        ("x", "value", "–", "1"),
+    )
+    text = differences_page(changed, ())
+    assert re.search(r'<p class="verdict">[^<]*3 settings differ[^<]*: bench, oil, x', text)

@@ -323,9 +323,12 @@ def test_an_efficiency_map_has_a_dot_for_each_measured_point_and_says_its_units(
         curves = [c for c in stribeck.efficiency if c.direction == direction]
         dots = figure.axes[0].lines[-1].get_xydata()
         assert len(dots) == sum(len(curve.points) for curve in curves)
-        assert {round(1e3 * load) for load in dots[:, 1]} == {c.f_load_n for c in curves}
+        assert {round(1e3 * load) for load in dots[:, 1]} == {abs(c.f_load_n) for c in curves}
         labels = {axes.get_ylabel() for axes in figure.axes}
         assert len([label for label in labels if label.endswith(" (%)")]) == 2
+    one, other = found.values()
+    for axes, same in zip(one.axes, other.axes, strict=True):  # maps and their bars of colours
+        assert axes.get_xlim() == same.get_xlim() and axes.get_ylim() == same.get_ylim()
 
 
 def test_two_loads_make_no_efficiency_map(small):

@@ -49,8 +49,21 @@ def test_numbers_stand_at_the_right_of_their_column_in_markdown_and_pdf():
     table = WordTable("", ("name", "value (N)"), (("a", "7"), ("bcd", "1234")))
     made = Document("t", "", (Section("s", tables=(table,)),))
     assert "| --- | ---: |" in markdown(made)
-    lines = [text.get_text() for sheet in sheets(made) for text in sheet.texts]
-    assert "a             7" in lines and "bcd        1234" in lines
+    texts = {text.get_text(): text for sheet in sheets(made) for text in sheet.texts}
+    ends = {texts[number].get_position()[0] for number in ("7", "1234", "value (N)")}
+    assert len(ends) == 1 and {texts[n].get_ha() for n in ("7", "1234")} == {"right"}
+    assert texts["a"].get_position()[0] == texts["bcd"].get_position()[0] < min(ends)
+
+
+def test_each_sheet_of_a_pdf_has_the_documents_name_and_its_number():
+    table = WordTable("", ("name", "value (N)"), tuple((f"row {i}", str(i)) for i in range(150)))
+    made = Document("stribeck", "", (Section("s", tables=(table,)),), source="simulated")
+    filled = sheets(made)
+    assert len(filled) >= 2
+    for number, sheet in enumerate(filled, start=1):
+        texts = [text.get_text() for text in sheet.texts]
+        assert "stribeck (simulated)" in texts and f"Page {number} of {len(filled)}" in texts
+        assert "value (N)" in texts  # the head of the table is repeated
 
 
 def test_markdown_has_every_section_table_and_figure(made, drawings):

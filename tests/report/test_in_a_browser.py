@@ -16,10 +16,15 @@ from hbench.report.simulation.page import phenomenon_page
 from tests.support.reconcile.made_diagnosis import drawings_of_named, named
 from tests.support.report.browser import Browser
 from tests.support.report.made_fleet import made_table, summary_of
+from tests.support.report.made_others import aborted_page, comparison_page, laws_page
 from tests.support.report.made_page import page_html
 
-PAGES = ("campaign", "seals", "diagnosis", "phenomenon", "fleet")
-WIDTHS = (360, 768, 1440)
+PAGES = (
+    *("campaign", "seals", "diagnosis", "phenomenon", "fleet"),
+    *("comparison", "identification", "aborted"),
+)
+PRINTED = 688  # pixels of A4 less the margins
+WIDTHS = (360, 400, 768, 1440)
 LONG = "W" * 300
 
 
@@ -44,6 +49,8 @@ def pages(small, seals, drawings, tmp_path_factory):
         "diagnosis": diagnosis_page(found, drawings_of_named()),
         "phenomenon": phenomenon_page(phenomenon, draw_phenomenon(phenomenon)),
     }
+    texts["comparison"], texts["identification"] = comparison_page(small), laws_page(small)
+    texts["aborted"] = aborted_page(small)
     folder = tmp_path_factory.mktemp("pages")
     fleet = summary_of(made_table(folder, 30, drift_n=90, off={7: 300.0}, failed=(3,), name=LONG))
     texts["fleet"] = fleet_page(fleet, draw_fleet(fleet))
@@ -60,7 +67,62 @@ def test_a_page_fits_every_width_without_an_error_on_the_console(browser, pages,
         browser.width(width)
         wide = browser.run("document.documentElement.scrollWidth")
         assert wide <= width, f"{wide} px on a screen of {width}"
+    browser.width(PRINTED)
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    wide = browser.run("document.documentElement.scrollWidth")
+    browser.ask("Emulation.setEmulatedMedia", media="")
+    assert wide <= PRINTED, f"{wide} px on paper of {PRINTED}"
     assert browser.errors == []
+
+
+def column(browser, number):
+    rows = "[...document.querySelectorAll('table.sortable tbody tr')]"
+    return browser.run(f"{rows}.map(row => row.cells[{number}].textContent.trim())")
+
+
+def test_a_click_or_the_keyboard_sorts_the_campaigns_of_a_fleet(browser, pages):
+    browser.open(pages["fleet"])
+    heads = browser.run(
+        "[...document.querySelectorAll('table.sortable th')].map(h => h.textContent)"
+    )
+    number = next(i for i, head in enumerate(heads) if head.startswith("Friction, extending"))
+    before = column(browser, number)
+    button = f"document.querySelectorAll('table.sortable th button')[{number}]"
+    browser.run(f"{button}.click()")
+    rising = column(browser, number)
+    values = [float(text.split(" ")[0]) for text in rising]
+    assert values == sorted(values) and sorted(rising) == sorted(before) and rising != before
+    sort = f"{button}.parentElement.getAttribute('aria-sort')"
+    assert browser.run(sort) == "ascending"
+    browser.run(f"{button}.focus()")
+    browser.key("Enter")
+    assert column(browser, number) == rising[::-1] and browser.run(sort) == "descending"
+    browser.run("document.querySelector('table.sortable th button').click()")
+    assert browser.run("document.querySelectorAll('[aria-sort]').length") == 1
+
+
+def test_a_narrow_table_says_that_it_has_more_columns_until_they_are_shown(browser, pages):
+    browser.open(pages["fleet"], width=400)
+    table = "document.querySelector('table.sortable').parentElement"
+    settled = "new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))"
+    browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
+    assert browser.run(f"{table}.classList.contains('more')")
+    browser.run(f"{table}.scrollLeft = 1e5")
+    browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
+    assert not browser.run(f"{table}.classList.contains('more')")
+    browser.open(pages["fleet"], width=1440)
+    browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
+    short = "[...document.querySelectorAll('.scroll')].filter(s => s.scrollWidth <= s.clientWidth)"
+    assert browser.run(f"{short}.every(s => !s.classList.contains('more'))")
+
+
+def test_an_aborted_campaign_has_its_alarm_on_the_first_screen_of_a_phone(browser, pages):
+    browser.open(pages["aborted"], width=400)
+    box = browser.run(
+        "(({top, bottom, height}) => [top, bottom, height])"
+        "(document.querySelector('[role=alert]').getBoundingClientRect())"
+    )
+    assert 0 < box[0] < 450 and box[2] > 60
 
 
 def test_an_error_on_the_console_and_an_overflow_would_be_seen(browser, pages):

@@ -43,7 +43,7 @@ from hbench.store.fleet.table import SUFFIXES, FleetTable, moment_of
 
 _LISTED = 20  # campaigns: of the most deviating, and of the failed ones
 _MOST_KINDS = 10  # of reasons and protocols
-_MOST_ROWS = 50  # campaigns of a fleet that are listed one by one
+_MOST_ROWS = 500  # campaigns of a fleet that are listed one by one
 _SINGLE = 150  # campaigns that are drawn one by one; more are drawn in blocks
 _BLOCKS = 60
 _DAY_S = 86_400.0
@@ -174,13 +174,24 @@ def _campaigns(
     """Yield the campaigns of a small fleet with their numbers."""
     if len(rows) > _MOST_ROWS:
         return
-    names = ("path", "name", "label", "quality", "missing", "v_m_s")
+    names = (
+        "path",
+        "name",
+        "label",
+        "quality",
+        "missing",
+        "v_m_s",
+        "specimen",
+        "started",
+        "protocol",
+    )
     texts = [table.values(name, rows) for name in names]
     columns = {
         name: [table.values(f"{name}{ending}", rows) for ending in ("", *_ENDINGS)]
         for name in (spread.quantity.column(spread.direction) for spread in spreads)
     }
-    for i, (path, name, label, quality, missing, v_m_s) in enumerate(zip(*texts, strict=True)):
+    for i, about in enumerate(zip(*texts, strict=True)):
+        path, name, label, quality, missing, v_m_s, specimen, started, protocol = about
         cells = {column: [values[i] for values in each] for column, each in columns.items()}
         numbers = {column: FleetNumber(*c) for column, c in cells.items() if c[0] is not None}
         yield FleetCampaign(
@@ -194,6 +205,9 @@ def _campaigns(
             decision=decision(path),
             v_m_s=v_m_s,
             numbers=numbers,
+            specimen=specimen or "",
+            started=started,
+            protocol=protocol or "",
         )
 
 

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from hbench.analysis.comparison.control_chart import control_chart
+from hbench.analysis.comparison.control_chart import control_chart, with_corrected_steps
 from hbench.analysis.comparison.precision import Tolerance, plan_of, precision_of
 from hbench.analysis.comparison.wear import WEARING, corrected, cumulated, wear_trends
 from hbench.records import CYLINDER, QUANTITIES, ControlChart, Precision, Quantity, Side, WearTrend
@@ -77,7 +77,9 @@ def measurement_system(
             worn = charted[cylinders[charted] >= 0]
             amounts = {amount: total[worn] for amount, total in sums.items()}
             trends += wear_trends(quantity, direction, x[worn], amounts, cylinders[worn], names)
-    return MeasurementSystem(tuple(studies), tuple(notes), tuple(charts), corrected(trends))
+    return MeasurementSystem(
+        tuple(studies), tuple(notes), with_corrected_steps(charts), corrected(trends)
+    )
 
 
 def _numbers() -> list[tuple[Quantity, Side]]:

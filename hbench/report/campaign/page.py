@@ -13,13 +13,14 @@ from hbench.report.campaign.fit_tables import (
     selection_table,
 )
 from hbench.report.campaign.method import method_section
+from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import quality_verdict
-from hbench.report.campaign.settings import settings_section
+from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
 from hbench.report.campaign.summary import summary_section
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import number
+from hbench.report.render.numbers import number, span
 from hbench.report.render.word_tables import Table
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
@@ -96,6 +97,8 @@ def report_document(
         BANNERS[provenance.source],
         provenance.source,
         folder,
+        identity_facts(results),
+        aborted_words(results),
     )
 
 
@@ -125,15 +128,29 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
 def _fits(results: Results) -> tuple[Section, ...]:
     sections = []
     subsections: list[Section] = []
-    for law, table in fit_tables(results).items():
+    steady = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
+    moving = [curve for curve in results.curves if not KINDS[curve.kind].has_constant_speed]
+    of_steady = fit_tables(replace(results, curves=tuple(steady)))
+    of_moving = fit_tables(replace(results, curves=tuple(moving), joint_fits=()))
+    for law in dict.fromkeys((*of_steady, *of_moving)):
+        if law in of_steady:
+            table = of_steady[law]
+            subsections.append(Section(law_words(law), tables=(table,)))
+            if table.messages and len(table.messages) <= _FEW:
+                subsections.append(Section(items=table.messages))
+            elif table.messages:
+                text = f"{law_words(law)}: remarks on these fits ({len(table.messages)})"
+                subsections.append(Section(text, items=table.messages, folded=True))
+        if law in of_moving:
+            table = of_moving[law]
+            text = f"{law_words(law)}: fits of moving runs ({len(table.rows)})"
+            remarks = (Section(items=table.messages),) if table.messages else ()
+            subsections.append(Section(text, tables=(table,), parts=remarks, folded=True))
         correlations = correlation_table(results, law)
-        tables = (table, correlations) if correlations.rows else (table,)
-        subsections.append(Section(law_words(law), tables=tables))
-        if len(table.messages) > _FEW:
-            text = f"Remarks on these fits ({len(table.messages)})"
-            subsections.append(Section(text, items=table.messages, folded=True))
-        elif table.messages:
-            subsections.append(Section(items=table.messages))
+        if correlations.rows:
+            text = f"{law_words(law)}: correlation of the parameters"
+            untitled = replace(correlations, title="")
+            subsections.append(Section(text, tables=(untitled,), folded=True))
     if subsections:
         text = (
             "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
@@ -174,7 +191,13 @@ def _bias_words(results: Results) -> str:
 def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterable[Section]:
     if drawings := figures.get("ramps"):
         table = page_motions.comparison_table(results)
-        subsections = (Section(_RAMPS, (_TESTED,), tables=(table,)),) if table.rows else ()
+        differing = sum(map(differs, results.motions.comparisons))
+        said = f"{differing} of {len(table.rows)} differences are significant."
+        subsections = (
+            (Section(f"{_RAMPS} {said}", (_TESTED,), tables=(table,), folded=True),)
+            if table.rows
+            else ()
+        )
         yield Section("Ramps", drawings=drawings, parts=subsections)
     if drawings := figures.get("breakaway"):
         yield Section(
@@ -193,12 +216,42 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
         ("leakage", page_motions.leak_table(results), holds),
     ):
         if drawings := figures.get(name):
-            messages = (Section(items=table.messages),) if table.messages else ()
-            tables = (table, *more)
-            yield Section(name.capitalize(), drawings=drawings, tables=tables, parts=messages)
+            parts = (Section(items=table.messages),) if table.messages else ()
+            title, tables = name.capitalize(), (table, *more)
+            if name in _FOLDED:
+                inside = Section(
+                    f"{_count(len(drawings), 'figure')} and {_count(len(table.rows), 'row')}",
+                    drawings=drawings, tables=tables, parts=parts, folded=True,
+                )  # fmt: skip
+                yield Section(title, (_FOLDED[name](results),), parts=(inside,))
+            else:
+                yield Section(title, drawings=drawings, tables=tables, parts=parts)
     if drawings := figures.get("over-distance"):
         table = page_motions.distance_table(results)
         yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=(table,))
+
+
+def _loop_words(results: Results) -> str:
+    loops = results.motions.loops
+    energy = span([loop.area_j for loop in loops])
+    return f"{_count(len(loops), 'triangle')} with {energy} J of friction work a cycle."
+
+
+def _step_words(results: Results) -> str:
+    levels = results.motions.levels
+    speeds = span([1e3 * abs(level.v_to_m_s) for level in levels])
+    known = [level.settling_s for level in levels if level.settling_s is not None]
+    slowest = (
+        f" The longest settling time of friction is {number(max(known), 2)} s." if known else ""
+    )
+    return f"{_count(len(levels), 'level')} of {speeds} mm/s.{slowest}"
+
+
+_FOLDED = {"hysteresis": _loop_words, "steps": _step_words}  # by the section's name
+
+
+def _count(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _budget(results: Results) -> tuple[Section, ...]:

@@ -1,4 +1,4 @@
-"""Instruments, settings, software, and notes of the analysis."""
+"""Identity of the test, instruments, settings, software, and notes of the analysis."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -6,8 +6,57 @@ from datetime import datetime
 from typing import Any
 
 from hbench.records import Results, Specimen
+from hbench.report.campaign.reasons import code_of
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
+
+_SIZES = ("bore", "rod", "stroke")
+_TEST = ("customer", "operator", "mounting", "place", "ambient")
+_ABORTED = "aborted"  # code of the reason
+
+
+def identity_facts(results: Results) -> tuple[tuple[str, str], ...]:
+    """Return what was measured, where, when and by whom, as far as the campaign states it."""
+    provenance = results.provenance
+    specimen, test = (provenance.settings.get(name, {}) for name in ("specimen", "test"))
+    sizes = ", ".join(f"{name} {specimen[name]}" for name in _SIZES if specimen.get(name))
+    specimens = {run.run.plan.specimen for run in results.runs if run.accepted}
+    if not sizes and len(specimens) == 1:
+        sizes = _dimensions(next(iter(specimens)))
+    if provenance.source == "imported":
+        when = f"imported {_time(provenance.started)}"
+    else:
+        when = " to ".join(map(_time, filter(None, (provenance.started, provenance.stopped))))
+    facts = {
+        "Cylinder": specimen.get("serial", "") or "no serial number recorded",
+        "Dimensions": sizes,
+        **{_name(name): specimen.get(name, "") for name in ("maker", "order", "seals", "wear")},
+        **{f"Test {name}": test.get(name, "") for name in ("number", "date")},
+        **{_name(name): test.get(name, "") for name in _TEST},
+        "Bench": provenance.bench,
+        "Measured": when,
+        "Instruments": _calibrations(provenance.settings.get("instruments", {})),
+        "Analysis": f"hbench {provenance.software.get('hbench', '')}".strip(),
+    }
+    return tuple((name, _words(text)) for name, text in facts.items() if text)
+
+
+def aborted_words(results: Results) -> str:
+    """Return why a campaign ended before its plan did; empty if it was completed."""
+    complete = results.quality.completeness
+    if not complete.not_completed or complete.planned is None:
+        return ""
+    made = complete.planned - len(complete.not_completed)
+    count = f"{made} of {complete.planned} planned runs were completed"
+    last = results.runs[-1] if results.runs else None
+    why = [] if last is None else [r for r in last.reasons if code_of(r) == _ABORTED]
+    if last is None or not why:
+        return f"INCOMPLETE CAMPAIGN: {count}. All numbers on this page are those of these runs."
+    reason = why[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
+    return (
+        f"ABORTED CAMPAIGN: {count}. Run {last.run.plan.run} ended early: {reason}. All numbers on "
+        "this page are those of the completed runs."
+    )
 
 
 def settings_section(results: Results, long_list: int) -> Section:
@@ -38,18 +87,37 @@ def _facts(results: Results) -> Iterator[tuple[str, str]]:
         if run.accepted:
             specimens.setdefault(run.run.plan.specimen, {})[run.run.plan.label] = None
     for specimen, labels in specimens.items():
-        areas = (1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2)
-        dimensions = f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²"
-        if specimen.stroke_m is not None:
-            dimensions += f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
         which = ", ".join(filter(None, labels)) if len(specimens) > 1 else ""
-        yield f"Cylinder {which}".strip(), dimensions
+        yield f"Cylinder {which}".strip(), _dimensions(specimen)
     for name, section in provenance.settings.items():
         yield _name(name), _words(section)
     yield from ((_name(name), _words(value)) for name, value in provenance.details.items())
     if provenance.software:
         versions = (f"{name} {value}" for name, value in provenance.software.items())
         yield "Software", ", ".join(versions)
+
+
+def _dimensions(specimen: Specimen) -> str:
+    areas = (1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2)
+    stroke = (
+        "" if specimen.stroke_m is None else f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
+    )
+    return f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²{stroke}"
+
+
+def _calibrations(instruments: Mapping[str, Any]) -> str:
+    """Return each instrument's serial number and calibration, as far as the bench file has them."""
+    named = []
+    for name, instrument in instruments.items():
+        known = instrument.get("calibration", {}) if isinstance(instrument, Mapping) else {}
+        stated = (
+            f"no. {known['serial']}" if known.get("serial") else "",
+            f"certificate {known['certificate']}" if known.get("certificate") else "",
+            f"due {known['due']}" if known.get("due") else "",
+        )
+        if any(stated):
+            named.append(f"{name.replace('_', ' ')} ({', '.join(filter(None, stated))})")
+    return "; ".join(named) or "no calibration recorded"
 
 
 def _time(written: str) -> str:

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterable
-from dataclasses import replace
 from statistics import median_low
 
 from hbench.records import KINDS, Drift, HeadlineNumber, HeadlineSeries, Results
@@ -42,7 +41,15 @@ def summary_section(results: Results) -> Section:
     return Section(
         "Summary",
         paragraphs=tuple(
-            filter(None, (_measured(results), temperature_words(results), fits_verdict(results)))
+            filter(
+                None,
+                (
+                    _measured(results),
+                    _uncertainty(series),
+                    temperature_words(results),
+                    fits_verdict(results),
+                ),
+            )
         ),
         tiles=tuple(_tiles(results)),
         parts=(
@@ -50,11 +57,23 @@ def summary_section(results: Results) -> Section:
             Section(
                 "Quality of the data",
                 (RULE,),
-                tables=_quality_tables(results),
+                tables=(quality_table(results.quality),),
+                parts=tuple(_quality_details(results)),
                 anchor="quality",
             ),
             *_drift(results.drift),
         ),
+    )
+
+
+def _uncertainty(series: Collection[HeadlineSeries]) -> str:
+    """State what U is; empty if no number of the summary has one."""
+    numbers = [n for each in series for n in (each.friction_n, each.breakaway_n, each.efficiency)]
+    if all(each is None or each.u95 is None for each in numbers):
+        return ""
+    return (
+        "U is the expanded uncertainty of trials and instruments together, for a coverage "
+        "probability of 95 %; the section on uncertainty states its factor k."
     )
 
 
@@ -67,7 +86,7 @@ def _drift(drift: Drift | None) -> Iterable[Section]:
         )
 
 
-def _quality_tables(results: Results) -> tuple[Table, ...]:
+def _quality_details(results: Results) -> Iterable[Section]:
     short = results.quality.completeness.short_points
     implausible = results.quality.implausible
     if not differs_in_rod_pressure(results.curves):
@@ -76,8 +95,11 @@ def _quality_tables(results: Results) -> tuple[Table, ...]:
         ("Points without enough trials", short_point_table(short)),
         ("Implausible signs", implausible_table(implausible)),
     )
-    titled = (replace(each, title=title) for title, each in details if each.rows)
-    return (quality_table(results.quality), *titled)
+    for title, each in details:
+        count = len(each.rows)
+        if count:
+            folded = True if count > _LONG else None
+            yield Section(f"{title} ({count})", tables=(each,), folded=folded)
 
 
 def _tiles(results: Results) -> Iterable[Tile]:
@@ -145,7 +167,7 @@ def _tile(
     values = [scale * each.value for each in known]
     points = "percentage points" if unit == "%" else unit  # not per cent of the value
     widest = significant(scale * max(halves), 2) if halves else ""
-    most = f"; 95 % interval ±{widest} {points} at most" if halves else ""
+    most = f"; U up to {widest} {points}" if halves else ""
     yield Tile(alike(values), unit, f"{caption}, all loads and directions{most}", anchor)
 
 
@@ -166,8 +188,8 @@ def _table(series: Iterable[HeadlineSeries]) -> Table:
         for each in series
     ]
     head = (
-        *("At (mm/s)", "Friction (N)", "Friction (bar)", "Trials alone (N)"),
-        *("Breakaway (N)", "Breakaway (bar)", "Efficiency (%)"),
+        *("At (mm/s)", "Friction ± U (N)", "Friction ± U (bar)", "Trials alone (N)"),
+        *("Breakaway ± U (N)", "Breakaway ± U (bar)", "Efficiency ± U (%)"),
     )
     return table((WHO[0], *WHO[2:], *head), rows)
 

@@ -24,7 +24,8 @@ from hbench.units import from_si
 
 _CAPTION = (
     "Above: means of the trials with their 95 % intervals. Below: B less A; the bars are the 95 % "
-    "interval of the trials, the wide pale ones add the instruments. Filled: it is real."
+    "interval of the trials, the wide pale ones add the instruments. Filled: the difference is "
+    "significant."
 )
 
 

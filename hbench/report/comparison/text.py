@@ -1,12 +1,14 @@
 """A comparison in words and numbers: for the terminal, as JSON, and its page."""
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 
 from hbench.records import (
     CampaignDifferences,
     CurveDifference,
+    Difference,
+    FrictionDifference,
     WordTable,
 )
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
@@ -26,6 +28,11 @@ from hbench.report.comparison.cells import (
     percent,
     signed,
 )
+from hbench.report.comparison.settings import (
+    settings_table,
+    settings_that_differ,
+    settings_words,
+)
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
@@ -44,6 +51,10 @@ def differences_text(differences: CampaignDifferences) -> str:
     lines = [
         f"A: {_name(differences, 0)}",
         f"B: {_name(differences, 1)}",
+        *(
+            f"{section}, {setting}: A {a}, B {b}"
+            for section, setting, a, b in settings_that_differ(differences)
+        ),
         _instruments(differences),
         *_data(differences),
         "",
@@ -74,6 +85,10 @@ def differences_json(differences: CampaignDifferences) -> str:
             for which, quality in zip("ab", differences.qualities, strict=True)
         },
         "same_instruments": differences.same_instruments,
+        "settings_that_differ": [
+            dict(zip(("section", "setting", "a", "b"), row, strict=True))
+            for row in settings_that_differ(differences)
+        ],
         "curves": [
             {
                 "kind": curve.a.kind,
@@ -111,6 +126,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     figures: dict[str, tuple[Drawing, ...]] = {"bands": (), "comparison": ()}
     for drawing in drawings:
         figures[drawing.section] = (*figures[drawing.section], drawing)
+    parameters = [p.value for curve in differences.curves for p in curve.parameters]
     sections = [
         Section(
             "Friction bands",
@@ -120,11 +136,20 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Differences of mean friction and efficiency",
             tables=(_means(differences),),
-            drawings=figures["comparison"],
+            parts=(Section(drawings=figures["comparison"]),),
         ),
-        Section("Fitted parameters", tables=(replace(_parameters(differences), title=""),)),
-        Section("Speed by speed", tables=(_points(differences),)),
+        _settings_section(differences),
         Section("Data", items=_data(differences)),
+        Section(
+            "Fitted parameters",
+            (_counted("fitted parameters", parameters),),
+            parts=_folded("Each parameter", replace(_parameters(differences), title="")),
+        ),
+        Section(
+            "Speed by speed",
+            (_counted("points", [p.friction_n for p in _single_points(differences)]),),
+            parts=_folded("Each speed", _points(differences)),
+        ),
         Section("How it was computed", items=(_instruments(differences), *_METHOD)),
     ]
     if differences.notes:
@@ -133,13 +158,46 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         f"{differences.names[1]} against {differences.names[0]}",
         f"A: {_name(differences, 0)}. B: {_name(differences, 1)}. Differences are B less A.",
         tuple(
-            section for section in sections if any(t.rows for t in section.tables) or section.items
+            section
+            for section in sections
+            if any(table.rows for table in section.tables)
+            or section.items
+            or any(part.folded is not None for part in section.parts)
+            or section.anchor == _SETTINGS
         ),
-        " ".join((*_warnings(differences), band_verdict(differences) or _verdict(differences))),
+        " ".join(
+            (
+                *_warnings(differences),
+                band_verdict(differences) or _verdict(differences),
+                settings_words(differences),
+            )
+        ),
         "simulated" if "simulated" in (differences.a.source, differences.b.source) else "",
     )
 
 
+def _settings_section(differences: CampaignDifferences) -> Section:
+    table = settings_table(differences)
+    section = Section(
+        "What differs between the benches", (settings_words(differences),), anchor=_SETTINGS
+    )
+    return replace(section, tables=(table,)) if table.rows else section
+
+
+def _counted(what: str, differences: Sequence[Difference]) -> str:
+    real = sum(difference.real for difference in differences)
+    return f"{real} of {len(differences)} differences of {what} are significant."
+
+
+def _folded(title: str, table: WordTable) -> tuple[Section, ...]:
+    count = len(table.rows)
+    if not count:
+        return ()
+    return (Section(f"{title} ({count})", tables=(table,), folded=count > _LONG),)
+
+
+_SETTINGS = "settings"
+_LONG = 12  # rows; a longer table starts folded
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "
     "seal again would change."
@@ -229,7 +287,7 @@ def _parameters(differences: CampaignDifferences) -> WordTable:
 
 
 def _points(differences: CampaignDifferences) -> WordTable:
-    rows = [
+    rows: list[tuple[str, ...]] = [
         (
             _who(curve),
             number(1e3 * point.v_m_s, 1) + (" *" if point.between else ""),
@@ -243,6 +301,11 @@ def _points(differences: CampaignDifferences) -> WordTable:
     if any(point.between for each in differences.curves for point in each.points):
         title += "; * between two speeds of B"
     return difference_table(title, ("Curve", "Velocity (mm/s)"), rows)
+
+
+def _single_points(differences: CampaignDifferences) -> list[FrictionDifference]:
+    several = (curve for curve in differences.curves if len(curve.points) > 1)
+    return [point for curve in several for point in curve.points]
 
 
 def _who(pair: CurveDifference) -> str:

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable
 
-from hbench.records import Design, WordTable
+from hbench.records import Check, Design, Proposal, WordTable
 from hbench.report.design import text
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
+from hbench.report.render.word_tables import Cell, Table
 
 
 def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
@@ -13,23 +14,55 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     proposal = design.proposal
     sections = []
     if proposal is not None:
-        rows = text.check_rows((*proposal.margins, *proposal.closed_loop))
-        checks = WordTable("Checks", text.CHECK_HEAD, tuple(rows))
-        items, code = tuple(text.proposal_lines(proposal)), text.gains_yaml(proposal)
-        sections.append(Section("Proposal", items=items, code=code, tables=(checks,)))
-    chains = tuple(f"{name}: {about}" for name, about in text.CHAINS.items())
+        checks = (*proposal.margins, *proposal.closed_loop)
+        sections += [_checks(checks, text.LIMITS), _proposal(proposal)]
+    elif design.checks:
+        sections.append(_checks(design.checks, text.POINT_LIMITS))
+    chains = tuple(f"{_capital(name)}: {about}." for name, about in text.CHAINS.items())
     loops = WordTable("", text.LOOP_HEAD, tuple(text.loop_rows(design)))
-    facts = tuple(text.fact_lines(design))
-    sections.append(Section("Loops", items=(*chains, *facts), tables=(loops,)))
+    facts = tuple(f"{_capital(line)}." for line in text.fact_lines(design))
+    sections.append(Section("Loops", tables=(loops,), parts=(Section(items=(*facts, *chains)),)))
     if design.reproduced:
         rows = text.reproduced_rows(design.reproduced)
         table = WordTable("", text.REPRODUCED_HEAD, tuple(rows))
-        sections.append(Section("The source's numbers", tables=(table,)))
+        agree = sum(number.agrees for number in design.reproduced)
+        said = f"{agree} of {len(design.reproduced)} numbers of the source agree."
+        part = Section(f"Each number ({len(rows)})", tables=(table,), folded=True)
+        sections.append(Section("The source's numbers", (said,), parts=(part,)))
     sections.append(Section("Figures", drawings=tuple(drawings)))
     return document(
         f"{design.bench}: control loops",
         "Computed and simulated; nothing here was measured. Operating point: "
         f"{text.point_words(design)}.",
         tuple(sections),
-        "" if proposal is None else text.design_verdict(proposal),
+        text.loops_verdict(design) if proposal is None else text.page_verdict(proposal),
     )
+
+
+def _checks(checks: tuple[Check, ...], words: str) -> Section:
+    """Return the checks as a table, those that fail first."""
+    ranked = sorted(checks, key=lambda check: check.holds)
+    rows = []
+    for check, row in zip(ranked, text.check_rows(ranked), strict=True):
+        what, value, limit, unit, _, where = row
+        verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
+        rows.append((verdict, *map(Cell, (_capital(what), value, limit, unit, where))))
+    head = ("Result", "Check", "Value", "Limit", "Unit", "Worst at")
+    table = Table(head, tuple(rows), frozenset({"Result", "Check", "Unit", "Worst at"}))
+    return Section("Checks", (words,), tables=(_without_empty(table),))
+
+
+def _without_empty(table: Table) -> Table:
+    """Return the table without columns that have no entry."""
+    kept = [i for i in range(len(table.head)) if any(r[i].text or r[i].flag for r in table.rows)]
+    head = tuple(table.head[i] for i in kept)
+    return Table(head, tuple(tuple(row[i] for i in kept) for row in table.rows), table.words)
+
+
+def _proposal(proposal: Proposal) -> Section:
+    lines = tuple(f"{_capital(line)}." for line in text.proposal_lines(proposal))
+    return Section("Proposed gains", items=lines, code=text.gains_yaml(proposal))
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]

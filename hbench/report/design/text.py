@@ -22,6 +22,14 @@ CHAINS = {
     "board": "valve, filters and 10 kHz sampling, the other two loops closed",
 }
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
+LIMITS = (
+    "Margins are the smallest over all operating points. The closed loop is simulated with the "
+    "firmware on the bench as its file states it, and on a softer and a stiffer one."
+)
+POINT_LIMITS = (
+    "Margins of the present gains on the board at the operating point above; hbench design "
+    "--propose checks all operating points, and the closed loop with the firmware."
+)
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -39,6 +47,7 @@ def design_json(design: Design) -> str:
         "coupled_modulus": design.coupled_modulus,
         "reproduced": [vars(number) for number in design.reproduced],
         "proposal": _proposal(design.proposal),
+        "checks": [vars(check) for check in design.checks],
     }
     return json.dumps(json_value(document), indent=1, allow_nan=False) + "\n"
 
@@ -208,6 +217,31 @@ def design_verdict(proposal: Proposal) -> str:
     if failed:
         return f"verdict: the proposal FAILS {failed} of {len(checks)} checks"
     return f"verdict: the proposal passes all {len(checks)} checks, in simulation"
+
+
+def page_verdict(proposal: Proposal) -> str:
+    """Return the verdict on a proposal, with the checks that it fails."""
+    return _verdict((*proposal.margins, *proposal.closed_loop), "The proposal", ", in simulation")
+
+
+def loops_verdict(design: Design) -> str:
+    """Return the verdict on the present gains, with the checks that they fail."""
+    if not design.checks:
+        return ""
+    return _verdict(design.checks, "The present gains", " at this operating point")
+
+
+def _verdict(checks: Sequence[Check], who: str, where: str) -> str:
+    failed = [
+        f"{check.what} {short(check.value)} {check.unit}, limit {short(check.limit)} {check.unit}"
+        for check in checks
+        if not check.holds
+    ]
+    one = who.endswith("proposal")
+    if failed:
+        count = f"{len(failed)} of {len(checks)} checks{where}"
+        return f"FAIL. {who} {'fails' if one else 'fail'} {count}: {'; '.join(failed)}."
+    return f"PASS. {who} {'passes' if one else 'pass'} all {len(checks)} checks{where}."
 
 
 def proposal_lines(proposal: Proposal) -> tuple[str, ...]:

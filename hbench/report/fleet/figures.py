@@ -16,6 +16,7 @@ from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
 
+FEWEST_IN_HISTOGRAM = 10  # campaigns
 DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
 _COUNTED = "Campaigns in a class of values."
 _SINGLE = f"Bars: ±{NORMAL_95:.2f} standard errors of a campaign's own trials."
@@ -31,19 +32,16 @@ def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
     for quantity in dict.fromkeys(spread.quantity for spread in fleet.spreads):
         spreads = [spread for spread in fleet.spreads if spread.quantity == quantity]
         name = quantity.name.replace("_", "-")
+        enough = [spread for spread in spreads if spread.n >= FEWEST_IN_HISTOGRAM]
         with rc_context(style.RC):
-            distribution = draw_distribution(quantity, spreads, fleet)
             drift = draw_drift(quantity, spreads, fleet)
-        sketches += [
-            Sketch(
-                f"distribution-{name}",
-                DISTRIBUTIONS,
-                quantity.words,
-                _outside(spreads),
-                distribution,
-            ),
-            Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(spreads), drift),
-        ]
+            if enough:
+                figure = draw_distribution(quantity, enough, fleet)
+                title, caption = quantity.words, _outside(enough)
+                sketches.append(
+                    Sketch(f"distribution-{name}", DISTRIBUTIONS, title, caption, figure)
+                )
+        sketches.append(Sketch(f"drift-{name}", DRIFTS, quantity.words, _trends(spreads), drift))
     with rc_context(style.RC):
         sketches += precision_sketches(fleet)
     return draw_sketches(sketches)

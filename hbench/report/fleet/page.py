@@ -1,9 +1,12 @@
-"""The page of a fleet: outliers, distributions, drifts. Its size does not grow with the fleet."""
+"""The page of a fleet: campaigns, outliers, distributions, drifts, control charts.
+
+It lists up to 500 campaigns; beyond, its size does not grow with the fleet.
+"""
 
 from collections.abc import Iterable, Iterator
 
 from hbench.records import Fleet, WordTable
-from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
+from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS, FEWEST_IN_HISTOGRAM
 from hbench.report.fleet.names import folder_name, of_side, without_condition
 from hbench.report.fleet.precision import (
     METHOD,
@@ -11,10 +14,14 @@ from hbench.report.fleet.precision import (
     chart_table,
     components_table,
     limits_table,
+    signal_table,
+    step_table,
     wear_table,
 )
 from hbench.report.fleet.precision_figures import CHARTS, COMPONENTS, WEAR
+from hbench.report.fleet.row import kind_difference
 from hbench.report.fleet.text import (
+    ROW_WORDS,
     WORST_HEAD,
     campaign_table,
     cells,
@@ -29,6 +36,7 @@ from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike
 from hbench.report.render.word_tables import Cell, Table
 
+_FEW = f"Histograms are drawn from {FEWEST_IN_HISTOGRAM} campaigns on."
 _PRECISION = "Repeatability and reproducibility"
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
@@ -43,7 +51,8 @@ _METHOD = (
     ),
     (
         "Compared",
-        "Only campaigns of the same kind: areas of piston and rod side, loads and working speed. "
+        "Only campaigns of the same kind: bench and origin of the data, areas of piston and rod "
+        "side, loads and working speed. "
         "Where no speed was set, as in strokes cut from a cycle, a campaign counts if its speed is "
         "within 20 % of their median. A single label names the cylinder and may differ. "
         "The page evaluates those of the most frequent kind; analyze the others in a separate "
@@ -117,15 +126,17 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield Section("Worst cylinders", none, tables=(_worst(fleet),), anchor="worst")
     if fleet.spreads:
         chosen = _of(drawings, DISTRIBUTIONS)
-        yield Section("Distributions", drawings=chosen, tables=(_untitled(spread_table(fleet)),))
+        table = _untitled(spread_table(fleet))
+        yield Section("Distributions", () if chosen else (_FEW,), drawings=chosen, tables=(table,))
         chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
         yield Section("Drifts", drawings=chosen, tables=(table,) if table.rows else ())
     if fleet.capabilities:
         yield Section("Capability", tables=(_untitled(capability_table(fleet)),))
     if fleet.charts:
-        table = _untitled(chart_table(fleet))
-        yield Section("Control charts", drawings=_of(drawings, CHARTS), tables=(table,))
+        tables = (_untitled(chart_table(fleet)), signal_table(fleet), step_table(fleet))
+        shown = tuple(table for table in tables if table.rows)
+        yield Section("Control charts", drawings=_of(drawings, CHARTS), tables=shown)
     if fleet.wear:
         table = _untitled(wear_table(fleet))
         yield Section("Wear", drawings=_of(drawings, WEAR), tables=(table,))
@@ -176,13 +187,19 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
 
 
 def _protocols(fleet: Fleet) -> tuple[Table, ...]:
+    evaluated = fleet.protocols[0][0] if fleet.protocols else ""
+    groups = [
+        f"not compared: {kind_difference(protocol, evaluated)}" for protocol, _ in fleet.protocols
+    ]
+    groups[:1] = ["evaluated here"][: len(groups)]
     rows = tuple(
-        (Cell(str(count), "" if i else "evaluated here"), Cell(protocol))
-        for i, (protocol, count) in enumerate(fleet.protocols)
+        (Cell(str(count)), Cell(protocol), Cell(group))
+        for (protocol, count), group in zip(fleet.protocols, groups, strict=True)
     )
     title = "Kinds of campaigns" if len(rows) > 1 else "Kind of campaign"
-    text_columns = frozenset({"Piston and rod-side areas, loads, working speed"})
-    return (Table(("Campaigns", *text_columns), rows, text_columns, title=title),) if rows else ()
+    text_columns = ("Bench, piston and rod-side areas, loads, working speed", "Group")
+    head = ("Campaigns", *text_columns)
+    return (Table(head, rows, frozenset(text_columns), title=title),) if rows else ()
 
 
 def _at_median(fleet: Fleet) -> tuple[str, ...]:
@@ -193,11 +210,20 @@ def _at_median(fleet: Fleet) -> tuple[str, ...]:
 
 def _campaigns(fleet: Fleet) -> Table:
     words = campaign_table(fleet)
+    decision = words.head.index("Decision") if "Decision" in words.head else -1
     rows = tuple(
-        (Cell(first, link=campaign.report), *map(Cell, rest))
-        for campaign, (first, *rest) in zip(fleet.rows, words.rows, strict=True)
+        tuple(
+            Cell(text, link=campaign.report)
+            if column == 0
+            else Cell("", text)
+            if column == decision and text not in ("", "PASS")
+            else Cell(text)
+            for column, text in enumerate(row)
+        )
+        for campaign, row in zip(fleet.rows, words.rows, strict=True)
     )
-    return Table(words.head, rows, frozenset({"Campaign", "Label", "Decision", "Remark"}))
+    text_columns = frozenset({*ROW_WORDS, "Remark"})
+    return Table(words.head, rows, text_columns, sortable=len(rows) > 1)
 
 
 def _worst(fleet: Fleet) -> Table:

@@ -31,7 +31,12 @@ def precision_sketches(fleet: Fleet) -> Iterator[Sketch]:
         yield _sketch("components", COMPONENTS, quantity, caption, figure)
     for chart in fleet.charts:
         name = _name(chart.quantity, chart.direction)
-        caption = f"Each point: {chart_words(chart)}. Lines: mean and mean ± 3 σ."
+        caption = (
+            f"Above: each point is a {chart_words(chart)}; lines: mean and mean ± 3 σ. Below: EWMA "
+            "with its limits. Rings: beyond the limits; squares: last point of another pattern."
+        )
+        if chart.step is not None and chart.step.real:
+            caption += " Black: means before and after the step."
         if chart.n > len(chart.values):
             caption += f" The last {len(chart.values)} of {chart.n} campaigns are shown."
         words = f"{chart.quantity.words}{_side(chart.direction)}"
@@ -84,9 +89,9 @@ def draw_components(quantity: Quantity, studies: list[Precision], mark: str) -> 
 
 
 def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
-    """Draw the values over the date with mean and limits."""
-    figure = style.new_figure(height_in=3.6)
-    axes = figure.add_subplot()
+    """Draw the values over the date with mean and limits, and their EWMA below."""
+    figure = style.new_figure(height_in=5.0)
+    axes, below = figure.subplots(2, sharex=True, height_ratios=(3, 2))
     look = _look(chart.direction)
     scale = chart.quantity.scale
     at, values = np.array(chart.at), scale * np.array(chart.values)
@@ -99,14 +104,52 @@ def draw_chart(chart: ControlChart, fleet: Fleet, mark: str) -> Figure:
             at[beyond], values[beyond], linestyle="none", marker="o", markersize=11,
             markerfacecolor="none", color="#000000", label="beyond the limits",
         )  # fmt: skip
-    axes.axhline(scale * chart.centre, color=style.QUIET, linewidth=1.2)
+    patterns = np.isin(
+        np.arange(len(values)),
+        [chart.names.index(name) for s in chart.signals for name in s.names if name in chart.names],
+    )
+    others = patterns & ~beyond
+    if others.any():
+        axes.plot(
+            at[others], values[others], linestyle="none", marker="s", markersize=10,
+            markerfacecolor="none", color=style.QUIET, label="pattern",
+        )  # fmt: skip
+    for panel in (axes, below):
+        panel.axhline(scale * chart.centre, color=style.QUIET, linewidth=1.2)
     for limit in (low, high):
         axes.axhline(limit, color=style.QUIET, linestyle="--", linewidth=1.2)
+    if chart.step is not None and chart.step.real:
+        for mean, ends in (
+            (chart.step.before, (at[0], chart.step.at)),
+            (chart.step.after, (chart.step.at, at[-1])),
+        ):
+            axes.plot(ends, [scale * mean] * 2, color="#000000", linewidth=2.0, label="_step")
+    _draw_ewma(below, chart, at, look)
     since = "" if fleet.first is None else f" since {fleet.first:%Y-%m-%d}"
-    axes.set(xlabel=f"Time{since} (d)", ylabel=f"{_short(chart.quantity)} ({chart.quantity.unit})")
+    axes.set(ylabel=f"{_short(chart.quantity)} ({chart.quantity.unit})")
+    below.set(xlabel=f"Time{since} (d)", ylabel=f"EWMA ({chart.quantity.unit})")
+    figure.align_ylabels()
     _head(axes, chart.quantity, mark)
     style.legend_above(figure, axes)
     return figure
+
+
+def _draw_ewma(axes: Axes, chart: ControlChart, at: np.ndarray, look: dict) -> None:
+    scale = chart.quantity.scale
+    values, low, high = (
+        scale * np.array(each) for each in (chart.ewma, chart.ewma_low, chart.ewma_high)
+    )
+    axes.plot(at, values, color=look["color"], linewidth=1.5, label="_EWMA")
+    for limit in (low, high):
+        axes.plot(
+            at, limit, color=style.QUIET, linestyle="--", linewidth=1.2, label="_limit of the EWMA"
+        )
+    beyond = (values < low) | (values > high)
+    if beyond.any():
+        axes.plot(
+            at[beyond], values[beyond], linestyle="none", marker="o", markersize=8,
+            markerfacecolor="none", color="#000000", label="_beyond the limits",
+        )  # fmt: skip
 
 
 def draw_wear(trends: list[WearTrend], mark: str) -> Figure:

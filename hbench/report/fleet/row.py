@@ -10,6 +10,7 @@ from hbench.report.render.numbers import short
 from hbench.untrusted_text import printable
 
 _IDENTITY = (("specimen", "serial"), *(("test", n) for n in ("operator", "mounting", "date")))
+_BENCH = 60  # characters of its name in the kind of campaign
 _LONGEST = 200  # characters of a campaign's own words
 
 
@@ -43,7 +44,7 @@ def fleet_row(
         day=identity["date"] or ("" if started is None else f"{started:%Y-%m-%d}"),
         seed=seed if isinstance(seed, int) and abs(seed) < 2**63 else None,
         started=started,
-        protocol=_protocol(plans, speed),
+        protocol=_protocol(plans, speed, provenance.source, provenance.bench),
         area_piston_m2=specimen.area_piston_m2,
         area_rod_m2=specimen.area_rod_m2,
         stroke_m=specimen.stroke_m,
@@ -58,13 +59,15 @@ def fleet_row(
     )
 
 
-def _protocol(plans: list[RunPlan], speed: float | None) -> str:
+def _protocol(plans: list[RunPlan], speed: float | None, source: str, bench: str) -> str:
     """Return the settings that must be equal for a comparison of cylinders.
 
     A single label names the cylinder or the seal, which may differ; several must be equal.
     """
     areas = sorted({(p.specimen.area_piston_m2, p.specimen.area_rod_m2) for p in plans})
-    settings = ["; ".join(f"{short(1e6 * a)}/{short(1e6 * b)} mm²" for a, b in areas)]
+    bench = _line(bench).replace(";", ",")[:_BENCH]
+    settings = [f"{source}, {bench}".strip(", ")]
+    settings += ["; ".join(f"{short(1e6 * a)}/{short(1e6 * b)} mm²" for a, b in areas)]
     for direction in DIRECTIONS:
         chosen = [plan for plan in plans if plan.direction == direction]
         loads = dict.fromkeys(load_words(p.f_load_n, p.p_lr_ref_pa) or "no load" for p in chosen)
@@ -77,6 +80,35 @@ def _protocol(plans: list[RunPlan], speed: float | None) -> str:
     elif speed is not None:
         settings.append(f"{short(1e3 * speed)} mm/s")
     return _line("; ".join(settings))
+
+
+def kind_difference(kind: str, evaluated: str) -> str:
+    """Return in which settings two kinds of campaigns differ, as their rows have them."""
+    a, b = (_parts(each) for each in (kind, evaluated))
+    differing = [name for name in a if a[name] != b[name]]
+    return ", ".join(f"other {name}" for name in differing) or "other settings"
+
+
+def _parts(kind: str) -> dict[str, list[str]]:
+    """Return the settings of a kind of campaign by what they are."""
+    bench, *settings = kind.split("; ")
+    parts: dict[str, list[str]] = {
+        "bench or origin": [bench],
+        "cylinder size": [],
+        "loads": [],
+        "working speed": [],
+        "labels": [],
+    }
+    for setting in settings:
+        if setting.endswith("mm²"):
+            parts["cylinder size"].append(setting)
+        elif setting.startswith(tuple(f"{direction} " for direction in DIRECTIONS)):
+            parts["loads"].append(setting)
+        elif setting.endswith("mm/s") or setting == "speed not set":
+            parts["working speed"].append(setting)
+        else:
+            parts["labels"].append(setting)
+    return parts
 
 
 def _distance(runs: Iterable[ScreenedRun]) -> float | None:

@@ -20,14 +20,18 @@ from hbench.report.fleet.precision import (
     components_table,
     limits_table,
     precision_sentences,
+    signal_table,
+    step_table,
     wear_table,
 )
+from hbench.report.fleet.row import kind_difference
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, short, significant, with_ends
 from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.fleet/1"
 _FEW = 5
+_MOST_ROWS = 50  # campaigns that are listed on a terminal
 
 
 def fleet_text(fleet: Fleet) -> str:
@@ -42,7 +46,7 @@ def fleet_text(fleet: Fleet) -> str:
     if fleet.other_speeds:
         lines.append(f"{fleet.other_speeds} of them at other speeds are left out")
     tables = (
-        campaign_table(fleet),
+        *([campaign_table(fleet)] if len(fleet.rows) <= _MOST_ROWS else []),
         spread_table(fleet),
         trend_table(fleet),
         worst_table(fleet, _FEW),
@@ -50,6 +54,8 @@ def fleet_text(fleet: Fleet) -> str:
         components_table(fleet),
         capability_table(fleet),
         chart_table(fleet),
+        signal_table(fleet),
+        step_table(fleet),
         wear_table(fleet),
     )
     for table in tables:
@@ -60,7 +66,7 @@ def fleet_text(fleet: Fleet) -> str:
     notes = [f"plan: {note}" for note in fleet.plan_notes]
     lines += ["", *notes, fleet_verdict(fleet)]
     text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
-    text = text.replace("×", "x")
+    text = text.replace("×", "x").replace("λ", "lambda")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
 
 
@@ -81,6 +87,8 @@ def fleet_json(fleet: Fleet) -> str:
             shown[name] = getattr(study, name)
     for shown, chart in zip(document["charts"], fleet.charts, strict=True):
         shown["limits"] = chart.limits
+        if chart.step is not None:
+            shown["step"]["real"] = chart.step.real
     for shown, wear in zip(document["wear"], fleet.wear, strict=True):
         shown["real"] = wear.real
     for shown, suspect in zip(document["worst"], fleet.worst, strict=True):
@@ -123,6 +131,9 @@ def fleet_verdict(fleet: Fleet) -> str:
     return " ".join(sentences)
 
 
+ROW_WORDS = ("Campaign", "Cylinder", "Date", "Label", "Decision")
+
+
 def main_spreads(fleet: Fleet) -> list[Spread]:
     """Return the numbers to show first: those of friction bands, or else of each direction."""
     listed = [spread for spread in fleet.spreads if spread.quantity.listed]
@@ -137,10 +148,12 @@ def campaign_table(fleet: Fleet) -> WordTable:
         speed = "" if campaign.v_m_s is None else short(1e3 * campaign.v_m_s)
         numbers = (campaign.numbers.get(s.quantity.column(s.direction)) for s in shown)
         cells = [_with_ends(n, s.quantity.scale) for n, s in zip(numbers, shown, strict=True)]
-        remark = "; ".join(_remarks(campaign))
+        remark = "; ".join(_remarks(campaign, fleet))
         name = folder_name(campaign.path)
-        rows.append((name, campaign.label, campaign.decision, speed, *cells, remark))
-    head = ("Campaign", "Label", "Decision", "Speed (mm/s)", *map(name_of, shown), "Remark")
+        day = "" if campaign.started is None else f"{campaign.started:%Y-%m-%d}"
+        about = (name, campaign.specimen, day, campaign.label, campaign.decision)
+        rows.append((*about, speed, *cells, remark))
+    head = (*ROW_WORDS, "Speed (mm/s)", *map(name_of, shown), "Remark")
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
     return WordTable(
         "Campaigns",
@@ -149,9 +162,12 @@ def campaign_table(fleet: Fleet) -> WordTable:
     )
 
 
-def _remarks(campaign: FleetCampaign) -> Iterator[str]:
+def _remarks(campaign: FleetCampaign, fleet: Fleet) -> Iterator[str]:
     if not campaign.compared:
-        yield "not compared"
+        evaluated = fleet.protocols[0][0] if fleet.protocols else ""
+        other = campaign.protocol and campaign.protocol != evaluated
+        why = kind_difference(campaign.protocol, evaluated) if other else "other speed"
+        yield f"not compared: {why}"
     if campaign.quality == "poor":
         yield "data: poor"
     if campaign.missing:
@@ -189,8 +205,11 @@ def spread_table(fleet: Fleet) -> WordTable:
 
 
 def trend_table(fleet: Fleet) -> WordTable:
-    """Return the trend of each number over the whole span."""
+    """Return the trend of each number over the whole span, and its slope, with 95 % intervals."""
     rows = []
+    span = float(max(fleet.compared - 1, 1))
+    if fleet.by_date and fleet.first is not None and fleet.last is not None:
+        span = (fleet.last - fleet.first).total_seconds() / 86_400
     for spread in fleet.spreads:
         if spread.trend is not None:
             p = spread.trend.p_holm
@@ -198,11 +217,13 @@ def trend_table(fleet: Fleet) -> WordTable:
                 (
                     name_of(spread),
                     _change(spread, spread.trend),
+                    _slope(spread, spread.trend, span),
                     "< 0.0001" if p < 1e-4 else significant(p, 2),
                     "drifts" if spread.trend.real else "not significant",
                 )
             )
-    head = ("Number", "Change over the span", "p (Holm)", "Verdict")
+    unit = "a day" if fleet.by_date else "a campaign"
+    head = ("Number", "Change over the span", f"Slope {unit}", "p (Holm)", "Verdict")
     return WordTable("Drifts", head, tuple(rows))
 
 
@@ -238,6 +259,11 @@ def others(shown: Suspect) -> Iterator[str]:
 
 def _change(spread: Spread, trend: Trend) -> str:
     scale = spread.quantity.scale
+    return signed(with_ends(scale * trend.change, scale * trend.low, scale * trend.high))
+
+
+def _slope(spread: Spread, trend: Trend, span: float) -> str:
+    scale = spread.quantity.scale / span
     return signed(with_ends(scale * trend.change, scale * trend.low, scale * trend.high))
 
 

@@ -7,17 +7,24 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import Followed, Identification, Trace
+from hbench.records import Followed, Identification, LawsAlongCurve, Trace
 from hbench.records.identification import PARTS
 from hbench.report.campaign.fit_tables import law_words
+from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import force
 
+_STEADY = (
+    "Steady friction over speed, both as magnitudes: measured points with the 95 % Student "
+    "interval of their trials, and each identified law at the measured chamber pressures."
+)
 _FOLLOWED = (
     "Friction and velocity over the verification profile, measured (grey) and in the model with "
     "the law (coloured); below, the velocity's difference, model minus measurement."
 )
+STEADY = "steady"  # section of the figures of steady friction
+_DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 _ERRORS = (
     "Root mean square errors of friction and velocity over all verification runs, by part of the "
     "profile. Dashed: the scatter between the trials. It includes the differences of the "
@@ -28,6 +35,13 @@ _ERRORS = (
 def draw_identification(identification: Identification) -> tuple[Drawing, ...]:
     """Draw the errors of all laws, then each verified law over each load's profile."""
     sketches = []
+    for number, along in enumerate(identification.steady, start=1):
+        with rc_context(style.RC):
+            figure = _steady(along, identification)
+        title = figure.axes[0].get_title("left")
+        sketches.append(Sketch(f"steady-{number}", STEADY, title, _STEADY, figure))
+    if sketches:
+        style.share_limits(sketch.figure.axes[0] for sketch in sketches)
     if any(law.errors for law in identification.laws):
         with rc_context(style.RC):
             figure = _errors(identification)
@@ -45,6 +59,31 @@ def draw_identification(identification: Identification) -> tuple[Drawing, ...]:
             name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {followed.run}".lower())
             sketches.append(Sketch(name, law.law, title, _FOLLOWED, figure))
     return draw_sketches(sketches)
+
+
+def _steady(along: LawsAlongCurve, identification: Identification) -> Figure:
+    """Draw |F| [N] over |v| [mm/s]: the measured points and the identified laws."""
+    figure = style.new_figure(height_in=4.2)
+    axes = figure.add_subplot()
+    curve, sign = along.curve, along.curve.against_motion
+    v, friction, interval = style.columns(curve)
+    look = {"color": "#000000", "marker": "o", **style.POINTS}
+    axes.errorbar(1e3 * np.abs(v), sign * friction, interval, label="measured", **look)
+    for index, law in enumerate(identification.laws):
+        if law.law in along.friction_n:
+            colour = style.COLOURS[index % len(style.COLOURS)]
+            lines = {"color": colour, "linestyle": _DASHES[index % len(_DASHES)], "linewidth": 1.5}
+            axes.plot(
+                1e3 * np.abs(along.v_m_s),
+                sign * along.friction_n[law.law],
+                label=law_words(law.law),
+                **lines,
+            )
+    axes.set(xlabel="Speed |v| (mm/s)", ylabel="Friction |F| (N)")
+    load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
+    _head(axes, ", ".join(filter(None, (TITLES[curve.direction], load))), identification)
+    style.legend_above(figure, axes, columns=3)
+    return figure
 
 
 def _followed_figure(

@@ -6,7 +6,15 @@ from dataclasses import replace
 
 from hbench.records import Identification, ModelErrors, WordTable
 from hbench.report.campaign.fit_tables import law_words
-from hbench.report.identification.text import identification_tables, reasons
+from hbench.report.identification.figures import STEADY
+from hbench.report.identification.text import (
+    ERRORS,
+    HELD_OUT,
+    PARAMETERS,
+    RAMPS,
+    identification_tables,
+    reasons,
+)
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import significant
@@ -19,13 +27,14 @@ _PARTS = (
     "Steady: the reference has been constant for 0.3 s. Rest: the reference has been zero for 0.3 "
     "s; there friction is the force that holds the piston."
 )
+_SECTION = "Use one with hbench run --plant, or copy its section into a bench file."
 _SCATTER = (
     "The trials' scatter is their rms difference from their mean. A part of it comes from their "
     "initial states, which a simulation of the same trials reproduces."
 )
 _RAMPS = (
-    "In the source, friction of ramps and of steady runs differs (section 6.2). The last table has "
-    "the error of each fit on its own data and on the other's."
+    "In the source, friction of ramps and of steady runs differs (section 6.2). The table has the "
+    "RMS error of each Tustin fit from breakaway on, on its own data and on the other's."
 )
 
 
@@ -33,7 +42,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     """Return the page with ``drawings`` inside."""
     provenance = identification.provenance
     files = ", ".join(f"{law.law}.yaml" for law in identification.laws if law.fit is not None)
-    plants = f"As plant files beside this page: {files}. Give one to hbench run --plant, or put "
+    plants = f"Each law is a plant file beside this page: {files}. "
     read = (
         [_PARTS, _SCATTER]
         if identification.scatter
@@ -41,26 +50,50 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         if identification.not_verified
         else [_PARTS]
     )
-    read += [_RAMPS] if identification.ramps else []
-    paragraphs = (*read, *identification.notes, f"{plants}its section into a bench file.")
-    laws = Section(
-        paragraphs=paragraphs,
-        tables=tuple(map(_named, identification_tables(identification))),
+    tables = {table.title: _named(table) for table in identification_tables(identification)}
+    drawings = tuple(drawings)
+    steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
+    overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
+    profiles = tuple(drawing for drawing in drawings if drawing not in (*steady, *overview))
+    verified = [tables[title] for title in (ERRORS, HELD_OUT) if title in tables]
+    parameters = [replace(tables[PARAMETERS], title="")] if PARAMETERS in tables else []
+    ramps = [replace(tables[RAMPS], title="")] if RAMPS in tables else []
+    sections = (
+        Section("Friction over speed", drawings=steady),
+        Section("Identified parameters", (f"{plants}{_SECTION}",), tables=tuple(parameters)),
+        Section("Verification", tuple(read), drawings=overview, tables=tuple(verified)),
+        Section(
+            "Verification profile",
+            parts=(
+                Section(f"Figures of each law ({len(profiles)})", drawings=profiles, folded=True),
+            )
+            if profiles
+            else (),
+        ),
+        Section("Steady runs and ramps", (_RAMPS,) if ramps else (), tables=tuple(ramps)),
+        Section(
+            "Missing or uncertain results", items=(*reasons(identification), *identification.notes)
+        ),
     )
-    missing = Section("Missing or uncertain results", items=reasons(identification))
-    figures = Section("Verification profile", drawings=tuple(drawings))
     return document(
         "Friction laws of the test cylinder",
-        f"Campaign {provenance.name}, {provenance.source}, {provenance.started}; "
-        f"bench {provenance.bench}. {_SOURCE}",
+        f"Campaign {provenance.name} of {provenance.started[:10]}; bench {provenance.bench}. "
+        f"{_SOURCE}",
         tuple(
             section
-            for section in (laws, missing, figures)
-            if section is not figures or figures.drawings
+            for section in sections
+            if section.drawings or section.tables or section.items or section.parts
         ),
         _verdict(identification),
         provenance.source,
     )
+
+
+def _folded(profiles: tuple[Drawing, ...]) -> tuple[Section, ...]:
+    if not profiles:
+        return ()
+    title = f"Measurement and model of each law over time ({len(profiles)} figures)"
+    return (Section(title, drawings=profiles, folded=True),)
 
 
 def _named(table: WordTable) -> WordTable:
@@ -72,11 +105,12 @@ def _named(table: WordTable) -> WordTable:
 def _verdict(identification: Identification) -> str:
     if identification.not_verified:
         return f"{identification.not_verified[0].upper()}{identification.not_verified[1:]}."
+    count = len(identification.verification_runs)
     return (
-        "Each law, in a model of the bench with the firmware in closed loop, followed the profile "
-        f"of the {len(identification.verification_runs)} verification runs (section 5.5), which "
-        f"took no part in the identification.{_closest(identification)}"
-    )
+        f"{_closest(identification)}Each law was simulated in a model of the bench, with the "
+        f"firmware in closed loop, over {count} verification runs (section 5.5), which were not "
+        "used for the identification."
+    ).strip()
 
 
 def _closest(identification: Identification) -> str:
@@ -87,9 +121,10 @@ def _closest(identification: Identification) -> str:
     if not errors:
         return ""
     best = min(errors, key=errors.__getitem__)
-    text = f" Closest in friction: {law_words(best)}, {significant(errors[best], 2)} N rms"
+    text = f"{law_words(best)} predicts friction best: RMS error {significant(errors[best], 2)} N"
     scatter = identification.scatter and _rms_n(tuple(identification.scatter.values()))
-    return text + (f"; the trials scatter by {significant(scatter, 2)} N." if scatter else ".")
+    more = f", where the trials scatter by {significant(scatter, 2)} N" if scatter else ""
+    return f"{text}{more}. "
 
 
 def _rms_n(parts: tuple[ModelErrors, ...]) -> float:

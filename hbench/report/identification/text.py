@@ -5,22 +5,35 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from hbench.records import Identification, IdentifiedLaw, ModelErrors, WordTable
+from hbench.records import (
+    DIRECTIONS,
+    FitParameter,
+    Identification,
+    IdentifiedLaw,
+    ModelErrors,
+    WordTable,
+)
+from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.numbers import NONE, force, number, significant
 from hbench.report.render.terminal_table import table_lines
+from hbench.units import from_si
 
 SCHEMA = "hbench.identification/1"
 _ERRORS_HEAD = (
     *("Law", "Part", "Friction (N)", "Velocity (mm/s)", "P_Tp (bar)", "P_Tr (bar)", "Samples"),
 )
-_PARAMETERS_HEAD = ("Law", "Parameter", "Unit", "Value", "95 % interval", "At bound")
+_PARAMETERS_HEAD = ("Law", "Parameter", "Unit", "Value", "95 % interval", "Remark")
 _RAMPS_HEAD = (
     *("Direction", "Load", "Ramp (m/s²)", "Steady fit on steady (N)", "on ramp (N)"),
     *("Ramp fit on steady (N)", "on ramp (N)"),
 )
 _HELD_OUT_HEAD = ("Law", "Friction (N)", "Runs left out of the fit")
+ERRORS = "RMS errors on the verification runs"
+HELD_OUT = "RMS errors along the motion of runs left out of the fits"
+PARAMETERS = "Identified parameters"
+RAMPS = "Steady runs and ramps from breakaway on: RMS error of Tustin fits"
 _FLOOR = "trials' scatter"
 
 
@@ -54,12 +67,12 @@ def identification_tables(identification: Identification) -> tuple[WordTable, ..
     """Return the tables that have rows: errors, errors on runs left out, parameters, ramps."""
     every = (
         WordTable(
-            "Errors on the verification runs (rms)",
+            ERRORS,
             _ERRORS_HEAD,
             tuple(_error_rows(identification)),
         ),
         WordTable(
-            "Errors along the motion of runs left out of the fits (rms)",
+            HELD_OUT,
             _HELD_OUT_HEAD,
             tuple(
                 (law.law, number(law.held_out_n, 1), ", ".join(law.held_out_runs))
@@ -67,11 +80,9 @@ def identification_tables(identification: Identification) -> tuple[WordTable, ..
                 if law.held_out_n is not None
             ),
         ),
+        WordTable(PARAMETERS, _PARAMETERS_HEAD, tuple(_parameter_rows(identification))),
         WordTable(
-            "Identified parameters", _PARAMETERS_HEAD, tuple(_parameter_rows(identification))
-        ),
-        WordTable(
-            "Steady and ramp from breakaway on: rms error of Tustin fits",
+            RAMPS,
             _RAMPS_HEAD,
             tuple(_ramps(identification)),
         ),
@@ -152,17 +163,45 @@ def _error_row(name: str, part: str, errors: ModelErrors) -> tuple[str, ...]:
 
 def _parameter_rows(identification: Identification) -> list[tuple[str, ...]]:
     return [
-        (law.law, name, p.unit, significant(p.value, 4), interval(p.ci95), p.at_bound or "")
+        _parameter_row(law.law, name, parameter)
         for law in identification.laws
         if law.fit is not None
-        for name, p in law.fit.parameters.items()
+        for name, parameter in law.fit.parameters.items()
     ]
+
+
+def _parameter_row(law: str, name: str, parameter: FitParameter) -> tuple[str, ...]:
+    """Write a parameter with its title and symbol, in the unit of pages and bench files."""
+    words, unit = parameter_words(name, parameter.unit)
+    ends = None
+    if parameter.ci95 is not None:
+        ends = from_si(parameter.ci95[0], unit), from_si(parameter.ci95[1], unit)
+    bound = f"at {parameter.at_bound} bound" if parameter.at_bound else ""
+    value = significant(from_si(parameter.value, unit), 4)
+    return (law, words, unit, value, interval(ends), bound)
+
+
+def parameter_words(name: str, unit: str) -> tuple[str, str]:
+    """Return a parameter's title with symbol and direction, and its unit on pages.
+
+    ``name`` may be one of several (``theta_2_n``) or of a direction (``extend_low_force_n``); one
+    that the table of laws does not have is returned as it is.
+    """
+    known = parameter_named(name)
+    if known is None:
+        return name, unit
+    words = known.label
+    if known.of_several:
+        number = name.split("_")[1]
+        words = words.replace("element i", f"element {number}").replace("_i", f"_{number}")
+    side = name.partition("_")[0]
+    return (f"{words}, {side}ing" if side in DIRECTIONS else words), known.shown or unit
 
 
 def _ramps(identification: Identification) -> list[tuple[str, ...]]:
     return [
         (
-            ramp.direction,
+            f"{ramp.direction}ing",
             force(ramp.f_load_n),
             significant(ramp.a_ref_m_s2, 3),
             number(ramp.steady_on_steady_n),

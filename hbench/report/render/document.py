@@ -18,8 +18,10 @@ from hbench.report.render.style import DARK
 from hbench.report.render.word_tables import Cell, Table
 
 _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
+_DIGIT = re.compile(r"\d")
 _SYMBOL = re.compile(
-    r"\b(?:([AFPp])_(\w+)|(k|a)_(\d)\b|(v)_(SW|stribeck)\b|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b)"
+    r"\b(?:([AFPp])_(\w+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
+    r"|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b|([σθ])_(\d|i)\b|(Δ)_(max|i)\b|(k)_(piston|rod)\b)"
 )
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
@@ -67,6 +69,8 @@ class Document:
     banner: str = ""  # warning at the top: the origin of the numbers
     source: str = ""  # simulated, imported, real: the banner's colour
     folder: str = ""  # distinguishes reports of the same title, as in browser tabs
+    identity: tuple[tuple[str, str], ...] = ()  # name and value: what was measured, where, by whom
+    alarm: str = ""  # why the document is not to be used as it is, such as an aborted campaign
 
     @property
     def tab(self) -> str:
@@ -133,6 +137,7 @@ def _environment() -> Environment:
         "csv_link": _csv_link,
         "numeric": numeric,
         "flag": lambda cell: cell.flag if isinstance(cell, Cell) else "",
+        "sortable": lambda table: isinstance(table, Table) and table.sortable,
         "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
         "words": lambda cell: cell.text if isinstance(cell, Cell) else _subscripts(cell),
         "subscripts": _subscripts,
@@ -151,7 +156,12 @@ def numeric(table: WordTable | Table) -> set[int]:
     if isinstance(table, Table):
         return {i for i, name in enumerate(table.head) if name not in table.words}
     columns = enumerate(zip(*table.rows, strict=True))
-    return {i for i, cells in columns if all(_NUMBER.fullmatch(cell) for cell in cells)}
+    return {
+        i
+        for i, cells in columns
+        if all(_NUMBER.fullmatch(cell) for cell in cells)
+        and (any(map(_DIGIT.search, cells)) or not any(cells))
+    }
 
 
 def _subscripts(text: str) -> Markup:

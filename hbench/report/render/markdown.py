@@ -13,7 +13,13 @@ _MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
 def markdown(document: Document) -> str:
     """Return a document as Markdown (GitHub's dialect); folded sections are unfolded."""
     head = [f"# {escaped(document.title)}", escaped(document.subtitle)]
-    head += [f"**{escaped(text)}**" for text in (document.banner, document.verdict) if text]
+    head += [
+        f"**{escaped(text)}**"
+        for text in (document.alarm, document.banner, document.verdict)
+        if text
+    ]
+    identity = [f"- **{escaped(name)}:** {escaped(text)}" for name, text in document.identity]
+    head += ["\n".join(identity)]
     blocks = [block for section in document.sections for block in _blocks(section, 2)]
     return "\n\n".join([*filter(None, head), *blocks]) + "\n"
 

@@ -1,4 +1,5 @@
-// Point at a mark of a figure, or walk its marks with the arrow keys: its numbers stand beside it.
+// Numbers beside a figure's mark (pointer or arrow keys), tables that are sorted by a click on a head,
+// and a hint below tables that are wider than the page.
 "use strict";
 (() => {
   const reach = 24; // px
@@ -60,6 +61,52 @@
       (points[next[event.key]] ?? plot).focus();
       show(next[event.key]);
     });
+  }
+
+  const value = (cell, numeric) => {
+    const text = cell.textContent.trim();
+    if (!numeric) return text;
+    const match = text.replaceAll("\u2212", "-").match(/[-+]?\d[\d.]*(e[-+]?\d+)?/i);
+    return match ? Number(match[0]) : "";
+  };
+  const compare = (a, b, way) => {
+    if (a === "" || b === "") return (a === "") - (b === ""); // unknown values come last
+    const words = typeof a === "string" ? a.localeCompare(b, "en", { numeric: true }) : a - b;
+    return way * words;
+  };
+  for (const table of document.querySelectorAll("table.sortable")) {
+    const heads = [...table.tHead.rows[0].cells];
+    const body = table.tBodies[0];
+    const how = document.createElement("p");
+    how.className = "how";
+    how.textContent = "Click on a column's head to sort by it; a second click reverses the order.";
+    table.closest(".scroll").before(how);
+    heads.forEach((head, column) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.title = "Sort by this column";
+      button.append(...head.childNodes);
+      head.append(button);
+      button.addEventListener("click", () => {
+        const way = head.getAttribute("aria-sort") === "ascending" ? -1 : 1;
+        for (const other of heads) other.removeAttribute("aria-sort");
+        head.setAttribute("aria-sort", way > 0 ? "ascending" : "descending");
+        const numeric = head.classList.contains("n");
+        const rows = [...body.rows].map((row) => [value(row.cells[column], numeric), row]);
+        rows.sort((a, b) => compare(a[0], b[0], way));
+        body.append(...rows.map(([, row]) => row));
+      });
+    });
+  }
+
+  const hint = (scroller) => {
+    const hidden = scroller.scrollWidth - scroller.clientWidth - scroller.scrollLeft;
+    scroller.classList.toggle("more", hidden > 2);
+  };
+  const resized = new ResizeObserver((entries) => entries.forEach((entry) => hint(entry.target)));
+  for (const scroller of document.querySelectorAll(".scroll")) {
+    resized.observe(scroller);
+    scroller.addEventListener("scroll", () => hint(scroller), { passive: true });
   }
 
   const folded = () => document.querySelectorAll("details:not([open])");

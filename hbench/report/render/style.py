@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from hbench.records import Curve, Diagnosis, Results
 
@@ -75,7 +75,9 @@ POINTS: dict[str, Any] = {
     "markeredgewidth": 0.9,
     "zorder": 3,
 }
-OF_MAPS = "Dots: measured; the colour between them is straight from dot to dot."
+_LEVELS = 12  # of a map's colours
+_MARGIN = 0.05  # of an axis that several maps have
+OF_MAPS = "Dots: measured; colours between them are linearly interpolated."
 DOTS = {  # where a map was measured
     "linestyle": "none",
     "marker": "o",
@@ -158,6 +160,22 @@ def share_limits(axes: Iterable[Axes]) -> None:
         widest = (min(low for low, _ in limits), max(high for _, high in limits))
         for panel in axes:
             getattr(panel, set_)(widest)
+
+
+def common_limits(arrays: Iterable[np.ndarray]) -> tuple[float, float]:
+    """Return the ends of an axis for all ``arrays``, with a margin."""
+    values = np.concatenate([np.ravel(each) for each in arrays])
+    margin = _MARGIN * float(np.ptp(values))
+    return float(values.min()) - margin, float(values.max()) + margin
+
+
+def common_levels(arrays: Iterable[np.ndarray]) -> np.ndarray | None:
+    """Return the levels of the colours for maps of all ``arrays``; None without finite values."""
+    values = np.concatenate([np.ravel(each) for each in arrays])
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return None
+    return MaxNLocator(_LEVELS).tick_values(float(known.min()), float(known.max()))
 
 
 def columns(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -21,3 +21,4 @@ class Table:
     words: frozenset[str]
     messages: tuple[str, ...] = ()
     title: str = ""
+    sortable: bool = False  # by a click on a head of the page

@@ -1,13 +1,34 @@
-"""The decision that ``hbench accept`` wrote into a campaign folder."""
+"""The decisions that ``hbench accept`` wrote into a campaign folder."""
 
+import math
+from collections.abc import Iterator
+from dataclasses import fields
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
-from hbench.records.conformity.acceptance import Conformity
+from hbench.records.conformity.acceptance import (
+    Conformity,
+    ConformityCheck,
+    LimitQuantity,
+    Measurement,
+    Requirement,
+)
+from hbench.records.flow import DIRECTIONS
+from hbench.records.motions import Leak
 from hbench.store.campaign.stored_diagnosis import read_document
+from hbench.units import UNITS
+from hbench.untrusted_text import printable
 
 FILE_NAME = "acceptance.json"
 SCHEMA = "hbench.acceptance/1"
+_LARGEST = 4_000_000  # bytes; the decisions of some hundred series take a tenth of it
+_MOST_CHECKS = 500
+_CHOICES: dict[str, tuple[str, ...]] = {
+    "quantity": get_args(LimitQuantity),
+    "direction": DIRECTIONS,
+    "leak": get_args(Leak),
+}
+_TEXTS = ("unit", "name", "label", *_CHOICES)
 
 
 def stored_decision(folder: Path) -> str:
@@ -15,9 +36,67 @@ def stored_decision(folder: Path) -> str:
 
     A link out of the campaign is not followed.
     """
+    decision = _content(folder).get("decision")
+    return str(decision) if decision in get_args(Conformity) else ""
+
+
+def stored_checks(folder: Path) -> tuple[ConformityCheck, ...]:
+    """Return the measured decisions of the campaign's last acceptance, as they were written.
+
+    A decision without a measured value, or with an entry that hbench does not write, is left out.
+    """
+    checks = _content(folder).get("checks")
+    return tuple(_checks(checks[:_MOST_CHECKS])) if isinstance(checks, list) else ()
+
+
+def _content(folder: Path) -> dict[str, Any]:
     path = folder / "results" / FILE_NAME
     if not path.is_file() or not path.resolve().is_relative_to(folder.resolve()):
-        return ""
-    content = read_document(path, SCHEMA)
-    decision = content.get("decision") if isinstance(content, dict) else None
-    return str(decision) if decision in get_args(Conformity) else ""
+        return {}
+    content = read_document(path, SCHEMA, _LARGEST)
+    return content if isinstance(content, dict) else {}
+
+
+def _checks(rows: list[Any]) -> Iterator[ConformityCheck]:
+    for row in rows:
+        if not isinstance(row, dict):
+            continue
+        requirement = _record(Requirement, row.get("requirement"))
+        measurement = _record(Measurement, row.get("measurement"))
+        if requirement and measurement and row.get("decision") in get_args(Conformity):
+            decision: Conformity = row["decision"]
+            yield ConformityCheck(
+                Requirement(**requirement), Measurement(**measurement), None, decision
+            )
+
+
+def _record(kind: type, content: Any) -> dict[str, Any]:
+    """Return the fields of a record; empty if one of them has no possible value."""
+    if not isinstance(content, dict):
+        return {}
+    found = {}
+    for field in fields(kind):
+        value = content.get(field.name)
+        if field.name == "runs":
+            continue
+        if field.name in _TEXTS:
+            known = _CHOICES.get(field.name)
+            if value is not None and not isinstance(value, str):
+                return {}
+            if (known and value is not None and value not in known) or (
+                field.name == "unit" and value not in UNITS
+            ):
+                return {}
+            value = None if value is None else printable(value)
+        elif value is not None and not _is_number(value):
+            return {}
+        if value is not None:
+            found[field.name] = value
+        elif field.name in ("low", "high", "u95"):
+            found[field.name] = None
+    needed = {"value"} if kind is Measurement else {"quantity", "unit"}
+    return found if needed <= set(found) else {}
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -24,10 +24,13 @@ def diagnoses(folder: Path) -> list[tuple[str, dict[str, Any] | str]]:
     ]
 
 
-def read_document(path: Path, schema: str) -> dict[str, Any] | str:
-    """Return the content of a JSON document of this ``schema``; the reason if it has none."""
+def read_document(path: Path, schema: str, largest: int = LARGEST_JOURNAL) -> dict[str, Any] | str:
+    """Return the content of a JSON document of this ``schema``; the reason if it has none.
+
+    A file of more than ``largest`` bytes is not read.
+    """
     try:
-        content = json.loads(read_file(path, LARGEST_JOURNAL))
+        content = json.loads(read_file(path, largest))
     except DataError as error:
         return error.message
     except (ValueError, RecursionError) as error:

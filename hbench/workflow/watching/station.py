@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from hbench.errors import HbenchError
-from hbench.store.campaign.folder import JOURNAL, load_campaign
+from hbench.store.campaign.folder import JOURNAL, load_header
 from hbench.store.campaign.live_file import LIVE
-from hbench.store.campaign.stored_acceptance import FILE_NAME, stored_decision
+from hbench.store.campaign.stored_acceptance import FILE_NAME, stored_checks, stored_decision
+from hbench.workflow.watching.charts import station_charts
 from hbench.workflow.watching.watch import Watch
 
 _LAST = 20  # campaigns
@@ -28,14 +29,19 @@ class Station:
         self._next_read_s = 0.0
         self._campaigns: list[Path] = []
         self._known: dict[Path, tuple[tuple, dict[str, Any]]] = {}  # by folder: version, row
+        self._charted: dict[Path, float] = {}  # campaigns in the charts, and when they were decided
+        self._charts: list[dict[str, Any]] = []
 
     def state(self) -> dict[str, Any]:
-        """Return the present campaign's state, with the last campaigns of the station."""
+        """Return the present campaign's state, with the last campaigns of the station.
+
+        ``charts`` are the control charts of the limited quantities, over these campaigns.
+        """
         self._read()
         state = self._watch.state()
         cylinders = [self._row(folder) for folder in self._campaigns]
         version = f"{self._shown}-{state['version']}"
-        return state | {"version": version, "cylinders": cylinders}
+        return state | {"version": version, "cylinders": cylinders, "charts": self._charts}
 
     def runs(self) -> dict[str, Any]:
         """Return the present campaign's runs."""
@@ -50,9 +56,18 @@ class Station:
         self._next_read_s = now + _EVERY_S
         changed = {folder: max(_moments(folder)) for folder in self._folders()}
         self._campaigns = sorted(changed, key=lambda f: -changed[f])[:_LAST]
+        self._chart({folder: _moments(folder)[2] for folder in self._campaigns})
         newest = self._campaigns[0] if self._campaigns else None
         if newest is not None and newest != self._shown:
             self._shown, self._watch = newest, Watch(newest)
+
+    def _chart(self, decided: dict[Path, float]) -> None:
+        """Compute the charts again if a campaign or a decision was added."""
+        if decided != self._charted:
+            self._charted = decided
+            checks = [stored_checks(folder) for folder in reversed(self._campaigns)]
+            names = [self._row(folder) for folder in reversed(self._campaigns)]
+            self._charts = station_charts([row["serial"] or row["folder"] for row in names], checks)
 
     def _folders(self) -> list[Path]:
         try:
@@ -83,7 +98,7 @@ def _moments(folder: Path) -> tuple[float, float, float]:
 def _described(folder: Path) -> dict[str, Any]:
     row = {"folder": folder.name, "serial": "", "started": "", "source": ""}
     try:
-        provenance = load_campaign(folder).provenance()
+        provenance = load_header(folder).provenance()
     except HbenchError:
         return row | {"decision": "not readable"}
     specimen = provenance.settings.get("specimen") or {}

@@ -90,7 +90,8 @@ class Browser:
 
     def key(self, name: str) -> None:
         """Press a key."""
-        self.ask("Input.dispatchKeyEvent", type="keyDown", key=name, code=name)
+        typed = {"text": "\r"} if name == "Enter" else {}
+        self.ask("Input.dispatchKeyEvent", type="keyDown", key=name, code=name, **typed)
         self.ask("Input.dispatchKeyEvent", type="keyUp", key=name, code=name)
 
     def point_at(self, x: float, y: float) -> None:

@@ -25,29 +25,44 @@ def has_efficiency_map(results: Results) -> bool:
 def efficiency_map(results: Results) -> dict[str, Figure]:
     """Draw efficiency and its U95 [%] over speed [mm/s] and load [kN], one figure a direction.
 
+    All maps have the same axes, magnitudes from small to large, and the same scale of colours.
     Loads that oppose the motion and loads that help it have separate figures, since the power
     flows in opposite directions and there is no efficiency between them.
     """
-    figures = {}
-    for name, curves in _groups(results).items():
-        points = [
-            (1e3 * abs(p.v_m_s), curve.f_load_n / 1e3, 100 * p.efficiency, _percent(p))
-            for curve in curves
-            for p in curve.points
-            if p.efficiency is not None and curve.f_load_n is not None
-        ]
-        speed, load, value, u95 = np.array(points).T
+    figures: dict[str, Figure] = {}
+    groups = {name: _points(curves) for name, curves in _groups(results).items()}
+    if not groups:
+        return figures
+    columns = [[points[:, i] for points in groups.values()] for i in range(4)]
+    limits = style.common_limits(columns[0]), style.common_limits(columns[1])
+    levels = style.common_levels(columns[2]), style.common_levels(columns[3])
+    for name, points in groups.items():
+        speed, load, value, u95 = points.T
         known = bool(np.isfinite(u95).all())
         figure = style.new_figure(height_in=6.0 if known else 3.8)
         panels = figure.subplots(2 if known else 1, sharex=True, squeeze=False)[:, 0]
-        _map(figure, panels[0], speed, load, value, "Efficiency (%)")
+        _map(figure, panels[0], (speed, load, value), levels[0], "Efficiency (%)")
         if known:
-            _map(figure, panels[1], speed, load, u95, "U95, trials and instruments (%)")
+            label = "U95, trials and instruments (%)"
+            _map(figure, panels[1], (speed, load, u95), levels[1], label)
+        for axes in panels:
+            axes.set(xlim=limits[0], ylim=limits[1])
         panels[-1].set_xlabel("Speed |v| (mm/s)")
         style.head(panels[0], f"Efficiency map, {name[0].lower()}{name[1:]}", results)
         style.read_as(figure, style.OF_MAPS)
         figures[name] = figure
     return figures
+
+
+def _points(curves: list[EfficiencyCurve]) -> np.ndarray:
+    """Return speed [mm/s], magnitude of the load [kN], efficiency and U95 [%]: a row a point."""
+    rows = [
+        (1e3 * abs(p.v_m_s), abs(curve.f_load_n) / 1e3, 100 * p.efficiency, _percent(p))
+        for curve in curves
+        for p in curve.points
+        if p.efficiency is not None and curve.f_load_n is not None
+    ]
+    return np.array(rows)
 
 
 def _percent(point: EfficiencyPoint) -> float:
@@ -72,16 +87,21 @@ def _groups(results: Results) -> dict[str, list[EfficiencyCurve]]:
 
 
 def _map(
-    figure: Figure, axes: Axes, speed: np.ndarray, load: np.ndarray, value: np.ndarray, label: str
+    figure: Figure,
+    axes: Axes,
+    points: tuple[np.ndarray, np.ndarray, np.ndarray],
+    levels: np.ndarray | None,
+    label: str,
 ) -> None:
     """Fill between the points, straight from point to point on triangles of similar sides."""
+    speed, load, value = points
     corners = Triangulation(speed / speed.max(), load / np.abs(load).max()).triangles
     mesh = Triangulation(speed, load, corners)
-    filled = axes.tricontourf(mesh, value, levels=12, cmap="cividis")
+    filled = axes.tricontourf(mesh, value, levels=levels, cmap="cividis")
     lines = axes.tricontour(mesh, value, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5)
     axes.clabel(lines, lines.levels[1::2], fontsize=8, fmt="%g")
     (dots,) = axes.plot(speed, load, label="_measured", **style.DOTS)
     behind(dots, {without_math(label): value})
-    axes.set_ylabel("Load $F_L$ (kN)")
+    axes.set_ylabel("Load |$F_L$| (kN)")
     axes.grid(visible=False)
     figure.colorbar(filled, ax=axes, label=label)

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from hbench.records import Results
+from hbench.records import Results, Surface
 from hbench.report.campaign.motion_rows import series_words
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.render import style
@@ -168,14 +168,22 @@ def has_surfaces(results: Results) -> bool:
 
 
 def surfaces(results: Results) -> dict[str, Figure]:
-    """Draw |F| [N] over speed [mm/s] and load [kN] as a filled contour with the measured points."""
+    """Draw |F| [N] over speed [mm/s] and load [kN] as a filled contour with the measured points.
+
+    All maps have the same axes, with loads that oppose the motion upwards, and the same scale of
+    colours.
+    """
     figures = {}
-    for surface in results.motions.surfaces:
+    maps = results.motions.surfaces
+    levels = style.common_levels([np.array(surface.friction_n) for surface in maps])
+    speeds = style.common_limits([1e3 * np.array(surface.v_m_s) for surface in maps])
+    loads = style.common_limits([_against_motion(surface) for surface in maps])
+    for surface in maps:
         figure = style.new_figure(height_in=4.0)
         axes = figure.add_subplot()
-        v, load = np.array(surface.v_m_s) * 1e3, np.array(surface.f_load_n) / 1e3
+        v, load = np.array(surface.v_m_s) * 1e3, _against_motion(surface)
         friction = np.array(surface.friction_n)
-        filled = axes.contourf(v, load, friction, levels=12, cmap="cividis")
+        filled = axes.contourf(v, load, friction, levels=levels, cmap="cividis")
         lines = axes.contour(
             v, load, friction, levels=filled.levels, colors=style.ON_MAPS, linewidths=0.5
         )
@@ -183,7 +191,8 @@ def surfaces(results: Results) -> dict[str, Figure]:
         points = np.array([(speed, force) for force in load for speed in v])
         (dots,) = axes.plot(*points.T, label="_measured", **style.DOTS)
         behind(dots, {"Friction |F| (N)": friction.ravel()})
-        axes.set(xlabel="Speed |v| (mm/s)", ylabel="Load $F_L$ (kN)")
+        axes.set(xlabel="Speed |v| (mm/s)", ylabel="Load against the motion (kN)")
+        axes.set(xlim=speeds, ylim=loads)
         axes.grid(visible=False)
         figure.colorbar(filled, ax=axes, label="Friction |F| (N)")
         name = ", ".join(filter(None, (surface.label, TITLES[surface.direction])))
@@ -193,3 +202,9 @@ def surfaces(results: Results) -> dict[str, Figure]:
         style.read_as(figure, style.OF_MAPS)
         figures[name] = figure
     return figures
+
+
+def _against_motion(surface: Surface) -> np.ndarray:
+    """Return the loads [kN], positive where they oppose the motion."""
+    sign = 1.0 if surface.direction == "extend" else -1.0
+    return sign * np.array(surface.f_load_n) / 1e3

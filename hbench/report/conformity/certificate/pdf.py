@@ -17,7 +17,7 @@ from hbench.errors import ConfigError
 from hbench.report.conformity.certificate.certificate import Certificate
 from hbench.report.conformity.certificate.content import content
 from hbench.report.conformity.certificate.layout import Content, GridTable, Part
-from hbench.report.conformity.certificate.pdf_pen import (
+from hbench.report.render.pdf_pen import (
     INK,
     INNER,
     LEFT,
@@ -26,15 +26,14 @@ from hbench.report.conformity.certificate.pdf_pen import (
     SHEET_WIDTH,
     Pen,
     set_text,
-    width_of,
     wrapped,
 )
+from hbench.report.render.pdf_table import QUIET, set_table, unbroken
 
-_QUIET, _ACCENT, _MARK = "#444444", "#1d4e6f", "#9b1c1c"
+_ACCENT, _MARK = "#1d4e6f", "#9b1c1c"
 _GAP = 20.0  # between parts side by side
-_BODY, _CELLS, _HEADING, _TITLE = 7.5, 7.2, 8.8, 18.0
+_BODY, _HEADING, _TITLE = 7.5, 8.8, 18.0
 _LABEL = 0.34  # share of a fact's name
-_CELL_GAP = 8.0
 _LOGO = (125.0, 60.0)  # largest
 _SIGNATURE = 62.0  # height
 
@@ -64,11 +63,11 @@ def sheets(certificate: Certificate) -> list[Figure]:
         _mark(pen, shown.mark, "")
     pen.space(6)
     pen.room(_BODY * LINE)
-    pen.write(shown.end, _BODY, x=SHEET_WIDTH / 2, ha="center", color=_QUIET)
+    pen.write(shown.end, _BODY, x=SHEET_WIDTH / 2, ha="center", color=QUIET)
     for number, sheet in enumerate(pen.done, start=1):
         page = f"{shown.page_label} {number} {shown.of_label} {len(pen.done)}"
-        set_text(sheet, LEFT, 34, f"{shown.number_label} {shown.number}", 7.5, color=_QUIET)
-        set_text(sheet, SHEET_WIDTH - LEFT, 34, page, 7.5, color=_QUIET, ha="right")
+        set_text(sheet, LEFT, 34, f"{shown.number_label} {shown.number}", 7.5, color=QUIET)
+        set_text(sheet, SHEET_WIDTH - LEFT, 34, page, 7.5, color=QUIET, ha="right")
         if shown.mark:
             set_text(
                 sheet,
@@ -204,7 +203,7 @@ def _facts(pen: Pen, facts: Sequence[tuple[str, str]], share: float) -> None:
         pen.room(height)
         top = pen.y
         for line in names:
-            pen.write(line, _BODY, x=left, color=_QUIET)
+            pen.write(line, _BODY, x=left, color=QUIET)
         pen.y = top
         for line in texts:
             pen.write(line, _BODY, x=left + width * share)
@@ -212,67 +211,11 @@ def _facts(pen: Pen, facts: Sequence[tuple[str, str]], share: float) -> None:
 
 
 def _table(pen: Pen, table: GridTable) -> None:
-    """Set a table over the column; its head is repeated on the next sheet."""
-    widths = _columns(table, pen.width)
-    head = _cells(table.head, widths, "bold")
-
-    def set_head() -> None:
-        _line(pen, table, head, widths, weight="bold", color=_QUIET)
-
-    pen.room(_height(head) + 2 * _CELLS * LINE)
-    set_head()
-    pen.on_turn = set_head
-    for row in table.rows:
-        cells = _cells(row, widths, "normal")
-        pen.room(_height(cells))
-        _line(pen, table, cells, widths)
-    pen.on_turn = None
-    pen.space(2)
-
-
-def _line(
-    pen: Pen, table: GridTable, cells: list[list[str]], widths: list[float], **look: str
-) -> None:
-    top, left = pen.y, pen.x
-    for column, (lines, width) in enumerate(zip(cells, widths, strict=True)):
-        pen.y = top + 1
-        right = column in table.numbers
-        for line in lines:
-            x = left + width if right else left
-            pen.write(line, _CELLS, x=x, ha="right" if right else "left", **look)
-        left += width + _CELL_GAP
-    pen.y = top + _height(cells)
-    pen.rule()
-
-
-def _height(cells: list[list[str]]) -> float:
-    return max(map(len, cells)) * _CELLS * LINE + 3
-
-
-def _cells(row: Sequence[str], widths: list[float], weight: str) -> list[list[str]]:
-    return [wrapped(cell, width, _CELLS, weight) for cell, width in zip(row, widths, strict=True)]
-
-
-def _columns(table: GridTable, width: float) -> list[float]:
-    """Return widths that fill ``width``: numbers and single words are not broken if possible."""
-    rows = [(table.head, "bold"), *((row, "normal") for row in table.rows)]
-    least, best = [0.0] * len(table.head), [0.0] * len(table.head)
-    for number, (row, weight) in enumerate(rows):
-        for column, cell in enumerate(row):
-            whole = width_of(cell, weight) * _CELLS
-            word = max((width_of(w, weight) * _CELLS for w in cell.split(" ")), default=0.0)
-            unbroken = whole if column in table.numbers and number else word
-            least[column] = max(least[column], unbroken)
-            best[column] = max(best[column], whole)
-    free = width - _CELL_GAP * (len(table.head) - 1)
-    spare = free - sum(least)
-    wanted = [more - fewer for more, fewer in zip(best, least, strict=True)]
-    if spare <= 0:  # words longer than the page is wide are broken
-        return [free * each / sum(least) for each in least]
-    share = min(1.0, spare / sum(wanted)) if sum(wanted) else 0.0
-    widths = [fewer + share * more for fewer, more in zip(least, wanted, strict=True)]
-    rest = (free - sum(widths)) / len(widths)
-    return [each + rest for each in widths]
+    rows = [
+        [unbroken(cell) if column in table.numbers else cell for column, cell in enumerate(row)]
+        for row in table.rows
+    ]
+    set_table(pen, table.head, rows, table.numbers)
 
 
 def _signatures(pen: Pen, shown: Content) -> None:
@@ -289,7 +232,7 @@ def _signatures(pen: Pen, shown: Content) -> None:
         for column, (name, role) in enumerate(shown.signatories[start : start + columns]):
             pen.x, pen.width, pen.y = LEFT + column * (width + _GAP), width, top + 30
             pen.rule(INK)
-            pen.write(shown.signature_label, 6.5, color=_QUIET)
+            pen.write(shown.signature_label, 6.5, color=QUIET)
             for line in wrapped(name, width, _BODY, "bold")[:2]:
                 pen.write(line, _BODY, weight="bold")
             for line in wrapped(role, width, _BODY)[:2]:

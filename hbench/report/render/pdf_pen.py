@@ -73,11 +73,15 @@ def _font(weight: str) -> FontProperties:
 _MEASURE = TextToPath()
 
 
-@cache
 def width_of(text: str, weight: str) -> float:
-    """Return the width of a text per point of its size."""
+    """Return the width of a text per point of its size: its letters' advances, without kerning."""
+    return sum(_advance(letter, weight) for letter in text)
+
+
+@cache
+def _advance(letter: str, weight: str) -> float:
     font = _font(weight)
-    return float(_MEASURE.get_text_width_height_descent(text, font, False)[0]) / 100
+    return float(_MEASURE.get_text_width_height_descent(letter, font, False)[0]) / 100
 
 
 def wrapped(text: str, width: float, size: float, weight: str = "normal") -> list[str]:
@@ -104,6 +108,7 @@ def wrapped(text: str, width: float, size: float, weight: str = "normal") -> lis
 def set_text(sheet: Figure, x: float, y: float, text: str, size: float, **look: str) -> None:
     """Set a line with its base at a place of the sheet; text is no mathematics."""
     style = {"color": INK, "va": "baseline", **look}
+    text = text.replace("\N{NO-BREAK SPACE}", " ")
     if text:
         place = x / SHEET_WIDTH, 1 - y / SHEET_HEIGHT
         sheet.text(*place, text, size=size, parse_math=False, **style)

@@ -1,0 +1,94 @@
+"""What differs between the benches and schedules of two campaigns, as a table."""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from hbench.records import CampaignDifferences, Curve, Provenance
+from hbench.report.render.numbers import NONE, number
+from hbench.report.render.word_tables import Cell, Table
+
+_HEAD = ("Section", "Setting", "A", "B")
+_LONGEST = 80  # letters of a value
+_HASH = re.compile(r"[0-9a-f]{40,}")
+
+
+def settings_that_differ(differences: CampaignDifferences) -> tuple[tuple[str, str, str, str], ...]:
+    """Return each difference as section, setting, A's value and B's, in the order of A's files.
+
+    Compared are the bench file and schedule as the campaigns state them, firmware, software, the
+    origin of the data, and the areas of the cylinders. A setting of one campaign alone is a dash
+    in the other.
+    """
+    a, b = (
+        dict(_settings(provenance, curves))
+        for provenance, curves in (
+            (differences.a, [curve.a for curve in differences.curves]),
+            (differences.b, [curve.b for curve in differences.curves]),
+        )
+    )
+    return tuple(
+        (*key, _short(a.get(key, NONE)), _short(b.get(key, NONE)))
+        for key in dict.fromkeys((*a, *b))
+        if a.get(key) != b.get(key)
+    )
+
+
+def settings_table(differences: CampaignDifferences) -> Table:
+    """Return the settings that differ; no rows if all agree."""
+    rows = [tuple(map(Cell, row)) for row in settings_that_differ(differences)]
+    return Table(_HEAD, tuple(rows), frozenset(_HEAD))
+
+
+def settings_words(differences: CampaignDifferences) -> str:
+    """State in a sentence whether bench, instruments and schedule agree."""
+    sections = [section for section, *_ in settings_that_differ(differences)]
+    if not sections:
+        return "Bench file, instruments, schedule and software of both campaigns agree."
+    named = ", ".join(dict.fromkeys(sections))
+    count = len(sections)
+    return (
+        f"{count} {'setting differs' if count == 1 else 'settings differ'} between them: {named}."
+    )
+
+
+def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tuple[str, str], str]]:
+    yield ("campaign", "schedule"), provenance.name
+    yield ("campaign", "origin of the data"), provenance.source
+    yield ("bench", "name"), provenance.bench
+    yield ("bench", "firmware"), provenance.firmware
+    for specimen in dict.fromkeys(curve.specimen for curve in curves):
+        yield (
+            ("cylinder", "area of the piston side"),
+            f"{number(1e6 * specimen.area_piston_m2)} mm²",
+        )
+        yield ("cylinder", "area of the rod side"), f"{number(1e6 * specimen.area_rod_m2)} mm²"
+    for section, content in provenance.settings.items():
+        for path, value in _flat(content):
+            yield (_plain(section), _plain(path) or "value"), value
+    for name, value in provenance.details.items():
+        for path, text in _flat(value):
+            yield ("origin", " ".join(filter(None, (_plain(name), _plain(path))))), text
+    for name, version in provenance.software.items():
+        yield ("software", name), version
+
+
+def _flat(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the entries of a section of a file, each with its path of keys."""
+    if isinstance(value, Mapping):
+        for name, entry in value.items():
+            yield from _flat(entry, f"{path} {name}".strip())
+    else:
+        text = value if isinstance(value, str) else json.dumps(value, default=str)
+        yield path, text
+
+
+def _plain(key: str) -> str:
+    return str(key).replace("_", " ")
+
+
+def _short(text: str) -> str:
+    if _HASH.fullmatch(text):
+        return text[:12]
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"

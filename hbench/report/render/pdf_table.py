@@ -1,0 +1,108 @@
+"""Tables on the sheets of a PDF, in proportional letters with columns as wide as their content."""
+
+from collections.abc import Collection, Sequence
+
+from hbench.report.render.pdf_pen import LINE, Pen, width_of, wrapped
+
+CELLS = 7.2  # size of letters, points
+SMALLEST = 5.0  # of a table with many columns
+QUIET = "#444444"
+_GAP = 8.0  # between columns
+_NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+def unbroken(text: str) -> str:
+    """Return a text that is not broken over lines, such as a number with its uncertainty."""
+    return text.replace(" ", _NO_BREAK)
+
+
+def set_table(
+    pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]], numbers: Collection[int]
+) -> None:
+    """Set a table over the column; its head is repeated on the next sheet.
+
+    ``numbers`` are the columns that are aligned to the right. Letters become smaller, down to
+    ``SMALLEST``, where the words of a row would not fit side by side.
+    """
+    size = _size(head, rows, pen.width)
+    widths = _widths(head, rows, pen.width, size)
+    heads = _cells(head, widths, size, "bold")
+
+    def set_head() -> None:
+        _line(pen, heads, widths, numbers, size, weight="bold", color=QUIET)
+
+    first = _height(_cells(rows[0], widths, size, "normal"), size) if rows else 0.0
+    pen.room(_height(heads, size) + first)  # no head alone at the foot of a sheet
+    set_head()
+    pen.on_turn = set_head
+    for row in rows:
+        cells = _cells(row, widths, size, "normal")
+        pen.room(_height(cells, size))
+        _line(pen, cells, widths, numbers, size)
+    pen.on_turn = None
+    pen.space(2)
+
+
+def _line(
+    pen: Pen,
+    cells: list[list[str]],
+    widths: list[float],
+    numbers: Collection[int],
+    size: float,
+    **look: str,
+) -> None:
+    top, left = pen.y, pen.x
+    for column, (lines, width) in enumerate(zip(cells, widths, strict=True)):
+        pen.y = top + 1
+        right = column in numbers
+        for line in lines:
+            x = left + width if right else left
+            pen.write(line, size, x=x, ha="right" if right else "left", **look)
+        left += width + _GAP
+    pen.y = top + _height(cells, size)
+    pen.rule()
+
+
+def _height(cells: list[list[str]], size: float) -> float:
+    return max(map(len, cells)) * size * LINE + 3
+
+
+def _cells(row: Sequence[str], widths: list[float], size: float, weight: str) -> list[list[str]]:
+    return [wrapped(cell, width, size, weight) for cell, width in zip(row, widths, strict=True)]
+
+
+def _least(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[float]:
+    """Return the width of each column's widest word, per point of the letters' size."""
+    least = [max(width_of(word, "bold") for word in cell.split(" ")) for cell in head]
+    for row in rows:
+        for column, cell in enumerate(row):
+            widest = max(width_of(word, "normal") for word in cell.split(" "))
+            least[column] = max(least[column], widest)
+    return least
+
+
+def _size(head: Sequence[str], rows: Sequence[Sequence[str]], width: float) -> float:
+    free = width - _GAP * (len(head) - 1)
+    needed = sum(_least(head, rows))
+    return CELLS if not needed else min(CELLS, max(SMALLEST, free / needed))
+
+
+def _widths(
+    head: Sequence[str], rows: Sequence[Sequence[str]], width: float, size: float
+) -> list[float]:
+    """Return widths that fill ``width``: words are not broken if possible."""
+    least = [size * each for each in _least(head, rows)]
+    best = least.copy()
+    for weight, some in (("bold", [head]), ("normal", rows)):
+        for row in some:
+            for column, cell in enumerate(row):
+                best[column] = max(best[column], size * width_of(cell, weight))
+    free = width - _GAP * (len(head) - 1)
+    spare = free - sum(least)
+    wanted = [more - fewer for more, fewer in zip(best, least, strict=True)]
+    if spare <= 0:  # words longer than the page is wide are broken
+        return [free * each / sum(least) for each in least]
+    share = min(1.0, spare / sum(wanted)) if sum(wanted) else 0.0
+    widths = [fewer + share * more for fewer, more in zip(least, wanted, strict=True)]
+    rest = (free - sum(widths)) / len(widths)
+    return [each + rest for each in widths]

@@ -1,0 +1,91 @@
+"""A page states what was measured, on what, and whether the campaign was completed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hbench.analysis.identification.steady_curves import laws_along_curves
+from hbench.records import Fit, IdentifiedLaw
+from hbench.report.campaign.page import report_document
+from hbench.report.identification.text import parameter_words
+from hbench.report.render.document import page
+from hbench.report.render.markdown import markdown
+
+
+@pytest.fixture
+def named(small):
+    settings = small.provenance.settings | {
+        "specimen": {"serial": "HC-0007", "maker": "Acme <b>", "bore": "40 mm", "rod": "25 mm"},
+        "test": {"operator": "M. Weber", "number": "T-12"},
+        "instruments": {
+            "force": {"calibration": {"serial": "F1", "certificate": "D-K 17", "due": "2027-01-31"}}
+        },
+    }
+    return replace(small, provenance=replace(small.provenance, settings=settings))
+
+
+def test_the_head_of_a_report_has_the_identity_of_the_test(named):
+    made = report_document(named, ())
+    facts = dict(made.identity)
+    assert facts["Cylinder"] == "HC-0007" and facts["Dimensions"] == "bore 40 mm, rod 25 mm"
+    assert facts["Operator"] == "M. Weber" and facts["Test number"] == "T-12"
+    assert facts["Instruments"] == "force (no. F1, certificate D-K 17, due 2027-01-31)"
+    text = page(made)
+    assert "Acme &lt;b&gt;" in text and text.index("HC-0007") < text.index("<h2")
+    assert "**Cylinder:** HC-0007" in markdown(made)
+
+
+def test_a_report_without_identity_says_that_none_was_recorded(small):
+    facts = dict(report_document(small, ()).identity)
+    assert facts["Cylinder"] == "no serial number recorded"
+    assert facts["Instruments"] == "no calibration recorded"
+
+
+def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
+    assert report_document(small, ()).alarm == ""
+    completeness = replace(
+        small.quality.completeness, planned=96, not_completed=tuple(map(str, range(40)))
+    )
+    last = small.runs[-1]
+    stopped = replace(last, reasons=(f"aborted: run {last.run.plan.run}: the board stopped",))
+    broken = replace(
+        small,
+        runs=(*small.runs[:-1], stopped),
+        quality=replace(small.quality, completeness=completeness),
+    )
+    made = report_document(broken, ())
+    assert made.alarm.startswith("ABORTED CAMPAIGN: 56 of 96 planned runs were completed.")
+    assert f"Run {last.run.plan.run} ended early: the board stopped." in made.alarm
+    text = page(made)
+    assert text.index('class="alarm"') < text.index('class="banner') < text.index("<h2")
+    running = replace(broken, runs=small.runs)
+    assert report_document(running, ()).alarm.startswith("INCOMPLETE CAMPAIGN: 56 of 96")
+
+
+def test_an_identified_law_is_drawn_along_the_measured_speeds(small):
+    curve = small.curves[0]
+    section = {
+        "law": "tustin", "coulomb": "300 N", "stiction": "480 N", "stribeck_velocity": "50 mm/s",
+        "viscous": "1300 N s/m", "piston_seal": "0 N/bar", "rod_seal": "0 N/bar",
+        "stribeck_exponent": 1.0, "scatter": "0 %",
+    }  # fmt: skip
+    law = IdentifiedLaw("tustin", Fit("tustin", {}, 0.0, True, ""), section=section)
+    (along,) = laws_along_curves([curve], [law])
+    v = along.v_m_s
+    assert (v[0], v[-1]) == (curve.points[0].v_m_s, curve.points[-1].v_m_s)
+    expected = 300 + 180 * np.exp(-v / 0.05) + 1300 * v
+    np.testing.assert_allclose(along.friction_n["tustin"], expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "unit"),
+    [
+        ("v_stribeck_m_s", "Stribeck velocity v_s", "mm/s"),
+        ("theta_2_n", "Force of element 2 θ_2", "N"),
+        ("extend_low_force_n", "Force at rest a_1, extending", "N"),
+        ("own_n", "own_n", "N"),
+    ],
+)
+def test_parameters_of_identified_laws_have_titles_and_symbols(name, words, unit):
+    assert parameter_words(name, "N") == (words, unit)
