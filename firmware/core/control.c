@@ -2,6 +2,9 @@
 
 #include "numeric.h"
 
+#define HB_SIGN_M_S 1e-3f
+#define HB_TRIM_SHARE 0.25f /* of the highest pressure: more is not friction */
+
 hb_control_config hb_control_design(const hb_settings *settings)
 {
     const float *value = settings->value;
@@ -23,6 +26,16 @@ hb_control_config hb_control_design(const hb_settings *settings)
     config.area_piston_m2 = value[HB_SETTING_AREA_PISTON_M2];
     config.area_rod_m2 = value[HB_SETTING_AREA_ROD_M2];
     config.limit_v = value[HB_SETTING_VOLTAGE_LIMIT_V];
+    config.load_control =
+        (hb_u16)hb_clamp(value[HB_SETTING_LOAD_CONTROL], 0.0f, (float)HB_LOAD_CONTROLS - 1.0f);
+    config.load_integral = HB_PERIOD_S / value[HB_SETTING_LOAD_TIME_CONSTANT_S];
+    config.load_trim_max_pa = HB_TRIM_SHARE * value[HB_SETTING_PRESSURE_MAX_PA];
+    config.load_piston_m2 = value[HB_SETTING_LOAD_AREA_PISTON_M2];
+    config.load_rod_m2 = value[HB_SETTING_LOAD_AREA_ROD_M2];
+    config.coulomb_n = value[HB_SETTING_LOAD_COULOMB_N];
+    config.stiction_n = value[HB_SETTING_LOAD_STICTION_N];
+    config.stribeck_m_s = value[HB_SETTING_LOAD_STRIBECK_M_S];
+    config.viscous_n_s_m = value[HB_SETTING_LOAD_VISCOUS_N_S_M];
     return config;
 }
 
@@ -38,6 +51,7 @@ void hb_control_open(hb_control_state *state, float u_v)
         state->loop[i].e = 0.0f;
         state->u[i] = u_v;
     }
+    state->load_trim_pa = 0.0f;
     state->saturated = false;
 }
 
@@ -57,6 +71,40 @@ static void push(const hb_control_config *config, hb_control_state *state,
     }
 }
 
+/* Friction of the load cylinder. Up to HB_SIGN_M_S the sign is replaced by a straight line, so that
+ * the reference does not jump at a reversal. */
+static float load_friction(const hb_control_config *config, float v_m_s)
+{
+    const float falling = config->stiction_n - config->coulomb_n;
+    const float dry =
+        config->coulomb_n + falling * hb_decay(hb_abs(v_m_s) / config->stribeck_m_s);
+
+    return dry * hb_clamp(v_m_s / HB_SIGN_M_S, -1.0f, 1.0f) + config->viscous_n_s_m * v_m_s;
+}
+
+/* The error of the load piston's loop [Pa]. */
+static float load_error(const hb_control_config *config, hb_control_state *state,
+                        const hb_references *references, const hb_sensors_state *sensors)
+{
+    const float f_ref_n = config->load_piston_m2 * references->p_lp_pa
+                        - config->load_rod_m2 * references->p_lr_pa;
+    const float error = references->p_lp_pa - sensors->value[HB_SENSOR_P_LP];
+
+    switch (config->load_control) {
+    case HB_LOAD_CONTROL_LOAD_CELL:
+        state->load_trim_pa =
+            hb_clamp(state->load_trim_pa
+                         + config->load_integral * (f_ref_n - sensors->force_n)
+                               / config->load_piston_m2,
+                     -config->load_trim_max_pa, config->load_trim_max_pa);
+        return error + state->load_trim_pa;
+    case HB_LOAD_CONTROL_FRICTION_LAW:
+        return error - load_friction(config, references->v_m_s) / config->load_piston_m2;
+    default:
+        return error;
+    }
+}
+
 void hb_control_step(const hb_control_config *config, hb_control_state *state,
                      const hb_references *references, const hb_sensors_state *sensors)
 {
@@ -66,7 +114,7 @@ void hb_control_step(const hb_control_config *config, hb_control_state *state,
 
     error[HB_VALVE_T] = references->v_m_s - v;
     error[HB_VALVE_L1] = references->p_lr_pa - sensors->value[HB_SENSOR_P_LR];
-    error[HB_VALVE_L2] = references->p_lp_pa - sensors->value[HB_SENSOR_P_LP];
+    error[HB_VALVE_L2] = load_error(config, state, references, sensors);
 
     state->saturated = false;
     for (hb_u16 i = 0; i < HB_VALVES; i++) {

@@ -4,7 +4,7 @@
 #define HB_DICTIONARY_H
 
 #define HB_PROTOCOL 1u
-#define HB_DICTIONARY_HASH 0x5DB95202UL
+#define HB_DICTIONARY_HASH 0x57195228UL
 #define HB_REPLY 0x80u
 #define HB_ERROR 0xFFu
 #define HB_MAX_FRAME 254u
@@ -47,6 +47,13 @@ enum hb_valves {
     HB_VALVES_PUSHING = 2,
     HB_VALVES_VENTING = 3,
     HB_VALVES_STATES = 4
+};
+
+enum hb_load_control {
+    HB_LOAD_CONTROL_PRESSURES = 0,
+    HB_LOAD_CONTROL_LOAD_CELL = 1,
+    HB_LOAD_CONTROL_FRICTION_LAW = 2,
+    HB_LOAD_CONTROLS = 3
 };
 
 enum hb_condition {
@@ -95,7 +102,8 @@ enum hb_sensor {
     HB_SENSORS = 7
 };
 
-/* Converter words of a tick: the sensors, then those that are only logged. */
+/* Converter words of a tick: the sensors, then the auxiliary input. */
+#define HB_INPUT_AUXILIARY 7u
 #define HB_INPUTS 8u
 
 enum hb_setting {
@@ -140,7 +148,17 @@ enum hb_setting {
     HB_SETTING_AREA_PISTON_M2 = 38,
     HB_SETTING_AREA_ROD_M2 = 39,
     HB_SETTING_LOG_DIVIDER = 40,
-    HB_SETTINGS = 41
+    HB_SETTING_ACCELERATION_GAIN_M_S2 = 41,
+    HB_SETTING_ACCELERATION_OFFSET_M_S2 = 42,
+    HB_SETTING_LOAD_CONTROL = 43,
+    HB_SETTING_LOAD_TIME_CONSTANT_S = 44,
+    HB_SETTING_LOAD_AREA_PISTON_M2 = 45,
+    HB_SETTING_LOAD_AREA_ROD_M2 = 46,
+    HB_SETTING_LOAD_COULOMB_N = 47,
+    HB_SETTING_LOAD_STICTION_N = 48,
+    HB_SETTING_LOAD_STRIBECK_M_S = 49,
+    HB_SETTING_LOAD_VISCOUS_N_S_M = 50,
+    HB_SETTINGS = 51
 };
 
 /* Lowest and highest value of each setting. */
@@ -185,7 +203,17 @@ enum hb_setting {
     {0.001f, 60.0f}, \
     {1e-09f, 10.0f}, \
     {1e-09f, 10.0f}, \
-    {1.0f, 65535.0f} \
+    {1.0f, 65535.0f}, \
+    {-1.0f, 1.0f}, \
+    {-10000.0f, 10000.0f}, \
+    {0.0f, 2.0f}, \
+    {0.01f, 60.0f}, \
+    {1e-09f, 10.0f}, \
+    {1e-09f, 10.0f}, \
+    {0.0f, 1000000.0f}, \
+    {0.0f, 1000000.0f}, \
+    {1e-06f, 10.0f}, \
+    {0.0f, 10000000.0f} \
 }
 
 enum hb_word {
@@ -199,7 +227,7 @@ enum hb_word {
     HB_WORD_P_LR = 7,
     HB_WORD_P_S = 8,
     HB_WORD_F_APPLIED = 9,
-    HB_WORD_TEMP_TANK = 10,
+    HB_WORD_AUXILIARY = 10,
     HB_WORD_V = 11,
     HB_WORD_U_T = 12,
     HB_WORD_U_L1 = 13,
@@ -224,7 +252,7 @@ enum hb_flag {
 };
 
 /* For the status line at a terminal; the names initialise char[][HB_NAME_SIZE]. */
-#define HB_VERSION_TEXT "protocol 1, dictionary 5DB95202"
+#define HB_VERSION_TEXT "protocol 1, dictionary 57195228"
 #define HB_NAME_SIZE 12u
 #define HB_STATE_NAMES { \
     "idle", \

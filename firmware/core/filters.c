@@ -2,13 +2,17 @@
 
 hb_velocity_config hb_velocity_design(float tau_s, float period_s)
 {
-    const hb_velocity_config config = {1.0f / (tau_s + period_s), tau_s / (tau_s + period_s)};
+    const hb_velocity_config config = {1.0f / (tau_s + period_s), tau_s / (tau_s + period_s),
+                                       period_s};
     return config;
 }
 
-float hb_velocity_step(const hb_velocity_config *config, hb_velocity_state *state, float x)
+float hb_velocity_step(const hb_velocity_config *config, hb_velocity_state *state, float x,
+                       float a_m_s2)
 {
-    state->v = (x - state->x) * config->gain + state->v * config->decay;
+    const float integral = state->v + a_m_s2 * config->period_s;
+
+    state->v = (x - state->x) * config->gain + integral * config->decay;
     state->x = x;
     return state->v;
 }

@@ -4,11 +4,16 @@
 
 #include "types.h"
 
-/* Velocity from position, equation D.11 (dot restored):
- * v_k = (x_k - x_{k-1} + v_{k-1} tau) / (tau + T). */
+/* Velocity from position, equation D.11 (dot restored), with the integral of the acceleration,
+ * equation D.23, above the filter's bandwidth where there is an accelerometer:
+ *
+ *   v_k = (x_k - x_{k-1} + (v_{k-1} + a_k T) tau) / (tau + T),   a_k = 0 without one.
+ *
+ * Then the filter has no lag, and the accelerometer's offset adds a tau only. */
 typedef struct {
-    float gain;  /* 1 / (tau + T) [1/s] */
-    float decay; /* tau / (tau + T) */
+    float gain;     /* 1 / (tau + T) [1/s] */
+    float decay;    /* tau / (tau + T) */
+    float period_s; /* T */
 } hb_velocity_config;
 
 typedef struct {
@@ -17,7 +22,8 @@ typedef struct {
 } hb_velocity_state;
 
 hb_velocity_config hb_velocity_design(float tau_s, float period_s);
-float hb_velocity_step(const hb_velocity_config *config, hb_velocity_state *state, float x);
+float hb_velocity_step(const hb_velocity_config *config, hb_velocity_state *state, float x,
+                       float a_m_s2);
 
 /* First-order low pass, equation D.29 with K = 1:
  * y_k = (x_k T + y_{k-1} tau) / (tau + T), computed as y_{k-1} + gain (x_k - y_{k-1}). */

@@ -40,15 +40,14 @@ static void answer(hb_link *link, const hb_frame *frame)
         hal->mask_control(hal->context);
     }
     const hb_u16 refusal = hb_command(link->core, frame, &reply);
-    if (masked) {
-        hal->unmask_control(hal->context);
+    if (!masked) {
+        hal->mask_control(hal->context);
     }
     /* A request that the board can't read does not show that its host is in control. */
     if (refusal != HB_REFUSAL_UNKNOWN_MESSAGE && refusal != HB_REFUSAL_BAD_PAYLOAD) {
-        hal->mask_control(hal->context);
         hb_core_heartbeat(link->core);
-        hal->unmask_control(hal->context);
     }
+    hal->unmask_control(hal->context);
 
     if (refusal != HB_REFUSAL_NONE) {
         hb_error_reply error;

@@ -30,6 +30,18 @@ static inline float hb_slew(float x, float target, float step)
     return hb_abs(target - x) <= step ? target : x + (target > x ? step : -step);
 }
 
+/* exp(-x) for x >= 0, with an error below 0.02 % of 1: (1 + x/64 + (x/64)^2 / 2)^-64. */
+static inline float hb_decay(float x)
+{
+    const float part = x / 64.0f;
+    float power = 1.0f + part + 0.5f * part * part;
+
+    for (hb_u16 i = 0; i < 6u; i++) {
+        power *= power;
+    }
+    return 1.0f / power;
+}
+
 /* Neither infinite nor NaN. */
 static inline bool hb_finite(float x)
 {

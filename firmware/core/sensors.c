@@ -10,6 +10,9 @@ hb_sensors_config hb_sensors_design(const hb_settings *settings, const hb_adc_sc
         config.gain[i] = value[HB_SETTING_GAIN_X + i];
         config.offset[i] = value[HB_SETTING_OFFSET_X + i];
     }
+    config.acceleration_gain = value[HB_SETTING_ACCELERATION_GAIN_M_S2];
+    config.acceleration_offset = value[HB_SETTING_ACCELERATION_OFFSET_M_S2];
+    config.force_controls = value[HB_SETTING_LOAD_CONTROL] == (float)HB_LOAD_CONTROL_LOAD_CELL;
     config.velocity = hb_velocity_design(value[HB_SETTING_VELOCITY_FILTER_S], HB_PERIOD_S);
     config.pressure = hb_lowpass_design(value[HB_SETTING_PRESSURE_FILTER_S], HB_PERIOD_S);
     return config;
@@ -20,6 +23,7 @@ void hb_sensors_init(hb_sensors_state *state)
     for (hb_u16 i = 0; i < HB_SENSORS; i++) {
         state->value[i] = 0.0f;
     }
+    state->force_n = 0.0f;
     state->velocity.x = 0.0f;
     state->velocity.v = 0.0f;
     state->saturated = false;
@@ -27,21 +31,41 @@ void hb_sensors_init(hb_sensors_state *state)
     state->primed = false;
 }
 
-/* True for a word of a broken sensor or wire: the position at either end of the converter's range,
- * a pressure at the upper end (at the lower end it may be zero). The margin allows for the
- * converter's offset and the mean of its noise, which an open input gives. No loop or limit uses
- * the load cell; a saturated force only marks the record. */
-static bool impossible(const hb_adc_scale *adc, hb_u16 sensor, hb_u16 word)
+static bool at_end(const hb_adc_scale *adc, hb_u16 word)
 {
-    if (sensor == HB_SENSOR_F_APPLIED) {
-        return false;
+    return word <= adc->margin || word >= adc->full_scale - adc->margin;
+}
+
+/* True for a word of a broken sensor or wire: the position at either end of the converter's range,
+ * a pressure at the upper end (at the lower end it may be zero), the load cell at either end if a
+ * loop uses it; else a saturated force only marks the record. The margin allows for the converter's
+ * offset and the mean of its noise, which an open input gives. */
+static bool impossible(const hb_sensors_config *config, hb_u16 sensor, hb_u16 word)
+{
+    switch (sensor) {
+    case HB_SENSOR_F_APPLIED:
+        return config->force_controls && at_end(&config->adc, word);
+    case HB_SENSOR_X:
+        return at_end(&config->adc, word);
+    default:
+        return word >= config->adc.full_scale - config->adc.margin;
     }
-    return word >= adc->full_scale - adc->margin
-        || (sensor == HB_SENSOR_X && word <= adc->margin);
+}
+
+/* The acceleration; 0 without an accelerometer. */
+static float accelerated(const hb_sensors_config *config, hb_sensors_state *state, hb_u16 word)
+{
+    if (config->acceleration_gain == 0.0f) {
+        return 0.0f;
+    }
+    if (at_end(&config->adc, word)) {
+        state->impossible = true;
+    }
+    return config->acceleration_offset + config->acceleration_gain * (float)word;
 }
 
 void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
-                     const hb_u16 adc[HB_SENSORS])
+                     const hb_u16 adc[HB_INPUTS])
 {
     float si[HB_SENSORS];
 
@@ -52,11 +76,13 @@ void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
         if (adc[i] == 0u || adc[i] >= config->adc.full_scale) {
             state->saturated = true;
         }
-        if (impossible(&config->adc, i, adc[i])) {
+        if (impossible(config, i, adc[i])) {
             state->impossible = true;
         }
     }
+    const float a = accelerated(config, state, adc[HB_INPUT_AUXILIARY]);
     if (!state->primed) {
+        state->force_n = si[HB_SENSOR_F_APPLIED];
         state->velocity.x = si[HB_SENSOR_X];
         state->velocity.v = 0.0f;
         for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
@@ -69,7 +95,8 @@ void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
     for (hb_u16 i = HB_SENSOR_P_TP; i <= HB_SENSOR_P_S; i++) {
         (void)hb_lowpass_step(&config->pressure, &state->value[i], si[i]);
     }
-    (void)hb_velocity_step(&config->velocity, &state->velocity, si[HB_SENSOR_X]);
+    (void)hb_lowpass_step(&config->pressure, &state->force_n, si[HB_SENSOR_F_APPLIED]);
+    (void)hb_velocity_step(&config->velocity, &state->velocity, si[HB_SENSOR_X], a);
 }
 
 float hb_test_force(const hb_sensors_state *state, float area_piston_m2, float area_rod_m2)

@@ -10,12 +10,16 @@ typedef struct {
     hb_adc_scale adc;
     float gain[HB_SENSORS]; /* SI per 1/16 count */
     float offset[HB_SENSORS];
+    float acceleration_gain; /* m/s^2 per 1/16 count; 0: there is no accelerometer */
+    float acceleration_offset;
+    bool force_controls; /* a loop uses the load cell */
     hb_velocity_config velocity;
     hb_lowpass_config pressure;
 } hb_sensors_config;
 
 typedef struct {
     float value[HB_SENSORS];    /* SI; the five pressures are filtered (D.29) */
+    float force_n;              /* of the load cell, filtered as the pressures */
     hb_velocity_state velocity; /* velocity.v is the filtered velocity [m/s] (D.11) */
     bool saturated;             /* a word of this tick was at 0 or full scale */
     bool impossible;            /* a sensor of the loops or limits is broken, or its wire */
@@ -25,7 +29,7 @@ typedef struct {
 hb_sensors_config hb_sensors_design(const hb_settings *settings, const hb_adc_scale *adc);
 void hb_sensors_init(hb_sensors_state *state);
 void hb_sensors_step(const hb_sensors_config *config, hb_sensors_state *state,
-                     const hb_u16 adc[HB_SENSORS]);
+                     const hb_u16 adc[HB_INPUTS]);
 
 /* F_T = P_Tp A_p - P_Tr A_r, the pressure force of the test cylinder. */
 float hb_test_force(const hb_sensors_state *state, float area_piston_m2, float area_rod_m2);

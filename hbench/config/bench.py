@@ -5,7 +5,7 @@ the tolerances of the instruments. A plant file has any keys of ``Plant``, which
 the bench file one by one.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -146,6 +146,31 @@ class Feedforward(ConfigSection):
     piston: Annotated[float, q.quantity("V s/m", ge=0, le=1e4)]
 
 
+class LoadFriction(ConfigSection):
+    """Friction of the load cylinder as the board computes it (equation 3.2)."""
+
+    coulomb: q.Force
+    stiction: q.Force
+    stribeck_velocity: q.Speed
+    viscous: Annotated[float, q.quantity("N s/m", ge=0, le=1e7)]
+
+
+class LoadControl(ConfigSection):
+    """What the load piston's valve controls, so that the load cylinder's friction is or is not
+    part of the force between the cylinders (see firmware/core/control.h).
+    """
+
+    by: Literal["pressures", "load_cell", "friction_law"] = "pressures"
+    time_constant: q.TimeConstant = 0.1  # of the loop around the load cell
+    friction: LoadFriction | None = None
+
+    @model_validator(mode="after")
+    def _law_has_friction(self) -> "LoadControl":
+        if (self.by == "friction_law") != (self.friction is not None):
+            raise ValueError("'friction' belongs to 'by: friction_law'")
+        return self
+
+
 class Controllers(ConfigSection):
     """Controllers of the board and their rates."""
 
@@ -157,6 +182,7 @@ class Controllers(ConfigSection):
     velocity_filter: q.TimeConstant  # tau_c of D.11
     pressure_filter: q.TimeConstant  # tau of D.29
     feedforward: Feedforward
+    load: LoadControl = LoadControl()
     pressure_slew: q.PressureRate
     return_speed: q.Speed  # back to the start position
     acceleration: q.Acceleration  # default of a run, and for braking

@@ -3,7 +3,7 @@
 from math import sqrt
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from hbench.config import quantity as q
 from hbench.config.identity import Calibration
@@ -67,6 +67,12 @@ class TemperatureSensor(Transducer):
     lowest: q.Temperature
 
 
+class Accelerometer(Transducer):
+    """Accelerometer of the moving mass; ``offset`` is its output at rest (appendix B.2)."""
+
+    span: q.Acceleration  # over 0..output
+
+
 class Sensors(ConfigSection):
     """Sensors of the measured channels."""
 
@@ -74,7 +80,15 @@ class Sensors(ConfigSection):
     position: PositionSensor
     pressure: PressureSensor
     load_cell: LoadCell
+    # On the auxiliary input of the board, one of the two:
     temperature: TemperatureSensor | None = None  # None: not measured
+    accelerometer: Accelerometer | None = None  # None: the velocity is that of the position alone
+
+    @model_validator(mode="after")
+    def _one_auxiliary_input(self) -> "Sensors":
+        if self.temperature is not None and self.accelerometer is not None:
+            raise ValueError("the board has one input for 'temperature' or 'accelerometer'")
+        return self
 
     @property
     def force_range_n(self) -> tuple[float, float]:

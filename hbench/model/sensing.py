@@ -5,7 +5,7 @@ import numpy as np
 from hbench.model.compiled import inlined
 from hbench.model.noise import normal
 from hbench.model.parameters import PlantParameters
-from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, load_cell_force
+from hbench.model.plant import P_LP, P_LR, P_S, P_TP, P_TR, X, forces
 from hbench.model.sensors import FRACTION, N_CHANNELS, SensorParameters
 
 
@@ -17,7 +17,9 @@ def sensed(
     values: np.ndarray,
     work: np.ndarray,
 ) -> None:
-    """Write the sensed quantities at this moment into ``values``, SI, in ``CHANNELS`` order.
+    """Write the sensed quantities at this moment into ``values``, SI, in ``SENSORS`` order.
+
+    The last one is the acceleration of the moving masses.
 
     ``work`` is scratch of the plant's ``new_work``.
     """
@@ -27,7 +29,9 @@ def sensed(
     values[3] = state[P_LP]
     values[4] = state[P_LR]
     values[5] = state[P_S]
-    values[6] = load_cell_force(state, levels, par, work)
+    on_masses = forces(state, levels, par, work[3])
+    values[6] = on_masses.applied
+    values[7] = on_masses.acceleration
 
 
 @inlined
@@ -40,14 +44,15 @@ def convert(
 ) -> None:
     """Write one tick's means of ``values`` (SI) into ``words``, uint16 in 1/16 count.
 
-    ``temp_k`` is the oil's temperature, whose word stays 0 without a sensor. The converter clips at
-    0 and at its top code; a clipped channel has exactly that value.
+    ``temp_k`` is the oil's temperature. The auxiliary word stays 0 without a sensor. The converter
+    clips at 0 and at its top code; a clipped channel has exactly that value.
     """
     for i in range(N_CHANNELS):
         counts = sensors.per_unit[i] * values[i] + sensors.zero[i]
         words[i] = np.uint16(_word(counts, sensors, noise))
-    if sensors.temp_per_k != 0.0:
-        counts = sensors.temp_per_k * temp_k + sensors.temp_zero
+    if sensors.aux_per_unit != 0.0:
+        auxiliary = values[N_CHANNELS] if sensors.aux_is_acceleration else temp_k
+        counts = sensors.aux_per_unit * auxiliary + sensors.aux_zero
         words[N_CHANNELS] = np.uint16(_word(counts, sensors, noise))
 
 

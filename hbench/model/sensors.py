@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 from hbench.config.sensors import Sensors, Transducer
 
-# In the converter's order; further inputs of the converter are only logged.
+# In the converter's order. The auxiliary input has the oil's temperature or an accelerometer.
 SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
-INPUTS = (*SENSORS, "temp_tank")
+INPUTS = (*SENSORS, "auxiliary")
 N_CHANNELS, N_INPUTS = len(SENSORS), len(INPUTS)
+N_SENSED = N_CHANNELS + 1  # and the acceleration
 
 FRACTION = 16  # parts of a count that a tick's mean is kept in
 
@@ -29,8 +30,10 @@ class SensorParameters(NamedTuple):
     top: float  # largest code
     noise: float  # standard deviation of a tick's mean, in counts
     whole: bool  # a tick's mean is a whole count: quantised, with nothing that dithers
-    temp_per_k: float = 0.0  # counts per K of the oil in the tank; 0: there is no sensor
-    temp_zero: float = 0.0  # counts at 0 K
+    # The auxiliary input: counts per K of the oil in the tank, or per m/s^2; 0: there is no sensor.
+    aux_per_unit: float = 0.0
+    aux_zero: float = 0.0  # counts at 0
+    aux_is_acceleration: bool = False
 
 
 def sensor_parameters(sensors: Sensors) -> SensorParameters:
@@ -47,19 +50,23 @@ def sensor_parameters(sensors: Sensors) -> SensorParameters:
     if adc.noisy:
         rounding = 1 / 12 if adc.quantised else 0.0
         variance = (counts_per_volt * adc.noise) ** 2 + rounding
-    oil = sensors.temperature
-    temp_per_k = temp_zero = 0.0
+    oil, accelerometer = sensors.temperature, sensors.accelerometer
+    auxiliary = accelerometer or oil
+    aux_per_unit = aux_zero = 0.0
+    if auxiliary is not None:
+        aux_per_unit = counts_per_volt * auxiliary.output / auxiliary.span * auxiliary.amplifier
+        aux_zero = counts_per_volt * auxiliary.offset
     if oil is not None:
-        temp_per_k = counts_per_volt * oil.output / oil.span * oil.amplifier
-        temp_zero = counts_per_volt * oil.offset - temp_per_k * oil.lowest
+        aux_zero -= aux_per_unit * oil.lowest
     return SensorParameters(
         per_unit=tuple(counts_per_volt * volts_per_unit for volts_per_unit, _ in scalings),
         zero=tuple(counts_per_volt * volts for _, volts in scalings),
         top=float(2**adc.bits - 1),
         noise=sqrt(variance / adc.oversampling),
         whole=adc.quantised and not adc.noisy,
-        temp_per_k=temp_per_k,
-        temp_zero=temp_zero,
+        aux_per_unit=aux_per_unit,
+        aux_zero=aux_zero,
+        aux_is_acceleration=accelerometer is not None,
     )
 
 
@@ -71,16 +78,17 @@ def ideal_sensors() -> SensorParameters:
 def sensor_gains(sensors: Sensors) -> dict[str, tuple[float, float]]:
     """Return the calibration of each channel: value = gain * counts + offset, in SI.
 
-    Counts are whole ADC counts (a log word divided by 16). ``temp_tank`` is missing without a
-    sensor of the oil's temperature.
+    Counts are whole ADC counts (a log word divided by 16). ``temp_tank`` or ``acceleration``, of
+    the auxiliary input, is missing without its sensor.
     """
     par = sensor_parameters(sensors)
     gains = {
         name: (1 / per_unit, -zero / per_unit)
         for name, per_unit, zero in zip(SENSORS, par.per_unit, par.zero, strict=True)
     }
-    if par.temp_per_k:
-        gains["temp_tank"] = (1 / par.temp_per_k, -par.temp_zero / par.temp_per_k)
+    if par.aux_per_unit:
+        name = "acceleration" if par.aux_is_acceleration else "temp_tank"
+        gains[name] = (1 / par.aux_per_unit, -par.aux_zero / par.aux_per_unit)
     return gains
 
 

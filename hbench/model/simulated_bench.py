@@ -16,7 +16,7 @@ from hbench.model.noise import new_noise
 from hbench.model.parameters import PlantParameters
 from hbench.model.plant import initial_state, new_work
 from hbench.model.scatter import new_levels
-from hbench.model.sensors import N_CHANNELS, N_INPUTS, SensorParameters, sensor_parameters
+from hbench.model.sensors import N_INPUTS, N_SENSED, SensorParameters, sensor_parameters
 
 VOLTS_PER_CODE = 10.0 / 2048  # AD5724R, 12 bit, +-10 V
 _START_PRESSURE_PA = 15e5  # of both load chambers at power-on
@@ -55,7 +55,7 @@ def new_simulated_bench(bench: Bench, plant: Plant | None, seed: int) -> Simulat
         sensors=changed_by(
             "sensors", sensor_parameters(plant.sensors), read_effects(plant.effects)
         ),
-        values=np.zeros(N_CHANNELS),
+        values=np.zeros(N_SENSED),
         u=np.zeros(3),
         work=new_work(par),
     )

@@ -138,6 +138,12 @@ VALVES = (
     "pushing",  # F_T rises at a given rate instead of the velocity loop, until the piston moves
     "venting",  # with the supply off: opened to either side in turn, which levels the pressures
 )
+# Of the force between the cylinders.
+LOAD_CONTROLS = (
+    "pressures",  # of both load chambers; friction of the load cylinder is added to their force
+    "load_cell",  # the reference of P_Lp follows the error of the force that the load cell measures
+    "friction_law",  # friction of the load cylinder, by its law, is added to the reference of P_Lp
+)
 CONDITIONS = ("cycles", "friction", "speed_error")  # that end a run; "cycles": none
 FAULTS = (
     "none",
@@ -168,8 +174,9 @@ REFUSALS = (
 
 # Sensors of loops, limits and status, in the order of the converter words of a tick.
 SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
-# The converter words of a tick and of a record: further ones are logged, and have no other effect.
-INPUTS = (*SENSORS, "temp_tank")
+# The converter words of a tick and of a record. The auxiliary input has the oil's temperature, which
+# is only logged, or an accelerometer.
+INPUTS = (*SENSORS, "auxiliary")
 
 _PRESSURES = tuple(name for name in SENSORS if name.startswith("p_"))
 # Settings of the bench that the host uploads, in this order, with the range in which the board
@@ -208,6 +215,18 @@ SETTING_RANGES: dict[str, tuple[float, float]] = {
     "area_piston_m2": (1e-9, 10.0),
     "area_rod_m2": (1e-9, 10.0),
     "log_divider": (1.0, 65535.0),
+    # Of the auxiliary word, gain per 1/16 ADC count; 0: it is not an acceleration.
+    "acceleration_gain_m_s2": (-1.0, 1.0),
+    "acceleration_offset_m_s2": (-1e4, 1e4),
+    "load_control": (0.0, 2.0),  # see LOAD_CONTROLS
+    "load_time_constant_s": (0.01, 60.0),  # of the loop around the load cell
+    "load_area_piston_m2": (1e-9, 10.0),
+    "load_area_rod_m2": (1e-9, 10.0),
+    # Friction of the load cylinder, equation 3.2.
+    "load_coulomb_n": (0.0, 1e6),
+    "load_stiction_n": (0.0, 1e6),
+    "load_stribeck_m_s": (1e-6, 10.0),
+    "load_viscous_n_s_m": (0.0, 1e7),
 }
 SETTINGS = tuple(SETTING_RANGES)
 
@@ -257,6 +276,7 @@ def canonical_text() -> str:
         "states": STATES,
         "phases": PHASES,
         "valves": VALVES,
+        "load_controls": LOAD_CONTROLS,
         "conditions": CONDITIONS,
         "faults": FAULTS,
         "refusals": REFUSALS,

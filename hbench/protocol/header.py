@@ -23,12 +23,16 @@ def header_text() -> str:
         _numbered("state", d.STATES),
         _numbered("phase", d.PHASES),
         _numbered("valves", d.VALVES, count="HB_VALVES_STATES"),
+        _numbered("load_control", d.LOAD_CONTROLS, count="HB_LOAD_CONTROLS"),
         _numbered("condition", d.CONDITIONS, count="HB_CONDITIONS"),
         _numbered("fault", d.FAULTS),
         _numbered("refusal", d.REFUSALS),
         _numbered("sensor", d.SENSORS, count="HB_SENSORS"),
-        "/* Converter words of a tick: the sensors, then those that are only logged. */\n"
-        + _defines(("HB_INPUTS", f"{len(d.INPUTS)}u")),
+        "/* Converter words of a tick: the sensors, then the auxiliary input. */\n"
+        + _defines(
+            ("HB_INPUT_AUXILIARY", f"{d.INPUTS.index('auxiliary')}u"),
+            ("HB_INPUTS", f"{len(d.INPUTS)}u"),
+        ),
         _numbered("setting", d.SETTINGS, count="HB_SETTINGS"),
         "/* Lowest and highest value of each setting. */\n"
         + _defines(("HB_SETTING_RANGES", _rows(map(_range, d.SETTING_RANGES.values())))),

@@ -2,13 +2,16 @@
 
 from math import pi, sqrt
 
-from hbench.config.bench import Bench
+from hbench.config.bench import Bench, LoadFriction
 from hbench.errors import ConfigError
 from hbench.model.sensors import sensor_gains
-from hbench.protocol.dictionary import SENSORS, SETTING_RANGES
+from hbench.protocol.dictionary import LOAD_CONTROLS, SENSORS, SETTING_RANGES
 
 STEPS_PER_COUNT = 16  # the board's sensor words are in sixteenths of an ADC count
 
+_NO_FRICTION = LoadFriction.model_validate(
+    {"coulomb": "0 N", "stiction": "0 N", "stribeck_velocity": "1 m/s", "viscous": "0 N s/m"}
+)
 _FORCE_BANDWIDTH = 0.05  # of the valve's: far enough from it for any position and pressure
 
 
@@ -31,6 +34,8 @@ def board_settings(bench: Bench) -> dict[str, float]:
 
 def _settings(bench: Bench) -> dict[str, float]:
     control, limits, gains = bench.controllers, bench.limits, sensor_gains(bench.sensors)
+    acceleration = gains.get("acceleration", (0.0, 0.0))
+    friction = control.load.friction or _NO_FRICTION
     return {
         **{f"gain_{name}": gains[name][0] / STEPS_PER_COUNT for name in SENSORS},
         **{f"offset_{name}": gains[name][1] for name in SENSORS},
@@ -61,6 +66,16 @@ def _settings(bench: Bench) -> dict[str, float]:
         "area_piston_m2": bench.test_cylinder.area_piston_m2,
         "area_rod_m2": bench.test_cylinder.area_rod_m2,
         "log_divider": control.rate / control.log_rate,
+        "acceleration_gain_m_s2": acceleration[0] / STEPS_PER_COUNT,
+        "acceleration_offset_m_s2": acceleration[1],
+        "load_control": float(LOAD_CONTROLS.index(control.load.by)),
+        "load_time_constant_s": control.load.time_constant,
+        "load_area_piston_m2": bench.load_cylinder.area_piston_m2,
+        "load_area_rod_m2": bench.load_cylinder.area_rod_m2,
+        "load_coulomb_n": friction.coulomb,
+        "load_stiction_n": friction.stiction,
+        "load_stribeck_m_s": friction.stribeck_velocity,
+        "load_viscous_n_s_m": friction.viscous,
     }
 
 

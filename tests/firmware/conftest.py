@@ -60,7 +60,7 @@ _f32 = np.ctypeslib.ndpointer(np.float32, flags="C")
 _u16 = np.ctypeslib.ndpointer(np.uint16, flags="C")
 _float, _u32, _octets = ctypes.c_float, ctypes.c_uint32, ctypes.c_char_p
 _PROBES = (
-    ("velocity", None, (_float, _float, _f32, _f32, _u32)),
+    ("velocity", None, (_float, _float, _f32, _f32, _f32, _u32)),
     ("lowpass", None, (_float, _float, _f32, _f32, _u32)),
     ("mean", _u32, (ctypes.c_uint16, _u16, _u16, _u32)),
     ("pi", None, (*[_float] * 5, _f32, _f32, _f32, _u32)),
@@ -80,9 +80,10 @@ class Probes:
             function.restype, function.argtypes = result, arguments
         self._library = library
 
-    def velocity(self, tau_s, period_s, x):
+    def velocity(self, tau_s, period_s, x, a=None):
         v = np.empty_like(x)
-        self._library.hb_probe_velocity(tau_s, period_s, x, v, len(x))
+        a = np.zeros_like(x) if a is None else a
+        self._library.hb_probe_velocity(tau_s, period_s, x, a, v, len(x))
         return v
 
     def lowpass(self, tau_s, period_s, x):
@@ -159,6 +160,16 @@ SETTING_VALUES = {
     "area_piston_m2": 1.25664e-3,
     "area_rod_m2": 7.65763e-4,
     "log_divider": 100.0,
+    "acceleration_gain_m_s2": 0.0,
+    "acceleration_offset_m_s2": 0.0,
+    "load_control": 0.0,
+    "load_time_constant_s": 0.1,
+    "load_area_piston_m2": 1.25664e-3,
+    "load_area_rod_m2": 7.65763e-4,
+    "load_coulomb_n": 0.0,
+    "load_stiction_n": 0.0,
+    "load_stribeck_m_s": 1.0,
+    "load_viscous_n_s_m": 0.0,
 }
 SEGMENT = {
     "valves": 0,
@@ -290,7 +301,7 @@ class Board:
     def words(self):
         """Converter words of the present sensor values."""
         words = {n: round((self.si[n] - OFFSET.get(n, 0.0)) / GAIN[n]) for n in SENSORS}
-        return list({**words, "temp_tank": self.temp_word, **self.raw}.values())
+        return list({**words, "auxiliary": self.temp_word, **self.raw}.values())
 
     def tick(self):
         """One tick with the present sensor values; returns the valve commands in volts."""

@@ -128,7 +128,7 @@ def test_an_oil_temperature_at_a_limit_of_the_converter_has_no_effect(new_board,
     assert all(boards[0].tick() == boards[1].tick() for _ in range(3000))
     assert [board.cause() for board in boards] == [("done", "none")] * 2
     logs = [board.read_log(0)[2] for board in boards]
-    at = [entry.name for entry in RECORD].index("temp_tank")
+    at = [entry.name for entry in RECORD].index("auxiliary")
     assert set(logs[1][:, at]) == {word}
     assert np.array_equal(*(np.delete(log, at, axis=1) for log in logs))
 

@@ -149,7 +149,7 @@ def test_records_hold_the_means_of_their_ticks(board):
     log = read_all(board)
     assert len(words) == 2000
     sums = np.array(words).reshape(20, 100, len(INPUTS)).sum(axis=1)
-    inputs = log[:, WORD["x"] : WORD["temp_tank"] + 1]
+    inputs = log[:, WORD["x"] : WORD["auxiliary"] + 1]
     np.testing.assert_array_equal(inputs, (sums + 50) // 100)
     v_means = np.array(v).reshape(20, 100).mean(axis=1)
     np.testing.assert_allclose(signed(log[:, WORD["v"]]), v_means / WORD_V_M_S, atol=0.6)

@@ -132,8 +132,9 @@ def test_ticks_come_at_10_khz_of_the_emulated_timer(played):
     assert np.mean(periods) == pytest.approx(TICK_NS, abs=0.1)
     late = np.cumsum(periods - TICK_NS)
     late -= late.min()
-    # Receiving an octet delays a tick, and so does a request, which masks the control interrupt.
-    assert late.max() < 10_000 and np.median(late) < 100
+    # Receiving an octet delays a tick, and so does a request, which masks the control interrupt: at
+    # rest for longer, since "start" checks settings and schedule.
+    assert late.max() < 50_000 and np.quantile(late, 0.999) < 10_000 and np.median(late) < 100
     print(f"{np.mean(late > 100):.1%} of the ticks late, at most by {late.max() / 1e3:.1f} us")
 
 

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from hbench.protocol.dictionary import SENSORS
+from hbench.protocol.dictionary import INPUTS
 from tests.support.board.f28335_board import ROOT
 from tests.support.board.stack_bound import CallGraph
 
@@ -80,5 +80,5 @@ def test_inputs_of_the_core_are_pins_in_the_order_of_the_readme(output):
     rows = re.findall(r"^\| (\w+) \| (P[A-C]\d+) \|", (PORT / "README.md").read_text(), re.M)
     table = re.findall(r"\{GPIO([A-C]), (\d+)u, \d+u\}", (PORT / "adc.c").read_text())
     pins = [f"P{port}{pin}" for port, pin in table]
-    assert [name.lower() for name, _ in rows] == [*SENSORS, "temp_tank"]
+    assert [name.lower() for name, _ in rows] == list(INPUTS)
     assert [pin for _, pin in rows] == pins

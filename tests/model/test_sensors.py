@@ -5,7 +5,7 @@ from hbench.config.sensors import TemperatureSensor
 from hbench.model.noise import new_noise
 from hbench.model.plant import initial_state, new_work
 from hbench.model.sensing import convert, sensed
-from hbench.model.sensors import SENSORS, sensor_gains, sensor_parameters
+from hbench.model.sensors import N_SENSED, SENSORS, sensor_gains, sensor_parameters
 
 BAR, OIL_K = 1e5, 318.15
 VALUES = np.array([0.17, 78.84 * BAR, 28.42 * BAR, 12.7 * BAR, 8.9 * BAR, 150 * BAR, 1234.0])
@@ -120,6 +120,6 @@ def test_same_seed_same_bytes(bench):
 def test_sensors_see_the_state(par):
     state = initial_state(par, 0.1, 15 * BAR, 15 * BAR)
     state[:6] = 0.17, 0.05, 78 * BAR, 28 * BAR, 13 * BAR, 9 * BAR
-    values = np.zeros(7)
+    values = np.zeros(N_SENSED)
     sensed(state, np.ones(3), par, values, new_work(par))
     assert values[:6] == pytest.approx([0.17, 78 * BAR, 28 * BAR, 13 * BAR, 9 * BAR, 150 * BAR])

@@ -8,13 +8,14 @@
 
 #define MAX_OCTETS 1024u
 
-void hb_probe_velocity(float tau_s, float period_s, const float *x, float *v, uint32_t count)
+void hb_probe_velocity(float tau_s, float period_s, const float *x, const float *a, float *v,
+                       uint32_t count)
 {
     const hb_velocity_config config = hb_velocity_design(tau_s, period_s);
     hb_velocity_state state = {0.0f, 0.0f};
 
     for (uint32_t i = 0; i < count; i++) {
-        v[i] = hb_velocity_step(&config, &state, x[i]);
+        v[i] = hb_velocity_step(&config, &state, x[i], a[i]);
     }
 }
 

@@ -4,7 +4,8 @@
 
 #include "host.h"
 
-void hb_probe_velocity(float tau_s, float period_s, const float *x, float *v, uint32_t count);
+void hb_probe_velocity(float tau_s, float period_s, const float *x, const float *a, float *v,
+                       uint32_t count);
 void hb_probe_lowpass(float tau_s, float period_s, const float *in, float *out, uint32_t count);
 
 /* Means of divider words each; returns their number. */

@@ -22,10 +22,12 @@ RUN_FIELDS = {
     "u_l1": "u_l1_v",
     "u_l2": "u_l2_v",
     "v_ref": "v_ref_m_s",
-    "temp_tank": "temp_tank_k",
+    "auxiliary": "temp_tank_k",
+    "temp_tank": "temp_tank_k",  # name of the auxiliary input in older logs
 }
-# Logged also without a sensor; no reading of it makes a run doubtful.
-OPTIONAL_INPUTS = ("temp_tank",)
+# Logged also without a sensor; no reading of it makes a run doubtful. An acceleration stays in the
+# raw log alone.
+OPTIONAL_INPUTS = ("auxiliary", "temp_tank")
 # Channels that are not sensors, with their units; sensors are logged in counts.
 WORD_UNITS = {"v": "m/s", "v_ref": "m/s", "u_t": "V", "u_l1": "V", "u_l2": "V"}
 BOOKKEEPING = ("run", "index", "flags")
@@ -57,6 +59,8 @@ def calibrate(raw: RawRun, bench: Bench) -> Run:
     index = _unwrap(words[:, column["index"]])
     faults += _incomplete(raw, words, column, index)
     gains = sensor_gains(bench.sensors)
+    if "temp_tank" in gains:
+        gains["auxiliary"] = gains["temp_tank"]
     channels = {
         RUN_FIELDS[channel.name]: _to_si(words[:, number], channel, gains)
         for number, channel in enumerate(raw.channels)

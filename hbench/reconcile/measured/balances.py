@@ -109,7 +109,7 @@ def balance_model(bench: Bench | None, plant: Plant) -> BalanceModel:
     """Return the model of a plant, measured by a bench; None: a bench whose board is unknown.
 
     The board computes D.11 from the position of the last tick, so its velocity lags by tau_c and
-    half a tick. Raises ``ConfigError`` for effects that are not in the catalogue.
+    half a tick, by the half tick alone with an accelerometer. Raises ``ConfigError`` for effects that are not in the catalogue.
     """
     effects = read_effects(plant.effects)
     bare = plant_parameters(plant.model_copy(update={"effects": {}, "learned": ()}))
@@ -121,7 +121,8 @@ def balance_model(bench: Bench | None, plant: Plant) -> BalanceModel:
     maps = _sensor_maps(
         sensor_parameters(_sensors(plant, bench)), sensor_parameters(bench.sensors), effects
     )
-    return BalanceModel(par, maps, board.velocity_filter + 0.5 / board.rate, steps)
+    lag = 0.0 if bench.sensors.accelerometer else board.velocity_filter
+    return BalanceModel(par, maps, lag + 0.5 / board.rate, steps)
 
 
 def _sensors(plant: Plant, bench: Bench) -> Sensors:

@@ -34,7 +34,7 @@ from hbench.model.plant import (
     step,
 )
 from hbench.model.sensing import sensed
-from hbench.model.sensors import N_CHANNELS, SENSORS
+from hbench.model.sensors import N_CHANNELS, N_SENSED, SENSORS
 from hbench.reconcile.measured.balances import (
     BalanceModel,
     WindowedRun,
@@ -99,7 +99,7 @@ def open_loop(run: Run, model: BalanceModel) -> Run:
     memory = np.concatenate([state[V : V + 1], np.zeros(3)])
     _simulate(
         par, state, inputs, ticks, TICK_S / (model.velocity_lag_s or TICK_S), memory, np.ones(2),
-        np.zeros(N_CHANNELS), new_work(par), out,
+        np.zeros(N_SENSED), new_work(par), out,
     )  # fmt: skip
     simulated = {_FIELDS[name]: row for name, row in zip(SENSORS, out[:-1], strict=True)}
     return replace(run, **simulated, v_m_s=out[-1])
@@ -147,9 +147,9 @@ def _simulate(
             state[P_S] = inputs[0, k]
             sensed(state, levels, par, values, work)
             memory[0] += gain * (state[V] - memory[0])
-            for j in range(len(values)):
+            for j in range(N_CHANNELS):
                 out[j, k] += values[j] / ticks
-            out[len(values), k] += memory[0] / ticks
+            out[N_CHANNELS, k] += memory[0] / ticks
             step(state, memory[1:], levels, par, TICK_S, work)
 
 
