@@ -174,8 +174,8 @@ REFUSALS = (
 
 # Sensors of loops, limits and status, in the order of the converter words of a tick.
 SENSORS = ("x", "p_tp", "p_tr", "p_lp", "p_lr", "p_s", "f_applied")
-# The converter words of a tick and of a record. The auxiliary input has the oil's temperature, which
-# is only logged, or an accelerometer.
+# The converter words of a tick and of a record. The auxiliary input has the oil's temperature,
+# which is only logged, or an accelerometer.
 INPUTS = (*SENSORS, "auxiliary")
 
 _PRESSURES = tuple(name for name in SENSORS if name.startswith("p_"))

@@ -109,7 +109,8 @@ def balance_model(bench: Bench | None, plant: Plant) -> BalanceModel:
     """Return the model of a plant, measured by a bench; None: a bench whose board is unknown.
 
     The board computes D.11 from the position of the last tick, so its velocity lags by tau_c and
-    half a tick, by the half tick alone with an accelerometer. Raises ``ConfigError`` for effects that are not in the catalogue.
+    half a tick, by the half tick alone with an accelerometer. Raises ``ConfigError`` for effects
+    that are not in the catalogue.
     """
     effects = read_effects(plant.effects)
     bare = plant_parameters(plant.model_copy(update={"effects": {}, "learned": ()}))
