@@ -223,6 +223,17 @@ def test_a_late_tick_is_an_overrun(board, machine, symbols):
     assert board.cause() == ("fault", "overrun")
 
 
+def test_one_missing_conversion_does_not_stop_the_board(board, machine, symbols):
+    """As may happen in the tick after a late one. The debugger's stop makes the tick late."""
+    run(board, machine)
+    debugger, mark = machine.debugger(), machine.mark()
+    debugger.run_to(symbols["adc_read"])
+    debugger.write(symbols["adc_conversions"] + 4 * 64 + 124, 0xFFFF0000)
+    debugger.leave()
+    assert board.cause() == ("fault", "overrun")
+    assert machine.trace(mark).released == []
+
+
 def block_idle(debugger, symbols):
     debugger.run_to(symbols["hb_link_poll"])
     debugger.write(STACK_END, 0xE7FEE7FE)  # a jump to itself
@@ -243,9 +254,10 @@ def overflow_stack(debugger, symbols):
 
 
 def stop_dma(debugger, symbols):
-    """The last conversion of a tick is missing."""
-    debugger.run_to(symbols["adc_read"])
-    debugger.write(symbols["adc_conversions"] + 4 * 64 + 124, 0xFFFF0000)
+    """The last conversion is missing at two ticks; at one it would not be a failure."""
+    for _ in range(2):
+        debugger.run_to(symbols["adc_read"])
+        debugger.write(symbols["adc_conversions"] + 4 * 64 + 124, 0xFFFF0000)
 
 
 def drop_supply(debugger, symbols):

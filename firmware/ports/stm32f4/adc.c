@@ -72,8 +72,12 @@ void adc_start(void)
  * that the DMA must replace before the half is read again. */
 static bool sum(volatile uint16_t conversions[ADC_CONVERSIONS], hb_u16 words[ADC_INPUTS])
 {
-    const bool complete = conversions[ADC_CONVERSIONS - 1u] != UNWRITTEN;
+    volatile uint16_t *last = &conversions[ADC_CONVERSIONS - 1u];
+    const bool complete = *last != UNWRITTEN;
 
+    if (!complete) {
+        *last = conversions[ADC_CONVERSIONS - 1u - ADC_INPUTS];
+    }
     for (uint32_t i = 0; i < ADC_INPUTS; i++) {
         uint32_t total = 0;
         for (uint32_t scan = 0; scan < TIMER_SCANS; scan++) {
@@ -81,7 +85,7 @@ static bool sum(volatile uint16_t conversions[ADC_CONVERSIONS], hb_u16 words[ADC
         }
         words[i] = (hb_u16)total;
     }
-    conversions[ADC_CONVERSIONS - 1u] = UNWRITTEN;
+    *last = UNWRITTEN;
     return complete;
 }
 

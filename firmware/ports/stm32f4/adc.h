@@ -4,7 +4,7 @@
  * while the processor reads those of the last one. Never run on hardware.
  *
  * A scan takes 4 x 27 clocks of 21 MHz = 5.1 us, of which an input is sampled for 0.7 us. The
- * conversions of a word are on average 53 us old at its tick. */
+ * conversions of a word are on average 50 us old at its tick. */
 #ifndef STM32F4_ADC_H
 #define STM32F4_ADC_H
 
@@ -25,7 +25,9 @@ extern volatile uint16_t adc_conversions[2][ADC_CONVERTERS][ADC_CONVERSIONS];
 /* Before timer_start_ticks. */
 void adc_start(void);
 
-/* Reads the words of the last tick. False: the converters or the DMA have stopped. */
+/* Reads the words of the last tick. False: a conversion is missing, and the one before takes its
+ * place. That is no failure in a tick after a late one, in which the DMA may not have changed
+ * halves; for two ticks in a row it means that the converters or the DMA have stopped. */
 bool adc_read(hb_u16 words[HB_INPUTS]);
 
 #endif

@@ -30,6 +30,7 @@ static hb_link link;
 static volatile uint32_t tick_begin;     /* time of the last tick */
 static volatile uint32_t ticks;          /* completed */
 static volatile uint32_t ticks_serviced; /* value of ticks when the watchdog was last serviced */
+static uint32_t incomplete;              /* ticks in a row in which a conversion was missing */
 static volatile bool excused;            /* the next tick may be late */
 static bool at_rest;                     /* at the time control was masked */
 
@@ -64,7 +65,8 @@ void board_control_interrupt(void)
         hb_core_overrun(&core);
     }
     const bool idle_lives = ticks - ticks_serviced < DEAD_TICKS;
-    if (!idle_lives || !adc_read(words)) {
+    incomplete = adc_read(words) ? 0u : incomplete + 1u;
+    if (!idle_lives || incomplete > 1u) {
         board_stop();
         return;
     }
@@ -125,6 +127,9 @@ static bool start(void)
     hb_link_init(&link, &core);
     uart_start();
     adc_start();
+    if (supply_is_low()) {
+        return false;
+    }
     tick_begin = timer_now();
     timer_start_ticks();
     timer_start_supervision();

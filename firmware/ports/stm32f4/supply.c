@@ -11,3 +11,8 @@ void supply_start(void)
     EXTI_IMR |= EXTI_LINE_SUPPLY;
     NVIC_ISER[IRQ_SUPPLY / 32] = 1u << (IRQ_SUPPLY % 32);
 }
+
+bool supply_is_low(void)
+{
+    return (PWR_CSR & PWR_CSR_PVDO) != 0u;
+}

@@ -5,9 +5,9 @@
 #include "hal.h"
 #include "registers.h"
 
-/* A scan begins this long after a tick, so that a tick's last scan ends before the next tick: the
- * scans are 6.25 us apart, and each takes 5.2 us. */
-#define SCAN_DELAY_PART 10u /* of the time between two scans: 0.63 us */
+/* A tick's first scan begins this long after the tick, so that its last scan ends before the next
+ * one: the scans are 6.25 us apart, and each takes 5.3 us. */
+#define SCAN_DELAY_PART 50u /* of the time between two scans: 0.12 us */
 
 #define TICK_BIT (1u << (IRQ_TIM2 % 32))
 

@@ -1,8 +1,9 @@
-# Options of the ports for a Cortex-M4 with its floating-point unit.
+# Options of the ports without operating system and C library. A port sets HB_CPU, the options of its
+# processor, and includes this file.
 
 # No fused multiply-add: the same bits here as on a host. No loops turned into calls of memcpy and
 # memset, which are loops themselves (memory.c). The call graphs give a bound of the stack.
-add_compile_options(-mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard -O2 -g
+add_compile_options(${HB_CPU} -O2 -g
   -ffreestanding -ffp-contract=off -ffunction-sections -fdata-sections
   -fno-tree-loop-distribute-patterns -fcallgraph-info=su
   -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -Wstrict-prototypes
@@ -17,7 +18,7 @@ list(APPEND HB_CORE ${CMAKE_CURRENT_LIST_DIR}/memory.c)
 # NAME.elf, .bin and .hex in the build folder, linked by the port's link.ld.
 function(hb_image name)
   add_executable(${name} ${ARGN})
-  target_link_options(${name} PRIVATE -nostdlib -T ${CMAKE_CURRENT_SOURCE_DIR}/link.ld
+  target_link_options(${name} PRIVATE ${HB_CPU} -nostdlib -T ${CMAKE_CURRENT_SOURCE_DIR}/link.ld
     -Wl,--gc-sections -Wl,--fatal-warnings)
   target_link_libraries(${name} PRIVATE gcc)
   set_target_properties(${name} PROPERTIES SUFFIX .elf
