@@ -49,12 +49,13 @@ class Port(Protocol):
 class SerialPort:
     """A serial device, or any URL that pyserial opens (``socket://host:port``)."""
 
-    def __init__(self, name: str, baud: int = BAUD):
+    def __init__(self, name: str, baud: int = BAUD, even_parity: bool = False):
         self.name = name
         own_lock = {} if "://" in name else {"exclusive": True}
+        parity = serial.PARITY_EVEN if even_parity else serial.PARITY_NONE
         with self._errors("open"):
             self._serial = serial.serial_for_url(
-                name, baudrate=baud, timeout=0, write_timeout=2.0, **own_lock
+                name, baudrate=baud, parity=parity, timeout=0, write_timeout=2.0, **own_lock
             )
         self._drain()
 

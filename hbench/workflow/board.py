@@ -10,9 +10,10 @@ from hbench.errors import ConfigError
 from hbench.model.sensors import sensor_gains
 from hbench.rig.client import Identity
 from hbench.rig.discovery import ListedPort, ProbedPort, probe_ports, system_ports
-from hbench.rig.flash import boot_rom
+from hbench.rig.flash import boot_rom, stm32_rom
 from hbench.rig.flash.boot_image import BootImage, read_boot_image
 from hbench.rig.flash.programmer import flash_through
+from hbench.rig.flash.stm32_image import Stm32Image, is_stm32_image, read_stm32_image
 from hbench.rig.lines import open_line
 from hbench.rig.ports import BAUD, Port, SerialPort
 from hbench.rig.serve import FullSpeed, WallClock, serve
@@ -21,9 +22,9 @@ from hbench.units import from_si
 _INTERVAL_OF_HEARTBEAT = 0.5  # at full speed; the rest is for the client's next message
 
 
-def load_image(image_file: Path) -> BootImage:
+def load_image(image_file: Path) -> BootImage | Stm32Image:
     """Read and check a firmware image. Raises ``ConfigError``, ``DataError``."""
-    return read_boot_image(image_file)
+    return (read_stm32_image if is_stm32_image(image_file) else read_boot_image)(image_file)
 
 
 def flash(image: BootImage, port: str, boot_baud: int, baud: int) -> Identity:
@@ -32,6 +33,18 @@ def flash(image: BootImage, port: str, boot_baud: int, baud: int) -> Identity:
     Raises ``ConfigError``, ``DeviceError``.
     """
     return boot_rom.flash(image, _line_to_board(port), boot_baud, baud)
+
+
+def flash_stm32(image: Stm32Image, port: str, boot_baud: int) -> str:
+    """Write ``image`` to the flash of the STM32 at ``port``, read it back; return the chip's name.
+
+    The line has even parity, as its boot ROM requires. Raises ``ConfigError``, ``DeviceError``.
+    """
+    line = _line_to_board(port, even_parity=True)(boot_baud)
+    try:
+        return stm32_rom.flash(image, line)
+    finally:
+        line.close()
 
 
 def flash_through_programmer(image_file: Path, bench_file: Path, port: str, baud: int) -> Identity:
@@ -48,12 +61,12 @@ def flash_through_programmer(image_file: Path, bench_file: Path, port: str, baud
     return flash_through(programmer.command, programmer.timeout, image_file, line, baud)
 
 
-def _line_to_board(port: str) -> Callable[[int], Port]:
+def _line_to_board(port: str, even_parity: bool = False) -> Callable[[int], Port]:
     if port == "sim":
         raise ConfigError(
             "--port sim: the virtual rig can't be flashed", "Give a serial device as --port."
         )
-    return lambda rate: SerialPort(port, rate)
+    return lambda rate: SerialPort(port, rate, even_parity)
 
 
 def find_boards(names: Sequence[str]) -> tuple[ProbedPort, ...]:

@@ -26,7 +26,7 @@ def python(code: str, *arguments: str) -> list[str]:
 @pytest.fixture
 def image(tmp_path):
     path = tmp_path / "a firmware.out"
-    path.write_bytes(b"\xc2\x00" + FIRMWARE.encode("utf-16-le") + b"\0\0")
+    path.write_bytes(b"\xc2\x00" + f"{FIRMWARE} f28335".encode("utf-16-le"))
     return path
 
 

@@ -26,7 +26,7 @@ from tests.support.board.boot_rom_standin import (
 )
 
 BAUD = 57_600
-ID_WORDS = [ord(character) for character in FIRMWARE]
+ID_WORDS = [ord(character) for character in f"{FIRMWARE} f28335"]
 STREAM = stream_of(0x8000, [(0x8000, [*range(1, 400)]), (0x9000, [*ID_WORDS, 0])])
 IMAGE = parse_boot_image(text_of(STREAM), "image.txt")
 WORDS = st.lists(st.integers(0, 0xFFFF), min_size=1, max_size=40)
@@ -260,14 +260,14 @@ def test_the_command_prints_who_runs(terminal, tmp_path, monkeypatch, capsys):
     out, err = capsys.readouterr()
     assert end.value.code == 0
     assert re.fullmatch(rf"{device}: .*'{FIRMWARE}' .*'f28335'\n", out)
-    assert re.search(rf"\b{399 + len(FIRMWARE) + 1} words\b.*\b2 blocks", err)
+    assert re.search(rf"\b{399 + len(ID_WORDS) + 1} words\b.*\b2 blocks", err)
 
 
 def test_the_command_ends_with_the_exit_code_of_a_bad_image(tmp_path, monkeypatch, capsys):
     from hbench.cli.main import main
 
     path = tmp_path / "image.txt"
-    path.write_text("\x7fELF")
+    path.write_text("\x7fCOFF")
     monkeypatch.setattr("sys.argv", ["hbench", "flash", str(path), "--port", "/dev/none"])
     with pytest.raises(SystemExit) as end:
         main()

@@ -13,7 +13,7 @@ def verified_identity(
     """Return the identity of the board on ``port``, and close the port.
 
     ``contains_text`` returns whether the image contains a string. Raises ``DeviceError`` without
-    an answer, or if the image does not contain the firmware's id.
+    an answer, or if the image does not contain the firmware's id and the board's name.
     """
     try:
         identity = BoardClient(port).identify()
@@ -29,5 +29,11 @@ def verified_identity(
             f"{port.name}: firmware id '{identity.firmware}' not found in {image}: the board runs "
             "another program",
             "Check the boot pins and the image; a reset can start an older program.",
+        )
+    if not contains_text(identity.board):
+        raise DeviceError(
+            f"{port.name}: board '{identity.board}' not found in {image}: the image is for another "
+            "board",
+            "Give an image that was built for this board.",
         )
     return identity

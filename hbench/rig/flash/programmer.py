@@ -1,6 +1,7 @@
 """Flashing over JTAG by an external programmer, with the command of the bench file.
 
-Written for tools such as TI's DSLite and tested with dummy programs; never run with hardware.
+Written for tools such as TI's DSLite and OpenOCD, and tested with dummy programs; never run with
+hardware.
 """
 
 import os
@@ -26,8 +27,9 @@ def flash_through(
 ) -> Identity:
     """Flash ``image`` (the linker's output) with ``command``; return the identity at ``baud``.
 
-    The image must contain the firmware's id, one character per 16-bit word with the low octet
-    first, as in the linker's files for the C28x. Raises ``ConfigError``, ``DeviceError``.
+    The image must contain the firmware's id and the board's name, one character per octet, or per
+    16-bit word with the low octet first, as in the linker's files for the C28x. Raises
+    ``ConfigError``, ``DeviceError``.
     """
     try:
         content = image.read_bytes()
@@ -37,8 +39,8 @@ def flash_through(
     return verified_identity(
         open_port(baud),
         str(image),
-        lambda text: text.encode("utf-16-le") in content,
-        "Set the boot pins to flash (1111), and let the programmer start the program.",
+        lambda text: text.encode() in content or text.encode("utf-16-le") in content,
+        "Let the programmer start the program; on an F28335, set the boot pins to flash (1111).",
     )
 
 
