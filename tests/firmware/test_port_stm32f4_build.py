@@ -5,7 +5,9 @@ import subprocess
 
 import pytest
 
+from hbench.errors import DataError
 from hbench.protocol.dictionary import INPUTS
+from hbench.rig.flash.image import read_image
 from tests.support.board.f28335_board import ROOT
 from tests.support.board.stack_bound import CallGraph
 
@@ -74,6 +76,13 @@ def functions(text):
         ]
         for name, body in bodies
     }
+
+
+def test_hbench_flash_reads_the_image_and_refuses_the_emulators(stm32f4_images):
+    image = read_image(stm32f4_images / "hbench-stm32f4.elf")
+    assert image.content == (stm32f4_images / "hbench-stm32f4.bin").read_bytes()
+    with pytest.raises(DataError, match="not built for"):
+        read_image(stm32f4_images / "hbench-stm32f4-emulated.elf")
 
 
 def test_inputs_of_the_core_are_pins_in_the_order_of_the_readme(output):

@@ -118,8 +118,8 @@ def test_no_octets_are_anything_but_an_image_or_a_data_error(octets, at):
 
 
 def test_another_chip_is_named_and_nothing_is_erased():
-    rom = Stm32Rom(product=0x413)
-    assert re.search(r"0x413 \(STM32F405.*0x421", failure(rom).message)
+    rom = Stm32Rom(product=0x431)
+    assert re.search(r"0x431 \(STM32F411.*STM32F446", failure(rom).message)
     assert not rom.erased
 
 

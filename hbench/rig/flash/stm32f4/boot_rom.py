@@ -29,12 +29,12 @@ SECTORS_KB = (16, 16, 16, 16, 64, 128, 128, 128)
 
 _SYNCHRONISE, _ACK, _NACK = b"\x7f", 0x79, 0x1F
 _GET_ID, _READ, _GO, _WRITE, _EXTENDED_ERASE = 0x02, 0x11, 0x21, 0x31, 0x44
-_PRODUCT = 0x421
 _PRODUCTS = {
-    0x413: "STM32F405/407", 0x419: "STM32F42x/43x", _PRODUCT: "STM32F446", 0x423: "STM32F401xB/C",
+    0x413: "STM32F405/407", 0x419: "STM32F42x/43x", 0x421: "STM32F446", 0x423: "STM32F401xB/C",
     0x431: "STM32F411", 0x433: "STM32F401xD/E", 0x434: "STM32F469/479", 0x441: "STM32F412",
     0x458: "STM32F410", 0x463: "STM32F413/423",
 }  # fmt: skip
+_PORT_IS_FOR = (0x413, 0x421)  # the same registers, and enough memory
 
 _ATTEMPTS = 10  # to synchronise
 _ATTEMPT_S = 0.5
@@ -79,11 +79,11 @@ def send_image(port: Port, image: ElfImage) -> None:
     line = _Line(port)
     line.synchronise()
     product = line.product()
-    if product != _PRODUCT:
+    if product not in _PORT_IS_FOR:
         known = _PRODUCTS.get(product, "unknown")
+        right = " or ".join(_PRODUCTS[number] for number in _PORT_IS_FOR)
         raise DeviceError(
-            f"{port.name}: the chip is a 0x{product:03X} ({known}); {image.name} is for a "
-            f"0x{_PRODUCT:03X} ({_PRODUCTS[_PRODUCT]})",
+            f"{port.name}: the chip is a 0x{product:03X} ({known}); {image.name} is for an {right}",
             "Nothing was erased. Give the image of this board.",
         )
     content = image.content.ljust(-(-len(image.content) // 4) * 4, b"\xff")
@@ -140,7 +140,7 @@ class _Line:
         raise NotInBoot(
             f"{self._port.name}: no board: no answer to the boot ROM's first octet 7F in "
             f"{_ATTEMPTS} attempts, and no answer of a running hbench firmware",
-            f"Check power, cable (crossed?) and port: the ROM is on PC10/PC11 (F446). {_RESET}.",
+            f"Check power, cable (crossed?) and pins (PC10, PC11 or PA9, PA10). {_RESET}.",
         )
 
     def product(self) -> int:
