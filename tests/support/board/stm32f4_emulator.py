@@ -21,7 +21,7 @@ import numpy as np
 PROGRAM = "qemu-system-arm"
 ROWS = 0x08080000
 NS_PER_INSTRUCTION = 8  # -icount shift=3
-PATIENCE_S = 30.0
+PATIENCE_S = 10.0
 
 RELEASE_PIN, SYNC_PIN = 1 << 1, 1 << 12  # of GPIOB
 GPIOB_BSRR, SPI2_DR, IWDG_KR = 0x40020418, 0x4000380C, 0x40003000
@@ -170,9 +170,11 @@ class Machine:
         """Let the words follow the rows from now on."""
         self._go.sendall(b"\1")
 
-    def debugger(self) -> "Debugger":
-        """Stop the processor and return a debugger."""
-        return Debugger(self._debugger)
+    def debugger(self, address: int) -> "Debugger":
+        """Stop the processor at an instruction and return a debugger."""
+        debugger = Debugger(self._debugger)
+        debugger.run_to(address)
+        return debugger
 
     def close(self) -> None:
         """End the emulator."""
@@ -251,12 +253,13 @@ class Debugger:
             self.set_register(number, content)
 
     def step(self) -> None:
-        """Execute one instruction."""
+        """Execute one instruction. Not while the processor sleeps: interrupts are off meanwhile."""
         assert self._ask("s").startswith("T05")
 
     def run_to(self, address: int) -> None:
         """Continue until an instruction; if it is the present one, until it comes again."""
-        self.step()
+        if self.register(15) == address:
+            self.step()
         assert self._ask(f"Z0,{address:x},2") == "OK"
         assert self._ask("c").startswith("T05")
         assert self._ask(f"z0,{address:x},2") == "OK"
