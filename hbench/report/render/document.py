@@ -21,7 +21,7 @@ _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|no
 _DIGIT = re.compile(r"\d")
 _SYMBOL = re.compile(
     r"\b(?:([AFPp])_(\w+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
-    r"|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b|([σθ])_(\d|i)\b|(Δ)_(max|i)\b|(k)_(piston|rod)\b)"
+    r"|(m)_(T)\b|([Kτ])_(c)\b|(U)_(95)(?!\d)|(s)_([rR])\b|([σθ])_(\d|i)\b|(Δ)_(max|i)\b|(k)_(piston|rod)\b)"
 )
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
