@@ -75,9 +75,10 @@ class Document:
 
     @property
     def tab(self) -> str:
-        """Return the title with the folder's name before it and the source behind."""
-        source = f" ({self.source})" if self.source else ""
-        return ": ".join(filter(None, (self.folder, self.title))) + source
+        """Return the title with the folder's name before it; source and incompleteness behind."""
+        remarks = ", ".join(filter(None, (self.source, "incomplete" if self.alarm else "")))
+        title = ": ".join(filter(None, (self.folder, self.title)))
+        return f"{title} ({remarks})" if remarks else title
 
 
 def document(
