@@ -114,3 +114,12 @@ def test_a_fit_file_changes_bounds_laws_and_loss(sample, tmp_path):
             "profile",
             "bootstrap",
         }
+
+
+def test_each_example_document_is_small_and_listed():
+    words = (SAMPLES / "README.md").read_text()
+    found = [*(SAMPLES / "documents").iterdir(), SAMPLES / "report.png"]
+    assert len(found) >= 11
+    for path in found:
+        assert path.stat().st_size < 100_000, path
+        assert f"({path.relative_to(SAMPLES).as_posix()})" in words, path

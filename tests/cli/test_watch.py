@@ -161,7 +161,7 @@ def test_a_killed_host_is_not_told_as_running(short_schedule, tmp_path, monkeypa
         (tmp_path / "out" / LIVE).unlink()
         last = load_campaign(tmp_path / "out").entries[-1]
         in_a_run = last.stop is None  # or between two
-        assert (last.plan.run if in_a_run else last.stop.at[:19]) in page.state()["said"]
+        assert (last.plan.run if in_a_run else last.stop.at[11:19]) in page.state()["said"]
 
 
 def test_an_interrupted_campaign_says_how_it_ended(on_the_rig, short_schedule, tmp_path):
@@ -315,6 +315,18 @@ def test_the_command_prints_its_address_and_ends_with_ctrl_c(sample, number):
     assert process.returncode == 0 and not out and not told
 
 
+def shown_by(chromium, page, folder):
+    """Return the page's elements after its script has run for three seconds."""
+    return subprocess.run(
+        [chromium, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"]
+        + ["--disable-background-networking", "--virtual-time-budget=3000", "--dump-dom"]
+        + [f"--user-data-dir={folder / 'profile'}", f"http://127.0.0.1:{page.port}/"],
+        capture_output=True,
+        text=True,
+        timeout=2 * PATIENCE_S,
+    ).stdout
+
+
 def test_a_browser_shows_the_words_of_a_hostile_campaign_as_words(sample, require_tool):
     chromium = require_tool("chromium")
     evil = "<img src=x onerror=document.title='caught'><script>document.title='caught'</script>"
@@ -324,14 +336,7 @@ def test_a_browser_shows_the_words_of_a_hostile_campaign_as_words(sample, requir
     content["runs"][0]["stop"] |= {"outcome": "failed", "why": evil}
     path.write_text(yaml.safe_dump(content, sort_keys=False))
     with watched(sample) as page:
-        dom = subprocess.run(
-            [chromium, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"]
-            + ["--disable-background-networking", "--virtual-time-budget=3000", "--dump-dom"]
-            + [f"--user-data-dir={sample.parent / 'profile'}", f"http://127.0.0.1:{page.port}/"],
-            capture_output=True,
-            text=True,
-            timeout=2 * PATIENCE_S,
-        ).stdout
+        dom = shown_by(chromium, page, sample.parent)
     assert dom.count("&lt;img src=x") >= 3 and "<img" not in dom  # name, title, reason
     assert "<title>caught" not in dom
     assert "not running" in dom and "Rejected runs:" in dom
@@ -377,7 +382,7 @@ def decided(folder, value, speed_m_s=None, **changes):
     (folder / "results" / "acceptance.json").write_text(text)
 
 
-def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path):
+def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path, require_tool):
     folder = tmp_path / "station"
     header = (sample / "campaign.yaml").read_text().partition("\nruns:")[0] + "\nruns: []\n"
     values = [3.0e5, 3.2e5] * 6 + [4.1e5]
@@ -389,6 +394,10 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
             os.utime(one, (1e9 + number, 1e9 + number))
     with watched(folder, workflow.Station) as page:
         (chart,) = page.state()["charts"]
+        dom = shown_by(require_tool("chromium"), page, tmp_path)
+    assert 'aria-label="Control chart of 13 cylinders: breakaway' in dom and "+3 σ" in dom
+    assert dom.count('class="value signal"') == 1 and dom.count('class="value"') == 12
+    assert re.search(r'id="decision"[^>]*>PASS<', dom)
     assert chart["title"] == "breakaway at 50.1 mm/s extend" and chart["unit"] == "bar"
     assert chart["values"] == pytest.approx([1e-5 * value for value in values])
     assert (chart["low"], chart["high"]) == (None, pytest.approx(4.0))

@@ -18,8 +18,13 @@ from hbench.config.files.loading import read_yaml
 from hbench.config.friction import parse_friction
 from hbench.errors import DataError
 from hbench.experiment.closed_loop import record_plans
-from hbench.report.identification.text import identification_json, identification_text
+from hbench.report.identification.text import (
+    identification_json,
+    identification_text,
+    parameter_words,
+)
 from hbench.report.render.document import BANNERS
+from hbench.units import from_si
 from hbench.workflow.results import derive
 from tests.support.analysis.other_plant import OTHER_PLANT, STEADY
 
@@ -191,9 +196,11 @@ def test_json_and_table_tell_the_same(found):
             assert float(own[part][3]) == pytest.approx(1e3 * errors["v_m_s"], abs=0.006)
             assert int(own[part][6]) == errors["samples"]
         for name, p in one["parameters"].items():
-            (row,) = (row for row in rows if row[:2] == [one["law"], name])
-            shown = row[2 + len(p["unit"].split())].replace("−", "-")
-            assert float(shown) == pytest.approx(p["value"], rel=1e-3)
+            words, unit = parameter_words(name, p["unit"])
+            start = [one["law"], *words.split(), *unit.split()]
+            (row,) = (row for row in rows if row[: len(start)] == start)
+            shown = float(row[len(start)].replace("−", "-"))
+            assert shown == pytest.approx(from_si(p["value"], unit), rel=1e-3)
             assert set(p) >= {"value", "se", "ci95", "at_bound", "unit"}
 
 
@@ -204,7 +211,9 @@ def test_page_and_figures_say_that_the_data_is_simulated(written):
     for number, name in ((1, "Friction (N)"), (2, "Velocity (mm/s)")):
         assert re.search(rf"\b{number} of 2: {re.escape(name)} [^.]*\. Tustin: ", page)
     drawn = {path.stem for path in (written / "figures").glob("*.png")}
-    assert len(drawn) == 1 + len(LAWS) and page.count("<figure ") == len(drawn)
+    curves = {name for name in drawn if name.startswith("steady-")}
+    assert len(curves) == 4  # two loads in both directions, with the laws over the points
+    assert len(drawn - curves) == 1 + len(LAWS) and page.count("<figure ") == len(drawn)
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -95,7 +96,8 @@ def test_a_pdf_has_its_pages_and_is_the_same_twice(made):
     assert first.startswith(b"%PDF")
     pages = len(re.findall(rb"/Type /Page\b", first))
     assert pages == len(sheets(made)) >= 3
-    assert first == pdf(made)
+    short = replace(made, sections=made.sections[:2])  # letters, a table and figures
+    assert pdf(short) == pdf(short)
 
 
 def test_nothing_on_a_sheet_lies_beyond_its_edges(made):

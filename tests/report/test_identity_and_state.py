@@ -57,6 +57,7 @@ def test_an_aborted_campaign_has_its_alarm_before_everything_else(small):
     made = report_document(broken, ())
     assert made.alarm.startswith("ABORTED CAMPAIGN: 56 of 96 planned runs were completed.")
     assert f"Run {last.run.plan.run} ended early: the board stopped." in made.alarm
+    assert made.tab.endswith("(simulated, incomplete)")  # also in the header of each sheet
     text = page(made)
     assert text.index('class="alarm"') < text.index('class="banner') < text.index("<h2")
     running = replace(broken, runs=small.runs)

@@ -129,7 +129,7 @@ def hold_table(results: Results) -> Table:
                 for p in (decay.p_p_pa, decay.p_r_pa, decay.p_p_pa - decay.p_r_pa)
             ),
             *(
-                number(from_si(q, "ml/min"), 3)
+                significant(from_si(q, "ml/min"), 2)
                 for q in (
                     decay.out_p_m3_s,
                     decay.out_r_m3_s,

@@ -8,6 +8,11 @@ from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.word_tables import Cell, Table
 
+_LOOP_HEAD = (
+    *("Loop", "K_c", "τ_c (s)", "Chain", "Bandwidth (rad/s)", "Phase margin (°)"),
+    *("Gain margin (dB)", "Overshoot (%)", "Settling (s)", "Largest |z|"),
+)
+
 
 def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
@@ -19,7 +24,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     elif design.checks:
         sections.append(_checks(design.checks, text.POINT_LIMITS))
     chains = tuple(f"{_capital(name)}: {about}." for name, about in text.CHAINS.items())
-    loops = WordTable("", text.LOOP_HEAD, tuple(text.loop_rows(design)))
+    loops = WordTable("", _LOOP_HEAD, tuple(text.loop_rows(design)))
     facts = tuple(f"{_capital(line)}." for line in text.fact_lines(design))
     sections.append(Section("Loops", tables=(loops,), parts=(Section(items=(*facts, *chains)),)))
     if design.reproduced:

@@ -133,7 +133,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     sections = (_answer(diagnosis), unnamed, *evidence, which, refitted, missing, train)
     return document(
         f"{diagnosis.model} against {provenance.name}",
-        f"Campaign {provenance.name}, {provenance.source}, {provenance.started}; "
+        f"Campaign {provenance.name}, {provenance.source}, {provenance.started[:10]}; "
         f"bench {provenance.bench}.",
         tuple(
             section for section in sections if section is sections[0] or _holds_something(section)

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from hbench.records import Identification, ModelErrors, WordTable
-from hbench.report.campaign.fit_tables import law_words
+from hbench.records.friction_laws import FRICTION_LAWS
+from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.identification.figures import STEADY
 from hbench.report.identification.text import (
     ERRORS,
@@ -56,7 +57,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
     profiles = tuple(drawing for drawing in drawings if drawing not in (*steady, *overview))
     verified = [tables[title] for title in (ERRORS, HELD_OUT) if title in tables]
-    parameters = [replace(tables[PARAMETERS], title="")] if PARAMETERS in tables else []
+    parameters = [_without_empty(tables[PARAMETERS])] if PARAMETERS in tables else []
     ramps = [replace(tables[RAMPS], title="")] if RAMPS in tables else []
     sections = (
         Section("Friction over speed", drawings=steady),
@@ -72,7 +73,8 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         ),
         Section("Steady runs and ramps", (_RAMPS,) if ramps else (), tables=tuple(ramps)),
         Section(
-            "Missing or uncertain results", items=(*reasons(identification), *identification.notes)
+            "Missing or uncertain results",
+            items=tuple(map(_worded, (*reasons(identification), *identification.notes))),
         ),
     )
     return document(
@@ -94,6 +96,20 @@ def _folded(profiles: tuple[Drawing, ...]) -> tuple[Section, ...]:
         return ()
     title = f"Measurement and model of each law over time ({len(profiles)} figures)"
     return (Section(title, drawings=profiles, folded=True),)
+
+
+def _worded(sentence: str) -> str:
+    """Return a sentence with titles in place of the names of laws and parameters."""
+    law, colon, rest = in_words(sentence.strip()).partition(":")
+    name = law_words(law) if law in FRICTION_LAWS else law
+    return f"{name[:1].upper()}{name[1:]}{colon}{rest}"
+
+
+def _without_empty(table: WordTable) -> WordTable:
+    """Return a table without title and without the columns that have no entry."""
+    kept = [i for i, cells in enumerate(zip(*table.rows, strict=True)) if any(cells)]
+    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
+    return WordTable("", tuple(table.head[i] for i in kept), rows)
 
 
 def _named(table: WordTable) -> WordTable:

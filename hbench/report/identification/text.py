@@ -26,8 +26,8 @@ _ERRORS_HEAD = (
 )
 _PARAMETERS_HEAD = ("Law", "Parameter", "Unit", "Value", "95 % interval", "Remark")
 _RAMPS_HEAD = (
-    *("Direction", "Load", "Ramp (m/s²)", "Steady fit on steady (N)", "on ramp (N)"),
-    *("Ramp fit on steady (N)", "on ramp (N)"),
+    *("Direction", "Load", "Ramp (m/s²)", "Steady fit on steady (N)", "Steady fit on ramp (N)"),
+    *("Ramp fit on steady (N)", "Ramp fit on ramp (N)"),
 )
 _HELD_OUT_HEAD = ("Law", "Friction (N)", "Runs left out of the fit")
 ERRORS = "RMS errors on the verification runs"

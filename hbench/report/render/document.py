@@ -21,13 +21,14 @@ _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|no
 _DIGIT = re.compile(r"\d")
 _SYMBOL = re.compile(
     r"\b(?:([AFPp])_(\w+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
-    r"|(m)_(T)\b|(U)_(95)(?!\d)|(s)_([rR])\b|([σθ])_(\d|i)\b|(Δ)_(max|i)\b|(k)_(piston|rod)\b)"
+    r"|(m)_(T)\b|([Kτ])_(c)\b|(U)_(95)(?!\d)|(s)_([rR])\b|([σθ])_(\d|i)\b|(Δ)_(max|i)\b|(k)_(piston|rod)\b)"
 )
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
     "real": "Measured on a bench that hbench ran.",
 }
+_LONG, _SHORT, _ENDLESS = 24, 12, 30  # letters of a cell, of a short one, of a word
 _MENU = 4  # sections with a title: a shorter page needs no menu
 
 
@@ -74,9 +75,10 @@ class Document:
 
     @property
     def tab(self) -> str:
-        """Return the title with the folder's name before it and the source behind."""
-        source = f" ({self.source})" if self.source else ""
-        return ": ".join(filter(None, (self.folder, self.title))) + source
+        """Return the title with the folder's name before it; source and incompleteness behind."""
+        remarks = ", ".join(filter(None, (self.source, "incomplete" if self.alarm else "")))
+        title = ": ".join(filter(None, (self.folder, self.title)))
+        return f"{title} ({remarks})" if remarks else title
 
 
 def document(
@@ -136,6 +138,8 @@ def _environment() -> Environment:
         "inline": inline,
         "csv_link": _csv_link,
         "numeric": numeric,
+        "cell_classes": _cell_classes,
+        "head_classes": _head_classes,
         "flag": lambda cell: cell.flag if isinstance(cell, Cell) else "",
         "sortable": lambda table: isinstance(table, Table) and table.sortable,
         "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
@@ -162,6 +166,24 @@ def numeric(table: WordTable | Table) -> set[int]:
         if all(_NUMBER.fullmatch(cell) for cell in cells)
         and (any(map(_DIGIT.search, cells)) or not any(cells))
     }
+
+
+def _cell_classes(cell: tuple[bool, str, str]) -> str:
+    """Return the classes of a cell by its kind, its text and its flag."""
+    number, text, flag = cell
+    kinds = ["n"] if number else ["long"] if len(text) > _LONG else []
+    kinds += ["short"] if not number and len(text) <= _SHORT else []
+    return " ".join((*kinds, *(["flagged"] if flag else []), *_endless(f"{text} {flag}")))
+
+
+def _head_classes(cell: tuple[bool, str, str]) -> str:
+    number, text, _ = cell
+    return " ".join((*(["n"] if number else []), *_endless(text)))
+
+
+def _endless(text: str) -> list[str]:
+    """Return the class of a cell that has to be broken within a word."""
+    return ["endless"] if any(len(word) > _ENDLESS for word in text.split()) else []
 
 
 def _subscripts(text: str) -> Markup:

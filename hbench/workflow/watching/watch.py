@@ -123,7 +123,8 @@ class Watch:
         if stop.outcome != "done":
             return f"{summary}; run {run} {stop.outcome}: {stop.why}. {_RESUME}"
         complete = planned is None or done >= planned
-        return f"{summary}, the last until {stop.at[:19]}" + ("" if complete else f". {_RESUME}")
+        at = stop.at[:19].replace("T", " ")
+        return f"{summary}, the last until {at} UTC" + ("" if complete else f". {_RESUME}")
 
 
 def _key(entry: Entry) -> tuple[str, str]:
