@@ -268,3 +268,8 @@ def test_spoilt_files_of_every_format_are_imported_or_refused(seeds, tmp_path, m
 @pytest.mark.slow
 def test_twenty_thousand_spoilt_files_are_imported_or_refused(seeds, tmp_path, monkeypatch):
     sweep(seeds, tmp_path, 20_000, 2, monkeypatch)
+
+
+@pytest.mark.nightly
+def test_eighty_thousand_spoilt_files_are_imported_or_refused(seeds, tmp_path, monkeypatch):
+    sweep(seeds, tmp_path, 80_000, 3, monkeypatch)

@@ -4,7 +4,11 @@
 
 #include "types.h"
 
+/*@ assigns \nothing; */
 hb_u16 hb_crc_octet(hb_u16 crc, hb_octet octet);
+/*@ requires \valid_read(octets + (0 .. count - 1));
+    assigns \nothing;
+*/
 hb_u16 hb_crc_octets(hb_u16 crc, const hb_octet *octets, hb_u16 count);
 
 /* Of the octets of a value as it is sent, little-endian. */

@@ -8,6 +8,10 @@ hb_u16 hb_cobs_encode(const hb_octet *in, hb_u16 count, hb_octet *out)
     hb_u16 length = 1;
     hb_octet code = 1;
 
+    /*@ loop invariant i <= count && 1 <= code <= 255 && length == code_at + code;
+        loop invariant length == i + 1;
+        loop assigns i, length, code, code_at, out[0 .. count];
+        loop variant count - i; */
     for (hb_u16 i = 0; i < count; i++) {
         const hb_octet octet = in[i];
         if (octet != 0u) {
@@ -30,11 +34,18 @@ hb_u16 hb_cobs_decode(const hb_octet *in, hb_u16 count, hb_octet *out)
     hb_u16 from = 0;
     hb_u16 length = 0;
 
+    /*@ loop invariant length <= from <= count;
+        loop assigns from, length, out[0 .. count - 1];
+        loop variant count - from; */
     while (from < count) {
         const hb_u16 code = in[from++];
         if (code == 0u || from + code - 1u > count) {
             return 0;
         }
+        /*@ loop invariant 1 <= i <= code && length < from && from + (code - i) <= count;
+            loop invariant from >= \at(from, LoopEntry);
+            loop assigns i, from, length, out[0 .. count - 1];
+            loop variant code - i; */
         for (hb_u16 i = 1; i < code; i++) {
             out[length++] = in[from++];
         }
@@ -45,6 +56,11 @@ hb_u16 hb_cobs_decode(const hb_octet *in, hb_u16 count, hb_octet *out)
     return length;
 }
 
+/*@ requires receives(receiver) && \valid(frame) && \separated(receiver, frame);
+    assigns receiver->octets[0 .. HB_MAX_STUFFED - 1], *frame;
+    ensures \result ==> frame->payload == &receiver->octets[2]
+                        && frame->count + HB_FRAME_OVERHEAD <= HB_MAX_FRAME;
+*/
 /* Unpacks the received octets; true for a valid frame. */
 static bool open_frame(hb_receiver *receiver, hb_frame *frame)
 {
@@ -54,7 +70,7 @@ static bool open_frame(hb_receiver *receiver, hb_frame *frame)
     if (count < HB_FRAME_OVERHEAD || count > HB_MAX_FRAME) {
         return false;
     }
-    const hb_u16 crc = (hb_u16)(plain[count - 2u] | (hb_u16)((hb_u16)plain[count - 1u] << 8));
+    const hb_u16 crc = (hb_u16)(plain[count - 2u] + 256u * plain[count - 1u]);
     if (crc != hb_crc_octets(HB_CRC_START, plain, (hb_u16)(count - 2u))) {
         return false;
     }
@@ -82,6 +98,7 @@ bool hb_receive(hb_receiver *receiver, hb_octet octet, hb_frame *frame)
     return false;
 }
 
+/*@ assigns \nothing; */
 static bool ends_line(hb_octet octet)
 {
     return octet == 13u || octet == 10u; /* CR, LF */
@@ -94,6 +111,9 @@ bool hb_receive_question(hb_receiver *receiver, hb_octet octet)
     if (!ends_line((hb_octet)(octet & 0xFFu))) {
         return false;
     }
+    /*@ loop invariant at <= receiver->count;
+        loop assigns at;
+        loop variant receiver->count - at; */
     while (at < receiver->count && ends_line(receiver->octets[at])) {
         at++;
     }

@@ -14,8 +14,18 @@
 
 HB_ASSERT(cobs_adds_one_octet, HB_MAX_FRAME <= 254u);
 
+/*@ requires count <= HB_MAX_FRAME;
+    requires \valid_read(in + (0 .. count - 1)) && \valid(out + (0 .. count));
+    requires \separated(out + (0 .. count), in + (0 .. count - 1));
+    assigns out[0 .. count];
+    ensures \result == count + 1;
+*/
 /* COBS. out must have room for count + count / 254 + 1 octets; returns the number written. */
 hb_u16 hb_cobs_encode(const hb_octet *in, hb_u16 count, hb_octet *out);
+/*@ requires count <= HB_MAX_STUFFED && in == out && \valid(out + (0 .. count - 1));
+    assigns out[0 .. count - 1];
+    ensures \result <= count;
+*/
 /* in == out is allowed. Returns the number of octets, 0 if the input is no COBS block. */
 hb_u16 hb_cobs_decode(const hb_octet *in, hb_u16 count, hb_octet *out);
 
@@ -32,9 +42,21 @@ typedef struct {
     hb_u16 count;
 } hb_frame;
 
+/*@ predicate receives(hb_receiver *r) = \valid(r) && r->count <= HB_MAX_STUFFED; */
+
+/*@ requires receives(receiver) && \valid(frame) && \separated(receiver, frame);
+    assigns *receiver, *frame;
+    ensures receives(receiver);
+    ensures \result ==> frame->payload == &receiver->octets[2]
+                        && frame->count + HB_FRAME_OVERHEAD <= HB_MAX_FRAME;
+*/
 /* Receives one octet; true if it completes a valid frame, which is then in *frame. */
 bool hb_receive(hb_receiver *receiver, hb_octet octet, hb_frame *frame);
 
+/*@ requires receives(receiver);
+    assigns receiver->count, receiver->too_long;
+    ensures receives(receiver);
+*/
 /* True if the octet ends a line that consists of '?' alone, typed since the last terminator. The
  * end of any typed line clears the receiver. No frame of a host is mistaken for a line, which
  * starts with '?' (63) or the CR (13) or LF (10) that ended the line before: a frame's first
@@ -42,6 +64,12 @@ bool hb_receive(hb_receiver *receiver, hb_octet octet, hb_frame *frame);
  * octets, "start" has 8, and all others contain a zero in the high octet of an index or count. */
 bool hb_receive_question(hb_receiver *receiver, hb_octet octet);
 
+/*@ requires count <= HB_MAX_PAYLOAD && \valid(plain + (0 .. HB_MAX_FRAME - 1));
+    requires \valid(out + (0 .. HB_MAX_ON_WIRE - 1));
+    requires \separated(out + (0 .. HB_MAX_ON_WIRE - 1), plain + (0 .. HB_MAX_FRAME - 1));
+    assigns plain[0 .. HB_MAX_FRAME - 1], out[0 .. HB_MAX_ON_WIRE - 1];
+    ensures 1 <= \result <= HB_MAX_ON_WIRE;
+*/
 /* Completes the frame in plain, whose payload of count octets starts at the third octet, and writes
  * it stuffed and terminated to out (HB_MAX_ON_WIRE octets). Returns the number of octets in out. */
 hb_u16 hb_encode_frame(hb_octet sequence, hb_octet type, hb_octet plain[HB_MAX_FRAME],

@@ -22,7 +22,7 @@ def map_forked(work: Callable[[Argument], Result], arguments: Sequence[Argument]
 
     Two forked processes share the arguments without copying or importing; results must be
     picklable. They end with this process, however it ends. A fork copies the locks of other
-    threads, so with several threads, or on other systems than Linux, this process does all work.
+    threads, so with several threads, or on systems other than Linux, this process does the work.
     """
     no_fork = threading.active_count() > 1 or sys.platform != "linux"
     if no_fork or len(arguments) < _PROCESSES:

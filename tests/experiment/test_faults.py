@@ -1,5 +1,6 @@
 """The link never loses a run: whatever happens to line, board and host, --resume completes."""
 
+import shutil
 import time
 from collections import Counter
 
@@ -18,6 +19,7 @@ def sweep(numbers, quick_experiment, tmp_path, clock):
         except BaseException as error:
             error.add_note(f"script {number}: {script}")
             raise
+        shutil.rmtree(tmp_path / f"{number}")
         injected += story.injected
         sessions[story.sessions] += 1
     print(f"\n{len(numbers)} scripts, all complete, in {time.monotonic() - begin:.0f} s")
@@ -41,3 +43,8 @@ def test_a_line_that_hurts_one_octet_in_a_hundred_carries_a_campaign(
 @pytest.mark.slow
 def test_no_run_is_lost_or_made_twice_in_a_long_sweep(quick_experiment, tmp_path, clock):
     sweep(range(1000, 1600), quick_experiment, tmp_path, clock)
+
+
+@pytest.mark.nightly
+def test_two_thousand_fault_scripts_lose_no_run(quick_experiment, tmp_path, clock):
+    sweep(range(10_000, 12_000), quick_experiment, tmp_path, clock)

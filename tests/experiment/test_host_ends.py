@@ -7,10 +7,12 @@ Real processes: ``hbench rig`` on a socket, its board's records tapped past the 
 import os
 import pty
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -120,9 +122,12 @@ def lab():
 
 
 def kill_and_resume(lab, schedule, kills, seed):
-    """Kill hosts at random moments, then let one end; check the campaign against the board."""
+    """Kill hosts at random moments, then let one end; check the campaign against the board.
+
+    Return how many died when.
+    """
     rng = np.random.default_rng(seed)
-    before, in_the_middle = {}, 0
+    before, died = {}, Counter()
     for _ in range(kills):
         host = lab.host()
         logged = len(lab.logged())
@@ -130,7 +135,12 @@ def kill_and_resume(lab, schedule, kills, seed):
             wait_until(lambda n=logged, h=host: len(lab.logged()) > n or h.poll() is not None)
         time.sleep(rng.uniform(0.0, 1.0))
         host.kill()
-        in_the_middle += host.wait() == -signal.SIGKILL
+        if host.wait() != -signal.SIGKILL:
+            died["after its end"] += 1
+        elif len(lab.logged()) > logged:
+            died["during runs"] += 1
+        else:
+            died["as it started"] += 1
         before = check_nothing_rewritten(lab.folder, before)
     host = lab.host()
     _, told = host.communicate(timeout=PATIENCE_S)
@@ -138,19 +148,34 @@ def kill_and_resume(lab, schedule, kills, seed):
     check_nothing_rewritten(lab.folder, before)
     experiment = workflow.load_experiment(schedule, None)
     check_against_board(lab.folder, experiment, attempts(lab.logged()))
-    return in_the_middle
+    return died
 
 
 def test_a_host_killed_at_any_moment_loses_no_run(lab, quick_schedule):
     schedule = quick_schedule(trials=6)
-    assert kill_and_resume(lab(schedule, "max"), schedule, kills=2, seed=1) > 0
+    died = kill_and_resume(lab(schedule, "max"), schedule, kills=2, seed=1)
+    assert died["after its end"] < 2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10, 20))
 def test_hosts_killed_many_times_lose_no_run(lab, quick_schedule, seed):
     schedule = quick_schedule(trials=20)
-    assert kill_and_resume(lab(schedule, "max"), schedule, kills=8, seed=seed) > 4
+    died = kill_and_resume(lab(schedule, "max"), schedule, kills=8, seed=seed)
+    assert died["after its end"] < 4
+
+
+@pytest.mark.nightly
+def test_five_hundred_killed_hosts_lose_no_run(lab, quick_schedule):
+    schedule = quick_schedule(trials=20)
+    died = Counter()
+    for seed in range(100, 150):
+        rig = lab(schedule, "max")
+        died += kill_and_resume(rig, schedule, kills=10, seed=seed)
+        rig.close()
+        shutil.rmtree(rig.folder)
+    print(f"\n{died.total()} killed hosts, 50 campaigns complete: {dict(died)}")
+    assert died["after its end"] < 250
 
 
 def interrupted(lab, interrupt, terminal=None) -> subprocess.Popen:

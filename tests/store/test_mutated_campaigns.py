@@ -342,3 +342,8 @@ def test_nan_or_a_missing_unit_in_any_number_of_a_campaign_is_an_error(goods, tm
 @pytest.mark.slow
 def test_thousands_of_spoilt_files_end_in_an_error_or_a_flag(goods, tmp_path):
     sweep(goods, tmp_path, 2_600, seed=2)
+
+
+@pytest.mark.nightly
+def test_twenty_thousand_spoilt_files_end_in_an_error_or_a_flag(goods, tmp_path):
+    sweep(goods, tmp_path, 20_000, seed=3)

@@ -1,6 +1,8 @@
 """Static checks of the core: cppcheck, MISRA C:2012, and its size on the C28x."""
 
+import os
 import re
+import shutil
 from collections import Counter
 from pathlib import Path
 
@@ -47,6 +49,27 @@ def test_misra_reports_only_the_deviations_that_are_documented(run, require_tool
     print("MISRA C:2012:", dict(sorted(found.items(), key=lambda rule: -rule[1])))
     table = (ROOT / "firmware" / "MISRA.md").read_text()
     assert set(re.findall(r"^\| D\d+ \| (\d+\.\d+) \|", table, re.M)) == found.keys()
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(shutil.which("frama-c") is None, reason="no frama-c")
+def test_frames_are_proved_to_be_read_and_written_within_their_memory(run, tmp_path):
+    """``wire.c``, whatever octets are received: its contracts, memory, overflows, terminations.
+
+    Needs the packages frama-c-base, why3, z3 and cvc4.
+    """
+    home = os.environ | {"HOME": str(tmp_path)}
+    run("why3", "config", "detect", env=home)
+    libc = run("frama-c", "-print-share-path").stdout.decode().strip()
+    proved = run(
+        *"frama-c -wp -wp-rte -wp-model Typed+cast -wp-prover z3,cvc4 -wp-timeout 30".split(),
+        *("-machdep", "gcc_x86_64", f"-cpp-extra-args=-std=c99 -I{CORE} -I{libc}/libc"),
+        CORE / "wire.c",
+        env=home,
+    ).stdout.decode()
+    done, of = re.search(r"Proved goals: +(\d+) / (\d+)", proved).groups()
+    print(f"proved goals: {done} of {of}")
+    assert done == of and int(of) > 190, proved[-3000:]
 
 
 def test_core_link_and_log_ring_fit_the_ram_of_an_f28335(run, tmp_path, require_tool):
