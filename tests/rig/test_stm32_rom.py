@@ -1,6 +1,8 @@
 """Loading through an STM32's boot ROM: the flash gets the image, or the user the right message."""
 
+import socket
 import struct
+import threading
 
 import pytest
 
@@ -120,6 +122,33 @@ def test_a_missing_image_is_a_configuration_error(tmp_path):
     assert not is_stm32_image(tmp_path / "none.elf")
     with pytest.raises(ConfigError, match=r"none\.elf"):
         read_stm32_image(tmp_path / "none.elf")
+
+
+def test_the_command_flashes_over_a_socket_and_prints_the_chip(tmp_path, monkeypatch, capsys):
+    from hbench.cli.main import main
+
+    rom = Stm32Rom(chip=0x413)
+    server = socket.create_server(("localhost", 0))
+
+    def serve():
+        line, _ = server.accept()
+        with line:
+            while octets := line.recv(4096):
+                line.sendall(b"".join(map(rom.feed, octets)))
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    path = tmp_path / "image.elf"
+    path.write_bytes(elf((FLASH.start, CODE)))
+    port = f"socket://localhost:{server.getsockname()[1]}"
+    monkeypatch.setattr("sys.argv", ["hbench", "flash", str(path), "--port", port])
+    with pytest.raises(SystemExit) as end:
+        main()
+    thread.join()
+    server.close()
+    assert end.value.code == 0
+    assert capsys.readouterr().out.startswith(f"{port}: {SIZE} octets written to the STM32F405")
+    assert rom.flash[:SIZE] == CODE and rom.started == FLASH.start
 
 
 class Connection:
