@@ -99,6 +99,17 @@ def test_a_silent_board_after_flashing_is_told(image):
         flash_through(python("", "{image}"), 20.0, image, board(running=False), PROGRAM_BAUD)
 
 
+def test_an_image_of_octets_is_searched_too(image):
+    image.write_bytes(b"\x7fELF" + FIRMWARE.encode() + b"\0f28335\0")
+    assert flash_through(python("", "{image}"), 20.0, image, board(), PROGRAM_BAUD)
+
+
+def test_an_image_for_another_board_is_an_error(image):
+    image.write_bytes(b"\x7fELF" + FIRMWARE.encode() + b"\0stm32f4\0")
+    with pytest.raises(DeviceError, match="board 'f28335' not found in .*: the image is for"):
+        flash_through(python("", "{image}"), 20.0, image, board(), PROGRAM_BAUD)
+
+
 def bench_with(programmer) -> dict:
     data = yaml.safe_load(BENCH.read_text())
     return data if programmer is None else data | {"programmer": programmer}

@@ -33,6 +33,7 @@ static volatile uint32_t ticks_serviced; /* value of ticks when the watchdog was
 static uint32_t incomplete;              /* ticks in a row in which a conversion was missing */
 static volatile bool excused;            /* the next tick may be late */
 static bool at_rest;                     /* at the time control was masked */
+static bool released;
 
 static void mask_control(void *context)
 {
@@ -144,8 +145,9 @@ static void idle(void)
     if (completed != ticks_serviced) {
         ticks_serviced = completed;
         watchdog_service();
-        if (completed == 1u) {
-            outputs_release(); /* the outputs have the codes of a tick */
+        if (!released) {
+            released = true;
+            outputs_release(); /* they have the codes of a tick */
         }
     }
     if (!uart_is_sending()) {

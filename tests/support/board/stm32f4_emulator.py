@@ -21,7 +21,7 @@ import numpy as np
 PROGRAM = "qemu-system-arm"
 ROWS = 0x08080000
 NS_PER_INSTRUCTION = 8  # -icount shift=3
-PATIENCE_S = 10.0
+PATIENCE_S = 60.0
 
 RELEASE_PIN, SYNC_PIN = 1 << 1, 1 << 12  # of GPIOB
 GPIOB_BSRR, SPI2_DR, IWDG_KR = 0x40020418, 0x4000380C, 0x40003000
