@@ -7,6 +7,8 @@ from hbench.config.bench import Bench
 from hbench.control.linearisation import OperatingPoint, steady_point
 from hbench.errors import ConfigError
 from hbench.model.build import plant_parameters
+from hbench.model.friction.laws import steady_friction
+from hbench.model.parameters import PlantParameters
 from hbench.records import KINDS, RunPlan
 
 _CHAMBERS = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa")
@@ -44,7 +46,8 @@ def steady_demand(plans: Iterable[RunPlan], bench: Bench, source: str) -> Steady
         for v in {segment.v_m_s for segment in plan.motion.segments} - {0.0}:
             if (v, load, p_lr) not in points:
                 try:
-                    points[v, load, p_lr] = steady_point(par, middle, v, load, p_lr)
+                    hydraulic = load - _compensated(bench, par, v, load, p_lr)
+                    points[v, load, p_lr] = steady_point(par, middle, v, hydraulic, p_lr)
                 except ConfigError as error:
                     if not KINDS[plan.kind].has_constant_speed:
                         not_held[v, load, p_lr] = f"{plan.kind}: {error.message}"
@@ -69,6 +72,16 @@ def steady_demand(plans: Iterable[RunPlan], bench: Bench, source: str) -> Steady
         points=len(points),
         not_held=tuple(not_held.values()),
     )
+
+
+def _compensated(
+    bench: Bench, par: PlantParameters, v_m_s: float, f_load_n: float, p_lr_pa: float
+) -> float:
+    """Return the load cylinder's friction that its pressures don't add to the load [N]."""
+    if bench.controllers.load.by == "pressures":
+        return 0.0
+    p_lp = (par.load.area_rod_m2 * p_lr_pa + f_load_n) / par.load.area_piston_m2
+    return float(steady_friction(v_m_s, p_lp, p_lr_pa, par.load.friction))
 
 
 def _opening(point: OperatingPoint) -> float:

@@ -10,8 +10,11 @@ from pydantic import ValidationError
 
 from hbench.config.bench import LoadControl, parse_bench
 from hbench.config.files.loading import read_yaml
+from hbench.config.schedule import parse_schedule
 from hbench.errors import ConfigError
 from hbench.experiment.closed_loop import record
+from hbench.experiment.plan import plan_runs
+from hbench.experiment.steady_demand import steady_demand
 from tests.support import ROOT
 
 T = 1e-4
@@ -153,3 +156,16 @@ def test_only_a_sensor_that_a_loop_uses_stops_the_board_at_the_ends_of_its_range
     board.raw[name] = word
     board.tick()
     assert board.cause() == (("fault", "sensor") if used else ("running", "none"))
+
+
+def test_the_check_before_the_runs_refuses_a_load_below_the_load_cylinders_friction():
+    """Without its friction P_Lp would have to be below the tank's pressure."""
+    schedule = {"name": "light", "experiments": [steady("extend", "500 N", ["200 mm/s"])]}
+    for load, held in ((None, True), ({"by": "load_cell"}, False)):
+        used = bench(load)
+        plans = plan_runs(parse_schedule(schedule, "light"), used, "light").runs
+        if held:
+            assert steady_demand(plans, used, "light").p_lowest_pa > 2e5
+        else:
+            with pytest.raises(ConfigError, match="200 mm/s"):
+                steady_demand(plans, used, "light")
