@@ -58,7 +58,7 @@ def report(folder: Path) -> None:
     """Picture the first page of the demo's report."""
     measure(CONFIGS / "demo.yaml", folder / "demo", START)
     workflow.report(folder / "demo")
-    picture(folder / "demo" / "results" / "report.html", HERE / "report.png")
+    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1960)
 
 
 def acceptance_and_certificate(folder: Path) -> None:

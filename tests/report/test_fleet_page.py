@@ -212,7 +212,7 @@ def test_charts_show_a_shift_by_ewma_rules_and_a_step(shifted):
 
 
 def test_unlike_campaigns_are_grouped_with_the_reason(shifted):
-    page = fleet_page(shifted, draw_fleet(shifted))
+    page = fleet_page(shifted, ())
     assert shifted.compared == 26
     for reason in ("cylinder size", "loads", "working speed", "bench or origin"):
         assert page.count(f"not compared: other {reason}<") == 2  # kinds and campaigns

@@ -42,6 +42,12 @@ _NAMED = 3  # points in a sentence
 _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
 
 
+def quality_count(quality: Quality) -> str:
+    """Count the checks that are good."""
+    good = sum(check.grade == "good" for check in quality.checks)
+    return f"{good} of {len(quality.checks)} checks are good"
+
+
 def quality_table(quality: Quality) -> Table:
     """Return a row for each check."""
     rows = tuple(

@@ -11,6 +11,7 @@ from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.quality import (
     RULE,
     implausible_table,
+    quality_count,
     quality_table,
     short_point_table,
 )
@@ -55,11 +56,12 @@ def summary_section(results: Results) -> Section:
         parts=(
             *([Section("Each direction and load", tables=tables, folded=folded)] if tables else []),
             Section(
-                "Quality of the data",
+                f"Quality of the data: {quality_count(results.quality)}",
                 (RULE,),
                 tables=(quality_table(results.quality),),
                 parts=tuple(_quality_details(results)),
                 anchor="quality",
+                folded=results.quality.grade != "poor",
             ),
             *_drift(results.drift),
         ),
@@ -81,8 +83,13 @@ def _drift(drift: Drift | None) -> Iterable[Section]:
     if drift is not None:
         said = f"Steady friction changed by {drift_words(drift)}."
         paragraphs = tuple(filter(None, (said, drift_with_oil(drift), drift_advice(drift))))
+        how = "significant" if drift.significant else "not significant"
         yield Section(
-            "Drift over the campaign", paragraphs, tables=(drift_table(drift),), anchor="drift"
+            f"Drift over the campaign: {how}",
+            paragraphs,
+            tables=(drift_table(drift),),
+            anchor="drift",
+            folded=not drift.significant,
         )
 
 
@@ -117,9 +124,7 @@ def _tiles(results: Results) -> Iterable[Tile]:
         yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
     else:
         yield Tile(f"{accepted} of {planned}", "planned runs", "accepted")
-    checks = results.quality.checks
-    good = sum(check.grade == "good" for check in checks)
-    caption = f"data: {good} of {len(checks)} checks are good"
+    caption = f"data: {quality_count(results.quality)}"
     yield Tile(results.quality.grade.capitalize(), "", caption)
 
 
