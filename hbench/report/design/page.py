@@ -25,7 +25,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         sections.append(_checks(design.checks, text.POINT_LIMITS))
     chains = tuple(f"{_capital(name)}: {about}." for name, about in text.CHAINS.items())
     loops = WordTable("", _LOOP_HEAD, tuple(text.loop_rows(design)))
-    facts = tuple(f"{_capital(line)}." for line in text.fact_lines(design))
+    facts = tuple(f"{_typeset(_capital(line))}." for line in text.fact_lines(design))
     sections.append(Section("Loops", tables=(loops,), parts=(Section(items=(*facts, *chains)),)))
     if design.reproduced:
         rows = text.reproduced_rows(design.reproduced)
@@ -51,7 +51,8 @@ def _checks(checks: tuple[Check, ...], words: str) -> Section:
     for check, row in zip(ranked, text.check_rows(ranked), strict=True):
         what, value, limit, unit, _, where = row
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
-        rows.append((verdict, *map(Cell, (_capital(what), value, limit, unit, where))))
+        sign = {"deg": "°", "1": ""}.get(unit, unit)
+        rows.append((verdict, *map(Cell, (_capital(what), value, limit, sign, where))))
     head = ("Result", "Check", "Value", "Limit", "Unit", "Worst at")
     table = Table(head, tuple(rows), frozenset({"Result", "Check", "Unit", "Worst at"}))
     return Section("Checks", (words,), tables=(_without_empty(table),))
@@ -67,6 +68,11 @@ def _without_empty(table: Table) -> Table:
 def _proposal(proposal: Proposal) -> Section:
     lines = tuple(f"{_capital(line)}." for line in text.proposal_lines(proposal))
     return Section("Proposed gains", items=lines, code=text.gains_yaml(proposal))
+
+
+def _typeset(words: str) -> str:
+    """Return a line of the terminal with the signs of a page."""
+    return words.replace("mm/s^2", "mm/s²").replace(" deg", "°")
 
 
 def _capital(words: str) -> str:
