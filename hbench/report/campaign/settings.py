@@ -1,6 +1,7 @@
 """Identity of the test, instruments, settings, software, and notes of the analysis."""
 
 import json
+import math
 from collections.abc import Iterator, Mapping
 from datetime import datetime
 from typing import Any
@@ -98,11 +99,14 @@ def _facts(results: Results) -> Iterator[tuple[str, str]]:
 
 
 def _dimensions(specimen: Specimen) -> str:
-    areas = (1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2)
+    piston, rod = 1e6 * specimen.area_piston_m2, 1e6 * specimen.area_rod_m2
     stroke = (
         "" if specimen.stroke_m is None else f", stroke {number(1e3 * specimen.stroke_m, 0)} mm"
     )
-    return f"A_p {number(areas[0])} mm², A_r {number(areas[1])} mm²{stroke}"
+    if 0 < rod < piston:  # a piston with one rod
+        bore, rod_diameter = (2 * math.sqrt(area / math.pi) for area in (piston, piston - rod))
+        return f"bore {bore:.4g} mm, rod {rod_diameter:.4g} mm{stroke}"
+    return f"A_p {number(piston)} mm², A_r {number(rod)} mm²{stroke}"
 
 
 def _calibrations(instruments: Mapping[str, Any]) -> str:

@@ -27,8 +27,8 @@ LIMITS = (
     "firmware on the bench as its file states it, and on a softer and a stiffer one."
 )
 POINT_LIMITS = (
-    "Margins of the present gains on the board at the operating point above. With --propose, hbench "
-    "design checks all operating points, and the closed loop with the firmware."
+    "Margins of the present gains on the board at the operating point above. With --propose, "
+    "hbench design checks all operating points, and the closed loop with the firmware."
 )
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
