@@ -27,13 +27,13 @@
 #define HB_PERIOD_S 1e-4f
 
 /* Valves in the order of a tick's DAC codes. The order of its converter words is that of enum
- * hb_sensor in dictionary.h; the words from HB_SENSORS to HB_INPUTS are only logged, and 0 where
- * nothing is connected. */
+ * hb_sensor in dictionary.h, then the auxiliary input: oil temperature, which is only logged, or
+ * acceleration; 0 where nothing is connected. */
 enum hb_valve { HB_VALVE_T = 0, HB_VALVE_L1 = 1, HB_VALVE_L2 = 2, HB_VALVES = 3 };
 
-/* A converter word: the mean of a tick's conversions in 1/16 of an ADC count. */
+/* A converter word: the mean of a tick's conversions in 1/65536 of the ADC's range. */
 typedef struct {
-    hb_u16 full_scale; /* word at the upper end of the range; 12 bits: 16 x 4095 */
+    hb_u16 full_scale; /* word of the highest code; 12 bits: 16 x 4095 */
     hb_u16 margin;     /* a word this close to either end may come from an open input */
 } hb_adc_scale;
 
