@@ -1,5 +1,7 @@
 #include "core.h"
 
+#include "numeric.h"
+
 void hb_core_init(hb_core *core, const hb_hal *hal)
 {
     core->hal = *hal;
@@ -109,7 +111,9 @@ void hb_core_tick(hb_core *core, const hb_u16 adc[HB_INPUTS], hb_i16 dac[HB_VALV
     if (core->state != HB_STATE_RUNNING || core->schedule.phase == HB_PHASE_CLOSED) {
         hb_control_init(&core->control); /* neutral */
     } else if (core->schedule.phase == HB_PHASE_VENT) {
-        hb_control_open(&core->control, hb_schedule_vent_v(&core->schedule));
+        const float limit = core->control_config.limit_v;
+        hb_control_open(&core->control,
+                        hb_clamp(hb_schedule_vent_v(&core->schedule), -limit, limit));
     } else {
         hb_control_step(&core->control_config, &core->control, &core->schedule.references,
                         &core->sensors);

@@ -30,7 +30,7 @@ class Upload:
         return self.first is not None and KINDS[self.first.kind].needs_supply_off
 
     def longest_rest_s(self, bench: Bench) -> float:
-        """Return the longest time between two records [s]: return, load and hold.
+        """Return the longest time between two records [s]: brake, return, load and hold.
 
         The return and the ramps of the load's pressures have twice the time that the board allows
         them (firmware/core/schedule.c).
@@ -41,7 +41,8 @@ class Upload:
         gain = min(5.0, 1.5 * acceleration / speed)
         back = 3 * travel / speed + 10 + 8 / gain
         load = 2 * (limits.pressure_max / control.pressure_slew + speed / acceleration) + 0.1
-        return 2 * (back + load) + 2 * max(step["hold_s"] for step in self.steps)
+        brake = limits.speed_max / acceleration
+        return 2 * (brake + back + load + max(step["hold_s"] for step in self.steps))
 
     def takes(self, plan: RunPlan, board: Identity) -> bool:
         """Return whether one more step with the motion of ``plan`` has room."""

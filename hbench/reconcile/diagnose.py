@@ -62,7 +62,7 @@ _ASSUMED = (
     "sensors below that are not named."
 )
 _NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
-_STOPPED = "The simulation with the {} model ended early: no gaps of signals. {}"
+_STOPPED = "No gaps of signals: the simulation with the {} model ended early ({})."
 
 ProposeExperiment = Callable[[Undecided], tuple[str, dict[str, Any]] | None]
 """Returns the experiment that separates the effects of a set, in words and as a schedule."""

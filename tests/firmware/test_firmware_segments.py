@@ -229,13 +229,17 @@ def test_a_push_ends_after_its_time_if_nothing_moves(board):
 VENT = ({"valves": CODE["venting"], "duration_s": 1.0}, {"valves": 1, "duration_s": 0.2})
 
 
-def test_venting_begins_where_the_piston_is_and_opens_all_valves_to_either_side(board):
+@pytest.mark.parametrize(("limit_v", "opened_v"), [(10.0, 0.5), (0.2, 0.2)])
+def test_venting_begins_where_the_piston_is_and_opens_all_valves_to_either_side(
+    board, limit_v, opened_v
+):
+    board.write_settings(voltage_limit_v=limit_v)
     board.write_row(*VENT, x_start_m=0.2, x_min_m=0.2, x_max_m=0.2)
     board.si["p_s"] = 2e5
     board.rest(0.05, x=0.06)
     board.start()
     commands = np.array([board.tick() for _ in range(12_000)])
-    expected = np.repeat([0.5, -0.5, 0.5, -0.5, 0.0], [2500, 2500, 2500, 2500, 2000])
+    expected = opened_v * np.repeat([1, -1, 1, -1, 0], [2500, 2500, 2500, 2500, 2000])
     for valve in range(3):
         # The first tick of a segment has number 1; the last one of the venting belongs to the next.
         assert np.sum(np.abs(commands[:, valve] - expected) > 0.003) <= 5

@@ -19,7 +19,8 @@ def make_folder(path: Path) -> None:
     missing = [folder for folder in (path, *path.parents) if not folder.exists()]
     path.mkdir(parents=True, exist_ok=True)
     for folder in reversed(missing):
-        _flush_folder(folder.parent)
+        with suppress(PermissionError):  # entries may be made in a folder that can't be opened
+            _flush_folder(folder.parent)
 
 
 def write_atomic(path: Path, data: bytes, *, overwrite: bool = True, lasting: bool = True) -> None:

@@ -59,10 +59,8 @@ static void check_running(const hb_core *core)
     PLAY_CHECK(schedule->wait_ticks <= (schedule->phase == HB_PHASE_HOLD ? config->load_ticks
                                                                          : config->return_ticks)
                                            + 1u);
-    if (schedule->phase != HB_PHASE_VENT) {
-        for (hb_u16 i = 0; i < HB_VALVES; i++) {
-            PLAY_CHECK(core->control.u[i] >= -limit && core->control.u[i] <= limit);
-        }
+    for (hb_u16 i = 0; i < HB_VALVES; i++) {
+        PLAY_CHECK(core->control.u[i] >= -limit && core->control.u[i] <= limit);
     }
 }
 
