@@ -41,7 +41,7 @@ class Tile:
 
 @dataclass(frozen=True)
 class Section:
-    """Part of a document: its paragraphs, then its figures, tables, facts and smaller parts."""
+    """Part of a document: tiles, paragraphs, then figures, tables, facts and smaller parts."""
 
     title: str = ""
     paragraphs: tuple[str, ...] = ()
