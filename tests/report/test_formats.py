@@ -56,6 +56,15 @@ def test_numbers_stand_at_the_right_of_their_column_in_markdown_and_pdf():
     assert texts["a"].get_position()[0] == texts["bcd"].get_position()[0] < min(ends)
 
 
+def test_the_index_of_a_symbol_is_below_the_line_and_smaller_in_a_pdf():
+    made = Document("t", "", (Section("s", ("Coulomb force F_C in N, of file_C",)),))
+    texts = {text.get_text(): text for sheet in sheets(made) for text in sheet.texts}
+    before, index, after = (texts[each] for each in ("Coulomb force F", "C", " in N, of file_C"))
+    assert before.get_position()[0] < index.get_position()[0] < after.get_position()[0]
+    assert index.get_position()[1] < before.get_position()[1] == after.get_position()[1]
+    assert index.get_size() < before.get_size()
+
+
 def test_each_sheet_of_a_pdf_has_the_documents_name_and_its_number():
     table = WordTable("", ("name", "value (N)"), tuple((f"row {i}", str(i)) for i in range(150)))
     made = Document("stribeck", "", (Section("s", tables=(table,)),), source="simulated")

@@ -56,14 +56,40 @@ def undetermined(
 
 
 def identification_messages(info: Information, unknown: np.ndarray) -> list[str]:
-    """Return a sentence on each parameter of ``unknown`` (p,) bool, from ``undetermined``."""
+    """Return a sentence on each missing measurement, with the parameters that it would determine.
+
+    ``unknown`` (p,) bool are the parameters not determined, from ``undetermined``.
+    """
     spread = covariance_of_all(info)
-    return [_sentence(info, spread, i) for i in np.flatnonzero(unknown).tolist()]
+    wanted: dict[tuple[str, str], list[tuple[str, float]]] = {}
+    for number in np.flatnonzero(unknown).tolist():
+        missing, at, left = _missing(info, spread, number)
+        wanted.setdefault((missing, at), []).append((info.law.names[number], left))
+    return [_sentence(missing, at, found) for (missing, at), found in wanted.items()]
 
 
-def _sentence(info: Information, spread: np.ndarray, number: int) -> str:
-    name = info.law.names[number]
-    speed, p_p, p_r = info.inputs
+def _sentence(missing: str, at: str, found: list[tuple[str, float]]) -> str:
+    names = " and ".join(name for name, _ in found)
+    several = len(found) > 1
+    if not missing:
+        return (
+            f"this data does not determine {names}, and no further velocity would: friction hardly "
+            f"depends on {'them' if several else 'it'}"
+        )
+    shares = " and ".join(f"{100 * left:.0f} %" for _, left in found)
+    return (
+        f"{missing} are missing: this data does not determine {names} "
+        f"(a point at {at} would narrow {'their intervals' if several else 'its interval'} "
+        f"to {shares})"
+    )
+
+
+def _missing(info: Information, spread: np.ndarray, number: int) -> tuple[str, str, float]:
+    """Return what narrows a parameter's interval most: the range, the point, and what remains.
+
+    Range and point are empty where no velocity would narrow it.
+    """
+    speed = info.inputs[0]
     low, high = float(speed.min()), float(speed.max())
     speeds = np.geomspace(0.1 * low, 3 * high, _CANDIDATES)
     best, left = _best(info, spread, number, _at(info, speeds, 0))
@@ -72,16 +98,9 @@ def _sentence(info: Information, spread: np.ndarray, number: int) -> str:
             pressures = np.linspace(0.0, 3 * float(info.inputs[row].max()), _CANDIDATES)
             candidate, left_at = _best(info, spread, number, _at(info, pressures, row))
             if left_at < left - _NO_GAIN:
-                bar = f"{pressures[candidate] / 1e5:.3g} bar"
-                return (
-                    f"other {side} pressures are missing: this data does not determine {name} "
-                    f"(a point at {bar} would narrow its interval to {100 * left_at:.0f} %)"
-                )
+                return f"other {side} pressures", f"{pressures[candidate] / 1e5:.3g} bar", left_at
     if left > 1 - _NO_GAIN:
-        return (
-            f"this data does not determine {name}, and no further velocity would: friction hardly "
-            "depends on it"
-        )
+        return "", "", left
     at = speeds[best]
     if at > high:
         where = f"velocities above {high:.3g} m/s"
@@ -89,10 +108,7 @@ def _sentence(info: Information, spread: np.ndarray, number: int) -> str:
         where = f"velocities below {low:.3g} m/s"
     else:
         where = f"more velocities near {at:.2g} m/s"
-    return (
-        f"{where} are missing: this data does not determine {name} "
-        f"(a point at {at:.2g} m/s would narrow its interval to {100 * left:.0f} %)"
-    )
+    return where, f"{at:.2g} m/s", left
 
 
 def _at(info: Information, values: np.ndarray, row: int) -> np.ndarray:

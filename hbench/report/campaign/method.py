@@ -113,8 +113,9 @@ _NUMBERS = {
         + _FITTED_TO[law.data]
         for law in FRICTION_LAWS.values()
     },
-    "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side; a "
-    "parameter without an interval was not determined by these points.",
+    "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side. "
+    "A parameter is not determined if the half-width of its interval, linearised or by profile "
+    "(the wider counts), exceeds its value and a tenth of its typical size, or if it has none.",
     "Which law predicts best": "Each speed but the lowest and the highest is held out in turn and "
     "predicted from the others; laws are distinguishable where the 95 % interval of the "
     "difference of their mean squares is above zero.",

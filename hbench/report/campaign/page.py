@@ -89,16 +89,17 @@ def report_document(
         settings_section(results, LONG_LIST),
         method_section(results),
     )
+    alarm = aborted_words(results)
     return Document(
         provenance.name,
         " · ".join(filter(None, subtitle)),
         sections,
-        quality_verdict(results.quality),
+        quality_verdict(results.quality, count_runs=not alarm),
         BANNERS[provenance.source],
         provenance.source,
         folder,
         identity_facts(results),
-        aborted_words(results),
+        alarm,
     )
 
 
@@ -154,8 +155,9 @@ def _fits(results: Results) -> tuple[Section, ...]:
     if subsections:
         text = (
             "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
-            "side. A parameter without an interval was not determined by these points. Correlated "
-            "parameters do not vary by themselves: covariances.csv contains their covariances."
+            "side. Not determined: the half-width of the interval, linearised or by profile, "
+            "exceeds the value, or there is none. Correlated parameters do not vary by "
+            "themselves: covariances.csv contains their covariances."
         )
         text += _bias_words(results)
         sections.append(

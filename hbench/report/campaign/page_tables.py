@@ -111,7 +111,7 @@ def friction_budget_table(results: Results) -> Table:
                     ", ".join(f"{name} {significant(sigmas[name], 2)}" for name in ranked),
                 )
             )
-    head = ("Velocity (mm/s)", "Friction ± U95 (N)", "u (N)", "ν", "k", "Parts of u (N)")
+    head = ("Velocity (mm/s)", "Friction ± U (N)", "u (N)", "ν", "k", "Parts of u (N)")
     return table((*WHO, *head), rows, words=("Parts of u (N)",))
 
 

@@ -85,10 +85,13 @@ def implausible_table(points: Sequence[ImplausiblePoint]) -> Table:
     return table((*WHO, "Velocity (mm/s)", "Measured", "Remark"), rows, words=("Measured",))
 
 
-def quality_verdict(quality: Quality) -> str:
-    """Return the verdict in a few sentences; an incomplete campaign is reported first."""
+def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
+    """Return the verdict in a few sentences; an incomplete campaign is reported first.
+
+    Without ``count_runs`` it is not, where a page's alarm counts the completed runs.
+    """
     worst = [check for check in quality.checks if check.grade == quality.grade]
-    incomplete = incomplete_words(quality.completeness)
+    incomplete = incomplete_words(quality.completeness) if count_runs else ""
     reasons = _capital(
         "; ".join(f"{_NAMES[check.name].lower()}: {_value(check)}" for check in worst)
     )

@@ -14,6 +14,10 @@ from hbench.report.render.numbers import number
 _SIZES = ("bore", "rod", "stroke")
 _TEST = ("customer", "operator", "mounting", "place", "ambient")
 _ABORTED = "aborted"  # code of the reason
+_OF_COMPLETED = (
+    "All numbers on this page are those of the completed runs. Continue the campaign with "
+    "hbench run --resume."
+)
 
 
 def identity_facts(results: Results) -> tuple[tuple[str, str], ...]:
@@ -52,11 +56,10 @@ def aborted_words(results: Results) -> str:
     last = results.runs[-1] if results.runs else None
     why = [] if last is None else [r for r in last.reasons if code_of(r) == _ABORTED]
     if last is None or not why:
-        return f"INCOMPLETE CAMPAIGN: {count}. All numbers on this page are those of these runs."
+        return f"INCOMPLETE CAMPAIGN: {count}. {_OF_COMPLETED}"
     reason = why[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
     return (
-        f"ABORTED CAMPAIGN: {count}. Run {last.run.plan.run} ended early: {reason}. All numbers on "
-        "this page are those of the completed runs."
+        f"ABORTED CAMPAIGN: {count}. Run {last.run.plan.run} ended early: {reason}. {_OF_COMPLETED}"
     )
 
 

@@ -15,14 +15,11 @@ from hbench.records import WordTable
 from hbench.report.render.figures import Drawing
 from hbench.report.render.inline_svg import inline
 from hbench.report.render.style import DARK
+from hbench.report.render.symbols import pieces
 from hbench.report.render.word_tables import Cell, Table
 
 _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
 _DIGIT = re.compile(r"\d")
-_SYMBOL = re.compile(
-    r"\b(?:([AFPp])_(\w+)|([kabc])_(\d)\b|(v)_(SW|stribeck|s)\b|(u)_([TL]\d?)\b|(C)_(ff\w+)"
-    r"|(m)_(T)\b|([Kτ])_(c)\b|(U)_(95)(?!\d)|(s)_([rR])\b|([σθ])_(\d|i)\b|(Δ)_(max|i)\b|(k)_(piston|rod)\b)"
-)
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
@@ -44,7 +41,7 @@ class Tile:
 
 @dataclass(frozen=True)
 class Section:
-    """Part of a document: its paragraphs, then its figures, tables, facts and smaller parts."""
+    """Part of a document: tiles, paragraphs, then figures, tables, facts and smaller parts."""
 
     title: str = ""
     paragraphs: tuple[str, ...] = ()
@@ -188,9 +185,5 @@ def _endless(text: str) -> list[str]:
 
 def _subscripts(text: str) -> Markup:
     """Write the index of a symbol such as F_C below the line; all else is escaped."""
-    return Markup(_SYMBOL.sub(_lowered, str(escape(text))))
-
-
-def _lowered(match: re.Match[str]) -> str:
-    symbol, index = filter(None, match.groups())
-    return f"{symbol}<sub>{index}</sub>"
+    words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in pieces(text))
+    return Markup("".join(words))

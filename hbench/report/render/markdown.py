@@ -33,12 +33,12 @@ def escaped(text: str) -> str:
 def _blocks(section: Section, level: int) -> Iterator[str]:
     if section.title:
         yield f"{'#' * min(level, 6)} {escaped(section.title)}"
-    yield from map(escaped, section.paragraphs)
     tiles = [
         f"- **{escaped(t.value)}** {escaped(t.unit)} ({escaped(t.more)})" for t in section.tiles
     ]
     if tiles:
         yield "\n".join(tiles)
+    yield from map(escaped, section.paragraphs)
     if section.items:
         yield "\n".join(f"- {escaped(item)}" for item in section.items)
     if section.code:
@@ -73,4 +73,6 @@ def words(cell: Cell | str) -> str:
     """Return a cell with its flag as text."""
     if isinstance(cell, str):
         return cell
+    if not cell.text:
+        return cell.flag
     return " ".join(filter(None, (cell.text, cell.flag and f"({cell.flag})")))

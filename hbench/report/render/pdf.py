@@ -92,10 +92,12 @@ def _set(pen: Pen, section: Section, size: float) -> None:
         pen.space(12 if size > _PART else 7)
         pen.words(section.title, size, weight="bold")
         pen.space(2)
+    _facts(pen, [(f"{tile.value} {tile.unit}".strip(), tile.more) for tile in section.tiles])
+    if section.tiles:
+        pen.space(3)
     for text in section.paragraphs:
         pen.words(text, _BODY)
         pen.space(3)
-    _facts(pen, [(f"{tile.value} {tile.unit}".strip(), tile.more) for tile in section.tiles])
     for item in section.items:
         pen.words(f"– {item}", _BODY)
         pen.space(2)

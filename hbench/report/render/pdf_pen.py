@@ -9,12 +9,15 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.textpath import TextToPath
 
+from hbench.report.render.symbols import pieces
+
 SHEET_WIDTH, SHEET_HEIGHT = 595.28, 841.89  # of A4
 LEFT, _TOP, _BOTTOM = 43.0, 50.0, 44.0
 INNER = SHEET_WIDTH - 2 * LEFT
 LINE = 1.27  # times the size of the letters
 INK, _RULE = "#000000", "#bbbbbb"
 _FAMILY = "DejaVu Sans"
+_INDEX, _DROP = 0.74, 0.18  # size of an index and its depth, per size of the letters
 _TOGETHER = 6  # lines of a paragraph that is not broken
 
 
@@ -75,7 +78,10 @@ _MEASURE = TextToPath()
 
 def width_of(text: str, weight: str) -> float:
     """Return the width of a text per point of its size: its letters' advances, without kerning."""
-    return sum(_advance(letter, weight) for letter in text)
+    return sum(
+        (_INDEX if low else 1.0) * sum(_advance(letter, weight) for letter in each)
+        for each, low in pieces(text)
+    )
 
 
 @cache
@@ -106,9 +112,20 @@ def wrapped(text: str, width: float, size: float, weight: str = "normal") -> lis
 
 
 def set_text(sheet: Figure, x: float, y: float, text: str, size: float, **look: str) -> None:
-    """Set a line with its base at a place of the sheet; text is no mathematics."""
+    """Set a line with its base at a place of the sheet; the index of a symbol goes below it.
+
+    Text is no mathematics. A line in letters of another family, such as code, is set as it is.
+    """
     style = {"color": INK, "va": "baseline", **look}
     text = text.replace("\N{NO-BREAK SPACE}", " ")
-    if text:
-        place = x / SHEET_WIDTH, 1 - y / SHEET_HEIGHT
-        sheet.text(*place, text, size=size, parse_math=False, **style)
+    parts = [(text, False)] if "family" in look else [part for part in pieces(text) if part[0]]
+    if len(parts) > 1:
+        weight = look.get("weight", "normal")
+        shift = {"left": 0.0, "center": 0.5, "right": 1.0}[style.pop("ha", "left")]
+        x -= shift * width_of(text, weight) * size
+    for each, low in parts:
+        height = size * (_INDEX if low else 1.0)
+        place = x / SHEET_WIDTH, 1 - (y + (_DROP * size if low else 0.0)) / SHEET_HEIGHT
+        sheet.text(*place, each, size=height, parse_math=False, **style)
+        if len(parts) > 1:
+            x += width_of(each, weight) * height

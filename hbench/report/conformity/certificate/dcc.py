@@ -350,4 +350,4 @@ def _quantity(certificate: Certificate, name: str, real: Element, kind: str = ""
 
 
 def _without_unit(text: str) -> str:
-    return text.rpartition(" (")[0] or text
+    return text.rpartition(" (")[0].removesuffix(" ± U") or text
