@@ -28,13 +28,18 @@ def verified_identity(
         ) from None
     finally:
         port.close()
-    for what, text in (("firmware id", identity.firmware), ("board name", identity.board)):
-        if not contains_text(text):
-            raise DeviceError(
-                f"{port.name}: {what} '{text}' not found in {image}: the board runs another "
-                "program",
-                "Check the boot pins and the image; a reset can start an older program.",
-            )
+    if not contains_text(identity.firmware):
+        raise DeviceError(
+            f"{port.name}: firmware id '{identity.firmware}' not found in {image}: the board runs "
+            "another program",
+            "Check the boot pins and the image; a reset can start an older program.",
+        )
+    if not contains_text(identity.board):
+        raise DeviceError(
+            f"{port.name}: board '{identity.board}' not found in {image}: the image is for another "
+            "board",
+            "Give the image of this board.",
+        )
     return identity
 
 
