@@ -183,7 +183,7 @@ def test_the_page_escapes_everything_and_holds_every_figure(named, drawings):
     assert page.count('class="plot"') == len(drawings) == len({one.name for one in drawings})
     assert page.count('class="wide"') == sum(one.wide for one in drawings)
     assert BANNERS["simulated"] in page
-    assert re.search(r'class="verdict">[^<]*\bnamed\b[^<]*internal leakage \(test 0\.00580', page)
+    assert re.search(r'class="verdict">[^<]*\bidentified: internal leakage \(test 0\.00580', page)
     for table in diagnosis_tables(named):
         assert table.title.partition(" (")[0] in page
     assert page.index('<h2 id="the-gap') < page.index('<h2 id="residuals')

@@ -151,8 +151,12 @@ def _verdict(diagnosis: Diagnosis) -> str:
     ]
     for name in names:
         finding = finding.replace(name, name.replace("_", " "))
-    if diagnosis.verdict in ("named", "ambiguous"):
-        return f"Verdict: {kind}. Missing in the model: {finding}"
+    if diagnosis.verdict == "named":
+        return f"The missing effect is identified: {finding}"
+    if diagnosis.verdict == "ambiguous":
+        return f"The missing effect is ambiguous: {finding}"
+    if diagnosis.verdict == "none":
+        return f"No effect is missing: {finding}"
     return f"Verdict: {kind}. {finding[:1].upper()}{finding[1:]}"
 
 
