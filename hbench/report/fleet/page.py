@@ -172,9 +172,12 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
     yield Tile(f"{good} of {fleet.campaigns}", "campaigns", f"analyzed; {failed}")
     for name, count in fleet.decisions:
         yield Tile(str(count), "", f"decision {name} (hbench accept)")
-    yield Tile(str(fleet.outliers), "", "outliers", "method-outliers")
-    drifts = sum(spread.trend is not None and spread.trend.real for spread in fleet.spreads)
-    yield Tile(str(drifts), "", f"of {len(fleet.spreads)} numbers drift", "method-trends")
+    if any(suspect.deviations for suspect in fleet.worst):
+        yield Tile(str(fleet.outliers), "", "outliers", "method-outliers")
+    trends = [spread.trend for spread in fleet.spreads if spread.trend is not None]
+    if trends:
+        drifts = sum(trend.real for trend in trends)
+        yield Tile(str(drifts), "", f"of {len(trends)} numbers drift", "method-trends")
     for spread in main_spreads(fleet):
         if spread.quantity.name in _TILES:
             scale = spread.quantity.scale

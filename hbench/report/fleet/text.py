@@ -97,8 +97,9 @@ def fleet_json(fleet: Fleet) -> str:
 
 
 def fleet_verdict(fleet: Fleet) -> str:
-    """Return failures, outliers and drifts in a few sentences."""
-    sentences = []
+    """Return decisions, failures, outliers and drifts in a few sentences."""
+    decided = [f"{count} {name}" for name, count in fleet.decisions]
+    sentences = [f"Decisions: {', '.join(decided)}."] if decided else []
     if fleet.failed:
         sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
     analyzed = fleet.campaigns - fleet.failed
@@ -117,7 +118,9 @@ def fleet_verdict(fleet: Fleet) -> str:
         some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
         sentences.append(some if fleet.outliers else "No campaign is an outlier.")
     else:
-        sentences.append("Too few campaigns of the same kind to identify outliers.")
+        sentences.append(
+            "Outliers are not identified: that takes at least 10 campaigns of the same kind."
+        )
     drifts = [
         _drift(spread, spread.trend)
         for spread in fleet.spreads
