@@ -14,16 +14,17 @@ from hbench.records import (
 from hbench.report.render.numbers import NONE, short, significant, with_interval
 
 _REAL, _NOT = "differs", "not significant"
-HEAD = ("A", "B", "B − A", "U95", "p (Holm)", "Verdict")
+_INSTRUMENTS = "± U with instruments"
+HEAD = ("A", "B", "B − A ± trials", _INSTRUMENTS, "p (Holm)", "Verdict")
 
 
 def difference_table(
     title: str, head: tuple[str, ...], rows: Iterable[tuple[str, ...]]
 ) -> WordTable:
-    """Return a table whose rows end with ``cells``; without U95 where no row has one."""
+    """Return a table whose rows end with ``cells``; without U where no row has one."""
     rows = tuple(rows)
     head = (*head, *HEAD)
-    u95 = head.index("U95")
+    u95 = head.index(_INSTRUMENTS)
     if any(row[u95] != NONE for row in rows):
         return WordTable(title, head, rows)
     kept = [i for i in range(len(head)) if i != u95]

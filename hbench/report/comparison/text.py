@@ -204,10 +204,10 @@ _SET_UP = (
 )
 _METHOD = (
     "Friction as magnitude. A point is the mean of its trials; ± is the half-width of the 95 % "
-    "interval of B less A, by Welch's t for the trials alone. U95 adds the instruments.",
+    "interval of B less A, by Welch's t for the trials alone. U adds the instruments.",
     "p is the probability of a difference this large between equal cylinders, by the trials alone, "
     "corrected after Holm for the number of differences of its kind. A difference is significant "
-    "where p is below 0.05 and the difference exceeds its U95.",
+    "where p is below 0.05 and the difference exceeds its U.",
     "Bands are compared at equal loads, or at pressures within 5 %. Speeds within 2 % count as the "
     "same; within 20 % where no speed was set, as in strokes cut from a cycle. Labels must agree "
     "only if a campaign has several. Half bands, middles and energies are tested by their trials, "
