@@ -38,7 +38,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     return document(
         f"{design.bench}: control loops",
         "Computed and simulated; nothing here was measured. Operating point: "
-        f"{text.point_words(design)}.",
+        f"{text.point_words(design).replace(' -', ' −')}.",
         tuple(sections),
         text.loops_verdict(design) if proposal is None else text.page_verdict(proposal),
     )
