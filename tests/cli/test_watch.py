@@ -398,7 +398,7 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert 'aria-label="Control chart of 13 cylinders: breakaway' in dom and "+3 σ" in dom
     assert dom.count('class="value signal"') == 1 and dom.count('class="value"') == 12
     assert re.search(r'id="decision"[^>]*>PASS<', dom)
-    assert chart["title"] == "breakaway at 50.1 mm/s extend" and chart["unit"] == "bar"
+    assert chart["title"] == "breakaway at 50.1 mm/s, extend" and chart["unit"] == "bar"
     assert chart["values"] == pytest.approx([1e-5 * value for value in values])
     assert (chart["low"], chart["high"]) == (None, pytest.approx(4.0))
     mean, moving = np.mean(values), np.abs(np.diff(values)).mean() / 1.128

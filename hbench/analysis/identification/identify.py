@@ -144,7 +144,7 @@ def _tustin(curves: Sequence[Curve]) -> Fit:
     messages += [*parameter_messages(linearised), *impossible]
     messages.append(
         f"points of a curve are not independent, so intervals are over the {len(curves)} curves "
-        f"({dof} degrees of freedom)"
+        f"({dof} {'degree' if dof == 1 else 'degrees'} of freedom)"
     )
     return replace(fit, parameters=parameters, message="; ".join(messages))
 

@@ -26,7 +26,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     chains = tuple(f"{_capital(name)}: {about}." for name, about in text.CHAINS.items())
     loops = WordTable("", _LOOP_HEAD, tuple(text.loop_rows(design)))
     facts = tuple(f"{_typeset(_capital(line))}." for line in text.fact_lines(design))
-    sections.append(Section("Loops", tables=(loops,), parts=(Section(items=(*facts, *chains)),)))
+    sections.append(Section("Loops", chains, tables=(loops,), parts=(Section(items=facts),)))
     if design.reproduced:
         rows = text.reproduced_rows(design.reproduced)
         table = WordTable("", text.REPRODUCED_HEAD, tuple(rows))
@@ -38,7 +38,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     return document(
         f"{design.bench}: control loops",
         "Computed and simulated; nothing here was measured. Operating point: "
-        f"{text.point_words(design)}.",
+        f"{text.point_words(design).replace(' -', ' −')}.",
         tuple(sections),
         text.loops_verdict(design) if proposal is None else text.page_verdict(proposal),
     )

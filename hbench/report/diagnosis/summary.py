@@ -102,7 +102,8 @@ def _named(diagnosis: Diagnosis) -> Iterator[str]:
                 yield f"Computed along the measured logs with and without it, it changes {along}."
         yield (
             "With it the gap of held-out runs in the balances that it touches falls from "
-            f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)}, where 1 is the repeatability of the bench."
+            f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)}, "
+            "where 1 is the repeatability of the bench."
         )
         yield odds_words(effect)
         if effect.name in practice:

@@ -162,7 +162,10 @@ def _read_as(spreads: Iterable[Spread]) -> str:
 
 
 def _trends(spreads: Iterable[Spread]) -> str:
-    if any(spread.trend is not None and spread.trend.real for spread in spreads):
+    trends = [spread.trend for spread in spreads if spread.trend is not None]
+    if not trends:
+        return "The trend is not tested: that takes at least 10 campaigns."
+    if any(trend.real for trend in trends):
         return "Line: significant trend (Theil and Sen's line)."
     return "No significant trend."
 

@@ -53,7 +53,7 @@ def _chart(
         (name, each[series]) for name, each in zip(names, checks, strict=True) if series in each
     ]
     last = found[-1][1]
-    title = " ".join(filter(None, (requirement_words(last), series_words(last))))
+    title = ", ".join(filter(None, (requirement_words(last), series_words(last))))
     unit, limits = last.requirement.unit, last.requirement
     values = np.array(
         [from_si(check.measurement.value, unit) for _, check in found if check.measurement]

@@ -124,7 +124,7 @@ class Watch:
             return f"{summary}; run {run} {stop.outcome}: {stop.why}. {_RESUME}"
         complete = planned is None or done >= planned
         at = stop.at[:19].replace("T", " ")
-        return f"{summary}, the last until {at} UTC" + ("" if complete else f". {_RESUME}")
+        return f"{summary}, the last ended at {at} UTC" + ("" if complete else f". {_RESUME}")
 
 
 def _key(entry: Entry) -> tuple[str, str]:
