@@ -1,5 +1,6 @@
 """The page of a design."""
 
+import re
 from collections.abc import Iterable
 
 from hbench.records import Check, Design, Proposal, WordTable
@@ -14,6 +15,9 @@ _LOOP_HEAD = (
 )
 
 
+_POWER, _RAISED = re.compile(r"(?<=\d)e([-+]\d+)"), str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     proposal = design.proposal
@@ -24,7 +28,8 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     elif design.checks:
         sections.append(_checks(design.checks, text.POINT_LIMITS))
     chains = tuple(f"{_capital(name)}: {about}." for name, about in text.CHAINS.items())
-    loops = WordTable("", _LOOP_HEAD, tuple(text.loop_rows(design)))
+    merits = tuple(tuple(map(_typeset, row)) for row in text.loop_rows(design))
+    loops = WordTable("", _LOOP_HEAD, merits)
     facts = tuple(f"{_typeset(_capital(line))}." for line in text.fact_lines(design))
     sections.append(Section("Loops", chains, tables=(loops,), parts=(Section(items=facts),)))
     if design.reproduced:
@@ -71,8 +76,9 @@ def _proposal(proposal: Proposal) -> Section:
 
 
 def _typeset(words: str) -> str:
-    """Return a line of the terminal with the signs of a page."""
-    return words.replace("mm/s^2", "mm/s²").replace(" deg", "°")
+    """Return words of the terminal with the signs of a page."""
+    words = words.replace("mm/s^2", "mm/s²").replace(" deg", "°")
+    return _POWER.sub(lambda found: "·10" + str(int(found[1])).translate(_RAISED), words)
 
 
 def _capital(words: str) -> str:
