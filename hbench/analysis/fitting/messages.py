@@ -18,7 +18,7 @@ def bound_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
     for name, p in parameters.items():
         if p.at_bound:
             far = p.ci95 and p.ci95[1 if p.at_bound == "lower" else 0]
-            limit = "" if far is None else f" (95 % limit {far:.3g} {p.unit})"
+            limit = "" if far is None else f" (95 % limit {float(f'{far:.3g}'):g} {p.unit})"
             messages.append(
                 f"{name} is at its {p.at_bound} bound {p.value:g} {p.unit}: without the bound the "
                 f"fit would be {'lower' if p.at_bound == 'lower' else 'higher'}; its interval is "

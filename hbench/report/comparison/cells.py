@@ -11,7 +11,7 @@ from hbench.records import (
     Difference,
     WordTable,
 )
-from hbench.report.render.numbers import NONE, short, significant, with_interval
+from hbench.report.render.numbers import NONE, significant, with_interval
 
 _REAL, _NOT = "differs", "not significant"
 _INSTRUMENTS = "± U with instruments"
@@ -63,7 +63,7 @@ def percent(difference: Difference) -> str:
     if difference.a == 0:
         return NONE
     share = 100 * difference.value / abs(difference.a)
-    return f"{'+' if share > 0 else ''}{short(share)} %"
+    return f"{'+' if share > 0 else ''}{significant(share, 2)} %"
 
 
 def numbers(difference: Difference | None) -> Any:

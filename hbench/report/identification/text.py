@@ -1,12 +1,14 @@
 """An identification in words and numbers: tables for terminal and page, and the JSON file."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
 from hbench.records import (
     DIRECTIONS,
+    Fit,
     FitParameter,
     Identification,
     IdentifiedLaw,
@@ -97,7 +99,7 @@ def reasons(identification: Identification) -> tuple[str, ...]:
         if law.fit is None:
             sentences.append(f"{law.law} is not identified: {law.reason}")
         elif law.fit.message:
-            sentences.append(f"{law.law}: {law.fit.message}")
+            sentences.append(f"{law.law}: {_with_titles(law.fit)}")
         if law.not_verified:
             sentences.append(f"{law.law}: {law.not_verified}")
     if identification.no_ramps:
@@ -196,6 +198,15 @@ def parameter_words(name: str, unit: str) -> tuple[str, str]:
         words = words.replace("element i", f"element {number}").replace("_i", f"_{number}")
     side = name.partition("_")[0]
     return (f"{words}, {side}ing" if side in DIRECTIONS else words), known.shown or unit
+
+
+def _with_titles(fit: Fit) -> str:
+    """Return a fit's message with the parameters' titles in place of their keys."""
+    message = fit.message
+    for name, parameter in fit.parameters.items():
+        title, _ = parameter_words(name, parameter.unit)
+        message = re.sub(rf"\b{re.escape(name)}\b", title, message)
+    return message
 
 
 def _ramps(identification: Identification) -> list[tuple[str, ...]]:
