@@ -180,6 +180,7 @@ static void next_trial(const hb_steps *steps, hb_schedule_state *state)
         return;
     }
     state->segment = 0;
+    state->cycle = 0;
     enter(state, HB_PHASE_RETURN);
 }
 
