@@ -154,7 +154,7 @@ def _travel(bench: Bench, speed: float) -> tuple[float, float] | None:
     spare = _LAG_S * speed + ramp + _SPARE_M
     low, high = limits.travel_min + spare, limits.travel_max - spare
     steady = (high - low - ramp) / speed - max(rules.settle_time, rules.settle_travel / speed)
-    # At the slowest speed the plan tells what is missing.
+    # Below this speed the error of the plan states what is missing.
     return (low, high) if steady >= _SHORTEST_S or speed < _SLOWEST_M_S else None
 
 

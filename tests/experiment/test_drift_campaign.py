@@ -97,13 +97,10 @@ def contains(parameter, value):
     return low <= value <= high
 
 
-def test_in_rows_viscous_friction_is_biased_the_verdict_names_the_drift_and_u_is_wide(measured):
-    campaign, results = measured("experiments", 2)  # the drift is found in 18 of 20: slow test
+def test_in_rows_viscous_friction_is_biased_the_verdict_names_the_drift_and_u_contains_it(measured):
+    campaign, results = measured("experiments", 2)  # one of twenty: see the slow test
     assert viscous(results).value < 0.9 * mean_viscous(campaign)
-    # The interval of this order contains it in 10 to 13 of 20 campaigns (slow test), without the
-    # drift in none: then it is narrower by far.
-    low, high = viscous(results).ci95
-    assert mean_viscous(campaign) - viscous(results).value < 1.5 * (high - low)
+    assert contains(viscous(results), mean_viscous(campaign))
     assert "the intervals contain the drift" in results.curves[0].fits[0].message
     drift = results.drift
     assert drift.basis == "time" and not drift.separated and drift.speed_vif > 50
@@ -118,7 +115,7 @@ def test_in_rows_viscous_friction_is_biased_the_verdict_names_the_drift_and_u_is
 def test_in_a_random_order_the_interval_contains_viscous_friction_and_the_drift_is_measured(
     measured,
 ):
-    campaign, results = measured("random", 1)
+    campaign, results = measured("random", 2)
     true = mean_viscous(campaign)
     assert contains(viscous(results), true)
     assert viscous(results).value == pytest.approx(true, rel=0.1)  # of one campaign
@@ -136,7 +133,7 @@ def test_in_a_random_order_the_interval_contains_viscous_friction_and_the_drift_
     assert contains(curve.fits[0].parameters["b_viscous_n_s_m"], at_reference)
     assert oil.reduction.effects[0].viscous_n_s_m == pytest.approx(
         at_reference,
-        abs=2.5 * oil.reduction.effects[0].viscous_ci95_n_s_m,  # of one campaign
+        abs=1.5 * oil.reduction.effects[0].viscous_ci95_n_s_m,
     )
     assert abs(oil.reduction.drift.change_percent) < 0.3 * abs(drift.change_percent)
 

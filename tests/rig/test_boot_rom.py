@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from hbench import workflow
 from hbench.errors import ConfigError, DeviceError, ExitCode
+from hbench.rig.flash.boot import flash
 from hbench.rig.flash.f28335.boot_image import parse_boot_image
-from hbench.rig.flash.f28335.boot_rom import ECHO_WINDOW, flash, send_image
+from hbench.rig.flash.f28335.boot_rom import ECHO_WINDOW, ROM, send_image
 from hbench.rig.flash.identity import NotInBoot
 from tests.support.board.boot_rom_standin import (
     FIRMWARE,
@@ -47,7 +48,7 @@ class Bench:
 
     def flash(self):
         try:
-            return flash(IMAGE, self.open, self.open, BAUD, PROGRAM_BAUD)
+            return flash(ROM, IMAGE, self.open, self.open, BAUD, PROGRAM_BAUD)
         finally:
             assert all(line.closed for line in self.lines)
 

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hbench.errors import DataError, DeviceError, ExitCode
+from hbench.rig.flash.boot import flash
 from hbench.rig.flash.identity import NotInBoot
-from hbench.rig.flash.stm32f4.boot_rom import flash, send_image
+from hbench.rig.flash.stm32f4.boot_rom import ROM, send_image
 from hbench.rig.flash.stm32f4.elf_image import parse_elf_image
 from tests.support.board.boot_rom_standin import FIRMWARE, PROGRAM_BAUD
 from tests.support.board.stm32_rom_standin import (
@@ -38,7 +39,7 @@ def flashed(rom, image=IMAGE, **faults):
         return lines[-1]
 
     try:
-        return flash(image, opened, opened, BAUD, PROGRAM_BAUD)
+        return flash(ROM, image, opened, opened, BAUD, PROGRAM_BAUD)
     finally:
         assert all(line.closed for line in lines)
 
