@@ -10,6 +10,7 @@ from hbench.errors import ConfigError
 from hbench.model.sensors import sensor_gains
 from hbench.rig.client import Identity
 from hbench.rig.discovery import ListedPort, ProbedPort, probe_ports, system_ports
+from hbench.rig.flash import boot
 from hbench.rig.flash.f28335 import boot_rom as f28335
 from hbench.rig.flash.f28335.boot_image import BootImage
 from hbench.rig.flash.image import Image, read_image
@@ -38,8 +39,8 @@ def flash(
     """
     firmware = _line_to_board(firmware_port or port)
     if isinstance(image, BootImage):
-        return f28335.flash(image, _line_to_board(port), firmware, boot_baud, baud)
-    return stm32f4.flash(image, _line_to_board(port, "E"), firmware, boot_baud, baud)
+        return boot.flash(f28335.ROM, image, _line_to_board(port), firmware, boot_baud, baud)
+    return boot.flash(stm32f4.ROM, image, _line_to_board(port, "E"), firmware, boot_baud, baud)
 
 
 def flash_through_programmer(image_file: Path, bench_file: Path, port: str, baud: int) -> Identity:

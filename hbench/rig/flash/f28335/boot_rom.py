@@ -12,12 +12,10 @@ firmware id that the image contains.
 Written from the documents and tested with a simulated ROM only, never on hardware.
 """
 
-from collections.abc import Callable
-
 from hbench.errors import DeviceError
-from hbench.rig.client import Identity
+from hbench.rig.flash.boot import BootRom
 from hbench.rig.flash.f28335.boot_image import BootImage
-from hbench.rig.flash.identity import NotInBoot, running_firmware_error, verified_identity
+from hbench.rig.flash.identity import NotInBoot
 from hbench.rig.ports import Port
 
 ECHO_WINDOW = 48  # octets without echo yet
@@ -33,28 +31,6 @@ _SILENT_PROGRAM = (
     "Check that the image is hbench firmware linked for RAM, stops the watchdog first and uses "
     "--baud. On a locked chip (CSM), writes to L0-L3 are lost in spite of the echo."
 )
-
-
-def flash(
-    image: BootImage,
-    open_boot: Callable[[int], Port],
-    open_firmware: Callable[[int], Port],
-    boot_baud: int,
-    baud: int,
-) -> Identity:
-    """Load ``image`` at ``boot_baud``, start it, and return its identity, read at ``baud``.
-
-    The functions open the ROM's line and the firmware's at a rate. Raises ``DeviceError``.
-    """
-    port = open_boot(boot_baud)
-    try:
-        send_image(port, image)
-    except NotInBoot as error:
-        port.close()
-        raise running_firmware_error(open_firmware(baud), f"{_RESET}.") or error from None
-    finally:
-        port.close()
-    return verified_identity(open_firmware(baud), image.name, image.contains_text, _SILENT_PROGRAM)
 
 
 def send_image(port: Port, image: BootImage) -> None:
@@ -127,3 +103,6 @@ def _compare(name: str, stream: bytes, awaited: range, echo: bytes) -> None:
                 f"sent 0x{stream[at]:02X}, got 0x{octet:02X}",
                 f"Check the line for interference. {_LINE}",
             )
+
+
+ROM = BootRom(send_image, f"{_RESET}.", _SILENT_PROGRAM)

@@ -13,14 +13,14 @@ Nothing is erased before chip and image have been checked. Written from AN3155 a
 tested with a simulated ROM only, never on hardware.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import reduce
 from operator import xor
 
 from hbench.errors import DeviceError
-from hbench.rig.client import Identity
-from hbench.rig.flash.identity import NotInBoot, running_firmware_error, verified_identity
+from hbench.rig.flash.boot import BootRom
+from hbench.rig.flash.identity import NotInBoot
 from hbench.rig.flash.stm32f4.elf_image import FLASH, ElfImage
 from hbench.rig.ports import Port
 
@@ -46,29 +46,6 @@ _SILENT_PROGRAM = (
     "The flash memory was read back and is right. Connect BOOT0 to ground and reset the board. "
     "Where the firmware answers on another line, name it with --firmware-port."
 )
-
-
-def flash(
-    image: ElfImage,
-    open_boot: Callable[[int], Port],
-    open_firmware: Callable[[int], Port],
-    boot_baud: int,
-    baud: int,
-) -> Identity:
-    """Load ``image`` at ``boot_baud``, start it, and return its identity, read at ``baud``.
-
-    The functions open the ROM's line (even parity) and the firmware's at a rate. Raises
-    ``DeviceError``.
-    """
-    port = open_boot(boot_baud)
-    try:
-        send_image(port, image)
-    except NotInBoot as error:
-        port.close()
-        raise running_firmware_error(open_firmware(baud), f"{_RESET}.") or error from None
-    finally:
-        port.close()
-    return verified_identity(open_firmware(baud), image.name, image.contains_text, _SILENT_PROGRAM)
 
 
 def send_image(port: Port, image: ElfImage) -> None:
@@ -228,3 +205,6 @@ class _Line:
             if error.message.startswith(f"{self._port.name}: "):  # of the port itself
                 raise
             raise DeviceError(f"{self._port.name}: {step}: {error.message}", error.hint) from None
+
+
+ROM = BootRom(send_image, f"{_RESET}.", _SILENT_PROGRAM)
