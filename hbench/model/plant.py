@@ -110,14 +110,6 @@ def forces(
 
 
 @inlined
-def load_cell_force(
-    state: np.ndarray, levels: np.ndarray, par: PlantParameters, work: np.ndarray
-) -> float:
-    """F_applied [N] at this moment; positive opposes extension. ``work`` is from ``new_work``."""
-    return forces(state, levels, par, work[3]).applied
-
-
-@inlined
 def valve_flows(
     state: np.ndarray, opened: Openings, p_tank: float, par: PlantParameters
 ) -> ChamberFlows:

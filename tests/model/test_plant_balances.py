@@ -22,8 +22,8 @@ from hbench.model.plant import (
     V,
     X,
     derivatives,
+    forces,
     initial_state,
-    load_cell_force,
     n_states,
     new_work,
 )
@@ -151,6 +151,6 @@ def test_nothing_changes_in_the_closed_form_steady_state(par, v, p_lr, p_lp):
     # a volt of the spool changes a pressure by some 1e7 Pa/s
     assert np.abs(rate[[P_TP, P_TR, P_LP, P_LR]]).max() < 20.0
     assert np.abs(rate[[Z_T, Z_L]]).max() < 1e-12
-    assert load_cell_force(state, level, par, new_work(par)) == pytest.approx(
+    assert forces(state, level, par, new_work(par)[3]).applied == pytest.approx(
         f_load + friction_l, rel=1e-9
     )
