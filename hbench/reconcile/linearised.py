@@ -13,18 +13,15 @@ import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import Priors, Products
-from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
-from hbench.reconcile.gaps.log_map import between_runs
+from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.learned.table import is_mode, mode_of
 from hbench.reconcile.nuisance import BOUND, nuisances, standard_deviation
-from hbench.records.diagnosis import REST_M_S
+from hbench.reconcile.window_sums import products
 
-MOTIONS = ("rest", "steady", "unsteady")
 _COEFFICIENT_PRIOR = 10.0  # typical sizes
 _SHAPE_PRIOR = 3.0  # quarters of the default
 _LARGEST_MODE = 30.0  # of a learned law, in standard deviations of its prior
-_UNSTEADY = 0.1  # relative change of the velocity over a window's width
 Columns = Mapping[str, np.ndarray]  # by name: change of the residuals (w, c) by one unit
 
 
@@ -172,108 +169,3 @@ def hypothesis_at(
             values[which] = before.coefficient(which) + step * typical_size(which)
     changed = replace(before, factors=factors, tables=tuple(tables))
     return changed.with_coefficients(values)
-
-
-def window_motions(residuals: GapMap) -> np.ndarray:
-    """Return the index (w,) in ``MOTIONS`` of each window."""
-    v, run = residuals.v_m_s, residuals.run
-    inside = run[:-2] == run[2:]
-    change = np.zeros_like(v)
-    change[1:-1] = np.where(inside, np.abs(v[2:] - v[:-2]), 0.0)
-    for i in np.unique(run):
-        windows = np.flatnonzero(run == i)
-        if len(windows) > 2:  # a run's first and last window copy their neighbours
-            change[windows[[0, -1]]] = change[windows[[1, -2]]]
-    unsteady = change > _UNSTEADY * np.abs(v) + REST_M_S
-    return np.where(unsteady, 2, np.where(np.abs(v) < REST_M_S, 0, 1))
-
-
-def products(residuals: GapMap, columns: Columns) -> Products:
-    """Return the sums of products of residuals and columns, both in units of the scatter."""
-    w, c = residuals.difference.shape
-    with np.errstate(divide="ignore", invalid="ignore"):
-        per_unit = 1 / residuals.scatter
-        relative = residuals.noise * per_unit**2
-    usable = np.isfinite(residuals.difference * per_unit) & np.isfinite(relative)
-    per_unit = np.where(usable, per_unit, 0.0)
-    matrix = np.zeros((w, c, len(columns) + 2))  # residuals, columns, what is not material
-    matrix[:, :, 0] = np.nan_to_num(residuals.difference) * per_unit
-    for j, column in enumerate(columns.values(), start=1):
-        matrix[:, :, j] = np.nan_to_num(column) * per_unit
-    if residuals.material is not None:
-        matrix[:, :, -1] = np.nan_to_num(residuals.material) * np.sign(residuals.v_m_s)[:, None]
-    for level in residuals.levels:
-        _take_out(matrix[level.windows, level.balance], level)
-    motion = window_motions(residuals)
-    points = len(residuals.points)
-    shape = points, c * len(MOTIONS)
-    sums = np.zeros((*shape, matrix.shape[2], matrix.shape[2]))
-    counts = np.zeros(shape)
-    for p in range(points):
-        for k in range(len(MOTIONS)):
-            members = np.flatnonzero((residuals.point == p) & (motion == k))
-            if not len(members):
-                continue
-            part = matrix[members].transpose(1, 2, 0)  # (c, q, m)
-            at = slice(k, None, len(MOTIONS))
-            sums[p, at] = part @ part.transpose(0, 2, 1)
-            counts[p, at] = usable[members].sum(axis=0)
-    squares = sums[:, :, 0, 0]
-    if residuals.white is None:
-        noises = _noises(residuals, relative, usable, motion)
-    else:
-        squares, noises = _without_noise(residuals, matrix[:, :, 0], squares, counts)
-        noises = noises + sums[:, :, -1, -1]
-    return Products(
-        names=tuple(columns),
-        columns=sums[:, :, 1:-1, 1:-1],
-        mixed=sums[:, :, 0, 1:-1],
-        squares=squares,
-        noise=noises,
-        windows=counts,
-        groups=tuple((name, motion) for name in residuals.names for motion in MOTIONS),
-    )
-
-
-def _noises(
-    residuals: GapMap, relative: np.ndarray, usable: np.ndarray, motion: np.ndarray
-) -> np.ndarray:
-    """Return the expected sums of squares (p, g) of the noise of means over trials."""
-    noises = np.zeros((len(residuals.points), usable.shape[1] * len(MOTIONS)))
-    values = np.where(usable, relative, 0.0)
-    for p in range(len(residuals.points)):
-        for k in range(len(MOTIONS)):
-            members = (residuals.point == p) & (motion == k)
-            noises[p, k :: len(MOTIONS)] = values[members].sum(axis=0)
-    return noises
-
-
-def _without_noise(
-    residuals: GapMap, d: np.ndarray, squares: np.ndarray, counts: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sums of squares (p, g) without the noise of single windows, and their error.
-
-    ``d`` (w, c) are residuals in scatters. What remains is structured. It is no evidence below what
-    changes between the trials of an operating point plus the chance error of the noise's own sum
-    of squares: that is the least variance of a group.
-    """
-    assert residuals.white is not None  # of a map of logs
-    white = np.repeat(np.nan_to_num(residuals.white), len(MOTIONS))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        chance = white * np.sqrt(2 / counts.sum(axis=0))
-    first = np.unique(residuals.run, return_index=True)[1]
-    between = np.repeat(between_runs(d, residuals.run, residuals.point[first]), len(MOTIONS))
-    least = np.nan_to_num(chance + between)
-    return squares - counts * white, counts * least
-
-
-def _take_out(rows: np.ndarray, level: RunLevel) -> None:
-    """Take the level of a run out of its windows ``rows`` (m, q), as far as it is not known.
-
-    The covariance sigma^2 (1 + c c' / ridge), c the change by one standard deviation of the level,
-    is whitened: 1 - (1 - sqrt(ridge / (ridge + c'c))) c c' / c'c.
-    """
-    square = level.change @ level.change
-    if square > 0:
-        kept = np.sqrt(level.ridge / (level.ridge + square))
-        rows -= np.outer((1 - kept) / square * level.change, level.change @ rows)

@@ -12,10 +12,10 @@ from hbench.reconcile.gaps.log_map import Windows, log_map
 from hbench.reconcile.learned.balance_products import BalanceProducts
 from hbench.reconcile.learned.law_search import best_table, reductions, score_to_exceed, sign_test
 from hbench.reconcile.learned.table import Table, empty_table
-from hbench.reconcile.linearised import products
 from hbench.reconcile.measured.balances import BALANCES, balance_model
 from hbench.reconcile.measured.session import Session
 from hbench.reconcile.measured.weak import window
+from hbench.reconcile.window_sums import products
 
 POINTS, TRIALS, SAMPLES, DT_S = 24, 2, 400, 5e-3
 BALANCE = "force_test"

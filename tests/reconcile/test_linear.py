@@ -17,15 +17,15 @@ from hbench.reconcile.hypothesis import (
     shape_coefficients,
     typical_size,
 )
-from hbench.reconcile.linearised import (
+from hbench.reconcile.linearised import hypothesis_at, linearise
+from hbench.reconcile.nuisance import BOUND, nuisances
+from hbench.reconcile.window_sums import (
+    GROUPS,
     MOTIONS,
     _take_out,
-    hypothesis_at,
-    linearise,
     products,
     window_motions,
 )
-from hbench.reconcile.nuisance import BOUND, nuisances
 from tests.support.reconcile.rounds import plant_of
 
 NAMES = ("flow_tp", "flow_tr", "supply")
@@ -93,8 +93,9 @@ def test_products_are_those_of_the_windows_that_are_compared():
     columns["one"][11] = np.nan
     data = products(found, columns)
     motion = window_motions(found)
-    expected = np.zeros((3, 9, 3, 3))
-    noise, windows = np.zeros((3, 9)), np.zeros((3, 9))
+    groups = 3 * len(GROUPS)
+    expected = np.zeros((3, groups, 3, 3))
+    noise, windows = np.zeros((3, groups)), np.zeros((3, groups))
     for w in range(21):
         p = int(found.point[w])
         for c in range(3):
@@ -103,7 +104,7 @@ def test_products_are_those_of_the_windows_that_are_compared():
             row = [found.difference[w, c]]
             row += [np.nan_to_num(column[w, c]) for column in columns.values()]
             row = np.array(row) / found.scatter[w, c]
-            group = c * len(MOTIONS) + motion[w]
+            group = c * len(GROUPS) + motion[w]
             expected[p, group] += np.outer(row, row)
             noise[p, group] += found.noise[w, c] / found.scatter[w, c] ** 2
             windows[p, group] += 1
@@ -113,14 +114,17 @@ def test_products_are_those_of_the_windows_that_are_compared():
     assert data.noise == pytest.approx(noise)
     assert np.array_equal(data.windows, windows)
     assert data.names == ("one", "two")
-    assert data.groups[4] == ("flow_tr", MOTIONS[1])
+    assert data.groups[len(GROUPS) + 1] == ("flow_tr", MOTIONS[1])
 
 
-def test_windows_are_at_rest_steady_or_unsteady():
+def test_windows_are_at_rest_steady_unsteady_or_reversing():
     """By the change from the window before to the one after; edges are like their neighbours."""
     v = [0, 0, 0, 0.05, 0.1, 0.1, 0.1, 0.1] + [-0.1] * 4 + [0.1, 0.1, 0.05, 0.0, 0.0, 0.0]
     found = window_motions(a_map(np.random.default_rng(2), (8, 4, 6), v))
     assert "".join(MOTIONS[k][0] for k in found) == "rruuusssssssuuuurr"
+    v = [0.1, 0.1, 0.1, -0.1, -0.1, -0.1]
+    found = window_motions(a_map(np.random.default_rng(2), (6,), v))
+    assert [MOTIONS[k] for k in found[1:5]] == ["steady", "reversing", "reversing", "steady"]
 
 
 def test_a_single_window_moves_as_fast_as_it_is_whatever_its_neighbours_do():
@@ -153,7 +157,8 @@ def sums(found):
     """Sums over all windows, in squares of the noise of a window: squares, least variance."""
     data = products(found, {})
     unit = (SIGMA / found.scatter[0, 0]) ** 2 * RUNS * PER_RUN
-    return data.squares.sum() / unit, data.noise.sum() / unit
+    values = slice(len(MOTIONS))
+    return data.squares[:, values].sum() / unit, data.noise[:, values].sum() / unit
 
 
 def test_squares_without_noise_are_unbiased():
@@ -185,12 +190,67 @@ def test_deviations_that_do_not_matter_raise_the_least_variance_by_their_square(
     plain = noise_map(rng)
     raised = replace(plain, material=np.array([material]))
     before, after = (products(each, {}) for each in (plain, raised))
-    assert after.noise - before.noise == pytest.approx(after.windows * material**2)
+    expected = after.windows * material**2
+    expected[:, len(MOTIONS) :] = 0.0  # the same in both windows of a change
+    assert after.noise - before.noise == pytest.approx(expected)
     assert after.squares == pytest.approx(before.squares)
     still = replace(raised, v_m_s=0 * plain.v_m_s)
     assert products(still, {}).noise.sum() == pytest.approx(
         products(replace(plain, v_m_s=0 * plain.v_m_s), {}).noise.sum()
     )  # at rest nothing has a direction
+
+
+# ---- changes between windows
+
+
+def changes(found, columns=None):
+    """Products of the changes alone, by name of the group."""
+    data = products(found, columns or {})
+    return {name: k for k, (_, name) in enumerate(data.groups) if "change" in name}, data
+
+
+def test_changes_are_those_over_windows_that_share_no_sample():
+    """By hand: (r_(i+1) - r_(i-1)) / sqrt 2 within each run, and of the columns likewise."""
+    rng = np.random.default_rng(10)
+    found = noise_map(rng)
+    column = rng.standard_normal(found.difference.shape)
+    where, data = changes(found, {"one": column})
+    r, c = (each[:, 0] / found.scatter[0, 0] for each in (found.difference, column))
+    runs = [slice(i * PER_RUN, (i + 1) * PER_RUN) for i in range(RUNS)]
+    pairs = [((r[o][2:] - r[o][:-2]), (c[o][2:] - c[o][:-2])) for o in runs]
+    steady = where["steady, change"]
+    assert data.mixed[:, steady].sum() == pytest.approx(sum(d @ e for d, e in pairs) / 2)
+    assert data.columns[:, steady].sum() == pytest.approx(sum(e @ e for _, e in pairs) / 2)
+    assert data.windows[:, steady].sum() == RUNS * (PER_RUN - 2)
+
+
+def test_a_slow_error_cancels_in_changes_and_a_moment_does_not():
+    """A level of 30 sigma and a ramp; then 8 sigma in one window of a run in three."""
+    rng = np.random.default_rng(11)
+    plain = noise_map(rng)
+    slow = np.tile(np.linspace(-5, 5, PER_RUN), RUNS)[:, None] + 30 * np.ones((RUNS * PER_RUN, 1))
+    moment = np.zeros((RUNS * PER_RUN, 1))
+    moment[PER_RUN // 2 :: 3 * PER_RUN] = 8.0
+    unit = (SIGMA / plain.scatter[0, 0]) ** 2 * RUNS * (PER_RUN - 2)
+    left = []
+    for error in (slow, moment):
+        shifted = replace(plain, difference=plain.difference + SIGMA * error)
+        where, data = changes(shifted)
+        left.append(data.squares[:, where["steady, change"]].sum() / unit)
+    assert left[0] == pytest.approx(2 * (10 / 39) ** 2, abs=0.1)
+    assert left[1] == pytest.approx(20 * 8.0**2 / (RUNS * (PER_RUN - 2)), rel=0.2)
+
+
+def test_what_is_not_material_changes_its_sign_at_a_reversal_alone():
+    rng = np.random.default_rng(12)
+    plain = noise_map(rng)
+    turning = np.where(np.arange(len(plain.v_m_s)) % PER_RUN < PER_RUN // 2, 0.1, -0.1)
+    found = replace(plain, v_m_s=turning, material=np.array([3.0]))
+    where, data = changes(found)
+    _, without = changes(replace(found, material=None))
+    more = (data.noise - without.noise).sum(axis=0)
+    assert more[where["steady, change"]] == 0.0
+    assert more[where["reversing, change"]] == pytest.approx(RUNS * 2 * (2 * 3.0) ** 2 / 2)
 
 
 # ---- levels of runs
@@ -245,12 +305,12 @@ def test_columns_of_a_balance_lose_the_level_and_those_of_others_do_not():
     whiten = np.eye(8) - (1 - sqrt(0.5 / (0.5 + square))) * np.outer(change, change) / square
     own = slice(0, 8)
     d, c = (whiten @ (each[own, 1] / found.scatter[own, 1]) for each in (found.difference, column))
-    group = len(MOTIONS) + 1  # flow_tr, steady
+    group = len(GROUPS) + 1  # flow_tr, steady
     assert after.squares[0, group] == pytest.approx(d @ d)
     assert after.mixed[0, group, 0] == pytest.approx(d @ c)
     assert after.columns[0, group, 0, 0] == pytest.approx(c @ c)
     assert before.squares[0, group] != pytest.approx(d @ d)
-    others = np.delete(np.arange(9), group)
+    others = np.delete(np.arange(3 * len(GROUPS)), group)
     assert np.array_equal(before.squares[:, others], after.squares[:, others])
     assert np.array_equal(before.squares[1], after.squares[1])
 

@@ -15,12 +15,13 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.model.plant import initial_state
 from hbench.reconcile.estimates import fit_coefficients
 from hbench.reconcile.hypothesis import Hypothesis, typical_size
-from hbench.reconcile.linearised import linearise, window_motions
+from hbench.reconcile.linearised import linearise
 from hbench.reconcile.measured.balances import balance_model
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.practice.changes import in_practice
 from hbench.reconcile.practice.working_point import working_point
+from hbench.reconcile.window_sums import window_motions
 from tests.support.reconcile.exact_logs import logged, smooth_strokes
 
 BAR, L_MIN = 1e5, 1e-3 / 60

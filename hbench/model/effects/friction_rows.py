@@ -131,6 +131,7 @@ ROWS = {
         balances=("force_test",),
         laws={"friction": friction.presliding},
         states=1,
+        deflects=True,
         law="dz/dt = (v - |v| z) / length; force z replaces force sign(v)",
         signals="Friction changes gradually over some millimetres after a reversal.",
         inspect="soft or thick seals that shear before they slide",

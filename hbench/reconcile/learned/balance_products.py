@@ -20,9 +20,10 @@ from hbench.reconcile.evidence import (
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.learned.columns import knots_of, quantity_samples, table_columns
 from hbench.reconcile.learned.table import Table, empty_table
-from hbench.reconcile.linearised import LinearisedModel, products
+from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel
 from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.window_sums import products
 
 _KNOTS, _KNOTS_OF_TWO = 6, 4
 _ALONG_STROKE = 8  # knots of the position, over which a bore changes most

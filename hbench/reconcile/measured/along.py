@@ -50,7 +50,7 @@ class Start(NamedTuple):
     """What a log starts with."""
 
     friction_n: tuple[float, float]  # measured, of the test and the load cylinder
-    carried: np.ndarray  # (effects' states,) from the log before; see ``Effect.builds_up``
+    states: np.ndarray  # (effects' states,)
 
 
 def along(
@@ -65,20 +65,22 @@ def along(
 
     ``signals`` (10, n) are x, v, four chamber pressures, supply pressure and three commands in SI;
     ``levels`` (2,) are those of dry friction. Spools start at rest at their first command,
-    bristles with the measured friction.
+    bristles with the measured friction less what the effects add to it.
     """
     steps = max(1, ceil(dt_s / step_s - 1e-9))
     h = dt_s / steps
     state = np.zeros(n_states(par))
     first = bristles_end(par)
-    state[first:] = start.carried
+    state[:6] = signals[:6, 0]
+    state[first:] = start.states
+    added = _added_forces(state, par, levels, np.zeros(len(state)))
     limit = par.valve.limit_v
     spools = np.zeros((3, 2))
     spools[:, 0] = np.clip(signals[_COMMANDS:, 0], -limit, limit)
     bristles = [
-        _first_deflection(force, signals[1, 0], friction)
-        for force, friction in zip(
-            start.friction_n, (par.test.friction, par.load.friction), strict=True
+        _first_deflection(force - more, signals[1, 0], friction)
+        for force, more, friction in zip(
+            start.friction_n, added, (par.test.friction, par.load.friction), strict=True
         )
     ]
     out = np.zeros((16, signals.shape[1]))
@@ -107,6 +109,15 @@ def _spool_step(valve: ValveParameters, h: float) -> np.ndarray:
 
     omega = valve.natural_frequency_rad_s
     return expm(h * np.array([[0.0, 1.0], [-(omega**2), -2 * valve.damping * omega]]))
+
+
+@compiled
+def _added_forces(
+    state: np.ndarray, par: "PlantParameters", levels: np.ndarray, rates: np.ndarray
+) -> tuple[float, float]:
+    """Return the forces [N] that the effects add to the friction of both cylinders."""
+    friction = friction_effects(levels[0], levels[1], state, par, par.effects, rates)
+    return friction[2], friction[3]
 
 
 class _Laws(NamedTuple):

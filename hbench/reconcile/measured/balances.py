@@ -34,6 +34,7 @@ from hbench.model.effects.catalogue import (
     read_effects,
     with_all_effects,
 )
+from hbench.model.friction.laws import steady_friction
 from hbench.model.parameters import PlantParameters
 from hbench.model.sensors import (
     FRACTION,
@@ -43,6 +44,7 @@ from hbench.model.sensors import (
     sensor_gains,
     sensor_parameters,
 )
+from hbench.model.states import P_TP, P_TR
 from hbench.reconcile.measured.along import STEP_S, AlongLog, Start, along
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
@@ -61,6 +63,7 @@ BALANCE_UNITS = {
 }
 BALANCES = tuple(BALANCE_UNITS)
 FLOWS = BALANCES[:4]
+_WITH_LAWS = slice(6)  # flows and forces; the others are linear in the signals
 CHAMBERS = PRESSURES[:4]
 _TEST_FORCES = ("p_tp_pa", "p_tr_pa", "f_applied_n")
 _CHANNELS = {
@@ -72,11 +75,11 @@ _CHANNELS = {
 }
 
 
-# Of the effects' states, those that go on from one log to the next.
-_BUILDS_UP = np.repeat(
-    [row.builds_up for row in EFFECTS.values()], [row.states for row in EFFECTS.values()]
-)
-_FIRST = 5  # samples whose mean gives the friction that a log starts with
+_STATES = [row.states for row in EFFECTS.values()]
+# Of the effects' states, those that go on from one log to the next, and those that start with the
+# measured friction.
+_BUILDS_UP = np.repeat([row.builds_up for row in EFFECTS.values()], _STATES)
+_DEFLECTS = np.repeat([row.deflects for row in EFFECTS.values()], _STATES)
 
 
 @dataclass(frozen=True)
@@ -200,7 +203,9 @@ def balance_values(session: Session, model: BalanceModel) -> np.ndarray:
     kinematics = session.rate(signals[0]) - session.mean(v) - (lag or 0.0) * session.rate(v)
     supply = _supply(p_s, means, session, par)
     values = np.column_stack([*flows, test, load, kinematics, supply])
-    return np.where(_compared(session, model)[session.run_of_window], values, np.nan)
+    compared = _compared(session, model)[session.run_of_window]
+    compared[:, _WITH_LAWS] &= ~session.oscillating[:, None]
+    return np.where(compared, values, np.nan)
 
 
 def _compared(session: Session, model: BalanceModel) -> np.ndarray:
@@ -220,14 +225,25 @@ def _along(
     carried, levels = np.zeros(len(_BUILDS_UP)), np.array(model.levels)
     parts = []
     for start, stop in zip(session.edges[:-1], session.edges[1:], strict=True):
-        first = slice(start, min(start + _FIRST, stop))
-        friction = float(forces[0][first].mean()), float(forces[1][first].mean())
+        test, load = (_at_start(force[start:stop]) for force in forces)
         log = np.ascontiguousarray(signals[:, start:stop])
-        at = Start(friction, carried)
+        deflection = _share_of_static(test, log[:, 0], model.par)
+        at = Start((test, load), np.where(_DEFLECTS, deflection, carried))
         part, end = along(log, session.window.dt_s, model.par, at, levels, model.step_s)
         carried = np.where(_BUILDS_UP, end, 0.0)
         parts.append(part)
     return AlongLog(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))
+
+
+def _at_start(records: np.ndarray) -> float:
+    """Return a signal at the start of its first record, by a line through the first two means."""
+    return float(records[0] - 0.5 * (records[1] - records[0])) if len(records) > 1 else records[0]
+
+
+def _share_of_static(force: float, signals: np.ndarray, par: PlantParameters) -> float:
+    """Return the test cylinder's friction in shares of its static friction, -1 to 1."""
+    static = abs(steady_friction(0.0, signals[P_TP], signals[P_TR], par.test.friction))
+    return float(np.clip(force / static, -1.0, 1.0)) if static > 0 else 0.0
 
 
 def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:

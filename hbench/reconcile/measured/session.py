@@ -11,7 +11,10 @@ from hbench.records import Run
 
 PRESSURES = ("p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa")
 COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
-_SMOOTHED, _ORDER = 7, 4  # samples; of the polynomial of the velocity
+_SMOOTHED, _ORDER = 7, 4  # samples of a polynomial, and its order
+_VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least five samples
+_OSCILLATING = 10.0  # times the fluctuation of the median window
+_SUSTAINED = 4  # windows: what ends earlier is a transient
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,7 @@ class Session:
     window: Window
     channels: dict[str, np.ndarray]  # (n,) by field of ``Run``; 0 where a run does not have it
     velocity_m_s: np.ndarray  # (n,) of the position
+    oscillating: np.ndarray  # (w,) windows in which the log does not resolve the control
 
     @cached_property
     def edges(self) -> np.ndarray:
@@ -65,11 +69,12 @@ class Session:
         Columns with dP/dt would contain the noise of the residuals themselves, and a fit would
         follow it.
         """
-        smooth = {name: self._filtered(self.channels[name], 2, 0) for name in PRESSURES}
+        smooth = {name: self.smooth(name, 2) for name in PRESSURES}
         return replace(self, channels={**self.channels, **smooth})
 
-    def _filtered(self, y: np.ndarray, order: int, derivative: int) -> np.ndarray:
-        return _filtered(y, self.edges, order, derivative, self.window.dt_s)
+    def smooth(self, name: str, order: int) -> np.ndarray:
+        """Return a channel (n,) as a polynomial through seven samples."""
+        return _filtered(self.channels[name], self.edges, _SMOOTHED, order, 0, self.window.dt_s)
 
 
 def sessions(runs: Iterable[Run]) -> tuple[Session, ...]:
@@ -86,8 +91,27 @@ def _session(runs: Sequence[Run], dt_s: float) -> Session:
         for name in ("t_s", "x_m", "v_m_s", "f_applied_n", *PRESSURES, *COMMANDS)
     }
     edges = np.cumsum([0, *(len(run.t_s) for run in runs)])
-    velocity = _filtered(channels["x_m"], edges, _ORDER, 1, dt_s)
-    return Session(tuple(runs), window(dt_s), channels, velocity)
+    samples = max(5, 2 * round(_VELOCITY_S / dt_s / 2) + 1)
+    velocity = _filtered(channels["x_m"], edges, samples, _ORDER, 1, dt_s)
+    session = Session(tuple(runs), window(dt_s), channels, velocity, np.zeros(0, bool))
+    return replace(session, oscillating=_oscillating(session))
+
+
+def _oscillating(session: Session) -> np.ndarray:
+    """Return which windows (w,) have an oscillation that the log does not resolve.
+
+    In at least four successive windows a chamber's pressure or a command deviates from a polynomial
+    of fourth order through seven samples by more than ten times the median deviation. Between the
+    records such signals are no parabolas, so flows and friction along the log would be wrong.
+    """
+    found = np.zeros(len(session.run_of_window), bool)
+    for name in (*PRESSURES[:4], *COMMANDS):
+        fast = session.channels[name] - session.smooth(name, _ORDER)
+        square = session.mean(fast**2)
+        if np.any(square > 0):
+            found |= square > _OSCILLATING**2 * np.median(square[square > 0])
+    runs = np.split(found, np.cumsum(session.counts)[:-1])
+    return np.concatenate([_sustained(own) for own in runs])
 
 
 def _channel(run: Run, name: str) -> np.ndarray:
@@ -95,17 +119,26 @@ def _channel(run: Run, name: str) -> np.ndarray:
     return np.zeros(len(run.t_s)) if values is None else values
 
 
+def _sustained(found: np.ndarray) -> np.ndarray:
+    """Return ``found`` (m,) without what lasts for fewer than ``_SUSTAINED`` windows."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], found, [False]])))
+    kept = np.zeros_like(found)
+    for start, stop in edges.reshape(-1, 2):
+        kept[start:stop] = stop - start >= _SUSTAINED
+    return kept
+
+
 def _filtered(
-    y: np.ndarray, edges: np.ndarray, order: int, derivative: int, dt_s: float
+    y: np.ndarray, edges: np.ndarray, samples: int, order: int, derivative: int, dt_s: float
 ) -> np.ndarray:
-    """Filter each run by a polynomial through seven samples (Savitzky and Golay)."""
+    """Filter each run by a polynomial through some samples (Savitzky and Golay)."""
     from scipy.signal import savgol_filter  # slow import
 
     out = np.empty_like(y)
     for start, stop in zip(edges[:-1], edges[1:], strict=True):
         part = y[start:stop]
-        if len(part) >= _SMOOTHED:
-            part = savgol_filter(part, _SMOOTHED, order, deriv=derivative, delta=dt_s)
+        if len(part) >= samples:
+            part = savgol_filter(part, samples, order, deriv=derivative, delta=dt_s)
         elif derivative:
             part = np.gradient(part, dt_s) if len(part) > 1 else np.zeros_like(part)
         out[start:stop] = part

@@ -7,10 +7,10 @@ import numpy as np
 from hbench.model.plant import n_states
 from hbench.model.states import bristles_end
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.linearised import MOTIONS, window_motions
 from hbench.reconcile.measured.along import Start, along
 from hbench.reconcile.measured.balances import BalanceModel
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session
+from hbench.reconcile.window_sums import MOTIONS, window_motions
 from hbench.records import WorkingPoint
 from hbench.records.diagnosis import REST_M_S
 

@@ -21,11 +21,12 @@ from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
 from hbench.reconcile.evidence import Products
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, typical_size
-from hbench.reconcile.linearised import MOTIONS, LinearisedModel, linearise
+from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.separation.planned_runs import simulated_runs
 from hbench.reconcile.separation.separability import Lead, Separation
+from hbench.reconcile.window_sums import GROUPS
 from hbench.records import Run
 from hbench.records.diagnosis import MATERIAL
 
@@ -142,10 +143,10 @@ def joined(campaign: LinearisedModel, planned: LinearisedModel) -> Products:
     has no channels for are left out.
     """
     data, more = campaign.data, planned.data
-    unit = np.repeat(planned.gap_map.scatter[0] / campaign.gap_map.scatter[0], len(MOTIONS))
+    unit = np.repeat(planned.gap_map.scatter[0] / campaign.gap_map.scatter[0], len(GROUPS))
     windows, noise = data.windows.sum(axis=0), data.noise.sum(axis=0)
-    balances = windows.reshape(-1, len(MOTIONS)).sum(axis=1) > 0
-    measured = np.repeat(balances, len(MOTIONS)) & np.isfinite(unit)
+    balances = windows.reshape(-1, len(GROUPS)).sum(axis=1) > 0
+    measured = np.repeat(balances, len(GROUPS)) & np.isfinite(unit)
     square = np.where(measured, np.nan_to_num(unit), 0.0) ** 2
     per_window = noise / np.maximum(windows, 1)
     new_noise = np.where(windows > 0, more.windows * per_window, more.noise * square)

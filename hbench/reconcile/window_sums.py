@@ -1,0 +1,169 @@
+"""Sums of products of residuals and columns over windows, for ``evidence.py``.
+
+The windows of a balance are grouped by motion: at rest, steady, unsteady, or reversing. Each group
+has a variance of its own, and a model's error in it is as large as the group's residuals. Most of
+that error is slow: the level of friction, ripple along the bore, a drift. An effect that acts for a
+moment, as at a step or after a reversal, would be lost in it. Groups of changes therefore stand
+beside those of the values:
+
+    (r_(i+1) - r_(i-1)) / sqrt 2        windows of one run that share no sample
+
+Slow errors cancel in a change. Its variance is at least that of a single window's noise, so that
+what the log can't resolve is no evidence.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hbench.reconcile.evidence import Products
+from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
+from hbench.reconcile.gaps.log_map import between_runs
+from hbench.records.diagnosis import REST_M_S
+
+MOTIONS = ("rest", "steady", "unsteady", "reversing")
+_REVERSING = MOTIONS.index("reversing")
+GROUPS = (*MOTIONS, *(f"{motion}, change" for motion in MOTIONS[1:]))  # of a balance's groups
+_CHANGES = len(MOTIONS) - 1  # from a motion to its changes among ``GROUPS``; rest has none
+_UNSTEADY = 0.1  # relative change of the velocity over a window's width
+
+
+class _Rows(NamedTuple):
+    """Values or changes of m windows, in units of the scatter."""
+
+    matrix: np.ndarray  # (m, c, 1 + q + 1): residuals, columns, what is not material
+    usable: np.ndarray  # (m, c)
+    point: np.ndarray  # (m,) index of the operating point
+    kind: np.ndarray  # (m,) index in ``GROUPS``; 0 among changes: at rest, left out
+
+
+def window_motions(residuals: GapMap) -> np.ndarray:
+    """Return the index (w,) in ``MOTIONS`` of each window."""
+    v, run = residuals.v_m_s, residuals.run
+    inside = run[:-2] == run[2:]
+    change, reversing = np.zeros_like(v), np.zeros(len(v), bool)
+    change[1:-1] = np.where(inside, np.abs(v[2:] - v[:-2]), 0.0)
+    reversing[1:-1] = inside & (v[2:] * v[:-2] < 0)
+    for i in np.unique(run):
+        windows = np.flatnonzero(run == i)
+        if len(windows) > 2:  # a run's first and last window copy their neighbours
+            change[windows[[0, -1]]] = change[windows[[1, -2]]]
+    unsteady = change > _UNSTEADY * np.abs(v) + REST_M_S
+    motion = np.where(unsteady, 2, np.where(np.abs(v) < REST_M_S, 0, 1))
+    return np.where(unsteady & reversing, _REVERSING, motion)
+
+
+def products(residuals: GapMap, columns: dict[str, np.ndarray]) -> Products:
+    """Return the sums of products of residuals and columns (w, c) by name."""
+    values = _values(residuals, columns)
+    for level in residuals.levels:
+        _take_out(values.matrix[level.windows, level.balance], level)
+    every = [values] if residuals.white is None else [values, _changes(residuals, values)]
+    points, (_, c, width) = len(residuals.points), values.matrix.shape
+    sums = np.zeros((points, c * len(GROUPS), width, width))
+    counts = np.zeros(sums.shape[:2])
+    for rows in every:
+        _add(rows, sums, counts)
+    squares = sums[:, :, 0, 0]
+    if residuals.white is None:
+        noise = _noise(residuals, values, counts)
+    else:
+        squares, noise = _without_noise(residuals, values, squares, counts)
+        noise = noise + sums[:, :, -1, -1]
+    return Products(
+        names=tuple(columns),
+        columns=sums[:, :, 1:-1, 1:-1],
+        mixed=sums[:, :, 0, 1:-1],
+        squares=squares,
+        noise=noise,
+        windows=counts,
+        groups=tuple((name, kind) for name in residuals.names for kind in GROUPS),
+    )
+
+
+def _values(residuals: GapMap, columns: dict[str, np.ndarray]) -> _Rows:
+    w, c = residuals.difference.shape
+    with np.errstate(divide="ignore", invalid="ignore"):
+        per_unit = 1 / residuals.scatter
+        relative = residuals.noise * per_unit**2
+    usable = np.isfinite(residuals.difference * per_unit) & np.isfinite(relative)
+    per_unit = np.where(usable, per_unit, 0.0)
+    matrix = np.zeros((w, c, len(columns) + 2))
+    matrix[:, :, 0] = np.nan_to_num(residuals.difference) * per_unit
+    for j, column in enumerate(columns.values(), start=1):
+        matrix[:, :, j] = np.nan_to_num(column) * per_unit
+    if residuals.material is not None:
+        matrix[:, :, -1] = np.nan_to_num(residuals.material) * np.sign(residuals.v_m_s)[:, None]
+    return _Rows(matrix, usable, residuals.point, window_motions(residuals))
+
+
+def _changes(residuals: GapMap, values: _Rows) -> _Rows:
+    """Return the changes over inner windows; what is not material changes at reversals alone."""
+    v, run, motion = residuals.v_m_s, residuals.run, values.kind
+    usable = values.usable[2:] & values.usable[:-2] & (run[2:] == run[:-2])[:, None]
+    matrix = (values.matrix[2:] - values.matrix[:-2]) / np.sqrt(2)
+    matrix *= usable[:, :, None]
+    fastest = np.maximum(np.abs(v[2:]), np.abs(v[:-2]))
+    reversing = (v[2:] * v[:-2] < 0) & (fastest > REST_M_S)
+    turn = np.where(reversing, np.sign(v[2:]) - np.sign(v[:-2]), 0.0) / np.sqrt(2)
+    material = 0.0 if residuals.material is None else np.nan_to_num(residuals.material)
+    matrix[:, :, -1] = material * turn[:, None] * usable
+    kind = np.maximum.reduce([motion[2:], motion[1:-1], motion[:-2]])
+    kind = np.where(reversing, _REVERSING, np.minimum(kind, _REVERSING - 1))
+    kind = np.where(kind > 0, kind + _CHANGES, 0)
+    return _Rows(matrix, usable & (kind > 0)[:, None], values.point[1:-1], kind)
+
+
+def _add(rows: _Rows, sums: np.ndarray, counts: np.ndarray) -> None:
+    """Add the products of some rows to those of their operating points and groups."""
+    for p in np.unique(rows.point):
+        for k in np.unique(rows.kind[rows.point == p]):
+            members = np.flatnonzero((rows.point == p) & (rows.kind == k))
+            at = slice(k, None, len(GROUPS))
+            part = rows.matrix[members].transpose(1, 2, 0) * rows.usable[members].T[:, None]
+            sums[p, at] += part @ part.transpose(0, 2, 1)
+            counts[p, at] += rows.usable[members].sum(axis=0)
+
+
+def _noise(residuals: GapMap, values: _Rows, counts: np.ndarray) -> np.ndarray:
+    """Return the expected sums of squares (p, g) of the noise of means over trials."""
+    noise = np.zeros_like(counts)
+    relative = np.where(values.usable, (residuals.noise / residuals.scatter**2), 0.0)
+    for p in range(len(counts)):
+        for k in range(len(MOTIONS)):
+            members = (values.point == p) & (values.kind == k)
+            noise[p, k :: len(GROUPS)] = relative[members].sum(axis=0)
+    return noise
+
+
+def _without_noise(
+    residuals: GapMap, values: _Rows, squares: np.ndarray, counts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sums of squares (p, g) without the noise of single windows, and their error.
+
+    What remains is structured. It is no evidence below the chance error of the noise's own sum of
+    squares plus what changes between the trials of an operating point; in changes, plus the noise
+    of a single window: that is the least variance of a group.
+    """
+    assert residuals.white is not None  # of a map of logs
+    white = np.repeat(np.nan_to_num(residuals.white), len(GROUPS))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        chance = white * np.sqrt(2 / counts.sum(axis=0))
+    first = np.unique(residuals.run, return_index=True)[1]
+    between = between_runs(values.matrix[:, :, 0], residuals.run, residuals.point[first])
+    between = np.repeat(between, len(GROUPS))
+    of_change = np.tile(np.arange(len(GROUPS)) >= len(MOTIONS), len(residuals.names))
+    least = np.nan_to_num(chance, posinf=0.0) + np.where(of_change, white, np.nan_to_num(between))
+    return squares - counts * white, counts * least
+
+
+def _take_out(rows: np.ndarray, level: RunLevel) -> None:
+    """Take the level of a run out of its windows ``rows`` (m, q), as far as it is not known.
+
+    The covariance sigma^2 (1 + c c' / ridge), c the change by one standard deviation of the level,
+    is whitened: 1 - (1 - sqrt(ridge / (ridge + c'c))) c c' / c'c.
+    """
+    square = level.change @ level.change
+    if square > 0:
+        kept = np.sqrt(level.ridge / (level.ridge + square))
+        rows -= np.outer((1 - kept) / square * level.change, level.change @ rows)
