@@ -62,6 +62,11 @@ _ASSUMED = (
     "sensors below that are not named."
 )
 _NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
+_MUCH = 0.25  # of a run's windows
+_OSCILLATES = (
+    "In {count} runs (first {run}) the control oscillates faster than the log resolves. The balances "
+    "of flows and forces leave those windows out. Log faster, or lower the gains of the loops."
+)
 _STOPPED = "No gaps of signals: the simulation with the {} model ended early ({})."
 
 ProposeExperiment = Callable[[Undecided], tuple[str, dict[str, Any]] | None]
@@ -198,12 +203,28 @@ def _assembled(
         missing=missing,
         left_out=left_out,
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
-        notes=(*result.notes, *notes, *([] if task.instruments else [_ASSUMED])),
+        notes=(
+            *result.notes,
+            *_oscillations(measured),
+            *notes,
+            *([] if task.instruments else [_ASSUMED]),
+        ),
         unnamed=_unnamed_laws(result, estimates, held_out),
         separability=expected.separability(tried),
         working_point=point,
         practice=practice,
     )
+
+
+def _oscillations(measured: MeasuredCampaign) -> tuple[str, ...]:
+    """Return a remark on runs in which the control oscillates much of the time."""
+    runs = [
+        run.plan.run
+        for log in measured.logs
+        for i, run in enumerate(log.runs)
+        if log.counts[i] and log.oscillating[log.run_of_window == i].mean() > _MUCH
+    ]
+    return (_OSCILLATES.format(count=len(runs), run=runs[0]),) if runs else ()
 
 
 def _unnamed_laws(

@@ -1,5 +1,7 @@
 """Laws along a log: against the plant that made the log, and against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -230,6 +232,27 @@ def test_bristles_begin_with_the_measured_friction(plant_with):
     means, _ = along(signals, RECORD_S, model.par, start, np.ones(2))
     assert means.friction_test == pytest.approx(np.full(20, 40.0))
     assert means.friction_load == pytest.approx(np.full(20, -25.0))
+
+
+@pytest.mark.parametrize(
+    ("effects", "limit"),
+    [({}, 2.0), ({"presliding": {"force": "100 N", "length": "2 mm"}}, 6.0)],
+    ids=["bristles", "presliding"],
+)
+def test_a_log_that_begins_with_the_friction_of_the_stroke_before_has_no_first_error(
+    plant_with, effects, limit
+):
+    """The log begins as the stroke back does; friction then falls by 250 N in 50 ms."""
+    model = plant_with(effects)
+    (whole,) = strokes(model)
+    later = {
+        name: value[145:]
+        for name, value in vars(whole).items()
+        if isinstance(value, np.ndarray) and value.shape == whole.t_s.shape
+    }
+    (session,) = sessions([replace(whole, **later)])
+    values = balance_values(session, model)[:, BALANCES.index("force_test")]
+    assert np.abs(values[:4]).max() < limit
 
 
 def test_friction_along_a_log_is_the_plants(plant_with):

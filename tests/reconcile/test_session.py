@@ -163,3 +163,40 @@ def test_uneven_samples_and_a_single_one_are_refused(runs):
         sessions([runs[1], replace(runs[0], t_s=t)])
     with pytest.raises(DataError, match=r"run 0000: 1 samples"):
         sessions([Run(runs[0].plan, t_s=np.zeros(1), x_m=np.zeros(1))])
+
+
+# ---- oscillations that a log does not resolve
+
+
+def with_command(run, command):
+    return replace(run, u_t_v=run.u_t_v + command)
+
+
+def test_a_sustained_oscillation_is_found_where_it_is_and_a_step_is_none(runs):
+    """45 Hz in a log of 100 Hz for a second; noise everywhere; a step of 5 V in another run."""
+    rng = np.random.default_rng(4)
+    noisy = [with_command(run, 0.01 * rng.standard_normal(len(run.t_s))) for run in runs]
+    t = noisy[2].t_s - noisy[2].t_s[0]
+    fast = np.where((t > 1.0) & (t < 2.0), 0.5 * np.sin(2 * np.pi * 45.0 * t), 0.0)
+    step = np.where(np.arange(len(noisy[0].t_s)) > 100, 5.0, 0.0)
+    changed = [with_command(noisy[0], step), noisy[1], with_command(noisy[2], fast), noisy[3]]
+    (session,) = sessions(changed)
+    centre = session.mean(session.channels["t_s"]) - changed[2].t_s[0]
+    inside = (session.run_of_window == 2) & (centre > 1.05) & (centre < 1.95)
+    outside = (session.run_of_window != 2) | (centre < 0.9) | (centre > 2.1)
+    assert session.oscillating[inside].all() and not session.oscillating[outside].any()
+
+
+def test_balances_with_laws_leave_oscillating_windows_out(runs, model):
+    (session,) = sessions(runs)
+    marked = replace(session, oscillating=np.arange(session.counts.sum()) == 7)
+    before, after = (balance_values(each, model) for each in (session, marked))
+    assert np.isfinite(before[7, :6]).all() and np.isnan(after[7, :6]).all()
+    np.testing.assert_array_equal(before[7, 6:], after[7, 6:])
+    np.testing.assert_array_equal(np.delete(before, 7, axis=0), np.delete(after, 7, axis=0))
+
+
+def test_smoothed_logs_oscillate_where_the_logs_do(runs):
+    (session,) = sessions(runs)
+    marked = replace(session, oscillating=np.arange(session.counts.sum()) % 2 == 0)
+    np.testing.assert_array_equal(marked.smoothed().oscillating, marked.oscillating)
