@@ -88,6 +88,16 @@ def unflushed():
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def unforked():
+    """Draw figures in the test's process: xdist has one on each core, and forks cost a tenth more.
+
+    Programs that tests start do fork.
+    """
+    with mock.patch("hbench.report.render.figures.map_forked", lambda *job: list(map(*job))):
+        yield
+
+
 NO_PICTURE = (
     b'<svg xmlns="http://www.w3.org/2000/svg"/>',
     b64decode(
