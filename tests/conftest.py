@@ -1,6 +1,7 @@
 """What several test rooms share: the shipped bench and a short schedule."""
 
 import copy
+import gc
 import os
 import resource
 import shutil
@@ -47,6 +48,11 @@ SHORT = {
         }
     ],
 }
+
+
+def pytest_collection_finish():
+    """Let the garbage collector pass over what stays: modules and tests."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")
