@@ -1,6 +1,7 @@
 """What several test rooms share: the shipped bench and a short schedule."""
 
 import copy
+import gc
 import os
 import resource
 import shutil
@@ -49,6 +50,11 @@ SHORT = {
 }
 
 
+def pytest_collection_finish():
+    """Let the garbage collector pass over what stays: modules and tests."""
+    gc.freeze()
+
+
 @pytest.fixture(scope="session")
 def require_tool():
     """Return a function that gives a program's path; one that is missing skips the test.
@@ -85,6 +91,16 @@ def unflushed():
     do flush.
     """
     with mock.patch("os.fsync", os.fstat):
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def unforked():
+    """Draw figures in the test's process: xdist has one on each core, and forks cost a tenth more.
+
+    Programs that tests start do fork.
+    """
+    with mock.patch("hbench.report.render.figures.map_forked", lambda *job: list(map(*job))):
         yield
 
 

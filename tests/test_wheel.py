@@ -43,7 +43,8 @@ def test_where_there_is_no_compiler_it_runs_a_campaign_and_reports_it(wheel, tmp
     subprocess.run([sys.executable, "-m", "venv", other], check=True)
     path = str(other / "bin")
     assert not any(shutil.which(tool, path=path) for tool in ("cc", "gcc", "clang", "cmake"))
-    bare = {"PATH": path, "HOME": os.environ["HOME"]}
+    pip = {name: value for name, value in os.environ.items() if name.startswith("PIP_")}
+    bare = pip | {"PATH": path, "HOME": os.environ["HOME"]}
     install = ["python", "-m", "pip", "install", "-q", "--no-compile", "--only-binary", ":all:"]
     for command in (
         [*install, wheel],

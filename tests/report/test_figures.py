@@ -32,7 +32,7 @@ def series(axes):
     return {bars.get_label(): bars.lines[0].get_data() for bars in axes.containers if bars.lines[0]}
 
 
-def test_each_campaign_gets_the_figures_that_apply(small, drawings, seals):
+def test_each_campaign_gets_the_figures_that_apply(small, drawings, seals, undrawn):
     assert [drawing.name for drawing in drawings] == [
         "stribeck-extend",
         "stribeck-retract",
@@ -287,7 +287,7 @@ def test_the_same_results_give_the_same_bytes_without_a_date(small, drawings):
     assert imread(io.BytesIO(first[0].png)).shape[1] == 1040
 
 
-def test_names_are_unique_and_fit_for_files_whatever_the_label(small):
+def test_names_are_unique_and_fit_for_files_whatever_the_label(small, undrawn):
     labels = ["../../etc/passwd", "$x_{", "", "ÆØ", "a" * 300, "=1+1"]
     curves = tuple(replace(small.curves[0], label=label) for label in labels)
     found = names(replace(small, runs=(), curves=curves, efficiency=()))

@@ -141,7 +141,7 @@ def test_the_terminal_gets_ascii_and_json_the_verdicts(found):
     assert document["first"].startswith("2026-03-02")
 
 
-def test_decisions_are_counted_and_cpk_stands_on_page_in_text_and_json(tmp_path):
+def test_decisions_are_counted_and_cpk_stands_on_page_in_text_and_json(tmp_path, undrawn):
     made_table(tmp_path, 12)
     requirement = Requirement("friction", "N", low=None, high=900.0)
     table = FleetTable(tmp_path / TABLE)
@@ -219,7 +219,7 @@ def test_unlike_campaigns_are_grouped_with_the_reason(shifted):
     assert 'class="sortable"' in page and ">S29<" in page
 
 
-def test_histograms_need_ten_campaigns(tmp_path):
+def test_histograms_need_ten_campaigns(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 9))
     names = {drawing.name for drawing in draw_fleet(few)}
     assert "drift-friction-n" in names and not any("distribution" in name for name in names)

@@ -57,7 +57,7 @@ def test_the_sources_of_a_plan_are_found(fleet):
     assert efficiency.tolerance is None
 
 
-def test_the_page_states_limits_tolerance_and_what_they_mean(fleet):
+def test_the_page_states_limits_tolerance_and_what_they_mean(fleet, undrawn):
     page = fleet_page(fleet, draw_fleet(fleet))
     verdict = fleet_verdict(fleet)
     r, limit = study(fleet).limits
@@ -95,7 +95,7 @@ def test_a_fleet_without_repeats_says_why_there_are_no_limits(tmp_path):
     assert "specimen.serial" in fleet_text(unnamed)
 
 
-def test_figures_have_their_data(fleet):
+def test_figures_have_their_data(fleet, undrawn):
     drawings = {drawing.name: drawing for drawing in draw_fleet(fleet)}
     for name in ("components-friction-n", "control-friction-n-extend", "wear-friction-n-extend"):
         assert drawings[name].csv.count(b"\n") > 5 and len(drawings[name].seen) > 40

@@ -148,7 +148,7 @@ def test_the_steep_seal_is_the_outlier_by_its_slope(fleet):
     assert {d.quantity.name for d in worst.deviations if d.outlier} >= {"half_band_slope_n_pa"}
 
 
-def test_figures_name_the_seals(fleet):
+def test_figures_name_the_seals(fleet, undrawn):
     drawings = {drawing.name: drawing for drawing in draw_fleet(fleet)}
     lines = drawings["drift-half-band-n"].csv.decode().splitlines()
     assert [line.split(",")[1] for line in lines[1:]] == list(LABELS)

@@ -60,7 +60,7 @@ def test_a_temperature_in_degrees_celsius_becomes_kelvin(bring_in):
     assert run.temp_tank_k.mean() == pytest.approx(warming(0) - 1.5, abs=0.05)
 
 
-def test_the_report_shows_the_temperatures_and_the_reduced_friction(bring_in):
+def test_the_report_shows_the_temperatures_and_the_reduced_friction(bring_in, undrawn):
     order = order_of("random", np.random.default_rng(2), speeds=FEW)
     folder = bring_in(order, rules(oil=OIL))
     results = workflow.report(folder, form="md")
@@ -84,7 +84,7 @@ def test_the_report_shows_the_temperatures_and_the_reduced_friction(bring_in):
     assert data["curves"][0]["temp_range_k"][1] > data["curves"][0]["temp_range_k"][0]
 
 
-def test_the_report_names_a_missing_viscosity_and_a_missing_sensor(bring_in, tmp_path):
+def test_the_report_names_a_missing_viscosity_and_a_missing_sensor(bring_in, tmp_path, undrawn):
     folder = bring_in([(v, 1) for v in FEW], rules())
     workflow.report(folder, form="md")
     text = (folder / "results" / "report.md").read_text()
