@@ -63,7 +63,7 @@ def _checks(checks: tuple[Check, ...], words: str) -> Section:
         what, value, limit, unit, _, where = row
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
         sign = {"deg": "°", "1": ""}.get(unit, unit)
-        least = "<" if "modulus" in what else "≥"
+        least = "≥" if "margin" in what else "<" if "modulus" in what else "≤"
         rows.append((verdict, *map(Cell, (_capital(what), value, f"{least} {limit}", sign, where))))
     head = ("Result", "Check", "Value", "Limit", "Unit", "Worst at")
     table = Table(head, tuple(rows), frozenset({"Result", "Check", "Unit", "Worst at"}))
