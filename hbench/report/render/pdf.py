@@ -9,10 +9,11 @@ import io
 from collections.abc import Iterator
 from importlib.metadata import version
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
-from matplotlib.image import imread
+from PIL import Image
 
 from hbench.records import WordTable
 from hbench.report.render.document import Document, Section, numeric
@@ -37,6 +38,7 @@ _BODY, _SMALL = 8.5, 7.5  # size of letters, points
 _TITLE, _SECTION, _PART = 17.0, 13.0, 10.0
 _GAP = 14.0  # between figures side by side
 _FIGURE = (INNER - _GAP) / 2
+_PALETTE = 250  # colours of an image
 _BESIDE = 24.0  # of a caption beside its figure, from the top
 _LABEL = 0.22  # share of a fact's name
 _ALARM = "#9b1111"
@@ -157,7 +159,7 @@ def _facts(pen: Pen, facts: tuple[tuple[str, str], ...] | list[tuple[str, str]])
 def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
     """Set figures, two side by side or one over the whole width, and their captions below."""
     for row in _side_by_side(drawings):
-        images = [imread(io.BytesIO(drawing.png)) for drawing in row]
+        images = [_few_colours(drawing.png) for drawing in row]
         sizes = [(image.shape[1] / PNG_DPI, image.shape[0] / PNG_DPI) for image in images]
         wide = INNER if row[0].wide else _FIGURE
         heights = [wide * height / width for width, height in sizes]
@@ -183,6 +185,12 @@ def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
             for line in lines:
                 pen.write(line, _SMALL, x=LEFT + column * (_FIGURE + _GAP), color=QUIET)
         pen.y = bottom + below
+
+
+def _few_colours(png: bytes) -> np.ndarray:
+    """Return an image (h, w, 3) of so few colours that matplotlib writes it with a palette."""
+    image = Image.open(io.BytesIO(png)).convert("RGB")
+    return np.asarray(image.quantize(_PALETTE, dither=Image.Dither.NONE).convert("RGB"))
 
 
 def _caption(drawing: Drawing, drawings: tuple[Drawing, ...]) -> str:
