@@ -7,7 +7,7 @@ from dataclasses import replace
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
-from hbench.report.diagnosis.names import in_words, value_words
+from hbench.report.diagnosis.names import BALANCE_NAMES, balance, in_words, value_words
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
 from hbench.report.diagnosis.summary import answers
@@ -258,8 +258,10 @@ def _with_rows(*tables: WordTable) -> tuple[WordTable, ...]:
 
 
 def _in_words(line: str) -> str:
-    """Return a text with the names of effects in words, which can be broken over lines."""
-    return _KEY.sub(lambda key: in_words(key[0]), line)
+    """Return a text with the names of effects and balances in words, not in keys."""
+    return _KEY.sub(
+        lambda key: balance(key[0]).title if key[0] in BALANCE_NAMES else in_words(key[0]), line
+    )
 
 
 def _sentence(line: str) -> str:

@@ -29,6 +29,7 @@ from hbench.report.render.numbers import number
 Answer = tuple[str, str]  # question in a few words, and sentences
 
 _FINDING, _SIZE, _ALONG = "Finding", "Size at the working point", "Size over all runs"
+_RESIDUALS = "Residuals"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
 
 
@@ -172,8 +173,8 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
         f"{deviations(gaps)}.",
     )
     yield _FINDING, law_summary(diagnosis.unnamed)
-    yield _SIZE, residual_words(diagnosis, [gap.name for gap in gaps])
-    yield _SIZE, worst_region(diagnosis, gaps[0].name)
+    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
+    yield _RESIDUALS, worst_region(diagnosis, gaps[0].name)
     yield _EVIDENCE, agreement(diagnosis)
     yield _EVIDENCE, best_candidate(diagnosis)
     yield (
@@ -188,7 +189,7 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _FINDING, "Nothing is missing in the model within what these runs can show."
     yield _EVIDENCE, agreement(diagnosis)
     yield _EVIDENCE, best_candidate(diagnosis)
-    yield _SIZE, residual_words(diagnosis, [gap.name for gap in diagnosis.where])
+    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in diagnosis.where])
     yield _ACTION, "There is nothing to inspect or to repair."
     if diagnosis.refitted:
         yield _ACTION, "Use model.yaml, which has the refitted values."

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
+from matplotlib.image import imread
 from PIL import Image
 
 from hbench.records import WordTable
@@ -189,7 +190,8 @@ def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
 
 def _few_colours(png: bytes) -> np.ndarray:
     """Return an image (h, w, 3) of so few colours that matplotlib writes it with a palette."""
-    image = Image.open(io.BytesIO(png)).convert("RGB")
+    pixels = np.round(255 * imread(io.BytesIO(png))).astype(np.uint8)
+    image = Image.fromarray(pixels).convert("RGB")
     return np.asarray(image.quantize(_PALETTE, dither=Image.Dither.NONE).convert("RGB"))
 
 
