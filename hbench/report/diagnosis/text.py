@@ -89,8 +89,8 @@ def gap_line(diagnosis: Diagnosis) -> str:
         if step != "floor"
     )
     return (
-        f"Gap of held-out runs, all balances: {steps}. {number(total.floor, 2)} is expected of a "
-        "correct model with parameters as uncertain."
+        f"Gap of held-out runs, all balances: {steps}. A correct model with parameters as "
+        f"uncertain has {number(total.floor, 2)} on average."
     )
 
 
