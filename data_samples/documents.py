@@ -62,7 +62,7 @@ def report(folder: Path) -> None:
     shutil.copytree(HERE / "stribeck-small", folder / "stribeck-small")
     workflow.report(folder / "stribeck-small", form="pdf")
     shutil.copy(folder / "stribeck-small" / "results" / "report.pdf", DOCUMENTS)
-    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1960)
+    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1780)
 
 
 def diagnosis(folder: Path) -> None:
@@ -70,7 +70,7 @@ def diagnosis(folder: Path) -> None:
     campaign, model = HERE / "blind" / "internal_leakage-clear-1", CONFIGS / "bench-aau.yaml"
     found = workflow.reconcile(campaign, model, lambda done, total: None)
     workflow.write_diagnosis(folder / "diagnosis", found)
-    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png")
+    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png", height=1400)
 
 
 def acceptance_and_certificate(folder: Path) -> None:

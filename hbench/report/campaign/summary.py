@@ -81,13 +81,16 @@ def headline_words(results: Results) -> str:
         ("efficiency", [each.efficiency for each in series], 100.0, "%"),
     )
     parts = [
-        f"{name} {words}"
+        (name, words)
         for name, numbers, scale, unit in quantities
         if (words := _span_words([each for each in numbers if each is not None], scale, unit))
     ]
     where = ", over all loads and directions" if len(series) > 1 else ""
-    text = ", ".join(parts)
-    return f"{text[:1].upper()}{text[1:]}{where}." if parts else ""
+    if not parts:
+        return ""
+    (first, words), *others = parts
+    text = ", ".join((f"{first} is {words}", *(" ".join(part) for part in others)))
+    return f"{text[:1].upper()}{text[1:]}{where}."
 
 
 def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
