@@ -48,6 +48,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         report(folder)
+        diagnosis(folder)
         acceptance_and_certificate(folder)
         fleet_station_and_comparison(folder)
         design(folder)
@@ -55,10 +56,21 @@ def main() -> None:
 
 
 def report(folder: Path) -> None:
-    """Picture the first page of the demo's report."""
+    """Picture the first page of the demo's report, and write the PDF of a smaller campaign."""
     measure(CONFIGS / "demo.yaml", folder / "demo", START)
     workflow.report(folder / "demo")
-    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1960)
+    shutil.copytree(HERE / "stribeck-small", folder / "stribeck-small")
+    workflow.report(folder / "stribeck-small", form="pdf")
+    shutil.copy(folder / "stribeck-small" / "results" / "report.pdf", DOCUMENTS)
+    picture(folder / "demo" / "results" / "report.html", HERE / "report.png", height=1780)
+
+
+def diagnosis(folder: Path) -> None:
+    """Picture the page of a hidden leak that was found."""
+    campaign, model = HERE / "blind" / "internal_leakage-clear-1", CONFIGS / "bench-aau.yaml"
+    found = workflow.reconcile(campaign, model, lambda done, total: None)
+    workflow.write_diagnosis(folder / "diagnosis", found)
+    picture(folder / "diagnosis" / "report.html", DOCUMENTS / "diagnosis.png", height=1400)
 
 
 def acceptance_and_certificate(folder: Path) -> None:

@@ -121,5 +121,6 @@ def test_each_example_document_is_small_and_listed():
     found = [*(SAMPLES / "documents").iterdir(), SAMPLES / "report.png"]
     assert len(found) >= 11
     for path in found:
-        assert path.stat().st_size < 100_000, path
+        most = 300_000 if path.suffix == ".pdf" else 100_000
+        assert path.stat().st_size < most, path
         assert f"({path.relative_to(SAMPLES).as_posix()})" in words, path

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from hbench.analysis.screening.calibrate import RUN_FIELDS
+from hbench.reconcile.candidates import CRITERIA
 from hbench.reconcile.gaps.gap_map import point_of
 from hbench.reconcile.measured.balances import BALANCES, channels_missing
 from hbench.reconcile.search import SearchResult
@@ -58,9 +59,15 @@ def decide_verdict(result: SearchResult, unexplained: Sequence[Gap]) -> tuple[Ve
         if last.evaluated:
             best = last.evaluated[0].candidate
             reason += (
-                f" The best candidate, {best.name}, explains {best.explained:.0%} at held-out "
-                f"operating points (score {best.score:.1f}, threshold {best.threshold:.1f})."
+                f" The best candidate, {best.name}, explains {100 * best.explained:.0f} % at "
+                f"held-out operating points (score {best.score:.1f} nats, {best.threshold:.1f} "
+                "needed)."
             )
+            if best.score > best.threshold and best.size < CRITERIA.size:
+                reason += (
+                    f" It is too small to be named: {best.size:.2f} of a typical size, "
+                    f"{CRITERIA.size:.2f} needed."
+                )
         return "unknown", reason + unnamed
     return "none", NO_RESIDUALS
 

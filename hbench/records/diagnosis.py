@@ -65,7 +65,7 @@ class BeforeAfter:
     before: FloatOrNan  # model as given
     refitted: FloatOrNan  # its poorly known parameters refitted
     after: FloatOrNan  # with the effects
-    floor: FloatOrNan  # of a correct model with the same uncertainty of its parameters
+    floor: FloatOrNan  # average of correct models with the same uncertainty of their parameters
 
 
 @dataclass(frozen=True)

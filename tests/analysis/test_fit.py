@@ -126,8 +126,8 @@ def test_a_stribeck_speed_below_its_bound_is_flagged_in_plain_words(make_curve):
     assert stribeck.at_bound == "lower" and stribeck.value == 0.05
     assert stribeck.se is None and stribeck.intervals["linearised"] is None
     assert stribeck.ci95[0] == 0.05 and 0.05 < stribeck.ci95[1] < 0.07
-    assert f"{stribeck.ci95[1]:.3g} m/s" in fit.message
-    assert re.search(r"\bv_stribeck_m_s\b.* lower .*\b0\.05 m/s", fit.message)
+    assert f"{1e3 * stribeck.ci95[1]:.3g} mm/s" in fit.message
+    assert re.search(r"\bv_stribeck_m_s\b.* lower .*\b50 mm/s", fit.message)
 
 
 def test_other_parameters_at_a_bound_are_those_of_the_reduced_fit(make_curve):
@@ -219,7 +219,7 @@ def test_low_speeds_alone_do_not_determine_the_viscous_part(make_curve):
     slow = SPEEDS / 10
     rest = np.random.default_rng(0).standard_normal(len(slow))
     fit = fit_tustin(make_curve(slow, law(slow, *TRUTH) + rest))
-    assert re.search(r"\babove 0\.02 m/s\b.*\bnot\b.*\bb_viscous_n_s_m\b", fit.message)
+    assert re.search(r"\babove 20 mm/s\b.*\bnot\b.*\bb_viscous_n_s_m\b", fit.message)
 
 
 def test_as_many_points_as_parameters_leave_no_standard_error(make_curve):

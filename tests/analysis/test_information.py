@@ -35,13 +35,13 @@ def test_low_speeds_alone_lack_those_above():
         for one in messages_of(seen(np.linspace(0.005, 0.05, 15), sigma=3.0))
         if "b_viscous" in one
     ]
-    assert re.match(r"\w+ above 0\.05 m/s\b", message)
+    assert re.match(r"\w+ above 50 mm/s\b", message)
 
 
 def test_high_speeds_alone_lack_those_below():
     messages = messages_of(seen(np.linspace(0.1, 0.2, 15), sigma=3.0))
     (message,) = [one for one in messages if "f_stiction_n" in one]
-    assert re.match(r"\w+ below 0\.1 m/s\b", message)
+    assert re.match(r"\w+ below 100 mm/s\b", message)
 
 
 def test_speeds_over_the_whole_curve_lack_nothing():
@@ -60,8 +60,8 @@ def test_the_point_that_is_named_narrows_the_interval_as_is_told():
     speeds = np.linspace(0.005, 0.05, 15)
     one = seen(speeds, sigma=3.0)
     (message,) = [m for m in messages_of(one) if "b_viscous" in m]
-    at, left = re.search(r" at (\S+) m/s\b.* (\d+) %", message).groups()
-    more = seen(np.append(speeds, float(at)), sigma=3.0)._replace(scale=one.scale)
+    at, left = re.search(r" at (\S+) mm/s\b.* (\d+) %", message).groups()
+    more = seen(np.append(speeds, 1e-3 * float(at)), sigma=3.0)._replace(scale=one.scale)
     ratio = np.sqrt(covariance_of_all(more)[3, 3] / covariance_of_all(one)[3, 3])
     assert 100 * ratio == pytest.approx(float(left), abs=1.0)
 
@@ -75,7 +75,7 @@ def test_speeds_that_are_named_as_missing_determine_the_parameter_when_added(mak
         return fit_tustin(make_curve(speeds, friction), wide)
 
     slow = np.linspace(0.005, 0.05, 15)
-    missing = re.compile(r" above \S+ m/s\b[^;]*\bb_viscous_n_s_m\b")
+    missing = re.compile(r" above \S+ mm/s\b[^;]*\bb_viscous_n_s_m\b")
     assert missing.search(fitted(slow).message)
     more = fitted(np.append(slow, np.linspace(0.06, 0.2, 6)))
     assert not missing.search(more.message)
@@ -87,7 +87,7 @@ def test_friction_that_is_badly_known_beyond_the_highest_speed_is_warned_of(make
     noisy = fit_law(
         TUSTIN_LAW, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 10 * rest)], Fitting()
     )
-    assert "extrapolate" in noisy.message and "0.06 m/s" in noisy.message
+    assert "extrapolate" in noisy.message and "60 mm/s" in noisy.message
     exact = fit_law(
         TUSTIN_LAW, [make_curve(speeds, tustin_friction(speeds, TRUTH) + 0.1 * rest)], Fitting()
     )

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from hbench import workflow
@@ -16,6 +17,7 @@ from hbench.records import WordTable
 from hbench.report.campaign.page import report_document
 from hbench.report.campaign.reconciled import reconciled_section
 from hbench.report.render.document import Document, Section, page
+from hbench.report.render.figures import Drawing, render
 from hbench.report.render.markdown import markdown
 from hbench.report.render.pdf import pdf, sheets
 from hbench.store.campaign.stored_diagnosis import diagnoses
@@ -100,6 +102,21 @@ def test_no_text_of_a_stranger_is_markup_in_markdown(evil):
     assert not any(re.match(r"(1\.|- item|`) ", line) for line in lines)
 
 
+def test_each_figure_of_a_pdf_has_its_own_caption_in_its_column_and_unprinted_parts_are_left_out():
+    axes = Figure(figsize=(2, 1)).subplots()
+    axes.plot([1, 2])
+    svg, png = render(axes.figure)
+    figures = tuple(Drawing(n, "s", n, "Same words.", svg, png) for n in ("One", "Two", "Three"))
+    parts = (Section("Kept", ("a",)), Section("Gone", ("b",), folded=True, printed=False))
+    (sheet,) = sheets(Document("t", "", (Section("S", drawings=figures, parts=parts),)))
+    places = {text.get_text(): text.get_position() for text in sheet.texts}
+    one, two, three = (
+        places[words] for words in ("One. Same words.", "Two. As for One.", "Three. As for One.")
+    )
+    assert one[1] == two[1] > three[1] and one[0] < 0.3 < 0.5 < two[0] == three[0]
+    assert "Kept" in places and "Gone" not in places
+
+
 def test_a_pdf_has_its_pages_and_is_the_same_twice(made):
     first = pdf(made)
     assert first.startswith(b"%PDF")
@@ -172,7 +189,7 @@ def test_a_diagnosis_in_the_campaigns_folder_is_told_before_and_after(campaign):
     assert f">{section.title}<" in text and "because &lt;b&gt;" in text
     assert "test = 0.00580 l/min/bar (95 %: 0.00560 to 0.00610)" in text
     assert re.search(r"\b12\.30 to 1\.10\b", text)
-    cells = "".join(f'<td class="n">{gap}</td>' for gap in ("4.50", "1.05", "1.00"))
+    cells = "".join(f'<td class="n">{gap}</td>' for gap in ("4.50", "1.05", "–"))
     assert cells in text
 
 

@@ -8,20 +8,25 @@ import pytest
 
 from hbench.records import Line, Panel, Phenomenon, WordTable
 from hbench.report.campaign.figures.all_figures import draw_all
+from hbench.report.conformity.certificate.page import certificate_page
+from hbench.report.design.page import design_page
 from hbench.report.diagnosis.page import diagnosis_page
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
+from hbench.report.identification.figures import draw_identification
+from hbench.report.identification.page import identification_page
 from hbench.report.simulation.figures import draw_phenomenon
 from hbench.report.simulation.page import phenomenon_page
 from tests.support.reconcile.made_diagnosis import drawings_of_named, named
 from tests.support.report.browser import Browser
+from tests.support.report.made_design import drawings_of_design, made_design
 from tests.support.report.made_fleet import made_table, summary_of
-from tests.support.report.made_others import aborted_page, comparison_page, laws_page
+from tests.support.report.made_others import aborted_page, comparison_page, made_identification
 from tests.support.report.made_page import page_html
 
 PAGES = (
     *("campaign", "seals", "diagnosis", "phenomenon", "fleet"),
-    *("comparison", "identification", "aborted"),
+    *("comparison", "identification", "aborted", "design"),
 )
 PRINTED = 688  # pixels of A4 less the margins
 WIDTHS = (360, 400, 768, 1440)
@@ -49,7 +54,9 @@ def pages(small, seals, drawings, tmp_path_factory):
         "diagnosis": diagnosis_page(found, drawings_of_named()),
         "phenomenon": phenomenon_page(phenomenon, draw_phenomenon(phenomenon)),
     }
-    texts["comparison"], texts["identification"] = comparison_page(small), laws_page(small)
+    texts["comparison"], laws = comparison_page(small), made_identification(small)
+    texts["identification"] = identification_page(laws, draw_identification(laws))
+    texts["design"] = design_page(made_design(), drawings_of_design())
     texts["aborted"] = aborted_page(small)
     folder = tmp_path_factory.mktemp("pages")
     fleet = summary_of(made_table(folder, 30, drift_n=90, off={7: 300.0}, failed=(3,), name=LONG))
@@ -114,6 +121,64 @@ def test_a_narrow_table_says_that_it_has_more_columns_until_they_are_shown(brows
     browser.ask("Runtime.evaluate", expression=settled, awaitPromise=True)
     short = "[...document.querySelectorAll('.scroll')].filter(s => s.scrollWidth <= s.clientWidth)"
     assert browser.run(f"{short}.every(s => !s.classList.contains('more'))")
+
+
+def test_figures_are_inside_their_cards_and_a_wide_one_scrolls_on_a_phone(browser, pages):
+    """A wide figure keeps its letters legible: it is wider than the screen, its page is not."""
+    inside = (
+        "[...document.querySelectorAll('svg.plot')].every(p => p.getBoundingClientRect().width "
+        "<= p.parentElement.clientWidth)"
+    )
+    for name, count in (("design", 4), ("identification", 2), ("diagnosis", 8)):
+        browser.open(pages[name])
+        assert browser.run("document.querySelectorAll('svg.plot').length") >= count
+        assert browser.run(inside)
+    canvas = "document.querySelector('figure.wide .canvas')"
+    browser.width(400)
+    assert browser.run(f"{canvas}.scrollWidth") >= 700 > 400 > browser.run(f"{canvas}.clientWidth")
+
+
+def test_paper_omits_numbers_that_files_contain_and_nothing_else(browser, pages):
+    browser.open(pages["diagnosis"])
+    parts = "[...document.querySelectorAll('details')]"
+    hidden = f"{parts}.filter(d => !d.checkVisibility()).map(d => d.className)"
+    assert browser.run(hidden) == []
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    omitted = browser.run(hidden)
+    browser.ask("Emulation.setEmulatedMedia", media="")
+    assert len(omitted) >= 4 and set(omitted) == {"unprinted"}
+
+
+def test_a_fleets_tiles_are_two_a_row_on_a_phone_with_nothing_cut_off(browser, pages):
+    browser.open(pages["fleet"], width=400)
+    tiles = "[...document.querySelectorAll('.tile')]"
+    lefts = browser.run(f"{tiles}.map(t => Math.round(t.getBoundingClientRect().left))")
+    assert len(lefts) >= 6 and len(set(lefts)) == 2
+    assert browser.run(f"{tiles}.every(t => t.scrollWidth <= t.clientWidth)")
+    text = browser.run(f"{tiles}.map(t => t.innerText)")
+    assert any("failed" in each for each in text) and any("drift" in each for each in text)
+    browser.width(1440)
+    lefts = browser.run(f"{tiles}.map(t => Math.round(t.getBoundingClientRect().left))")
+    assert len(set(lefts)) >= 4
+
+
+def test_a_certificates_tables_are_lists_on_a_phone(browser, certificate, tmp_path):
+    """Each value has its column's head before it, and no table needs scrolling."""
+    page = tmp_path / "certificate.html"
+    page.write_text(certificate_page(certificate()))
+    browser.open(page, width=1440)
+    cell = "getComputedStyle(document.querySelector('td.n')).display"
+    assert browser.run(cell) == "table-cell"
+    browser.width(400)
+    assert browser.run(cell) == "grid"
+    assert browser.run("document.documentElement.scrollWidth") <= 400
+    scrollers = "[...document.querySelectorAll('.scroll')]"
+    assert browser.run(f"{scrollers}.every(s => s.scrollWidth <= s.clientWidth)")
+    heads = browser.run(
+        "[...document.querySelectorAll('td.n')].map(c => getComputedStyle(c, '::before').content)"
+    )
+    assert heads and all(len(head) > 2 for head in heads)
+    assert browser.errors == []
 
 
 def test_an_aborted_campaign_has_its_alarm_on_the_first_screen_of_a_phone(browser, pages):

@@ -170,6 +170,22 @@ def test_an_active_bound_is_flagged_with_its_message(page, small):
     assert len(re.findall(r"\b0 at lower \w+", text)) == len(re.findall(r"\bat lower\b", text)) == 1
 
 
+def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_poor(small):
+    verdict = report_document(small, ()).verdict
+    friction = [1.0 * each.friction_n.value for each in small.headline.series]
+    first = re.match(r"Friction at \S+ mm/s is (\d+)–(\d+) N \(", verdict)
+    assert list(map(int, first.groups())) == [round(min(friction)), round(max(friction))]
+    assert ", over all loads and directions. " in verdict
+    poor = replace(small, quality=replace(small.quality, grade="poor"))
+    assert "mm/s is" not in report_document(poor, ()).verdict
+
+
+def test_speeds_of_a_page_are_in_mm_per_second_only(page):
+    text = Parsed(page).text
+    assert re.search(r"\d mm/s\b", text)
+    assert not re.search(r"\d m/s(?!²)", text)
+
+
 def test_parameters_are_shown_with_the_half_width_of_their_interval(page):
     text = Parsed(page).text
     assert "50.0 ± 7.1" in text  # 0.05 m/s +- 0.0071 m/s, shown in mm/s

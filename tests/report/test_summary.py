@@ -24,7 +24,7 @@ from hbench.records import (
 )
 from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
 from hbench.report.diagnosis.page import diagnosis_page
-from hbench.report.diagnosis.summary import short_summary, summary
+from hbench.report.diagnosis.summary import answers, short_summary
 from hbench.report.diagnosis.text import diagnosis_text
 
 NAN = float("nan")
@@ -54,6 +54,11 @@ CELL = EffectInPractice(
     "Calibrate it.",
     (),
 )
+
+
+def summary(diagnosis):
+    """Return all answers as one text."""
+    return " ".join(text for _, text in answers(diagnosis))
 
 
 @pytest.fixture
@@ -107,9 +112,10 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     text = summary(named)
     assert text.startswith(
         "Internal leakage is an effect of the bench that the model does not contain: oil leaks. "
-        "At the working point of these runs (extending at 80 mm/s under 2490 N, P_Tp 63 bar, "
-        "P_Tr 52.1 bar, P_S 150 bar) 0.180 ± 0.010 l/min less oil enters chamber Tp and the piston "
-        "is 2.40 ± 0.10 mm/s slower at the same commands. "
+        "At the working point of these runs (extending at 80 mm/s under 2490 N, piston side P_Tp "
+        "63 bar, rod side P_Tr 52.1 bar, supply P_S 150 bar) 0.180 ± 0.010 l/min less oil enters "
+        "the piston side of the test cylinder (Tp) and the piston is 2.40 ± 0.10 mm/s slower at "
+        "the same commands. "
     )
     order = (
         "0.21 l/min (root mean square; up to 0.35 l/min)",
@@ -120,7 +126,7 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     )
     places = [text.index(part) for part in order]
     assert places == sorted(places)
-    assert "friction of the load cylinder" not in text.partition("Computed")[0]  # 1e-4 N
+    assert "friction of the load cylinder" not in text.partition("Evaluated")[0]  # 1e-4 N
 
 
 def test_odds_are_those_of_the_held_out_likelihood_and_not_overdone(named):
@@ -155,7 +161,7 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
     )
     text = summary(both)
     assert text.startswith("The model does not contain internal leakage or external leakage; ")
-    assert text.count("would mean that 0.180 ± 0.010 l/min less oil enters chamber Tp") == 2
+    assert text.count("would mean that 0.180 ± 0.010 l/min less oil enters the piston side") == 2
     assert "(internal leakage 30, external leakage 29 nats) are too close to decide" in text
     assert "kind hold separate internal leakage and external leakage (pressures meet" in text
     assert "Not explained" not in summary(replace(both, rest=compared.rest))  # the set would do so
@@ -166,8 +172,8 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
 
 def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best_explains(compared):
     text = summary(compared)
-    assert "force, test side, 40 N (12 N would not matter)" in text
-    assert ") the revised model is off by 38 N (force, test side)." in text
+    assert "force of test cylinder by 40 N (12 N would not matter)" in text
+    assert ") the refitted model is off by 38 N (force of test cylinder)." in text
     assert "Its gap is largest at: retracting." in text  # all speeds are about alike
     assert "load friction, explains 80 % of the gap" in text and "27.3 nats (5.0 needed)" in text
     assert "The gap of 2 held-out runs is 9.50" in text
@@ -181,8 +187,8 @@ def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unname
     )  # fmt: skip
     says = (
         "The revised model contains an unnamed law, fitted as a table: dry friction of −2.0 to "
-        "31 N over position (force, test side; gap of held-out runs 9.5 before, 2.1 after). A "
-        "table reproduces a deviation but does not show its cause."
+        "31 N over position (force of test cylinder; gap of held-out runs 9.5 before, 2.1 after). "
+        "A table reproduces a deviation but does not show its cause."
     )
     text = summary(replace(compared, verdict="unknown", unnamed=(law,)))
     assert says in text and "No part can be named for inspection." in text
@@ -193,8 +199,8 @@ def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
     text = summary(replace(compared, verdict="none", rest=()))
     assert text.startswith("Nothing is missing in the model within what these runs can show.")
     assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
-    assert "1.20 that of a correct model" in text
-    assert "38 N (force, test side) and 0.060 l/min (oil into chamber Tp)" in text
+    assert "A correct model with parameters as uncertain has 1.20 on average." in text
+    assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
     assert "There is nothing to inspect or to repair." in text
 
 
@@ -214,7 +220,7 @@ def test_two_effects_share_one_description_of_the_working_point(named):
 
 def test_the_terminal_begins_with_the_verdict_and_the_paragraph_in_short(named):
     first, second, *_ = diagnosis_text(named).splitlines()
-    assert first.startswith("named: internal_leakage (test ")
+    assert first.startswith("named: internal_leakage (test cylinder ")
     assert second.startswith("At the working point of these runs (extending at 80 mm/s under ")
     assert "0.180 +- 0.010 l/min less oil" in second and "Inspect the piston seal." in second
     assert "root mean square" not in second and len(second) < len(summary(named))
@@ -228,9 +234,9 @@ def test_the_page_has_the_paragraph_before_the_gap_and_the_method_last(named):
             "Internal leakage is an effect of the bench",
             '<h2 id="the-gap-before-and-after">',
             '<h2 id="the-effects">',
-            "What internal_leakage changes",
-            "What looks like internal_leakage",
-            '<h2 id="where">',
+            "What internal leakage changes",
+            "What looks like internal leakage",
+            '<h2 id="where-the-model-disagrees">',
             '<h2 id="which-effect">',
         )
     ]
@@ -244,8 +250,8 @@ def test_the_page_of_every_verdict_has_the_reason(compared, named):
 
 def test_tables_have_every_change_with_its_unit_and_every_look_alike(named):
     (changes,), (alike,) = changes_tables(named), lookalikes_tables(named)
-    assert changes.title == "What internal_leakage changes" and len(changes.rows) == 4
+    assert changes.title == "What internal leakage changes" and len(changes.rows) == 4
     assert changes.rows[0] == (
-        "oil into chamber Tp", "−0.180 ± 0.010 l/min", "0.21 l/min", "0.35 l/min",
+        "flow to test piston side", "−0.180 ± 0.010 l/min", "0.21 l/min", "0.35 l/min",
     )  # fmt: skip
     assert alike.rows == (("external_leakage", "hold", LEAK.lookalikes[0].why),)

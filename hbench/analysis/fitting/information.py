@@ -69,19 +69,23 @@ def identification_messages(info: Information, unknown: np.ndarray) -> list[str]
 
 
 def _sentence(missing: str, at: str, found: list[tuple[str, float]]) -> str:
-    names = " and ".join(name for name, _ in found)
+    names = _listed([name for name, _ in found])
     several = len(found) > 1
     if not missing:
         return (
             f"this data does not determine {names}, and no further velocity would: friction hardly "
             f"depends on {'them' if several else 'it'}"
         )
-    shares = " and ".join(f"{100 * left:.0f} %" for _, left in found)
+    shares = _listed([f"{100 * left:.0f} %" for _, left in found])
     return (
         f"{missing} are missing: this data does not determine {names} "
         f"(a point at {at} would narrow {'their intervals' if several else 'its interval'} "
         f"to {shares})"
     )
+
+
+def _listed(parts: list[str]) -> str:
+    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
 
 
 def _missing(info: Information, spread: np.ndarray, number: int) -> tuple[str, str, float]:
@@ -103,12 +107,16 @@ def _missing(info: Information, spread: np.ndarray, number: int) -> tuple[str, s
         return "", "", left
     at = speeds[best]
     if at > high:
-        where = f"velocities above {high:.3g} m/s"
+        where = f"velocities above {_mm_s(high)}"
     elif at < low:
-        where = f"velocities below {low:.3g} m/s"
+        where = f"velocities below {_mm_s(low)}"
     else:
-        where = f"more velocities near {at:.2g} m/s"
-    return where, f"{at:.2g} m/s", left
+        where = f"more velocities near {_mm_s(at)}"
+    return where, _mm_s(at), left
+
+
+def _mm_s(speed_m_s: float) -> str:
+    return f"{float(f'{1e3 * speed_m_s:.2g}'):g} mm/s"
 
 
 def _at(info: Information, values: np.ndarray, row: int) -> np.ndarray:

@@ -18,13 +18,19 @@ def bound_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
     for name, p in parameters.items():
         if p.at_bound:
             far = p.ci95 and p.ci95[1 if p.at_bound == "lower" else 0]
-            limit = "" if far is None else f" (95 % limit {float(f'{far:.3g}'):g} {p.unit})"
+            limit = "" if far is None else f" (95 % limit {_with_unit(far, p.unit)})"
             messages.append(
-                f"{name} is at its {p.at_bound} bound {p.value:g} {p.unit}: without the bound the "
-                f"fit would be {'lower' if p.at_bound == 'lower' else 'higher'}; its interval is "
-                f"one-sided{limit}, and the other parameters depend on this bound"
+                f"{name} is at its {p.at_bound} bound {_with_unit(p.value, p.unit)}: without the "
+                f"bound the fit would be {'lower' if p.at_bound == 'lower' else 'higher'}; its "
+                f"interval is one-sided{limit}, and the other parameters depend on this bound"
             )
     return messages
+
+
+def _with_unit(value: float, unit: str) -> str:
+    """Write a parameter's value; a speed in mm/s, as on the pages."""
+    value, unit = (1e3 * value, "mm/s") if unit == "m/s" else (value, unit)
+    return f"{float(f'{value:.3g}'):g} {unit}"
 
 
 def disagreements(parameters: Mapping[str, FitParameter]) -> list[str]:
@@ -33,8 +39,8 @@ def disagreements(parameters: Mapping[str, FitParameter]) -> list[str]:
     if not names:
         return []
     return [
-        f"the intervals of {' and '.join(names)} differ between methods: the law is nonlinear "
-        "within them, or a bound is near"
+        f"the intervals of {', '.join(names)} differ between methods: the law is nonlinear within "
+        "them, or a bound is near"
     ]
 
 
@@ -49,6 +55,6 @@ def beyond_messages(info: Information, factor: float) -> list[str]:
     if not beyond > _UNCERTAIN * abs(info.law.model(inputs, info.x)[1]) + nothing:
         return []
     return [
-        f"do not extrapolate: the uncertainty of friction at {BEYOND * high:.3g} m/s is "
+        f"do not extrapolate: the uncertainty of friction at {1e3 * BEYOND * high:.3g} mm/s is "
         f"{beyond:.2g} N, at the highest measured speed {at:.2g} N"
     ]

@@ -54,7 +54,11 @@ def without_impossible_intervals(
         if p.ci95 and not (least <= p.ci95[0] and p.ci95[1] <= most):
             kept[name] = FitParameter(p.value, None, None, p.at_bound, p.unit)
             messages.append(
-                f"{name} has no interval: the linearised one, {p.ci95[0]:.3g} … {p.ci95[1]:.3g} "
-                f"{p.unit}, exceeds the range {least:.3g} … {most:.3g}"
+                f"{name} has no interval: the linearised one, {_range(*p.ci95)} {p.unit}, exceeds "
+                f"the range {_range(least, most)} {p.unit}"
             )
     return kept, messages
+
+
+def _range(low: float, high: float) -> str:
+    return " to ".join(f"{float(f'{end:.3g}'):g}" for end in (low, high)).replace("-", "−")

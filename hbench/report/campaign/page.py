@@ -16,7 +16,7 @@ from hbench.report.campaign.method import method_section
 from hbench.report.campaign.motion_rows import differs
 from hbench.report.campaign.quality import quality_verdict
 from hbench.report.campaign.settings import aborted_words, identity_facts, settings_section
-from hbench.report.campaign.summary import summary_section
+from hbench.report.campaign.summary import headline_words, summary_section
 from hbench.report.oil_temperature import temperature_section
 from hbench.report.render.document import BANNERS, Document, Section
 from hbench.report.render.figures import Drawing
@@ -24,6 +24,7 @@ from hbench.report.render.numbers import number, span
 from hbench.report.render.word_tables import Table
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
+_SHEET = 50  # a longer table of points is not printed
 _FEW = 3  # and a longer one of a fit's remarks
 
 _PREDICTS = (
@@ -49,6 +50,10 @@ _ZEROS = (
 _NO_ZEROS = (
     "The zeros of the sensors were not checked (experiments of the kind check): u contains their "
     "errors only as far as the stated tolerances do."
+)
+_NOT_PRINTED = (
+    "curves.csv and efficiency.csv, beside this page, contain every point. A table of more than "
+    f"{_SHEET} points is on the page and not on paper."
 )
 _TESTED = (
     "Difference of friction over a range of speeds ± half-width of its 95 % interval "
@@ -94,7 +99,9 @@ def report_document(
         provenance.name,
         " · ".join(filter(None, subtitle)),
         sections,
-        quality_verdict(results.quality, count_runs=not alarm),
+        " ".join(
+            filter(None, (headline_words(results), quality_verdict(results.quality, not alarm)))
+        ),
         BANNERS[provenance.source],
         provenance.source,
         folder,
@@ -146,12 +153,15 @@ def _fits(results: Results) -> tuple[Section, ...]:
             table = of_moving[law]
             text = f"{law_words(law)}: fits of moving runs ({len(table.rows)})"
             remarks = (Section(items=table.messages),) if table.messages else ()
-            subsections.append(Section(text, tables=(table,), parts=remarks, folded=True))
+            subsections.append(
+                Section(text, tables=(table,), parts=remarks, folded=True, printed=False)
+            )
         correlations = correlation_table(results, law)
         if correlations.rows:
             text = f"{law_words(law)}: correlation of the parameters"
             untitled = replace(correlations, title="")
-            subsections.append(Section(text, tables=(untitled,), folded=True))
+            part = Section(text, tables=(untitled,), folded=True, printed=False)
+            subsections.append(part)
     if subsections:
         text = (
             "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
@@ -296,16 +306,22 @@ def _rejected(results: Results, drawings: tuple[Drawing, ...]) -> Section:
 
 def _points(results: Results) -> tuple[Section, ...]:
     subsections = [
-        Section(f"Points of the {name} curves ({len(table.rows)})", tables=(table,), folded=True)
+        Section(
+            f"Points of the {name} curves ({len(table.rows)})",
+            tables=(table,),
+            folded=True,
+            printed=len(table.rows) <= _SHEET,
+        )
         for name, table in (
             ("friction", page_tables.point_table(results)),
             ("efficiency", page_tables.efficiency_table(results)),
         )
         if table.rows
     ]
-    return (
-        (Section("All points", parts=tuple(subsections), anchor="points"),) if subsections else ()
-    )
+    if not subsections:
+        return ()
+    note = () if all(part.printed for part in subsections) else (_NOT_PRINTED,)
+    return (Section("All points", note, parts=tuple(subsections), anchor="points"),)
 
 
 def _titled(table: Table, title: str) -> tuple[Table, ...]:

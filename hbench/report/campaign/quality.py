@@ -171,7 +171,9 @@ def _value(check: QualityCheck) -> str:
         )
     if check.value is None:
         return "tolerances are not known"
-    return f"95 % interval of the instruments is ±{number(check.value)} % of friction (median)"
+    return (
+        f"their tolerances allow ±{number(check.value)} % of friction (95 %, median of the points)"
+    )
 
 
 def _signs(check: QualityCheck) -> str:

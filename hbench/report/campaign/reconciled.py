@@ -13,10 +13,10 @@ from hbench.report.render.numbers import number, significant
 
 _GAPS = (
     "Gaps of held-out runs, in units of the trials' scatter: 1 is the repeatability of the bench. "
-    "Before: the model as given; after: refitted and with the effects added; floor: a correct "
-    "model."
+    "Before: the model as given; after: refitted and with the effects added; expected: average of "
+    "correct models with parameters as uncertain, of balances only."
 )
-_HEAD = ("Of", "Name", "Before", "After", "Floor")
+_HEAD = ("Of", "Name", "Before", "After", "Expected")
 _PARTS = {
     "signals": "signal, closed loop",
     "balances": "balance",
@@ -33,7 +33,10 @@ def reconciled_section(folder: str, content: dict[str, Any] | str) -> Section:
     rows = [*_row("all", "balances together", held)]
     for part, part_title in _PARTS.items():
         for name, gaps in _mapping(held.get(part)).items():
-            rows += _row(part_title, str(name), gaps)
+            known = _mapping(gaps)
+            if part != "balances":  # nothing is expected of a signal
+                known = {step: gap for step, gap in known.items() if step != "floor"}
+            rows += _row(part_title, str(name), known)
     verdict = f"Verdict: {_text(content.get('verdict'))}. {_text(content.get('why'))}".strip()
     next_ = _text(content.get("next_experiment"))
     return Section(
@@ -61,8 +64,8 @@ def _effects(content: dict[str, Any]) -> Iterator[str]:
             )
         coefficients = ", ".join(values)
         before, after = (number(_number(effect.get(key)), 2) for key in ("gap_before", "gap_after"))
-        name = _text(effect.get("name"))
-        yield f"Effect {name}: {coefficients}; its gap goes from {before} to {after}."
+        name = _text(effect.get("name")).replace("_", " ")
+        yield f"Effect {name}: {coefficients}; its gap falls from {before} to {after}."
 
 
 def _interval(value: dict[str, Any]) -> str:

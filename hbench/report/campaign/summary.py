@@ -15,6 +15,7 @@ from hbench.report.campaign.quality import (
     quality_table,
     short_point_table,
 )
+from hbench.report.campaign.settings import aborted_words
 from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section, Tile
@@ -39,19 +40,15 @@ def summary_section(results: Results) -> Section:
         series = without_rod_pressure(series)
     tables = (_table(series),) if series else ()
     folded = True if len(series) > _LONG else None
+    facts = (
+        ("Measured", _measured(results)),
+        ("Uncertainty", _uncertainty(series)),
+        ("Oil", temperature_words(results)),
+        ("Friction laws", fits_verdict(results)),
+    )
     return Section(
         "Summary",
-        paragraphs=tuple(
-            filter(
-                None,
-                (
-                    _measured(results),
-                    _uncertainty(series),
-                    temperature_words(results),
-                    fits_verdict(results),
-                ),
-            )
-        ),
+        facts=tuple((name, words) for name, words in facts if words),
         tiles=tuple(_tiles(results)),
         parts=(
             *([Section("Each direction and load", tables=tables, folded=folded)] if tables else []),
@@ -66,6 +63,53 @@ def summary_section(results: Results) -> Section:
             *_drift(results.drift),
         ),
     )
+
+
+def headline_words(results: Results) -> str:
+    """Return friction, breakaway and efficiency in a sentence.
+
+    Empty without any, and where the data is poor or the campaign was aborted.
+    """
+    series = results.headline.series
+    if results.quality.grade == "poor" or aborted_words(results) or not series:
+        return ""
+    speeds = [each.v_m_s for each in series if each.v_m_s is not None]
+    speed = f" at {_speed(results.headline.v_tolerance, speeds)} mm/s" if speeds else ""
+    quantities = (
+        (f"friction{speed}", [each.friction_n for each in series], 1.0, "N"),
+        ("breakaway", [each.breakaway_n for each in series], 1.0, "N"),
+        ("efficiency", [each.efficiency for each in series], 100.0, "%"),
+    )
+    parts = [
+        (name, words)
+        for name, numbers, scale, unit in quantities
+        if (words := _span_words([each for each in numbers if each is not None], scale, unit))
+    ]
+    where = ", over all loads and directions" if len(series) > 1 else ""
+    if not parts:
+        return ""
+    (first, words), *others = parts
+    text = ", ".join((f"{first} is {words}", *(" ".join(part) for part in others)))
+    return f"{text[:1].upper()}{text[1:]}{where}."
+
+
+def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
+    """Return numbers as a range, with their largest U and how they were determined."""
+    if not numbers:
+        return ""
+    remarks = _flag_words(numbers)
+    if halves := [scale * each.u95 for each in numbers if each.u95 is not None]:
+        most = "up to " if len(numbers) > 1 else ""
+        points = "percentage points" if unit == "%" else unit
+        remarks.append(f"U {most}{significant(max(halves), 2)} {points}")
+    text = f"{alike([scale * each.value for each in numbers])} {unit}"
+    return f"{text} ({'; '.join(remarks)})" if remarks else text
+
+
+def _flag_words(numbers: list[HeadlineNumber]) -> list[str]:
+    flags = dict.fromkeys(_FLAGS[each.basis] for each in numbers if _FLAGS[each.basis])
+    partly = "" if all(_FLAGS[each.basis] for each in numbers) else "partly "
+    return [partly + flag for flag in flags]
 
 
 def _uncertainty(series: Collection[HeadlineSeries]) -> str:
@@ -161,9 +205,7 @@ def _tile(
     if not known:
         return
     halves = [each.u95 for each in known if each.u95 is not None]
-    flags = dict.fromkeys(_FLAGS[each.basis] for each in known if _FLAGS[each.basis])
-    partly = "" if all(_FLAGS[each.basis] for each in known) else "partly "
-    caption = ", ".join([caption, *(partly + flag for flag in flags)])
+    caption = ", ".join([caption, *_flag_words(known)])
     anchor = f"method-{anchor}"
     if len(known) == 1:
         half = scale * halves[0] if halves else None

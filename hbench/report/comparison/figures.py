@@ -24,8 +24,8 @@ from hbench.units import from_si
 
 _CAPTION = (
     "Above: means of the trials with their 95 % intervals. Below: B less A; the bars are the 95 % "
-    "interval of the trials, the wide pale ones add the instruments. Filled: the difference is "
-    "significant."
+    "interval of the trials, the wide pale ones add the instruments. Filled: significant at this "
+    "speed alone, with p corrected for the number of points."
 )
 
 

@@ -36,10 +36,7 @@ from hbench.report.comparison.settings import (
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import (
-    force,
-    number,
-)
+from hbench.report.render.numbers import alike, force, number, significant
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
@@ -150,7 +147,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             (_counted("points", [p.friction_n for p in _single_points(differences)]),),
             parts=_folded("Each speed", _points(differences)),
         ),
-        Section("How it was computed", items=(_instruments(differences), *_METHOD)),
+        Section("How it was computed", facts=_method(differences)),
     ]
     if differences.notes:
         sections.append(Section("Not compared", items=differences.notes))
@@ -162,6 +159,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             for section in sections
             if any(table.rows for table in section.tables)
             or section.items
+            or section.facts
             or any(part.folded is not None for part in section.parts)
             or section.anchor == _SETTINGS
         ),
@@ -178,44 +176,48 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
 
 def _settings_section(differences: CampaignDifferences) -> Section:
     table = settings_table(differences)
-    section = Section(
-        "What differs between the benches", (settings_words(differences),), anchor=_SETTINGS
-    )
+    section = Section("Settings that differ", (settings_words(differences),), anchor=_SETTINGS)
     return replace(section, tables=(table,)) if table.rows else section
 
 
 def _counted(what: str, differences: Sequence[Difference]) -> str:
     real = sum(difference.real for difference in differences)
-    return f"{real} of {len(differences)} differences of {what} are significant."
+    return (
+        f"{real} of {len(differences)} differences of {what} are significant. "
+        "comparison.json contains each."
+    )
 
 
 def _folded(title: str, table: WordTable) -> tuple[Section, ...]:
     count = len(table.rows)
     if not count:
         return ()
-    return (Section(f"{title} ({count})", tables=(table,), folded=count > _LONG),)
+    long = count > _LONG  # comparison.json contains its numbers
+    return (Section(f"{title} ({count})", tables=(table,), folded=long, printed=not long),)
 
 
 _SETTINGS = "settings"
+_FEW = 2  # curves that the verdict lists
 _LONG = 12  # rows; a longer table starts folded
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "
     "seal again would change."
 )
 _METHOD = (
-    "Friction as magnitude. A point is the mean of its trials; ± is the half-width of the 95 % "
-    "interval of B less A, by Welch's t for the trials alone. U adds the instruments.",
-    "p is the probability of a difference this large between equal cylinders, by the trials alone, "
-    "corrected after Holm for the number of differences of its kind. A difference is significant "
-    "where p is below 0.05 and the difference exceeds its U.",
-    "Bands are compared at equal loads, or at pressures within 5 %. Speeds within 2 % count as the "
-    "same; within 20 % where no speed was set, as in strokes cut from a cycle. Labels must agree "
-    "only if a campaign has several. Half bands, middles and energies are tested by their trials, "
-    "slopes by their standard errors.",
-    _SET_UP,
-    "Means are over the speeds of A that B has or encloses, each speed with the same weight. "
-    "Steady runs count as independent in spite of drifts between passes. The points of a ramp or "
-    "of steps share their strokes, so that a trial's mean is one value.",
+    ("Friction", "As a magnitude. A point is the mean of its trials; ± is the half-width of the "
+     "95 % interval of B less A, by Welch's t for the trials alone. U adds the instruments."),
+    ("p (Holm)", "Probability of a difference this large between equal cylinders, by the trials "
+     "alone, corrected after Holm for the number of differences of its kind. A difference is "
+     "significant where p is below 0.05 and the difference exceeds its U."),
+    ("Speeds", "Those within 2 % count as the same; within 20 % where no speed was set, as in "
+     "strokes cut from a cycle. Labels must agree only if a campaign has several."),
+    ("Means", "Over the speeds of A that B has or encloses, each speed with the same weight. "
+     "Steady runs count as independent in spite of drifts between passes. The points of a ramp or "
+     "of steps share their strokes, so that a trial's mean is one value."),
+)  # fmt: skip
+_BANDS = (
+    "Compared at equal loads, or at pressures within 5 %. Half bands, middles and energies are "
+    f"tested by their trials, slopes by their standard errors. {_SET_UP}"
 )
 
 
@@ -223,14 +225,28 @@ def _verdict(differences: CampaignDifferences) -> str:
     means = [(each, each.mean_n) for each in differences.curves if each.mean_n is not None]
     real = [(curve, mean) for curve, mean in means if mean.real]
     if not real:
-        count = len(differences.curves)
-        return f"No difference of mean friction is significant in any of {count} curves."
+        every = len(differences.curves)
+        return f"No difference of mean friction is significant in any of {every} curves."
+    count = f"{len(real)} of {len(differences.curves)} curves"
+    values = [mean.value for _, mean in real]
+    if len(real) > _FEW and (min(values) > 0 or max(values) < 0):
+        way, sizes = "higher" if values[0] > 0 else "lower", [abs(value) for value in values]
+        shares = [100 * abs(mean.value / mean.a) for _, mean in real if mean.a]
+        share = f" ({alike(shares)} %)" if shares else ""
+        widest = max(mean.u95 or mean.ci95 or 0.0 for _, mean in real)
+        return (
+            f"Mean friction of {differences.names[1]} is {way} in {count}, by {alike(sizes)} N"
+            f"{share}, each ± {significant(widest, 2)} N or less."
+        )
     means_text = "; ".join(
         f"{_who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real
     )
-    return (
-        f"Mean friction differs in {len(real)} of {len(differences.curves)} curves: {means_text}."
-    )
+    return f"Mean friction differs in {count}: {means_text}."
+
+
+def _method(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
+    bands = (("Bands", _BANDS),) if differences.bands else ()
+    return (*_METHOD, *bands, ("Instruments", _instruments(differences)))
 
 
 def _warnings(differences: CampaignDifferences) -> Iterator[str]:

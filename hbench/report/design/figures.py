@@ -176,16 +176,16 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         "the valve. Markers: the design. Crosses: open-loop poles. Circle: the controller's and "
         "the plant's zeros.",
     ),
-    "bode": (
-        bode,
-        "Bode plot",
-        "Open loop. Markers: where the margins are read, on the gain at -180 degrees and on the "
-        "phase at 0 dB.",
-    ),
     "step": (
         step_figure,
         "Step response",
         "Response of the closed loop to a unit step of its reference. Grey: within 2 %.",
+    ),
+    "bode": (
+        bode,
+        "Bode plot",
+        "Open loop. Markers: where the margins are read, on the gain at −180° and on the "
+        "phase at 0 dB.",
     ),
     "poles": (
         pole_zero,

@@ -27,11 +27,14 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         sections += [_checks(checks, text.LIMITS), _proposal(proposal)]
     elif design.checks:
         sections.append(_checks(design.checks, text.POINT_LIMITS))
-    chains = tuple(f"{_capital(name)}: {about}." for name, about in text.CHAINS.items())
+    chains = tuple((_capital(name), f"{_capital(about)}.") for name, about in text.CHAINS.items())
     merits = tuple(tuple(map(_typeset, row)) for row in text.loop_rows(design))
     loops = WordTable("", _LOOP_HEAD, merits)
     facts = tuple(f"{_typeset(_capital(line))}." for line in text.fact_lines(design))
-    sections.append(Section("Loops", chains, tables=(loops,), parts=(Section(items=facts),)))
+    sections.append(Section("Operating point", facts=text.point_facts(design)))
+    sections.append(
+        Section("Loops", items=facts, tables=(loops,), parts=(Section(facts=chains),)),
+    )
     if design.reproduced:
         rows = text.reproduced_rows(design.reproduced)
         table = WordTable("", text.REPRODUCED_HEAD, tuple(rows))
@@ -39,11 +42,14 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         said = f"{agree} of {len(design.reproduced)} numbers of the source agree."
         part = Section(f"Each number ({len(rows)})", tables=(table,), folded=True)
         sections.append(Section("The source's numbers", (said,), parts=(part,)))
-    sections.append(Section("Figures", drawings=tuple(drawings)))
+    drawn = tuple(drawings)
+    for loop in design.loops:
+        own = tuple(drawing for drawing in drawn if drawing.section == loop.name)
+        if own:
+            sections.append(Section(f"Figures of the {loop.name} loop", drawings=own))
     return document(
         f"{design.bench}: control loops",
-        "Computed and simulated; nothing here was measured. Operating point: "
-        f"{text.point_words(design).replace(' -', ' −')}.",
+        "Computed and simulated; nothing here was measured.",
         tuple(sections),
         text.loops_verdict(design) if proposal is None else text.page_verdict(proposal),
     )
@@ -57,7 +63,8 @@ def _checks(checks: tuple[Check, ...], words: str) -> Section:
         what, value, limit, unit, _, where = row
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
         sign = {"deg": "°", "1": ""}.get(unit, unit)
-        rows.append((verdict, *map(Cell, (_capital(what), value, limit, sign, where))))
+        least = "≥" if "margin" in what else "<" if "modulus" in what else "≤"
+        rows.append((verdict, *map(Cell, (_capital(what), value, f"{least} {limit}", sign, where))))
     head = ("Result", "Check", "Value", "Limit", "Unit", "Worst at")
     table = Table(head, tuple(rows), frozenset({"Result", "Check", "Unit", "Worst at"}))
     return Section("Checks", (words,), tables=(_without_empty(table),))

@@ -17,9 +17,9 @@ LOOP_HEAD = (
     *("overshoot %", "settling s", "largest |z|"),
 )
 CHAINS = {
-    "ideal valve": "as the source designs: no valve, the other loops still",
-    "valve": "with the valve's second order",
-    "board": "valve, filters and 10 kHz sampling, the other two loops closed",
+    "ideal valve": "the source's design: no dynamics of the valve, the other two loops inactive",
+    "valve": "with the second-order dynamics of the valve",
+    "board": "with valve, filters and 10 kHz sampling, the other two loops closed",
 }
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
 LIMITS = (
@@ -27,9 +27,11 @@ LIMITS = (
     "firmware on the bench as its file states it, and on a softer and a stiffer one."
 )
 POINT_LIMITS = (
-    "Margins of the present gains on the board at the operating point above. With --propose, "
+    "Margins of the present gains on the board at the operating point below. With --propose, "
     "hbench design checks all operating points, and the closed loop with the firmware."
 )
+_CHAMBERS = ("p_tp", "p_tr", "p_lp", "p_lr")
+_VALVES = {"u_T": "test valve", "u_L1": "load valve L1", "u_L2": "load valve L2"}
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -125,6 +127,24 @@ def point_words(design: Design) -> str:
     )
 
 
+def point_facts(design: Design) -> tuple[tuple[str, str], ...]:
+    """Return the operating point as names and values."""
+    point = design.point
+    bar = {name: f"{from_si(point[f'{name}_pa'], 'bar'):.1f}" for name in _CHAMBERS}
+    volts = {name: f"{point[f'{name.lower()}_v']:.3f}".replace("-", "−") for name in _VALVES}
+    motion = f"{short(1e3 * point['x_m'])} mm, moving at {short(1e3 * point['v_m_s'])} mm/s"
+    return (
+        ("Position and speed", f"{motion} (positive: extending)"),
+        ("Test cylinder", f"piston side P_Tp {bar['p_tp']} bar, rod side P_Tr {bar['p_tr']} bar"),
+        ("Load cylinder", f"piston side P_Lp {bar['p_lp']} bar, rod side P_Lr {bar['p_lr']} bar"),
+        (
+            "Valve commands",
+            ", ".join(f"{_VALVES[name]} {name} {value} V" for name, value in volts.items()),
+        ),
+        ("Viscous friction", f"{point['viscous_n_s_m']:.0f} N s/m"),
+    )
+
+
 def fact_lines(design: Design) -> tuple[str, ...]:
     """Return the further results beside the loops, a sentence each."""
     rod, piston = design.feedforward
@@ -135,10 +155,12 @@ def fact_lines(design: Design) -> tuple[str, ...]:
     return (
         f"smallest margins on the board: {_finite(phase, 1)} deg ({of_phase}), "
         f"{_finite(gain, 1)} dB ({of_gain})",
-        f"feedforward C_ffLr {rod:.5g}, C_ffLp {piston:.5g} V s/m",
+        f"feedforward of the load valves: rod side C_ffLr {rod:.4g} V s/m, piston side C_ffLp "
+        f"{piston:.4g} V s/m",
         f"ramp error of the velocity at 100 mm/s^2: {1e3 * design.ramp_error_m_s:.3f} mm/s",
-        f"three loops on the board: largest |z| {design.coupled_modulus:.6f}, {stable}",
-        f"linearised by hand and from the plant: differ by {design.jacobian_difference:.0e}",
+        f"three loops together on the board: largest |z| {design.coupled_modulus:.6f}, {stable}",
+        f"largest relative difference of the linearisation by hand and that of the plant's code: "
+        f"{design.jacobian_difference:.0e}",
     )
 
 

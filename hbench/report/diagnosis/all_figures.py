@@ -8,6 +8,9 @@ from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis
 from hbench.report.diagnosis.gap_figures import (
+    BALANCES,
+    CLOSED_LOOP,
+    OPEN_LOOP,
     gap_figures,
     ranking_figure,
     refitted_figure,
@@ -23,11 +26,17 @@ from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 
 _MOST_SHAPES = 4
 
-_GAPS = (
-    "Gaps of held-out runs, which were not used for the choice; 1 is the repeatability of the "
-    "bench. Floor: a correct model with the same uncertainty of its parameters. Gaps below 0.3 are "
-    "drawn at 0.3."
-)
+_GAPS = {
+    BALANCES: "Each balance, evaluated along the logs of the held-out runs.",
+    CLOSED_LOOP: (
+        "Signals of the held-out runs against a simulation of the same schedule with the firmware "
+        "in closed loop. Small errors of all values add up here."
+    ),
+    OPEN_LOOP: (
+        "Signals of the held-out runs against a simulation that follows the measured commands "
+        "without feedback."
+    ),
+}
 _REGIONS = (
     "Gap of each balance by region of operation, refitted model, all runs. Gaps below 1 have the "
     "colour of 1."
@@ -38,9 +47,9 @@ _MAPS = (
     "number. All panels share the colour scale."
 )
 _SHAPE = (
-    "Residuals of this balance, one point a window of 0.16 s, in units of the trials' scatter "
-    "(grey band: ±1). Black: medians of bins with equal numbers of windows, "
-    "extending (>) and retracting (<). Points beyond the axis are drawn at its edge."
+    "Residuals of this balance in units of the trials' scatter (grey band: ±1). A point is a "
+    "window of 0.16 s. Black: medians of equal numbers of windows, extending (▶) and retracting "
+    "(◀). Points beyond the axis are drawn at its edge."
 )
 _LAW = (
     "A table that was fitted to what no effect of the catalogue explains, with 95 % intervals of "
@@ -54,9 +63,9 @@ _OVERLAY = (
 )
 _RANKING = (
     "Score of each candidate at held-out operating points, and the share of the excess gap that it "
-    "explains there. Vertical line: its threshold; for a candidate that could be named, drawn "
-    "at random from its residuals. Filled: evaluated in full, with the effect in the model; "
-    "hollow: by its linear signature alone. Blue: named or in the ambiguous set."
+    "explains there. Vertical line: the score that is needed; for a candidate that could be named "
+    "it is determined from residuals drawn at random. Filled: fitted in full; hollow: "
+    "evaluated by its linear signature alone. Blue: named, or in the ambiguous set."
 )
 _REFITTED = (
     "Factors on poorly known values of the model, fitted before the search for effects, with "
@@ -88,7 +97,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
     if diagnosis.where and diagnosis.regions:
         yield "where", "regions", "Gap by region", _REGIONS, region_figure(diagnosis)
     for title, figure in gap_figures(diagnosis).items():
-        yield "gap", f"gap {title}", f"Gaps: {title.lower()}", _GAPS, figure
+        yield "gap", f"gap {title}", f"Gaps: {title.lower()}", _GAPS[title], figure
     for run, figure in overlay_figures(diagnosis).items():
         yield "overlay", f"run {run}", f"Run {run}", _OVERLAY, figure
     if diagnosis.ranking:

@@ -3,7 +3,14 @@
 from collections.abc import Sequence
 
 from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, WordTable
-from hbench.report.diagnosis.names import BALANCE_NAMES, balance, parameter_text, quantity
+from hbench.report.diagnosis.names import (
+    BALANCE_NAMES,
+    CHAMBERS,
+    balance,
+    in_words,
+    parameter_text,
+    quantity,
+)
 from hbench.report.render.numbers import significant
 
 _FLOWS = ("flow_tp", "flow_tr", "flow_lp", "flow_lr")
@@ -27,7 +34,7 @@ def changes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     head = ("quantity", "at the working point", "along the logs (rms)", "up to (95 %)")
     return tuple(
         WordTable(
-            f"What {effect.name} changes",
+            f"What {in_words(effect.name)} changes",
             head,
             tuple(
                 (
@@ -48,7 +55,7 @@ def lookalikes_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
     head = ("effect", "runs that separate", "why")
     return tuple(
         WordTable(
-            f"What looks like {effect.name}",
+            f"What looks like {in_words(effect.name)}",
             head,
             tuple((other.name, other.kind, other.why) for other in effect.lookalikes),
         )
@@ -75,7 +82,7 @@ def phrase(change: Change, direction: str) -> str:
         sensor = "the load cell" if name == "f_applied" else f"the transducer of {_symbol(name)}"
         return f"{sensor} shows {size} too {'much' if more else 'little'}"
     if name in _FLOWS:
-        return f"{size} {'more' if more else 'less'} oil enters chamber {name[-2:].capitalize()}"
+        return f"{size} {'more' if more else 'less'} oil enters {CHAMBERS[name[-2:]]}"
     if name in _CYLINDERS:
         return f"the friction of the {_CYLINDERS[name]} is {size} {way}"
     fed = "P_Tp" if direction == "extend" else "P_Tr"
@@ -109,6 +116,8 @@ def _object(change: Change) -> str:
     name = change.quantity
     if name in _CYLINDERS:
         return f"the friction of the {_CYLINDERS[name]}"
+    if name in _FLOWS:
+        return f"the flow to {CHAMBERS[name[-2:]]}"
     if name in BALANCE_NAMES:
         return f"the {balance(name).title}"
     return {"speed": "the speed", "pressure": "the pressure"}.get(name, f"the {quantity(name)}")

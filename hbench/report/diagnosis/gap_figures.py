@@ -13,11 +13,13 @@ from hbench.report.diagnosis.names import (
     AXES,
     DisplayName,
     balance,
+    in_words,
     mathtext,
     share,
     shown,
     signal,
     steps_of,
+    value_words,
 )
 from hbench.report.diagnosis.text import with_total
 from hbench.report.render import style
@@ -25,6 +27,7 @@ from hbench.report.render.numbers import number, short
 from hbench.report.render.series import behind
 
 BEFORE, AFTER, MEASURED = style.COLOURS[1], style.COLOURS[0], "#9ca3af"
+BALANCES, CLOSED_LOOP, OPEN_LOOP = "Balances", "Signals, closed loop", "Signals, open loop"
 _ROW_IN, _HEAD_IN = 0.27, 1.6  # of a figure with a row for each thing
 _LOOKS: dict[str, dict[str, Any]] = {
     "before": {"marker": "o", "color": style.QUIET, "markerfacecolor": "white"},
@@ -40,9 +43,9 @@ def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
     """Draw the held-out gaps of balances, and of signals in closed and open loop."""
     table = diagnosis.gap_heldout
     groups: tuple[tuple[str, Mapping[str, BeforeAfter], Callable[[str], DisplayName]], ...] = (
-        ("Balances", with_total(table), balance),
-        ("Signals, closed loop", table.signals, signal),
-        ("Signals, open loop", table.open_loop, signal),
+        (BALANCES, with_total(table), balance),
+        (CLOSED_LOOP, table.signals, signal),
+        (OPEN_LOOP, table.open_loop, signal),
     )
     return {
         title: _gaps(diagnosis, title, values, display_name)
@@ -59,7 +62,8 @@ def _gaps(
 ) -> Figure:
     figure = style.new_figure(height_in=_HEAD_IN + _ROW_IN * len(values))
     axes = figure.subplots()
-    steps, rows = steps_of(diagnosis), np.arange(len(values))
+    steps = steps_of(diagnosis, of_balances=title == BALANCES)
+    rows = np.arange(len(values))
     every = {
         step: np.maximum([getattr(gap, step) for gap in values.values()], _LEAST) for step in steps
     }
@@ -161,12 +165,18 @@ def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
             textcoords="offset points",
         )
     needed = [candidate.threshold for candidate in chosen]
-    axes.plot(needed, range(len(chosen)), linestyle="none", label="threshold", **_LOOKS["floor"])
+    axes.plot(
+        needed,
+        range(len(chosen)),
+        linestyle="none",
+        label="score needed",
+        **_LOOKS["floor"],
+    )
     axes.set_xlim(
         min(0.0, max(-0.1 * top, min(candidate.score for candidate in chosen))), 1.65 * top
     )
     axes.set_xlabel("Gain of log-likelihood, held-out points (nats)")
-    _rows(axes, [candidate.name for candidate in chosen])
+    _rows(axes, [in_words(candidate.name) for candidate in chosen])
     style.head(axes, "Candidates", diagnosis)
     style.legend_above(figure, axes)
     return figure
@@ -191,6 +201,6 @@ def refitted_figure(diagnosis: Diagnosis) -> Figure:
         if factor.ci95 is not None:
             behind(mark, {"from": [factor.ci95[0]], "to": [factor.ci95[1]]})
     axes.set_xlabel("Factor on the model's value (1)")
-    _rows(axes, [name.replace("_", " ") for name in names])
+    _rows(axes, [value_words(name) for name in names])
     style.head(axes, "Refitted values", diagnosis)
     return figure

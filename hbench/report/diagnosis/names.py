@@ -16,12 +16,12 @@ class DisplayName(NamedTuple):
 
 
 BALANCE_NAMES = {
-    "flow_tp": DisplayName("oil into chamber Tp", "l/min"),
-    "flow_tr": DisplayName("oil into chamber Tr", "l/min"),
-    "flow_lp": DisplayName("oil into chamber Lp", "l/min"),
-    "flow_lr": DisplayName("oil into chamber Lr", "l/min"),
-    "force_test": DisplayName("force, test side", "N"),
-    "force_load": DisplayName("force, load side", "N"),
+    "flow_tp": DisplayName("flow to test piston side", "l/min"),
+    "flow_tr": DisplayName("flow to test rod side", "l/min"),
+    "flow_lp": DisplayName("flow to load piston side", "l/min"),
+    "flow_lr": DisplayName("flow to load rod side", "l/min"),
+    "force_test": DisplayName("force of test cylinder", "N"),
+    "force_load": DisplayName("force of load cylinder", "N"),
     "kinematics": DisplayName("position against velocity", "mm/s"),
     "supply": DisplayName("supply pressure", "bar"),
 }
@@ -60,7 +60,13 @@ STEPS = {
     "before": "as given",
     "refitted": "refitted",
     "after": "with the effects",
-    "floor": "floor",
+    "floor": "expected",
+}
+CHAMBERS = {
+    "tp": "the piston side of the test cylinder (Tp)",
+    "tr": "the rod side of the test cylinder (Tr)",
+    "lp": "the piston side of the load cylinder (Lp)",
+    "lr": "the rod side of the load cylinder (Lr)",
 }
 # Metering edge of each chamber while the piston extends, and while it retracts.
 EDGES = {
@@ -88,6 +94,21 @@ def signal(name: str) -> DisplayName:
     return SIGNAL_NAMES.get(name, DisplayName(name.replace("_", " "), ""))
 
 
+def in_words(name: str) -> str:
+    """Return an effect's name in words."""
+    return name.replace("_", " ")
+
+
+def coefficient_words(name: str) -> str:
+    """Return the name of an effect's coefficient in words."""
+    return {"test": "test cylinder", "load": "load cylinder"}.get(name, in_words(name))
+
+
+def value_words(path: str) -> str:
+    """Return a value of the model file in words: its section, then its name."""
+    return path.replace(".", ", ").replace("_", " ")
+
+
 def quantity(name: str) -> str:
     """Return the title of a quantity that an effect changes."""
     if name in BALANCE_NAMES:
@@ -97,11 +118,15 @@ def quantity(name: str) -> str:
     return SOLVED_NAMES[name].title if name in SOLVED_NAMES else name.replace("_", " ")
 
 
-def steps_of(diagnosis: Diagnosis) -> dict[str, str]:
-    """Return the fields of ``BeforeAfter`` that differ from each other, and their display names."""
+def steps_of(diagnosis: Diagnosis, *, of_balances: bool = True) -> dict[str, str]:
+    """Return the fields of ``BeforeAfter`` that differ from each other, and their display names.
+
+    The gap that is expected of a correct model is known of balances only.
+    """
     steps = {**STEPS, "after": STEPS["after"] if diagnosis.effects else "with the unnamed laws"}
     has_after = diagnosis.effects or diagnosis.unnamed
-    return {step: title for step, title in steps.items() if has_after or step != "after"}
+    known = ("before", "refitted", *(["after"] if has_after else []))
+    return {step: steps[step] for step in (*known, *(["floor"] if of_balances else []))}
 
 
 def in_unit(gap: Gap, value: float) -> str:

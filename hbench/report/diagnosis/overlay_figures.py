@@ -10,7 +10,7 @@ from hbench.report.diagnosis.names import DisplayName, mathtext, signal
 from hbench.report.render import style
 from hbench.units import parse_unit
 
-_ROW_IN = 1.75
+_ROW_IN = 1.2
 
 
 def overlay_figures(diagnosis: Diagnosis) -> dict[str, Figure]:

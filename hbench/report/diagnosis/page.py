@@ -1,34 +1,56 @@
 """The page of a diagnosis."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
+from hbench.report.diagnosis.names import BALANCE_NAMES, balance, in_words, value_words
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
-from hbench.report.diagnosis.summary import summary
+from hbench.report.diagnosis.summary import answers
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 
 _MOST_RUNS = 40  # rows of the page
+_KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")  # name of an effect
 _SENSOR = (
     "An effect of a sensor is an error of the measurement, not of the bench. Correct the "
     "instrument rather than the model."
 )
 _CHANGES = (
-    "What an effect changes: each balance is evaluated with the effect and without it, all else in"
-    " the model being the same. The working point is the measured operating point nearest to the "
-    "median speed, load and pressures. Its motion is steady; the 95 % interval is that of the "
-    "effect's coefficients. Along the logs: at all windows of the measured motion. Flows are into a"
-    " chamber, friction is against the motion. The speed changes so at the same commands and "
-    "pressures, the pressure of the fed chamber at the same speed and load."
+    ("At the working point", "The measured operating point that is nearest to the median speed, "
+     "load and pressures, in steady motion. The 95 % interval is that of the effect's "
+     "coefficients."),
+    ("Along the logs", "Over all windows of measured motion: the root mean square, and the value "
+     "that 5 % of the windows exceed."),
+    ("Signs", "A flow is positive into its chamber, friction against the motion. The speed changes "
+     "at the same commands and pressures; the pressure, which is that of the fed chamber, at the "
+     "same speed and load."),
+)  # fmt: skip
+_GAP = (
+    "Root mean square of measurement less model, in units of the scatter of repeated trials. 1 is "
+    "the repeatability of the bench. Gaps below 0.3 are drawn at 0.3."
 )
-_REFITTED_STAGE = "Refitted: the model with its poorly known values fitted and no effect added."
-_CLOSED = (
-    "The balances decide; the same schedule, simulated in closed loop, confirms. Small errors of "
-    "all values add up in the closed loop."
+_BALANCES = (
+    "Laws that the measured signals must obey: the oil that flows into each of the four chambers, "
+    "the forces of either cylinder, position against velocity, and the supply. They are evaluated "
+    "along the measured logs, and they decide."
+)
+_SIGNALS = (
+    "The same schedule, simulated in closed loop and in open loop. They confirm the verdict; no "
+    "expected gap is computed for them."
+)
+_REFITTED_STAGE = "The model with its poorly known values fitted, and no effect added."
+_REFUSED = (
+    "Here the model as given: without the effects, fitting its poorly known values makes held-out "
+    "runs worse."
+)
+_EXPECTED = (
+    "Gap that a correct model has on average, because its fitted values are uncertain. It is no "
+    "lower limit: a fit can come closer."
 )
 _RUNS = (
     "The gap of a single run includes its own scatter and is 1 for a correct model. The last "
@@ -36,44 +58,39 @@ _RUNS = (
     "beside this page contains every run and signal."
 )
 _WHERE = (
-    "A balance is a law that the measured signals must obey: continuity of the oil in a chamber, "
-    "forces on either side of the load cell, position against velocity, the supply. It is "
-    "evaluated along the measured logs with the laws of the refitted model. p: the probability of "
-    "such a gap for a correct model, corrected after Holm. Deviation: root mean square of the "
-    "residual without the noise of single windows; below the next column it does not matter. "
-    "Tolerances allow: what sensors within their tolerances may cause in a model that is not "
-    "refitted."
-)
+    ("Structured", "Part of the gap that repeats: without the noise of single windows."),
+    ("p (Holm)", "Probability of such a gap for a correct model, corrected after Holm for the "
+     "number of balances."),
+    ("Deviation", "Root mean square of the residual without the noise of single windows, in the "
+     "unit of the balance. Below the next column it does not matter."),
+    ("Tolerances allow", "Deviation that sensors within their tolerances may cause in a model that "
+     "is not refitted."),
+)  # fmt: skip
 _WHICH = (
-    "Score: gain of log-likelihood at held-out operating points. Explains: share of the excess gap "
-    "that it removes there, in the balances that the effect touches. Size: its largest coefficient "
-    "relative to a typical one."
-)
+    ("Score", "Gain of log-likelihood at held-out operating points, in nats (natural logarithm)."),
+    ("Explains", "Share of the excess gap that the effect removes at these points, in the balances "
+     "that it touches."),
+    ("Size", "Its largest coefficient relative to a typical one."),
+)  # fmt: skip
 _REFITTED = (
     "Poorly known values of the model file, such as levels of friction, a valve's gain or dead "
     "volumes, are fitted first, so that their errors are not mistaken for an effect."
 )
 _FILES = (
-    "Beside this page: model.yaml, the model with the refitted values and the added effects, for "
-    "hbench run --plant; diagnosis.json; gaps_by_run.csv; the figures as SVG and PNG."
+    "model.yaml: the model with refitted values and added effects, for hbench run --plant. "
+    "diagnosis.json, gaps_by_run.csv: all numbers, also of folded tables, which are not printed. "
+    "figures: as SVG, PNG and CSV."
 )
-_NEXT_FILE = (
-    "next.yaml beside this page is that experiment: hbench run next.yaml --bench BENCH -o NEXT."
-)
+_NEXT_FILE = "next.yaml: that experiment, for hbench run next.yaml --bench BENCH -o NEXT."
 
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
-    provenance, held = diagnosis.provenance, ", ".join(diagnosis.heldout_runs)
+    provenance = diagnosis.provenance
 
     def drawn(section: str) -> tuple[Drawing, ...]:
         return tuple(drawing for drawing in drawings if drawing.section == section)
 
-    closed = (_CLOSED,) if diagnosis.gap_heldout.signals else ()
-    shape = Section(
-        "Shape of the residuals" if diagnosis.verdict == "unknown" else "Residuals of each balance",
-        drawings=drawn("shape"),
-    )
     unnamed = Section(
         "Unnamed laws in the revised model",
         items=text.law_lines(diagnosis),
@@ -81,35 +98,42 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     )
     gap = Section(
         "The gap before and after" if diagnosis.effects else "The gap",
-        (text.gap_line(diagnosis), *closed, _REFITTED_STAGE, f"Held-out runs: {held}."),
+        (text.gap_line(diagnosis),),
         drawings=drawn("gap"),
-        parts=(*_table_part(diagnosis), *_run_part(diagnosis)),
+        facts=_gap_facts(diagnosis),
+        parts=(
+            *_numbers("Gaps of held-out runs in numbers", *_held_out_tables(diagnosis)),
+            *_run_part(diagnosis),
+            *_numbers("Gaps of the runs that the model was fitted to", *_train_tables(diagnosis)),
+        ),
     )
     where = Section(
-        "Where",
-        (_WHERE,),
+        "Where the model disagrees",
         drawings=drawn("where"),
-        tables=_with_rows(text.where_table(diagnosis), text.edges_table(diagnosis)),
+        tables=_with_rows(_untitled(text.where_table(diagnosis)), text.edges_table(diagnosis)),
+        facts=_WHERE,
     )
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Which effect",
-        (diagnosis.why, _WHICH),
+        (_sentence(_in_words(diagnosis.why)),),
         drawings=drawn("ranking"),
-        tables=_with_rows(text.ranking_table(diagnosis)),
-        parts=_matrix_part(diagnosis),
+        facts=_WHICH,
+        parts=(
+            *_numbers("All candidates in numbers", _untitled(text.ranking_table(diagnosis))),
+            *_matrix_part(diagnosis),
+        ),
     )
     refitted = Section(
         "Refitted values",
         (_REFITTED,),
         drawings=drawn("refitted"),
-        tables=_with_rows(text.refitted_table(diagnosis)),
+        parts=_numbers("Refitted values in numbers", _refitted_table(diagnosis)),
     )
     effects = Section(
         "The effects" if diagnosis.effects else "The candidates that remain",
         (
-            *text.effect_lines(diagnosis),
-            _CHANGES if diagnosis.practice else "",
+            *(_sentence(_in_words(line)) for line in text.effect_lines(diagnosis)),
             _SENSOR if any(effect.of_sensor for effect in diagnosis.effects) else "",
         ),
         tables=_with_rows(
@@ -118,23 +142,21 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *changes_tables(diagnosis),
             *lookalikes_tables(diagnosis),
         ),
+        facts=_CHANGES if diagnosis.practice else (),
     )
     missing = Section(
-        "Missing data and runs left out", items=(*text.caveats(diagnosis), *diagnosis.notes)
+        "Missing data and runs left out",
+        items=(*_caveats(diagnosis), *diagnosis.notes),
     )
-    train = Section(
-        "Gaps of the runs that the model was fitted to",
-        tables=text.gap_tables(diagnosis, diagnosis.gap_train, "training runs"),
-    )
+    shape = _shape(diagnosis, drawn("shape"))
     if diagnosis.verdict == "unknown":
         evidence = (shape, where, gap, overlay, effects)
     else:
         evidence = (gap, overlay, effects, where, shape)
-    sections = (_answer(diagnosis), unnamed, *evidence, which, refitted, missing, train)
+    sections = (_answer(diagnosis), unnamed, *evidence, which, refitted, missing)
     return document(
-        f"{diagnosis.model} against {provenance.name}",
-        f"Campaign {provenance.name}, {provenance.source}, {provenance.started[:10]}; "
-        f"bench {provenance.bench}.",
+        f"Model {diagnosis.model} against campaign {provenance.name}",
+        f"{provenance.source.capitalize()}, {provenance.started[:10]}; bench {provenance.bench}.",
         tuple(
             section for section in sections if section is sections[0] or _holds_something(section)
         ),
@@ -146,46 +168,105 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the terminal's headline as sentences."""
     kind, _, finding = text.verdict_sentence(diagnosis).partition(": ")
-    names = [effect.name for effect in diagnosis.effects] + [
-        candidate.name for candidate in diagnosis.alternatives
-    ]
-    for name in names:
-        finding = finding.replace(name, name.replace("_", " "))
+    finding = _in_words(finding)
     if diagnosis.verdict == "named":
         return f"The missing effect is identified: {finding}"
     if diagnosis.verdict == "ambiguous":
         return f"The missing effect is ambiguous: {finding}"
     if diagnosis.verdict == "none":
         return f"No effect is missing: {finding}"
-    return f"Verdict: {kind}. {finding[:1].upper()}{finding[1:]}"
+    return f"Verdict: {kind}. {_sentence(finding)}"
 
 
 def _answer(diagnosis: Diagnosis) -> Section:
-    """Return the first section: the engineer's paragraph, and the files beside the page."""
+    """Return the first section: the engineer's answers, and the files beside the page."""
     files = f"{_NEXT_FILE} {_FILES}" if diagnosis.next_schedule else _FILES
-    return Section(paragraphs=(summary(diagnosis), files))
+    return Section(facts=(*answers(diagnosis), ("Files beside this page", files)))
 
 
-def _table_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
-    tables = text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
-    part = Section("Gap of held-out runs in numbers", tables=tables, folded=True)
-    return (part,) if tables else ()
+def _gap_facts(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
+    held_out = ("Held-out runs", f"Not used for the fit: {', '.join(diagnosis.heldout_runs)}.")
+    signals = (("Signals", _SIGNALS),) if diagnosis.gap_heldout.signals else ()
+    total = diagnosis.gap_heldout.total
+    refitted = _REFUSED if total.refitted == total.before else _REFITTED_STAGE
+    stages = ("Refitted", refitted), ("Expected", _EXPECTED)
+    return (("Gap", _GAP), ("Balances", _BALANCES), *signals, *stages, held_out)
 
 
-def _matrix_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
-    table = matrix_table(diagnosis)
-    part = Section(table.title, (MATRIX_TEXT,), tables=(replace(table, title=""),))
-    return (part,) if table.rows else ()
+def _shape(diagnosis: Diagnosis, drawings: tuple[Drawing, ...]) -> Section:
+    """Return the residuals of each balance: all where they are the answer, else the worst."""
+    if diagnosis.verdict == "unknown":
+        return Section("Shape of the residuals", drawings=drawings)
+    others = Section("Residuals of the other balances", drawings=drawings[1:], folded=True)
+    parts = (replace(others, printed=False),) if others.drawings else ()
+    return Section("Residuals of the worst balance", drawings=drawings[:1], parts=parts)
+
+
+def _held_out_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
+    return text.gap_tables(diagnosis, diagnosis.gap_heldout, "held-out runs")
+
+
+def _train_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
+    return text.gap_tables(diagnosis, diagnosis.gap_train, "training runs")
+
+
+def _refitted_table(diagnosis: Diagnosis) -> WordTable:
+    table = _untitled(text.refitted_table(diagnosis))
+    return replace(table, rows=tuple((value_words(path), words) for path, words in table.rows))
+
+
+def _caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
+    return tuple(
+        _sentence(_in_words(line) if line.startswith("not tried") else line)
+        for line in text.caveats(diagnosis)
+    )
+
+
+def _numbers(title: str, *tables: WordTable) -> tuple[Section, ...]:
+    """Return a folded part of tables, whose numbers the files beside the page contain too."""
+    known = _with_rows(*tables)
+    return (Section(title, tables=known, folded=True, printed=False),) if known else ()
 
 
 def _run_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
     table = run_table(diagnosis, _MOST_RUNS)
-    part = Section(table.title, (_RUNS,), tables=(replace(table, title=""),), folded=True)
-    return (part,) if table.rows else ()
+    parts = _numbers(table.title, _untitled(table))
+    return tuple(replace(part, paragraphs=(_RUNS,)) for part in parts)
+
+
+def _matrix_part(diagnosis: Diagnosis) -> tuple[Section, ...]:
+    table = matrix_table(diagnosis)
+    parts = _numbers(table.title, _untitled(table))
+    return tuple(replace(part, paragraphs=(MATRIX_TEXT,)) for part in parts)
+
+
+def _untitled(table: WordTable) -> WordTable:
+    return replace(table, title="")
 
 
 def _with_rows(*tables: WordTable) -> tuple[WordTable, ...]:
-    return tuple(table for table in tables if table.rows)
+    """Return the tables that have rows, with effects' names in words."""
+    return tuple(
+        WordTable(
+            _in_words(table.title),
+            tuple(map(_in_words, table.head)),
+            tuple(tuple(map(_in_words, row)) for row in table.rows),
+        )
+        for table in tables
+        if table.rows
+    )
+
+
+def _in_words(line: str) -> str:
+    """Return a text with the names of effects and balances in words, not in keys."""
+    return _KEY.sub(
+        lambda key: balance(key[0]).title if key[0] in BALANCE_NAMES else in_words(key[0]), line
+    )
+
+
+def _sentence(line: str) -> str:
+    line = line.strip()
+    return f"{line[:1].upper()}{line[1:]}"
 
 
 def _holds_something(section: Section) -> bool:

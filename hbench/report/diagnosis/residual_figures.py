@@ -47,7 +47,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
             f"{title.capitalize()}\nLoad (kN)" if diagnosis.effects else "Load (kN)"
         )
     for axes, name in zip(panels[0], names, strict=True):
-        axes.set_title(balance(name).title, fontsize=11)
+        axes.set_title(balance(name).title, fontsize=9.5)
     for axes in panels[-1]:
         axes.set_xlabel("Velocity (mm/s)")
     bar = figure.colorbar(

@@ -13,7 +13,15 @@ from hbench.records import (
     WorkingPoint,
 )
 from hbench.report.diagnosis.change_words import listed, main_changes, phrase
-from hbench.report.diagnosis.names import AXES, balance, in_unit, residual_name, share, shown
+from hbench.report.diagnosis.names import (
+    AXES,
+    balance,
+    in_unit,
+    in_words,
+    residual_name,
+    share,
+    shown,
+)
 from hbench.report.render.numbers import number, short, significant
 
 _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is not that exact
@@ -26,12 +34,16 @@ def where_words(point: WorkingPoint | None) -> str:
     """Return the working point in words, as the beginning of a sentence."""
     if point is None:
         return "In these runs"
-    parts = [f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"]
+    motion = f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
     if isfinite(point.f_applied_n):
-        parts[0] += f" under {short(point.f_applied_n)} N"
-    pressures = {"P_Tp": point.p_tp_pa, "P_Tr": point.p_tr_pa, "P_S": point.p_s_pa}
-    parts += [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
-    return f"At the working point of these runs ({', '.join(parts)})"
+        motion += f" under {short(point.f_applied_n)} N"
+    pressures = {
+        "piston side P_Tp": point.p_tp_pa,
+        "rod side P_Tr": point.p_tr_pa,
+        "supply P_S": point.p_s_pa,
+    }
+    parts = [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
+    return f"At the working point of these runs ({', '.join((motion, *parts))})"
 
 
 def at_point_words(
@@ -64,14 +76,14 @@ def odds_words(effect: AddedEffect) -> str:
     if rival is None or not isfinite(rival.margin):
         return "No other effect of the catalogue explains the held-out runs."
     return (
-        f"The held-out runs favour it over the next best explanation, {words(rival.name)}, by "
-        f"{_ratio(rival.margin)}."
+        "The held-out runs favour it over the next best explanation, "
+        f"{in_words(rival.name)}, by {_ratio(rival.margin)}."
     )
 
 
 def closeness(candidates: Sequence[Candidate]) -> str:
     """Return how close the scores of an ambiguous set are."""
-    scores = [f"{words(each.name)} {number(each.score, 0)}" for each in candidates]
+    scores = [f"{in_words(each.name)} {number(each.score, 0)}" for each in candidates]
     return (
         f"Their scores on held-out runs ({', '.join(scores)} nats) are too close to decide: the "
         "true law may differ from the catalogue's by as much."
@@ -98,7 +110,7 @@ def best_candidate(diagnosis: Diagnosis) -> str:
         return ""
     best = diagnosis.ranking[0]
     return (
-        f"The best of {len(diagnosis.ranking)} effects, {words(best.name)}, explains "
+        f"The best of {len(diagnosis.ranking)} effects, {in_words(best.name)}, explains "
         f"{share(best.explained)} of the gap; its score is {number(best.score + 0.0, 1)} nats "
         f"({number(best.threshold, 1)} needed), its size {significant(best.size, 2)} times a "
         "typical one."
@@ -106,14 +118,14 @@ def best_candidate(diagnosis: Diagnosis) -> str:
 
 
 def agreement(diagnosis: Diagnosis) -> str:
-    """Return the gap of held-out runs with the refitted model, beside its floor."""
+    """Return the gap of held-out runs with the refitted model, beside that of a correct one."""
     total = diagnosis.gap_heldout.total
     if not isfinite(total.refitted):
         return ""
     return (
         f"The gap of {len(diagnosis.heldout_runs)} held-out runs is {number(total.refitted, 2)} "
-        "with the refitted model, where 1 is the repeatability of the bench and "
-        f"{number(total.floor, 2)} that of a correct model with parameters as uncertain."
+        "with the refitted model, where 1 is the repeatability of the bench. A correct model with "
+        f"parameters as uncertain has {number(total.floor, 2)} on average."
     )
 
 
@@ -124,7 +136,7 @@ def deviations(gaps: Sequence[Gap]) -> str:
         size = f"{number(gap.gap, 1)} trial scatters"
         if isfinite(gap.deviation):
             size = f"{in_unit(gap, gap.deviation)} ({in_unit(gap, gap.material)} would not matter)"
-        parts.append(f"{balance(gap.name).title}, {size}")
+        parts.append(f"{balance(gap.name).title} by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
     return f"{'; '.join(parts)}{more}"
 
@@ -134,6 +146,7 @@ def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
     point = diagnosis.working_point
     if point is None:
         return ""
+    model = "revised" if diagnosis.effects or diagnosis.unnamed else "refitted"
     shown_names = list(names[:_FEW])
     shown_names += ["speed"] if any(name.startswith("flow_t") for name in shown_names) else []
     shown_names += ["pressure"] if "force_test" in shown_names else []
@@ -144,7 +157,7 @@ def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
             parts.append(
                 f"{significant(shown(value, display), 2)} {display.unit} ({display.title})"
             )
-    return f"{where_words(point)} the revised model is off by {listed(parts)}." if parts else ""
+    return f"{where_words(point)} the {model} model is off by {listed(parts)}." if parts else ""
 
 
 def worst_region(diagnosis: Diagnosis, name: str) -> str:
@@ -175,10 +188,5 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
 
 def title(name: str) -> str:
     """Return an effect's name as the beginning of a sentence."""
-    text = words(name)
+    text = in_words(name)
     return text[:1].upper() + text[1:]
-
-
-def words(name: str) -> str:
-    """Return an effect's name in words."""
-    return name.replace("_", " ")

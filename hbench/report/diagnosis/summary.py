@@ -1,4 +1,4 @@
-"""Summary of a diagnosis for the engineer at the bench: one paragraph for each verdict.
+"""Summary of a diagnosis for the engineer at the bench: a few short answers for each verdict.
 
 What is missing, how large it is at the working point, what it does to force, speed and pressure,
 how sure that is, and what to inspect or to repair. All numbers are those of the diagnosis.
@@ -6,11 +6,10 @@ how sure that is, and what to inspect or to repair. All numbers are those of the
 
 from collections.abc import Iterator
 
-from hbench.records import (
-    Diagnosis,
-)
+from hbench.records import AddedEffect, Diagnosis
 from hbench.report.diagnosis.change_words import along_words, listed, main_changes
 from hbench.report.diagnosis.law_words import law_summary
+from hbench.report.diagnosis.names import in_words
 from hbench.report.diagnosis.sentences import (
     advice,
     agreement,
@@ -23,43 +22,57 @@ from hbench.report.diagnosis.sentences import (
     residual_words,
     title,
     where_words,
-    words,
     worst_region,
 )
 from hbench.report.render.numbers import number
 
+Answer = tuple[str, str]  # question in a few words, and sentences
 
-def summary(diagnosis: Diagnosis) -> str:
-    """Return the paragraph of the page."""
-    return _paragraph(diagnosis, _sentences(diagnosis))
+_FINDING, _SIZE, _ALONG = "Finding", "Size at the working point", "Size over all runs"
+_RESIDUALS = "Residuals"
+_EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
+
+
+def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
+    """Return the answers of the page; the working point is described once."""
+    where, described, texts = where_words(diagnosis.working_point), False, dict[str, str]()
+    for question, sentence in _answers(diagnosis):
+        if described:
+            sentence = sentence.replace(where, "There")
+        described = described or where in sentence
+        if sentence:
+            texts[question] = " ".join(filter(None, (texts.get(question), sentence)))
+    return tuple(texts.items())
 
 
 def short_summary(diagnosis: Diagnosis) -> str:
     """Return the paragraph of the terminal, which follows the verdict's sentence."""
-    return _paragraph(diagnosis, _short_sentences(diagnosis))
-
-
-def _paragraph(diagnosis: Diagnosis, sentences: Iterator[str]) -> str:
-    """Join sentences; the working point is described once."""
-    text, where = " ".join(filter(None, sentences)), where_words(diagnosis.working_point)
+    text = " ".join(filter(None, _short_sentences(diagnosis)))
+    where = where_words(diagnosis.working_point)
     before, found, after = text.partition(where)
     return before + found + after.replace(where, "There")
 
 
-def _sentences(diagnosis: Diagnosis) -> Iterator[str]:
-    if diagnosis.effects:
-        yield from _named(diagnosis)
+def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
+    for effect in diagnosis.effects:
+        own = f"{title(effect.name)}: " if len(diagnosis.effects) > 1 else ""
+        for question, sentence in _named(diagnosis, effect):
+            yield (f"{own}{question.lower()}" if own else question), sentence
     if diagnosis.alternatives:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects and diagnosis.rest:
-        yield f"Not explained: {deviations(diagnosis.rest)}."
-        yield law_summary(diagnosis.unnamed)
+        yield _NOT_EXPLAINED, f"{_upper(deviations(diagnosis.rest))}."
+        yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
     if diagnosis.effects or diagnosis.alternatives:
         return
     if diagnosis.verdict == "unknown":
         yield from _unknown(diagnosis) if diagnosis.where else _insufficient(diagnosis)
     else:
         yield from _none(diagnosis)
+
+
+def _upper(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
@@ -71,11 +84,11 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         if effect.name in practice:
             yield advice(practice[effect.name])
     if diagnosis.alternatives:
-        yield from _ambiguous_sizes(diagnosis, brief=True)
+        yield _ambiguous_sizes(diagnosis, brief=True)
         yield from _separation(diagnosis)
     elif not diagnosis.effects:
         if diagnosis.verdict == "unknown" and not diagnosis.where:
-            yield from _insufficient(diagnosis)
+            yield from (sentence for _, sentence in _insufficient(diagnosis))
         elif diagnosis.verdict == "unknown":
             yield f"Not explained: {deviations(diagnosis.rest or diagnosis.where[:1])}."
             yield law_summary(diagnosis.unnamed)
@@ -88,47 +101,50 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
 # ---- verdicts
 
 
-def _named(diagnosis: Diagnosis) -> Iterator[str]:
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    for effect in diagnosis.effects:
-        kind = "error of the measurement" if effect.of_sensor else "effect of the bench"
-        yield (
-            f"{title(effect.name)} is an {kind} that the model does not contain: "
-            f"{effect.description}."
-        )
-        if effect.name in practice:
-            yield at_point_words(diagnosis.working_point, practice[effect.name])
-            if along := along_words(practice[effect.name]):
-                yield f"Computed along the measured logs with and without it, it changes {along}."
-        yield (
-            "With it the gap of held-out runs in the balances that it touches falls from "
-            f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)}, "
-            "where 1 is the repeatability of the bench."
-        )
-        yield odds_words(effect)
-        if effect.name in practice:
-            yield advice(practice[effect.name])
+def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
+    practice = {each.name: each for each in diagnosis.practice}.get(effect.name)
+    kind = "error of the measurement" if effect.of_sensor else "effect of the bench"
+    yield (
+        _FINDING,
+        f"{title(effect.name)} is an {kind} that the model does not contain: {effect.description}.",
+    )
+    if practice:
+        yield _SIZE, at_point_words(diagnosis.working_point, practice)
+        if along := along_words(practice):
+            yield _ALONG, f"Evaluated along all logs, with it and without it, it changes {along}."
+    yield (
+        _EVIDENCE,
+        "It reduces the gap of held-out runs in the balances that it touches from "
+        f"{number(effect.gap_before, 1)} to {number(effect.gap_after, 1)}, where 1 is the "
+        "repeatability of the bench.",
+    )
+    yield _EVIDENCE, odds_words(effect)
+    if practice:
+        yield _ACTION, advice(practice)
 
 
-def _ambiguous(diagnosis: Diagnosis) -> Iterator[str]:
-    names = " or ".join(words(candidate.name) for candidate in diagnosis.alternatives)
+def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
+    names = " or ".join(in_words(candidate.name) for candidate in diagnosis.alternatives)
     also = "also " if diagnosis.effects else ""
-    yield f"The model {also}does not contain {names}; these runs cannot show which it is."
-    yield from _ambiguous_sizes(diagnosis)
-    yield closeness(diagnosis.alternatives)
-    yield from _separation(diagnosis)
+    yield (
+        _FINDING if not also else "Further finding",
+        f"The model {also}does not contain {names}; these runs cannot show which it is.",
+    )
+    yield _SIZE, _ambiguous_sizes(diagnosis)
+    yield _EVIDENCE, closeness(diagnosis.alternatives)
+    for sentence in _separation(diagnosis):
+        yield _ACTION, sentence
 
 
-def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> Iterator[str]:
+def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
     parts = [
-        f"{words(effect.name)} would mean that {listed([clause(c, diagnosis) for c in changes])}"
+        f"{in_words(effect.name)} would mean that {listed([clause(c, diagnosis) for c in changes])}"
         for effect in chosen
         if (changes := main_changes(effect)[: 1 if brief else None])
     ]
-    if parts:
-        yield f"{where_words(diagnosis.working_point)} {'; '.join(parts)}."
+    return f"{where_words(diagnosis.working_point)} {'; '.join(parts)}." if parts else ""
 
 
 def _separation(diagnosis: Diagnosis) -> Iterator[str]:
@@ -140,7 +156,7 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
         for effect in (practice[name] for name in names if name in practice):
             for other in effect.lookalikes:
                 if other.name in names[names.index(effect.name) :]:
-                    pair = f"{words(effect.name)} and {words(other.name)}"
+                    pair = f"{in_words(effect.name)} and {in_words(other.name)}"
                     yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
     experiment = diagnosis.next_experiment or ""
     inspect = [practice[name].inspect for name in names if name in practice]
@@ -149,37 +165,39 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"At the bench, inspect {'; or '.join(inspect)}."
 
 
-def _unknown(diagnosis: Diagnosis) -> Iterator[str]:
+def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
     yield (
-        "The measurement deviates from the model, and no effect of the catalogue explains how: "
-        f"{deviations(gaps)}."
+        _FINDING,
+        "The measurement deviates from the model, and no effect of the catalogue explains it: "
+        f"{deviations(gaps)}.",
     )
-    yield law_summary(diagnosis.unnamed)
-    yield residual_words(diagnosis, [gap.name for gap in gaps])
-    yield worst_region(diagnosis, gaps[0].name)
-    yield agreement(diagnosis)
-    yield best_candidate(diagnosis)
+    yield _FINDING, law_summary(diagnosis.unnamed)
+    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
+    yield _RESIDUALS, worst_region(diagnosis, gaps[0].name)
+    yield _EVIDENCE, agreement(diagnosis)
+    yield _EVIDENCE, best_candidate(diagnosis)
     yield (
+        _ACTION,
         "No part can be named for inspection. The shape of the residuals below shows under which "
-        "conditions to look."
+        "conditions to look.",
     )
-    yield diagnosis.next_experiment or ""
+    yield _ACTION, diagnosis.next_experiment or ""
 
 
-def _none(diagnosis: Diagnosis) -> Iterator[str]:
-    yield "Nothing is missing in the model within what these runs can show."
-    yield agreement(diagnosis)
-    yield residual_words(diagnosis, [gap.name for gap in diagnosis.where])
-    yield best_candidate(diagnosis)
-    yield "There is nothing to inspect or to repair."
+def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
+    yield _FINDING, "Nothing is missing in the model within what these runs can show."
+    yield _EVIDENCE, agreement(diagnosis)
+    yield _EVIDENCE, best_candidate(diagnosis)
+    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in diagnosis.where])
+    yield _ACTION, "There is nothing to inspect or to repair."
     if diagnosis.refitted:
-        yield "Use model.yaml, which has the refitted values."
+        yield _ACTION, "Use model.yaml, which has the refitted values."
 
 
-def _insufficient(diagnosis: Diagnosis) -> Iterator[str]:
-    yield "These runs do not suffice to find a missing effect, so its size is not known."
+def _insufficient(diagnosis: Diagnosis) -> Iterator[Answer]:
+    yield _FINDING, "These runs do not suffice to find a missing effect, so its size is not known."
     if diagnosis.missing:
-        yield f"Missing: {diagnosis.missing[0]}."
-    yield "There is nothing to inspect or to repair before these are measured."
-    yield diagnosis.next_experiment or ""
+        yield _ACTION, f"Missing: {diagnosis.missing[0]}."
+    yield _ACTION, "There is nothing to inspect or to repair before these are measured."
+    yield _ACTION, diagnosis.next_experiment or ""

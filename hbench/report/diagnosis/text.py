@@ -11,13 +11,14 @@ from hbench.records import (
     GapTable,
     WordTable,
 )
-from hbench.report.diagnosis.change_words import changes_tables
+from hbench.report.diagnosis.change_words import changes_tables, listed
 from hbench.report.diagnosis.law_words import law_line
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     EDGES,
     DisplayName,
     balance,
+    coefficient_words,
     in_unit,
     parameter_text,
     share,
@@ -36,7 +37,11 @@ _UNIT_OF_GAP = "Gaps are in units of the trials' scatter: 1 is the repeatability
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:
     """Return the verdict, every table and the caveats, for a terminal (ASCII)."""
-    blocks = [f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}", gap_line(diagnosis)]
+    unit = _UNIT_OF_GAP if diagnosis.gap_heldout.balances else ""
+    blocks = [
+        f"{verdict_sentence(diagnosis)}\n{short_summary(diagnosis)}",
+        f"{gap_line(diagnosis)} {unit}".strip(),
+    ]
     blocks += (diagnosis.why, *effect_lines(diagnosis), *law_lines(diagnosis))
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
@@ -79,9 +84,14 @@ def gap_line(diagnosis: Diagnosis) -> str:
     if not diagnosis.gap_heldout.balances:
         return ""
     steps = ", ".join(
-        f"{number(getattr(total, step), 2)} {title}" for step, title in steps_of(diagnosis).items()
+        f"{number(getattr(total, step), 2)} {title}"
+        for step, title in steps_of(diagnosis).items()
+        if step != "floor"
     )
-    return f"Gap of held-out runs, all balances: {steps}. {_UNIT_OF_GAP}"
+    return (
+        f"Gap of held-out runs, all balances: {steps}. A correct model with parameters as "
+        f"uncertain has {number(total.floor, 2)} on average."
+    )
 
 
 def effect_words(effect: AddedEffect) -> str:
@@ -91,7 +101,7 @@ def effect_words(effect: AddedEffect) -> str:
     """
     free = {name: p for name, p in effect.parameters.items() if not p.at_bound}
     chosen = free or effect.parameters
-    each = ", ".join(f"{name} {parameter_text(p)}" for name, p in chosen.items())
+    each = ", ".join(f"{coefficient_words(name)} {parameter_text(p)}" for name, p in chosen.items())
     return f"{effect.name} ({each})"
 
 
@@ -111,10 +121,10 @@ def diagnosis_tables(diagnosis: Diagnosis) -> tuple[WordTable, ...]:
 
 
 def effect_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Return for each effect whether it is the plant's or a sensor's, its law and its form."""
+    """Return for each effect whether it is the bench's or a sensor's, its law and its form."""
     return tuple(
-        f"{effect.name} ({'sensor' if effect.of_sensor else 'plant'}): {effect.description}; "
-        f"form: {effect.shape or 'the textbook one'}."
+        f"{effect.name} (of the {'sensors' if effect.of_sensor else 'bench'}): "
+        f"{effect.description}; form: {effect.shape or 'the textbook one'}."
         for effect in diagnosis.effects
     )
 
@@ -134,7 +144,7 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
         gains = (number(added.gap_before, 2), number(added.gap_after, 2), short(added.score), rival)
         for i, (name, p) in enumerate(added.parameters.items()):
             effect, cells = ("", ("",) * len(gains)) if i else (added.name, gains)
-            rows.append((effect, name, parameter_text(p), *cells))
+            rows.append((effect, coefficient_words(name), parameter_text(p), *cells))
     head = ("effect", "coefficient", "value with 95 % interval", "gap before", "after")
     return WordTable(
         "Effects that were added; gaps of held-out runs in the balances they touch",
@@ -189,24 +199,26 @@ def edges_table(diagnosis: Diagnosis) -> WordTable:
 
 def gap_tables(diagnosis: Diagnosis, table: GapTable, of: str) -> tuple[WordTable, ...]:
     """Return the gaps of some runs: balances with their total, signals in closed and open loop."""
-    steps = steps_of(diagnosis)
 
-    def rows(of: Mapping[str, BeforeAfter], display_name: Callable[[str], DisplayName]) -> Rows:
-        return tuple(
+    def table_of(
+        kind: str,
+        title: str,
+        gaps: Mapping[str, BeforeAfter],
+        display_name: Callable[[str], DisplayName],
+    ) -> WordTable:
+        steps = steps_of(diagnosis, of_balances=kind == "balance")
+        rows = tuple(
             (display_name(name).title, *(number(getattr(gap, step), 2) for step in steps))
-            for name, gap in of.items()
+            for name, gap in gaps.items()
         )
+        return WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows)
 
     groups = (
         ("balance", "balances", with_total(table), balance),
         ("signal", "signals, closed loop", table.signals, signal),
         ("signal", "signals, open loop", table.open_loop, signal),
     )
-    return tuple(
-        WordTable(f"Gap of {of}: {title}", (kind, *steps.values()), rows(values, display_name))
-        for kind, title, values, display_name in groups
-        if values
-    )
+    return tuple(table_of(*group) for group in groups if group[2])
 
 
 def with_total(table: GapTable) -> dict[str, BeforeAfter]:
@@ -272,4 +284,4 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
 
 
 def _list(gaps: tuple[Gap, ...]) -> str:
-    return ", ".join(balance(gap.name).title for gap in gaps)
+    return listed([balance(gap.name).title for gap in gaps])

@@ -149,11 +149,14 @@ def _outside(spreads: Iterable[Spread]) -> str:
     for spread in spreads:
         if spread.below or spread.above:
             side = "" if spread.direction is None else f"{_title(spread)}: "
-            sentences.append(
-                f"{side}{spread.below} campaigns lie further left and {spread.above} further right "
-                "than the figure shows."
-            )
+            ways = (("left", spread.below), ("right", spread.above))
+            beyond = " and ".join(f"{_lie(count)} further {way}" for way, count in ways if count)
+            sentences.append(f"{side}{beyond} than the figure shows.")
     return " ".join(sentences)
+
+
+def _lie(count: int) -> str:
+    return "1 campaign lies" if count == 1 else f"{count} campaigns lie"
 
 
 def _read_as(spreads: Iterable[Spread]) -> str:

@@ -166,6 +166,9 @@ def _of(drawings: tuple[Drawing, ...], section: str) -> tuple[Drawing, ...]:
     return tuple(drawing for drawing in drawings if drawing.section == section)
 
 
+_OUTLIERS = ("outlier", "outliers")
+
+
 def _tiles(fleet: Fleet) -> Iterator[Tile]:
     good = fleet.campaigns - fleet.failed
     failed = f"{fleet.failed} failed" if fleet.failed else "none failed"
@@ -173,7 +176,7 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
     for name, count in fleet.decisions:
         yield Tile(str(count), "", f"decision {name} (hbench accept)")
     if any(suspect.deviations for suspect in fleet.worst):
-        yield Tile(str(fleet.outliers), "", "outliers", "method-outliers")
+        yield Tile(str(fleet.outliers), "", _OUTLIERS[fleet.outliers != 1], "method-outliers")
     trends = [spread.trend for spread in fleet.spreads if spread.trend is not None]
     if trends:
         drifts = sum(trend.real for trend in trends)

@@ -1,6 +1,7 @@
 """The page of an identification."""
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -25,13 +26,16 @@ _SOURCE = (
     "Estimation for Hydraulic Asymmetrical Cylinders, Aalborg University, 2011."
 )
 _PARTS = (
-    "Steady: the reference has been constant for 0.3 s. Rest: the reference has been zero for 0.3 "
-    "s; there friction is the force that holds the piston."
-)
+    ("Steady", "The reference has been constant for 0.3 s."),
+    ("Rest", "The reference has been zero for 0.3 s; there friction is the force that holds the "
+     "piston."),
+    ("Unsteady", "All other samples."),
+)  # fmt: skip
 _SECTION = "Use one with hbench run --plant, or copy its section into a bench file."
 _SCATTER = (
-    "The trials' scatter is their rms difference from their mean. A part of it comes from their "
-    "initial states, which a simulation of the same trials reproduces."
+    "Trials' scatter",
+    "Root mean square difference of the trials from their mean. A part of it comes from their "
+    "initial states, which a simulation of the same trials reproduces.",
 )
 _RAMPS = (
     "In the source, friction of ramps and of steady runs differs (section 6.2). The table has the "
@@ -44,25 +48,24 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     provenance = identification.provenance
     files = ", ".join(f"{law.law}.yaml" for law in identification.laws if law.fit is not None)
     plants = f"Each law is a plant file beside this page: {files}. "
-    read = (
-        [_PARTS, _SCATTER]
-        if identification.scatter
-        else []
-        if identification.not_verified
-        else [_PARTS]
-    )
+    read = (*_PARTS, _SCATTER) if identification.scatter else _PARTS
     tables = {table.title: _named(table) for table in identification_tables(identification)}
     drawings = tuple(drawings)
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
     overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
     profiles = tuple(drawing for drawing in drawings if drawing not in (*steady, *overview))
-    verified = [tables[title] for title in (ERRORS, HELD_OUT) if title in tables]
-    parameters = [_without_empty(tables[PARAMETERS])] if PARAMETERS in tables else []
+    verified = [_once(tables[title]) for title in (ERRORS, HELD_OUT) if title in tables]
+    parameters = _of_each_law(tables[PARAMETERS]) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title="")] if RAMPS in tables else []
     sections = (
         Section("Friction over speed", drawings=steady),
-        Section("Identified parameters", (f"{plants}{_SECTION}",), tables=tuple(parameters)),
-        Section("Verification", tuple(read), drawings=overview, tables=tuple(verified)),
+        Section("Identified parameters", (f"{plants}{_SECTION}",), tables=parameters),
+        Section(
+            "Verification",
+            drawings=overview,
+            tables=tuple(verified),
+            facts=read if verified else (),
+        ),
         Section(
             "Verification profile",
             parts=(
@@ -72,10 +75,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
             else (),
         ),
         Section("Steady runs and ramps", (_RAMPS,) if ramps else (), tables=tuple(ramps)),
-        Section(
-            "Missing or uncertain results",
-            items=tuple(map(_worded, (*reasons(identification), *identification.notes))),
-        ),
+        _remarks(identification),
     )
     return document(
         "Friction laws of the test cylinder",
@@ -84,32 +84,62 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
         tuple(
             section
             for section in sections
-            if section.drawings or section.tables or section.items or section.parts
+            if section.drawings or section.tables or section.items or section.facts or section.parts
         ),
         _verdict(identification),
         provenance.source,
     )
 
 
-def _folded(profiles: tuple[Drawing, ...]) -> tuple[Section, ...]:
-    if not profiles:
-        return ()
-    title = f"Measurement and model of each law over time ({len(profiles)} figures)"
-    return (Section(title, drawings=profiles, folded=True),)
+def _remarks(identification: Identification) -> Section:
+    """Return the remarks on each law, and those on the runs and the model."""
+    facts, items = [], []
+    for sentence in (*reasons(identification), *identification.notes):
+        law, colon, rest = in_words(sentence.strip()).partition(": ")
+        if colon and law in FRICTION_LAWS:
+            facts.append((law_words(law), _sentences(rest)))
+        else:
+            items.append(_sentences(f"{law_words(law)}{colon}{rest}"))
+    return Section("Missing or uncertain results", items=tuple(items), facts=tuple(facts))
 
 
-def _worded(sentence: str) -> str:
-    """Return a sentence with titles in place of the names of laws and parameters."""
-    law, colon, rest = in_words(sentence.strip()).partition(":")
-    name = law_words(law) if law in FRICTION_LAWS else law
-    return f"{name[:1].upper()}{name[1:]}{colon}{rest}"
+def _sentences(message: str) -> str:
+    """Return the parts of a message, which semicolons separate, as sentences."""
+    parts = re.sub(r"\b(extend|retract): (?=\w)", r"\1ing: ", message).split("; ")
+    return " ".join(f"{_capital(part).rstrip('.')}." for part in parts)
+
+
+def _capital(text: str) -> str:
+    """Begin with a capital letter, except with a symbol such as ``n = 1``."""
+    return text if text[1:2] == " " else f"{text[:1].upper()}{text[1:]}"
+
+
+def _of_each_law(table: WordTable) -> tuple[WordTable, ...]:
+    """Return a table for each law, without the columns that have no entry."""
+    laws = dict.fromkeys(law for law, *_ in table.rows)
+    return tuple(
+        _without_empty(
+            WordTable(name, table.head[1:], tuple(row[1:] for row in table.rows if row[0] == name))
+        )
+        for name in laws
+    )
 
 
 def _without_empty(table: WordTable) -> WordTable:
-    """Return a table without title and without the columns that have no entry."""
+    """Return a table without the columns that have no entry."""
     kept = [i for i, cells in enumerate(zip(*table.rows, strict=True)) if any(cells)]
     rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
-    return WordTable("", tuple(table.head[i] for i in kept), rows)
+    return replace(table, head=tuple(table.head[i] for i in kept), rows=rows)
+
+
+def _once(table: WordTable) -> WordTable:
+    """Return a table that has the name of a law in the first of its rows only."""
+    names = [row[0] for row in table.rows]
+    repeated = [name == before for before, name in zip(["", *names], names, strict=False)]
+    rows = tuple(
+        ("", *row[1:]) if same else row for same, row in zip(repeated, table.rows, strict=True)
+    )
+    return replace(table, rows=rows)
 
 
 def _named(table: WordTable) -> WordTable:
@@ -136,8 +166,10 @@ def _closest(identification: Identification) -> str:
     }
     if not errors:
         return ""
-    best = min(errors, key=errors.__getitem__)
-    text = f"{law_words(best)} predicts friction best: RMS error {significant(errors[best], 2)} N"
+    least = significant(min(errors.values()), 2)
+    best = [law_words(law) for law, error in errors.items() if significant(error, 2) == least]
+    verb = "predict" if len(best) > 1 else "predicts"
+    text = f"{' and '.join(best)} {verb} friction best: RMS error {least} N"
     scatter = identification.scatter and _rms_n(tuple(identification.scatter.values()))
     more = f", where the trials scatter by {significant(scatter, 2)} N" if scatter else ""
     return f"{text}{more}. "

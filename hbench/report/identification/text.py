@@ -18,7 +18,7 @@ from hbench.records import (
 from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import NONE, force, number, significant
+from hbench.report.render.numbers import force, number, significant, with_ends
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
@@ -26,7 +26,7 @@ SCHEMA = "hbench.identification/1"
 _ERRORS_HEAD = (
     *("Law", "Part", "Friction (N)", "Velocity (mm/s)", "P_Tp (bar)", "P_Tr (bar)", "Samples"),
 )
-_PARAMETERS_HEAD = ("Law", "Parameter", "Unit", "Value", "95 % interval", "Remark")
+_PARAMETERS_HEAD = ("Law", "Parameter", "Value with 95 % interval", "Unit", "Remark")
 _RAMPS_HEAD = (
     *("Direction", "Load", "Ramp (m/s²)", "Steady fit on steady (N)", "Steady fit on ramp (N)"),
     *("Ramp fit on steady (N)", "Ramp fit on ramp (N)"),
@@ -110,11 +110,6 @@ def reasons(identification: Identification) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def interval(limits: tuple[float, float] | None) -> str:
-    """Write the ends of an interval."""
-    return NONE if limits is None else " … ".join(significant(end, 4) for end in limits)
-
-
 def _law(law: IdentifiedLaw) -> dict[str, Any]:
     fit = law.fit
     return {
@@ -175,12 +170,13 @@ def _parameter_rows(identification: Identification) -> list[tuple[str, ...]]:
 def _parameter_row(law: str, name: str, parameter: FitParameter) -> tuple[str, ...]:
     """Write a parameter with its title and symbol, in the unit of pages and bench files."""
     words, unit = parameter_words(name, parameter.unit)
-    ends = None
-    if parameter.ci95 is not None:
-        ends = from_si(parameter.ci95[0], unit), from_si(parameter.ci95[1], unit)
-    bound = f"at {parameter.at_bound} bound" if parameter.at_bound else ""
-    value = significant(from_si(parameter.value, unit), 4)
-    return (law, words, unit, value, interval(ends), bound)
+    value = from_si(parameter.value, unit)
+    if parameter.ci95 is None:
+        text, remark = significant(value, 3), "no interval"
+    else:
+        text, remark = with_ends(value, *(from_si(end, unit) for end in parameter.ci95)), ""
+    remark = f"at {parameter.at_bound} bound" if parameter.at_bound else remark
+    return (law, words, text, unit, remark)
 
 
 def parameter_words(name: str, unit: str) -> tuple[str, str]:

@@ -54,6 +54,7 @@ class Section:
     tiles: tuple[Tile, ...] = ()
     anchor: str = ""  # by default derived from the title
     folded: bool | None = None  # behind its title: whether it starts folded; None: not at all
+    printed: bool = True  # on paper; of folded parts whose numbers are in files beside the page
 
 
 @dataclass(frozen=True)

@@ -104,7 +104,7 @@
     scroller.classList.toggle("more", hidden > 2);
   };
   const resized = new ResizeObserver((entries) => entries.forEach((entry) => hint(entry.target)));
-  for (const scroller of document.querySelectorAll(".scroll")) {
+  for (const scroller of document.querySelectorAll(".scroll, .wide .canvas")) {
     resized.observe(scroller);
     scroller.addEventListener("scroll", () => hint(scroller), { passive: true });
   }

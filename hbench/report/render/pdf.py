@@ -9,10 +9,12 @@ import io
 from collections.abc import Iterator
 from importlib.metadata import version
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from PIL import Image
 
 from hbench.records import WordTable
 from hbench.report.render.document import Document, Section, numeric
@@ -37,6 +39,8 @@ _BODY, _SMALL = 8.5, 7.5  # size of letters, points
 _TITLE, _SECTION, _PART = 17.0, 13.0, 10.0
 _GAP = 14.0  # between figures side by side
 _FIGURE = (INNER - _GAP) / 2
+_PALETTE = 250  # colours of an image
+_BESIDE = 24.0  # of a caption beside its figure, from the top
 _LABEL = 0.22  # share of a fact's name
 _ALARM = "#9b1111"
 _HEADER = 34.0  # base of the running header and, from below, of the footer
@@ -108,7 +112,7 @@ def _set(pen: Pen, section: Section, size: float) -> None:
     for table in section.tables:
         _table(pen, table)
     _facts(pen, section.facts)
-    for part in section.parts:
+    for part in (part for part in section.parts if part.printed):
         _set(pen, part, _PART)
 
 
@@ -156,27 +160,46 @@ def _facts(pen: Pen, facts: tuple[tuple[str, str], ...] | list[tuple[str, str]])
 def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
     """Set figures, two side by side or one over the whole width, and their captions below."""
     for row in _side_by_side(drawings):
-        images = [imread(io.BytesIO(drawing.png)) for drawing in row]
+        images = [_few_colours(drawing.png) for drawing in row]
         sizes = [(image.shape[1] / PNG_DPI, image.shape[0] / PNG_DPI) for image in images]
         wide = INNER if row[0].wide else _FIGURE
         heights = [wide * height / width for width, height in sizes]
-        pen.room(max(heights) + 20)
+        beside = len(row) == 1 and not row[0].wide  # its caption: the half of the sheet is free
+        captions = [wrapped(_caption(drawing, drawings), wide, _SMALL) for drawing in row]
+        below = 0.0 if beside else max(map(len, captions)) * _SMALL * LINE
+        pen.room(max(heights) + below + 8)
         pen.space(6)
+        top, bottom = pen.y, pen.y + max(heights) + 2
         for column, (image, height) in enumerate(zip(images, heights, strict=True)):
             left = LEFT + column * (_FIGURE + _GAP)
             box = (
                 left / SHEET_WIDTH,
-                1 - (pen.y + height) / SHEET_HEIGHT,
+                1 - (top + height) / SHEET_HEIGHT,
                 wide / SHEET_WIDTH,
                 height / SHEET_HEIGHT,
             )
             axes = pen.done[-1].add_axes(box)
             axes.imshow(image, aspect="auto", interpolation="none")
             axes.set_axis_off()
-        pen.space(max(heights) + 2)
-    for caption in dict.fromkeys(drawing.caption for drawing in drawings if drawing.caption):
-        titles = ", ".join(drawing.title for drawing in drawings if drawing.caption == caption)
-        pen.words(f"{titles}. {caption}", _SMALL, color=QUIET)
+        for column, lines in enumerate(captions, start=int(beside)):
+            pen.y = top + _BESIDE if beside else bottom
+            for line in lines:
+                pen.write(line, _SMALL, x=LEFT + column * (_FIGURE + _GAP), color=QUIET)
+        pen.y = bottom + below
+
+
+def _few_colours(png: bytes) -> np.ndarray:
+    """Return an image (h, w, 3) of so few colours that matplotlib writes it with a palette."""
+    pixels = np.round(255 * imread(io.BytesIO(png))).astype(np.uint8)
+    image = Image.fromarray(pixels).convert("RGB")
+    return np.asarray(image.quantize(_PALETTE, dither=Image.Dither.NONE).convert("RGB"))
+
+
+def _caption(drawing: Drawing, drawings: tuple[Drawing, ...]) -> str:
+    """Return a figure's title and caption; a caption of the section is written out once."""
+    first = next(each for each in drawings if each.caption == drawing.caption)
+    caption = drawing.caption if first is drawing else f"As for {first.title}."
+    return f"{drawing.title}. {caption}".strip()
 
 
 def _side_by_side(drawings: tuple[Drawing, ...]) -> Iterator[list[Drawing]]:

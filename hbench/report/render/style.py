@@ -28,6 +28,7 @@ DARK = {
     "#374151": "#a9b2bd",
     "#6b7280": "#9aa4b1",
     "#9ca3af": "#77808c",
+    "#d1d5db": "#4b5563",
     "#e5e7eb": "#323841",
 }
 ON_MAPS = "#fefefe"  # white in the dark too, on the colours of a map

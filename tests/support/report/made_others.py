@@ -18,7 +18,6 @@ from hbench.records import (
 )
 from hbench.report.campaign.page import report_document
 from hbench.report.comparison.text import differences_page
-from hbench.report.identification.page import identification_page
 from hbench.report.render.document import page
 
 LONG = "W" * 300
@@ -64,8 +63,3 @@ def aborted_page(results):
     quality = replace(results.quality, completeness=completeness)
     broken = replace(results, runs=(*results.runs[:-1], last), quality=quality)
     return page(report_document(broken, ()))
-
-
-def laws_page(results):
-    """The page of an identification, without its figures."""
-    return identification_page(made_identification(results), ())
