@@ -64,8 +64,9 @@ _ASSUMED = (
 _NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
 _MUCH = 0.25  # of a run's windows
 _OSCILLATES = (
-    "In {count} runs (first {run}) the control oscillates faster than the log resolves. The balances "
-    "of flows and forces leave those windows out. Log faster, or lower the gains of the loops."
+    "In {count} runs (first {run}) the control oscillates faster than the log resolves. The "
+    "balances of flows and forces leave those windows out. Log faster, or lower the gains of the "
+    "loops."
 )
 _STOPPED = "No gaps of signals: the simulation with the {} model ended early ({})."
 
