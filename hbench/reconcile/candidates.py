@@ -42,6 +42,7 @@ _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger on
 _REFIT_ROUNDS = 8  # of evaluation and fit
 _FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it
 _NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluation below
+_NEGLIGIBLE_GAIN = 0.5  # nats of a step, a tenth of what an effect must gain; it is the last one
 
 
 @dataclass(frozen=True)
@@ -125,6 +126,8 @@ class CandidateEvaluator:
             better = self._step_towards(current, effects, beta)
             if better is None:
                 break
+            if self._cost(current, effects) - self._cost(better, effects) < _NEGLIGIBLE_GAIN:
+                return better
             current = self.with_columns(better, names)
         return current
 
