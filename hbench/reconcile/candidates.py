@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import (
     CrossValidation,
     Fit,
@@ -33,6 +34,7 @@ from hbench.reconcile.linearised import (
     linearise,
     linearise_residuals,
 )
+from hbench.reconcile.window_sums import is_change
 from hbench.records import Candidate
 
 TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogue's order
@@ -76,9 +78,17 @@ def ambiguity_margin(best: float) -> float:
 
 
 def indistinguishable(accepted: Sequence[Candidate]) -> tuple[Candidate, ...]:
-    """Return the candidates whose scores are close to that of the first, the best one."""
-    least = accepted[0].score - ambiguity_margin(accepted[0].score)
-    return tuple(candidate for candidate in accepted if candidate.score >= least)
+    """Return the candidates whose scores are close to that of the first, the best one.
+
+    An effect on other balances is no rival: it explains something else.
+    """
+    best = accepted[0]
+    least, balances = best.score - ambiguity_margin(best.score), EFFECTS[best.name].balances
+    return tuple(
+        each
+        for each in accepted
+        if each.score >= least and not set(balances).isdisjoint(EFFECTS[each.name].balances)
+    )
 
 
 @dataclass(frozen=True)
@@ -219,8 +229,8 @@ class CandidateEvaluator:
             with_effect = better
         after = self._cross_validate(with_effect, joined)
         gain = float((log_likelihood(after) - log_likelihood(before))[0])
-        chosen = with_effect.index(joined)
-        values = self._values(with_effect, name, chosen, self._fit(with_effect, joined))
+        keys = with_effect.coefficients_of([name])
+        values = {which: with_effect.hypothesis.coefficient(which) for which in keys}
         share = explained_share(name, model, before, after)
         candidate = self._candidate(name, gain, share, values, "full")
         return EvaluatedCandidate(candidate, with_effect)
@@ -246,17 +256,26 @@ class CandidateEvaluator:
 def explained_share(
     name: str, model: LinearisedModel, before: CrossValidation, after: CrossValidation
 ) -> float:
-    """Return the share of the excess gap that an effect explains in the balances it changes."""
+    """Return the share of the excess gap that an effect explains in the balances it changes.
+
+    The share of the values or that of the changes between windows, whichever is larger: an effect
+    that acts for a moment is a small part of the values.
+    """
     columns = [model.column(which) for which in model.coefficients_of([name])]
     nonzero = np.einsum("pgjj->gj", model.data.columns)[:, columns].any(axis=1)
     balances = {
         balance for (balance, _), changed in zip(model.data.groups, nonzero, strict=True) if changed
     }
     touched = np.isin([balance for balance, _ in model.data.groups], list(balances))
+    change = np.array([is_change(kind) for _, kind in model.data.groups])
 
-    def excess(prediction: CrossValidation) -> float:
-        above_noise = np.maximum(prediction.variance[0] - prediction.noise, 0.0)
-        return float((above_noise * prediction.windows)[touched].sum())
+    def explained(groups: np.ndarray) -> float:
+        total, left = (_excess(each, groups) for each in (before, after))
+        return 1 - left / total if total > 0 else 0.0
 
-    total = excess(before)
-    return 1 - excess(after) / total if total > 0 else 0.0
+    return max(explained(touched & ~change), explained(touched & change))
+
+
+def _excess(prediction: CrossValidation, groups: np.ndarray) -> float:
+    above_noise = np.maximum(prediction.variance[0] - prediction.noise, 0.0)
+    return float((above_noise * prediction.windows)[groups].sum())

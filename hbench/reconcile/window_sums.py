@@ -37,6 +37,11 @@ class _Rows(NamedTuple):
     kind: np.ndarray  # (m,) index in ``GROUPS``; 0 among changes: at rest, left out
 
 
+def is_change(kind: str) -> bool:
+    """Return whether a group among ``GROUPS`` is one of changes."""
+    return kind not in MOTIONS
+
+
 def window_motions(residuals: GapMap) -> np.ndarray:
     """Return the index (w,) in ``MOTIONS`` of each window."""
     v, run = residuals.v_m_s, residuals.run
