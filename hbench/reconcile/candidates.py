@@ -14,8 +14,10 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import (
     CrossValidation,
     Fit,
+    Products,
     cost,
     cross_validate,
+    gains_of_groups,
     log_likelihood,
     maximum_likelihood,
     score,
@@ -169,12 +171,21 @@ class CandidateEvaluator:
         self, model: LinearisedModel, added: tuple[str, ...], name: str
     ) -> EvaluatedCandidate:
         joined = (*added, name)
-        gain = self.score_of(model, added, name, None)[0]
+        gain = self._promise(model, added, name)
         chosen, beta = model.index(joined), self._fit(model, joined)
         values = self._values(model, name, chosen, beta)
         before, after = (self._cross_validate(model, effects) for effects in (added, joined))
         share = explained_share(name, model, before, after)
-        return EvaluatedCandidate(self._candidate(name, float(gain), share, values, "linear"), None)
+        return EvaluatedCandidate(self._candidate(name, gain, share, values, "linear"), None)
+
+    def _promise(self, model: LinearisedModel, added: Sequence[str], name: str) -> float:
+        """Return a candidate's linear score: of values, changes or both, whichever is the largest.
+
+        A large effect is far from linear, and its error shows in changes, which are small.
+        """
+        groups, gains = gains_of_groups(*self._comparison(model, added, name))
+        change = np.array([is_change(model.data.groups[g][1]) for g in groups], bool)
+        return max(float(gains[0, part].sum()) for part in (change, ~change, change | ~change))
 
     def score_of(
         self,
@@ -184,14 +195,19 @@ class CandidateEvaluator:
         signs: np.ndarray | None,
     ) -> np.ndarray:
         """Return a candidate's score (b,) about a model, or its scores on nulls."""
+        return score(*self._comparison(model, added, name), signs)
+
+    def _comparison(
+        self, model: LinearisedModel, added: Sequence[str], name: str
+    ) -> tuple[Products, Fit, Fit, list[int], np.ndarray]:
+        """Return the products, the fits without and with a candidate, its columns, the points."""
         joined = (*added, name)
-        return score(
+        return (
             model.data,
             Fit(model.index(added), model.priors(added)),
             Fit(model.index(joined), model.priors(joined)),
             [model.column(which) for which in model.coefficients_of([name])],
             self.train,
-            signs,
         )
 
     def _values(

@@ -246,9 +246,24 @@ def score(
 
     They differ in the columns ``more``, which one of them lacks or keeps within a tolerance.
     """
+    _, gains = gains_of_groups(data, before, after, more, points, signs)
+    return gains.sum(axis=-1)
+
+
+def gains_of_groups(
+    data: Products,
+    before: Fit,
+    after: Fit,
+    more: Sequence[int],
+    points: np.ndarray,
+    signs: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the groups (g,) that ``score`` compares, and its parts (b, g)."""
     groups = touched(data, before.chosen, more)
-    predictions = [predicted(data, fit, points, signs, groups) for fit in (before, after)]
-    return log_likelihood(predictions[1]) - log_likelihood(predictions[0])
+    parts = [
+        _log_likelihoods(predicted(data, fit, points, signs, groups)) for fit in (before, after)
+    ]
+    return groups, parts[1] - parts[0]
 
 
 def predicted(
@@ -323,8 +338,12 @@ def _cross_validated(
 
 def log_likelihood(prediction: CrossValidation) -> np.ndarray:
     """Return ln L (b,) less a constant; a group's variance is at least its noise."""
+    return _log_likelihoods(prediction).sum(axis=-1)
+
+
+def _log_likelihoods(prediction: CrossValidation) -> np.ndarray:
     variance = np.maximum(prediction.variance, prediction.noise)
-    return -0.5 * np.sum(prediction.points * np.log(variance), axis=-1)
+    return -0.5 * prediction.points * np.log(variance)
 
 
 def rotated(data: Products, count: int, seed: int) -> np.ndarray:

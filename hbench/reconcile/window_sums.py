@@ -23,8 +23,10 @@ from hbench.records.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady", "reversing")
 _REVERSING = MOTIONS.index("reversing")
-GROUPS = (*MOTIONS, *(f"{motion}, change" for motion in MOTIONS[1:]))  # of a balance's groups
-_CHANGES = len(MOTIONS) - 1  # from a motion to its changes among ``GROUPS``; rest has none
+CHANGES = ("change", "step", "change at a reversal")
+GROUPS = (*MOTIONS, *CHANGES)  # of each balance
+_STEP = 0.6  # relative change of the velocity
+_IMMATERIAL_CHANGE = 0.2  # of what is not material: root mean square over a group, not its largest
 _UNSTEADY = 0.1  # relative change of the velocity over a window's width
 
 
@@ -34,7 +36,7 @@ class _Rows(NamedTuple):
     matrix: np.ndarray  # (m, c, 1 + q + 1): residuals, columns, what is not material
     usable: np.ndarray  # (m, c)
     point: np.ndarray  # (m,) index of the operating point
-    kind: np.ndarray  # (m,) index in ``GROUPS``; 0 among changes: at rest, left out
+    kind: np.ndarray  # (m,) index in ``GROUPS``
 
 
 def is_change(kind: str) -> bool:
@@ -103,20 +105,25 @@ def _values(residuals: GapMap, columns: dict[str, np.ndarray]) -> _Rows:
 
 
 def _changes(residuals: GapMap, values: _Rows) -> _Rows:
-    """Return the changes over inner windows; what is not material changes at reversals alone."""
+    """Return the changes over inner windows in unsteady motion.
+
+    What is not material has the sign of the velocity, so it changes at a reversal. Elsewhere a
+    fifth of it is not material either: an effect that acts for a moment is larger then.
+    """
     v, run, motion = residuals.v_m_s, residuals.run, values.kind
     usable = values.usable[2:] & values.usable[:-2] & (run[2:] == run[:-2])[:, None]
     matrix = (values.matrix[2:] - values.matrix[:-2]) / np.sqrt(2)
     matrix *= usable[:, :, None]
     fastest = np.maximum(np.abs(v[2:]), np.abs(v[:-2]))
+    turn = (np.sign(v[2:]) - np.sign(v[:-2])) / np.sqrt(2)
     reversing = (v[2:] * v[:-2] < 0) & (fastest > REST_M_S)
-    turn = np.where(reversing, np.sign(v[2:]) - np.sign(v[:-2]), 0.0) / np.sqrt(2)
+    share = np.where(reversing, turn, _IMMATERIAL_CHANGE)
     material = 0.0 if residuals.material is None else np.nan_to_num(residuals.material)
-    matrix[:, :, -1] = material * turn[:, None] * usable
-    kind = np.maximum.reduce([motion[2:], motion[1:-1], motion[:-2]])
-    kind = np.where(reversing, _REVERSING, np.minimum(kind, _REVERSING - 1))
-    kind = np.where(kind > 0, kind + _CHANGES, 0)
-    return _Rows(matrix, usable & (kind > 0)[:, None], values.point[1:-1], kind)
+    matrix[:, :, -1] = material * share[:, None] * usable
+    step = np.abs(v[2:] - v[:-2]) > _STEP * fastest + REST_M_S
+    kind = len(MOTIONS) + np.select([reversing, step], [2, 1], 0)
+    moving = np.maximum.reduce([motion[2:], motion[1:-1], motion[:-2]]) > MOTIONS.index("steady")
+    return _Rows(matrix, usable & moving[:, None], values.point[1:-1], kind)
 
 
 def _add(rows: _Rows, sums: np.ndarray, counts: np.ndarray) -> None:
@@ -157,7 +164,7 @@ def _without_noise(
     first = np.unique(residuals.run, return_index=True)[1]
     between = between_runs(values.matrix[:, :, 0], residuals.run, residuals.point[first])
     between = np.repeat(between, len(GROUPS))
-    of_change = np.tile(np.arange(len(GROUPS)) >= len(MOTIONS), len(residuals.names))
+    of_change = np.tile([is_change(kind) for kind in GROUPS], len(residuals.names))
     least = np.nan_to_num(chance, posinf=0.0) + np.where(of_change, white, np.nan_to_num(between))
     return squares - counts * white, counts * least
 

@@ -21,7 +21,7 @@ from tests.support.reconcile.rounds import plans_of
 
 GENERATE = ROOT / "tests" / "support" / "hidden" / "generate.py"
 BENCH, MODEL = ROOT / "configs" / "bench-aau.yaml", ROOT / "configs" / "model-aau.yaml"
-FRICTIONS = {"load_friction", "seal_pressure_friction"}
+INERTIAS = {"added_mass", "friction_lag"}
 STEADY = {
     "kind": "steady",
     "travel": {"start": "60 mm", "end": "330 mm"},
@@ -43,15 +43,18 @@ POOR = {  # one direction, one rod-side pressure: the pressures follow the load
         }
     ],
 }
-RETRACTING = STEADY | {
-    "label": "retracting",
-    "direction": "retract",
-    "p_lr": "110 bar",
-    "loads": ["-500 N", "-2500 N", "-5000 N"],
-    "velocities": ["120 mm/s"],
+SLOW = {  # a lag then delays little, and a mass needs no force
+    "kind": "triangle",
+    "label": "slow",
+    "p_lr": "15 bar",
+    "loads": ["500 N"],
+    "speed": "20 mm/s",
+    "cycles": 2,
+    "travel": {"start": "190 mm", "end": "210 mm"},
+    "hold": "0.2 s",
 }
 MORE = POOR["experiments"][0] | {"label": "more", "loads": ["4000 N"]}
-CANDIDATES = FRICTIONS | {"direction_asymmetry"}
+CANDIDATES = INERTIAS | {"load_friction"}
 HIDDEN = (("supply_droop", "slope"), ("tank_back_pressure", "resistance"), ("friction_lag", "time"))
 UNTUNED = {"oil": {"bulk_modulus": "680 bar"}, "valve": {"gain": "7.5e-7 m^2/V"}}
 
@@ -77,20 +80,16 @@ def sizes(planned):
 # ---- who looks like whom, by physics
 
 
-def test_with_one_direction_and_one_rod_side_pressure_pressures_follow_the_load(poor, bench):
-    """Friction of seals and of guides is distinguishable with other pressures at the same load.
-
-    The angle stays: the load is a difference of both pressures, times the areas. But the friction
-    of a seal does not fall with a pressure.
-    """
-    assert pair(poor, *FRICTIONS).distinguishable is False
-    assert pair(poor, *FRICTIONS).lead < 1
-    other = POOR["experiments"][0] | {"p_lr": "60 bar", "loads": ["500 N", "2500 N"]}
-    plan = {**POOR, "experiments": [*POOR["experiments"], other]}
-    better = planned_effects(bench, bench, plans_of(bench, plan))
-    assert pair(better, *FRICTIONS).distinguishable
-    assert pair(better, *FRICTIONS).lead > 10
-    assert max(pair(each, *FRICTIONS).angle_deg for each in (poor, better)) < 1
+def test_at_one_acceleration_a_lag_of_friction_is_like_a_mass(poor, bench):
+    """Both act while the speed changes. Slow reversals separate them; more loads do not."""
+    assert pair(poor, *INERTIAS).distinguishable is False
+    assert pair(poor, *INERTIAS).lead < 1
+    leads = {}
+    for more in (SLOW, MORE):
+        plan = {**POOR, "experiments": [*POOR["experiments"], more]}
+        planned = planned_effects(bench, bench, plans_of(bench, plan))
+        leads[more["label"]] = pair(planned, *INERTIAS).lead
+    assert leads["slow"] > 5 > 1 > leads["more"]
 
 
 def test_steady_runs_one_way_show_leaks_but_no_inertia_and_no_deadband(poor):
@@ -134,21 +133,25 @@ def diagnosed(bench, data, schedule, hidden):
 def test_an_ambiguous_set_is_decided_by_the_experiment_that_is_proposed(
     bench, bench_data, monkeypatch
 ):
-    """Of two experiments; more runs like the first ones would not help."""
+    """Of two experiments; more runs like the first ones would not help.
+
+    The set is ambiguous with a margin of a third of the score: the search is that cautious here.
+    """
+    monkeypatch.setattr("hbench.reconcile.candidates._AMBIGUOUS_SHARE", 1 / 3)
     others = dict.fromkeys(set(EFFECTS) - CANDIDATES, "not in this test")
     place = "hbench.reconcile.diagnose.observable_effects"
     monkeypatch.setattr(place, lambda runs, plant: (tuple(CANDIDATES), others))
-    library = yaml.safe_dump({"experiments": [MORE, RETRACTING]}).encode()
+    library = yaml.safe_dump({"experiments": [MORE, SLOW]}).encode()
     place = "hbench.reconcile.separation.next_experiment.example"
     monkeypatch.setattr(place, lambda name: library)
-    effects = {"load_friction": {"test": "6 %", "load": "6 %", "exponent": 0.8}}
+    effects = {"added_mass": {"test": "70 kg"}}
     hidden = merge(UNTUNED, {"effects": effects})
     first = diagnosed(bench, bench_data, POOR, hidden)
     assert first.verdict == "ambiguous"
-    assert {candidate.name for candidate in first.alternatives} == FRICTIONS
-    assert "'retracting'" in first.next_experiment
+    assert {candidate.name for candidate in first.alternatives} == INERTIAS
+    assert "'slow'" in first.next_experiment
     second = diagnosed(bench, bench_data, first.next_schedule, hidden)
-    assert [effect.name for effect in second.effects] == ["load_friction"]
+    assert [effect.name for effect in second.effects] == ["added_mass"]
 
 
 # ---- campaigns with hidden laws, in a process of their own
@@ -170,26 +173,6 @@ def of_campaign(folder, schedule):
     library = ExperimentLibrary(task.bench, task.plant, task.instruments, schedule)
     data = plant_sections(read_yaml(BENCH), read_yaml(MODEL), "model")
     return diagnose(replace(task, plant_data=data, propose=library.propose))
-
-
-@pytest.mark.slow
-def test_hidden_friction_of_the_load_is_decided_by_the_experiment_that_is_proposed(tmp_path):
-    """About three minutes: friction that saturates with the load, on benches with all errors."""
-    schedule = merge(POOR, {"experiments": [POOR["experiments"][0] | {"trials": 3}]})
-    hide = [("load_friction", 2, 1), ("load_friction", 3, 2)]
-    (tmp_path / "first").mkdir()
-    firsts = hidden_outcomes(tmp_path / "first", schedule, hide)
-    found = {row: of_campaign(folder, schedule) for row, folder in firsts.items()}
-    for each in found.values():
-        assert each.verdict == "ambiguous"
-        assert {candidate.name for candidate in each.alternatives} == FRICTIONS
-    (proposed,) = {yaml.safe_dump(each.next_schedule["experiments"]) for each in found.values()}
-    again = {**schedule, "experiments": yaml.safe_load(proposed)}
-    (tmp_path / "second").mkdir()
-    for row, folder in hidden_outcomes(tmp_path / "second", again, hide).items():
-        second = of_campaign(folder, again)
-        print(row, found[row].next_experiment, second.why, second.effects)
-        assert [effect.name for effect in second.effects] == ["load_friction"]
 
 
 @pytest.mark.slow

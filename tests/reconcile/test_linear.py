@@ -23,6 +23,7 @@ from hbench.reconcile.window_sums import (
     GROUPS,
     MOTIONS,
     _take_out,
+    is_change,
     products,
     window_motions,
 )
@@ -203,31 +204,37 @@ def test_deviations_that_do_not_matter_raise_the_least_variance_by_their_square(
 # ---- changes between windows
 
 
+def unsteady_map(rng):
+    """White windows of runs whose speed goes up and down by a third all the time."""
+    plain = noise_map(rng)
+    slower = np.arange(len(plain.v_m_s)) % 4 < 2
+    return replace(plain, v_m_s=np.where(slower, 0.07, 0.1))
+
+
 def changes(found, columns=None):
-    """Products of the changes alone, by name of the group."""
+    """Products, and the index of each group of changes by name."""
     data = products(found, columns or {})
-    return {name: k for k, (_, name) in enumerate(data.groups) if "change" in name}, data
+    return {name: k for k, (_, name) in enumerate(data.groups) if is_change(name)}, data
 
 
 def test_changes_are_those_over_windows_that_share_no_sample():
     """By hand: (r_(i+1) - r_(i-1)) / sqrt 2 within each run, and of the columns likewise."""
     rng = np.random.default_rng(10)
-    found = noise_map(rng)
+    found = unsteady_map(rng)
     column = rng.standard_normal(found.difference.shape)
     where, data = changes(found, {"one": column})
     r, c = (each[:, 0] / found.scatter[0, 0] for each in (found.difference, column))
     runs = [slice(i * PER_RUN, (i + 1) * PER_RUN) for i in range(RUNS)]
     pairs = [((r[o][2:] - r[o][:-2]), (c[o][2:] - c[o][:-2])) for o in runs]
-    steady = where["steady, change"]
-    assert data.mixed[:, steady].sum() == pytest.approx(sum(d @ e for d, e in pairs) / 2)
-    assert data.columns[:, steady].sum() == pytest.approx(sum(e @ e for _, e in pairs) / 2)
-    assert data.windows[:, steady].sum() == RUNS * (PER_RUN - 2)
+    change = where["change"]
+    assert data.mixed[:, change].sum() == pytest.approx(sum(d @ e for d, e in pairs) / 2)
+    assert data.columns[:, change].sum() == pytest.approx(sum(e @ e for _, e in pairs) / 2)
+    assert data.windows[:, change].sum() == RUNS * (PER_RUN - 2)
 
 
 def test_a_slow_error_cancels_in_changes_and_a_moment_does_not():
     """A level of 30 sigma and a ramp; then 8 sigma in one window of a run in three."""
-    rng = np.random.default_rng(11)
-    plain = noise_map(rng)
+    plain = unsteady_map(np.random.default_rng(11))
     slow = np.tile(np.linspace(-5, 5, PER_RUN), RUNS)[:, None] + 30 * np.ones((RUNS * PER_RUN, 1))
     moment = np.zeros((RUNS * PER_RUN, 1))
     moment[PER_RUN // 2 :: 3 * PER_RUN] = 8.0
@@ -236,21 +243,30 @@ def test_a_slow_error_cancels_in_changes_and_a_moment_does_not():
     for error in (slow, moment):
         shifted = replace(plain, difference=plain.difference + SIGMA * error)
         where, data = changes(shifted)
-        left.append(data.squares[:, where["steady, change"]].sum() / unit)
+        left.append(data.squares[:, where["change"]].sum() / unit)
     assert left[0] == pytest.approx(2 * (10 / 39) ** 2, abs=0.1)
     assert left[1] == pytest.approx(20 * 8.0**2 / (RUNS * (PER_RUN - 2)), rel=0.2)
 
 
-def test_what_is_not_material_changes_its_sign_at_a_reversal_alone():
-    rng = np.random.default_rng(12)
-    plain = noise_map(rng)
-    turning = np.where(np.arange(len(plain.v_m_s)) % PER_RUN < PER_RUN // 2, 0.1, -0.1)
-    found = replace(plain, v_m_s=turning, material=np.array([3.0]))
+def test_steady_motion_a_step_and_a_reversal():
+    """Steady windows have no group of changes; the others have one each."""
+    v = np.tile([0.1] * 10 + [0.3] * 10 + [-0.3] * 20, RUNS)
+    where, data = changes(replace(noise_map(np.random.default_rng(12)), v_m_s=v))
+    counted = {name: data.windows[:, k].sum() / RUNS for name, k in where.items()}
+    assert counted == {"change": 4, "step": 2, "change at a reversal": 2}
+
+
+def test_what_is_not_material_changes_its_sign_at_a_reversal():
+    """Elsewhere a fifth of it is no evidence."""
+    v = np.tile([0.1] * 20 + [-0.1] * 20, RUNS)
+    found = replace(noise_map(np.random.default_rng(13)), v_m_s=v, material=np.array([3.0]))
     where, data = changes(found)
     _, without = changes(replace(found, material=None))
     more = (data.noise - without.noise).sum(axis=0)
-    assert more[where["steady, change"]] == 0.0
-    assert more[where["reversing, change"]] == pytest.approx(RUNS * 2 * (2 * 3.0) ** 2 / 2)
+    windows = data.windows.sum(axis=0)
+    turn = where["change at a reversal"]
+    assert more[turn] == pytest.approx(windows[turn] * (2 * 3.0) ** 2 / 2)
+    assert more[where["change"]] == pytest.approx(windows[where["change"]] * (0.2 * 3.0) ** 2)
 
 
 # ---- levels of runs

@@ -35,7 +35,7 @@ SCHEDULE = {
     "order": "passes",
     "experiments": [EXTENDING],
 }
-EFFECTS = ("seal_pressure_friction", "load_friction", "supply_droop")
+EFFECTS = ("added_mass", "friction_lag", "load_friction", "supply_droop")
 SHORT = """
 experiments:
   - kind: steady
@@ -48,17 +48,14 @@ experiments:
     acceleration: 1 m/s^2
     hold: 0.2 s
     window: 0.5 s
-  - kind: steady
-    label: other pressures
-    direction: extend
-    p_lr: 60 bar
-    loads: [500 N, 2500 N]
-    velocities: [80 mm/s, 150 mm/s]
-    order: passes
-    travel: {start: 60 mm, end: 330 mm}
-    acceleration: 1 m/s^2
+  - kind: triangle
+    label: slow
+    p_lr: 15 bar
+    loads: [500 N]
+    speed: 20 mm/s
+    cycles: 2
+    travel: {start: 190 mm, end: 210 mm}
     hold: 0.2 s
-    window: 0.5 s
   - kind: hold
     p_lr: 15 bar
     loads: [5000 N]
@@ -77,7 +74,7 @@ def short_library(monkeypatch):
 
 @pytest.fixture(scope="module")
 def campaign(bench):
-    """Runs with one rod-side pressure: the pressures follow the load."""
+    """Steady runs that all start at one acceleration."""
     runs = simulated_runs(bench, bench, plans_of(bench, SCHEDULE))
     model = linearised_runs(bench, bench, runs, EFFECTS)
     return model, np.arange(len(model.gap_map.points))
@@ -92,31 +89,27 @@ def undecided(campaign, **rivals):
     return Undecided(*campaign, (), hypotheses)
 
 
-def frictions(campaign):
-    """Return friction of load or of pressure, as either of these fits runs with the other."""
-    return undecided(
-        campaign, seal_pressure_friction=("load_piston", 6.0), load_friction=("load", 4.0)
-    )
+def inertias(campaign):
+    """Return a mass or a lag of friction, as either of these fits runs with the other."""
+    return undecided(campaign, added_mass=("test", 3.0), friction_lag=("time", 1.5))
 
 
 def library(bench, schedule=SCHEDULE):
     return ExperimentLibrary(bench, bench, bench.instruments, schedule)
 
 
-def test_friction_of_load_and_of_pressure_is_separated_by_other_pressures_at_the_same_load(
-    bench, campaign
-):
-    """Neither more of the same nor closed valves help: these have no friction."""
-    rivals = frictions(campaign)
+def test_a_mass_and_a_lag_of_friction_are_separated_by_slow_reversals(bench, campaign):
+    """Neither more of the same nor closed valves help: these have no acceleration."""
+    rivals = inertias(campaign)
     assert not separation(rivals).distinguishable
     words, schedule = library(bench).propose(rivals)
-    assert "steady runs 'other pressures'" in words
-    assert {"seal_pressure_friction", "load_friction"} <= set(words.split())
+    assert "triangle runs 'slow'" in words
+    assert {"added_mass", "friction_lag"} <= set(words.split())
     assert "bench" not in schedule  # no such file lies beside it: --bench names one
     assert schedule["experiments"][0] == EXTENDING
     plans = plan_runs(parse_schedule(schedule, "next"), bench, "next").runs
-    own = [plan for plan in plans if plan.label == "other pressures"]
-    assert max(plan.trial for plan in own) == 3 and len(own) == 3 * 4
+    own = [plan for plan in plans if plan.label == "slow"]
+    assert max(plan.trial for plan in own) == len(own) == 3
 
 
 def test_effects_of_separate_balances_need_no_experiment(campaign):
@@ -125,17 +118,17 @@ def test_effects_of_separate_balances_need_no_experiment(campaign):
 
 
 def test_where_no_experiment_of_the_bench_helps_none_is_proposed(bench, campaign):
-    """A bench that holds its load but moves no faster than 10 mm/s has no such steady runs."""
+    """A bench that moves no faster than 10 mm/s has none of these runs."""
     limits = bench.limits.model_copy(update={"speed_max": 0.01})
     slow = bench.model_copy(update={"limits": limits})
-    rivals = frictions(campaign)
+    rivals = inertias(campaign)
     assert library(slow).propose(rivals) is None
 
 
 def test_without_a_schedule_the_proposal_contains_the_experiment_alone(bench, campaign):
-    rivals = frictions(campaign)
+    rivals = inertias(campaign)
     words, schedule = library(bench, {}).propose(rivals)
-    assert [each["label"] for each in schedule["experiments"]] == ["other pressures"]
+    assert [each["label"] for each in schedule["experiments"]] == ["slow"]
     assert "contains" in words
 
 
