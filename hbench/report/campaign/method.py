@@ -140,7 +140,7 @@ _NUMBERS = {
     "load drives the oil. Its σ comes from the same errors by first-order propagation (6.16 to "
     "6.19); all points share it, so that a mean over speeds does not reduce it. ± is U_95, of "
     "trials and instruments as that of friction. The source takes tolerances themselves as "
-    "standard uncertainties; its σ stands beside it.",
+    "standard uncertainties; the table of all points contains that σ in a separate column.",
     "Half band and middle": "(F_extend − F_retract)/2 and (F_extend + F_retract)/2. A constant "
     "error in force shifts both directions alike and cancels in the half band, but shifts the "
     "middle. Both are formed in each trial of both directions; their intervals are Student's over "

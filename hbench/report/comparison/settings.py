@@ -49,7 +49,7 @@ def settings_words(differences: CampaignDifferences) -> str:
     named = ", ".join(dict.fromkeys(sections))
     count = len(sections)
     return (
-        f"{count} {'setting differs' if count == 1 else 'settings differ'} between them, in "
+        f"{count} {'setting differs' if count == 1 else 'settings differ'} between A and B, in "
         f"{'these sections' if ',' in named else 'the section'}: {named}."
     )
 

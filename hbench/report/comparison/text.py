@@ -205,7 +205,8 @@ _SET_UP = (
 )
 _METHOD = (
     ("Friction", "As a magnitude. A point is the mean of its trials; ± is the half-width of the "
-     "95 % interval of B less A, by Welch's t for the trials alone. U adds the instruments."),
+     "95 % interval of B less A, by Welch's t for the trials alone. U is the half-width of the "
+     "95 % interval of trials and instruments."),
     ("p (Holm)", "Probability of a difference this large between equal cylinders, by the trials "
      "alone, corrected after Holm for the number of differences of its kind. A difference is "
      "significant where p is below 0.05 and the difference exceeds its U."),
@@ -235,8 +236,9 @@ def _verdict(differences: CampaignDifferences) -> str:
         share = f" ({alike(shares)} %)" if shares else ""
         widest = max(mean.u95 or mean.ci95 or 0.0 for _, mean in real)
         return (
-            f"Mean friction of {differences.names[1]} is {way} in {count}, by {alike(sizes)} N"
-            f"{share}, each ± {significant(widest, 2)} N or less."
+            f"Mean friction of {differences.names[1]} is {way} than that of {differences.names[0]} "
+            f"in {count}, by {alike(sizes)} N{share}; their 95 % intervals are "
+            f"±{significant(widest, 2)} N at most."
         )
     means_text = "; ".join(
         f"{_who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real

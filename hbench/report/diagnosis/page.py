@@ -45,8 +45,8 @@ _SIGNALS = (
 )
 _REFITTED_STAGE = "The model with its poorly known values fitted, and no effect added."
 _REFUSED = (
-    "Here the model as given: without the effects, fitting its poorly known values makes held-out "
-    "runs worse."
+    "Equal to the model as given: fitting its poorly known values without the effects made the "
+    "held-out runs worse, so that this fit was refused."
 )
 _EXPECTED = (
     "Gap that a correct model has on average, because its fitted values are uncertain. It is no "

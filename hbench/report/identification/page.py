@@ -32,6 +32,7 @@ _PARTS = (
     ("Unsteady", "All other samples."),
 )  # fmt: skip
 _SECTION = "Use one with hbench run --plant, or copy its section into a bench file."
+_EQUALLY_GOOD = 1.05  # times the smallest error; the laws below are all named
 _SCATTER = (
     "Trials' scatter",
     "Root mean square difference of the trials from their mean. A part of it comes from their "
@@ -160,16 +161,17 @@ def _verdict(identification: Identification) -> str:
 
 
 def _closest(identification: Identification) -> str:
-    """Name the law with the smallest error of friction over all parts of the runs."""
+    """Name the laws with the smallest errors of friction over all parts of the runs."""
     errors = {
         law.law: _rms_n(tuple(law.errors.values())) for law in identification.laws if law.errors
     }
     if not errors:
         return ""
-    least = significant(min(errors.values()), 2)
-    best = [law_words(law) for law, error in errors.items() if significant(error, 2) == least]
-    verb = "predict" if len(best) > 1 else "predicts"
-    text = f"{' and '.join(best)} {verb} friction best: RMS error {least} N"
+    least = min(errors.values())
+    best = [law_words(law) for law, error in errors.items() if error <= _EQUALLY_GOOD * least]
+    alone = len(best) == 1
+    verb, size = ("predicts", "RMS error") if alone else ("predict", "RMS errors within 5 % of")
+    text = f"{' and '.join(best)} {verb} friction best: {size} {significant(least, 2)} N"
     scatter = identification.scatter and _rms_n(tuple(identification.scatter.values()))
     more = f", where the trials scatter by {significant(scatter, 2)} N" if scatter else ""
     return f"{text}{more}. "
