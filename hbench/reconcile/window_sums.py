@@ -12,6 +12,7 @@ Slow errors cancel in a change. Its variance is at least that of a single window
 what the log can't resolve is no evidence.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -60,7 +61,7 @@ def window_motions(residuals: GapMap) -> np.ndarray:
     return np.where(unsteady & reversing, _REVERSING, motion)
 
 
-def products(residuals: GapMap, columns: dict[str, np.ndarray]) -> Products:
+def products(residuals: GapMap, columns: Mapping[str, np.ndarray]) -> Products:
     """Return the sums of products of residuals and columns (w, c) by name."""
     values = _values(residuals, columns)
     for level in residuals.levels:
@@ -88,7 +89,7 @@ def products(residuals: GapMap, columns: dict[str, np.ndarray]) -> Products:
     )
 
 
-def _values(residuals: GapMap, columns: dict[str, np.ndarray]) -> _Rows:
+def _values(residuals: GapMap, columns: Mapping[str, np.ndarray]) -> _Rows:
     w, c = residuals.difference.shape
     with np.errstate(divide="ignore", invalid="ignore"):
         per_unit = 1 / residuals.scatter

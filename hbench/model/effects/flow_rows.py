@@ -200,7 +200,8 @@ ROWS = {
         coefficients={"test": _LEAK, "load": _LEAK, "exponent": _LINEAR},
         balances=FLOWS,
         laws={"flows": flows.internal_leakage},
-        law="Q = G (P_p - P_r) from piston to rod side, G = test or load; exponent 0.5: an orifice",
+        law="Q = G (P_p - P_r) from piston to rod side, G = test or load; with an exponent other "
+        "than 1 (0.5: an orifice), G is that at 50 bar",
         signals="The piston is slower than the command; with closed valves both pressures meet.",
         confused_with={
             "external_leakage": Separation(
@@ -210,7 +211,8 @@ ROWS = {
                 "hold", "closed valves: a leak changes the pressures over time, an offset does not"
             ),
         },
-        inspect="the piston seal: hold with closed valves, and the flow at a disconnected rod port",
+        inspect="the cylinder's piston seal: how fast pressure equalises with closed valves, and "
+        "the flow at a disconnected rod port",
         repair="Replace the piston seal; look for scoring of the bore.",
         source="Merritt (1967), section 6.1",
     ),

@@ -68,7 +68,7 @@ _RANKING = (
     "evaluated by its linear signature alone. Blue: named, or in the ambiguous set."
 )
 _REFITTED = (
-    "Factors on poorly known values of the model, fitted before the search for effects, with "
+    "Factors on poorly known values of the model, fitted together with the effects, with "
     "their 95 % intervals. Hollow: at a bound of the fit, or not determined."
 )
 

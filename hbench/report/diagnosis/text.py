@@ -243,7 +243,7 @@ def refitted_table(diagnosis: Diagnosis) -> WordTable:
     """Return the factors on the model's poorly known values."""
     rows = tuple((path, parameter_text(p)) for path, p in diagnosis.refitted.items())
     head = ("value of the model", "refitted by the factor (95 % interval)")
-    return WordTable("Refitted before the search", head, rows)
+    return WordTable("Refitted with the effects", head, rows)
 
 
 def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
