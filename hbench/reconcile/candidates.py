@@ -220,6 +220,11 @@ class CandidateEvaluator:
             for which in model.coefficients_of([name])
         }
 
+    def _own_values(self, model: LinearisedModel, name: str) -> dict[CoefficientKey, float]:
+        return {
+            which: model.hypothesis.coefficient(which) for which in model.coefficients_of([name])
+        }
+
     def _evaluate_in_full(
         self, model: LinearisedModel, added: tuple[str, ...], name: str
     ) -> EvaluatedCandidate:
@@ -245,8 +250,9 @@ class CandidateEvaluator:
             with_effect = better
         after = self._cross_validate(with_effect, joined)
         gain = float((log_likelihood(after) - log_likelihood(before))[0])
-        keys = with_effect.coefficients_of([name])
-        values = {which: with_effect.hypothesis.coefficient(which) for which in keys}
+        values = self._own_values(with_effect, name)
+        if with_effect is start:  # no step is better: what is known is the linear fit
+            values = self._values(start, name, start.index(joined), self._fit(start, joined))
         share = explained_share(name, model, before, after)
         candidate = self._candidate(name, gain, share, values, "full")
         return EvaluatedCandidate(candidate, with_effect)
