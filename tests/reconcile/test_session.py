@@ -187,6 +187,15 @@ def test_a_sustained_oscillation_is_found_where_it_is_and_a_step_is_none(runs):
     assert session.oscillating[inside].all() and not session.oscillating[outside].any()
 
 
+def test_a_log_almost_without_noise_has_no_oscillation_where_it_merely_moves(runs):
+    """A command of 3 Hz for a second deviates from polynomials by far more than a constant one."""
+    t = runs[2].t_s - runs[2].t_s[0]
+    smooth = np.where((t > 1.0) & (t < 2.0), 2.0 * np.sin(6 * np.pi * (t - 1.0)) ** 2, 0.0)
+    rounding = 1e-6 * np.random.default_rng(5).standard_normal(len(t))
+    (session,) = sessions([replace(runs[2], u_t_v=smooth + rounding)])
+    assert not session.oscillating.any()
+
+
 def test_balances_with_laws_leave_oscillating_windows_out(runs, model):
     (session,) = sessions(runs)
     marked = replace(session, oscillating=np.arange(session.counts.sum()) == 7)

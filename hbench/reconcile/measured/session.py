@@ -14,6 +14,7 @@ COMMANDS = ("u_t_v", "u_l1_v", "u_l2_v")
 _SMOOTHED, _ORDER = 7, 4  # samples of a polynomial, and its order
 _VELOCITY_S = 0.05  # of the polynomial whose slope is the velocity; at least five samples
 _OSCILLATING = 10.0  # times the fluctuation of the median window
+_VISIBLE = 0.01  # of a channel's range: a smaller oscillation does not matter
 _SUSTAINED = 4  # windows: what ends earlier is a transient
 
 
@@ -101,15 +102,17 @@ def _oscillating(session: Session) -> np.ndarray:
     """Return which windows (w,) have an oscillation that the log does not resolve.
 
     In at least four successive windows a chamber's pressure or a command deviates from a polynomial
-    of fourth order through seven samples by more than ten times the median deviation. Between the
-    records such signals are no parabolas, so flows and friction along the log would be wrong.
+    of fourth order through seven samples by more than ten times the median deviation, and by 1 % of
+    its range. Between the records such signals are no parabolas, so flows and friction along the
+    log would be wrong.
     """
     found = np.zeros(len(session.run_of_window), bool)
     for name in (*PRESSURES[:4], *COMMANDS):
-        fast = session.channels[name] - session.smooth(name, _ORDER)
-        square = session.mean(fast**2)
+        values = session.channels[name]
+        square = session.mean((values - session.smooth(name, _ORDER)) ** 2)
         if np.any(square > 0):
-            found |= square > _OSCILLATING**2 * np.median(square[square > 0])
+            usual = np.sqrt(np.median(square[square > 0]))
+            found |= square > max(_OSCILLATING * usual, _VISIBLE * np.ptp(values)) ** 2
     runs = np.split(found, np.cumsum(session.counts)[:-1])
     return np.concatenate([_sustained(own) for own in runs])
 
