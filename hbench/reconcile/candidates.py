@@ -12,15 +12,13 @@ import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.evidence import (
+    Comparison,
     CrossValidation,
     Fit,
-    Products,
     cost,
     cross_validate,
-    gains_of_groups,
     log_likelihood,
     maximum_likelihood,
-    score,
 )
 from hbench.reconcile.hypothesis import (
     CoefficientKey,
@@ -183,7 +181,7 @@ class CandidateEvaluator:
 
         A large effect is far from linear, and its error shows in changes, which are small.
         """
-        groups, gains = gains_of_groups(*self._comparison(model, added, name))
+        groups, gains = self._comparison(model, added, name).gains()
         change = np.array([is_change(model.data.groups[g][1]) for g in groups], bool)
         return max(float(gains[0, part].sum()) for part in (change, ~change, change | ~change))
 
@@ -195,14 +193,12 @@ class CandidateEvaluator:
         signs: np.ndarray | None,
     ) -> np.ndarray:
         """Return a candidate's score (b,) about a model, or its scores on nulls."""
-        return score(*self._comparison(model, added, name), signs)
+        return self._comparison(model, added, name).score(signs)
 
-    def _comparison(
-        self, model: LinearisedModel, added: Sequence[str], name: str
-    ) -> tuple[Products, Fit, Fit, list[int], np.ndarray]:
-        """Return the products, the fits without and with a candidate, its columns, the points."""
+    def _comparison(self, model: LinearisedModel, added: Sequence[str], name: str) -> Comparison:
+        """Return the comparison of the fits without and with a candidate."""
         joined = (*added, name)
-        return (
+        return Comparison(
             model.data,
             Fit(model.index(added), model.priors(added)),
             Fit(model.index(joined), model.priors(joined)),

@@ -4,8 +4,9 @@ About one model the differences d of a window (see ``gaps/gap_map.py``) are line
 
     d ~ sum beta_j c_j        c_j: column of nuisance or coefficient j, in trial scatters like d
 
-Windows are grouped by balance and motion (rest, steady, unsteady). The remaining residuals of a
-group have an unknown variance v_g and are constant within a run, so an operating point counts once:
+Windows are grouped by balance and motion, and changes between windows have groups of their own
+(see ``window_sums.py``). The remaining residuals of a group have an unknown variance v_g and are
+constant within a run, so an operating point counts once:
 
     ln L = - sum_g n_g / 2 ln v_g - |(beta - b) / prior|^2 / 2,    v_g = mean of (d - beta c)^2
 
@@ -234,36 +235,27 @@ class Fit(NamedTuple):
         return [j for j in self.chosen if data.nonzero[groups, j].any()]
 
 
-def score(
-    data: Products,
-    before: Fit,
-    after: Fit,
-    more: Sequence[int],
-    points: np.ndarray,
-    signs: np.ndarray | None = None,
-) -> np.ndarray:
-    """Return the cross-validated gain in ln L (b,) of one fit over another.
+class Comparison(NamedTuple):
+    """Two fits that differ in the columns ``more``, which one lacks or keeps within a tolerance."""
 
-    They differ in the columns ``more``, which one of them lacks or keeps within a tolerance.
-    """
-    _, gains = gains_of_groups(data, before, after, more, points, signs)
-    return gains.sum(axis=-1)
+    data: Products
+    before: Fit
+    after: Fit
+    more: Sequence[int]
+    points: np.ndarray
 
+    def score(self, signs: np.ndarray | None = None) -> np.ndarray:
+        """Return the cross-validated gain in ln L (b,) of the fit after over the one before."""
+        return self.gains(signs)[1].sum(axis=-1)
 
-def gains_of_groups(
-    data: Products,
-    before: Fit,
-    after: Fit,
-    more: Sequence[int],
-    points: np.ndarray,
-    signs: np.ndarray | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the groups (g,) that ``score`` compares, and its parts (b, g)."""
-    groups = touched(data, before.chosen, more)
-    parts = [
-        _log_likelihoods(predicted(data, fit, points, signs, groups)) for fit in (before, after)
-    ]
-    return groups, parts[1] - parts[0]
+    def gains(self, signs: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Return the groups (g,) that are compared, and the part (b, g) of each in the score."""
+        groups = touched(self.data, self.before.chosen, self.more)
+        before, after = (
+            _log_likelihoods(predicted(self.data, fit, self.points, signs, groups))
+            for fit in (self.before, self.after)
+        )
+        return groups, after - before
 
 
 def predicted(

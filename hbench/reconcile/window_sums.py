@@ -24,8 +24,7 @@ from hbench.records.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady", "reversing")
 _REVERSING = MOTIONS.index("reversing")
-CHANGES = ("change", "step", "change at a reversal")
-GROUPS = (*MOTIONS, *CHANGES)  # of each balance
+GROUPS = (*MOTIONS, "change", "step", "change at a reversal")  # of each balance
 _STEP = 0.6  # relative change of the velocity
 _IMMATERIAL_CHANGE = 0.2  # of what is not material: root mean square over a group, not its largest
 _UNSTEADY = 0.1  # relative change of the velocity over a window's width

@@ -8,6 +8,7 @@ from scipy.optimize import minimize
 
 from hbench.analysis.statistics.student import student_factor
 from hbench.reconcile.evidence import (
+    Comparison,
     Fit,
     Priors,
     Products,
@@ -17,7 +18,6 @@ from hbench.reconcile.evidence import (
     log_likelihood,
     maximum_likelihood,
     random_signs,
-    score,
     touched,
 )
 
@@ -163,7 +163,7 @@ def test_random_signs_are_fair_and_repeatable():
 def gain(data, free, base, more, signs=None):
     """Score of some columns more, with the same priors."""
     before, after = Fit(base, free), Fit([*base, *more], free)
-    return score(data, before, after, more, everywhere(data), signs)
+    return Comparison(data, before, after, more, everywhere(data)).score(signs)
 
 
 def scores(truth, more, count=40):
@@ -242,7 +242,7 @@ def test_a_column_within_its_tolerance_gains_only_what_lies_beyond():
     for truth in (0.5, 3.0):
         data = drawn(np.random.default_rng(9), [truth]).products()
         before, after = Fit([0], tight), Fit([0], wide)
-        gains[truth] = score(data, before, after, [0], everywhere(data))[0]
+        gains[truth] = Comparison(data, before, after, [0], everywhere(data)).score()[0]
     assert abs(gains[0.5]) < 1.0
     spread = np.array([0.3, 1.0, 4.0])
     best = 15 * np.sum(np.log1p(2.0**2 / spread**2))  # what is beyond the bound is 2

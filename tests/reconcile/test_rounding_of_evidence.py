@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hbench.analysis.rounding import ranked
 from hbench.reconcile.candidates import TIE
 from hbench.reconcile.estimates import whole_dof
-from hbench.reconcile.evidence import Fit, Priors, Products, intervals, score
+from hbench.reconcile.evidence import Comparison, Fit, Priors, Products, intervals
 from hbench.reconcile.gaps.gap_map import gaps
 from hbench.reconcile.gaps.regions import regions
 from hbench.reconcile.measured.balances import WindowedRun
@@ -71,8 +71,10 @@ def test_candidates_that_explain_alike_keep_the_catalogues_order(seed):
     d = 3 * one[..., 0] + rng.standard_normal((20, 2, 5))
     same = shaken(np.concatenate([one, one, one], axis=3), seed)
     data = products(d, same)
+    points = np.arange(20)
     scores = [
-        float(score(data, Fit([], FREE), Fit([i], FREE), [i], np.arange(20))[0]) for i in range(3)
+        float(Comparison(data, Fit([], FREE), Fit([i], FREE), [i], points).score()[0])
+        for i in range(3)
     ]
     assert ranked(range(3), lambda i: scores[i], TIE) == [0, 1, 2]
 
