@@ -64,9 +64,8 @@ _ASSUMED = (
 _NO_TRIALS = "No operating point has a second trial: no gaps of signals, no overlays."
 _MUCH = 0.25  # of a run's windows
 _OSCILLATES = (
-    "In {count} runs (first {run}) the control oscillates faster than the log resolves. The "
-    "balances of flows and forces leave those windows out. Log faster, or lower the gains of the "
-    "loops."
+    "The control oscillates faster than the log resolves ({runs}). The balances of flows and "
+    "forces leave those windows out. Log faster, or lower the gains of the loops."
 )
 _STOPPED = "No gaps of signals: the simulation with the {} model ended early ({})."
 
@@ -225,7 +224,10 @@ def _oscillations(measured: MeasuredCampaign) -> tuple[str, ...]:
         for i, run in enumerate(log.runs)
         if log.counts[i] and log.oscillating[log.run_of_window == i].mean() > _MUCH
     ]
-    return (_OSCILLATES.format(count=len(runs), run=runs[0]),) if runs else ()
+    if not runs:
+        return ()
+    count = f"; {len(runs)} runs in all" if len(runs) > 1 else ""
+    return (_OSCILLATES.format(runs=f"run {runs[0]}{count}"),)
 
 
 def _unnamed_laws(

@@ -1,6 +1,7 @@
 """Runs of one session end to end: each has the values that it has alone."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from hbench.config.bench import parse_plant
 from hbench.errors import DataError
 from hbench.model.plant import initial_state
+from hbench.reconcile.diagnose import _oscillations
 from hbench.reconcile.measured.balances import (
     BALANCES,
     balance_model,
@@ -203,6 +205,17 @@ def test_balances_with_laws_leave_oscillating_windows_out(runs, model):
     assert np.isfinite(before[7, :6]).all() and np.isnan(after[7, :6]).all()
     np.testing.assert_array_equal(before[7, 6:], after[7, 6:])
     np.testing.assert_array_equal(np.delete(before, 7, axis=0), np.delete(after, 7, axis=0))
+
+
+def test_the_diagnosis_says_in_which_runs_the_control_oscillates(runs):
+    """A run is named from a quarter of its windows on."""
+    (session,) = sessions(runs)
+    first, third = (np.flatnonzero(session.run_of_window == i) for i in (0, 2))
+    found = np.zeros(session.counts.sum(), bool)
+    found[[*first[:2], *third[: len(third) // 2]]] = True
+    (remark,) = _oscillations(SimpleNamespace(logs=(replace(session, oscillating=found),)))
+    assert f"(run {runs[2].plan.run})" in remark and runs[0].plan.run not in remark
+    assert _oscillations(SimpleNamespace(logs=(session,))) == ()
 
 
 def test_smoothed_logs_oscillate_where_the_logs_do(runs):
