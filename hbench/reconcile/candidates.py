@@ -31,7 +31,6 @@ from hbench.reconcile.linearised import (
     LinearisedModel,
     Measured,
     hypothesis_at,
-    linearise,
     linearise_residuals,
 )
 from hbench.reconcile.window_sums import is_change
@@ -41,7 +40,7 @@ TIE = 1e-6  # nats: candidates whose scores differ by rounding keep the catalogu
 NULLS = 200  # random null data sets
 _QUANTILE = 0.98  # of the largest null scores
 _AMBIGUOUS_NATS, _AMBIGUOUS_SHARE = 3.0, 0.1  # of the best score; the larger one counts
-_REFIT_ROUNDS = 8  # of evaluation and fit
+_REFIT_ROUNDS = 16  # steps, or new columns
 _FULL_ROUNDS = 3  # of a candidate, with the columns of the model without it
 _NEGLIGIBLE_STEP = 0.02  # priors of nuisances and typical sizes; no new evaluation below
 _NEGLIGIBLE_GAIN = 0.5  # nats of a step, a tenth of what an effect must gain; it is the last one
@@ -109,7 +108,8 @@ class CandidateEvaluator:
 
     def linearise_at(self, start: LinearisedModel, hypothesis: Hypothesis) -> LinearisedModel:
         """Return the model at a hypothesis, with the columns of ``start``."""
-        return linearise(self.measured, hypothesis, start.columns, start.gap_map)
+        residuals = self.measured.gap_map(hypothesis, start.gap_map)
+        return linearise_residuals(self.measured, hypothesis, residuals, start.columns, start.data)
 
     def with_columns(self, model: LinearisedModel, names: Iterable[str]) -> LinearisedModel:
         """Return a model with the columns ``names`` computed at its hypothesis."""
@@ -124,22 +124,30 @@ class CandidateEvaluator:
     ) -> LinearisedModel:
         """Refit the nuisances and the coefficients of ``effects``; never return a worse model.
 
-        After each step the columns ``renewed`` are computed again, by default all that take part.
+        The columns ``renewed``, by default all that take part, are computed again once they gain
+        no more: a step costs far less than its columns.
         """
         chosen = start.index(effects)
         names = [start.data.names[i] for i in chosen] if renewed is None else renewed
-        current = start
+        current, stale = start, False
         for _ in range(_REFIT_ROUNDS):
-            beta = self._fit(current, effects)
-            if np.abs(beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
+            better = self._better(current, effects)
+            gain = self._cost(current, effects) - self._cost(better, effects)
+            current = better
+            if gain >= _NEGLIGIBLE_GAIN:
+                stale = True
+            elif not stale:
                 break
-            better = self._step_towards(current, effects, beta)
-            if better is None:
-                break
-            if self._cost(current, effects) - self._cost(better, effects) < _NEGLIGIBLE_GAIN:
-                return better
-            current = self.with_columns(better, names)
-        return current
+            else:
+                current, stale = self.with_columns(current, names), False
+        return self.with_columns(current, names) if stale else current
+
+    def _better(self, current: LinearisedModel, effects: Sequence[str]) -> LinearisedModel:
+        """Return the model at the best step from ``current``; the same model where none is."""
+        beta = self._fit(current, effects)
+        if np.abs(beta).max(initial=0.0) < _NEGLIGIBLE_STEP:
+            return current
+        return self._step_towards(current, effects, beta) or current
 
     def _step_towards(
         self, current: LinearisedModel, effects: Sequence[str], beta: np.ndarray

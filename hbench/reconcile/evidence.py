@@ -20,7 +20,7 @@ a candidate these are its own residuals: what it does not explain, however large
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -44,6 +44,15 @@ class Products:
     noise: np.ndarray  # (p, g) expected sum of squares of d's noise
     windows: np.ndarray  # (p, g) number of windows
     groups: tuple[tuple[str, str], ...]  # (g,) balance and motion
+    _sums: dict[bytes, np.ndarray] = field(default_factory=dict, init=False, repr=False)
+
+    def with_residuals(
+        self, mixed: np.ndarray, squares: np.ndarray, noise: np.ndarray
+    ) -> "Products":
+        """Return the products of other residuals d with the same columns."""
+        other = replace(self, mixed=mixed, squares=squares, noise=noise)
+        other._sums.update(self._sums)
+        return other
 
     def summed_columns(self, points: np.ndarray) -> np.ndarray:
         """Return the products of the columns (g, q, q) over some operating points."""
@@ -51,10 +60,6 @@ class Products:
         if key not in self._sums:
             self._sums[key] = self.columns[points].sum(axis=0)
         return self._sums[key]
-
-    @cached_property
-    def _sums(self) -> dict[bytes, np.ndarray]:
-        return {}
 
     @cached_property
     def predictions(self) -> dict[tuple, "CrossValidation"]:

@@ -110,9 +110,16 @@ def linearise(
 
 
 def linearise_residuals(
-    measured: Measured, hypothesis: Hypothesis, residuals: GapMap, columns: Columns
+    measured: Measured,
+    hypothesis: Hypothesis,
+    residuals: GapMap,
+    columns: Columns,
+    known: Products | None = None,
 ) -> LinearisedModel:
-    """Linearise about a hypothesis whose residuals are known."""
+    """Linearise about a hypothesis whose residuals are known.
+
+    ``known`` are the products of other residuals with the same columns and scatter.
+    """
     widths = nuisances(measured.plant)
     tight, wide = [], []
     for name in columns:
@@ -140,7 +147,7 @@ def linearise_residuals(
         hypothesis,
         residuals,
         columns,
-        products(residuals, columns),
+        products(residuals, columns, known),
         Priors(*np.array(tight).reshape(-1, 4).T),
         Priors(*np.array(wide).reshape(-1, 4).T),
     )

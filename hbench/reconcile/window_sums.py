@@ -60,32 +60,34 @@ def window_motions(residuals: GapMap) -> np.ndarray:
     return np.where(unsteady & reversing, _REVERSING, motion)
 
 
-def products(residuals: GapMap, columns: Mapping[str, np.ndarray]) -> Products:
-    """Return the sums of products of residuals and columns (w, c) by name."""
+def products(
+    residuals: GapMap, columns: Mapping[str, np.ndarray], known: Products | None = None
+) -> Products:
+    """Return the sums of products of residuals and columns (w, c) by name.
+
+    ``known`` are those of other residuals with the same columns and scatter.
+    """
     values = _values(residuals, columns)
     for level in residuals.levels:
         _take_out(values.matrix[level.windows, level.balance], level)
     every = [values] if residuals.white is None else [values, _changes(residuals, values)]
-    points, (_, c, width) = len(residuals.points), values.matrix.shape
-    sums = np.zeros((points, c * len(GROUPS), width, width))
-    counts = np.zeros(sums.shape[:2])
+    groups = tuple((name, kind) for name in residuals.names for kind in GROUPS)
+    size, width = (len(residuals.points), len(groups)), values.matrix.shape[2]
+    mixed, immaterial, counts = np.zeros((*size, width)), np.zeros(size), np.zeros(size)
+    of_columns = np.zeros((*size, width - 2, width - 2)) if known is None else None
     for rows in every:
-        _add(rows, sums, counts)
-    squares = sums[:, :, 0, 0]
+        _add(rows, mixed, immaterial, counts, of_columns)
+    squares = mixed[:, :, 0]
     if residuals.white is None:
         noise = _noise(residuals, values, counts)
     else:
         squares, noise = _without_noise(residuals, values, squares, counts)
-        noise = noise + sums[:, :, -1, -1]
-    return Products(
-        names=tuple(columns),
-        columns=sums[:, :, 1:-1, 1:-1],
-        mixed=sums[:, :, 0, 1:-1],
-        squares=squares,
-        noise=noise,
-        windows=counts,
-        groups=tuple((name, kind) for name in residuals.names for kind in GROUPS),
-    )
+        noise = noise + immaterial
+    mixed = mixed[:, :, 1:-1]
+    if known is not None:
+        return known.with_residuals(mixed, squares, noise)
+    assert of_columns is not None
+    return Products(tuple(columns), of_columns, mixed, squares, noise, counts, groups)
 
 
 def _values(residuals: GapMap, columns: Mapping[str, np.ndarray]) -> _Rows:
@@ -126,15 +128,39 @@ def _changes(residuals: GapMap, values: _Rows) -> _Rows:
     return _Rows(matrix, usable & moving[:, None], values.point[1:-1], kind)
 
 
-def _add(rows: _Rows, sums: np.ndarray, counts: np.ndarray) -> None:
-    """Add the products of some rows to those of their operating points and groups."""
-    for p in np.unique(rows.point):
-        for k in np.unique(rows.kind[rows.point == p]):
-            members = np.flatnonzero((rows.point == p) & (rows.kind == k))
-            at = slice(k, None, len(GROUPS))
-            part = rows.matrix[members].transpose(1, 2, 0) * rows.usable[members].T[:, None]
-            sums[p, at] += part @ part.transpose(0, 2, 1)
-            counts[p, at] += rows.usable[members].sum(axis=0)
+def _add(
+    rows: _Rows,
+    mixed: np.ndarray,
+    immaterial: np.ndarray,
+    counts: np.ndarray,
+    of_columns: np.ndarray | None,
+) -> None:
+    """Add the products of some rows to those of their operating points and groups.
+
+    ``mixed`` (p, g, 1 + q + 1) are those of the residuals, ``of_columns`` (p, g, q, q) may be None.
+    """
+    order = np.lexsort((rows.kind, rows.point))
+    point, kind = rows.point[order], rows.kind[order]
+    first = np.flatnonzero(np.diff(point * len(GROUPS) + kind, prepend=-1))
+    point, kind = point[first], kind[first]
+    for c in range(rows.usable.shape[1]):  # most columns change few of the balances
+        matrix, usable = rows.matrix[:, c], rows.usable[order, c]
+        used = np.flatnonzero(matrix.any(axis=0))
+        part = np.where(usable[:, None], matrix[np.ix_(order, used)], 0.0)
+        d = np.where(usable, matrix[order, 0], 0.0)
+        group = c * len(GROUPS) + kind
+        at = point[:, None], group[:, None]
+        mixed[*at, used] += np.add.reduceat(part * d[:, None], first)
+        unneeded = np.where(usable, matrix[order, -1], 0.0)
+        immaterial[point, group] += np.add.reduceat(unneeded**2, first)
+        counts[point, group] += np.add.reduceat(usable, first, dtype=float)
+        if of_columns is None:
+            continue
+        inner = (used > 0) & (used < matrix.shape[1] - 1)
+        where = used[inner] - 1
+        runs = np.split(np.ascontiguousarray(part[:, inner]), first[1:])
+        blocks = np.array([run.T @ run for run in runs])
+        of_columns[point[:, None, None], group[:, None, None], where[:, None], where] += blocks
 
 
 def _noise(residuals: GapMap, values: _Rows, counts: np.ndarray) -> np.ndarray:

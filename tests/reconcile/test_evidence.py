@@ -335,7 +335,7 @@ def test_degrees_of_freedom_are_the_points_that_tell_a_parameter():
     data = Drawn(raw.d, raw.columns * shown[:, None]).products()
     few = Products(
         **{
-            **data.__dict__,
+            **{key: value for key, value in data.__dict__.items() if key[0] != "_"},
             **{
                 name: np.where(
                     (np.arange(20) < 5).reshape(-1, *[1] * (getattr(data, name).ndim - 1))

@@ -166,6 +166,7 @@ def settled_deflection(v: float, p_p: float, p_r: float, par: FrictionParameters
     return dry / par.bristle_stiffness
 
 
+@inlined
 def deflection_under(force: float, v: float, par: FrictionParameters) -> float:
     """Return LuGre's z [m] that carries a friction force, (F - B v) / sigma_0; 0 for other laws."""
     if par.law != _LUGRE:

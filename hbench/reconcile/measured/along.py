@@ -23,7 +23,7 @@ from hbench.model.cylinders import extending_volumes, retracting_volumes
 from hbench.model.effects.applied import flow_effects, friction_effects, oil, openings
 from hbench.model.effects.couplings import ChamberFlows, OilProperties
 from hbench.model.friction.laws import deflection_under, exact_step
-from hbench.model.parameters import FrictionParameters, PlantParameters, ValveParameters
+from hbench.model.parameters import PlantParameters, ValveParameters
 from hbench.model.plant import n_states, valve_flows
 from hbench.model.states import P_LP, P_LR, P_S, P_TP, P_TR, SPOOL_T, V, X, bristles_end
 from hbench.model.valves import clamp
@@ -46,22 +46,33 @@ class AlongLog(NamedTuple):
     friction_load: np.ndarray  # (n,) N
 
 
-class Start(NamedTuple):
-    """What a log starts with."""
+class Starts(NamedTuple):
+    """What the logs start with, r of them end to end."""
 
-    friction_n: tuple[float, float]  # measured, of the test and the load cylinder
-    states: np.ndarray  # (effects' states,)
+    edges: np.ndarray  # (r + 1,) first record of each log, and the number of records
+    friction_n: np.ndarray  # (r, 2) measured, of the test and the load cylinder
+    states: np.ndarray  # (r, s) of the effects
+    builds_up: np.ndarray  # (s,) states that go on from one log to the next, but for the first
+
+
+def single_start(
+    records: int, par: PlantParameters, friction_n: tuple[float, float] = (0.0, 0.0)
+) -> Starts:
+    """Return the start of a single log, with the effects' states at 0."""
+    states = n_states(par) - bristles_end(par)
+    none = np.zeros(states)
+    return Starts(np.array([0, records]), np.array([friction_n]), none[None], none.astype(bool))
 
 
 def along(
     signals: np.ndarray,
     dt_s: float,
     par: PlantParameters,
-    start: Start,
+    starts: Starts,
     levels: np.ndarray,
     step_s: float = STEP_S,
-) -> tuple[AlongLog, np.ndarray]:
-    """Return the means along a log, and the effects' states at its end.
+) -> AlongLog:
+    """Return the means along logs of n records in all.
 
     ``signals`` (10, n) are x, v, four chamber pressures, supply pressure and three commands in SI;
     ``levels`` (2,) are those of dry friction. Spools start at rest at their first command,
@@ -69,34 +80,15 @@ def along(
     """
     steps = max(1, ceil(dt_s / step_s - 1e-9))
     h = dt_s / steps
-    state = np.zeros(n_states(par))
-    first = bristles_end(par)
-    state[:6] = signals[:6, 0]
-    state[first:] = start.states
-    added = _added_forces(state, par, levels, np.zeros(len(state)))
-    limit = par.valve.limit_v
-    spools = np.zeros((3, 2))
-    spools[:, 0] = np.clip(signals[_COMMANDS:, 0], -limit, limit)
-    bristles = [
-        _first_deflection(force - more, signals[1, 0], friction)
-        for force, more, friction in zip(
-            start.friction_n, added, (par.test.friction, par.load.friction), strict=True
-        )
-    ]
+    elements = len(par.test.friction.elements), len(par.load.friction.elements)
+    z = [np.zeros(2 * count) for count in elements]
+    work = [np.zeros((2, 2 * count)) for count in elements]
+    scratch = np.zeros((4, n_states(par))), np.zeros((3, 2)), np.zeros(SIGNALS)
     out = np.zeros((16, signals.shape[1]))
-    work = [np.zeros((2, len(each))) for each in bristles]
-    _integrate(
-        signals, h, steps, _spool_step(par.valve, h), par, levels, state, spools, *bristles,
-        *work, np.zeros((3, len(state))), np.zeros(SIGNALS), out,
-    )  # fmt: skip
-    means = AlongLog(out[:4], out[4:8], out[8:12], out[12], out[13], out[14], out[15])
-    return means, state[first:]
-
-
-def _first_deflection(force: float, v: float, par: FrictionParameters) -> np.ndarray:
-    deflections = np.zeros(2 * len(par.elements))
-    deflections[0] = deflection_under(force, v, par)
-    return deflections
+    _integrate_logs(
+        signals, h, steps, _spool_step(par.valve, h), par, levels, *starts, *z, *work, *scratch, out
+    )
+    return AlongLog(out[:4], out[4:8], out[8:12], out[12], out[13], out[14], out[15])
 
 
 @cache
@@ -109,15 +101,6 @@ def _spool_step(valve: ValveParameters, h: float) -> np.ndarray:
 
     omega = valve.natural_frequency_rad_s
     return expm(h * np.array([[0.0, 1.0], [-(omega**2), -2 * valve.damping * omega]]))
-
-
-@compiled
-def _added_forces(
-    state: np.ndarray, par: "PlantParameters", levels: np.ndarray, rates: np.ndarray
-) -> tuple[float, float]:
-    """Return the forces [N] that the effects add to the friction of both cylinders."""
-    friction = friction_effects(levels[0], levels[1], state, par, par.effects, rates)
-    return friction[2], friction[3]
 
 
 class _Laws(NamedTuple):
@@ -148,8 +131,55 @@ def _laws(
 
 
 @compiled
+def _integrate_logs(
+    signals: np.ndarray,
+    h: float,
+    steps: int,
+    a: np.ndarray,
+    par: "PlantParameters",
+    levels: np.ndarray,
+    edges: np.ndarray,
+    friction_n: np.ndarray,
+    states: np.ndarray,
+    builds_up: np.ndarray,
+    z_t: np.ndarray,
+    z_l: np.ndarray,
+    work_t: np.ndarray,
+    work_l: np.ndarray,
+    scratch: np.ndarray,
+    spools: np.ndarray,
+    now: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    state, first = scratch[3], bristles_end(par)
+    for r in range(len(edges) - 1):
+        start, stop = edges[r], edges[r + 1]
+        for j in range(first):
+            state[j] = signals[j, start] if j < 6 else 0.0
+        for j in range(first, len(state)):
+            if r == 0 or not builds_up[j - first]:
+                state[j] = states[r, j - first]
+        for j in range(3):
+            spools[j, 0] = clamp(signals[_COMMANDS + j, start], par.valve.limit_v)
+            spools[j, 1] = 0.0
+        _, _, more_t, more_l = friction_effects(
+            levels[0], levels[1], state, par, par.effects, scratch[0]
+        )
+        v = signals[V, start]
+        z_t[:], z_l[:] = 0.0, 0.0
+        z_t[0] = deflection_under(friction_n[r, 0] - more_t, v, par.test.friction)
+        z_l[0] = deflection_under(friction_n[r, 1] - more_l, v, par.load.friction)
+        _integrate(
+            signals, start, stop, h, steps, a, par, levels, state, spools, z_t, z_l, work_t, work_l,
+            scratch, now, out,
+        )  # fmt: skip
+
+
+@inlined
 def _integrate(
     signals: np.ndarray,
+    start: int,
+    stop: int,
     h: float,
     steps: int,
     a: np.ndarray,
@@ -165,13 +195,15 @@ def _integrate(
     now: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    last, first, end = signals.shape[1] - 1, bristles_end(par), len(state)
+    first, end = bristles_end(par), len(state)
     rates, slopes, others = scratch[0], scratch[1], scratch[2]
     supply, share = par.supply.pressure_pa, 1.0 / steps
     c_tp, c_tr, c_lp, c_lr = 0.0, 0.0, 0.0, 0.0
-    o_tp, o_tr, o_lp, o_lr = signals[2, 0], signals[3, 0], signals[4, 0], signals[5, 0]
-    for k in range(signals.shape[1]):
-        before, after = max(k - 1, 0), min(k + 1, last)
+    o_tp, o_tr, o_lp, o_lr = (
+        signals[P_TP, start], signals[P_TR, start], signals[P_LP, start], signals[P_LR, start]
+    )  # fmt: skip
+    for k in range(start, stop):
+        before, after = max(k - 1, start), min(k + 1, stop - 1)
         for i in range(steps):
             s = (i + 0.5) * share
             for j in range(len(now)):

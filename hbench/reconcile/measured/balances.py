@@ -45,7 +45,7 @@ from hbench.model.sensors import (
     sensor_parameters,
 )
 from hbench.model.states import P_TP, P_TR
-from hbench.reconcile.measured.along import STEP_S, AlongLog, Start, along
+from hbench.reconcile.measured.along import STEP_S, AlongLog, Starts, along
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session, sessions
 from hbench.reconcile.measured.sources import pump_flow
 from hbench.reconcile.measured.weak import sampling
@@ -222,17 +222,16 @@ def _along(
     session: Session, signals: np.ndarray, model: BalanceModel, forces: tuple[np.ndarray, ...]
 ) -> AlongLog:
     """Return the laws along all logs; ``forces`` are the measured frictions of both cylinders."""
-    carried, levels = np.zeros(len(_BUILDS_UP)), np.array(model.levels)
-    parts = []
-    for start, stop in zip(session.edges[:-1], session.edges[1:], strict=True):
-        test, load = (_at_start(force[start:stop]) for force in forces)
-        log = np.ascontiguousarray(signals[:, start:stop])
-        deflection = _share_of_static(test, log[:, 0], model.par)
-        at = Start((test, load), np.where(_DEFLECTS, deflection, carried))
-        part, end = along(log, session.window.dt_s, model.par, at, levels, model.step_s)
-        carried = np.where(_BUILDS_UP, end, 0.0)
-        parts.append(part)
-    return AlongLog(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))
+    friction = np.array(
+        [
+            [_at_start(force[start:stop]) for force in forces]
+            for start, stop in zip(session.edges[:-1], session.edges[1:], strict=True)
+        ]
+    )
+    share = _share_of_static(friction[:, 0], signals[:, session.edges[:-1]], model.par)
+    starts = Starts(session.edges, friction, share[:, None] * _DEFLECTS, _BUILDS_UP)
+    levels = np.array(model.levels)
+    return along(signals, session.window.dt_s, model.par, starts, levels, model.step_s)
 
 
 def _at_start(records: np.ndarray) -> float:
@@ -240,10 +239,12 @@ def _at_start(records: np.ndarray) -> float:
     return float(records[0] - 0.5 * (records[1] - records[0])) if len(records) > 1 else records[0]
 
 
-def _share_of_static(force: float, signals: np.ndarray, par: PlantParameters) -> float:
-    """Return the test cylinder's friction in shares of its static friction, -1 to 1."""
-    static = abs(steady_friction(0.0, signals[P_TP], signals[P_TR], par.test.friction))
-    return float(np.clip(force / static, -1.0, 1.0)) if static > 0 else 0.0
+def _share_of_static(force: np.ndarray, signals: np.ndarray, par: PlantParameters) -> np.ndarray:
+    """Return the test cylinder's friction (r,) in shares of its static friction, -1 to 1."""
+    pressures = signals[[P_TP, P_TR]].T.tolist()
+    static = np.abs([steady_friction(0.0, *pair, par.test.friction) for pair in pressures])
+    shares = np.divide(force, static, out=np.zeros_like(force), where=static > 0)
+    return np.clip(shares, -1.0, 1.0)
 
 
 def driving_signals(session: Session, model: BalanceModel) -> np.ndarray:

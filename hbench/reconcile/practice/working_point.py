@@ -4,10 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hbench.model.plant import n_states
-from hbench.model.states import bristles_end
 from hbench.reconcile.gaps.gap_map import GapMap
-from hbench.reconcile.measured.along import Start, along
+from hbench.reconcile.measured.along import along, single_start
 from hbench.reconcile.measured.balances import BalanceModel
 from hbench.reconcile.measured.session import COMMANDS, PRESSURES, Session
 from hbench.reconcile.window_sums import MOTIONS, window_motions
@@ -102,9 +100,8 @@ def steady_balances(point: WorkingPoint, model: BalanceModel) -> np.ndarray:
     commands = [getattr(point, field) for field in COMMANDS]
     signals = np.array([point.x_m, point.v_m_s, p_tp, p_tr, p_lp, p_lr, p_s, *commands])
     log = np.repeat(np.nan_to_num(signals)[:, None], _RECORDS, axis=1)
-    start = Start((0.0, 0.0), np.zeros(n_states(par) - bristles_end(par)))
     levels = np.array(model.levels)
-    means, _ = along(log, _RECORD_S, par, start, levels, step_s=_RECORD_S)
+    means = along(log, _RECORD_S, par, single_start(_RECORDS, par), levels, step_s=_RECORD_S)
     flows = means.per_volume[:, -1] * np.exp(means.log_volume[:, -1])
     f_test = p_tp * par.test.area_piston_m2 - p_tr * par.test.area_rod_m2
     f_load = p_lp * par.load.area_piston_m2 - p_lr * par.load.area_rod_m2
