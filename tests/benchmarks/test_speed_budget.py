@@ -20,7 +20,6 @@ from tests.support import ROOT
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PLAIN = ROOT / "tests" / "support" / "analysis"
-ROUNDS = 2
 HBENCH = [sys.executable, "-P", "-m", "hbench"]  # the installed one
 REPORT_S = 5.0  # for 360 runs
 
@@ -34,7 +33,7 @@ class Row:
     beside: str
     other: list[str | Path] | float  # a command, or how long the bench itself takes [s]
     most: float
-    rounds: int = ROUNDS
+    rounds: int = 1
 
 
 def python(*arguments) -> list[str | Path]:
@@ -59,7 +58,7 @@ def campaign(schedule: str, folder: Path) -> Iterator[Row]:
     told = json.loads(call([*HBENCH, "run", file, "-o", made, "--json"]))
     runs, bench_s = told["runs"], told["seconds"]
     again = [*HBENCH, "run", file, "-o", folder / f"{schedule}-again"]
-    yield Row(f"run, {runs} runs", again, "the bench itself", bench_s, 0.03, 1)
+    yield Row(f"run, {runs} runs", again, "the bench itself", bench_s, 0.03)
     analyze = [*HBENCH, "analyze", made]
     plain = python(PLAIN / "plain_analysis.py", made)
     yield Row(f"analyze, {runs} runs", analyze, "pandas and lmfit, plainly", plain, 1.2)
@@ -74,7 +73,7 @@ def reconciled(schedule: str, folder: Path) -> Iterator[Row]:
     told = json.loads(call([*HBENCH, "run", CONFIGS / f"{schedule}.yaml", "-o", made, "--json"]))
     ours = [*HBENCH, "reconcile", made, "--model", model, "-o", folder / "diagnosis"]
     task = f"reconcile, {told['runs']} runs"
-    yield Row(task, ours, "the bench itself", told["seconds"], 0.15, 1)
+    yield Row(task, ours, "the bench itself", told["seconds"], 0.15)
 
 
 def fleet(schedule: str, folder: Path, campaigns: int) -> Iterator[Row]:
@@ -85,7 +84,7 @@ def fleet(schedule: str, folder: Path, campaigns: int) -> Iterator[Row]:
     ours = [*HBENCH, "fleet", folder / "line", "-o", folder / "fleet"]
     loop = 'for campaign in "$@"; do "$0" -P -m hbench analyze "$campaign" > /dev/null; done'
     other = ["sh", "-c", loop, sys.executable, *line]
-    yield Row(f"fleet, {campaigns} campaigns", ours, "analyze, in a loop", other, 0.5, 1)
+    yield Row(f"fleet, {campaigns} campaigns", ours, "analyze, in a loop", other, 0.5)
 
 
 def measured(rows: Iterator[Row]) -> dict[str, float]:
