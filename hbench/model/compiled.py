@@ -1,13 +1,11 @@
 """The decorators of compiled functions."""
 
 import os
+import sys
 import zlib
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
-
-import numba
-from numba.extending import register_jitable
 
 from hbench.records import friction_laws
 
@@ -48,6 +46,10 @@ def compiled(function: Callable) -> Any:
     none is allocated or returned: so references need no counting, which would cost a third of the
     plant's speed.
     """
+    import numba  # takes 0.4 s, and most commands compile nothing
+
+    while _waiting:
+        _inline(_waiting.pop())
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CACHE
     try:
@@ -56,11 +58,24 @@ def compiled(function: Callable) -> Any:
         numba.config.CACHE_DIR = before
 
 
-def inlined(function: Callable) -> Any:
+def inlined(function: Callable) -> Callable:
     """Compile a function into each compiled function that calls it, as ``compiled`` does.
 
     Inlining saves passing the parameters as some sixty arguments at each call. Python that calls
     the function runs it uncompiled: code that unpacks the parameters from Python objects would
     double the time of compiling the plant.
     """
-    return register_jitable(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
+    if "numba" in sys.modules:
+        _inline(function)
+    else:
+        _waiting.append(function)
+    return function
+
+
+_waiting: list[Callable] = []  # functions to inline, until the first function is compiled
+
+
+def _inline(function: Callable) -> None:
+    from numba.extending import register_jitable
+
+    register_jitable(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
