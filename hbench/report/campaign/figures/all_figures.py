@@ -110,11 +110,10 @@ FIGURES = (
     FigureKind(
         name="stribeck",
         section="friction",
-        caption="Friction over speed, both as magnitudes. Points: mean of the accepted trials with "
-        "the 95 % Student interval. Lines: the first fitted law inside the measured speeds "
-        "(dashed: the fit did not converge); dotted: extrapolated beyond the measurement. "
-        "Hollow points: the load helps the motion. Below: residuals of the loads, side by side. "
-        "Both directions have the same axes.",
+        caption="Friction over speed, both as magnitudes: means of the accepted trials, and the "
+        "first of the fitted laws (dashed: the fit did not converge). Hollow points: the load "
+        "helps the motion. Below: residuals of the loads, side by side. Both directions have the "
+        "same axes.",
         applies=has_curves,
         draw=friction_magnitude,
         each_series=True,
@@ -230,8 +229,8 @@ FIGURES = (
     FigureKind(
         name="efficiency",
         section="efficiency",
-        caption="Efficiency over speed. Band: the 95 % interval by the instruments' tolerances. "
-        "Bars: the 95 % Student interval of the trials. Both directions have the same axes.",
+        caption="Efficiency over speed, means of the accepted trials. Both directions have the "
+        "same axes.",
         applies=has_efficiency,
         draw=efficiency,
         each_series=True,
