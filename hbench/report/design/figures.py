@@ -128,7 +128,7 @@ def pole_zero(loop: ControlLoop) -> Figure:
             marker,
             color=colour,
             markerfacecolor="none",
-            label=f"{merits.chain}: largest |z| {merits.digital_modulus:.5f}",
+            label=merits.chain + (" (unstable)" if merits.digital_modulus >= 1 else ""),
         )
         if merits.poles_rad_s is not None and merits.zeros_rad_s is not None:
             poles, look = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
@@ -179,7 +179,8 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
     "step": (
         step_figure,
         "Step response",
-        "Response of the closed loop to a unit step of its reference. Grey: within 2 %.",
+        "Response of the closed loop to a unit step of its reference. Grey band: within 2 % of "
+        "the step, where the settling time is read.",
     ),
     "bode": (
         bode,
