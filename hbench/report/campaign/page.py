@@ -163,13 +163,9 @@ def _fits(results: Results) -> tuple[Section, ...]:
             subsections.append(part)
     if subsections:
         text = (
-            "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
-            "side, and the other parameters depend on the bound. Intervals of two methods, such as "
-            "linearised and profile, differ where the law is nonlinear within them or a bound is "
-            "near. "
-            "Not determined: the half-width of either interval exceeds the value, or there is "
-            "none. Correlated parameters do not vary by themselves: covariances.csv contains "
-            "their covariances."
+            "Value and its 95 % interval. A parameter is not determined if the half-width of its "
+            "interval exceeds the value, or if it has none. At a bound the interval has one side, "
+            "and the other parameters depend on the bound."
         )
         text += _bias_words(results)
         sections.append(

@@ -258,10 +258,10 @@ def _verdict(differences: CampaignDifferences) -> str:
     if len(real) > _FEW and (min(values) > 0 or max(values) < 0):
         way, sizes = "higher" if values[0] > 0 else "lower", [abs(value) for value in values]
         shares = [100 * abs(mean.value / mean.a) for _, mean in real if mean.a]
-        share = f" ({_shares(shares)})" if shares else ""
+        share = f", or {_shares(shares)}" if shares else ""
         return (
             f"Mean friction of {differences.names[1]} is {way} than that of {differences.names[0]} "
-            f"in {count}, by {alike(sizes)} N{share}; {_widest([mean for _, mean in real])}."
+            f"in {count}, by {alike(sizes)} N{share} ({_widest([mean for _, mean in real])})."
         )
     means_text = "; ".join(
         f"{_who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real
@@ -281,9 +281,9 @@ def _efficiency_verdict(differences: CampaignDifferences) -> str:
         return f"Efficiency differs in {count}."
     way = "higher" if values[0] > 0 else "lower"
     halves = [100 * mean.u95 for mean in real if mean.u95]
-    widest = f"; U up to {significant(max(halves), 2)}" if len(halves) == len(real) else ""
+    widest = f" (U up to {significant(max(halves), 2)})" if len(halves) == len(real) else ""
     sizes = dict.fromkeys(significant(f(map(abs, values)), 2) for f in (min, max))
-    return f"Efficiency is {way} in {count}, by {'–'.join(sizes)}{widest} percentage points."
+    return f"Efficiency is {way} in {count}, by {'–'.join(sizes)} percentage points{widest}."
 
 
 def _largest(mean: Difference) -> str:
@@ -419,5 +419,6 @@ def _name(differences: CampaignDifferences, which: int) -> str:
     labels = {(curve.a, curve.b)[which].label for curve in differences.curves}
     label = labels.pop() if len(labels) == 1 else ""
     day = campaign.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
-    words = (differences.names[which], campaign.name, label, campaign.source, day)
-    return ", ".join(dict.fromkeys(filter(None, words)))
+    schedule = f"schedule {campaign.name}"
+    words = (differences.names[which], schedule, label, campaign.source, day)
+    return ", ".join(filter(None, words))

@@ -173,8 +173,8 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         locus,
         "Root locus",
         "Closed-loop poles as the gain grows from 1/50 to 50 times the design's, without and with "
-        "the valve. Markers: the design. Crosses: open-loop poles. Circle: the controller's and "
-        "the plant's zeros.",
+        "the valve. Coloured markers: at the design's gain. Crosses: open-loop poles. Circle: the "
+        "controller's and the plant's zeros.",
     ),
     "step": (
         step_figure,
@@ -192,7 +192,7 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         pole_zero,
         "Poles and zeros",
         "Above: closed-loop poles (crosses) and zeros (circles), without and with the valve. "
-        "Below: digital poles at 10 kHz near z = 1; s-plane designs by backward Euler, the board "
-        "with its three loops as it samples.",
+        "Below: poles of the loops sampled at 10 kHz, near z = 1: without and with the valve by "
+        "backward Euler, on the board with all three loops closed.",
     ),
 }

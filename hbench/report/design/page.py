@@ -68,10 +68,11 @@ def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
     for check, row in zip(ranked, text.check_rows(ranked, tick_s), strict=True):
         what, value, limit, unit, _, where = row
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
-        sign = "°" if unit == "deg" else unit
-        rows.append((verdict, *map(Cell, (_capital(what), value, limit, sign, where))))
-    head = ("Result", "Check", "Value", "Limit", "Unit", "Worst at")
-    words_in = frozenset({"Result", "Check", "Unit", "Worst at"})
+        sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
+        limit += sign if any(map(str.isdigit, limit)) else ""
+        rows.append((verdict, *map(Cell, (_capital(what), value + sign, limit, where))))
+    head = ("Result", "Check", "Value", "Limit", "Worst at")
+    words_in = frozenset({"Result", "Check", "Worst at"})
     table = Table(head, tuple(rows), words_in, title="Checks, those that fail first")
     return Section("Checks", (words,), tables=(_without_empty(table),))
 

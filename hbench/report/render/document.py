@@ -98,11 +98,16 @@ def numbered(document: Document, on_paper: bool = False) -> Document:
 
     A table without a title has that of its section. ``[[anchor]]`` in the text of a section becomes
     the number of the table of the section with this anchor, or without one the section's title.
-    Parts that are not printed are left out ``on_paper``.
+    Parts that are not printed have no numbers, and are left out ``on_paper``, so that the numbers
+    of a page are those of its print.
     """
     counted = _Numbers(on_paper)
-    sections = tuple(counted.numbered(section, "") for section in document.sections)
+    sections = tuple(counted.numbered(section, "", True) for section in document.sections)
     return replace(document, sections=tuple(map(counted.referred, sections)))
+
+
+def _dotted(number: str, title: str) -> str:
+    return ". ".join(filter(None, (number, title)))
 
 
 class _Numbers:
@@ -113,22 +118,21 @@ class _Numbers:
         self.figures = self.tables = 0
         self.name_of: dict[str, str] = {}
 
-    def numbered(self, section: Section, title: str) -> Section:
-        title = _COUNT.sub("", section.title) or title
+    def numbered(self, section: Section, title: str, printed: bool) -> Section:
+        title, printed = _COUNT.sub("", section.title) or title, printed and section.printed
         drawings, tables = [], []
         for drawing in section.drawings:
-            self.figures += 1
-            drawings.append(
-                replace(drawing, title=f"Figure {self.figures}. {drawing.title}".rstrip(". "))
-            )
+            self.figures += printed
+            number = f"Figure {self.figures}" if printed else ""
+            drawings.append(replace(drawing, title=_dotted(number, drawing.title)))
         for table in section.tables:
-            self.tables += 1
-            number = f"Table {self.tables}"
-            self.name_of.setdefault(anchor(section), number)
-            words = f"{number}. {table.title or title}".rstrip(". ")
-            tables.append(replace(table, title=words))
-        printed = (part for part in section.parts if part.printed or not self.on_paper)
-        parts = tuple(self.numbered(part, title) for part in printed)
+            self.tables += printed
+            number = f"Table {self.tables}" if printed else ""
+            if number:
+                self.name_of.setdefault(anchor(section), number)
+            tables.append(replace(table, title=_dotted(number, table.title or title)))
+        shown = (part for part in section.parts if part.printed or not self.on_paper)
+        parts = tuple(self.numbered(part, title, printed) for part in shown)
         if section.title:
             self.name_of.setdefault(anchor(section), f"“{section.title}”")
         return replace(section, drawings=tuple(drawings), tables=tuple(tables), parts=parts)
