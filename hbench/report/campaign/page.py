@@ -120,9 +120,7 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
         )
         return Section("Friction", (none,))
     if not drawings:
-        return Section(
-            "Friction", ("Too few speeds for a curve. The points are in the tables below.",)
-        )
+        return Section("Friction", ("Too few speeds for a curve. [[points]] contains the points.",))
     tables = (
         *_titled(page_tables.band_table(results), "Against pressure"),
         *_titled(page_tables.trend_table(results), "Lines over pressure"),

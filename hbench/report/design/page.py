@@ -16,6 +16,7 @@ _LOOP_HEAD = (
 )
 
 
+_NEGATIVE = re.compile(r"(?<!\S)-(?=\d)")
 _POWER, _RAISED = re.compile(r"(?<=\d)e([-+]\d+)"), str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -29,7 +30,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     elif design.checks:
         sections.append(_checks(design.checks, text.POINT_LIMITS, design.tick_s))
     merits = tuple(tuple(map(_typeset, row)) for row in text.loop_rows(design))
-    loops = WordTable("Figures of merit of the three loops", _LOOP_HEAD, merits)
+    loops = WordTable("The three loops with the present gains", _LOOP_HEAD, merits)
     sections.append(Section("Loops", tables=(loops,), facts=_facts(text.loop_notes(design))))
     sections.append(Section("Further results", facts=_facts(text.facts(design))))
     sections.append(Section("Operating point", facts=text.point_facts(design)))
@@ -70,10 +71,11 @@ def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
         sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
         limit += sign if any(map(str.isdigit, limit)) else ""
+        where = _NEGATIVE.sub("−", where)
         rows.append((verdict, *map(Cell, (_capital(what), value + sign, limit, where))))
     head = ("Result", "Check", "Value", "Limit", "Worst at")
     words_in = frozenset({"Result", "Check", "Worst at"})
-    table = Table(head, tuple(rows), words_in, title="Checks, those that fail first")
+    table = Table(head, tuple(rows), words_in, title="Checks and their limits")
     return Section("Checks", (words,), tables=(_without_empty(table),))
 
 

@@ -242,8 +242,8 @@ def _shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
             slowest = _seconds(decay_s(check.value, tick_s))
             return "all loops together: slowest pole", slowest, "stable", "s"
         return "all loops together: largest |z|", f"{check.value:.6f}", "< 1", ""
-    least = "≥" if "margin" in check.what else "≤"
-    return check.what, _value(check), f"{least} {short(check.limit)}", check.unit
+    least = "≥ " if "margin" in check.what else "≤ " if check.limit else ""
+    return check.what, _value(check), f"{least}{short(check.limit)}", check.unit
 
 
 def _value(check: Check) -> str:
@@ -281,8 +281,8 @@ def proposal_verdict(proposal: Proposal, tick_s: float) -> str:
     failed = [_failed(check, tick_s) for check in checks if not check.holds]
     if not failed:
         return (
-            f"PASS. The proposed gains pass all {len(checks)} checks, in simulation; --write "
-            "writes them into the bench file."
+            f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
+            f"{_margins(checks)}. --write writes them into the bench file."
         )
     return (
         f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
@@ -299,8 +299,8 @@ def loops_verdict(design: Design) -> str:
         return ""
     if not failed:
         return (
-            f"PASS. The present gains pass all {len(checks)} checks at this operating point; "
-            "--propose checks all operating points."
+            f"PASS. The present gains pass all {len(checks)} checks at this operating point"
+            f"{_margins(checks)}. --propose checks all operating points."
         )
     steps = [
         step
@@ -315,6 +315,17 @@ def loops_verdict(design: Design) -> str:
         f"{len(checks)} checks at this operating point. Run hbench design with --propose to find "
         "gains for all operating points."
     )
+
+
+def _margins(checks: Sequence[Check]) -> str:
+    """Return the smallest phase margin and gain margin, after a colon."""
+    smallest = [
+        min(some, key=lambda check: check.value)
+        for unit in ("deg", "dB")
+        if (some := [check for check in checks if check.unit == unit])
+    ]
+    words = " and ".join(f"{_value(check)} {check.unit}" for check in smallest)
+    return f": the smallest margins are {words}" if len(smallest) > 1 else ""
 
 
 def _step(loop: ControlLoop, failed: Sequence[Check]) -> str:
@@ -355,8 +366,8 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
     return (
         f"bandwidths, a factor of {proposal.ratio:g} apart (ideal valve): {order} rad/s",
         f"margins computed at {proposal.points} points: positions, loads, speeds, both directions",
-        f"feedforward, if it is used: C_ffLr {proposal.feedforward[0]:.4g}, "
-        f"C_ffLp {proposal.feedforward[1]:.4g} V s/m",
+        f"feedforward, if it is used: C_ffLr {proposal.feedforward[0]:.3g}, "
+        f"C_ffLp {proposal.feedforward[1]:.3g} V s/m",
         *(f"left out: {reason}" for reason in proposal.left_out),
     )
 

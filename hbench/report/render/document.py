@@ -97,7 +97,7 @@ def numbered(document: Document, on_paper: bool = False) -> Document:
     """Return ``document`` with a number before the title of each figure and table, in their order.
 
     A table without a title has that of its section. ``[[anchor]]`` in the text of a section becomes
-    the number of the table of the section with this anchor, or without one the section's title.
+    the number of the first table in the section with this anchor, or without one its title.
     Parts that are not printed have no numbers, and are left out ``on_paper``, so that the numbers
     of a page are those of its print.
     """
@@ -120,7 +120,7 @@ class _Numbers:
 
     def numbered(self, section: Section, title: str, printed: bool) -> Section:
         title, printed = _COUNT.sub("", section.title) or title, printed and section.printed
-        drawings, tables = [], []
+        drawings, tables, first = [], [], self.tables + 1
         for drawing in section.drawings:
             self.figures += printed
             number = f"Figure {self.figures}" if printed else ""
@@ -128,13 +128,12 @@ class _Numbers:
         for table in section.tables:
             self.tables += printed
             number = f"Table {self.tables}" if printed else ""
-            if number:
-                self.name_of.setdefault(anchor(section), number)
             tables.append(replace(table, title=_dotted(number, table.title or title)))
         shown = (part for part in section.parts if part.printed or not self.on_paper)
         parts = tuple(self.numbered(part, title, printed) for part in shown)
         if section.title:
-            self.name_of.setdefault(anchor(section), f"“{section.title}”")
+            name = f"Table {first}" if self.tables >= first else f"“{section.title}”"
+            self.name_of.setdefault(anchor(section), name)
         return replace(section, drawings=tuple(drawings), tables=tuple(tables), parts=parts)
 
     def referred(self, section: Section) -> Section:

@@ -93,9 +93,8 @@ def _shortened(text: str) -> str:
 
 def _set(pen: Pen, section: Section, size: float) -> None:
     if section.title:
-        pen.room(
-            240 if section.drawings else 150 if section.tables else 80
-        )  # no heading alone at the foot of a sheet
+        least = 240 if section.drawings else 150 if section.tables else 80
+        pen.room(least)  # no heading alone at the foot of a sheet
         pen.space(12 if size > _PART else 7)
         pen.words(section.title, size, weight="bold")
         pen.space(2)

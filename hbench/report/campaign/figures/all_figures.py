@@ -149,11 +149,10 @@ FIGURES = (
     FigureKind(
         name="ramps",
         section="ramps",
-        caption="Ramps of each acceleration, and steady runs and levels of steps where there are "
-        "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
-        "interval of the trials. Positive friction opposes the motion; before breakaway it may be "
-        "negative, since the seals are still deflected by the preceding stroke. Lines: Tustin's "
-        "law fitted to the ramp from breakaway on. Below: the same points from breakaway on.",
+        caption="Ramps of each acceleration at one load, with steady runs and levels of steps "
+        "where there are any. Ramp points: means over a bin of velocity. Positive friction opposes "
+        "the motion; before breakaway it may be negative, since the preceding stroke has deflected "
+        "the seals. Lines and lower panel: from breakaway on.",
         applies=has_ramps,
         draw=ramps,
     ),
@@ -193,8 +192,7 @@ FIGURES = (
     FigureKind(
         name="breakaway",
         section="breakaway",
-        caption="Breakaway: the largest friction while a rising force pushes a piston at rest. "
-        "Mean of the trials with the 95 % Student interval.",
+        caption="Largest friction before the piston moves, means of the trials.",
         applies=has_breakaways,
         draw=breakaways,
     ),
