@@ -10,7 +10,7 @@ import pytest
 from hbench.records import Check
 from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
-from hbench.report.design.text import design_json, design_text
+from hbench.report.design.text import check_rows, design_json, design_text
 from tests.support.report.made_design import drawings_of_design, made_design
 
 
@@ -47,6 +47,14 @@ def test_the_page_holds_everything_and_escapes_names(design, drawings):
     verdict = page[page.index('class="verdict"') : page.index("<h2")]
     assert "&lt;+200 mm/s&gt;" in page and " 1 of 2 checks" in verdict
     assert page.count('class="plot"') == len(drawings) == 4
+
+
+def test_a_checks_value_shows_on_which_side_of_its_limit_it_is():
+    passing = Check("velocity: phase margin", 45.3, 45.0, "deg", True)
+    failing = Check("velocity: phase margin", 44.96, 45.0, "deg", False)
+    beyond = Check("bench: overshoot", 20.3, 20.0, "mm/s", False)
+    rows = check_rows((passing, failing, beyond), tick_s=1e-4)
+    assert [row[1] for row in rows] == ["45", "44.96", "20.3"]
 
 
 def test_present_gains_pass_or_fail_with_the_check_first(design):

@@ -39,6 +39,7 @@ _CHAMBERS = ("p_tp", "p_tr", "p_lp", "p_lr")
 _VALVES = {"u_T": "test valve", "u_L1": "load valve L1", "u_L2": "load valve L2"}
 _DECIMALS = {"deg": 0, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
 _MOST_DECIMALS = 6
+_NAMED = 3  # failed checks in the verdict
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -252,11 +253,13 @@ def _value(check: Check) -> str:
         return "none"
     decimals = _DECIMALS.get(check.unit)
     if decimals is None:
-        return significant(check.value, 2)
-    while decimals < _MOST_DECIMALS and (
-        math.copysign(1.0, round(check.value, decimals) - check.limit)
-        != math.copysign(1.0, check.value - check.limit)
-    ):
+        decimals = len(significant(check.value, 2).partition(".")[2])
+    side = check.value >= check.limit, check.value <= check.limit
+    while decimals < _MOST_DECIMALS:
+        rounded = round(check.value, decimals)
+        shown = rounded >= check.limit, rounded <= check.limit
+        if shown == side or (check.holds and rounded == check.limit):
+            break
         decimals += 1
     return number(check.value, decimals)
 
@@ -284,10 +287,11 @@ def proposal_verdict(proposal: Proposal, tick_s: float) -> str:
             f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
             f"{_margins(checks)}. --write writes them into the bench file."
         )
+    more = [f"{len(failed) - _NAMED} more"] if len(failed) > _NAMED else []
     return (
         f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
         f"{proposal.ratio:g}), or correct the bench file. They fail {len(failed)} of {len(checks)} "
-        f"checks, in simulation: {'; '.join(failed)}."
+        f"checks, in simulation: {'; '.join([*failed[:_NAMED], *more])}."
     )
 
 
