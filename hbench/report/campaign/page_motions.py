@@ -110,19 +110,21 @@ def leak_table(results: Results) -> Table:
                 cell = Cell(with_interval(*(from_si(each, "ml/min") for each in flow)))
             at = number(from_si(highest, "bar"), 1)
             rows.append((leakage.label, LEAKS[coefficient.name], at, cell))
-    messages = dict.fromkeys(m for leakage in results.motions.leakages for m in _remarks(leakage))
+    leakages = results.motions.leakages
+    several = len({leakage.label for leakage in leakages}) > 1
+    messages = dict.fromkeys(m for leakage in leakages for m in _remarks(leakage, several))
     head = ("Label", "Leak", "At (bar)", "Leakage (ml/min)")
     return table(head, rows, tuple(messages), words=("Leak",))
 
 
-def _remarks(leakage: Leakage) -> Iterable[str]:
-    """Yield the remarks on leaks, a sentence each."""
+def _remarks(leakage: Leakage, several: bool) -> Iterable[str]:
+    """Yield the remarks on leaks, a sentence each, with the label where there are ``several``."""
     message = leakage.message.replace("beta / V", "β/V")
     for name, words in LEAKS.items():
         message = message.replace(name, f"the leak {words}")
     for remark in filter(None, message.split("; ")):
-        label = f"{leakage.label}: " if leakage.label else ""
-        yield f"{label}{remark[:1].upper()}{remark[1:]}."
+        text = f"{leakage.label}: {remark}" if several else remark
+        yield f"{text[:1].upper()}{text[1:]}."
 
 
 def hold_table(results: Results) -> Table:

@@ -51,7 +51,7 @@ def differences_text(differences: CampaignDifferences) -> str:
     lines = [
         *filter(None, (_alarm(differences), _headline(differences))),
         "",
-        *(f"{name}: {words}" for name, words in _identity(differences)),
+        *(f"{name}: {words}" for name, words in (*_identity(differences), *_data(differences))),
         *(
             f"{section}, {setting}: A {a}, B {b}"
             for section, setting, a, b in settings_that_differ(differences)
@@ -130,6 +130,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         figures[drawing.section] = (*figures[drawing.section], drawing)
     parameters = [p.value for curve in differences.curves for p in curve.parameters]
     sections = [
+        Section(facts=_data(differences)),
         Section(
             "Friction bands",
             tables=(band_table(differences), slope_table(differences)),
@@ -337,15 +338,18 @@ def _headline(differences: CampaignDifferences) -> str:
 
 
 def _identity(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
-    """Return both campaigns, the verdicts on their data, and whether they share instruments."""
-    data = [quality_verdict(quality) for quality in differences.qualities]
-    both = (("Data of A", data[0]), ("Data of B", data[1]))
+    """Return both campaigns, and whether they share instruments."""
     return (
         ("A", _name(differences, 0)),
         ("B", _name(differences, 1)),
-        *(both if data[0] != data[1] else (("Data of A and of B", data[0]),)),
         ("Instruments", _instruments(differences)),
     )
+
+
+def _data(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
+    """Return the verdict on the data of each campaign."""
+    a, b = (quality_verdict(quality) for quality in differences.qualities)
+    return (("Data of A and B", a),) if a == b else (("Data of A", a), ("Data of B", b))
 
 
 def _instruments(differences: CampaignDifferences) -> str:
