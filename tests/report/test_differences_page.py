@@ -44,8 +44,10 @@ def test_a_difference_that_is_not_significant_is_not_in_the_verdict(found):
     none = replace(one, mean_n=replace(one.mean_n, p_holm=0.3))
     page = differences_page(replace(found, curves=(none,)), ())
     verdict = page[page.index('<p class="verdict"') : page.index("<dl")]
-    assert " of 1 " in verdict and " 1 of 1 " not in verdict and "±" not in verdict
+    assert " 1 of 1 " not in verdict and "±" not in verdict
     assert "40.0 N (U 8.0 N)" in verdict  # the largest, with its uncertainty
+    single = replace(none, mean_n=replace(one.mean_n, p_holm=None, ci95=None, u95=None))
+    assert "40.0 N (no interval)" in differences_page(replace(found, curves=(single,)), ())
 
 
 def test_data_to_be_used_with_care_is_reported_beside_the_verdict(found):

@@ -251,7 +251,8 @@ def _verdict(differences: CampaignDifferences) -> str:
     real = [(curve, mean) for curve, mean in means if mean.real]
     if not real:
         every = len(differences.curves)
-        text = f"No difference of mean friction is significant in any of {every} curves"
+        where = f"any of {every} curves" if every > 1 else "the only curve"
+        text = f"No difference of mean friction is significant in {where}"
         largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
         return f"{text}; the largest is {_largest(largest)}." if largest else f"{text}."
     count = f"{len(real)} of {len(differences.curves)} curves"
@@ -291,6 +292,8 @@ def _largest(mean: Difference) -> str:
     """Write a difference with its uncertainty, such as ``−3.1 N (U 9.4 N)``."""
     half = mean.u95 or mean.ci95
     value = with_interval(mean.value, half).partition(" ± ")[0]
+    if half is None:
+        return f"{value} N (no interval)"
     return f"{value} N ({_widest([mean])})".replace("up to ", "")
 
 
