@@ -63,6 +63,7 @@ def design_at(
         feedforward=(c.feedforward_rod, c.feedforward_piston),
         ramp_error_m_s=ramp_error(loop_plants(c)[0] * pi(*gains[0]), RAMP_M_S2),
         coupled_modulus=sampled.modulus(plant, gains),
+        tick_s=TICK_S,
         reproduced=reproduced,
     )
 

@@ -109,6 +109,7 @@ class Design:
     feedforward: tuple[float, float]  # 4.27, 4.28 [V s/m]
     ramp_error_m_s: float  # of the velocity loop at 100 mm/s^2, 4.37
     coupled_modulus: float  # all three loops on the board
+    tick_s: float  # sampling period of the board's loops
     reproduced: tuple[Reproduced, ...] = ()  # of the source's bench alone
     proposal: Proposal | None = None
     checks: tuple[Check, ...] = ()  # of the present gains on the board, at the operating point

@@ -80,7 +80,13 @@ def drift_table(drift: Drift) -> Table:
         number(100 * drift.speed_share, 0),
         "yes" if drift.separated else "no",
     )
-    return Table(head, (tuple(map(Cell, row)),), frozenset({"Separated from speed"}))
+    words = frozenset({"Separated from speed"})
+    return Table(
+        head,
+        (tuple(map(Cell, row)),),
+        words,
+        title="Size, significance and separation of the drift",
+    )
 
 
 def _p(p: float) -> str:

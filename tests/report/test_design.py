@@ -1,6 +1,7 @@
 """Text, page and figures of a design, from records alone."""
 
 import json
+import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
@@ -9,7 +10,7 @@ import pytest
 from hbench.records import Check
 from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
-from hbench.report.design.text import design_json, design_text
+from hbench.report.design.text import check_rows, design_json, design_text
 from tests.support.report.made_design import drawings_of_design, made_design
 
 
@@ -22,7 +23,7 @@ def test_the_terminal_gets_numbers_verdict_and_reasons_in_ascii(design):
     text = design_text(design)
     assert text.isascii()
     assert "-110.76" in text and "-148.40" in text and "+34.00" in text and "NO" in text
-    assert "FAILS 1 of 2 " in text.splitlines()[-1]
+    assert re.search(r"FAIL\. .*--ratio.* 1 of 2 checks", text.splitlines()[-1])
     assert "gain: 1500 V/m" in text and "time_constant: 18 ms" in text
 
 
@@ -43,8 +44,17 @@ def drawings():
 def test_the_page_holds_everything_and_escapes_names(design, drawings):
     page = design_page(design, drawings)
     assert "<b>bench</b>" not in page and "&lt;b&gt;bench" in page
-    assert "&lt;+200 mm/s&gt;" in page and "FAIL. The proposal fails 1 of 2 checks" in page
+    verdict = page[page.index('class="verdict"') : page.index("<h2")]
+    assert "&lt;+200 mm/s&gt;" in page and " 1 of 2 checks" in verdict
     assert page.count('class="plot"') == len(drawings) == 4
+
+
+def test_a_checks_value_shows_on_which_side_of_its_limit_it_is():
+    passing = Check("velocity: phase margin", 45.3, 45.0, "deg", True)
+    failing = Check("velocity: phase margin", 44.96, 45.0, "deg", False)
+    beyond = Check("bench: overshoot", 20.3, 20.0, "mm/s", False)
+    rows = check_rows((passing, failing, beyond), tick_s=1e-4)
+    assert [row[1] for row in rows] == ["45", "44.96", "20.3"]
 
 
 def test_present_gains_pass_or_fail_with_the_check_first(design):
@@ -53,8 +63,9 @@ def test_present_gains_pass_or_fail_with_the_check_first(design):
         Check("velocity: gain margin", 5.7, 6.0, "dB", False),
     )
     page = design_page(replace(design, proposal=None, checks=checks), ())
-    assert "FAIL. The present gains fail 1 of 2 checks at this operating point: " in page
-    assert "velocity: gain margin 5.7 dB, limit 6 dB." in page
+    first, _, rest = page[page.index('class="verdict"') :].partition(". ")[2].partition(". ")
+    assert "velocity loop from 800 to 772 V/m" in first  # 800 V/m less 0.3 dB
+    assert "5.7 dB" in first and "6 dB" in first and "--propose" in rest[: rest.index("</p>")]
     assert page.index("Velocity: gain margin") < page.index("Velocity: phase margin")
     passing = replace(design, proposal=None, checks=checks[:1])
     assert "PASS. The present gains pass all 1 checks" in design_page(passing, ())

@@ -43,8 +43,20 @@ def test_a_difference_that_is_not_significant_is_not_in_the_verdict(found):
     (one,) = found.curves
     none = replace(one, mean_n=replace(one.mean_n, p_holm=0.3))
     page = differences_page(replace(found, curves=(none,)), ())
-    verdict = page[: page.index("<table")]
-    assert " of 1 " in verdict and " 1 of 1 " not in verdict and "±" not in verdict
+    verdict = page[page.index('<p class="verdict"') : page.index("<dl")]
+    assert " 1 of 1 " not in verdict and "±" not in verdict
+    assert "40.0 N (U 8.0 N)" in verdict  # the largest, with its uncertainty
+    single = replace(none, mean_n=replace(one.mean_n, p_holm=None, ci95=None, u95=None))
+    assert "40.0 N (no interval)" in differences_page(replace(found, curves=(single,)), ())
+
+
+def test_data_to_be_used_with_care_is_reported_beside_the_verdict(found):
+    a, b = (replace(found.qualities[0], grade=grade) for grade in ("good", "with care"))
+    page = differences_page(replace(found, qualities=(a, b)), ())
+    verdict = page[page.index('<p class="verdict"') : page.index("<dl")]
+    assert "the data of B with care" in verdict
+    assert 'class="alarm"' not in page
+    assert page.index("Data of A") < page.index("<h2")
 
 
 def test_an_incomplete_campaign_and_poor_data_are_reported_before_the_differences(found):

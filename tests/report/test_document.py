@@ -3,7 +3,7 @@
 import re
 
 from hbench.records import WordTable
-from hbench.report.render.document import Section, document
+from hbench.report.render.document import Document, Section, document, numbered
 
 
 def test_columns_of_numbers_are_aligned_as_numbers_and_others_are_not():
@@ -23,3 +23,25 @@ def test_every_text_is_escaped_and_symbols_get_their_subscripts():
     page = document(evil, evil, (section,), evil)
     assert "<script>&" not in page and page.count("<script>") == 1  # the page's own
     assert "P<sub>Tp</sub>" in page
+
+
+def test_tables_are_numbered_alike_on_page_and_paper_and_the_text_refers_to_them():
+    def table(title):
+        return WordTable(title, ("head",), (("cell",),))
+
+    hidden = Section("Hidden", tables=(table("no number"),), folded=True, printed=False)
+    shown = Section("Shown (3)", tables=(table(""),), folded=True)
+    sections = (
+        Section("First", ("See [[last]], [[text]] and [[nowhere]].",), tables=(table("one"),)),
+        Section("Last", parts=(hidden, shown)),
+        Section("Text"),
+    )
+    titles = {}
+    for on_paper in (False, True):
+        first, last, _ = numbered(Document("D", "", sections), on_paper).sections
+        assert first.paragraphs == ("See Table 2, “Text” and [[nowhere]].",)
+        titles[on_paper] = [each.title for part in (first, *last.parts) for each in part.tables]
+    assert titles == {
+        False: ["Table 1. one", "no number", "Table 2. Shown"],
+        True: ["Table 1. one", "Table 2. Shown"],
+    }

@@ -111,7 +111,12 @@ def test_each_figure_of_a_pdf_has_its_own_caption_in_its_column_and_unprinted_pa
     (sheet,) = sheets(Document("t", "", (Section("S", drawings=figures, parts=parts),)))
     places = {text.get_text(): text.get_position() for text in sheet.texts}
     one, two, three = (
-        places[words] for words in ("One. Same words.", "Two. As for One.", "Three. As for One.")
+        places[words]
+        for words in (
+            "Figure 1. One. Same words.",
+            "Figure 2. Two. As for Figure 1.",
+            "Figure 3. Three. As for Figure 1.",
+        )
     )
     assert one[1] == two[1] > three[1] and one[0] < 0.3 < 0.5 < two[0] == three[0]
     assert "Kept" in places and "Gone" not in places

@@ -88,7 +88,7 @@ def test_every_figure_is_shown_once_with_words_for_those_who_do_not_see_it(page,
     assert [label for label in labels if label in {d.seen for d in drawings}] == [
         drawing.seen for drawing in drawings
     ]
-    assert f"Figure {len(drawings)}," in parsed.text
+    assert f"Figure {len(drawings)}." in parsed.text
 
 
 def test_no_two_elements_have_the_same_name(page):
@@ -166,7 +166,7 @@ def test_hostile_names_are_text_wherever_they_stand(small):
 def test_an_active_bound_is_flagged_with_its_message(page, small):
     text = Parsed(page).text
     message = small.curves[0].fits[0].message.replace("F_C", "F C")
-    assert f"extending, 500 N: {message}" in text
+    assert f"extending, 500 N {message}" in text
     assert len(re.findall(r"\b0 at lower \w+", text)) == len(re.findall(r"\bat lower\b", text)) == 1
 
 
@@ -238,7 +238,7 @@ def test_rod_side_pressures_have_a_column_only_where_they_tell_rows_apart(small,
     # Summary, parameters, points, efficiencies and rejected runs.
     assert text.count("P Lr (bar)") == 4 + 2 * any(not run.accepted for run in small.runs)
     assert "60.00" in text and "15.00" in text
-    assert "extending, 500 N, 60 bar: F C " in text
+    assert "extending, 500 N, 60 bar F C " in text
 
 
 def test_a_full_campaign_stays_under_two_megabytes(stribeck):
@@ -275,8 +275,8 @@ def test_numbers_read_as_people_write_them():
 
 
 def test_the_parts_of_an_efficiencys_uncertainty_stand_largest_first(page):
-    words = "piston-side pressure 1.5, load cell 1.0, rod-side pressure 0.5, trials 0.2"
-    assert words in Parsed(page).text
+    words = r"piston-side pressure 1\.5, load cell 1\.0, rod-side pressure 0\.5\d*, trials 0\.2\d"
+    assert re.search(words, Parsed(page).text)
 
 
 def test_held_out_errors_and_laws_of_all_loads_have_their_tables(small):

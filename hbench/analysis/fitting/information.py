@@ -73,14 +73,13 @@ def _sentence(missing: str, at: str, found: list[tuple[str, float]]) -> str:
     several = len(found) > 1
     if not missing:
         return (
-            f"this data does not determine {names}, and no further velocity would: friction hardly "
+            f"this data does not determine {names}, nor would another velocity: friction hardly "
             f"depends on {'them' if several else 'it'}"
         )
     shares = _listed([f"{100 * left:.0f} %" for _, left in found])
     return (
-        f"{missing} are missing: this data does not determine {names} "
-        f"(a point at {at} would narrow {'their intervals' if several else 'its interval'} "
-        f"to {shares})"
+        f"{missing} are missing to determine {names}: a point at {at} would narrow "
+        f"{'their intervals' if several else 'its interval'} to {shares} of the width"
     )
 
 

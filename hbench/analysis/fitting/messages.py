@@ -19,11 +19,8 @@ def bound_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
         if p.at_bound:
             far = p.ci95 and p.ci95[1 if p.at_bound == "lower" else 0]
             limit = "" if far is None else f" (95 % limit {_with_unit(far, p.unit)})"
-            messages.append(
-                f"{name} is at its {p.at_bound} bound {_with_unit(p.value, p.unit)}: without the "
-                f"bound the fit would be {'lower' if p.at_bound == 'lower' else 'higher'}; its "
-                f"interval is one-sided{limit}, and the other parameters depend on this bound"
-            )
+            value = _with_unit(p.value, p.unit)
+            messages.append(f"{name} is at its {p.at_bound} bound {value}{limit}")
     return messages
 
 
@@ -38,10 +35,7 @@ def disagreements(parameters: Mapping[str, FitParameter]) -> list[str]:
     names = [name for name, p in parameters.items() if p.disagree]
     if not names:
         return []
-    return [
-        f"the intervals of {', '.join(names)} differ between methods: the law is nonlinear within "
-        "them, or a bound is near"
-    ]
+    return [f"the intervals of {', '.join(names)} differ between methods"]
 
 
 def beyond_messages(info: Information, factor: float) -> list[str]:
@@ -55,6 +49,10 @@ def beyond_messages(info: Information, factor: float) -> list[str]:
     if not beyond > _UNCERTAIN * abs(info.law.model(inputs, info.x)[1]) + nothing:
         return []
     return [
-        f"do not extrapolate: the uncertainty of friction at {1e3 * BEYOND * high:.3g} mm/s is "
-        f"{beyond:.2g} N, at the highest measured speed {at:.2g} N"
+        f"do not extrapolate: friction is uncertain by {_two_digits(beyond)} N at "
+        f"{1e3 * BEYOND * high:.3g} mm/s, by {_two_digits(at)} N at the highest measured speed"
     ]
+
+
+def _two_digits(force_n: float) -> str:
+    return f"{float(f'{force_n:.2g}'):g}"

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations
 
@@ -17,7 +18,7 @@ _ALL = "all loads and directions"
 
 
 def fit_tables(results: Results) -> dict[str, Table]:
-    """Return a table of parameters for each law, with its messages below."""
+    """Return a table of parameters for each law."""
     fits = _fits(results)
     tables = {}
     for law in dict.fromkeys(fit.law for _, _, fit in fits):
@@ -29,16 +30,25 @@ def fit_tables(results: Results) -> dict[str, Table]:
         for columns, _, fit in chosen:
             cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
             rows.append((*columns, *cells, significant(fit.rmse_n, 3), _verdict_cell(fit)))
-        curves_of: dict[str, list[str]] = {}
-        for _, series, fit in chosen:
-            if fit.message:
-                curves_of.setdefault(fit.message, []).append(series)
-        messages = [
-            f"{'; '.join(series)}: {in_words(message)}" for message, series in curves_of.items()
-        ]
         head = (*WHO, *heads, "RMS residual (N)", "Verdict")
-        tables[law] = table(head, rows, messages, words=("Verdict",))
+        title = f"{law_words(law)}: fitted parameters"
+        tables[law] = replace(table(head, rows, words=("Verdict",)), title=title)
     return tables
+
+
+def remark_table(results: Results, law: str) -> Table:
+    """Return a row for each remark on a law's fits; fits with the same remark share a row."""
+    series_of: dict[str, list[str]] = {}
+    for _, series, fit in _fits(results):
+        if fit.law == law and fit.message:
+            for remark in fit.message.split("; "):
+                series_of.setdefault(remark, []).append(series)
+    rows = [
+        (Cell("; ".join(series)), Cell(f"{_capital(_with_symbols(remark)).rstrip('.')}."))
+        for remark, series in sorted(series_of.items(), key=lambda item: item[1])
+    ]
+    head = ("Fit", "Remark")
+    return Table(head, tuple(rows), frozenset(head), title=f"{law_words(law)}: remarks on the fits")
 
 
 def correlation_table(results: Results, law: str) -> Table:
@@ -126,9 +136,18 @@ def law_words(law: str) -> str:
 
 def in_words(text: str) -> str:
     """Replace the names of laws' parameters in a sentence by their titles and symbols."""
-    for name, parameter in PARAMETERS.items():
-        if "_" in name:
-            text = re.sub(rf"\b{name}\b", parameter.label, text)
+    return _replaced(text, {name: parameter.label for name, parameter in PARAMETERS.items()})
+
+
+def _with_symbols(text: str) -> str:
+    """Replace the names of laws' parameters in a sentence by their symbols."""
+    return _replaced(text, {name: _symbol(name) for name in PARAMETERS})
+
+
+def _replaced(text: str, words: Mapping[str, str]) -> str:
+    for name, word in words.items():
+        if "_" in name and word:
+            text = re.sub(rf"\b{name}\b", word, text)
     return text
 
 
@@ -153,6 +172,12 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
         low, high = (from_si(end, shown) for end in parameter.ci95)
         text, flag = with_ends(value, low, high), ""
     return Cell(text, flag if parameter.at_bound is None else f"at {parameter.at_bound} bound")
+
+
+def _capital(text: str) -> str:
+    """Write a sentence's first letter as a capital, unless it is a symbol such as ``k_1``."""
+    first = text.partition(" ")[0]
+    return text if "_" in first else f"{text[:1].upper()}{text[1:]}"
 
 
 def _verdict_cell(fit: Fit) -> Cell:

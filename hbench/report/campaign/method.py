@@ -115,7 +115,9 @@ _NUMBERS = {
     },
     "Parameters": "95 % intervals by profile likelihood. At a bound an interval has one side. "
     "A parameter is not determined if the half-width of its interval, linearised or by profile "
-    "(the wider counts), exceeds its value and a tenth of its typical size, or if it has none.",
+    "(the wider counts), exceeds its value and a tenth of its typical size, or if it has none. "
+    "The two intervals differ where a law is nonlinear within them or a bound is near. Correlated "
+    "parameters do not vary by themselves: covariances.csv contains their covariances.",
     "Which law predicts best": "Each speed but the lowest and the highest is held out in turn and "
     "predicted from the others; laws are distinguishable where the 95 % interval of the "
     "difference of their mean squares is above zero.",

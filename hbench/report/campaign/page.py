@@ -10,6 +10,7 @@ from hbench.report.campaign.fit_tables import (
     correlation_table,
     fit_tables,
     law_words,
+    remark_table,
     selection_table,
 )
 from hbench.report.campaign.method import method_section
@@ -25,7 +26,6 @@ from hbench.report.render.word_tables import Table
 
 LONG_LIST = 12  # a longer list of rejected runs or of notes starts folded
 _SHEET = 50  # a longer table of points is not printed
-_FEW = 3  # and a longer one of a fit's remarks
 
 _PREDICTS = (
     "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
@@ -120,9 +120,7 @@ def _friction(results: Results, drawings: tuple[Drawing, ...]) -> Section:
         )
         return Section("Friction", (none,))
     if not drawings:
-        return Section(
-            "Friction", ("Too few speeds for a curve. The points are in the tables below.",)
-        )
+        return Section("Friction", ("Too few speeds for a curve. [[points]] contains the points.",))
     tables = (
         *_titled(page_tables.band_table(results), "Against pressure"),
         *_titled(page_tables.trend_table(results), "Lines over pressure"),
@@ -138,24 +136,23 @@ def _fits(results: Results) -> tuple[Section, ...]:
     subsections: list[Section] = []
     steady = [curve for curve in results.curves if KINDS[curve.kind].has_constant_speed]
     moving = [curve for curve in results.curves if not KINDS[curve.kind].has_constant_speed]
-    of_steady = fit_tables(replace(results, curves=tuple(steady)))
-    of_moving = fit_tables(replace(results, curves=tuple(moving), joint_fits=()))
+    of_points = replace(results, curves=tuple(steady))
+    of_motions = replace(results, curves=tuple(moving), joint_fits=())
+    of_steady, of_moving = fit_tables(of_points), fit_tables(of_motions)
     for law in dict.fromkeys((*of_steady, *of_moving)):
         if law in of_steady:
-            table = of_steady[law]
-            subsections.append(Section(law_words(law), tables=(table,)))
-            if table.messages and len(table.messages) <= _FEW:
-                subsections.append(Section(items=table.messages))
-            elif table.messages:
-                text = f"{law_words(law)}: remarks on these fits ({len(table.messages)})"
-                subsections.append(Section(text, items=table.messages, folded=True))
+            remarks = remark_table(of_points, law)
+            few = (remarks,) if remarks.rows and len(remarks.rows) <= LONG_LIST else ()
+            subsections.append(Section(tables=(of_steady[law], *few)))
+            if len(remarks.rows) > LONG_LIST:
+                text = f"{law_words(law)}: remarks on the fits ({len(remarks.rows)})"
+                subsections.append(Section(text, tables=(remarks,), folded=True))
         if law in of_moving:
             table = of_moving[law]
             text = f"{law_words(law)}: fits of moving runs ({len(table.rows)})"
-            remarks = (Section(items=table.messages),) if table.messages else ()
-            subsections.append(
-                Section(text, tables=(table,), parts=remarks, folded=True, printed=False)
-            )
+            remarks = remark_table(of_motions, law)
+            tables = (table, *([remarks] if remarks.rows else []))
+            subsections.append(Section(text, tables=tables, folded=True, printed=False))
         correlations = correlation_table(results, law)
         if correlations.rows:
             text = f"{law_words(law)}: correlation of the parameters"
@@ -164,10 +161,9 @@ def _fits(results: Results) -> tuple[Section, ...]:
             subsections.append(part)
     if subsections:
         text = (
-            "Value and its 95 % interval (profile likelihood). At a bound the interval has one "
-            "side. Not determined: the half-width of the interval, linearised or by profile, "
-            "exceeds the value, or there is none. Correlated parameters do not vary by "
-            "themselves: covariances.csv contains their covariances."
+            "Value and its 95 % interval. A parameter is not determined if the half-width of its "
+            "interval exceeds the value, or if it has none. At a bound the interval has one side, "
+            "and the other parameters depend on the bound."
         )
         text += _bias_words(results)
         sections.append(
@@ -176,7 +172,12 @@ def _fits(results: Results) -> tuple[Section, ...]:
     selection = selection_table(results)
     if selection.rows:
         sections.append(
-            Section("Which law predicts best", (_PREDICTS,), tables=(selection,), anchor="laws")
+            Section(
+                "Which law predicts best",
+                (_PREDICTS,),
+                tables=_titled(selection, "Errors of the two best laws at held-out speeds"),
+                anchor="laws",
+            )
         )
     return tuple(sections)
 
@@ -206,7 +207,14 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
         differing = sum(map(differs, results.motions.comparisons))
         said = f"{differing} of {len(table.rows)} differences are significant."
         subsections = (
-            (Section(f"{_RAMPS} {said}", (_TESTED,), tables=(table,), folded=True),)
+            (
+                Section(
+                    f"{_RAMPS} {said}",
+                    (_TESTED,),
+                    tables=_titled(table, "Differences between ramps, and from steady runs"),
+                    folded=True,
+                ),
+            )
             if table.rows
             else ()
         )
@@ -217,19 +225,19 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
             (_BREAKAWAY,),
             drawings=drawings,
             tables=(
-                page_motions.breakaway_table(results),
+                *_titled(page_motions.breakaway_table(results), "Measured breakaway force"),
                 *_titled(page_motions.dwell_table(results), "Laws over the time at rest"),
             ),
         )
     holds = _titled(page_motions.hold_table(results), "Each hold")
-    for name, table, more in (
-        ("hysteresis", page_motions.loop_table(results), ()),
-        ("steps", page_motions.level_table(results), ()),
-        ("leakage", page_motions.leak_table(results), holds),
+    for name, table, more, words in (
+        ("hysteresis", page_motions.loop_table(results), (), "Width and energy of the loops"),
+        ("steps", page_motions.level_table(results), (), "Friction after each step"),
+        ("leakage", page_motions.leak_table(results), holds, "Leakage at the highest pressure"),
     ):
         if drawings := figures.get(name):
             parts = (Section(items=table.messages),) if table.messages else ()
-            title, tables = name.capitalize(), (table, *more)
+            title, tables = name.capitalize(), (replace(table, title=words), *more)
             if name in _FOLDED:
                 inside = Section(
                     f"{_count(len(drawings), 'figure')} and {_count(len(table.rows), 'row')}",
@@ -240,7 +248,8 @@ def _moving(results: Results, figures: dict[str, tuple[Drawing, ...]]) -> Iterab
                 yield Section(title, drawings=drawings, tables=tables, parts=parts)
     if drawings := figures.get("over-distance"):
         table = page_motions.distance_table(results)
-        yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=(table,))
+        tables = _titled(table, "Changes over the distance")
+        yield Section("Over the distance", (_DISTANCE,), drawings=drawings, tables=tables)
 
 
 def _loop_words(results: Results) -> str:
@@ -276,7 +285,10 @@ def _budget(results: Results) -> tuple[Section, ...]:
         "u: combined, ν: its effective degrees of freedom, k: coverage factor.",
         _ZEROS if zeros.rows else _NO_ZEROS,
     )
-    tables = (*([table] if table.rows else []), *_titled(zeros, "Zero errors, corrected"))
+    tables = (
+        *_titled(table, "Friction at the working speed and the parts of its uncertainty"),
+        *_titled(zeros, "Zero errors, corrected"),
+    )
     return (Section("Uncertainty of friction", text, tables=tables, anchor="uncertainty"),)
 
 
@@ -308,7 +320,7 @@ def _points(results: Results) -> tuple[Section, ...]:
     subsections = [
         Section(
             f"Points of the {name} curves ({len(table.rows)})",
-            tables=(table,),
+            tables=_titled(table, f"{name.capitalize()} at each speed, direction and load"),
             folded=True,
             printed=len(table.rows) <= _SHEET,
         )

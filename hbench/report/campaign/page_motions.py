@@ -1,6 +1,8 @@
 """The page's tables of moving and resting runs."""
 
-from hbench.records import Comparison, DwellLaw, Results, Zero
+from collections.abc import Iterable
+
+from hbench.records import Comparison, DwellLaw, Leakage, Results, Zero
 from hbench.report.campaign.motion_rows import (
     DISTANCE_QUANTITIES,
     LEAKS,
@@ -108,9 +110,21 @@ def leak_table(results: Results) -> Table:
                 cell = Cell(with_interval(*(from_si(each, "ml/min") for each in flow)))
             at = number(from_si(highest, "bar"), 1)
             rows.append((leakage.label, LEAKS[coefficient.name], at, cell))
-    messages = tuple(leakage.message for leakage in results.motions.leakages)
+    leakages = results.motions.leakages
+    several = len({leakage.label for leakage in leakages}) > 1
+    messages = dict.fromkeys(m for leakage in leakages for m in _remarks(leakage, several))
     head = ("Label", "Leak", "At (bar)", "Leakage (ml/min)")
-    return table(head, rows, messages, words=("Leak",))
+    return table(head, rows, tuple(messages), words=("Leak",))
+
+
+def _remarks(leakage: Leakage, several: bool) -> Iterable[str]:
+    """Yield the remarks on leaks, a sentence each, with the label where there are ``several``."""
+    message = leakage.message.replace("beta / V", "β/V")
+    for name, words in LEAKS.items():
+        message = message.replace(name, f"the leak {words}")
+    for remark in filter(None, message.split("; ")):
+        text = f"{leakage.label}: {remark}" if several else remark
+        yield f"{text[:1].upper()}{text[1:]}."
 
 
 def hold_table(results: Results) -> Table:
@@ -120,6 +134,13 @@ def hold_table(results: Results) -> Table:
         *("Out of the piston side (ml/min)", "Out of the rod side (ml/min)"),
         "Out of the cylinder (ml/min)",
     )
+    flows = [
+        from_si(q, "ml/min")
+        for leakage in results.motions.leakages
+        for decay in leakage.decays
+        for q in (decay.out_p_m3_s, decay.out_r_m3_s)
+    ]
+    decimals = len(significant(max(map(abs, flows), default=1.0), 2).partition(".")[2])
     rows = [
         (
             decay.run,
@@ -129,7 +150,7 @@ def hold_table(results: Results) -> Table:
                 for p in (decay.p_p_pa, decay.p_r_pa, decay.p_p_pa - decay.p_r_pa)
             ),
             *(
-                significant(from_si(q, "ml/min"), 2)
+                number(from_si(q, "ml/min"), decimals)
                 for q in (
                     decay.out_p_m3_s,
                     decay.out_r_m3_s,

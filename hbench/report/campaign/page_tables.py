@@ -66,7 +66,7 @@ def efficiency_table(results: Results) -> Table:
             _percent(point.efficiency),
             _percent(point.sigma),
             _percent(point.sigma_as_printed),
-            _percent(point.sigma_trials),
+            _share(point.sigma_trials),
             _percent(point.u95),
             point.reason,
         )
@@ -135,7 +135,7 @@ def budget_table(results: Results) -> Table:
                 str(curve.mean.points),
                 _percent(curve.mean.efficiency),
                 _percent(curve.mean.sigma_combined),
-                ", ".join(f"{name} {_percent(sigmas[name])}" for name in ranked),
+                ", ".join(f"{name} {_share(sigmas[name])}" for name in ranked),
             )
         )
     head = ("Speeds", "Mean efficiency (%)", "σ (%)", "Parts of σ (%)")
@@ -311,6 +311,10 @@ def _line(line: PressureLine) -> tuple[str, str]:
         with_interval(per_bar * line.slope_n_pa, per_bar * line.slope_ci95_n_pa),
         with_interval(line.intercept_n, line.intercept_ci95_n),
     )
+
+
+def _share(ratio: float | None) -> str:
+    return significant(None if ratio is None else 100 * ratio, 2)
 
 
 def _percent(ratio: float | None) -> str:

@@ -6,7 +6,7 @@ from hbench.records import Completeness, ImplausiblePoint, PointTrials, Quality,
 from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import load_words
 from hbench.report.drift import drift_words
-from hbench.report.render.numbers import number, short, with_interval
+from hbench.report.render.numbers import number, short, significant, with_interval
 from hbench.report.render.word_tables import Cell, Table
 
 RULE = (
@@ -54,7 +54,7 @@ def quality_table(quality: Quality) -> Table:
         (Cell(_NAMES[check.name]), _grade(check), Cell(_value(check)), Cell(_limits(check)))
         for check in quality.checks
     )
-    return Table(_HEAD, rows, frozenset(_HEAD))
+    return Table(_HEAD, rows, frozenset(_HEAD), title="Checks of the data")
 
 
 def short_point_table(points: Sequence[PointTrials]) -> Table:
@@ -172,7 +172,8 @@ def _value(check: QualityCheck) -> str:
     if check.value is None:
         return "tolerances are not known"
     return (
-        f"their tolerances allow ±{number(check.value)} % of friction (95 %, median of the points)"
+        f"their tolerances make friction uncertain by ±{significant(check.value, 2)} % (95 %, "
+        "median of the points)"
     )
 
 

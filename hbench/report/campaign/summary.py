@@ -2,12 +2,13 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterable
+from dataclasses import replace
 from statistics import median_low
 
 from hbench.records import KINDS, Drift, HeadlineNumber, HeadlineSeries, Results
 from hbench.records.rod_pressure import differs_in_rod_pressure, without_rod_pressure
 from hbench.report.campaign.fit_tables import fits_verdict
-from hbench.report.campaign.page_tables import WHO, table, who
+from hbench.report.campaign.page_tables import WHO, friction_budget_table, table, who
 from hbench.report.campaign.quality import (
     RULE,
     implausible_table,
@@ -38,20 +39,23 @@ def summary_section(results: Results) -> Section:
     series = results.headline.series
     if not differs_in_rod_pressure(results.curves):
         series = without_rod_pressure(series)
-    tables = (_table(series),) if series else ()
+    title = "Friction, breakaway and efficiency, each with its expanded uncertainty U"
+    tables = (replace(_table(series), title=title),) if series else ()
+    budget = friction_budget_table(results)
     folded = True if len(series) > _LONG else None
+    heading = f"Each direction and load ({len(series)})" if folded else ""
     facts = (
         ("Measured", _measured(results)),
-        ("Uncertainty", _uncertainty(series)),
+        ("Uncertainty", _uncertainty(series, "[[uncertainty]]" if budget.rows else "")),
         ("Oil", temperature_words(results)),
-        ("Friction laws", fits_verdict(results)),
+        ("Friction laws", _laws(results)),
     )
     return Section(
         "Summary",
         facts=tuple((name, words) for name, words in facts if words),
         tiles=tuple(_tiles(results)),
         parts=(
-            *([Section("Each direction and load", tables=tables, folded=folded)] if tables else []),
+            *([Section(heading, tables=tables, folded=folded)] if tables else []),
             Section(
                 f"Quality of the data: {quality_count(results.quality)}",
                 (RULE,),
@@ -112,14 +116,23 @@ def _flag_words(numbers: list[HeadlineNumber]) -> list[str]:
     return [partly + flag for flag in flags]
 
 
-def _uncertainty(series: Collection[HeadlineSeries]) -> str:
-    """State what U is; empty if no number of the summary has one."""
+def _laws(results: Results) -> str:
+    """State how many fits determine all parameters, and which table compares the laws."""
+    selections = [curve.selection for curve in results.curves]
+    selections += [joint.selection for joint in results.joint_fits]
+    compared = "[[laws]] compares the laws." if any(selections) else ""
+    return " ".join(filter(None, (fits_verdict(results), compared)))
+
+
+def _uncertainty(series: Collection[HeadlineSeries], budget: str) -> str:
+    """State what U is, and which table has its parts; empty if no number of the summary has one."""
     numbers = [n for each in series for n in (each.friction_n, each.breakaway_n, each.efficiency)]
     if all(each is None or each.u95 is None for each in numbers):
         return ""
+    parts = f" {budget} contains its factor k and its parts." if budget else ""
     return (
         "U is the expanded uncertainty of trials and instruments together, for a coverage "
-        "probability of 95 %; the section on uncertainty states its factor k."
+        f"probability of 95 %.{parts}"
     )
 
 
@@ -167,7 +180,7 @@ def _tiles(results: Results) -> Iterable[Tile]:
     if planned is None:
         yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
     else:
-        yield Tile(f"{accepted} of {planned}", "planned runs", "accepted")
+        yield Tile(f"{accepted} of {planned}", "runs", "accepted, of those planned")
     caption = f"data: {quality_count(results.quality)}"
     yield Tile(results.quality.grade.capitalize(), "", caption)
 

@@ -1,20 +1,22 @@
 """Cells of a comparison: both numbers, their difference and its verdict."""
 
 from collections.abc import Iterable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from hbench.records import (
     BandDifference,
     BandTrendDifference,
+    CampaignDifferences,
     CurveDifference,
     Difference,
     WordTable,
 )
+from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.render.numbers import NONE, significant, with_interval
 
 _REAL, _NOT = "differs", "not significant"
-_INSTRUMENTS = "± U with instruments"
+_INSTRUMENTS = "U of B − A"
 HEAD = ("A", "B", "B − A ± trials", _INSTRUMENTS, "p (Holm)", "Verdict")
 
 
@@ -71,6 +73,13 @@ def numbers(difference: Difference | None) -> Any:
     if difference is None:
         return None
     return {**asdict(difference), "difference": difference.value, "real": difference.real}
+
+
+def with_names(differences: CampaignDifferences) -> CampaignDifferences:
+    """Return differences whose curves have a rod-side pressure only where they differ in it."""
+    a = without_common_rod_pressure(curve.a for curve in differences.curves)
+    curves = zip(differences.curves, a, strict=True)
+    return replace(differences, curves=tuple(replace(curve, a=named) for curve, named in curves))
 
 
 def label_of(pair: BandDifference | BandTrendDifference | CurveDifference) -> str:

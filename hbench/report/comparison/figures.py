@@ -16,28 +16,27 @@ from hbench.records import (
 )
 from hbench.report.campaign.figures.friction import of_trials
 from hbench.report.campaign.series_words import TITLES, kind_words, load_words
-from hbench.report.comparison.cells import label_of
+from hbench.report.comparison.cells import label_of, with_names
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
 from hbench.units import from_si
 
 _CAPTION = (
-    "Above: means of the trials with their 95 % intervals. Below: B less A; the bars are the 95 % "
-    "interval of the trials, the wide pale ones add the instruments. Filled: significant at this "
-    "speed alone, with p corrected for the number of points."
+    "Above: friction of A and B, means of the trials. Below: B less A. Filled: significant at this "
+    "speed alone, with p corrected for the number of points. Hollow: not significant."
 )
 
 
 _BANDS_CAPTION = (
-    "Above: half bands, (F extending − F retracting) / 2, with the 95 % intervals of the trials. "
-    "Lines: least squares over pressure. Below: B less A; the bars are the 95 % interval of the "
-    "trials, wide pale ones add the instruments. Filled: the difference is significant."
+    "Above: half bands of A and B, (F extending − F retracting) / 2. Lines: least squares over "
+    "pressure. Below: B less A. Filled: the difference is significant. Hollow: not significant."
 )
 
 
 def draw_differences(differences: CampaignDifferences) -> tuple[Drawing, ...]:
     """Draw the half bands of each series, and each pair of curves with at least two speeds."""
+    differences = with_names(differences)
     sketches = []
     for number, bands in enumerate(_series(differences), start=1):
         if len(bands) < 2:

@@ -86,7 +86,7 @@ def _flat(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _plain(key: str) -> str:
-    return str(key).replace("_", " ")
+    return str(key).replace("_", " ").replace("sha256", "checksum")
 
 
 def _short(text: str) -> str:

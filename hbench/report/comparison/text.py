@@ -1,7 +1,7 @@
 """A comparison in words and numbers: for the terminal, as JSON, and its page."""
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
 
 from hbench.records import (
@@ -13,7 +13,7 @@ from hbench.records import (
 )
 from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.quality import missing_words, quality_verdict
-from hbench.report.campaign.series_words import TITLES, kind_words
+from hbench.report.campaign.series_words import TITLES, kind_words, load_words
 from hbench.report.comparison.bands import (
     band_table,
     band_verdict,
@@ -27,6 +27,7 @@ from hbench.report.comparison.cells import (
     numbers,
     percent,
     signed,
+    with_names,
 )
 from hbench.report.comparison.settings import (
     settings_table,
@@ -34,26 +35,27 @@ from hbench.report.comparison.settings import (
     settings_words,
 )
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.document import Section, document
+from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike, force, number, significant
+from hbench.report.render.numbers import alike, number, significant, with_interval
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
 SCHEMA = "hbench.comparison/1"
+_PLAIN = {"−": "-", "–": "-", "\N{NON-BREAKING HYPHEN}": "-", "±": "+-", "²": "^2"}
 
 
 def differences_text(differences: CampaignDifferences) -> str:
-    """Return the tables for a terminal."""
+    """Return the verdict and the tables for a terminal."""
+    differences = with_names(differences)
     lines = [
-        f"A: {_name(differences, 0)}",
-        f"B: {_name(differences, 1)}",
+        *filter(None, (_alarm(differences), _headline(differences))),
+        "",
+        *(f"{name}: {words}" for name, words in (*_identity(differences), *_data(differences))),
         *(
             f"{section}, {setting}: A {a}, B {b}"
             for section, setting, a, b in settings_that_differ(differences)
         ),
-        _instruments(differences),
-        *_data(differences),
         "",
     ]
     tables = (
@@ -68,7 +70,9 @@ def differences_text(differences: CampaignDifferences) -> str:
     strokes = [_SET_UP] if differences.bands else []
     lines += [f"note: {note}" for note in (*strokes, *differences.notes)]
     text = "\n".join(lines).rstrip()
-    return text.replace("−", "-").replace("–", "-").replace("±", "+-").replace("²", "^2")
+    for sign, plain in _PLAIN.items():
+        text = text.replace(sign, plain)
+    return text
 
 
 def differences_json(differences: CampaignDifferences) -> str:
@@ -120,27 +124,29 @@ def differences_json(differences: CampaignDifferences) -> str:
 
 def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
+    differences = with_names(differences)
     figures: dict[str, tuple[Drawing, ...]] = {"bands": (), "comparison": ()}
     for drawing in drawings:
         figures[drawing.section] = (*figures[drawing.section], drawing)
     parameters = [p.value for curve in differences.curves for p in curve.parameters]
     sections = [
+        Section(facts=_data(differences)),
         Section(
             "Friction bands",
-            tables=(replace(band_table(differences), title=""), slope_table(differences)),
+            tables=(band_table(differences), slope_table(differences)),
             drawings=figures["bands"],
         ),
         Section(
             "Differences of mean friction and efficiency",
+            (_READ,),
             tables=(_means(differences),),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),
-        Section("Data", items=_data(differences)),
         Section(
             "Fitted parameters",
             (_counted("fitted parameters", parameters),),
-            parts=_folded("Each parameter", replace(_parameters(differences), title="")),
+            parts=_folded("Each parameter", _parameters(differences)),
         ),
         Section(
             "Speed by speed",
@@ -151,33 +157,48 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     ]
     if differences.notes:
         sections.append(Section("Not compared", items=differences.notes))
-    return document(
-        f"{differences.names[1]} against {differences.names[0]}",
-        f"A: {_name(differences, 0)}. B: {_name(differences, 1)}. Differences are B less A.",
-        tuple(
-            section
-            for section in sections
-            if any(table.rows for table in section.tables)
-            or section.items
-            or section.facts
-            or any(part.folded is not None for part in section.parts)
-            or section.anchor == _SETTINGS
-        ),
-        " ".join(
-            (
-                *_warnings(differences),
-                band_verdict(differences) or _verdict(differences),
-                settings_words(differences),
-            )
-        ),
-        "simulated" if "simulated" in (differences.a.source, differences.b.source) else "",
+    kept = tuple(
+        replace(section, tables=tuple(table for table in section.tables if table.rows))
+        for section in sections
+        if any(table.rows for table in section.tables)
+        or section.items
+        or section.facts
+        or any(part.folded is not None for part in section.parts)
+        or section.anchor == _SETTINGS
     )
+    banner = _banner(differences)
+    return page(
+        Document(
+            f"{differences.names[1]} against {differences.names[0]}",
+            "Friction and efficiency of two campaigns. Differences are B less A.",
+            kept,
+            " ".join((_headline(differences), settings_words(differences))),
+            banner,
+            "simulated" if banner else "",
+            identity=_identity(differences),
+            alarm=_alarm(differences),
+        )
+    )
+
+
+def _banner(differences: CampaignDifferences) -> str:
+    """State which campaigns are simulated; empty if both were measured."""
+    simulated = [
+        name
+        for name, campaign in (("A", differences.a), ("B", differences.b))
+        if campaign.source == "simulated"
+    ]
+    if len(simulated) == 2:
+        return BANNERS["simulated"]
+    return f"{simulated[0]} is simulated. The virtual rig made its numbers." if simulated else ""
 
 
 def _settings_section(differences: CampaignDifferences) -> Section:
     table = settings_table(differences)
-    section = Section("Settings that differ", (settings_words(differences),), anchor=_SETTINGS)
-    return replace(section, tables=(table,)) if table.rows else section
+    if table.rows:
+        table = replace(table, title="Settings of A and B that differ")
+        return Section("Settings that differ", tables=(table,), anchor=_SETTINGS)
+    return Section("Settings that differ", ("None.",), anchor=_SETTINGS)
 
 
 def _counted(what: str, differences: Sequence[Difference]) -> str:
@@ -199,14 +220,17 @@ def _folded(title: str, table: WordTable) -> tuple[Section, ...]:
 _SETTINGS = "settings"
 _FEW = 2  # curves that the verdict lists
 _LONG = 12  # rows; a longer table starts folded
+_READ = (
+    "± is the half-width of the 95 % interval by the trials alone; U contains the errors of the "
+    "instruments too."
+)
 _SET_UP = (
     "Where the strokes of one file are trials, their interval does not contain what mounting a "
     "seal again would change."
 )
 _METHOD = (
-    ("Friction", "As a magnitude. A point is the mean of its trials; ± is the half-width of the "
-     "95 % interval of B less A, by Welch's t for the trials alone. U is the half-width of the "
-     "95 % interval of trials and instruments."),
+    ("Friction", "As a magnitude. A point is the mean of its trials. The interval by the trials is "
+     "that of Welch's t; U is the expanded uncertainty for a coverage probability of 95 %."),
     ("p (Holm)", "Probability of a difference this large between equal cylinders, by the trials "
      "alone, corrected after Holm for the number of differences of its kind. A difference is "
      "significant where p is below 0.05 and the difference exceeds its U."),
@@ -227,18 +251,19 @@ def _verdict(differences: CampaignDifferences) -> str:
     real = [(curve, mean) for curve, mean in means if mean.real]
     if not real:
         every = len(differences.curves)
-        return f"No difference of mean friction is significant in any of {every} curves."
+        where = f"any of {every} curves" if every > 1 else "the only curve"
+        text = f"No difference of mean friction is significant in {where}"
+        largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
+        return f"{text}; the largest is {_largest(largest)}." if largest else f"{text}."
     count = f"{len(real)} of {len(differences.curves)} curves"
     values = [mean.value for _, mean in real]
     if len(real) > _FEW and (min(values) > 0 or max(values) < 0):
         way, sizes = "higher" if values[0] > 0 else "lower", [abs(value) for value in values]
         shares = [100 * abs(mean.value / mean.a) for _, mean in real if mean.a]
-        share = f" ({alike(shares)} %)" if shares else ""
-        widest = max(mean.u95 or mean.ci95 or 0.0 for _, mean in real)
+        share = f", or {_shares(shares)}" if shares else ""
         return (
             f"Mean friction of {differences.names[1]} is {way} than that of {differences.names[0]} "
-            f"in {count}, by {alike(sizes)} N{share}; their 95 % intervals are "
-            f"±{significant(widest, 2)} N at most."
+            f"in {count}, by {alike(sizes)} N{share} ({_widest([mean for _, mean in real])})."
         )
     means_text = "; ".join(
         f"{_who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real
@@ -246,26 +271,88 @@ def _verdict(differences: CampaignDifferences) -> str:
     return f"Mean friction differs in {count}: {means_text}."
 
 
+def _efficiency_verdict(differences: CampaignDifferences) -> str:
+    """Return the significant differences of efficiency; empty without any."""
+    known = [each.efficiency for each in differences.curves if each.efficiency is not None]
+    real = [mean for mean in known if mean.real]
+    if not real:
+        return ""
+    count = f"{len(real)} of {len(known)} curves"
+    values = [100 * mean.value for mean in real]
+    if min(values) < 0 < max(values):
+        return f"Efficiency differs in {count}."
+    way = "higher" if values[0] > 0 else "lower"
+    halves = [100 * mean.u95 for mean in real if mean.u95]
+    widest = f" (U up to {significant(max(halves), 2)})" if len(halves) == len(real) else ""
+    sizes = dict.fromkeys(significant(f(map(abs, values)), 2) for f in (min, max))
+    return f"Efficiency is {way} in {count}, by {'–'.join(sizes)} percentage points{widest}."
+
+
+def _largest(mean: Difference) -> str:
+    """Write a difference with its uncertainty, such as ``−3.1 N (U 9.4 N)``."""
+    half = mean.u95 or mean.ci95
+    value = with_interval(mean.value, half).partition(" ± ")[0]
+    if half is None:
+        return f"{value} N (no interval)"
+    return f"{value} N ({_widest([mean])})".replace("up to ", "")
+
+
+def _widest(means: Sequence[Difference]) -> str:
+    """Return the largest uncertainty of differences: U, or the interval of the trials."""
+    halves = [mean.u95 or mean.ci95 or 0.0 for mean in means]
+    name = "U" if all(mean.u95 for mean in means) else "95 % intervals of the trials"
+    return f"{name} up to {significant(max(halves), 2)} N"
+
+
+def _shares(shares: Sequence[float]) -> str:
+    return "–".join(dict.fromkeys(significant(f(shares), 2) for f in (min, max))) + " %"
+
+
 def _method(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     bands = (("Bands", _BANDS),) if differences.bands else ()
-    return (*_METHOD, *bands, ("Instruments", _instruments(differences)))
+    return (*_METHOD, *bands)
 
 
-def _warnings(differences: CampaignDifferences) -> Iterator[str]:
-    """Yield a sentence on each campaign that is incomplete or whose data is poor."""
+def _alarm(differences: CampaignDifferences) -> str:
+    """Return a sentence on each campaign that is incomplete or whose data is poor."""
+    sentences = []
     for name, quality in zip("AB", differences.qualities, strict=True):
         faults = (
             "is incomplete" if missing_words(quality.completeness) else "",
             "has poor data" if quality.grade == "poor" else "",
         )
         if any(faults):
-            yield f"{name} {' and '.join(filter(None, faults))}."
+            sentences.append(f"{name} {' and '.join(filter(None, faults))}.")
+    return " ".join((*sentences, "Do not rely on these differences.")) if sentences else ""
 
 
-def _data(differences: CampaignDifferences) -> tuple[str, ...]:
+def _headline(differences: CampaignDifferences) -> str:
+    """Return the significant differences, and whose data is to be used with care."""
+    careful = [
+        name
+        for name, quality in zip("AB", differences.qualities, strict=True)
+        if quality.grade == "with care"
+    ]
+    care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
+    found = [band_verdict(differences)]
+    if not found[0]:
+        found = [_verdict(differences), _efficiency_verdict(differences)]
+    return " ".join(filter(None, (*found, care)))
+
+
+def _identity(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
+    """Return both campaigns, and whether they share instruments."""
+    return (
+        ("A", _name(differences, 0)),
+        ("B", _name(differences, 1)),
+        ("Instruments", _instruments(differences)),
+    )
+
+
+def _data(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     """Return the verdict on the data of each campaign."""
-    both = zip("AB", differences.qualities, strict=True)
-    return tuple(f"Data of {name}: {quality_verdict(quality)}" for name, quality in both)
+    a, b = (quality_verdict(quality) for quality in differences.qualities)
+    return (("Data of A and B", a),) if a == b else (("Data of A", a), ("Data of B", b))
 
 
 def _instruments(differences: CampaignDifferences) -> str:
@@ -289,7 +376,9 @@ def _means(differences: CampaignDifferences) -> WordTable:
         ):
             if difference is not None:
                 rows.append((_who(curve), words, *cells(difference, scale)))
-    return difference_table("Means over the speeds", ("Curve", "Mean of"), rows)
+    return difference_table(
+        "Means over the speeds, and their differences", ("Curve", "Mean of"), rows
+    )
 
 
 def _parameters(differences: CampaignDifferences) -> WordTable:
@@ -315,7 +404,7 @@ def _points(differences: CampaignDifferences) -> WordTable:
         if len(curve.points) > 1  # a single point is the mean
         for point in curve.points
     ]
-    title = "Friction (N)"
+    title = "Friction at each speed (N)"
     if any(point.between for each in differences.curves for point in each.points):
         title += "; * between two speeds of B"
     return difference_table(title, ("Curve", "Velocity (mm/s)"), rows)
@@ -327,7 +416,7 @@ def _single_points(differences: CampaignDifferences) -> list[FrictionDifference]
 
 
 def _who(pair: CurveDifference) -> str:
-    load = "" if pair.a.f_load_n is None else force(pair.a.f_load_n)
+    load = load_words(pair.a.f_load_n, pair.a.p_lr_ref_pa)
     words = (label_of(pair), kind_words(pair.a), TITLES[pair.direction].lower(), load)
     return ", ".join(filter(None, words))
 
@@ -336,5 +425,7 @@ def _name(differences: CampaignDifferences, which: int) -> str:
     campaign = (differences.a, differences.b)[which]
     labels = {(curve.a, curve.b)[which].label for curve in differences.curves}
     label = labels.pop() if len(labels) == 1 else ""
-    words = (differences.names[which], campaign.name, label, campaign.source, campaign.started[:10])
+    day = campaign.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
+    schedule = f"schedule {campaign.name}"
+    words = (differences.names[which], schedule, label, campaign.source, day)
     return ", ".join(filter(None, words))

@@ -128,7 +128,7 @@ def pole_zero(loop: ControlLoop) -> Figure:
             marker,
             color=colour,
             markerfacecolor="none",
-            label=f"{merits.chain}: largest |z| {merits.digital_modulus:.5f}",
+            label=merits.chain + (" (unstable)" if merits.digital_modulus >= 1 else ""),
         )
         if merits.poles_rad_s is not None and merits.zeros_rad_s is not None:
             poles, look = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
@@ -173,13 +173,14 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         locus,
         "Root locus",
         "Closed-loop poles as the gain grows from 1/50 to 50 times the design's, without and with "
-        "the valve. Markers: the design. Crosses: open-loop poles. Circle: the controller's and "
-        "the plant's zeros.",
+        "the valve. Coloured markers: at the design's gain. Crosses: open-loop poles. Circle: the "
+        "controller's and the plant's zeros.",
     ),
     "step": (
         step_figure,
         "Step response",
-        "Response of the closed loop to a unit step of its reference. Grey: within 2 %.",
+        "Response of the closed loop to a unit step of its reference. Grey band: within 2 % of "
+        "the step, where the settling time is read.",
     ),
     "bode": (
         bode,
@@ -191,7 +192,7 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         pole_zero,
         "Poles and zeros",
         "Above: closed-loop poles (crosses) and zeros (circles), without and with the valve. "
-        "Below: digital poles at 10 kHz near z = 1; s-plane designs by backward Euler, the board "
-        "with its three loops as it samples.",
+        "Below: poles of the loops sampled at 10 kHz, near z = 1: without and with the valve by "
+        "backward Euler, on the board with all three loops closed.",
     ),
 }

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 
 from hbench.records import Check, Design, Proposal, WordTable
 from hbench.report.design import text
@@ -10,11 +11,12 @@ from hbench.report.render.figures import Drawing
 from hbench.report.render.word_tables import Cell, Table
 
 _LOOP_HEAD = (
-    *("Loop", "K_c", "τ_c (s)", "Chain", "Bandwidth (rad/s)", "Phase margin (°)"),
-    *("Gain margin (dB)", "Overshoot (%)", "Settling (s)", "Largest |z|"),
+    *("Loop", "K_c", "τ_c (s)", "Model", "Bandwidth (rad/s)", "Phase margin (°)"),
+    *("Gain margin (dB)", "Overshoot (%)", "Settling (s)", "Slowest pole (s)"),
 )
 
 
+_NEGATIVE = re.compile(r"(?<!\S)-(?=\d)")
 _POWER, _RAISED = re.compile(r"(?<=\d)e([-+]\d+)"), str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -24,17 +26,14 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     sections = []
     if proposal is not None:
         checks = (*proposal.margins, *proposal.closed_loop)
-        sections += [_checks(checks, text.LIMITS), _proposal(proposal)]
+        sections += [_checks(checks, text.LIMITS, design.tick_s), _proposal(proposal)]
     elif design.checks:
-        sections.append(_checks(design.checks, text.POINT_LIMITS))
-    chains = tuple((_capital(name), f"{_capital(about)}.") for name, about in text.CHAINS.items())
+        sections.append(_checks(design.checks, text.POINT_LIMITS, design.tick_s))
     merits = tuple(tuple(map(_typeset, row)) for row in text.loop_rows(design))
-    loops = WordTable("", _LOOP_HEAD, merits)
-    facts = tuple(f"{_typeset(_capital(line))}." for line in text.fact_lines(design))
+    loops = WordTable("The three loops with the present gains", _LOOP_HEAD, merits)
+    sections.append(Section("Loops", tables=(loops,), facts=_facts(text.loop_notes(design))))
+    sections.append(Section("Further results", facts=_facts(text.facts(design))))
     sections.append(Section("Operating point", facts=text.point_facts(design)))
-    sections.append(
-        Section("Loops", items=facts, tables=(loops,), parts=(Section(facts=chains),)),
-    )
     if design.reproduced:
         rows = text.reproduced_rows(design.reproduced)
         table = WordTable("", text.REPRODUCED_HEAD, tuple(rows))
@@ -49,24 +48,34 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
             sections.append(Section(f"Figures of the {loop.name} loop", drawings=own))
     return document(
         f"{design.bench}: control loops",
-        "Computed and simulated; nothing here was measured.",
+        "Computed from the bench file, and simulated. Nothing here was measured.",
         tuple(sections),
-        text.loops_verdict(design) if proposal is None else text.page_verdict(proposal),
+        _typeset(
+            text.loops_verdict(design)
+            if proposal is None
+            else text.proposal_verdict(proposal, design.tick_s)
+        ),
     )
 
 
-def _checks(checks: tuple[Check, ...], words: str) -> Section:
+def _facts(lines: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+    return tuple((_typeset(_capital(name)), f"{_capital(_typeset(text))}.") for name, text in lines)
+
+
+def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
     """Return the checks as a table, those that fail first."""
     ranked = sorted(checks, key=lambda check: check.holds)
     rows = []
-    for check, row in zip(ranked, text.check_rows(ranked), strict=True):
+    for check, row in zip(ranked, text.check_rows(ranked, tick_s), strict=True):
         what, value, limit, unit, _, where = row
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
-        sign = {"deg": "°", "1": ""}.get(unit, unit)
-        least = "≥" if "margin" in what else "<" if "modulus" in what else "≤"
-        rows.append((verdict, *map(Cell, (_capital(what), value, f"{least} {limit}", sign, where))))
-    head = ("Result", "Check", "Value", "Limit", "Unit", "Worst at")
-    table = Table(head, tuple(rows), frozenset({"Result", "Check", "Unit", "Worst at"}))
+        sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
+        limit += sign if any(map(str.isdigit, limit)) else ""
+        where = _NEGATIVE.sub("−", where)
+        rows.append((verdict, *map(Cell, (_capital(what), value + sign, limit, where))))
+    head = ("Result", "Check", "Value", "Limit", "Worst at")
+    words_in = frozenset({"Result", "Check", "Worst at"})
+    table = Table(head, tuple(rows), words_in, title="Checks and their limits")
     return Section("Checks", (words,), tables=(_without_empty(table),))
 
 
@@ -74,7 +83,8 @@ def _without_empty(table: Table) -> Table:
     """Return the table without columns that have no entry."""
     kept = [i for i in range(len(table.head)) if any(r[i].text or r[i].flag for r in table.rows)]
     head = tuple(table.head[i] for i in kept)
-    return Table(head, tuple(tuple(row[i] for i in kept) for row in table.rows), table.words)
+    rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
+    return replace(table, head=head, rows=rows)
 
 
 def _proposal(proposal: Proposal) -> Section:
@@ -84,7 +94,8 @@ def _proposal(proposal: Proposal) -> Section:
 
 def _typeset(words: str) -> str:
     """Return words of the terminal with the signs of a page."""
-    words = words.replace("mm/s^2", "mm/s²").replace(" deg", "°")
+    words = words.replace("mm/s^2", "mm/s²").replace(" deg", "°").replace("tau_c", "τ_c")
+    words = words.replace("-T / ln", "−T / ln")
     return _POWER.sub(lambda found: "·10" + str(int(found[1])).translate(_RAISED), words)
 
 

@@ -7,19 +7,24 @@ from typing import Any
 
 from hbench.records import Check, ControlLoop, Design, LoopMerits, Proposal, Reproduced
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import short, significant
+from hbench.report.render.numbers import number, short, significant
 from hbench.units import from_si
 
 TextRows = list[tuple[str, ...]]
 
 LOOP_HEAD = (
     *("loop", "K_c", "tau_c s", "chain", "bandwidth rad/s", "PM deg", "GM dB"),
-    *("overshoot %", "settling s", "largest |z|"),
+    *("overshoot %", "settling s", "slowest pole s"),
+)
+LOOP_NOTES = (
+    ("settling", "time until the response to a step of the reference stays within 2 % of the step"),
+    ("slowest pole", "time constant -T / ln |z| of the sampled loop's slowest pole; T = {tick} ms"),
 )
 CHAINS = {
-    "ideal valve": "the source's design: no dynamics of the valve, the other two loops inactive",
-    "valve": "with the second-order dynamics of the valve",
-    "board": "with valve, filters and 10 kHz sampling, the other two loops closed",
+    "ideal valve": "the loop alone, without dynamics of the valve",
+    "valve": "the loop alone, with the second-order dynamics of the valve",
+    "board": "as the board runs it: with valve, filters and 10 kHz sampling, the other two loops "
+    "closed",
 }
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
 LIMITS = (
@@ -32,6 +37,9 @@ POINT_LIMITS = (
 )
 _CHAMBERS = ("p_tp", "p_tr", "p_lp", "p_lr")
 _VALVES = {"u_T": "test valve", "u_L1": "load valve L1", "u_L2": "load valve L2"}
+_DECIMALS = {"deg": 0, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
+_MOST_DECIMALS = 6
+_NAMED = 3  # failed checks in the verdict
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -145,23 +153,41 @@ def point_facts(design: Design) -> tuple[tuple[str, str], ...]:
     )
 
 
-def fact_lines(design: Design) -> tuple[str, ...]:
-    """Return the further results beside the loops, a sentence each."""
+def facts(design: Design) -> tuple[tuple[str, str], ...]:
+    """Return the further results beside the loops as names and values."""
     rod, piston = design.feedforward
-    stable = "stable" if design.coupled_modulus < 1 else "UNSTABLE"
-    board = [(loop.name, loop.merits[-1]) for loop in design.loops]
-    phase, of_phase = min((merits.phase_margin_deg, name) for name, merits in board)
-    gain, of_gain = min((gain_db(merits), name) for name, merits in board)
+    slowest = decay_s(design.coupled_modulus, design.tick_s)
+    together = "UNSTABLE" if math.isinf(slowest) else f"stable, slowest pole {_seconds(slowest)} s"
     return (
-        f"smallest margins on the board: {_finite(phase, 1)} deg ({of_phase}), "
-        f"{_finite(gain, 1)} dB ({of_gain})",
-        f"feedforward of the load valves: rod side C_ffLr {rod:.4g} V s/m, piston side C_ffLp "
-        f"{piston:.4g} V s/m",
-        f"ramp error of the velocity at 100 mm/s^2: {1e3 * design.ramp_error_m_s:.3f} mm/s",
-        f"three loops together on the board: largest |z| {design.coupled_modulus:.6f}, {stable}",
-        f"largest relative difference of the linearisation by hand and that of the plant's code: "
-        f"{design.jacobian_difference:.0e}",
+        (
+            "feedforward of the load valves",
+            f"rod side C_ffLr {rod:.3g} V s/m, piston side C_ffLp {piston:.3g} V s/m",
+        ),
+        (
+            "velocity error on a ramp of 100 mm/s^2",
+            f"{significant(1e3 * design.ramp_error_m_s, 3)} mm/s",
+        ),
+        ("three loops together on the board", together),
+        (
+            "check of the linearisation",
+            "its coefficients differ from numerical derivatives of the simulated bench by at most "
+            f"{design.jacobian_difference:.0e} of their size",
+        ),
     )
+
+
+def decay_s(modulus: float, tick_s: float) -> float:
+    """Return the time constant of a sampled pole, -T / ln |z| [s]; infinite if it does not decay.
+
+    ``tick_s`` is the sampling period T [s].
+    """
+    return -tick_s / math.log(modulus) if 0.0 < modulus < 1.0 else math.inf
+
+
+def loop_notes(design: Design) -> tuple[tuple[str, str], ...]:
+    """Return what the rows and columns of the loops' table mean."""
+    notes = (*CHAINS.items(), *LOOP_NOTES)
+    return tuple((name, text.format(tick=f"{1e3 * design.tick_s:g}")) for name, text in notes)
 
 
 def loop_rows(design: Design) -> TextRows:
@@ -176,12 +202,12 @@ def loop_rows(design: Design) -> TextRows:
                     f"{loop.gain:.4g} {loop.gain_unit}" if first else "",
                     f"{loop.time_constant_s:.4g}" if first else "",
                     merits.chain,
-                    _finite(merits.bandwidth_rad_s, 1),
-                    _finite(merits.phase_margin_deg, 1),
+                    _finite(merits.bandwidth_rad_s, 0),
+                    _finite(merits.phase_margin_deg, 0),
                     _finite(gain_db(merits), 1),
-                    _finite(100 * merits.overshoot, 2),
-                    _finite(merits.settling_s, 3),
-                    f"{merits.digital_modulus:.6f}",
+                    _finite(100 * merits.overshoot, 0 if merits.overshoot >= 0.1 else 1),
+                    _seconds(merits.settling_s),
+                    _seconds(decay_s(merits.digital_modulus, design.tick_s)),
                 )
             )
     return rows
@@ -203,19 +229,39 @@ def reproduced_rows(numbers: Sequence[Reproduced]) -> TextRows:
     ]
 
 
-def check_rows(checks: Sequence[Check]) -> TextRows:
-    """Return a row for each check, as ``CHECK_HEAD``."""
+def check_rows(checks: Sequence[Check], tick_s: float) -> TextRows:
+    """Return a row for each check, as ``CHECK_HEAD``; ``tick_s`` is the sampling period [s]."""
     return [
-        (
-            check.what,
-            f"{check.value:.6f}" if "modulus" in check.what else short(check.value),
-            short(check.limit),
-            check.unit,
-            "yes" if check.holds else "NO",
-            check.where,
-        )
-        for check in checks
+        (*_shown(check, tick_s), "yes" if check.holds else "NO", check.where) for check in checks
     ]
+
+
+def _shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
+    """Return what a check is of, its value, its limit and their unit."""
+    if "modulus" in check.what:
+        if check.holds:
+            slowest = _seconds(decay_s(check.value, tick_s))
+            return "all loops together: slowest pole", slowest, "stable", "s"
+        return "all loops together: largest |z|", f"{check.value:.6f}", "< 1", ""
+    least = "≥ " if "margin" in check.what else "≤ " if check.limit else ""
+    return check.what, _value(check), f"{least}{short(check.limit)}", check.unit
+
+
+def _value(check: Check) -> str:
+    """Write a check's value, with as many decimals as show on which side of the limit it is."""
+    if not math.isfinite(check.value):
+        return "none"
+    decimals = _DECIMALS.get(check.unit)
+    if decimals is None:
+        decimals = len(significant(check.value, 2).partition(".")[2])
+    side = check.value >= check.limit, check.value <= check.limit
+    while decimals < _MOST_DECIMALS:
+        rounded = round(check.value, decimals)
+        shown = rounded >= check.limit, rounded <= check.limit
+        if shown == side or (check.holds and rounded == check.limit):
+            break
+        decimals += 1
+    return number(check.value, decimals)
 
 
 def gains_yaml(proposal: Proposal) -> str:
@@ -232,38 +278,90 @@ def gains_yaml(proposal: Proposal) -> str:
     return "\n".join(lines)
 
 
-def design_verdict(proposal: Proposal) -> str:
-    """Return one sentence on whether the proposal holds."""
+def proposal_verdict(proposal: Proposal, tick_s: float) -> str:
+    """Return the verdict on a proposal, the next step, and the checks that it fails."""
     checks = (*proposal.margins, *proposal.closed_loop)
-    failed = sum(not check.holds for check in checks)
-    if failed:
-        return f"verdict: the proposal FAILS {failed} of {len(checks)} checks"
-    return f"verdict: the proposal passes all {len(checks)} checks, in simulation"
-
-
-def page_verdict(proposal: Proposal) -> str:
-    """Return the verdict on a proposal, with the checks that it fails."""
-    return _verdict((*proposal.margins, *proposal.closed_loop), "The proposal", ", in simulation")
+    failed = [_failed(check, tick_s) for check in checks if not check.holds]
+    if not failed:
+        return (
+            f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
+            f"{_margins(checks)}. --write writes them into the bench file."
+        )
+    more = [f"{len(failed) - _NAMED} more"] if len(failed) > _NAMED else []
+    return (
+        f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
+        f"{proposal.ratio:g}), or correct the bench file. They fail {len(failed)} of {len(checks)} "
+        f"checks, in simulation: {'; '.join([*failed[:_NAMED], *more])}."
+    )
 
 
 def loops_verdict(design: Design) -> str:
-    """Return the verdict on the present gains, with the checks that they fail."""
-    if not design.checks:
+    """Return the verdict on the present gains, the next step, and the checks that they fail."""
+    checks = design.checks
+    failed = [check for check in checks if not check.holds]
+    if not checks:
         return ""
-    return _verdict(design.checks, "The present gains", " at this operating point")
-
-
-def _verdict(checks: Sequence[Check], who: str, where: str) -> str:
-    failed = [
-        f"{check.what} {short(check.value)} {check.unit}, limit {short(check.limit)} {check.unit}"
-        for check in checks
-        if not check.holds
+    if not failed:
+        return (
+            f"PASS. The present gains pass all {len(checks)} checks at this operating point"
+            f"{_margins(checks)}. --propose checks all operating points."
+        )
+    steps = [
+        step
+        for loop in design.loops
+        if (step := _step(loop, [c for c in failed if c.what.startswith(f"{loop.name}: ")]))
     ]
-    one = who.endswith("proposal")
-    if failed:
-        count = f"{len(failed)} of {len(checks)} checks{where}"
-        return f"FAIL. {who} {'fails' if one else 'fail'} {count}: {'; '.join(failed)}."
-    return f"PASS. {who} {'passes' if one else 'pass'} all {len(checks)} checks{where}."
+    if any("modulus" in check.what for check in failed):
+        steps.append("lower the gains K_c, since the three loops together are unstable")
+    text = "; ".join(steps)
+    return (
+        f"FAIL. {text[:1].upper()}{text[1:]}. The present gains fail {len(failed)} of "
+        f"{len(checks)} checks at this operating point. Run hbench design with --propose to find "
+        "gains for all operating points."
+    )
+
+
+def _margins(checks: Sequence[Check]) -> str:
+    """Return the smallest phase margin and gain margin, after a colon."""
+    smallest = [
+        min(some, key=lambda check: check.value)
+        for unit in ("deg", "dB")
+        if (some := [check for check in checks if check.unit == unit])
+    ]
+    words = " and ".join(f"{_value(check)} {check.unit}" for check in smallest)
+    return f": the smallest margins are {words}" if len(smallest) > 1 else ""
+
+
+def _step(loop: ControlLoop, failed: Sequence[Check]) -> str:
+    """Return how to change a loop's gains so that it keeps its margins, and why."""
+    if not failed:
+        return ""
+    why = " and ".join(
+        f"its {check.what.partition(': ')[2]} is {_value(check)} {check.unit} (limit "
+        f"{short(check.limit)} {check.unit})"
+        for check in failed
+    )
+    low_gain = [check for check in failed if check.unit == "dB"]
+    step = f"lower the gain K_c of the {loop.name} loop"
+    if low_gain:  # the open loop is proportional to K_c
+        factor = 10 ** ((low_gain[0].value - low_gain[0].limit) / 20)
+        step += f" from {loop.gain:.3g} to {_floor(factor * loop.gain):.3g} {loop.gain_unit}"
+    if len(failed) > len(low_gain):
+        step += " or further" if low_gain else ""
+        step += ", or raise its time constant tau_c"
+    return f"{step}: {why}"
+
+
+def _floor(value: float) -> float:
+    """Round a positive number down to three significant digits."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return math.floor(value / digit) * digit
+
+
+def _failed(check: Check, tick_s: float) -> str:
+    what, value, limit, unit = _shown(check, tick_s)
+    unit = "" if unit == "runs" else f" {unit}".rstrip()
+    return f"{what} {value}{unit}, limit {limit.lstrip('≥≤ ')}{unit}"
 
 
 def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
@@ -272,8 +370,8 @@ def proposal_lines(proposal: Proposal) -> tuple[str, ...]:
     return (
         f"bandwidths, a factor of {proposal.ratio:g} apart (ideal valve): {order} rad/s",
         f"margins computed at {proposal.points} points: positions, loads, speeds, both directions",
-        f"feedforward, if it is used: C_ffLr {proposal.feedforward[0]:.4g}, "
-        f"C_ffLp {proposal.feedforward[1]:.4g} V s/m",
+        f"feedforward, if it is used: C_ffLr {proposal.feedforward[0]:.3g}, "
+        f"C_ffLp {proposal.feedforward[1]:.3g} V s/m",
         *(f"left out: {reason}" for reason in proposal.left_out),
     )
 
@@ -286,8 +384,10 @@ def design_text(design: Design) -> str:
         "",
         *_table(LOOP_HEAD, loop_rows(design)),
         "",
-        *(f"{name}: {text}" for name, text in CHAINS.items()),
-        *fact_lines(design),
+        *(f"{name}: {text}" for name, text in loop_notes(design)),
+        "",
+        _smallest_margins(design),
+        *(f"{name}: {text}" for name, text in facts(design)),
     ]
     if design.reproduced:
         agree = sum(number.agrees for number in design.reproduced)
@@ -296,9 +396,24 @@ def design_text(design: Design) -> str:
     if design.proposal is not None:
         proposal = design.proposal
         lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
-        lines += _table(CHECK_HEAD, check_rows((*proposal.margins, *proposal.closed_loop)))
-        lines += [design_verdict(proposal)]
-    return "\n".join(lines).replace("−", "-").replace("–", "-")
+        checks = (*proposal.margins, *proposal.closed_loop)
+        lines += _table(CHECK_HEAD, check_rows(checks, design.tick_s))
+        lines += [f"verdict: {proposal_verdict(proposal, design.tick_s)}"]
+    elif design.checks:
+        lines += ["", *_table(CHECK_HEAD, check_rows(design.checks, design.tick_s))]
+        lines += [f"verdict: {loops_verdict(design)}"]
+    text = "\n".join(lines).replace("−", "-").replace("–", "-")
+    return text.replace("≥", ">=").replace("≤", "<=")
+
+
+def _smallest_margins(design: Design) -> str:
+    board = [(loop.name, loop.merits[-1]) for loop in design.loops]
+    phase, of_phase = min((merits.phase_margin_deg, name) for name, merits in board)
+    gain, of_gain = min((gain_db(merits), name) for name, merits in board)
+    return (
+        f"smallest margins on the board: {_finite(phase, 0)} deg ({of_phase}), "
+        f"{_finite(gain, 1)} dB ({of_gain})"
+    )
 
 
 def _table(head: tuple[str, ...], rows: TextRows) -> list[str]:
@@ -309,3 +424,7 @@ def _table(head: tuple[str, ...], rows: TextRows) -> list[str]:
 
 def _finite(value: float, decimals: int) -> str:
     return f"{value:.{decimals}f}" if math.isfinite(value) else "none"
+
+
+def _seconds(value: float) -> str:
+    return significant(value, 2) if math.isfinite(value) else "none"

@@ -2,7 +2,7 @@
 
 import re
 from base64 import b64encode
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
@@ -20,6 +20,8 @@ from hbench.report.render.word_tables import Cell, Table
 
 _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
 _DIGIT = re.compile(r"\d")
+_COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
+_REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
     "imported": "Imported. Another bench logged these runs; hbench screened and analyzed them.",
@@ -91,8 +93,64 @@ def document(
     return page(Document(title, subtitle, sections, verdict, banner, source if banner else ""))
 
 
+def numbered(document: Document, on_paper: bool = False) -> Document:
+    """Return ``document`` with a number before the title of each figure and table, in their order.
+
+    A table without a title has that of its section. ``[[anchor]]`` in the text of a section becomes
+    the number of the first table in the section with this anchor, or without one its title.
+    Parts that are not printed have no numbers, and are left out ``on_paper``, so that the numbers
+    of a page are those of its print.
+    """
+    counted = _Numbers(on_paper)
+    sections = tuple(counted.numbered(section, "", True) for section in document.sections)
+    return replace(document, sections=tuple(map(counted.referred, sections)))
+
+
+def _dotted(number: str, title: str) -> str:
+    return ". ".join(filter(None, (number, title)))
+
+
+class _Numbers:
+    """Numbers of figures and tables so far, and what each anchor is called."""
+
+    def __init__(self, on_paper: bool):
+        self.on_paper = on_paper
+        self.figures = self.tables = 0
+        self.name_of: dict[str, str] = {}
+
+    def numbered(self, section: Section, title: str, printed: bool) -> Section:
+        title, printed = _COUNT.sub("", section.title) or title, printed and section.printed
+        drawings, tables, first = [], [], self.tables + 1
+        for drawing in section.drawings:
+            self.figures += printed
+            number = f"Figure {self.figures}" if printed else ""
+            drawings.append(replace(drawing, title=_dotted(number, drawing.title)))
+        for table in section.tables:
+            self.tables += printed
+            number = f"Table {self.tables}" if printed else ""
+            tables.append(replace(table, title=_dotted(number, table.title or title)))
+        shown = (part for part in section.parts if part.printed or not self.on_paper)
+        parts = tuple(self.numbered(part, title, printed) for part in shown)
+        if section.title:
+            name = f"Table {first}" if self.tables >= first else f"“{section.title}”"
+            self.name_of.setdefault(anchor(section), name)
+        return replace(section, drawings=tuple(drawings), tables=tuple(tables), parts=parts)
+
+    def referred(self, section: Section) -> Section:
+        return replace(
+            section,
+            paragraphs=tuple(map(self._resolved, section.paragraphs)),
+            facts=tuple((name, self._resolved(text)) for name, text in section.facts),
+            parts=tuple(map(self.referred, section.parts)),
+        )
+
+    def _resolved(self, text: str) -> str:
+        return _REFERENCE.sub(lambda found: self.name_of.get(found[1], found[0]), text)
+
+
 def page(document: Document) -> str:
     """Return ``document`` as HTML. The browser runs the page's own script only, by its hash."""
+    document = numbered(document)
     loader = _environment().loader
     assert loader is not None  # _environment gives one
     script = loader.get_source(_environment(), "page.js")[0]
@@ -141,7 +199,7 @@ def _environment() -> Environment:
         "flag": lambda cell: cell.flag if isinstance(cell, Cell) else "",
         "sortable": lambda table: isinstance(table, Table) and table.sortable,
         "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
-        "words": lambda cell: cell.text if isinstance(cell, Cell) else _subscripts(cell),
+        "plain": lambda cell: cell.text if isinstance(cell, Cell) else cell,
         "subscripts": _subscripts,
     }
     environment.filters.update(filters)

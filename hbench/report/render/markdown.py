@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 
 from hbench.records import WordTable
-from hbench.report.render.document import Document, Section, numeric
+from hbench.report.render.document import Document, Section, numbered, numeric
 from hbench.report.render.word_tables import Cell, Table
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
@@ -12,6 +12,7 @@ _MARKS = re.compile(r"([\\`*_{}\[\]<>#|~$&!])")
 
 def markdown(document: Document) -> str:
     """Return a document as Markdown (GitHub's dialect); folded sections are unfolded."""
+    document = numbered(document)
     head = [f"# {escaped(document.title)}", escaped(document.subtitle)]
     head += [
         f"**{escaped(text)}**"

@@ -17,7 +17,7 @@ from matplotlib.image import imread
 from PIL import Image
 
 from hbench.records import WordTable
-from hbench.report.render.document import Document, Section, numeric
+from hbench.report.render.document import Document, Section, numbered, numeric
 from hbench.report.render.figures import PNG_DPI, Drawing
 from hbench.report.render.markdown import words
 from hbench.report.render.pdf_pen import (
@@ -58,6 +58,7 @@ def pdf(document: Document) -> bytes:
 
 def sheets(document: Document) -> list[Figure]:
     """Return the sheets of paper that ``document`` fills."""
+    document = numbered(document, on_paper=True)
     pen = Pen()
     pen.words(document.title, _TITLE, weight="bold")
     pen.space(3)
@@ -92,7 +93,8 @@ def _shortened(text: str) -> str:
 
 def _set(pen: Pen, section: Section, size: float) -> None:
     if section.title:
-        pen.room(240 if section.drawings else 80)  # no heading alone at the foot of a sheet
+        least = 240 if section.drawings else 150 if section.tables else 80
+        pen.room(least)  # no heading alone at the foot of a sheet
         pen.space(12 if size > _PART else 7)
         pen.words(section.title, size, weight="bold")
         pen.space(2)
@@ -112,16 +114,15 @@ def _set(pen: Pen, section: Section, size: float) -> None:
     for table in section.tables:
         _table(pen, table)
     _facts(pen, section.facts)
-    for part in (part for part in section.parts if part.printed):
+    for part in section.parts:
         _set(pen, part, _PART)
 
 
 def _table(pen: Pen, table: WordTable | Table) -> None:
     numbers = numeric(table)
-    if table.title:
-        pen.room(60)
-        pen.space(6)
-        pen.words(table.title, _BODY, weight="bold")
+    pen.room(60)
+    pen.space(6)
+    pen.words(table.title, _SMALL, weight="bold")
     rows = []
     for row in table.rows:
         cells: tuple[str | Cell, ...] = row
@@ -196,9 +197,9 @@ def _few_colours(png: bytes) -> np.ndarray:
 
 
 def _caption(drawing: Drawing, drawings: tuple[Drawing, ...]) -> str:
-    """Return a figure's title and caption; a caption of the section is written out once."""
+    """Return a figure's number, title and caption; a caption is written out once in a section."""
     first = next(each for each in drawings if each.caption == drawing.caption)
-    caption = drawing.caption if first is drawing else f"As for {first.title}."
+    caption = drawing.caption if first is drawing else f"As for {first.title.partition('.')[0]}."
     return f"{drawing.title}. {caption}".strip()
 
 

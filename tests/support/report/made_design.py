@@ -64,6 +64,7 @@ def made_design() -> Design:
         feedforward=(5.7, 34.0),
         ramp_error_m_s=1.67e-3,
         coupled_modulus=0.999,
+        tick_s=1e-4,
         reproduced=(Reproduced("closed pole", "rad/s", "-110.76", -148.4, 0.34, False, "why"),),
         proposal=Proposal(
             {"velocity": (1500.0, 0.018)}, {"velocity": 200.0}, (5.0, 20.0), 1.7, 54, (), checks,

@@ -110,11 +110,10 @@ FIGURES = (
     FigureKind(
         name="stribeck",
         section="friction",
-        caption="Friction over speed, both as magnitudes. Points: mean of the accepted trials with "
-        "the 95 % Student interval. Lines: the first fitted law inside the measured speeds "
-        "(dashed: the fit did not converge); dotted: extrapolated beyond the measurement. "
-        "Hollow points: the load helps the motion. Below: residuals of the loads, side by side. "
-        "Both directions have the same axes.",
+        caption="Friction over speed, both as magnitudes: means of the accepted trials, and the "
+        "first of the fitted laws (dashed: the fit did not converge). Hollow points: the load "
+        "helps the motion. Below: residuals of the loads, side by side. Both directions have the "
+        "same axes.",
         applies=has_curves,
         draw=friction_magnitude,
         each_series=True,
@@ -150,11 +149,10 @@ FIGURES = (
     FigureKind(
         name="ramps",
         section="ramps",
-        caption="Ramps of each acceleration, and steady runs and levels of steps where there are "
-        "any, at one load. Ramp points: means over a bin of velocity, with the 95 % Student "
-        "interval of the trials. Positive friction opposes the motion; before breakaway it may be "
-        "negative, since the seals are still deflected by the preceding stroke. Lines: Tustin's "
-        "law fitted to the ramp from breakaway on. Below: the same points from breakaway on.",
+        caption="Ramps of each acceleration at one load, with steady runs and levels of steps "
+        "where there are any. Ramp points: means over a bin of velocity. Positive friction opposes "
+        "the motion; before breakaway it may be negative, since the preceding stroke has deflected "
+        "the seals. Lines and lower panel: from breakaway on.",
         applies=has_ramps,
         draw=ramps,
     ),
@@ -194,8 +192,7 @@ FIGURES = (
     FigureKind(
         name="breakaway",
         section="breakaway",
-        caption="Breakaway: the largest friction while a rising force pushes a piston at rest. "
-        "Mean of the trials with the 95 % Student interval.",
+        caption="Largest friction before the piston moves, means of the trials.",
         applies=has_breakaways,
         draw=breakaways,
     ),
@@ -230,8 +227,8 @@ FIGURES = (
     FigureKind(
         name="efficiency",
         section="efficiency",
-        caption="Efficiency over speed. Band: the 95 % interval by the instruments' tolerances. "
-        "Bars: the 95 % Student interval of the trials. Both directions have the same axes.",
+        caption="Efficiency over speed, means of the accepted trials. Both directions have the "
+        "same axes.",
         applies=has_efficiency,
         draw=efficiency,
         each_series=True,

@@ -18,6 +18,7 @@ from hbench.records import (
     Results,
 )
 from hbench.records.rod_pressure import without_common_rod_pressure
+from hbench.report.campaign.fit_tables import law_words
 from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.numbers import number
@@ -27,8 +28,8 @@ AnyCurve = TypeVar("AnyCurve", Curve, EfficiencyCurve)
 LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where curves differ in it
 
 _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
-_READ = "Points: means of the trials; bars: their 95 % Student intervals; lines: the fitted law."
-_BANDS = "\nBands: expanded uncertainty U (95 %) of trials and instruments."
+_READ = "Points: means of the trials; bars: their 95 % Student intervals."
+_BANDS = "Bands: U (95 %) of trials and instruments."
 _ASIDE = 0.006  # distance of residuals at one speed, relative to the highest speed
 
 
@@ -76,7 +77,7 @@ def signed_friction(results: Results) -> dict[str, Figure]:
         xlabel=_speed_label("Velocity v (mm/s), positive extends", curves), ylabel="Friction F (N)"
     )
     style.head(axes, "Friction, both directions", results)
-    style.read_as(figure, _READ + (_BANDS if any(map(_has_band, curves)) else ""))
+    style.read_as(figure, _read(curves))
     load_legend(figure, axes, "Load |$F_L$|", curves)
     return {"": figure}
 
@@ -184,9 +185,17 @@ def _one_direction(
         below.set_ylim(-reach, reach)
     figure.axes[-1].set_xlabel(_speed_label("Speed |v| (mm/s)", curves))
     style.head(axes, f"{title}, {TITLES[direction].lower()}", results)
-    style.read_as(figure, _READ + (_BANDS if any(map(_has_band, curves)) else ""))
+    style.read_as(figure, _read(curves))
     load_legend(figure, axes, "Load $F_L$", curves)
     return figure
+
+
+def _read(curves: Sequence[Curve]) -> str:
+    """Return how to read the points, the lines with their law, and the bands."""
+    laws = dict.fromkeys(law_words(fit.law) for c in curves for fit in c.fits[:1] if fit.line)
+    lines = f"Lines: fitted law ({', '.join(laws)})." if laws else ""
+    bands = _BANDS if any(map(_has_band, curves)) else ""
+    return "\n".join(filter(None, (_READ, " ".join(filter(None, (lines, bands))))))
 
 
 def _has_band(curve: Curve) -> bool:

@@ -152,12 +152,13 @@ def breakaways(results: Results) -> dict[str, Figure]:
         style.plain_log(axes.xaxis)
         axes.set_xlabel("Time at rest (s)")
     else:
-        ticks = [f"{series_words(of)}\n{direction}" for of, direction in series]
+        ticks = [f"{series_words(of)}\n{TITLES[direction].lower()}" for of, direction in series]
         axes.set_xticks(range(len(series)), ticks)
         axes.margins(x=0.2)
     axes.set_ylabel("Breakaway (N)")
     style.head(axes, "Breakaway", results)
-    style.read_as(figure, "Bars: 95 % intervals of trials; lines: the law with the smaller error.")
+    lines = "; lines: the law with the smaller error" if over_time else ""
+    style.read_as(figure, f"Bars: 95 % Student intervals of the trials{lines}.")
     style.legend_above(figure, axes, columns=2)
     return {"": figure}
 
