@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from hbench.analysis.comparison.differences import welch
@@ -104,6 +104,7 @@ def verdict(fit):
 
 @pytest.mark.parametrize("law", [TUSTIN_LAW, TWO_LINES], ids=lambda law: law.name)
 @of_fits
+@example(truth="constant", noise=0.0, loss="linear", seed=85616)
 @given(truth=truths, noise=noises, loss=st.sampled_from(["linear", "huber"]), seed=seeds)
 def test_what_a_fit_determines(make_curve, law, truth, noise, loss, seed):
     friction, how = curve_of(truth, noise, seed), Fitting(loss=loss)

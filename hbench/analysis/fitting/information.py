@@ -15,6 +15,7 @@ import numpy as np
 
 from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.rounding import ROUNDING
+from hbench.analysis.statistics.intervals import has_effect
 
 _PRIOR = 100.0  # typical sizes: standard deviation in undetermined directions
 _PART = 0.1  # of the typical size
@@ -130,6 +131,8 @@ def _best(
 ) -> tuple[int, float]:
     """Return the candidate that narrows the interval most, and the remaining share of its width."""
     g = info.law.jacobian(inputs, info.x)
+    if not has_effect(g, info.scale)[number]:
+        return 0, 1.0
     projected = g @ spread
     gain = projected[:, number] ** 2 / (info.variance + np.sum(projected * g, axis=1))
     left = np.sqrt(np.maximum(1 - gain / spread[number, number], 0.0))
