@@ -105,7 +105,9 @@ def data_shortfalls(runs: Sequence[Run]) -> dict[str, str]:
     speeds = {abs(plan.v_ref_m_s) for plan in plans if KINDS[plan.kind].has_constant_speed}
     shortfalls = {}
     if points < FEWEST_POINTS:
-        shortfalls["points"] = f"operating points: {points}, at least {FEWEST_POINTS} needed"
+        shortfalls["points"] = (
+            f"at least {FEWEST_POINTS} operating points; these runs have {points}"
+        )
     codes = []
     if len(speeds) < 2 and not any(KINDS[plan.kind].covers_speeds for plan in plans):
         codes.append("speeds")

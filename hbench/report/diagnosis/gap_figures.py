@@ -13,6 +13,7 @@ from hbench.report.diagnosis.names import (
     AXES,
     DisplayName,
     balance,
+    compared_model,
     in_words,
     mathtext,
     share,
@@ -94,7 +95,7 @@ def _rows(axes: Axes, names: list[str]) -> None:
 
 
 def region_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw the refitted model's gap of each balance in each region as a table of colours."""
+    """Draw the gap of each balance in each region as a table of colours, before any effect."""
     names = [gap.name for gap in diagnosis.where]
     axes_names = list(dict.fromkeys(region.axis for region in diagnosis.regions))
     groups = [[r for r in diagnosis.regions if r.axis == name] for name in axes_names]
@@ -129,7 +130,7 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
     figure.colorbar(
         image, ax=panels, label="Gap (trial scatters)", pad=0.01
     ).ax.yaxis.set_major_formatter(lambda value, _: short(value))
-    style.head(panels[0], "Gap by region, refitted model", diagnosis, panels[-1])
+    style.head(panels[0], f"Gap by region, {compared_model(diagnosis)}", diagnosis, panels[-1])
     return figure
 
 
