@@ -123,7 +123,8 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.worst:
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
         none = (few,) if fleet.outliers < _LEAST else ()
-        yield Section("Worst cylinders", none, tables=(_worst(fleet),), anchor="worst")
+        title = "Outliers" if fleet.outliers else "Largest deviations"
+        yield Section(title, none, tables=(_worst(fleet),), anchor="worst")
     if fleet.spreads:
         chosen = _of(drawings, DISTRIBUTIONS)
         table = _untitled(spread_table(fleet))
@@ -144,9 +145,22 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield Section(_PRECISION, ("Not determined.", *fleet.plan_notes))
     if fleet.failed:
         yield _failures(fleet)
-    yield Section(
-        "How it was computed", facts=(*_METHOD[:-1], *METHOD, _METHOD[-1]), anchor="method"
-    )
+    yield Section("How it was computed", facts=tuple(_method(fleet)), anchor="method")
+
+
+def _method(fleet: Fleet) -> Iterator[tuple[str, str]]:
+    """Yield the methods of the results that the page has."""
+    absent = {
+        "Repeatability and reproducibility": not fleet.precision,
+        "Share of tolerance": all(s.share_of_tolerance is None for s in fleet.precision),
+        "Capability": not fleet.capabilities,
+        "Control charts": not fleet.charts,
+        "Change points": not fleet.charts,
+        "Wear": not fleet.wear,
+    }
+    for name, words in (*_METHOD[:-1], *METHOD, _METHOD[-1]):
+        if not absent.get(name):
+            yield name, words
 
 
 def _precision(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
