@@ -117,7 +117,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Which effect",
-        (_sentence(_in_words(diagnosis.why)),),
+        () if diagnosis.verdict == "unknown" else (_sentence(_in_words(diagnosis.why)),),
         drawings=drawn("ranking"),
         facts=_WHICH,
         parts=(

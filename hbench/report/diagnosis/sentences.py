@@ -142,9 +142,17 @@ def agreement(diagnosis: Diagnosis) -> str:
 
 
 def worse_words(diagnosis: Diagnosis) -> str:
-    """Return which gaps of held-out runs the revised model increases beyond the repeatability."""
-    if not (diagnosis.effects or diagnosis.unnamed):
+    """Return which gaps of held-out runs the model of model.yaml increases beyond repeatability.
+
+    It is compared with the model that it was made from: an effect's with the refitted one, and the
+    refitted one with the given one.
+    """
+    revised = diagnosis.effects or diagnosis.unnamed
+    if not revised and diagnosis.refit_refused:
         return ""
+    start, end = ("refitted", "after") if revised else ("before", "refitted")
+    model = "revised model" if revised else "refitted model"
+    base = compared_model(diagnosis) if revised else "given model"
     table = diagnosis.gap_heldout
     groups = (
         ("", table.balances, balance),
@@ -152,17 +160,15 @@ def worse_words(diagnosis: Diagnosis) -> str:
         (" in open loop", table.open_loop, signal),
     )
     parts = [
-        f"{display(name).title}{where} ({number(gap.refitted, 1)} to {number(gap.after, 1)})"
+        f"{display(name).title}{where} ({number(before, 1)} to {number(after, 1)})"
         for where, gaps, display in groups
         for name, gap in gaps.items()
-        if gap.after > max(1.0, _CLEARLY_WORSE * gap.refitted)
+        for before, after in [(getattr(gap, start), getattr(gap, end))]
+        if after > max(1.0, _CLEARLY_WORSE * before)
     ]
     if not parts:
         return ""
-    return (
-        f"The revised model is worse than the {compared_model(diagnosis)} in the gaps of "
-        f"{listed(parts)}."
-    )
+    return f"The {model} is worse than the {base} in the gaps of {listed(parts)}."
 
 
 def deviations(gaps: Sequence[Gap]) -> str:

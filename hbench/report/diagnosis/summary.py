@@ -62,7 +62,8 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         own = f"{title(effect.name)}: " if len(diagnosis.effects) > 1 else ""
         for question, sentence in _named(diagnosis, effect):
             yield (f"{own}{question.lower()}" if own else question), sentence
-    yield _WORSE, worse_words(diagnosis)
+    if diagnosis.effects or diagnosis.alternatives:
+        yield _WORSE, worse_words(diagnosis)
     if diagnosis.alternatives:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects and diagnosis.rest:
@@ -177,7 +178,10 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
     yield _EVIDENCE, significance(gaps)
     yield _EVIDENCE, agreement(diagnosis)
-    yield _CLOSEST, best_candidate(diagnosis)
+    yield _WORSE, worse_words(diagnosis)
+    yield _CLOSEST, diagnosis.why
+    if diagnosis.ranking and diagnosis.ranking[0].name not in diagnosis.why:
+        yield _CLOSEST, best_candidate(diagnosis)
     yield (
         _ACTION,
         "No part can be named for inspection. The shape of the residuals below shows under which "
@@ -190,6 +194,7 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _EVIDENCE, agreement(diagnosis)
+    yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield "What these runs can show", detectable(diagnosis)
     yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in diagnosis.where])
