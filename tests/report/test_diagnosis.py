@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 from hbench import workflow
 from hbench.config.bench import parse_plant
@@ -33,6 +34,7 @@ from hbench.report.diagnosis.text import (
     edges_table,
     gap_line,
 )
+from hbench.report.render import style
 from hbench.report.render.document import BANNERS
 from hbench.report.render.figures import render
 from hbench.units import parse_unit
@@ -239,6 +241,8 @@ def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
     panels = region_figure(named).axes[:5]
     cells = [text.get_text() for text in panels[0].texts]
     assert cells[0] == f"{named.regions[0].gaps[named.where[0].name]:.1f}"
+    colours = {to_hex(text.get_color()) for axes in panels for text in axes.texts}
+    assert not colours & style.DARK.keys()  # the cells below them stay light in the dark
 
 
 def test_overlays_are_shown_in_the_benchs_units_with_what_they_are_off(named):

@@ -71,8 +71,8 @@ _RANKING = (
     "evaluated by its linear signature alone. Blue: named, or in the ambiguous set."
 )
 _REFITTED = (
-    "Factors on poorly known values of the model, fitted together with the effects, with "
-    "their 95 % intervals. Hollow: at a bound of the fit, or not determined."
+    "Factors on poorly known values of the model{fitted}, with their 95 % intervals. Hollow: at a "
+    "bound of the fit, or not determined."
 )
 
 
@@ -107,7 +107,9 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
     if diagnosis.ranking:
         yield "ranking", "ranking", "Candidates", _RANKING, ranking_figure(diagnosis)
     if diagnosis.refitted:
-        yield "refitted", "refitted", "Refitted values", _REFITTED, refitted_figure(diagnosis)
+        fitted = ", fitted together with the effects" if diagnosis.effects else ""
+        caption = _REFITTED.format(fitted=fitted)
+        yield "refitted", "refitted", "Refitted values", caption, refitted_figure(diagnosis)
 
 
 def _slug(name: str) -> str:

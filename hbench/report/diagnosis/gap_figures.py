@@ -38,6 +38,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
 }
 _LEAST = 0.3  # gap that is drawn; below, runs are closer than trials by chance
 _MOST = 3.0  # of the colour scale: a gap of 1000
+_ON_LIGHT = "#010101"  # black in the dark too, on the light colours of a table
 
 
 def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
@@ -117,7 +118,7 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
                 ha="center",
                 va="center",
                 fontsize=9,
-                color="white" if dark else "black",
+                color=style.ON_MAPS if dark else _ON_LIGHT,
             )
         axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
         axis = AXES[group[0].axis]

@@ -286,12 +286,17 @@ def _with_rows(*tables: WordTable) -> tuple[WordTable, ...]:
     return tuple(
         WordTable(
             _in_words(table.title),
-            tuple(_sentence(_in_words(name)) for name in table.head),
+            tuple(name if name.startswith("p ") else _head(name) for name in table.head),
             tuple(tuple(map(_in_words, row)) for row in table.rows),
         )
         for table in tables
         if table.rows
     )
+
+
+def _head(name: str) -> str:
+    """Return the head of a column, which begins with a capital letter."""
+    return _sentence(_in_words(name))
 
 
 def _in_words(line: str) -> str:
