@@ -37,7 +37,7 @@ _WAYS = {"extend": "extending", "retract": "retracting"}
 def where_words(point: WorkingPoint | None) -> str:
     """Return the working point in words, as the beginning of a sentence."""
     if point is None:
-        return "In these runs"
+        return "In these runs,"
     motion = f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
     if isfinite(point.f_applied_n):
         motion += f", load cell {short(point.f_applied_n)} N"
@@ -47,7 +47,7 @@ def where_words(point: WorkingPoint | None) -> str:
         "supply P_S": point.p_s_pa,
     }
     parts = [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
-    return f"At the working point of these runs ({', '.join((motion, *parts))})"
+    return f"At the working point of these runs ({', '.join((motion, *parts))}),"
 
 
 def at_point_words(

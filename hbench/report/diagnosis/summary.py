@@ -117,7 +117,7 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     if practice:
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
         if along := along_words(practice):
-            yield _ALONG, f"Evaluated along all logs, with it and without it, it changes {along}."
+            yield _ALONG, f"Along all logs it changes {along}."
     yield (
         _EVIDENCE,
         "It reduces the gap of held-out runs in the balances that it touches from "
