@@ -205,9 +205,7 @@ def test_charts_show_a_shift_by_ewma_rules_and_a_step(shifted):
     assert not any(others)
     text = fleet_text(shifted)
     assert (
-        text.isascii()
-        and "Step at c18: friction, extending from " in text
-        and "Change points" in text
+        text.isascii() and "Step at c18: friction, extending: " in text and "Change points" in text
     )
     document = json.loads(fleet_json(shifted))
     assert (

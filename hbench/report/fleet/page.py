@@ -41,6 +41,11 @@ _PRECISION = "Repeatability and reproducibility"
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
+_INTERVALS = (
+    "Intervals are those of 95 %. They include the stated errors of the instruments, which the "
+    "campaigns of a bench have in common: smaller differences between them can be significant."
+)
+_AT_MEDIAN = "Half band, middle and energy are those at the median pressure of a campaign."
 _METHOD = (
     (
         "Numbers",
@@ -119,7 +124,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.precision:
         yield _precision(fleet, drawings)
     if fleet.rows:
-        yield Section("Campaigns", _at_median(fleet), tables=(_campaigns(fleet),))
+        yield Section("Campaigns", _about_numbers(fleet), tables=(_campaigns(fleet),))
     if fleet.worst:
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
         none = (few,) if fleet.outliers < _LEAST else ()
@@ -222,10 +227,11 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     return (Table(head, rows, frozenset(text_columns), title=title),) if rows else ()
 
 
-def _at_median(fleet: Fleet) -> tuple[str, ...]:
+def _about_numbers(fleet: Fleet) -> tuple[str, ...]:
+    """Return what the intervals of the campaigns' numbers contain, and at which pressure."""
     if any(spread.direction is None for spread in fleet.spreads):
-        return ("Half band, middle and energy are those at the median pressure of a campaign.",)
-    return ()
+        return (_INTERVALS, _AT_MEDIAN)
+    return (_INTERVALS,)
 
 
 def _campaigns(fleet: Fleet) -> Table:

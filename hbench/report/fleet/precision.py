@@ -103,7 +103,7 @@ def precision_sentences(fleet: Fleet) -> Iterator[str]:
             )
             title = without_condition(chart.quantity)
             name = f"{title[:1].lower()}{title[1:]}{of_side(chart.direction)}"
-            steps.setdefault(chart.step.name, []).append(f"{name} from {before} to {after} {unit}")
+            steps.setdefault(chart.step.name, []).append(f"{name}: {before} to {after} {unit}")
     for at, changes in steps.items():
         yield f"Step at {at}: {'; '.join(changes)}."
     for trend in fleet.wear:

@@ -40,6 +40,7 @@ SUMMARY = "Laws by their error"
 RAMPS = "Steady runs and ramps from breakaway on: RMS error of Tustin fits"
 _SUMMARY_HEAD = ("Law", "RMS error of friction (N)", "Not determined", "Plant file")
 _FLOOR = "Trials' scatter"
+_SURNAMES = ("Coulomb", "Stribeck")
 
 
 def identification_json(identification: Identification) -> str:
@@ -240,7 +241,13 @@ def parameter_words(name: str, unit: str) -> tuple[str, str]:
 
 def _with_titles(fit: Fit) -> str:
     """Return a fit's message with the parameters' titles in place of their keys."""
-    return re.sub(r"\b[a-z]\w*_\w+\b", lambda key: parameter_words(key[0], "")[0], fit.message)
+    return re.sub(r"\b[a-z]\w*_\w+\b", lambda key: _title(key[0]), fit.message)
+
+
+def _title(name: str) -> str:
+    """Return a parameter's title within a sentence."""
+    title, _ = parameter_words(name, "")
+    return title if title.startswith(_SURNAMES) else f"{title[:1].lower()}{title[1:]}"
 
 
 def _ramps(identification: Identification) -> list[tuple[str, ...]]:
