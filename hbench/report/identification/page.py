@@ -61,7 +61,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     provenance = identification.provenance
     read = (*_PARTS, _SCATTER) if identification.scatter else _PARTS
     tables = {table.title: _named(table) for table in identification_tables(identification)}
-    summary = (replace(tables[SUMMARY], title=""),)
+    summary = (replace(tables[SUMMARY], title=""),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
     facts = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
     drawings = tuple(drawings)
@@ -72,7 +72,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     parameters = _of_each_law(tables[PARAMETERS]) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title="")] if RAMPS in tables else []
     sections = (
-        Section(SUMMARY, tables=summary, facts=facts),
+        Section(SUMMARY, tables=summary, facts=facts if summary else ()),
         Section("Friction over speed", drawings=steady),
         Section("Identified parameters", (_SECTION,), tables=parameters),
         Section(

@@ -146,7 +146,9 @@ def rms_n(parts: Iterable[ModelErrors]) -> float:
 
 
 def _summary_rows(identification: Identification) -> list[tuple[str, ...]]:
-    """Return a row for each law, the smallest error first."""
+    """Return a row for each law, the smallest error first; none where no law has an error."""
+    if not any(law.errors or law.held_out_n for law in identification.laws):
+        return []
     rows = []
     for law in identification.laws:
         error = rms_n(law.errors.values()) if law.errors else law.held_out_n or math.inf
