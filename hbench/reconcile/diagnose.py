@@ -204,7 +204,6 @@ def _assembled(
         left_out=left_out,
         revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
         notes=(
-            *result.notes,
             *_oscillations(measured),
             *notes,
             *([] if task.instruments else [_ASSUMED]),
@@ -213,6 +212,7 @@ def _assembled(
         separability=expected.separability(tried),
         working_point=point,
         practice=practice,
+        refit_refused=result.refused,
     )
 
 

@@ -74,7 +74,7 @@ class SearchResult:
     refitted: LinearisedModel
     steps: tuple[SearchStep, ...]
     final: LinearisedModel
-    notes: tuple[str, ...] = ()
+    refused: str = ""  # why the refit is refused; the refitted model is then the given one
     laws: tuple[LawFound, ...] = ()  # learned, in the final model
     unlearned: LinearisedModel | None = None  # the final model without them; None: it has none
 
@@ -94,7 +94,7 @@ class CampaignSearch(CandidateEvaluator):
     def run(self) -> SearchResult:
         """Refit the nuisances of the given model, then search for effects."""
         self.stage("refitting the poorly known values of the model")
-        given, refitted, notes = self._refitted()
+        given, refitted, refused = self._refitted()
         keys = [".".join(c) for name in self.candidates for c in effect_coefficients(name)]
         new = [key for key in keys if key not in refitted.columns]
         current = refitted = self.with_columns(refitted, new)
@@ -111,7 +111,7 @@ class CampaignSearch(CandidateEvaluator):
         if names := _added(steps):
             self.stage(f"refining {', '.join(names)}")
             current = self.refined(current, names)
-        return SearchResult(given, refitted, tuple(steps), current, notes)
+        return SearchResult(given, refitted, tuple(steps), current, refused)
 
     def without_superfluous(
         self, model: LinearisedModel, names: tuple[str, ...]
@@ -161,8 +161,8 @@ class CampaignSearch(CandidateEvaluator):
                 best = shaped if gain[1] > gain[0] else best
         return linearise(self.measured, best.hypothesis, best.columns, model.gap_map)
 
-    def _refitted(self) -> tuple[LinearisedModel, LinearisedModel, tuple[str, ...]]:
-        """Return the given and the refitted model; the given one again if the refit is no better.
+    def _refitted(self) -> tuple[LinearisedModel, LinearisedModel, str]:
+        """Return the given and the refitted model; if not better, the given one and the reason.
 
         The second refit has the scatter of the first, in which the given model's gaps have no part.
         """
@@ -180,9 +180,9 @@ class CampaignSearch(CandidateEvaluator):
             for model in (given, refitted)
         )
         if after <= before:
-            return given, refitted, ()
+            return given, refitted, ""
         unchanged = linearise(self.measured, start, given.columns, first.gap_map)
-        return given, unchanged, (_REFUSED.format(before=before**0.5, after=after**0.5),)
+        return given, unchanged, _REFUSED.format(before=before**0.5, after=after**0.5)
 
     def _step(
         self, model: LinearisedModel, added: tuple[str, ...]

@@ -12,7 +12,7 @@ from hbench.records import KINDS, Candidate, Gap, Run, RunPlan, Verdict
 UNEXPLAINED_GAP = 2.0  # trial scatters
 _SIGNIFICANCE = 0.1  # p
 FEWEST_POINTS = 8  # operating points
-NO_RESIDUALS = "The residuals of the refitted model are within the scatter of the trials."
+NO_RESIDUALS = "No balance has residuals that are significant and large enough to matter."
 MISSING: Mapping[str, str] = {
     "speeds": "three or more speeds, to separate effects that grow with speed from the others",
     "loads": "a second load, to separate effects of load and pressure from offsets",
@@ -105,7 +105,9 @@ def data_shortfalls(runs: Sequence[Run]) -> dict[str, str]:
     speeds = {abs(plan.v_ref_m_s) for plan in plans if KINDS[plan.kind].has_constant_speed}
     shortfalls = {}
     if points < FEWEST_POINTS:
-        shortfalls["points"] = f"operating points: {points}, at least {FEWEST_POINTS} needed"
+        shortfalls["points"] = (
+            f"at least {FEWEST_POINTS} operating points; these runs have {points}"
+        )
     codes = []
     if len(speeds) < 2 and not any(KINDS[plan.kind].covers_speeds for plan in plans):
         codes.append("speeds")

@@ -57,7 +57,8 @@ def test_what_is_not_determined_has_no_interval_and_the_rest_has():
     for found in (covariance(matrix, y), covariance_over_runs(matrix, y, run)):
         assert np.isfinite(found[0, 0]) and np.isnan(found[1:, 1:]).all()
     units = {"a": "N", "b": "m", "c": "s"}
-    parameters = fit_parameters(units, np.arange(3.0), covariance(matrix, y), 117, [None] * 3)
+    size = np.ones(3)
+    parameters = fit_parameters(units, np.arange(3.0), covariance(matrix, y), 117, [None] * 3, size)
     assert parameters["b"].ci95 is None and parameters["a"].se > 0
     (message,) = parameter_messages(parameters)
     assert message.endswith("b and c")
@@ -70,7 +71,18 @@ def test_one_run_says_nothing_about_the_scatter_of_runs():
 
 def test_an_interval_takes_students_factor_and_a_bound_has_none():
     units = {"a": "N", "b": "m"}
-    found = fit_parameters(units, np.array([5.0, 1.0]), np.array([[4.0]]), 2, [None, "upper"])
+    values, size = np.array([5.0, 1.0]), np.ones(2)
+    found = fit_parameters(units, values, np.array([[4.0]]), 2, [None, "upper"], size)
     assert found["a"].ci95 == pytest.approx((5 - 2 * 4.3027, 5 + 2 * 4.3027), abs=1e-3)
     assert found["b"].se is None and found["b"].at_bound == "upper"
     assert re.match(r"b\b.* upper .*\b1 m\b", parameter_messages(found)[0])
+
+
+def test_an_interval_wider_than_its_value_and_than_a_tenth_of_its_size_determines_nothing():
+    """Half-widths are 12.7 times the errors 0.1, 0.1 and 1: one degree of freedom."""
+    units = {"exact": "N", "small": "N", "wide": "N"}
+    spread, size = np.diag([0.01, 0.01, 1.0]), np.array([10.0, 20.0, 20.0])
+    found = fit_parameters(units, np.array([5.0, 0.0, 5.0]), spread, 1, [None] * 3, size)
+    assert [p.determined for p in found.values()] == [True, True, False]
+    assert found["wide"].ci95 is not None
+    assert parameter_messages(found) == ["the data does not determine wide"]

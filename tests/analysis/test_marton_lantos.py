@@ -80,6 +80,16 @@ def test_what_the_tustin_fit_says_against_itself_stays_said(make_curve):
     assert set(tustin.parameters) == set(PARAMETER_NAMES)
 
 
+def test_a_line_whose_interval_exceeds_its_value_is_not_determined(make_curve):
+    noise = 40.0 * np.random.default_rng(5).standard_normal(len(SPEEDS))
+    fit = found(make_curve, law(SPEEDS, 250.0, 500.0, 0.07, 200.0) + noise)
+    slope = fit.parameters["high_slope_n_s_m"]
+    assert slope.ci95[1] - slope.value > max(abs(slope.value), 0.1 * 500.0 / V_MAX)
+    assert "high_slope_n_s_m" in fit.undetermined
+    assert fit.parameters["low_force_n"].determined
+    assert "does not determine" in fit.message.partition("Tustin fit")[0]
+
+
 def test_the_force_at_rest_has_the_same_error_as_in_the_tustin_fit_weighted_by_trials(make_curve):
     rng = np.random.default_rng(4)
     noise = 60.0 * SPEEDS[:, None] * rng.standard_normal((len(SPEEDS), 3))  # grows with speed

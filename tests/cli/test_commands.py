@@ -86,7 +86,10 @@ def test_check_lists_the_effects_that_the_runs_would_show(hbench, short_schedule
     done = hbench("run", schedule, "--check", "--effects")
     assert done.returncode == 0 and "simulat" in done.stderr
     assert "internal_leakage" in done.stdout and "l/min/bar" in done.stdout
-    assert "no effect can be named; missing: operating points: 2, at least 8" in done.stdout
+    assert (
+        "no effect can be named; missing: at least 8 operating points; these runs have 2"
+        in done.stdout
+    )
     done = hbench("run", schedule, "--check", "--effects", "--json")
     effects = json.loads(done.stdout)["effects"]
     sizes = {(size["effect"], size["coefficient"]) for size in effects["separability"]["sizes"]}

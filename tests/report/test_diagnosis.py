@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 from hbench import workflow
 from hbench.config.bench import parse_plant
@@ -33,6 +34,7 @@ from hbench.report.diagnosis.text import (
     edges_table,
     gap_line,
 )
+from hbench.report.render import style
 from hbench.report.render.document import BANNERS
 from hbench.report.render.figures import render
 from hbench.units import parse_unit
@@ -68,7 +70,7 @@ def test_the_terminal_tells_gaps_where_ranking_refits_and_what_is_missing(named,
     row = [f"{getattr(flow, step):.2f}" for step in ("before", "refitted", "after", "floor")]
     assert re.search(words.balance("flow_tp").title + " +" + " +".join(row), text)
     total = named.gap_heldout.total
-    assert re.search(rf": {total.before:.2f} [^.,]*, {total.refitted:.2f} ", text)
+    assert re.search(rf": {total.before:.1f} [^,]*, {total.refitted:.1f} ", text)
     assert re.search(r"external_leakage +584\.6 +14\.0 +72 %", text)
     assert re.search(r"valve\.gain +0\.9780 \+- 0\.0040", text)
     assert re.search(r"moving_mass\.test +0\.550 \(.* lower ", text)
@@ -239,6 +241,8 @@ def test_gaps_ranking_and_regions_are_drawn_as_they_are(named):
     panels = region_figure(named).axes[:5]
     cells = [text.get_text() for text in panels[0].texts]
     assert cells[0] == f"{named.regions[0].gaps[named.where[0].name]:.1f}"
+    colours = {to_hex(text.get_color()) for axes in panels for text in axes.texts}
+    assert not colours & style.DARK.keys()  # the cells below them stay light in the dark
 
 
 def test_overlays_are_shown_in_the_benchs_units_with_what_they_are_off(named):
@@ -325,6 +329,30 @@ def test_the_worst_runs_stand_first_on_the_terminal_and_the_page_has_more(named,
     page = diagnosis_page(named, drawings)
     title = table.title.partition(":")[0]
     assert f"<summary>{title}" in page and "gaps_by_run.csv" in page
+
+
+def test_a_refused_refit_has_its_reason_and_no_marks_of_its_own(named):
+    assert "refitted" in words.steps_of(named)
+    refused = replace(named, refit_refused="The refit is refused.")
+    assert list(words.steps_of(refused)) == ["before", "after", "floor"]
+    for figure in gap_figures(refused).values():
+        assert words.STEPS["refitted"] not in {line.get_label() for line in figure.axes[0].lines}
+    page = diagnosis_page(refused, ())
+    assert "The refit is refused. " in page and "refitted model" not in page
+    assert "The refit is refused." in diagnosis_text(refused)
+    assert json.loads(diagnosis_json(refused))["refit_refused"] == refused.refit_refused
+    assert json.loads(diagnosis_json(named))["refit_refused"] is None
+
+
+def test_a_signal_that_the_effects_make_worse_is_named_before_the_figures(named):
+    worse = BeforeAfter(5.5, 5.4, 6.7, float("nan"))
+    table = replace(named.gap_heldout, signals=named.gap_heldout.signals | {"v": worse})
+    page = diagnosis_page(replace(named, gap_heldout=table), ())
+    place = page.index("velocity in closed loop (5.4 to 6.7)")
+    assert place < page.index("<h2")
+    better = replace(worse, after=5.5)
+    table = replace(table, signals=table.signals | {"v": better})
+    assert "velocity in closed loop" not in diagnosis_page(replace(named, gap_heldout=table), ())
 
 
 def test_the_next_schedule_reads_back_as_a_schedule(ambiguous, tmp_path):

@@ -204,7 +204,9 @@ def test_charts_show_a_shift_by_ewma_rules_and_a_step(shifted):
     others = [c.step.real for c in shifted.charts if c.quantity.name != "friction_n"]
     assert not any(others)
     text = fleet_text(shifted)
-    assert text.isascii() and "step from" in text and "Change points" in text
+    assert (
+        text.isascii() and "Step at c18: friction, extending: " in text and "Change points" in text
+    )
     document = json.loads(fleet_json(shifted))
     assert (
         document["charts"][0]["step"]["real"] is True and len(document["charts"][0]["ewma"]) == 26

@@ -11,6 +11,7 @@ from hbench.records import (
     BeforeAfter,
     Candidate,
     Change,
+    DetectableSize,
     EffectInPractice,
     FitParameter,
     Gap,
@@ -19,6 +20,7 @@ from hbench.records import (
     Provenance,
     Region,
     Rival,
+    Separability,
     UnnamedLaw,
     WorkingPoint,
 )
@@ -112,10 +114,10 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     text = summary(named)
     assert text.startswith(
         "Internal leakage is an effect of the bench that the model does not contain: oil leaks. "
-        "At the working point of these runs (extending at 80 mm/s under 2490 N, piston side P_Tp "
-        "63 bar, rod side P_Tr 52.1 bar, supply P_S 150 bar) 0.180 ± 0.010 l/min less oil enters "
-        "the piston side of the test cylinder (Tp) and the piston is 2.40 ± 0.10 mm/s slower at "
-        "the same commands. "
+        "At the working point of these runs (extending at 80 mm/s, load cell 2490 N, piston side "
+        "P_Tp 63 bar, rod side P_Tr 52.1 bar, supply P_S 150 bar), 0.180 ± 0.010 l/min less oil "
+        "enters the piston side of the test cylinder (Tp) and the piston is 2.40 ± 0.10 mm/s "
+        "slower at the same commands. "
     )
     order = (
         "0.21 l/min (root mean square; up to 0.35 l/min)",
@@ -126,7 +128,7 @@ def test_a_named_effect_what_how_large_where_what_for_how_sure_and_what_to_do(na
     )
     places = [text.index(part) for part in order]
     assert places == sorted(places)
-    assert "friction of the load cylinder" not in text.partition("Evaluated")[0]  # 1e-4 N
+    assert "friction of the load cylinder" not in text.partition("Along all logs")[0]  # 1e-4 N
 
 
 def test_odds_are_those_of_the_held_out_likelihood_and_not_overdone(named):
@@ -148,7 +150,7 @@ def test_an_error_of_a_sensor_is_told_as_one_with_what_it_shows_too_much(named):
 def test_an_effect_of_changes_alone_changes_nothing_in_steady_motion(named):
     only = replace(LEAK, changes=(Change("force_test", "N", 0.0, None, 20.0, 60.0),))
     text = summary(replace(named, practice=(only,)))
-    assert ") it changes nothing: it acts only while speed or pressure changes" in text
+    assert "), it changes nothing: it acts only while speed or pressure changes" in text
     assert "the friction of the test cylinder by 20 N (root mean square; up to 60 N)" in text
 
 
@@ -160,8 +162,12 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
         compared, verdict="ambiguous", rest=(), alternatives=(first, second), practice=(LEAK, other)
     )
     text = summary(both)
-    assert text.startswith("The model does not contain internal leakage or external leakage; ")
+    page = diagnosis_page(both, ())
+    assert (
+        'class="verdict">One of these effects is missing in the model: internal leakage or' in page
+    )
     assert text.count("would mean that 0.180 ± 0.010 l/min less oil enters the piston side") == 2
+    assert "internal leakage 90 %, external leakage 90 %" in text
     assert "(internal leakage 30, external leakage 29 nats) are too close to decide" in text
     assert "kind hold separate internal leakage and external leakage (pressures meet" in text
     assert "Not explained" not in summary(replace(both, rest=compared.rest))  # the set would do so
@@ -172,11 +178,16 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
 
 def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best_explains(compared):
     text = summary(compared)
-    assert "force of test cylinder by 40 N (12 N would not matter)" in text
-    assert ") the refitted model is off by 38 N (force of test cylinder)." in text
-    assert "Its gap is largest at: retracting." in text  # all speeds are about alike
+    verdict = "force of test cylinder by 40 N RMS (up to 12 N would not matter)."
+    assert verdict in diagnosis_page(compared, ())
+    assert "with a correct model, after Holm: 0.010 (force of test cylinder)." in text
+    assert "), the refitted model is off by 38 N (force of test cylinder)." in text
+    assert (
+        "The gap of force of test cylinder is largest at: retracting." in text
+    )  # all speeds are about alike
     assert "load friction, explains 80 % of the gap" in text and "27.3 nats (5.0 needed)" in text
-    assert "The gap of 2 held-out runs is 9.50" in text
+    assert "is too small for it to be named" in text
+    assert "The gap of 2 held-out runs is 9.5" in text
     assert "No part can be named for inspection." in text
 
 
@@ -196,18 +207,27 @@ def test_an_unknown_effect_with_a_learned_law_has_its_size_and_that_it_is_unname
 
 
 def test_an_agreement_has_its_bounds_and_nothing_to_repair(compared):
-    text = summary(replace(compared, verdict="none", rest=()))
-    assert text.startswith("Nothing is missing in the model within what these runs can show.")
-    assert "The gap of 2 held-out runs is 9.50 with the refitted model" in text
-    assert "A correct model with parameters as uncertain has 1.20 on average." in text
+    sizes = tuple(
+        DetectableSize(name, "test", smallest, 2.0, "N", "evidence")
+        for name, smallest in (("load_friction", 1.0), ("added_mass", 3.0))
+    )
+    text = summary(
+        replace(compared, verdict="none", rest=(), separability=Separability(sizes, ()),
+                not_tried={"rest_time": "no breakaway"})
+    )  # fmt: skip
+    assert "The gap of 2 held-out runs is 9.5 with the refitted model" in text
+    assert "A correct model whose values are as uncertain would have 1.2 on average." in text
+    assert "would show 1 of 3 known effects at a typical size. They would not show added" in text
     assert "38 N (force of test cylinder) and 0.060 l/min (flow to test piston side)" in text
     assert "There is nothing to inspect or to repair." in text
 
 
 def test_too_few_data_say_what_is_missing_and_that_the_size_is_not_known(few):
     text = summary(few)
-    assert "do not suffice to find a missing effect, so its size is not known." in text
-    assert "Missing: a second load." in text and few.next_experiment in text
+    assert "do not suffice to find a missing effect. Missing: a second load." in diagnosis_page(
+        few, ()
+    )
+    assert few.next_experiment in text
     assert short_summary(few) in diagnosis_text(few)
 
 
@@ -221,7 +241,7 @@ def test_two_effects_share_one_description_of_the_working_point(named):
 def test_the_terminal_begins_with_the_verdict_and_the_paragraph_in_short(named):
     first, second, *_ = diagnosis_text(named).splitlines()
     assert first.startswith("named: internal_leakage (test cylinder ")
-    assert second.startswith("At the working point of these runs (extending at 80 mm/s under ")
+    assert second.startswith("At the working point of these runs (extending at 80 mm/s, load cell ")
     assert "0.180 +- 0.010 l/min less oil" in second and "Inspect the piston seal." in second
     assert "root mean square" not in second and len(second) < len(summary(named))
 

@@ -15,10 +15,9 @@ import numpy as np
 
 from hbench.analysis.fitting.fittable_law import FittableLaw
 from hbench.analysis.rounding import ROUNDING
-from hbench.analysis.statistics.intervals import has_effect
+from hbench.analysis.statistics.intervals import has_effect, too_wide
 
 _PRIOR = 100.0  # typical sizes: standard deviation in undetermined directions
-_PART = 0.1  # of the typical size
 _NO_GAIN = 0.05  # a point that narrows the interval by less is of no use
 _CANDIDATES = 60
 
@@ -53,7 +52,7 @@ def undetermined(
     """
     half = factor * np.sqrt(np.diag(covariance_of_all(info)))
     half = half if profiled is None else np.fmax(half, profiled)
-    return (half > np.abs(info.x)) & (half > _PART * info.scale)
+    return too_wide(half, info.x, info.scale)
 
 
 def identification_messages(info: Information, unknown: np.ndarray) -> list[str]:

@@ -23,7 +23,7 @@ from hbench.analysis.fitting.over_curves import tustin_covariance, without_impos
 from hbench.analysis.fitting.tustin import PARAMETER_NAMES
 from hbench.analysis.rounding import ROUNDING, distinct
 from hbench.analysis.statistics.bounded import complex_step
-from hbench.analysis.statistics.intervals import fit_parameters
+from hbench.analysis.statistics.intervals import fit_parameters, parameter_messages
 from hbench.model.friction.formulas import joined_lines, two_lines
 from hbench.records import Curve, Fit
 from hbench.records.friction_laws import FRICTION_LAWS
@@ -102,10 +102,14 @@ def lines_from_tustin(curves: Sequence[Curve], tustin: Fit) -> Fit:
     values = lines(p, v_max)
     slopes = complex_step(lambda p: lines(p, v_max), p)
     spread, dof = tustin_covariance(curves, tustin)
+    force, slope, _, speed = _scale(data.inputs, float(np.abs(data.friction_n).max()))
+    size = np.array([force, slope, force, slope, speed])
     parameters = fit_parameters(
-        PARAMETER_UNITS, values, slopes @ spread @ slopes.T, dof, [None] * 5
+        PARAMETER_UNITS, values, slopes @ spread @ slopes.T, dof, [None] * 5, size
     )
+    undetermined = parameter_messages(parameters)
     parameters, messages = without_impossible_intervals(parameters, {_SWITCH: (0.0, v_max)})
+    messages = [*undetermined, *messages]
     if tustin.parameters["v_stribeck_m_s"].se is None and parameters[_SWITCH].ci95:
         parameters[_SWITCH] = replace(parameters[_SWITCH], se=None, ci95=None)
         messages.append(f"{_SWITCH} has no interval, since v_stribeck_m_s has no standard error")

@@ -136,9 +136,12 @@ def _tustin(curves: Sequence[Curve]) -> Fit:
     bounds = [fit.parameters[name].at_bound for name in PARAMETER_NAMES]
     spread, dof = tustin_covariance(curves, fit)
     free = [bound is None for bound in bounds]
-    linearised = fit_parameters(PARAMETER_UNITS, values, spread[np.ix_(free, free)], dof, bounds)
     points = fit_points(curves)
-    allowed = tustin_bounds(points.inputs, float(np.abs(points.friction_n).max()))
+    force_n = float(np.abs(points.friction_n).max())
+    size = TUSTIN_LAW.scale(points.inputs, force_n)
+    covariance = spread[np.ix_(free, free)]
+    linearised = fit_parameters(PARAMETER_UNITS, values, covariance, dof, bounds, size)
+    allowed = tustin_bounds(points.inputs, force_n)
     parameters, impossible = without_impossible_intervals(linearised, allowed)
     messages = [] if fit.converged else ["the search for the best fit did not converge"]
     messages += [*parameter_messages(linearised), *impossible]

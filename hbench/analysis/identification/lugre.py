@@ -129,6 +129,7 @@ def fit_to_motions(
         covariance_over_runs(slopes[:, free], left, run, has_effect(slopes, size)[free]),
         len(motions) - 1,
         bounds,
+        size,
     )
     messages = [] if solution.converged else ["the search for the best fit did not converge"]
     return Fit(

@@ -20,6 +20,7 @@ from hbench.records import FitParameter
 Bound = Literal["lower", "upper"] | None
 _SINGULAR = 1e-13  # of the largest eigenvalue of J'J, with columns of length 1
 _PART = 1e-3  # of a parameter's axis in directions that the data does not see
+_OF_SIZE = 0.1  # of the typical size
 
 
 def covariance(
@@ -73,23 +74,36 @@ def has_effect(jacobian: np.ndarray, size: np.ndarray) -> np.ndarray:
     return moved > ROUNDING * moved.max(initial=0.0)
 
 
+def too_wide(half_width: np.ndarray, values: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Return which intervals (p,) are too wide for their parameters to be determined.
+
+    They are wider than the value, and than a tenth of its typical ``size`` (p,), to either side.
+    """
+    return (half_width > np.abs(values)) & (half_width > _OF_SIZE * size)
+
+
 def fit_parameters(
     units: Mapping[str, str],
     values: np.ndarray,
     covariance: np.ndarray,
     dof: int,
     at_bound: Sequence[Bound],
+    size: np.ndarray,
 ) -> dict[str, FitParameter]:
     """Return the parameters named by ``units`` (name -> unit) with Student's 95 % intervals.
 
     ``covariance`` is that of the parameters off their bounds, in their order; the others have no
-    interval.
+    interval. ``size`` (p,) are typical sizes, by which an interval is ``too_wide`` or not.
     """
     t = student_factor(dof) if dof > 0 else np.nan
-    errors = iter(np.sqrt(np.diag(covariance)))
+    errors = np.full(len(values), np.nan)
+    errors[[bound is None for bound in at_bound]] = np.sqrt(np.diag(covariance))
+    wide = too_wide(t * errors, values, size).tolist()
     parameters = {}
-    for (name, unit), value, bound in zip(units.items(), values.tolist(), at_bound, strict=True):
-        error = float(next(errors)) if bound is None else np.nan
+    for i, ((name, unit), value, bound) in enumerate(
+        zip(units.items(), values.tolist(), at_bound, strict=True)
+    ):
+        error = float(errors[i])
         known = bool(np.isfinite(t * error))
         parameters[name] = FitParameter(
             value=value,
@@ -97,6 +111,7 @@ def fit_parameters(
             ci95=(value - t * error, value + t * error) if known else None,
             at_bound=bound,
             unit=unit,
+            wide=wide[i],
         )
     return parameters
 
@@ -109,7 +124,7 @@ def parameter_messages(parameters: Mapping[str, FitParameter]) -> list[str]:
         for name, p in parameters.items()
         if p.at_bound
     ]
-    unknown = [name for name, p in parameters.items() if p.se is None and not p.at_bound]
+    unknown = [name for name, p in parameters.items() if not p.determined and not p.at_bound]
     if unknown:
         messages.append(f"the data does not determine {' and '.join(unknown)}")
     return messages

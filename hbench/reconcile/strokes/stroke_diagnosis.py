@@ -98,8 +98,8 @@ def diagnose_strokes(task: StrokeTask) -> Diagnosis:
     loads = len({pair.plan for pair in pairs})
     if loads < FEWEST_LOADS:
         shortfall = (
-            f"loads or pressures with two or more strokes in each direction: {loads}, at least "
-            f"{FEWEST_LOADS} needed"
+            f"at least {FEWEST_LOADS} loads or pressures with two or more strokes in each "
+            f"direction; these runs have {loads}"
         )
         return insufficient_data_diagnosis(task, (shortfall, *missing), left_out)
     _check_area(task, pairs)

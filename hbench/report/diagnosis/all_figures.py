@@ -18,7 +18,7 @@ from hbench.report.diagnosis.gap_figures import (
 )
 from hbench.report.diagnosis.law_figures import law_figure
 from hbench.report.diagnosis.law_words import law_title
-from hbench.report.diagnosis.names import balance
+from hbench.report.diagnosis.names import balance, compared_model
 from hbench.report.diagnosis.overlay_figures import overlay_figures
 from hbench.report.diagnosis.residual_figures import maps_figure, shape_figure, worst
 from hbench.report.render import style
@@ -27,19 +27,22 @@ from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 _MOST_SHAPES = 4
 
 _GAPS = {
-    BALANCES: "Each balance, evaluated along the logs of the held-out runs.",
+    BALANCES: (
+        "Root mean square of measurement less model in each balance, along the logs of the "
+        "held-out runs. Line at 1: scatter of repeated trials."
+    ),
     CLOSED_LOOP: (
-        "Signals of the held-out runs against a simulation of the same schedule with the firmware "
-        "in closed loop. Small errors of all values add up here."
+        "Root mean square of measured less simulated signals of the held-out runs. The schedule is "
+        "simulated with the firmware in closed loop, where errors of all values add up."
     ),
     OPEN_LOOP: (
-        "Signals of the held-out runs against a simulation that follows the measured commands "
-        "without feedback."
+        "Root mean square of measured less simulated signals of the held-out runs. The simulation "
+        "follows the measured commands without feedback."
     ),
 }
 _REGIONS = (
-    "Gap of each balance by region of operation, refitted model, all runs. Gaps below 1 have the "
-    "colour of 1."
+    "Gap of each balance by region of operation, {model}, all runs: root mean square of "
+    "measurement less model in scatters of repeated trials. Gaps below 1 have the colour of 1."
 )
 _MAPS = (
     "Residuals of the worst balances over velocity and load, in units of the trials' scatter. "
@@ -68,8 +71,8 @@ _RANKING = (
     "evaluated by its linear signature alone. Blue: named, or in the ambiguous set."
 )
 _REFITTED = (
-    "Factors on poorly known values of the model, fitted together with the effects, with "
-    "their 95 % intervals. Hollow: at a bound of the fit, or not determined."
+    "Factors on poorly known values of the model{fitted}, with their 95 % intervals. Hollow: at a "
+    "bound of the fit, or not determined."
 )
 
 
@@ -95,7 +98,8 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
             title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
     if diagnosis.where and diagnosis.regions:
-        yield "where", "regions", "Gap by region", _REGIONS, region_figure(diagnosis)
+        regions = _REGIONS.format(model=compared_model(diagnosis))
+        yield "where", "regions", "Gap by region", regions, region_figure(diagnosis)
     for title, figure in gap_figures(diagnosis).items():
         yield "gap", f"gap {title}", f"Gaps: {title.lower()}", _GAPS[title], figure
     for run, figure in overlay_figures(diagnosis).items():
@@ -103,7 +107,9 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
     if diagnosis.ranking:
         yield "ranking", "ranking", "Candidates", _RANKING, ranking_figure(diagnosis)
     if diagnosis.refitted:
-        yield "refitted", "refitted", "Refitted values", _REFITTED, refitted_figure(diagnosis)
+        fitted = ", fitted together with the effects" if diagnosis.effects else ""
+        caption = _REFITTED.format(fitted=fitted)
+        yield "refitted", "refitted", "Refitted values", caption, refitted_figure(diagnosis)
 
 
 def _slug(name: str) -> str:

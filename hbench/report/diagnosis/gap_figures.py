@@ -13,6 +13,7 @@ from hbench.report.diagnosis.names import (
     AXES,
     DisplayName,
     balance,
+    compared_model,
     in_words,
     mathtext,
     share,
@@ -37,6 +38,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
 }
 _LEAST = 0.3  # gap that is drawn; below, runs are closer than trials by chance
 _MOST = 3.0  # of the colour scale: a gap of 1000
+_ON_LIGHT = "#010101"  # black in the dark too, on the light colours of a table
 
 
 def gap_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
@@ -94,7 +96,7 @@ def _rows(axes: Axes, names: list[str]) -> None:
 
 
 def region_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw the refitted model's gap of each balance in each region as a table of colours."""
+    """Draw the gap of each balance in each region as a table of colours, before any effect."""
     names = [gap.name for gap in diagnosis.where]
     axes_names = list(dict.fromkeys(region.axis for region in diagnosis.regions))
     groups = [[r for r in diagnosis.regions if r.axis == name] for name in axes_names]
@@ -116,7 +118,7 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
                 ha="center",
                 va="center",
                 fontsize=9,
-                color="white" if dark else "black",
+                color=style.ON_MAPS if dark else _ON_LIGHT,
             )
         axes.set_xticks(range(len(group)), [_bounds(region) for region in group], fontsize=8.5)
         axis = AXES[group[0].axis]
@@ -129,7 +131,7 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
     figure.colorbar(
         image, ax=panels, label="Gap (trial scatters)", pad=0.01
     ).ax.yaxis.set_major_formatter(lambda value, _: short(value))
-    style.head(panels[0], "Gap by region, refitted model", diagnosis, panels[-1])
+    style.head(panels[0], f"Gap by region, {compared_model(diagnosis)}", diagnosis, panels[-1])
     return figure
 
 

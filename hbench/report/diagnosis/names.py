@@ -34,9 +34,9 @@ SIGNAL_NAMES = {
     "p_lr": DisplayName("P_Lr", "bar"),
     "p_s": DisplayName("supply pressure", "bar"),
     "f_applied": DisplayName("load cell's force", "N"),
-    "u_t": DisplayName("valve T", "V"),
-    "u_l1": DisplayName("valve L1", "V"),
-    "u_l2": DisplayName("valve L2", "V"),
+    "u_t": DisplayName("command of valve T", "V"),
+    "u_l1": DisplayName("command of valve L1", "V"),
+    "u_l2": DisplayName("command of valve L2", "V"),
     "friction": DisplayName("friction", "N"),
 }
 # Quantities that an effect changes, besides balances and readings, by the records' names.
@@ -60,7 +60,7 @@ STEPS = {
     "before": "as given",
     "refitted": "refitted",
     "after": "with the effects",
-    "floor": "expected",
+    "floor": "expected of a correct model",
 }
 CHAMBERS = {
     "tp": "the piston side of the test cylinder (Tp)",
@@ -104,9 +104,35 @@ def coefficient_words(name: str) -> str:
     return {"test": "test cylinder", "load": "load cylinder"}.get(name, in_words(name))
 
 
+_MODEL_VALUES = {
+    "supply.pressure": "supply pressure",
+    "supply.tank": "tank pressure",
+    "oil.bulk_modulus": "bulk modulus of oil",
+    "moving_mass.test": "moving mass, test side",
+    "moving_mass.load": "moving mass, load side",
+}
+_FRICTION_VALUES = {
+    "coulomb": "Coulomb friction",
+    "stiction": "static friction",
+    "stribeck_velocity": "Stribeck velocity",
+    "viscous": "viscous friction",
+    "bristle_stiffness": "bristle stiffness",
+    "dead_volume_piston": "dead volume, piston side",
+    "dead_volume_rod": "dead volume, rod side",
+}
+
+
 def value_words(path: str) -> str:
-    """Return a value of the model file in words: its section, then its name."""
-    return path.replace(".", ", ").replace("_", " ")
+    """Return a value of the model file in words: its name, then the part of the bench."""
+    *sections, key = path.split(".")
+    if path in _MODEL_VALUES or not sections:
+        return _MODEL_VALUES.get(path, in_words(key))
+    part = in_words(sections[-1])
+    if sections[0] == "friction":
+        part = f"{part} cylinder"
+    if key in _FRICTION_VALUES:
+        return f"{_FRICTION_VALUES[key]}, {part}"
+    return f"{part} {in_words(key)}"
 
 
 def quantity(name: str) -> str:
@@ -121,12 +147,19 @@ def quantity(name: str) -> str:
 def steps_of(diagnosis: Diagnosis, *, of_balances: bool = True) -> dict[str, str]:
     """Return the fields of ``BeforeAfter`` that differ from each other, and their display names.
 
-    The gap that is expected of a correct model is known of balances only.
+    The gap that is expected of a correct model is known of balances only. A refused refit has no
+    step.
     """
     steps = {**STEPS, "after": STEPS["after"] if diagnosis.effects else "with the unnamed laws"}
     has_after = diagnosis.effects or diagnosis.unnamed
-    known = ("before", "refitted", *(["after"] if has_after else []))
+    refitted = [] if diagnosis.refit_refused else ["refitted"]
+    known = ("before", *refitted, *(["after"] if has_after else []))
     return {step: steps[step] for step in (*known, *(["floor"] if of_balances else []))}
+
+
+def compared_model(diagnosis: Diagnosis) -> str:
+    """Return the model whose residuals were searched: the given one if its refit was refused."""
+    return "given model" if diagnosis.refit_refused else "refitted model"
 
 
 def in_unit(gap: Gap, value: float) -> str:
@@ -142,6 +175,11 @@ def share(value: float) -> str:
     if value < -1:
         return "< −100 %"
     return f"{number(round(100 * value) + 0.0, 0)} %"
+
+
+def p_words(value: float) -> str:
+    """Write a p-value."""
+    return "< 0.001" if value < 1e-3 else number(value, 3)
 
 
 def mathtext(symbol: str) -> str:

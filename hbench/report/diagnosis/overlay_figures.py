@@ -1,16 +1,18 @@
 """Figures of held-out runs: signals as measured, and as simulated before and after."""
 
+import textwrap
 from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
 from hbench.records import Diagnosis, Overlay
 from hbench.report.diagnosis.gap_figures import AFTER, BEFORE, MEASURED
-from hbench.report.diagnosis.names import DisplayName, mathtext, signal
+from hbench.report.diagnosis.names import DisplayName, compared_model, mathtext, signal
 from hbench.report.render import style
 from hbench.units import parse_unit
 
 _ROW_IN = 1.2
+_LABEL_LINE = 12  # letters of a line beside a row
 
 
 def overlay_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
@@ -33,13 +35,14 @@ def _run(diagnosis: Diagnosis, run: str, overlays: Sequence[Overlay]) -> Figure:
             overlay.t_s, factor * overlay.measured, color=MEASURED, linewidth=3.2, label="measured"
         )
         right.axhline(0, color="#374151", linewidth=0.9)
-        sides = [("refitted model", overlay.before, BEFORE, 1.0)]
+        sides = [(compared_model(diagnosis), overlay.before, BEFORE, 1.0)]
         sides += [("with the effects", overlay.after, AFTER, 1.3)] if after else []
         for label, values, colour, width in sides:
             left.plot(overlay.t_s, factor * values, color=colour, linewidth=width, label=label)
             off = factor * (values - overlay.measured)
             right.plot(overlay.t_s, off, color=colour, linewidth=width, label=f"_{label}")
-        left.set_ylabel(f"{mathtext(display.title)}\n({unit})")
+        title = textwrap.fill(display.title, _LABEL_LINE)
+        left.set_ylabel(f"{mathtext(title)}\n({unit})")
         right.set_ylabel(f"error ({unit})")
     for axes in panels[-1]:
         axes.set_xlabel("Time (s)")

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import text as text
-from hbench.report.diagnosis.change_words import changes_tables, lookalikes_tables
+from hbench.report.diagnosis.change_words import changes_tables, listed, lookalikes_tables
 from hbench.report.diagnosis.names import BALANCE_NAMES, balance, in_words, value_words
 from hbench.report.diagnosis.run_gaps import run_table
+from hbench.report.diagnosis.sentences import deviations
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
 from hbench.report.diagnosis.summary import answers
 from hbench.report.render.document import Section, document
@@ -24,8 +25,8 @@ _CHANGES = (
     ("At the working point", "The measured operating point that is nearest to the median speed, "
      "load and pressures, in steady motion. The 95 % interval is that of the effect's "
      "coefficients."),
-    ("Along the logs", "Over all windows of measured motion: the root mean square, and the value "
-     "that 5 % of the windows exceed."),
+    ("Along the logs", "Over all measured motion, in windows of 0.16 s: the root mean square, and "
+     "the value that 5 % of the windows exceed."),
     ("Signs", "A flow is positive into its chamber, friction against the motion. The speed changes "
      "at the same commands and pressures; the pressure, which is that of the fed chamber, at the "
      "same speed and load."),
@@ -40,14 +41,11 @@ _BALANCES = (
     "along the measured logs, and they decide."
 )
 _SIGNALS = (
-    "The same schedule, simulated in closed loop and in open loop. They confirm the verdict; no "
-    "expected gap is computed for them."
+    "The same schedule, simulated in closed loop and in open loop. They check the revised model; "
+    "the verdict does not depend on them, and no expected gap is computed for them."
 )
 _REFITTED_STAGE = "The model with its poorly known values fitted, and no effect added."
-_REFUSED = (
-    "Equal to the model as given: fitting its poorly known values without the effects made the "
-    "held-out runs worse, so that this fit was refused."
-)
+_REFUSED = "Everything is compared with the model as given."
 _EXPECTED = (
     "Gap that a correct model has on average, because its fitted values are uncertain. It is no "
     "lower limit: a fit can come closer."
@@ -72,12 +70,15 @@ _WHICH = (
      "that it touches."),
     ("Size", "Its largest coefficient relative to a typical one."),
 )  # fmt: skip
-_REFITTED = (
-    "Poorly known values of the model file, such as levels of friction, a valve's gain or dead "
-    "volumes, are fitted first, so that their errors are not mistaken for an effect."
+_POORLY_KNOWN = (
+    "Poorly known values of the model file are levels of friction, a valve's gain, dead volumes "
+    "and the like"
 )
-_FILES = (
-    "model.yaml: the model with refitted values and added effects, for hbench run --plant. "
+_REFITTED = (
+    f"{_POORLY_KNOWN}. They are fitted first, so that their errors do not appear as effects."
+)
+_UNUSED = "the gaps are those of the model as given, and model.yaml contains the values below"
+_NUMBERS = (
     "diagnosis.json, gaps_by_run.csv: all numbers, also of folded tables, which are not printed. "
     "figures: as SVG, PNG and CSV."
 )
@@ -116,7 +117,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     overlay = Section("Held-out runs, measured and simulated", drawings=drawn("overlay"))
     which = Section(
         "Which effect",
-        (_sentence(_in_words(diagnosis.why)),),
+        () if diagnosis.verdict == "unknown" else (_sentence(_in_words(diagnosis.why)),),
         drawings=drawn("ranking"),
         facts=_WHICH,
         parts=(
@@ -126,16 +127,13 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
     )
     refitted = Section(
         "Refitted values",
-        (_REFITTED,),
+        (_refitted_words(diagnosis),),
         drawings=drawn("refitted"),
         parts=_numbers("Refitted values in numbers", _refitted_table(diagnosis)),
     )
     effects = Section(
         "The effects" if diagnosis.effects else "The candidates that remain",
-        (
-            *(_sentence(_in_words(line)) for line in text.effect_lines(diagnosis)),
-            _SENSOR if any(effect.of_sensor for effect in diagnosis.effects) else "",
-        ),
+        (_SENSOR,) if any(effect.of_sensor for effect in diagnosis.effects) else (),
         tables=_with_rows(
             text.effects_table(diagnosis),
             text.alternatives_table(diagnosis),
@@ -145,20 +143,21 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         facts=_CHANGES if diagnosis.practice else (),
     )
     missing = Section(
-        "Missing data and runs left out",
-        items=(*_caveats(diagnosis), *diagnosis.notes),
+        "Missing data and runs left out", items=diagnosis.notes, facts=_caveats(diagnosis)
     )
     shape = _shape(diagnosis, drawn("shape"))
     if diagnosis.verdict == "unknown":
         evidence = (shape, where, gap, overlay, effects)
     else:
         evidence = (gap, overlay, effects, where, shape)
-    sections = (_answer(diagnosis), unnamed, *evidence, which, refitted, missing)
+    sections = (unnamed, *evidence, which, refitted)
     return document(
         f"Model {diagnosis.model} against campaign {provenance.name}",
         f"{provenance.source.capitalize()}, {provenance.started[:10]}; bench {provenance.bench}.",
-        tuple(
-            section for section in sections if section is sections[0] or _holds_something(section)
+        (
+            _answer(diagnosis),
+            *(section for section in sections if _holds_something(section)),
+            *([missing] if missing.items or missing.facts else []),
         ),
         _verdict(diagnosis),
         provenance.source,
@@ -167,29 +166,52 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
 
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the terminal's headline as sentences."""
-    kind, _, finding = text.verdict_sentence(diagnosis).partition(": ")
+    _, _, finding = text.verdict_sentence(diagnosis).partition(": ")
     finding = _in_words(finding)
     if diagnosis.verdict == "named":
-        return f"The missing effect is identified: {finding}"
+        effects = "effect is" if len(diagnosis.effects) == 1 else "effects are"
+        return f"The missing {effects} identified: {finding} All intervals: 95 %."
     if diagnosis.verdict == "ambiguous":
-        return f"The missing effect is ambiguous: {finding}"
+        file = " Next step: measure next.yaml." if diagnosis.next_schedule else ""
+        return f"One of these effects is missing in the model: {finding}{file}"
     if diagnosis.verdict == "none":
-        return f"No effect is missing: {finding}"
-    return f"Verdict: {kind}. {_sentence(finding)}"
+        return f"No missing effect is found: {finding}"
+    if not diagnosis.where:
+        missing = f" Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
+        return f"These runs do not suffice to find a missing effect.{missing}"
+    gaps = diagnosis.rest or diagnosis.where[:1]
+    return (
+        "The measurement deviates from the model, and no known effect explains it: "
+        f"{deviations(gaps)}."
+    )
 
 
 def _answer(diagnosis: Diagnosis) -> Section:
     """Return the first section: the engineer's answers, and the files beside the page."""
-    files = f"{_NEXT_FILE} {_FILES}" if diagnosis.next_schedule else _FILES
-    return Section(facts=(*answers(diagnosis), ("Files beside this page", files)))
+    known = tuple((question, _in_words(words)) for question, words in answers(diagnosis))
+    return Section(facts=(*known, ("Files beside this page", _files(diagnosis))))
+
+
+def _files(diagnosis: Diagnosis) -> str:
+    """Return which files are beside the page, and what they are for."""
+    contents = [
+        *(["refitted values"] if diagnosis.refitted else []),
+        *(["the effects"] if diagnosis.effects else []),
+        *(["unnamed laws"] if diagnosis.unnamed else []),
+    ]
+    model = f"the model with {listed(contents)}" if contents else "the model as given"
+    files = [_NEXT_FILE] if diagnosis.next_schedule else []
+    files.append(f"model.yaml: {model}, for hbench run --plant.")
+    files.append(_NUMBERS if diagnosis.gap_runs else "diagnosis.json: this result as data.")
+    return " ".join(files)
 
 
 def _gap_facts(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     held_out = ("Held-out runs", f"Not used for the fit: {', '.join(diagnosis.heldout_runs)}.")
     signals = (("Signals", _SIGNALS),) if diagnosis.gap_heldout.signals else ()
-    total = diagnosis.gap_heldout.total
-    refitted = _REFUSED if total.refitted == total.before else _REFITTED_STAGE
-    stages = ("Refitted", refitted), ("Expected", _EXPECTED)
+    refused = diagnosis.refit_refused
+    refitted = ("Refit", f"{refused} {_REFUSED}") if refused else ("Refitted", _REFITTED_STAGE)
+    stages = refitted, ("Expected", _EXPECTED)
     return (("Gap", _GAP), ("Balances", _BALANCES), *signals, *stages, held_out)
 
 
@@ -215,11 +237,26 @@ def _refitted_table(diagnosis: Diagnosis) -> WordTable:
     return replace(table, rows=tuple((value_words(path), words) for path, words in table.rows))
 
 
-def _caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
-    return tuple(
-        _sentence(_in_words(line) if line.startswith("not tried") else line)
-        for line in text.caveats(diagnosis)
-    )
+def _refitted_words(diagnosis: Diagnosis) -> str:
+    """Return what was fitted, and when."""
+    if not diagnosis.refit_refused:
+        return _REFITTED
+    fitted = "these are fitted together with the effects" if diagnosis.effects else _UNUSED
+    return f"{_POORLY_KNOWN}. Fitted first, they made held-out runs worse; {fitted}."
+
+
+def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
+    """Return missing data, effects that were not tried and runs left out."""
+    untried = [
+        _sentence(f"{_in_words(', '.join(names)) if diagnosis.ranking else 'all'} ({reason}).")
+        for reason, names in text.by_reason(diagnosis.not_tried).items()
+    ]
+    parts = {
+        "Missing data": [f"{_sentence(item)}." for item in diagnosis.missing if diagnosis.where],
+        "Effects not tried": untried,
+        "Runs left out": [f"{_sentence(line)}." for line in diagnosis.left_out],
+    }
+    return tuple((name, " ".join(lines)) for name, lines in parts.items() if lines)
 
 
 def _numbers(title: str, *tables: WordTable) -> tuple[Section, ...]:
@@ -249,12 +286,17 @@ def _with_rows(*tables: WordTable) -> tuple[WordTable, ...]:
     return tuple(
         WordTable(
             _in_words(table.title),
-            tuple(map(_in_words, table.head)),
+            tuple(name if name.startswith("p ") else _head(name) for name in table.head),
             tuple(tuple(map(_in_words, row)) for row in table.rows),
         )
         for table in tables
         if table.rows
     )
+
+
+def _head(name: str) -> str:
+    """Return the head of a column, which begins with a capital letter."""
+    return _sentence(_in_words(name))
 
 
 def _in_words(line: str) -> str:

@@ -16,34 +16,38 @@ from hbench.report.diagnosis.change_words import listed, main_changes, phrase
 from hbench.report.diagnosis.names import (
     AXES,
     balance,
+    compared_model,
     in_unit,
     in_words,
+    p_words,
     residual_name,
     share,
     shown,
+    signal,
 )
 from hbench.report.render.numbers import number, short, significant
 
 _MOST_ODDS = 1000.0  # larger ones are not stated: the model of the residuals is not that exact
 _CLEARLY_LARGER = 1.5  # gap of a region against that of the best region of its axis
 _FEW = 2  # balances, or unexplained gaps, in a sentence
+_CLEARLY_WORSE = 1.1  # gap of the revised model against that without effects
 _WAYS = {"extend": "extending", "retract": "retracting"}
 
 
 def where_words(point: WorkingPoint | None) -> str:
     """Return the working point in words, as the beginning of a sentence."""
     if point is None:
-        return "In these runs"
+        return "In these runs,"
     motion = f"{_WAYS[point.direction]} at {short(1e3 * abs(point.v_m_s))} mm/s"
     if isfinite(point.f_applied_n):
-        motion += f" under {short(point.f_applied_n)} N"
+        motion += f", load cell {short(point.f_applied_n)} N"
     pressures = {
         "piston side P_Tp": point.p_tp_pa,
         "rod side P_Tr": point.p_tr_pa,
         "supply P_S": point.p_s_pa,
     }
     parts = [f"{name} {short(p / 1e5)} bar" for name, p in pressures.items() if isfinite(p)]
-    return f"At the working point of these runs ({', '.join((motion, *parts))})"
+    return f"At the working point of these runs ({', '.join((motion, *parts))}),"
 
 
 def at_point_words(
@@ -83,9 +87,11 @@ def odds_words(effect: AddedEffect) -> str:
 
 def closeness(candidates: Sequence[Candidate]) -> str:
     """Return how close the scores of an ambiguous set are."""
+    explained = [f"{in_words(each.name)} {share(each.explained)}" for each in candidates]
     scores = [f"{in_words(each.name)} {number(each.score, 0)}" for each in candidates]
     return (
-        f"Their scores on held-out runs ({', '.join(scores)} nats) are too close to decide: the "
+        f"Share of the excess gap of held-out runs that each explains: {', '.join(explained)}. "
+        f"Their scores on these runs ({', '.join(scores)} nats) are too close to decide: the "
         "true law may differ from the catalogue's by as much."
     )
 
@@ -109,11 +115,16 @@ def best_candidate(diagnosis: Diagnosis) -> str:
     if not diagnosis.ranking:
         return ""
     best = diagnosis.ranking[0]
+    small = (
+        " Its size, or the share that it explains, is too small for it to be named."
+        if best.score > best.threshold and diagnosis.verdict == "unknown"
+        else ""
+    )
     return (
         f"The best of {len(diagnosis.ranking)} effects, {in_words(best.name)}, explains "
         f"{share(best.explained)} of the gap; its score is {number(best.score + 0.0, 1)} nats "
         f"({number(best.threshold, 1)} needed), its size {significant(best.size, 2)} times a "
-        "typical one."
+        f"typical one.{small}"
     )
 
 
@@ -123,10 +134,41 @@ def agreement(diagnosis: Diagnosis) -> str:
     if not isfinite(total.refitted):
         return ""
     return (
-        f"The gap of {len(diagnosis.heldout_runs)} held-out runs is {number(total.refitted, 2)} "
-        "with the refitted model, where 1 is the repeatability of the bench. A correct model with "
-        f"parameters as uncertain has {number(total.floor, 2)} on average."
+        f"The gap of {len(diagnosis.heldout_runs)} held-out runs is {number(total.refitted, 1)} "
+        f"with the {compared_model(diagnosis)}, where 1 is the repeatability of the bench. A "
+        f"correct model whose values are as uncertain would have {number(total.floor, 1)} on "
+        "average."
     )
+
+
+def worse_words(diagnosis: Diagnosis) -> str:
+    """Return which gaps of held-out runs the model of model.yaml increases beyond repeatability.
+
+    It is compared with the model that it was made from: an effect's with the refitted one, and the
+    refitted one with the given one.
+    """
+    revised = diagnosis.effects or diagnosis.unnamed
+    if not revised and diagnosis.refit_refused:
+        return ""
+    start, end = ("refitted", "after") if revised else ("before", "refitted")
+    model = "revised model" if revised else "refitted model"
+    base = compared_model(diagnosis) if revised else "given model"
+    table = diagnosis.gap_heldout
+    groups = (
+        ("", table.balances, balance),
+        (" in closed loop", table.signals, signal),
+        (" in open loop", table.open_loop, signal),
+    )
+    parts = [
+        f"{display(name).title}{where} ({number(before, 1)} to {number(after, 1)})"
+        for where, gaps, display in groups
+        for name, gap in gaps.items()
+        for before, after in [(getattr(gap, start), getattr(gap, end))]
+        if after > max(1.0, _CLEARLY_WORSE * before)
+    ]
+    if not parts:
+        return ""
+    return f"The {model} is worse than the {base} in the gaps of {listed(parts)}."
 
 
 def deviations(gaps: Sequence[Gap]) -> str:
@@ -135,10 +177,31 @@ def deviations(gaps: Sequence[Gap]) -> str:
     for gap in gaps[:_FEW]:
         size = f"{number(gap.gap, 1)} trial scatters"
         if isfinite(gap.deviation):
-            size = f"{in_unit(gap, gap.deviation)} ({in_unit(gap, gap.material)} would not matter)"
+            limit = f"up to {in_unit(gap, gap.material)} would not matter"
+            size = f"{in_unit(gap, gap.deviation)} RMS ({limit})"
         parts.append(f"{balance(gap.name).title} by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
     return f"{'; '.join(parts)}{more}"
+
+
+def significance(gaps: Sequence[Gap]) -> str:
+    """Return how probable such deviations are with a correct model."""
+    parts = [f"{p_words(gap.p_value)} ({balance(gap.name).title})" for gap in gaps[:_FEW]]
+    return f"Probability of such a deviation with a correct model, after Holm: {listed(parts)}."
+
+
+def detectable(diagnosis: Diagnosis) -> str:
+    """Return how many effects of a typical size these runs would show, and which ones not."""
+    if diagnosis.separability is None:
+        return ""
+    seen: dict[str, bool] = {}
+    for size in diagnosis.separability.sizes:
+        seen[size.effect] = seen.get(size.effect, False) or size.detectable
+    unseen = [in_words(name) for name, known in seen.items() if not known]
+    unseen += map(in_words, diagnosis.not_tried)
+    count = f"{sum(seen.values())} of {len(seen.keys() | diagnosis.not_tried.keys())}"
+    rest = f" They would not show {listed(unseen)}." if unseen else ""
+    return f"These runs would show {count} known effects at a typical size.{rest}"
 
 
 def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
@@ -146,7 +209,8 @@ def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
     point = diagnosis.working_point
     if point is None:
         return ""
-    model = "revised" if diagnosis.effects or diagnosis.unnamed else "refitted"
+    revised = diagnosis.effects or diagnosis.unnamed
+    model = "revised model" if revised else compared_model(diagnosis)
     shown_names = list(names[:_FEW])
     shown_names += ["speed"] if any(name.startswith("flow_t") for name in shown_names) else []
     shown_names += ["pressure"] if "force_test" in shown_names else []
@@ -157,7 +221,7 @@ def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
             parts.append(
                 f"{significant(shown(value, display), 2)} {display.unit} ({display.title})"
             )
-    return f"{where_words(point)} the {model} model is off by {listed(parts)}." if parts else ""
+    return f"{where_words(point)} the {model} is off by {listed(parts)}." if parts else ""
 
 
 def worst_region(diagnosis: Diagnosis, name: str) -> str:
@@ -179,11 +243,10 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
             stretch = f"{display.title} {low} to {high} {display.unit}"
             places.append((contrast, _WAYS.get(worst.label, worst.label) or stretch))
     places.sort(key=lambda place: -place[0])
-    return (
-        f"Its gap is largest at: {', '.join(words for _, words in places[:_FEW])}."
-        if places
-        else ""
-    )
+    if not places:
+        return ""
+    worst_places = ", ".join(words for _, words in places[:_FEW])
+    return f"The gap of {balance(name).title} is largest at: {worst_places}."
 
 
 def title(name: str) -> str:

@@ -17,11 +17,14 @@ from hbench.report.diagnosis.sentences import (
     best_candidate,
     clause,
     closeness,
+    detectable,
     deviations,
     odds_words,
     residual_words,
+    significance,
     title,
     where_words,
+    worse_words,
     worst_region,
 )
 from hbench.report.render.numbers import number
@@ -31,6 +34,7 @@ Answer = tuple[str, str]  # question in a few words, and sentences
 _FINDING, _SIZE, _ALONG = "Finding", "Size at the working point", "Size over all runs"
 _RESIDUALS = "Residuals"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
+_WORSE, _CLOSEST = "What gets worse", "Closest known effect"
 
 
 def answers(diagnosis: Diagnosis) -> tuple[Answer, ...]:
@@ -58,6 +62,8 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         own = f"{title(effect.name)}: " if len(diagnosis.effects) > 1 else ""
         for question, sentence in _named(diagnosis, effect):
             yield (f"{own}{question.lower()}" if own else question), sentence
+    if diagnosis.effects or diagnosis.alternatives:
+        yield _WORSE, worse_words(diagnosis)
     if diagnosis.alternatives:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects and diagnosis.rest:
@@ -111,7 +117,7 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
     if practice:
         yield _SIZE, at_point_words(diagnosis.working_point, practice)
         if along := along_words(practice):
-            yield _ALONG, f"Evaluated along all logs, with it and without it, it changes {along}."
+            yield _ALONG, f"Along all logs it changes {along}."
     yield (
         _EVIDENCE,
         "It reduces the gap of held-out runs in the balances that it touches from "
@@ -125,11 +131,9 @@ def _named(diagnosis: Diagnosis, effect: AddedEffect) -> Iterator[Answer]:
 
 def _ambiguous(diagnosis: Diagnosis) -> Iterator[Answer]:
     names = " or ".join(in_words(candidate.name) for candidate in diagnosis.alternatives)
-    also = "also " if diagnosis.effects else ""
-    yield (
-        _FINDING if not also else "Further finding",
-        f"The model {also}does not contain {names}; these runs cannot show which it is.",
-    )
+    if diagnosis.effects:
+        words = f"The model also does not contain {names}; these runs cannot show which it is."
+        yield "Further finding", words
     yield _SIZE, _ambiguous_sizes(diagnosis)
     yield _EVIDENCE, closeness(diagnosis.alternatives)
     for sentence in _separation(diagnosis):
@@ -158,6 +162,8 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
                 if other.name in names[names.index(effect.name) :]:
                     pair = f"{in_words(effect.name)} and {in_words(other.name)}"
                     yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
+    if not diagnosis.next_experiment and diagnosis.missing:
+        yield f"Measure also {diagnosis.missing[0]}."
     experiment = diagnosis.next_experiment or ""
     inspect = [practice[name].inspect for name in names if name in practice]
     inspect = [each for each in inspect if each and each not in experiment]
@@ -167,37 +173,38 @@ def _separation(diagnosis: Diagnosis) -> Iterator[str]:
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     gaps = diagnosis.rest or diagnosis.where[:1]
-    yield (
-        _FINDING,
-        "The measurement deviates from the model, and no effect of the catalogue explains it: "
-        f"{deviations(gaps)}.",
-    )
     yield _FINDING, law_summary(diagnosis.unnamed)
-    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
     yield _RESIDUALS, worst_region(diagnosis, gaps[0].name)
+    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in gaps])
+    yield _EVIDENCE, significance(gaps)
     yield _EVIDENCE, agreement(diagnosis)
-    yield _EVIDENCE, best_candidate(diagnosis)
+    yield _WORSE, worse_words(diagnosis)
+    yield _CLOSEST, diagnosis.why
+    if diagnosis.ranking and diagnosis.ranking[0].name not in diagnosis.why:
+        yield _CLOSEST, best_candidate(diagnosis)
     yield (
         _ACTION,
         "No part can be named for inspection. The shape of the residuals below shows under which "
         "conditions to look.",
     )
     yield _ACTION, diagnosis.next_experiment or ""
+    if not diagnosis.next_experiment and diagnosis.missing:
+        yield _ACTION, f"To narrow the cause, measure {diagnosis.missing[0]}."
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
-    yield _FINDING, "Nothing is missing in the model within what these runs can show."
     yield _EVIDENCE, agreement(diagnosis)
-    yield _EVIDENCE, best_candidate(diagnosis)
+    yield _WORSE, worse_words(diagnosis)
+    yield _CLOSEST, best_candidate(diagnosis)
+    yield "What these runs can show", detectable(diagnosis)
     yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in diagnosis.where])
     yield _ACTION, "There is nothing to inspect or to repair."
-    if diagnosis.refitted:
+    if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, "Use model.yaml, which has the refitted values."
 
 
 def _insufficient(diagnosis: Diagnosis) -> Iterator[Answer]:
-    yield _FINDING, "These runs do not suffice to find a missing effect, so its size is not known."
-    if diagnosis.missing:
-        yield _ACTION, f"Missing: {diagnosis.missing[0]}."
-    yield _ACTION, "There is nothing to inspect or to repair before these are measured."
     yield _ACTION, diagnosis.next_experiment or ""
+    for item in diagnosis.missing[1:]:
+        yield "Also missing", f"{_upper(item)}."
+    yield _ACTION, "There is nothing to inspect or to repair before these are measured."

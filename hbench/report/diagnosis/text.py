@@ -19,7 +19,9 @@ from hbench.report.diagnosis.names import (
     DisplayName,
     balance,
     coefficient_words,
+    compared_model,
     in_unit,
+    p_words,
     parameter_text,
     share,
     signal,
@@ -69,7 +71,11 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "unknown":
         where = _list(diagnosis.rest or diagnosis.where[:1])
         return f"unknown: no effect of the catalogue explains the residuals in {where}.{also}"
-    agrees = "the model agrees with the measurement within the repeatability of the bench"
+    refitted = "with refitted values " if diagnosis.refitted and not diagnosis.refit_refused else ""
+    agrees = (
+        f"{refitted}the model agrees with the measurement within the repeatability of the bench "
+        "and the uncertainty of its values"
+    )
     if {gap.name for gap in diagnosis.where} < BALANCE_NAMES.keys():
         return f"none: in the balances that these channels determine, {agrees}."
     return f"none: {agrees}."
@@ -84,13 +90,13 @@ def gap_line(diagnosis: Diagnosis) -> str:
     if not diagnosis.gap_heldout.balances:
         return ""
     steps = ", ".join(
-        f"{number(getattr(total, step), 2)} {title}"
+        f"{number(getattr(total, step), 1)} {title}"
         for step, title in steps_of(diagnosis).items()
         if step != "floor"
     )
     return (
-        f"Gap of held-out runs, all balances: {steps}. A correct model with parameters as "
-        f"uncertain has {number(total.floor, 2)} on average."
+        f"Gap of held-out runs, all balances: {steps}. A correct model whose values are as "
+        f"uncertain would have {number(total.floor, 1)} on average."
     )
 
 
@@ -148,7 +154,7 @@ def effects_table(diagnosis: Diagnosis) -> WordTable:
     head = ("effect", "coefficient", "value with 95 % interval", "gap before", "after")
     return WordTable(
         "Effects that were added; gaps of held-out runs in the balances they touch",
-        (*head, "score nats", "next, below by nats"),
+        (*head, "score (nats)", "next best, below by (nats)"),
         tuple(rows),
     )
 
@@ -161,7 +167,7 @@ def alternatives_table(diagnosis: Diagnosis) -> WordTable:
 
 
 def where_table(diagnosis: Diagnosis) -> WordTable:
-    """Return the balances of the refitted model, the worst first."""
+    """Return the balances of the model before any effect, the worst first."""
     rows = tuple(
         (
             balance(gap.name).title,
@@ -178,7 +184,7 @@ def where_table(diagnosis: Diagnosis) -> WordTable:
     )
     units = ("trial scatter", "deviation", "matters above", "tolerances allow")
     head = ("balance", "gap", "structured", "p (Holm)", *units, "windows")
-    return WordTable("Where the refitted model disagrees", head, rows)
+    return WordTable(f"Where the {compared_model(diagnosis)} disagrees", head, rows)
 
 
 def edges_table(diagnosis: Diagnosis) -> WordTable:
@@ -227,7 +233,7 @@ def with_total(table: GapTable) -> dict[str, BeforeAfter]:
 
 
 _FEW = 8  # candidates, and runs, that a terminal is shown
-_RANK_HEAD = ("candidate", "score nats", "must exceed", "explains", "size", "tried")
+_RANK_HEAD = ("candidate", "score (nats)", "must exceed", "explains", "size", "tried")
 
 
 def ranking_table(diagnosis: Diagnosis, most: int | None = None) -> WordTable:
@@ -250,6 +256,7 @@ def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return missing data, effects that were not tried and runs left out, a sentence each."""
     lines = [f"missing for a better verdict: {item}" for item in diagnosis.missing]
     lines += not_tried_lines(diagnosis.not_tried)
+    lines += [diagnosis.refit_refused] if diagnosis.refit_refused else []
     if diagnosis.left_out:
         lines.append(f"runs left out: {len(diagnosis.left_out)}")
         lines += [f"  {line}" for line in diagnosis.left_out]
@@ -258,15 +265,16 @@ def caveats(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def not_tried_lines(not_tried: Mapping[str, str]) -> list[str]:
     """Return a line for each reason for which effects were not tried."""
+    every = by_reason(not_tried).items()
+    return [f"not tried ({reason}): {', '.join(names)}" for reason, names in every]
+
+
+def by_reason(not_tried: Mapping[str, str]) -> dict[str, list[str]]:
+    """Return the names of the effects that were not tried, by the reason."""
     names: dict[str, list[str]] = {}
     for name, reason in not_tried.items():
         names.setdefault(reason, []).append(name)
-    return [f"not tried ({reason}): {', '.join(own)}" for reason, own in names.items()]
-
-
-def p_words(value: float) -> str:
-    """Write a p-value."""
-    return "< 0.001" if value < 1e-3 else number(value, 3)
+    return names
 
 
 def _ranked(candidates: tuple[Candidate, ...]) -> Rows:

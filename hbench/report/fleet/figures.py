@@ -18,7 +18,7 @@ from hbench.report.render.series import behind
 
 FEWEST_IN_HISTOGRAM = 10  # campaigns
 DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
-_COUNTED = "Campaigns in a class of values."
+_COUNTED = "Each campaign counts once, in its class of values."
 _SINGLE = f"Bars: ±{NORMAL_95:.2f} standard errors of a campaign's own trials."
 _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % of them."
 _NAMED = 30  # campaigns: up to so many have their names below the axis
@@ -145,7 +145,7 @@ def _names(fleet: Fleet) -> list[str]:
 
 
 def _outside(spreads: Iterable[Spread]) -> str:
-    sentences = ["Dashed: medians."]
+    sentences = ["Number of campaigns by value; dashed: medians."]
     for spread in spreads:
         if spread.below or spread.above:
             side = "" if spread.direction is None else f"{_title(spread)}: "
@@ -167,10 +167,10 @@ def _read_as(spreads: Iterable[Spread]) -> str:
 def _trends(spreads: Iterable[Spread]) -> str:
     trends = [spread.trend for spread in spreads if spread.trend is not None]
     if not trends:
-        return "The trend is not tested: that takes at least 10 campaigns."
+        return "By campaign. The trend is not tested: that takes at least 10 campaigns."
     if any(trend.real for trend in trends):
-        return "Line: significant trend (Theil and Sen's line)."
-    return "No significant trend."
+        return "By date of the campaign. Line: significant trend (Theil and Sen's line)."
+    return "By date of the campaign. No trend is significant."
 
 
 def _span_days(fleet: Fleet) -> float:

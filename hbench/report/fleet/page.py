@@ -41,6 +41,11 @@ _PRECISION = "Repeatability and reproducibility"
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
+_INTERVALS = (
+    "Intervals are those of 95 %. They include the stated errors of the instruments, which the "
+    "campaigns of a bench have in common: smaller differences between them can be significant."
+)
+_AT_MEDIAN = "Half band, middle and energy are those at the median pressure of a campaign."
 _METHOD = (
     (
         "Numbers",
@@ -119,11 +124,12 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.precision:
         yield _precision(fleet, drawings)
     if fleet.rows:
-        yield Section("Campaigns", _at_median(fleet), tables=(_campaigns(fleet),))
+        yield Section("Campaigns", _about_numbers(fleet), tables=(_campaigns(fleet),))
     if fleet.worst:
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
         none = (few,) if fleet.outliers < _LEAST else ()
-        yield Section("Worst cylinders", none, tables=(_worst(fleet),), anchor="worst")
+        title = "Outliers" if fleet.outliers else "Largest deviations"
+        yield Section(title, none, tables=(_worst(fleet),), anchor="worst")
     if fleet.spreads:
         chosen = _of(drawings, DISTRIBUTIONS)
         table = _untitled(spread_table(fleet))
@@ -144,9 +150,22 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield Section(_PRECISION, ("Not determined.", *fleet.plan_notes))
     if fleet.failed:
         yield _failures(fleet)
-    yield Section(
-        "How it was computed", facts=(*_METHOD[:-1], *METHOD, _METHOD[-1]), anchor="method"
-    )
+    yield Section("How it was computed", facts=tuple(_method(fleet)), anchor="method")
+
+
+def _method(fleet: Fleet) -> Iterator[tuple[str, str]]:
+    """Yield the methods of the results that the page has."""
+    absent = {
+        "Repeatability and reproducibility": not fleet.precision,
+        "Share of tolerance": all(s.share_of_tolerance is None for s in fleet.precision),
+        "Capability": not fleet.capabilities,
+        "Control charts": not fleet.charts,
+        "Change points": not fleet.charts,
+        "Wear": not fleet.wear,
+    }
+    for name, words in (*_METHOD[:-1], *METHOD, _METHOD[-1]):
+        if not absent.get(name):
+            yield name, words
 
 
 def _precision(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
@@ -208,10 +227,11 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     return (Table(head, rows, frozenset(text_columns), title=title),) if rows else ()
 
 
-def _at_median(fleet: Fleet) -> tuple[str, ...]:
+def _about_numbers(fleet: Fleet) -> tuple[str, ...]:
+    """Return what the intervals of the campaigns' numbers contain, and at which pressure."""
     if any(spread.direction is None for spread in fleet.spreads):
-        return ("Half band, middle and energy are those at the median pressure of a campaign.",)
-    return ()
+        return (_INTERVALS, _AT_MEDIAN)
+    return (_INTERVALS,)
 
 
 def _campaigns(fleet: Fleet) -> Table:

@@ -74,6 +74,7 @@ METHOD = (
         "changes with time, such as the oil, appears as wear too.",
     ),
 )
+_NAMED = 5  # campaigns in a sentence
 _AMOUNTS = {
     "distance_m": ("distance", "km", 1e-3),
     "friction_work_j": ("friction work", "MJ", 1e-6),
@@ -90,21 +91,21 @@ def precision_sentences(fleet: Fleet) -> Iterator[str]:
             f"{name}: repeatability limit {significant(scale * r, 2)} {unit}, reproducibility "
             f"limit {significant(scale * limit, 2)} {unit}{_tolerance_words(study)}."
         )
-    signals = [
-        f"{name_of(chart)} of {_named(chart.outside, chart.beyond)}"
-        for chart in fleet.charts
-        if chart.outside
-    ]
-    if signals:
-        yield f"Beyond the control limits: {'; '.join(signals)}."
+    beyond = dict.fromkeys(name for chart in fleet.charts for name in chart.outside)
+    if beyond:
+        yield f"Beyond the control limits: {_named(tuple(beyond)[:_NAMED], len(beyond))}."
+    steps: dict[str, list[str]] = {}
     for chart in fleet.charts:
         if chart.step is not None and chart.step.real:
             scale, unit = chart.quantity.scale, chart.quantity.unit
             before, after = (
                 significant(scale * mean, 4) for mean in (chart.step.before, chart.step.after)
             )
-            name = f"{without_condition(chart.quantity)}{of_side(chart.direction)}"
-            yield f"{name}: step from {before} to {after} {unit} at {chart.step.name}."
+            title = without_condition(chart.quantity)
+            name = f"{title[:1].lower()}{title[1:]}{of_side(chart.direction)}"
+            steps.setdefault(chart.step.name, []).append(f"{name}: {before} to {after} {unit}")
+    for at, changes in steps.items():
+        yield f"Step at {at}: {'; '.join(changes)}."
     for trend in fleet.wear:
         if trend.real:
             yield (

@@ -1,6 +1,7 @@
 """A fleet in words and numbers: tables for the terminal and the page, and as JSON."""
 
 import json
+import math
 from collections.abc import Iterator
 from dataclasses import asdict
 
@@ -13,7 +14,13 @@ from hbench.records import (
     Trend,
     WordTable,
 )
-from hbench.report.fleet.names import folder_name, name_of, of_side, signed
+from hbench.report.fleet.names import (
+    folder_name,
+    name_of,
+    of_side,
+    signed,
+    without_condition,
+)
 from hbench.report.fleet.precision import (
     capability_table,
     chart_table,
@@ -26,11 +33,12 @@ from hbench.report.fleet.precision import (
 )
 from hbench.report.fleet.row import kind_difference
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import NONE, short, significant, with_ends
+from hbench.report.render.numbers import NONE, number, short, significant, with_ends
 from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.fleet/1"
 _FEW = 5
+_NAMED = 3  # outliers in the verdict
 _MOST_ROWS = 50  # campaigns that are listed on a terminal
 
 
@@ -115,7 +123,10 @@ def fleet_verdict(fleet: Fleet) -> str:
         return " ".join(sentences)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
-        some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
+        names = [_outlier_words(suspect) for suspect in fleet.worst[: fleet.outliers]]
+        more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+        some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}: "
+        some += f"{'; '.join(names[:_NAMED])}{more}."
         sentences.append(some if fleet.outliers else "No campaign is an outlier.")
     else:
         sentences.append(
@@ -132,6 +143,14 @@ def fleet_verdict(fleet: Fleet) -> str:
         sentences.append("No drift is significant.")
     sentences += precision_sentences(fleet)
     return " ".join(sentences)
+
+
+def _outlier_words(suspect: Suspect) -> str:
+    """Return a campaign with the number that deviates most, such as friction, extending +4.2 σ."""
+    deviation = suspect.deviations[0]
+    title = without_condition(deviation.quantity)
+    number = f"{title[:1].lower()}{title[1:]}{of_side(deviation.direction)}"
+    return f"{folder_name(suspect.path)} ({number} {signed(significant(deviation.z, 2))} σ)"
 
 
 ROW_WORDS = ("Campaign", "Cylinder", "Date", "Label", "Decision")
@@ -197,14 +216,22 @@ def spread_table(fleet: Fleet) -> WordTable:
             (
                 name_of(spread),
                 str(spread.n),
-                significant(scale * spread.median, 4),
-                f"{significant(scale * spread.low, 4)} to {significant(scale * spread.high, 4)}",
+                _resolved(spread, spread.median),
+                f"{_resolved(spread, spread.low)} to {_resolved(spread, spread.high)}",
                 between,
                 NONE if spread.se_trials is None else significant(scale * spread.se_trials, 2),
             )
         )
     head = ("Number", "Campaigns", "Median", "5 to 95 %", "σ between campaigns", "σ of own trials")
     return WordTable("Distributions", head, tuple(rows))
+
+
+def _resolved(spread: Spread, value: float) -> str:
+    """Write a value to the first significant digit of the standard error of the trials."""
+    scale, error = spread.quantity.scale, spread.se_trials
+    if error is None or not error > 0:
+        return significant(scale * value, 4)
+    return number(scale * value, max(0, -math.floor(math.log10(scale * error))))
 
 
 def trend_table(fleet: Fleet) -> WordTable:

@@ -1,10 +1,10 @@
 """Figures of an identification: each law's motion over the verification profile, and its errors."""
 
 import re
+from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import Followed, Identification, LawsAlongCurve, Trace
@@ -17,14 +17,22 @@ from hbench.report.render.numbers import force
 
 _STEADY = (
     "Steady friction over speed, both as magnitudes: measured points with the 95 % Student "
-    "interval of their trials, and each identified law at the measured chamber pressures."
+    "interval of their trials, and each identified law at the measured chamber pressures. Tustin "
+    "is one curve for all loads and directions. Marton and Lantos is one for each direction: the "
+    "tangents of a Tustin curve at rest and at the largest speed."
 )
 _FOLLOWED = (
     "Friction and velocity over the verification profile, measured (grey) and in the model with "
     "the law (coloured); below, the velocity's difference, model minus measurement."
 )
 STEADY = "steady"  # section of the figures of steady friction
-_DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+_LINES: tuple[dict[str, Any], ...] = (
+    {"linestyle": "-"},
+    {"linestyle": "--"},
+    {"linestyle": "-."},
+    {"linestyle": "-", "linewidth": 5.0, "alpha": 0.45, "zorder": 1.5},  # behind a similar law
+    {"linestyle": "--"},
+)
 _ERRORS = (
     "Root mean square errors of friction and velocity over all verification runs, by part of the "
     "profile. Dashed: the scatter between the trials. It includes the differences of the "
@@ -51,12 +59,13 @@ def draw_identification(identification: Identification) -> tuple[Drawing, ...]:
             if law.law not in followed.modelled:
                 continue
             load = force(followed.f_load_n)
-            title = f"{law_words(law.law)}, {load}, run {followed.run}"
+            title = f"{law_words(law.law)}, {load}"
             with rc_context(style.RC):
                 figure = _followed_figure(
                     title, index, followed, followed.modelled[law.law], identification
                 )
             name = re.sub(r"[^a-z0-9]+", "-", f"{law.law} {followed.run}".lower())
+            title = f"{title}, run {followed.run}"
             sketches.append(Sketch(name, law.law, title, _FOLLOWED, figure))
     return draw_sketches(sketches)
 
@@ -72,16 +81,16 @@ def _steady(along: LawsAlongCurve, identification: Identification) -> Figure:
     for index, law in enumerate(identification.laws):
         if law.law in along.friction_n:
             colour = style.COLOURS[index % len(style.COLOURS)]
-            lines = {"color": colour, "linestyle": _DASHES[index % len(_DASHES)], "linewidth": 1.5}
             axes.plot(
                 1e3 * np.abs(along.v_m_s),
                 sign * along.friction_n[law.law],
+                color=colour,
                 label=law_words(law.law),
-                **lines,
+                **_LINES[index % len(_LINES)],
             )
     axes.set(xlabel="Speed |v| (mm/s)", ylabel="Friction |F| (N)")
     load = load_words(curve.f_load_n, curve.p_lr_ref_pa)
-    _head(axes, ", ".join(filter(None, (TITLES[curve.direction], load))), identification)
+    style.head(axes, ", ".join(filter(None, (TITLES[curve.direction], load))), identification)
     style.legend_above(figure, axes, columns=3)
     return figure
 
@@ -105,7 +114,7 @@ def _followed_figure(
     top.set_ylabel("Friction (N)")
     middle.set_ylabel("Velocity (mm/s)")
     bottom.set(xlabel="Time (s)", ylabel="Difference\n(mm/s)")
-    _head(top, title, identification)
+    style.head(top, title, identification)
     figure.align_ylabels()
     style.legend_above(figure, top, columns=2)
     return figure
@@ -137,14 +146,6 @@ def _errors(identification: Identification) -> Figure:
     rows[1].set_xticks(range(len(PARTS)), PARTS)
     rows[1].set_xlabel("Part of the profile")
     style.read_as(figure, "Points: rms errors; dashed: the trials' scatter.")
-    _head(rows[0], "Errors by law", identification)
+    style.head(rows[0], "Errors by law", identification)
     style.legend_above(figure, rows[0], columns=3)
     return figure
-
-
-def _head(axes: Axes, title: str, identification: Identification) -> None:
-    axes.set_title(style.safe(title))
-    if identification.provenance.source == "simulated":
-        axes.set_title(
-            "simulated", loc="right", color=style.QUIET, fontsize=10, fontweight="normal"
-        )

@@ -1,11 +1,10 @@
 """The page of an identification."""
 
-import math
 import re
 from collections.abc import Iterable
 from dataclasses import replace
 
-from hbench.records import Identification, ModelErrors, WordTable
+from hbench.records import Identification, WordTable
 from hbench.records.friction_laws import FRICTION_LAWS
 from hbench.report.campaign.fit_tables import in_words, law_words
 from hbench.report.identification.figures import STEADY
@@ -14,24 +13,37 @@ from hbench.report.identification.text import (
     HELD_OUT,
     PARAMETERS,
     RAMPS,
+    SUMMARY,
     identification_tables,
     reasons,
+    rms_n,
 )
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import significant
 
 _SOURCE = (
-    "Equation and section numbers: M. Hvoldal and C. Olesen, Friction Modelling and Parameter "
-    "Estimation for Hydraulic Asymmetrical Cylinders, Aalborg University, 2011."
+    "Laws and verification profile",
+    "M. Hvoldal and C. Olesen, Friction Modelling and Parameter Estimation for Hydraulic "
+    "Asymmetrical Cylinders, Aalborg University, 2011: equations 3.1 to 3.20, section 5.5.",
 )
+_SUMMARY = (
+    ("RMS error of friction", "Over all samples of the verification runs; the section "
+     "Verification has the errors of each part of the runs."),
+    ("Not determined", "The 95 % interval is wider than the value and than a tenth of its typical "
+     "size, or the value is at a bound of the fit. Other parameters may take its place."),
+)  # fmt: skip
+_HELD_OUT = ("RMS error of friction", "Along the motion of runs left out of the fits.")
 _PARTS = (
     ("Steady", "The reference has been constant for 0.3 s."),
     ("Rest", "The reference has been zero for 0.3 s; there friction is the force that holds the "
      "piston."),
     ("Unsteady", "All other samples."),
 )  # fmt: skip
-_SECTION = "Use one with hbench run --plant, or copy its section into a bench file."
+_SECTION = (
+    "Each law is a plant file beside this page. Use one with hbench run --plant, or copy its "
+    "section into a bench file."
+)
 _EQUALLY_GOOD = 1.05  # times the smallest error; the laws below are all named
 _SCATTER = (
     "Trials' scatter",
@@ -39,18 +51,19 @@ _SCATTER = (
     "initial states, which a simulation of the same trials reproduces.",
 )
 _RAMPS = (
-    "In the source, friction of ramps and of steady runs differs (section 6.2). The table has the "
-    "RMS error of each Tustin fit from breakaway on, on its own data and on the other's."
+    "Friction during ramps can differ from that of steady runs. The table has the RMS error of "
+    "each Tustin fit from breakaway on, on its own data and on the other's."
 )
 
 
 def identification_page(identification: Identification, drawings: Iterable[Drawing]) -> str:
     """Return the page with ``drawings`` inside."""
     provenance = identification.provenance
-    files = ", ".join(f"{law.law}.yaml" for law in identification.laws if law.fit is not None)
-    plants = f"Each law is a plant file beside this page: {files}. "
     read = (*_PARTS, _SCATTER) if identification.scatter else _PARTS
     tables = {table.title: _named(table) for table in identification_tables(identification)}
+    summary = (replace(tables[SUMMARY], title=""),) if SUMMARY in tables else ()
+    with_errors = any(law.errors for law in identification.laws)
+    facts = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
     drawings = tuple(drawings)
     steady = tuple(drawing for drawing in drawings if drawing.section == STEADY)
     overview = tuple(drawing for drawing in drawings if drawing.section == "errors")
@@ -59,8 +72,9 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     parameters = _of_each_law(tables[PARAMETERS]) if PARAMETERS in tables else ()
     ramps = [replace(tables[RAMPS], title="")] if RAMPS in tables else []
     sections = (
+        Section(SUMMARY, tables=summary, facts=facts if summary else ()),
         Section("Friction over speed", drawings=steady),
-        Section("Identified parameters", (f"{plants}{_SECTION}",), tables=parameters),
+        Section("Identified parameters", (_SECTION,), tables=parameters),
         Section(
             "Verification",
             drawings=overview,
@@ -80,8 +94,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     )
     return document(
         "Friction laws of the test cylinder",
-        f"Campaign {provenance.name} of {provenance.started[:10]}; bench {provenance.bench}. "
-        f"{_SOURCE}",
+        f"Campaign {provenance.name} of {provenance.started[:10]}; bench {provenance.bench}.",
         tuple(
             section
             for section in sections
@@ -101,7 +114,8 @@ def _remarks(identification: Identification) -> Section:
             facts.append((law_words(law), _sentences(rest)))
         else:
             items.append(_sentences(f"{law_words(law)}{colon}{rest}"))
-    return Section("Missing or uncertain results", items=tuple(items), facts=tuple(facts))
+    title = "Missing or uncertain results, and source"
+    return Section(title, items=tuple(items), facts=(*facts, _SOURCE))
 
 
 def _sentences(message: str) -> str:
@@ -155,16 +169,14 @@ def _verdict(identification: Identification) -> str:
     count = len(identification.verification_runs)
     return (
         f"{_closest(identification)}Each law was simulated in a model of the bench, with the "
-        f"firmware in closed loop, over {count} verification runs (section 5.5), which were not "
+        f"firmware in closed loop, over {count} verification runs, which were not "
         "used for the identification."
     ).strip()
 
 
 def _closest(identification: Identification) -> str:
     """Name the laws with the smallest errors of friction over all parts of the runs."""
-    errors = {
-        law.law: _rms_n(tuple(law.errors.values())) for law in identification.laws if law.errors
-    }
+    errors = {law.law: rms_n(law.errors.values()) for law in identification.laws if law.errors}
     if not errors:
         return ""
     least = min(errors.values())
@@ -172,12 +184,6 @@ def _closest(identification: Identification) -> str:
     alone = len(best) == 1
     verb, size = ("predicts", "RMS error") if alone else ("predict", "RMS errors within 5 % of")
     text = f"{' and '.join(best)} {verb} friction best: {size} {significant(least, 2)} N"
-    scatter = identification.scatter and _rms_n(tuple(identification.scatter.values()))
+    scatter = identification.scatter and rms_n(identification.scatter.values())
     more = f", where the trials scatter by {significant(scatter, 2)} N" if scatter else ""
     return f"{text}{more}. "
-
-
-def _rms_n(parts: tuple[ModelErrors, ...]) -> float:
-    sampled = [part for part in parts if part.samples]
-    squares = sum(part.samples * part.friction_n**2 for part in sampled)
-    return math.sqrt(squares / sum(part.samples for part in sampled)) if sampled else math.inf

@@ -1,8 +1,9 @@
 """An identification in words and numbers: tables for terminal and page, and the JSON file."""
 
 import json
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -18,7 +19,7 @@ from hbench.records import (
 from hbench.records.friction_laws import parameter_named
 from hbench.records.identification import PARTS
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import force, number, significant, with_ends
+from hbench.report.render.numbers import NONE, force, number, significant, with_ends
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
@@ -35,8 +36,11 @@ _HELD_OUT_HEAD = ("Law", "Friction (N)", "Runs left out of the fit")
 ERRORS = "RMS errors on the verification runs"
 HELD_OUT = "RMS errors along the motion of runs left out of the fits"
 PARAMETERS = "Identified parameters"
+SUMMARY = "Laws by their error"
 RAMPS = "Steady runs and ramps from breakaway on: RMS error of Tustin fits"
-_FLOOR = "trials' scatter"
+_SUMMARY_HEAD = ("Law", "RMS error of friction (N)", "Not determined", "Plant file")
+_FLOOR = "Trials' scatter"
+_SURNAMES = ("Coulomb", "Stribeck")
 
 
 def identification_json(identification: Identification) -> str:
@@ -68,6 +72,7 @@ def identification_text(identification: Identification) -> str:
 def identification_tables(identification: Identification) -> tuple[WordTable, ...]:
     """Return the tables that have rows: errors, errors on runs left out, parameters, ramps."""
     every = (
+        WordTable(SUMMARY, _SUMMARY_HEAD, tuple(_summary_rows(identification))),
         WordTable(
             ERRORS,
             _ERRORS_HEAD,
@@ -106,7 +111,7 @@ def reasons(identification: Identification) -> tuple[str, ...]:
         sentences.append(f"steady fits and ramps are not compared: {identification.no_ramps}")
     if identification.left_out:
         sentences.append(f"runs left out: {len(identification.left_out)}")
-        sentences += [f"  {line}" for line in identification.left_out]
+        sentences += [f"  run {line}" for line in identification.left_out]
     return tuple(sentences)
 
 
@@ -131,6 +136,45 @@ def _law(law: IdentifiedLaw) -> dict[str, Any]:
 
 def _errors(errors: Mapping[str, ModelErrors]) -> dict[str, Any] | None:
     return {part: asdict(errors[part]) for part in PARTS} if errors else None
+
+
+def rms_n(parts: Iterable[ModelErrors]) -> float:
+    """Return the root mean square error of friction [N] over parts of the runs."""
+    sampled = [part for part in parts if part.samples]
+    squares = sum(part.samples * part.friction_n**2 for part in sampled)
+    return math.sqrt(squares / sum(part.samples for part in sampled)) if sampled else math.inf
+
+
+def _summary_rows(identification: Identification) -> list[tuple[str, ...]]:
+    """Return a row for each law, the smallest error first; none where no law has an error."""
+    if not any(law.errors or law.held_out_n for law in identification.laws):
+        return []
+    rows = []
+    for law in identification.laws:
+        error = rms_n(law.errors.values()) if law.errors else law.held_out_n or math.inf
+        if law.fit is None:
+            cells = (NONE, "all: not identified", NONE)
+        else:
+            names = ", ".join(map(_symbol, law.fit.undetermined))
+            cells = (significant(error, 2), names or "none", f"{law.law}.yaml")
+        rows.append((error, (law.law, *cells)))
+    ranked: list[tuple[str, ...]] = [row for _, row in sorted(rows, key=lambda row: row[0])]
+    if identification.scatter:
+        scatter = significant(rms_n(identification.scatter.values()), 2)
+        ranked.append((_FLOOR, scatter, "", ""))
+    return ranked
+
+
+def _symbol(name: str) -> str:
+    """Return a parameter's symbol with its direction."""
+    known = parameter_named(name)
+    if known is None:
+        return name
+    symbol = known.symbol
+    if known.of_several:
+        symbol = symbol.replace("_i", f"_{name.split('_')[1]}")
+    side = name.partition("_")[0]
+    return f"{symbol} {side}ing" if side in DIRECTIONS else symbol
 
 
 def _error_rows(identification: Identification) -> list[tuple[str, ...]]:
@@ -172,9 +216,10 @@ def _parameter_row(law: str, name: str, parameter: FitParameter) -> tuple[str, .
     words, unit = parameter_words(name, parameter.unit)
     value = from_si(parameter.value, unit)
     if parameter.ci95 is None:
-        text, remark = significant(value, 3), "no interval"
+        text = significant(value, 3)
     else:
-        text, remark = with_ends(value, *(from_si(end, unit) for end in parameter.ci95)), ""
+        text = with_ends(value, *(from_si(end, unit) for end in parameter.ci95))
+    remark = "" if parameter.determined else "not determined"
     remark = f"at {parameter.at_bound} bound" if parameter.at_bound else remark
     return (law, words, text, unit, remark)
 
@@ -198,11 +243,13 @@ def parameter_words(name: str, unit: str) -> tuple[str, str]:
 
 def _with_titles(fit: Fit) -> str:
     """Return a fit's message with the parameters' titles in place of their keys."""
-    message = fit.message
-    for name, parameter in fit.parameters.items():
-        title, _ = parameter_words(name, parameter.unit)
-        message = re.sub(rf"\b{re.escape(name)}\b", title, message)
-    return message
+    return re.sub(r"\b[a-z]\w*_\w+\b", lambda key: _title(key[0]), fit.message)
+
+
+def _title(name: str) -> str:
+    """Return a parameter's title within a sentence."""
+    title, _ = parameter_words(name, "")
+    return title if title.startswith(_SURNAMES) else f"{title[:1].lower()}{title[1:]}"
 
 
 def _ramps(identification: Identification) -> list[tuple[str, ...]]:

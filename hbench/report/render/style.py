@@ -10,7 +10,9 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
-from hbench.records import Curve, Diagnosis, Results
+from hbench.records import Curve, Diagnosis, Identification, Results
+
+Measured = Results | Diagnosis | Identification  # with the provenance of the data
 
 # Okabe and Ito's colours, distinguishable with any colour vision, without their yellow, in which
 # thin lines are invisible on white.
@@ -104,7 +106,7 @@ def new_figure(height_in: float, wide: bool = False) -> Figure:
     return Figure(figsize=(WIDE_IN if wide else WIDTH_IN, height_in), layout="constrained")
 
 
-def head(axes: Axes, title: str, results: Results | Diagnosis, last: Axes | None = None) -> None:
+def head(axes: Axes, title: str, results: Measured, last: Axes | None = None) -> None:
     """Put the title, and a mark on the figures of a simulated campaign.
 
     ``last`` are the axes at the right of a row, above which the mark is written.
@@ -116,7 +118,7 @@ def head(axes: Axes, title: str, results: Results | Diagnosis, last: Axes | None
     simulated(last or axes, results)
 
 
-def simulated(axes: Axes, results: Results | Diagnosis) -> None:
+def simulated(axes: Axes, results: Measured) -> None:
     """Mark the figure of a simulated campaign at the right above the axes."""
     if results.provenance.source == "simulated":
         axes.set_title("simulated", loc="right", color=QUIET, fontsize=10, fontweight="normal")

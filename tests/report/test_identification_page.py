@@ -1,0 +1,68 @@
+"""The page of identified laws: the best ones, and what the data does not determine."""
+
+import re
+
+import pytest
+
+from hbench.records import (
+    Fit,
+    FitParameter,
+    Identification,
+    IdentifiedLaw,
+    ModelErrors,
+    Provenance,
+)
+from hbench.records.identification import PARTS
+from hbench.report.identification.page import identification_page
+from hbench.report.identification.plant_file import overlay_yaml
+from hbench.report.identification.text import SUMMARY, identification_tables
+
+NO_RAMPS = "no ramps"
+SCATTER = dict.fromkeys(PARTS, ModelErrors(27.0, 0.0, 0.0, 0.0, 100))
+
+
+def law(name, error_n, parameters=None):
+    errors = dict.fromkeys(PARTS, ModelErrors(error_n, 1e-4, 1e4, 1e4, 100))
+    fit = Fit(name, parameters or {}, 4.0, True, "")
+    return IdentifiedLaw(name, fit, section={"law": name}, runs=("1",), errors=errors)
+
+
+def identified(*laws):
+    about = Provenance("made", "simulated", "bench", "sim", "2026-01-01T00:00:00", "")
+    return Identification(about, laws, (), NO_RAMPS, ("2",), SCATTER, "", (), (), ())
+
+
+def verdict(found):
+    return re.search(r'class="verdict">([^<]*)', identification_page(found, ()))[1]
+
+
+@pytest.mark.parametrize(
+    ("other_n", "names"), [(10.4, "LuGre and Leuven predict"), (10.6, "LuGre predicts")]
+)
+def test_laws_within_5_percent_of_the_smallest_error_are_equally_good(other_n, names):
+    found = identified(law("tustin", 150.0), law("lugre", 10.0), law("leuven", other_n))
+    assert verdict(found).startswith(f"{names} friction best: ")
+    assert "10 N, where the trials scatter by 27 N" in verdict(found)
+
+
+def test_laws_are_listed_by_their_error_with_what_is_not_determined():
+    wide = FitParameter(2188.0, 1009.0, (-30.0, 4406.0), None, "N s/m", wide=True)
+    lines = law("marton_lantos", 160.0, {"extend_high_slope_n_s_m": wide})
+    elements = {
+        "theta_1_n": FitParameter(0.0, None, None, "lower", "N"),
+        "theta_2_n": FitParameter(37.0, None, None, None, "N"),
+        "f_coulomb_n": FitParameter(86.0, 6.0, (73.0, 99.0), None, "N"),
+    }
+    found = identified(lines, law("leuven", 10.0, elements), IdentifiedLaw("lugre", None, "no"))
+    tables = {table.title: table for table in identification_tables(found)}
+    assert [row[0] for row in tables[SUMMARY].rows] == [
+        "leuven", "marton_lantos", "lugre", "Trials' scatter"
+    ]  # fmt: skip
+    not_determined = [row[2] for row in tables[SUMMARY].rows[:2]]
+    assert not_determined == ["θ_1, θ_2", "b_2 extending"]
+    remarks = {row[1]: row[-1] for row in tables["Identified parameters"].rows}
+    assert remarks["Slope above v_SW b_2, extending"] == "not determined"
+    assert remarks["Force of element 1 θ_1"] == "at lower bound"
+    assert remarks["Force of element 2 θ_2"] == "not determined"
+    assert remarks["Coulomb force F_C"] == ""
+    assert "(-30 to 4406, not determined)" in overlay_yaml(found, lines, lines.fit)
