@@ -105,6 +105,7 @@ def verdict(fit):
 @pytest.mark.parametrize("law", [TUSTIN_LAW, TWO_LINES], ids=lambda law: law.name)
 @of_fits
 @example(truth="constant", noise=0.0, loss="linear", seed=85616)
+@example(truth="constant", noise=0.3, loss="linear", seed=138)
 @given(truth=truths, noise=noises, loss=st.sampled_from(["linear", "huber"]), seed=seeds)
 def test_what_a_fit_determines(make_curve, law, truth, noise, loss, seed):
     friction, how = curve_of(truth, noise, seed), Fitting(loss=loss)

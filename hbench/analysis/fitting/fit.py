@@ -200,6 +200,7 @@ def estimate_parameters(
         upper=upper,
         scale=law.scale(inputs, force),
         jacobian=lambda p: law.jacobian(inputs, p) / sigma[:, None],
+        kinked=law.candidates is not None,
     )
     if start is None:
         solution = solve(problem, law.starts(inputs, friction, sigma, lower, upper))

@@ -36,6 +36,7 @@ class Problem(NamedTuple):
     upper: np.ndarray
     scale: np.ndarray
     jacobian: Function | None = None
+    kinked: bool = False  # whether derivatives jump, so that S may have several minima
 
     def derivatives(self, x: np.ndarray) -> np.ndarray:
         """Return the derivatives (n, p) of the residuals."""

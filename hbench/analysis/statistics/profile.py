@@ -8,7 +8,7 @@ ends at the parameter's own bound and is one-sided there.
 
 A limit is the largest value of the parameter where S <= S_min + t^2 s^2. It is sought over all
 parameters at once (Venzon and Moolgavkar, 1988), each step on the ellipsoid of the linearised
-residuals. Where that fails, S(theta) is evaluated along the parameter.
+residuals. Where that fails, or derivatives jump, S(theta) is evaluated along the parameter.
 """
 
 import numpy as np
@@ -47,9 +47,10 @@ def _limit(
 ) -> float:
     """Search for tau = t on one side. Along the parameter: secant steps in tau in a bracket."""
     best, least = solution.x, sum_of_squares(problem, solution.x)
-    limit = _by_ellipsoids(problem, best + direction, number, sign, least, level)
-    if limit is not None:
-        return limit
+    if not problem.kinked:
+        limit = _by_ellipsoids(problem, best + direction, number, sign, least, level)
+        if limit is not None:
+            return limit
     bound = problem.upper[number] if sign > 0 else problem.lower[number]
     to_bound = abs(bound - best[number])
     if to_bound == 0.0:
