@@ -116,3 +116,40 @@ def test_a_simulated_campaign_stays_simulated_when_it_is_exported_and_imported(k
     workflow.import_runs(exported, again, None, lambda: datetime.now(UTC))
     assert load_campaign(again).provenance().source == "simulated"
     assert load_campaign(again).exported_settings()["simulated"] is True
+
+
+OWN = "<p>{{ certificate.number }}</p><p>{{ certificate.mark }}</p>"
+
+
+def with_template(file):
+    (file.parent / "own.j2").write_text(OWN)
+    file.write_text(file.read_text() + "\ntemplate: own.j2\n")
+
+
+def test_a_browser_prints_the_page_of_an_own_template(file, tmp_path, require_tool):
+    require_tool("chromium")
+    with_template(file)
+    workflow.certify(SAMPLE, file, tmp_path / "own.pdf")
+    workflow.certify(SAMPLE, file, tmp_path / "own.html")
+    made = (tmp_path / "own.pdf").read_bytes()
+    assert made.startswith(b"%PDF-") and b"HeadlessChrome" in made
+    assert "SIM-L-17" in (tmp_path / "own.html").read_text()
+
+
+def test_without_a_browser_an_own_template_is_no_pdf(file, tmp_path, monkeypatch):
+    with_template(file)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ConfigError, match=r"own\.j2.*Chromium") as error:
+        workflow.certify(SAMPLE, file, tmp_path / "own.pdf")
+    assert ".html" in error.value.hint and not (tmp_path / "own.pdf").exists()
+
+
+def test_a_browser_that_fails_is_named_with_its_words(file, tmp_path, monkeypatch):
+    with_template(file)
+    browser = tmp_path / "bin" / "chromium"
+    browser.parent.mkdir()
+    browser.write_text("#!/bin/sh\necho no display >&2\nexit 3\n")
+    browser.chmod(0o755)
+    monkeypatch.setenv("PATH", str(browser.parent))
+    with pytest.raises(ConfigError, match=r"exit code 3; no display"):
+        workflow.certify(SAMPLE, file, tmp_path / "own.pdf")

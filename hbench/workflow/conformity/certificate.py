@@ -19,6 +19,7 @@ from hbench.report.conformity.certificate.dcc import dcc_xml
 from hbench.report.conformity.certificate.page import certificate_page
 from hbench.store.campaign.folder import load_campaign
 from hbench.store.campaign.raw_logs import raw_data
+from hbench.store.exporting.printed_page import printed_page
 from hbench.store.exporting.ro_crate import Described, write_crate
 from hbench.store.files.atomic import write_atomic
 from hbench.workflow.conformity.acceptance import decided
@@ -48,6 +49,8 @@ def certify(folder: Path, file: Path, output: Path, today: date | None = None) -
         return certificate_page(certificate, own, str(template)).encode()
 
     def pdf() -> bytes:
+        if own is not None:
+            return printed_page(page().decode(), str(template))
         from hbench.report.conformity.certificate.pdf import certificate_pdf  # slow: matplotlib
 
         return certificate_pdf(certificate)
