@@ -1,6 +1,5 @@
 """Learned laws on made-up logs: laws of other forms than tables, and friction that wanders."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -44,8 +43,10 @@ def logs(seed) -> Session:
         "p_tr_pa": np.concatenate(p_tr),
     }
     runs = tuple(SimpleNamespace(t_s=t) for _ in x)
-    session = Session(runs, window(DT_S), channels, np.concatenate(v), np.zeros(0, bool))
-    return replace(session, oscillating=np.zeros(session.counts.sum(), bool))
+    session = Session(runs, window(DT_S), channels)
+    still = np.zeros(session.counts.sum(), bool)
+    vars(session).update(velocity_m_s=np.concatenate(v), oscillating=still)
+    return session
 
 
 def one_balance(bench, bench_data, law, seed=1, level_n=2.0, noise_n=1.0) -> BalanceProducts:

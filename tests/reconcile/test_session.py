@@ -198,9 +198,16 @@ def test_a_log_almost_without_noise_has_no_oscillation_where_it_merely_moves(run
     assert not session.oscillating.any()
 
 
+def with_oscillating(session, windows):
+    """Return a session of which these windows oscillate."""
+    other = replace(session)
+    vars(other)["oscillating"] = windows  # where a cached property keeps its value
+    return other
+
+
 def test_balances_with_laws_leave_oscillating_windows_out(runs, model):
     (session,) = sessions(runs)
-    marked = replace(session, oscillating=np.arange(session.counts.sum()) == 7)
+    marked = with_oscillating(session, np.arange(session.counts.sum()) == 7)
     before, after = (balance_values(each, model) for each in (session, marked))
     assert np.isfinite(before[7, :6]).all() and np.isnan(after[7, :6]).all()
     np.testing.assert_array_equal(before[7, 6:], after[7, 6:])
@@ -213,12 +220,12 @@ def test_the_diagnosis_says_in_which_runs_the_control_oscillates(runs):
     first, third = (np.flatnonzero(session.run_of_window == i) for i in (0, 2))
     found = np.zeros(session.counts.sum(), bool)
     found[[*first[:2], *third[: len(third) // 2]]] = True
-    (remark,) = _oscillations(SimpleNamespace(logs=(replace(session, oscillating=found),)))
+    (remark,) = _oscillations(SimpleNamespace(logs=(with_oscillating(session, found),)))
     assert f"(run {runs[2].plan.run})" in remark and runs[0].plan.run not in remark
     assert _oscillations(SimpleNamespace(logs=(session,))) == ()
 
 
 def test_smoothed_logs_oscillate_where_the_logs_do(runs):
     (session,) = sessions(runs)
-    marked = replace(session, oscillating=np.arange(session.counts.sum()) % 2 == 0)
+    marked = with_oscillating(session, np.arange(session.counts.sum()) % 2 == 0)
     np.testing.assert_array_equal(marked.smoothed().oscillating, marked.oscillating)

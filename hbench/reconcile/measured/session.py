@@ -25,8 +25,7 @@ class Session:
     runs: tuple[Run, ...]
     window: Window
     channels: dict[str, np.ndarray]  # (n,) by field of ``Run``; 0 where a run does not have it
-    velocity_m_s: np.ndarray  # (n,) of the position
-    oscillating: np.ndarray  # (w,) windows in which the log does not resolve the control
+    logged: "Session | None" = None  # the same session, before its pressures were smoothed
 
     @cached_property
     def edges(self) -> np.ndarray:
@@ -52,6 +51,18 @@ class Session:
         ]
         return np.concatenate(starts)[:, None] + np.arange(len(self.window.value))
 
+    @cached_property
+    def velocity_m_s(self) -> np.ndarray:
+        """Velocity (n,) of the position."""
+        dt_s = self.window.dt_s
+        samples = max(5, 2 * round(_VELOCITY_S / dt_s / 2) + 1)
+        return _filtered(self.channels["x_m"], self.edges, samples, _ORDER, 1, dt_s)
+
+    @cached_property
+    def oscillating(self) -> np.ndarray:
+        """Windows (w,) in which the log does not resolve the control."""
+        return _oscillating(self) if self.logged is None else self.logged.oscillating
+
     def mean(self, y: np.ndarray) -> np.ndarray:
         """Return <y> (..., w) of the samples (..., n)."""
         return y[..., self._samples] @ self.window.value
@@ -71,7 +82,7 @@ class Session:
         follow it.
         """
         smooth = {name: self.smooth(name, 2) for name in PRESSURES}
-        return replace(self, channels={**self.channels, **smooth})
+        return replace(self, channels={**self.channels, **smooth}, logged=self)
 
     def smooth(self, name: str, order: int) -> np.ndarray:
         """Return a channel (n,) as a polynomial through seven samples."""
@@ -91,11 +102,7 @@ def _session(runs: Sequence[Run], dt_s: float) -> Session:
         name: np.concatenate([_channel(run, name) for run in runs])
         for name in ("t_s", "x_m", "v_m_s", "f_applied_n", *PRESSURES, *COMMANDS)
     }
-    edges = np.cumsum([0, *(len(run.t_s) for run in runs)])
-    samples = max(5, 2 * round(_VELOCITY_S / dt_s / 2) + 1)
-    velocity = _filtered(channels["x_m"], edges, samples, _ORDER, 1, dt_s)
-    session = Session(tuple(runs), window(dt_s), channels, velocity, np.zeros(0, bool))
-    return replace(session, oscillating=_oscillating(session))
+    return Session(tuple(runs), window(dt_s), channels)
 
 
 def _oscillating(session: Session) -> np.ndarray:

@@ -61,7 +61,8 @@ def signal_field(name: str) -> str | None:
 
 def signals(run: Run, model: BalanceModel) -> WindowedRun:
     """Return the means of ``SIGNALS`` in SI; friction is 2.12 with the weak acceleration."""
-    return _windowed(run, model, SIGNALS, _means(run, model, SIGNALS))
+    (session,) = sessions([run])
+    return _windowed(session, model, SIGNALS, _means(session, model, SIGNALS))
 
 
 def open_loop_errors(run: Run, model: BalanceModel) -> WindowedRun:
@@ -70,11 +71,12 @@ def open_loop_errors(run: Run, model: BalanceModel) -> WindowedRun:
     nan without commands and pressures.
     """
     names = OPEN_LOOP_SIGNALS
+    (session,) = sessions([run])
+    values = _means(session, model, names)
     if run_channels(run, *(_FIELDS[name] for name in OPEN_LOOP_CHANNELS)) is None:
-        return _windowed(run, model, names, _means(run, model, names) * np.nan)
-    predicted = open_loop(run, model)
-    values = _means(run, model, names) - _means(predicted, model, names)
-    return _windowed(run, model, names, values)
+        return _windowed(session, model, names, values * np.nan)
+    (predicted,) = sessions([open_loop(run, model)])
+    return _windowed(session, model, names, values - _means(predicted, model, names))
 
 
 def open_loop(run: Run, model: BalanceModel) -> Run:
@@ -153,8 +155,7 @@ def _simulate(
             step(state, memory[1:], levels, par, TICK_S, work)
 
 
-def _means(run: Run, model: BalanceModel, names: tuple[str, ...]) -> np.ndarray:
-    (session,) = sessions([run])
+def _means(session: Session, model: BalanceModel, names: tuple[str, ...]) -> np.ndarray:
     return np.column_stack([_mean(session, model, name) for name in names])
 
 
@@ -173,9 +174,8 @@ def _mean(session: Session, model: BalanceModel, name: str) -> np.ndarray:
 
 
 def _windowed(
-    run: Run, model: BalanceModel, names: tuple[str, ...], values: np.ndarray
+    session: Session, model: BalanceModel, names: tuple[str, ...], values: np.ndarray
 ) -> WindowedRun:
-    (session,) = sessions([run])
     steps = np.array([model.word_steps.get(name, 0.0) for name in names])
     conditions = operating_conditions(session, model)
-    return WindowedRun(run.plan, names, values, *conditions, steps / np.sqrt(12))
+    return WindowedRun(session.runs[0].plan, names, values, *conditions, steps / np.sqrt(12))
