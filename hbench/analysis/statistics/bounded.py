@@ -102,8 +102,9 @@ def descend(
     """Search from ``start``; parameters with numbers in ``fixed`` keep their values.
 
     The search ends when the relative change of cost or step is below ``tolerance``. Without free
-    parameters it has converged. With a larger ``tolerance`` than the default, the start is assumed
-    to be near the solution: Levenberg-Marquardt steps, which are much faster, are tried first.
+    parameters it has converged. A parameter whose effect is rounding keeps its value at the start.
+    With a larger ``tolerance`` than the default, the start is assumed to be near the solution:
+    Levenberg-Marquardt steps, which are much faster, are tried first.
     """
     movable = np.ones(len(start), dtype=bool)
     movable[list(fixed)] = False
@@ -126,6 +127,9 @@ def descend(
             pinned &= ~inwards
             if not pinned.any():
                 x, converged = _search(problem, x, movable, tolerance)
+        jacobian = problem.derivatives(x)
+    moved = np.linalg.norm(jacobian, axis=0) * problem.scale > _rounding(jacobian, problem.scale)
+    x = np.where(movable & ~pinned & ~moved, np.clip(start, problem.lower, problem.upper), x)
     return Solution(x, movable & ~pinned, converged)
 
 
