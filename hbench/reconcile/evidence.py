@@ -20,56 +20,18 @@ a candidate these are its own residuals: what it does not explain, however large
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+
+from hbench.reconcile.products import Products, Sums
 
 FOLDS = 5
 _REWEIGHTINGS = 6  # at most
 _CONVERGED = 1e-4  # standard deviations of priors and typical sizes; no further reweighting below
 _BOUND_ITERATIONS = 3  # each may fix further parameters at their bounds
 _FIXED_WEIGHT = 1e9  # fixes a parameter at its bound
-
-
-@dataclass(frozen=True)
-class Products:
-    """Sums of products over windows, by operating point p and group g, for q columns."""
-
-    names: tuple[str, ...]  # (q,) names of the columns
-    columns: np.ndarray  # (p, g, q, q)
-    mixed: np.ndarray  # (p, g, q) columns with d
-    squares: np.ndarray  # (p, g) of d
-    noise: np.ndarray  # (p, g) expected sum of squares of d's noise
-    windows: np.ndarray  # (p, g) number of windows
-    groups: tuple[tuple[str, str], ...]  # (g,) balance and motion
-    _sums: dict[bytes, np.ndarray] = field(default_factory=dict, init=False, repr=False)
-
-    def with_residuals(
-        self, mixed: np.ndarray, squares: np.ndarray, noise: np.ndarray
-    ) -> "Products":
-        """Return the products of other residuals d with the same columns."""
-        other = replace(self, mixed=mixed, squares=squares, noise=noise)
-        other._sums.update(self._sums)
-        return other
-
-    def summed_columns(self, points: np.ndarray) -> np.ndarray:
-        """Return the products of the columns (g, q, q) over some operating points."""
-        key = points.tobytes()
-        if key not in self._sums:
-            self._sums[key] = self.columns[points].sum(axis=0)
-        return self._sums[key]
-
-    @cached_property
-    def predictions(self) -> dict[tuple, "CrossValidation"]:
-        """Cross-validations of these data that are known."""
-        return {}
-
-    @cached_property
-    def nonzero(self) -> np.ndarray:
-        """Which columns (g, q) change a group."""
-        return np.einsum("pgjj->gj", self.columns) > 0
 
 
 @dataclass(frozen=True)
@@ -98,10 +60,10 @@ def maximum_likelihood(
     groups: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the most likely beta (b, chosen) over some ``points``; ``signs`` (b, p) make nulls."""
-    return _most_likely(_summed(data, chosen, points, signs, groups), priors.select(chosen))
+    return _most_likely(data.sums(chosen, points, signs, groups), priors.select(chosen))
 
 
-def _most_likely(sums: "_Sums", priors: Priors) -> np.ndarray:
+def _most_likely(sums: Sums, priors: Priors) -> np.ndarray:
     noise = np.broadcast_to(sums.noise, (len(sums.mixed), len(sums.noise)))
     from_noise = _reweighted_fit(sums, priors, noise)
     centre = np.tile(np.clip(priors.centre, priors.low, priors.high), (len(sums.mixed), 1))
@@ -123,7 +85,7 @@ def expected_loss(
     from a fit that leaves nothing but the noise; the priors' part is included.
     """
     columns = data.summed_columns(points)
-    known = _summed(data, chosen, points, None)
+    known = data.sums(chosen, points, None)
     sums = replace(
         known,
         mixed=np.einsum("bj,gjk->bgk", causes, columns[:, :, list(chosen)], optimize=True),
@@ -136,31 +98,31 @@ def expected_loss(
 
 def information(data: Products, points: np.ndarray) -> np.ndarray:
     """Return the information (q, q) on all columns: sum n_g / (m_g v_g) c c', v_g that of noise."""
-    sums = _summed(data, (), points, None)
+    sums = data.sums((), points, None)
     weight = sums.points / (sums.windows * sums.noise)
     return np.tensordot(weight, data.summed_columns(points), axes=1)
 
 
 def cost(data: Products, priors: Priors, chosen: Sequence[int], points: np.ndarray) -> float:
     """Return - ln L of a model as it is, less a constant: at beta = 0 of the ``chosen`` columns."""
-    sums = _summed(data, chosen, points, None)
+    sums = data.sums(chosen, points, None)
     return float(_cost(sums, priors.select(chosen), np.zeros((1, len(chosen))))[0])
 
 
 def least_cost(data: Products, fit: "Fit", points: np.ndarray, groups: np.ndarray) -> float:
     """Return - ln L of the best fit to some ``points`` and ``groups``, less a constant."""
     chosen = fit.changing(data, groups)
-    sums, priors = _summed(data, chosen, points, None, groups), fit.priors.select(chosen)
+    sums, priors = data.sums(chosen, points, None, groups), fit.priors.select(chosen)
     return float(_cost(sums, priors, _most_likely(sums, priors))[0])
 
 
-def _cost(sums: "_Sums", priors: Priors, beta: np.ndarray) -> np.ndarray:
+def _cost(sums: Sums, priors: Priors, beta: np.ndarray) -> np.ndarray:
     """Return - ln L (b,) of beta (b, q), less a constant."""
     off = (beta - priors.centre) / priors.sigma
     return 0.5 * (np.log(sums.variance(beta)) @ sums.points + np.sum(off**2, axis=1))
 
 
-def _reweighted_fit(sums: "_Sums", priors: Priors, variance: np.ndarray) -> np.ndarray:
+def _reweighted_fit(sums: Sums, priors: Priors, variance: np.ndarray) -> np.ndarray:
     """Return beta (b, q) of a reweighted fit that starts with the groups' variances (b, g).
 
     ln L has several maxima: a group that one beta fits well outweighs the others. A start with the
@@ -179,7 +141,7 @@ def _reweighted_fit(sums: "_Sums", priors: Priors, variance: np.ndarray) -> np.n
     return beta
 
 
-def _weighted_fit(sums: "_Sums", priors: Priors, variance: np.ndarray) -> np.ndarray:
+def _weighted_fit(sums: Sums, priors: Priors, variance: np.ndarray) -> np.ndarray:
     """Return beta (b, q) within its bounds where the groups' variances (b, g) are known."""
     weight = sums.points / (sums.windows * variance)
     curved = np.tensordot(weight, sums.columns, axes=1)
@@ -213,7 +175,7 @@ def intervals(
     variance is at least that of the curvature of ln L. The degrees of freedom are the number of
     operating points that determine the parameter, less one.
     """
-    selected, sums = priors.select(chosen), _summed(data, chosen, points, None)
+    selected, sums = priors.select(chosen), data.sums(chosen, points, None)
     weight = (sums.points / (sums.windows * sums.variance(beta[None])))[0]
     information = np.einsum("g,gjj->gj", weight, sums.columns)
     prior_information = np.diag(selected.sigma**-2.0)
@@ -327,9 +289,9 @@ def _cross_validated(
     for number in range(min(FOLDS, len(points))):
         fold = np.arange(len(points)) % FOLDS == number
         beta = maximum_likelihood(data, priors, chosen, points[~fold], signs, groups)
-        sums = _summed(data, chosen, points[fold], signs, groups)
+        sums = data.sums(chosen, points[fold], signs, groups)
         total = total + sums.squared_residuals(beta)
-    whole = _summed(data, chosen, points, signs, groups)
+    whole = data.sums(chosen, points, signs, groups)
     return CrossValidation(total / whole.windows, whole.noise, whole.points, whole.windows)
 
 
@@ -358,60 +320,3 @@ def rotated(data: Products, count: int, seed: int) -> np.ndarray:
 def random_signs(count: int, points: int, seed: int) -> np.ndarray:
     """Return signs (count, points) for nulls."""
     return np.random.default_rng(seed).choice([-1.0, 1.0], (count, points))
-
-
-@dataclass(frozen=True)
-class _Sums:
-    """Products summed over some operating points."""
-
-    columns: np.ndarray  # (g, q, q)
-    mixed: np.ndarray  # (b, g, q)
-    squares: np.ndarray  # (g,) or (b, g)
-    noise: np.ndarray  # (g,) per window
-    windows: np.ndarray  # (g,), at least 1
-    points: np.ndarray  # (g,)
-
-    def select(self, rows: np.ndarray) -> "_Sums":
-        """Return the sums of some data sets."""
-        squares = self.squares if self.squares.ndim == 1 else self.squares[rows]
-        return replace(self, mixed=self.mixed[rows], squares=squares)
-
-    def squared_residuals(self, beta: np.ndarray) -> np.ndarray:
-        """Return sums (b, g) of (d - beta c)^2."""
-        crossed = (self.mixed @ beta[:, :, None])[:, :, 0]
-        curved = np.sum((beta @ self.columns) * beta, axis=2).T
-        return np.maximum(self.squares - 2 * crossed + curved, 0.0)
-
-    def variance(self, beta: np.ndarray) -> np.ndarray:
-        return np.maximum(self.squared_residuals(beta) / self.windows, self.noise)
-
-
-def _summed(
-    data: Products,
-    chosen: Sequence[int],
-    points: np.ndarray,
-    signs: np.ndarray | None,
-    groups: np.ndarray | None = None,
-) -> _Sums:
-    if groups is None:
-        groups = np.arange(data.squares.shape[1])
-    columns = np.array(chosen, dtype=int)
-    at = np.ix_(points, groups)
-    windows, squares = data.windows[at].sum(axis=0), data.squares[at].sum(axis=0)
-    mixed = data.mixed[np.ix_(points, groups, columns)]
-    if signs is None:
-        mixed = mixed.sum(axis=0)[None]
-    elif signs.ndim == 2:
-        mixed = np.tensordot(signs[:, points], mixed, axes=1)
-    else:
-        turned = signs[np.ix_(np.arange(len(signs)), points, groups)]
-        mixed = np.einsum("bpg,pgj->bgj", turned, mixed)
-        squares = np.einsum("bpg,pg->bg", turned**2, data.squares[at])
-    return _Sums(
-        columns=data.summed_columns(points)[np.ix_(groups, columns, columns)],
-        mixed=mixed,
-        squares=squares,
-        noise=np.maximum(data.noise[at].sum(axis=0) / np.maximum(windows, 1), 1e-12),
-        windows=np.maximum(windows, 1),
-        points=(data.windows[at] > 0).sum(axis=0),
-    )

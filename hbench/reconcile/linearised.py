@@ -12,11 +12,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from hbench.model.effects.catalogue import EFFECTS
-from hbench.reconcile.evidence import Priors, Products
+from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap
 from hbench.reconcile.hypothesis import CoefficientKey, Hypothesis, typical_size
 from hbench.reconcile.learned.table import is_mode, mode_of
 from hbench.reconcile.nuisance import BOUND, nuisances, standard_deviation
+from hbench.reconcile.products import Products
 from hbench.reconcile.window_sums import products
 
 _COEFFICIENT_PRIOR = 10.0  # typical sizes

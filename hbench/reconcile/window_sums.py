@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hbench.reconcile.evidence import Products
 from hbench.reconcile.gaps.gap_map import GapMap, RunLevel
 from hbench.reconcile.gaps.log_map import between_runs
+from hbench.reconcile.products import Products
 from hbench.records.diagnosis import REST_M_S
 
 MOTIONS = ("rest", "steady", "unsteady", "reversing")

@@ -11,7 +11,6 @@ from hbench.reconcile.evidence import (
     Comparison,
     Fit,
     Priors,
-    Products,
     cost,
     cross_validate,
     intervals,
@@ -20,6 +19,7 @@ from hbench.reconcile.evidence import (
     random_signs,
     touched,
 )
+from hbench.reconcile.products import Products
 
 NOISE = 1e-3  # variance of d, in squares of the scatter
 NEAR = 0.1  # nats: a search decides by 3 and by 5

@@ -13,10 +13,11 @@ from hbench.model.effects.catalogue import EFFECTS
 from hbench.reconcile.candidates import EvaluatedCandidate
 from hbench.reconcile.diagnosis_fields import gap_of_balances
 from hbench.reconcile.estimates import fit_coefficients
-from hbench.reconcile.evidence import Priors, Products
+from hbench.reconcile.evidence import Priors
 from hbench.reconcile.gaps.gap_map import GapMap, point_of
 from hbench.reconcile.hypothesis import Hypothesis
 from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.products import Products
 from hbench.reconcile.search import CampaignSearch, silent
 from tests.support import ROOT
 from tests.support.reconcile.rounds import campaign_of, schedule

@@ -9,8 +9,9 @@ from scipy.linalg import subspace_angles
 from scipy.optimize import minimize
 
 from hbench.reconcile.candidates import CRITERIA
-from hbench.reconcile.evidence import Priors, Products
+from hbench.reconcile.evidence import Priors
 from hbench.reconcile.linearised import LinearisedModel
+from hbench.reconcile.products import Products
 from hbench.reconcile.separation.separability import (
     Separation,
     principal_angle_deg,

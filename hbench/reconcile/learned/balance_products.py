@@ -10,7 +10,6 @@ from hbench.config.effects import Target
 from hbench.reconcile.evidence import (
     Fit,
     Priors,
-    Products,
     least_cost,
     log_likelihood,
     maximum_likelihood,
@@ -23,6 +22,7 @@ from hbench.reconcile.learned.table import Table, empty_table
 from hbench.reconcile.linearised import LinearisedModel
 from hbench.reconcile.measured.balances import BALANCES, BalanceModel
 from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.products import Products
 from hbench.reconcile.window_sums import products
 
 _KNOTS, _KNOTS_OF_TWO = 6, 4

@@ -19,11 +19,11 @@ from hbench.config.schedule import parse_schedule
 from hbench.config.sensors import Instruments
 from hbench.errors import ConfigError
 from hbench.experiment.plan import plan_runs
-from hbench.reconcile.evidence import Products
 from hbench.reconcile.hypothesis import Hypothesis, effect_coefficients, typical_size
 from hbench.reconcile.linearised import LinearisedModel, linearise
 from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
+from hbench.reconcile.products import Products
 from hbench.reconcile.separation.planned_runs import simulated_runs
 from hbench.reconcile.separation.separability import Lead, Separation
 from hbench.reconcile.window_sums import GROUPS
