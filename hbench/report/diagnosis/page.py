@@ -108,7 +108,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         ),
     )
     where = Section(
-        "Where the model disagrees",
+        "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
         drawings=drawn("where"),
         tables=_with_rows(_untitled(text.where_table(diagnosis)), text.edges_table(diagnosis)),
         facts=_WHERE,
