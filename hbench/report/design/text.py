@@ -305,7 +305,7 @@ def proposal_verdict(proposal: Proposal, tick_s: float) -> str:
     if not failed:
         return (
             f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
-            f"{_margins(checks)}. --write writes them into the bench file."
+            f"{_margins(checks)}. To use them, repeat the command with --write."
         )
     more = [f"{len(failed) - _NAMED} more"] if len(failed) > _NAMED else []
     return (

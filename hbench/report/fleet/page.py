@@ -140,8 +140,8 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         yield Section("Drifts", drawings=chosen, tables=(table,) if table.rows else ())
     if fleet.capabilities or fleet.without_capability:
         table = _untitled(capability_table(fleet))
-        tables = (table,) if table.rows else ()
-        yield Section("Capability", tuple(capability_notes(fleet)), tables=tables)
+        known = (table,) if table.rows else ()
+        yield Section("Capability", tuple(capability_notes(fleet)), tables=known)
     if fleet.charts:
         tables = (_untitled(chart_table(fleet)), signal_table(fleet), step_table(fleet))
         shown = tuple(table for table in tables if table.rows)
