@@ -32,7 +32,7 @@ from hbench.reconcile.measured.session import sessions
 from hbench.reconcile.measured_campaign import MeasuredCampaign
 from hbench.reconcile.nuisance import standard_deviation
 from hbench.reconcile.practice.changes import in_practice
-from hbench.reconcile.revised_model import revised
+from hbench.reconcile.revised_model import revision
 from hbench.reconcile.search import CampaignSearch, SearchResult, silent
 from hbench.reconcile.separation.next_experiment import Undecided
 from hbench.reconcile.separation.observable import divided_points, observable_effects
@@ -177,6 +177,7 @@ def _assembled(
         if each.candidate in last.ambiguous and each.model
     }
     point, practice = in_practice(measured, final.gap_map, fits)
+    factors, sections = revision(task.plant_data, result, estimates)
     return Diagnosis(
         provenance=task.provenance,
         model=task.model,
@@ -194,7 +195,7 @@ def _assembled(
         gap_runs=gaps_of_runs([run.plan for run in runs], balances, simulated, held_out_points),
         ranking=tuple(each.candidate for each in result.steps[0].evaluated),
         threshold=result.steps[0].evaluated[0].candidate.threshold,
-        refitted=estimates.factors(),
+        refitted=factors,
         residuals_before=residual_map(refitted, held_out_points),
         residuals_after=residual_map(final, held_out_points),
         overlays=overlaid,
@@ -202,7 +203,7 @@ def _assembled(
         not_tried=dict(not_tried),
         missing=missing,
         left_out=left_out,
-        revised=revised(task.plant_data, estimates.factors(), estimates.hypothesis(estimates.beta)),
+        revised=sections,
         notes=(
             *_oscillations(measured),
             *notes,

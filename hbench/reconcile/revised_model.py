@@ -6,12 +6,27 @@ from copy import deepcopy
 from typing import Any
 
 from hbench.config.friction import LuGre
+from hbench.reconcile.estimates import ParameterEstimates
 from hbench.reconcile.hypothesis import Hypothesis
+from hbench.reconcile.search import SearchResult
 from hbench.records import FitParameter
 
 _NUMBER = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(.*)$", re.DOTALL)
 # Nuisances that a file may omit, as it would contain them.
 _DEFAULTS = {"bristle_stiffness": f"{LuGre.model_fields['bristle_stiffness'].default:g} N/m"}
+
+
+def revision(
+    sections: Mapping[str, Any], result: SearchResult, estimates: ParameterEstimates
+) -> tuple[dict[str, FitParameter], dict[str, Any]]:
+    """Return the factors on the values of a plant's sections, and the revised sections.
+
+    Where the search leaves the model as given, these are no factors and the given sections.
+    """
+    if result.unchanged:
+        return {}, deepcopy(dict(sections))
+    factors = estimates.factors()
+    return factors, revised(sections, factors, estimates.hypothesis(estimates.beta))
 
 
 def revised(

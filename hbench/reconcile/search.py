@@ -46,8 +46,8 @@ _LEAST_SHARE = 0.3  # of the best score; candidates below are not evaluated in f
 _LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not evaluated in full
 _MOST_EFFECTS = 4
 _REFUSED = (
-    "The refit of the model's parameters is refused: it makes the held-out runs worse (gap "
-    "{before:.2f} to {after:.2f})."
+    "The refit of the model's parameters is refused: it makes the gap of the held-out runs larger, "
+    "by {increase:.2g} from {before:.2f}."
 )
 
 
@@ -82,6 +82,11 @@ class SearchResult:
     def names(self) -> tuple[str, ...]:
         """The effects that were added and not dropped, in order."""
         return _added(self.steps)
+
+    @property
+    def unchanged(self) -> bool:
+        """Whether the final model is the given one: the refit is refused and nothing is added."""
+        return bool(self.refused) and not self.names and not self.laws
 
 
 @dataclass(frozen=True)
@@ -182,7 +187,11 @@ class CampaignSearch(CandidateEvaluator):
         if after <= before:
             return given, refitted, ""
         unchanged = linearise(self.measured, start, given.columns, first.gap_map)
-        return given, unchanged, _REFUSED.format(before=before**0.5, after=after**0.5)
+        return (
+            given,
+            unchanged,
+            _REFUSED.format(before=before**0.5, increase=after**0.5 - before**0.5),
+        )
 
     def _step(
         self, model: LinearisedModel, added: tuple[str, ...]

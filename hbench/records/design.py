@@ -29,6 +29,12 @@ class LoopMerits:
     poles_rad_s: np.ndarray | None = None  # (k,) closed loop; None for the sampled board
     zeros_rad_s: np.ndarray | None = None
 
+    @property
+    def stable(self) -> bool:
+        """Whether all poles of the closed loop decay, the continuous and the digital ones."""
+        grows = self.poles_rad_s is not None and bool((self.poles_rad_s.real > 0).any())
+        return self.digital_modulus < 1 and not grows
+
 
 @dataclass(frozen=True)
 class RootLocus:

@@ -374,5 +374,6 @@ class Fleet:
     charts: tuple[ControlChart, ...] = ()
     wear: tuple[WearTrend, ...] = ()
     capabilities: tuple[Capability, ...] = ()
+    without_capability: tuple[tuple[str, str], ...] = ()  # name of a limit, and why it has no Cpk
     decisions: tuple[tuple[str, int], ...] = ()  # of the last acceptances, and how many of each
     rows: tuple[FleetCampaign, ...] = ()  # analyzed campaigns; empty for a large fleet

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hbench.analysis.comparison.capability import capabilities
+from hbench.analysis.comparison.capability import capabilities, without_capability
 from hbench.records.conformity.acceptance import Requirement
 
 FRICTION = {"quantity": "friction", "unit": "N"}
@@ -38,16 +38,18 @@ def test_the_interval_contains_the_true_cpk(n, true):
     assert 0.91 < inside / count < 0.97
 
 
-def test_what_the_fleets_numbers_are_not_has_no_capability():
+def test_what_the_fleets_numbers_are_not_has_no_capability_and_a_reason():
     x = np.arange(12.0)
-    for other in (
-        Requirement("friction", "bar", low=None, high=1e5),
-        Requirement(**FRICTION, low=None, high=10.0, f_load_n=500.0),
-        Requirement(**FRICTION, low=None, high=10.0, v_m_s=0.2),
-        Requirement(**FRICTION, low=None, high=10.0, direction="retract"),
-        Requirement("drift", "%", low=-0.1, high=0.1),
+    for other, words in (
+        (Requirement("friction", "bar", low=None, high=1e5), "in bar"),
+        (Requirement(**FRICTION, low=None, high=10.0, f_load_n=500.0), "of one load"),
+        (Requirement(**FRICTION, low=None, high=10.0, v_m_s=0.2), "200 mm/s"),
+        (Requirement("drift", "%", low=-0.1, high=0.1), "does not have"),
     ):
         assert not of(x, other)
-    requirement = Requirement(**FRICTION, low=None, high=10.0)
-    assert not of(x[:9], requirement) and not of(np.ones(12), requirement)
-    assert of(x, Requirement(**FRICTION, low=None, high=10.0, v_m_s=0.11))
+        ((name, reason),) = without_capability([other], 0.1, len(x))
+        assert name == other.quantity and words in reason
+    assert not of(x, Requirement(**FRICTION, low=None, high=10.0, direction="retract"))
+    good = Requirement(**FRICTION, low=None, high=10.0, v_m_s=0.11)
+    assert not list(without_capability([good], 0.1, len(x)))
+    assert "10 campaigns" in next(without_capability([good], 0.1, 9))[1]

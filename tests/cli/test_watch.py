@@ -400,6 +400,7 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert re.search(r'id="decision"[^>]*>PASS<', dom)
     assert chart["title"] == "breakaway at 50.1 mm/s, extend" and chart["unit"] == "bar"
     assert chart["values"] == pytest.approx([1e-5 * value for value in values])
+    assert chart["last"].endswith("bar (95 %), limit at most 4 bar") and chart["last"] in dom
     assert (chart["low"], chart["high"]) == (None, pytest.approx(4.0))
     mean, moving = np.mean(values), np.abs(np.diff(values)).mean() / 1.128
     assert chart["control"] == pytest.approx([1e-5 * (mean + step * moving) for step in (-3, 0, 3)])

@@ -49,6 +49,16 @@ def test_the_page_holds_everything_and_escapes_names(design, drawings):
     assert page.count('class="plot"') == len(drawings) == 4
 
 
+def test_a_loop_that_is_unstable_is_marked_and_has_no_overshoot(design):
+    loop = design.loops[0]
+    board = replace(loop.merits[-1], digital_modulus=1.01, overshoot=3e5)
+    unstable = replace(design, loops=(replace(loop, merits=(*loop.merits[:-1], board)),))
+    page = design_page(unstable, ())
+    assert page.count("unstable</span>") == 1 and "30000000" not in page
+    row = next(line for line in design_text(unstable).splitlines() if " board " in line)
+    assert row.split()[-3:] == ["none", "none", "UNSTABLE"]
+
+
 def test_a_checks_value_shows_on_which_side_of_its_limit_it_is():
     passing = Check("velocity: phase margin", 45.3, 45.0, "deg", True)
     failing = Check("velocity: phase margin", 44.96, 45.0, "deg", False)

@@ -4,6 +4,7 @@ import re
 
 from hbench.records import WordTable
 from hbench.report.render.document import Document, Section, document, numbered
+from hbench.report.render.figures import Drawing
 
 
 def test_columns_of_numbers_are_aligned_as_numbers_and_others_are_not():
@@ -45,3 +46,12 @@ def test_tables_are_numbered_alike_on_page_and_paper_and_the_text_refers_to_them
         False: ["Table 1. one", "no number", "Table 2. Shown"],
         True: ["Table 1. one", "Table 2. Shown"],
     }
+
+
+def test_the_link_to_a_figures_data_has_the_number_of_its_caption():
+    svg = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
+    drawings = [Drawing(n, "", n, "", svg, b"", csv=b"x\n1\n") for n in ("folded", "shown")]
+    folded = Section("Folded", drawings=(drawings[0],), folded=True, printed=False)
+    page = document("D", "", (Section("A", parts=(folded,)), Section("B", drawings=(drawings[1],))))
+    assert "<b>Figure 1. shown.</b>" in page
+    assert re.findall(r">Data of (.+) \(CSV\)<", page) == ["this figure", "figure 1"]

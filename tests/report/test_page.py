@@ -180,6 +180,23 @@ def test_the_report_begins_with_friction_and_its_uncertainty_unless_the_data_is_
     assert "mm/s is" not in report_document(poor, ()).verdict
 
 
+def test_the_summary_names_the_checks_that_are_not_good_and_the_next_step(small):
+    checks = tuple(replace(check, grade="good") for check in small.quality.checks)
+    good = replace(small, quality=replace(small.quality, checks=checks))
+    weak = [
+        replace(check, grade="with care") if check.name == "repeatability" else check
+        for check in checks
+    ]
+    other = replace(small, quality=replace(small.quality, checks=tuple(weak)))
+    steps, captions = [], []
+    for results in (good, other):
+        summary = report_document(results, ()).sections[0]
+        steps.append(dict(summary.facts).get("Next step", ""))
+        captions.append(summary.tiles[-1].more)
+    assert steps[0] == "" and steps[1].startswith("Make more trials of each point")
+    assert "not so" not in captions[0] and captions[1].endswith("; not so: repeatability")
+
+
 def test_speeds_of_a_page_are_in_mm_per_second_only(page):
     text = Parsed(page).text
     assert re.search(r"\d mm/s\b", text)

@@ -34,10 +34,9 @@ def capabilities(
     """
     by_name = {quantity.name: quantity for quantity in QUANTITIES}
     for requirement in requirements:
-        name = _QUANTITIES.get(requirement.quantity)
-        if name is None or not _of_all(requirement, v_m_s):
+        if _reason(requirement, v_m_s):
             continue
-        quantity = by_name[name]
+        quantity = by_name[_QUANTITIES[requirement.quantity]]
         for side in quantity.sides:
             if requirement.direction not in (None, side):
                 continue
@@ -46,14 +45,30 @@ def capabilities(
                 yield _capability(quantity, side, x, requirement)
 
 
-def _of_all(requirement: Requirement, v_m_s: float | None) -> bool:
+def without_capability(
+    requirements: Iterable[Requirement], v_m_s: float | None, campaigns: int
+) -> Iterator[tuple[str, str]]:
+    """Yield name and reason of each requirement that has no capability; see ``capabilities``."""
+    few = f"it takes {FEWEST} campaigns of a kind" if campaigns < FEWEST else ""
+    for requirement in requirements:
+        if reason := _reason(requirement, v_m_s) or few:
+            yield requirement.name or requirement.quantity, reason
+
+
+def _reason(requirement: Requirement, v_m_s: float | None) -> str:
+    """Return why a requirement is of no number of the table; empty: it is of one."""
     speed = requirement.v_m_s
-    return (
-        requirement.label is None
-        and requirement.f_load_n is None
-        and not requirement.is_pressure
-        and (speed is None or (v_m_s is not None and abs(speed - v_m_s) <= _NEAR * v_m_s))
-    )
+    if requirement.quantity not in _QUANTITIES:
+        return "the fleet's table does not have this quantity"
+    if requirement.label is not None:
+        return "it is of one series; the numbers are means over all"
+    if requirement.f_load_n is not None:
+        return "it is of one load; the numbers are means over the loads"
+    if requirement.is_pressure:
+        return "it is in bar; the numbers are forces"
+    if speed is not None and (v_m_s is None or abs(speed - v_m_s) > _NEAR * v_m_s):
+        return f"it is at {1e3 * speed:.3g} mm/s; choose this speed with --speed"
+    return ""
 
 
 def _capability(

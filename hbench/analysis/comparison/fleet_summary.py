@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.comparison.capability import capabilities
+from hbench.analysis.comparison.capability import capabilities, without_capability
 from hbench.analysis.comparison.measurement_system import measurement_system
 from hbench.analysis.comparison.population import (
     FEWEST,
@@ -144,6 +144,7 @@ def summarize(
         charts=system.charts,
         wear=system.wear,
         capabilities=tuple(capabilities(compared_values, requirements, speed)),
+        without_capability=tuple(without_capability(requirements, speed, int(compared.sum()))),
         decisions=tuple(sorted((name, n) for name, n in decisions.items() if name)),
         rows=tuple(
             _campaigns(table, np.flatnonzero(good), compared, spreads, report_link, decision)

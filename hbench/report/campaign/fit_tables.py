@@ -125,7 +125,7 @@ def _selected(selection: Selection) -> tuple[str, ...]:
         following,
         significant(selection.difference_n2, 3),
         significant(selection.difference_se_n2, 2),
-        f"{verdict} by {selection.speeds} speeds",
+        f"{verdict} with {selection.speeds} speeds",
     )
 
 

@@ -296,7 +296,7 @@ def _efficiency(results: Results, drawings: tuple[Drawing, ...]) -> tuple[Sectio
     if not drawings:
         return ()
     budget = page_tables.budget_table(results)
-    title = "Mean over the speeds, and the parts of its uncertainty"
+    title = "Mean over the speeds, and the parts of its standard uncertainty u"
     return (Section("Efficiency", drawings=drawings, tables=_titled(budget, title)),)
 
 

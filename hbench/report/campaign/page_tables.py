@@ -138,8 +138,8 @@ def budget_table(results: Results) -> Table:
                 ", ".join(f"{name} {_share(sigmas[name])}" for name in ranked),
             )
         )
-    head = ("Speeds", "Mean efficiency (%)", "σ (%)", "Parts of σ (%)")
-    return table((*WHO, *head), rows, words=("Parts of σ (%)",))
+    head = ("Speeds", "Mean efficiency (%)", "u (%)", "Parts of u (%)")
+    return table((*WHO, *head), rows, words=("Parts of u (%)",))
 
 
 def band_table(results: Results) -> Table:

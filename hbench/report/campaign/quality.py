@@ -37,6 +37,18 @@ _LIMITS = {
     "plausible_signs": "good without such points, poor if one is so beyond its interval",
     "instruments": "good to {good:g} %; above, the level is uncertain, differences less so",
 }
+_STEPS = {
+    "complete": "make the missing runs",
+    "runs_accepted": "correct the causes of the rejected runs, then measure again",
+    "trials_per_point": "make at least three trials of each point",
+    "repeatability": "make more trials of each point, or find what changes between them",
+    "drift": "warm the bench up first, and measure in random order",
+    "zeros": "adjust the zeros of the sensors, then check them again",
+    "zero_drift": "warm the sensors up first, and check their zeros more often",
+    "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",
+    "instruments": "calibrate the sensor with the largest part of the uncertainty{table}, and "
+    "state its tolerance in the bench file or map",
+}
 _HEAD = ("Check", "Verdict", "Found", "Limits")
 _NAMED = 3  # points in a sentence
 _WRONG_SIGN = "friction has the direction of the motion, or the efficiency is above 100 %"
@@ -46,6 +58,27 @@ def quality_count(quality: Quality) -> str:
     """Count the checks that are good."""
     good = sum(check.grade == "good" for check in quality.checks)
     return f"{good} of {len(quality.checks)} checks are good"
+
+
+def not_good_words(quality: Quality) -> str:
+    """Name the checks that are not good; empty without any."""
+    return ", ".join(
+        _NAMES[check.name].lower() for check in quality.checks if check.grade != "good"
+    )
+
+
+def next_step(quality: Quality, budget: str, count_runs: bool = True) -> str:
+    """Return what makes the checks good that are not; empty if all are.
+
+    ``budget`` refers to the table of the uncertainty's parts, if there is one. Without
+    ``count_runs`` missing runs are none, where a page's alarm has their instruction.
+    """
+    steps = [
+        _STEPS[check.name].format(table=f" ({budget})" if budget else "")
+        for check in quality.checks
+        if check.grade != "good" and (count_runs or check.name != "complete")
+    ]
+    return _capital(f"{'; '.join(steps)}.") if steps else ""
 
 
 def quality_table(quality: Quality) -> Table:

@@ -15,8 +15,8 @@ _SIZES = ("bore", "rod", "stroke")
 _TEST = ("customer", "operator", "mounting", "place", "ambient")
 _ABORTED = "aborted"  # code of the reason
 _OF_COMPLETED = (
-    "All numbers on this page are those of the completed runs. Continue the campaign with "
-    "hbench run --resume."
+    "All numbers on this page are those of the completed runs. To continue the campaign, repeat "
+    "its command with --resume."
 )
 
 

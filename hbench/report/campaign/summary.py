@@ -12,6 +12,8 @@ from hbench.report.campaign.page_tables import WHO, friction_budget_table, table
 from hbench.report.campaign.quality import (
     RULE,
     implausible_table,
+    next_step,
+    not_good_words,
     quality_count,
     quality_table,
     short_point_table,
@@ -44,9 +46,11 @@ def summary_section(results: Results) -> Section:
     budget = friction_budget_table(results)
     folded = True if len(series) > _LONG else None
     heading = f"Each direction and load ({len(series)})" if folded else ""
+    parts = "[[uncertainty]]" if budget.rows else ""
     facts = (
         ("Measured", _measured(results)),
-        ("Uncertainty", _uncertainty(series, "[[uncertainty]]" if budget.rows else "")),
+        ("Next step", next_step(results.quality, parts, not aborted_words(results))),
+        ("Uncertainty", _uncertainty(series, parts)),
         ("Oil", temperature_words(results)),
         ("Friction laws", _laws(results)),
     )
@@ -181,7 +185,8 @@ def _tiles(results: Results) -> Iterable[Tile]:
         yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
     else:
         yield Tile(f"{accepted} of {planned}", "runs", "accepted, of those planned")
-    caption = f"data: {quality_count(results.quality)}"
+    others = not_good_words(results.quality)
+    caption = f"data: {quality_count(results.quality)}{f'; not so: {others}' if others else ''}"
     yield Tile(results.quality.grade.capitalize(), "", caption)
 
 

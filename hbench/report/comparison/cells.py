@@ -17,7 +17,7 @@ from hbench.report.render.numbers import NONE, significant, with_interval
 
 _REAL, _NOT = "differs", "not significant"
 _INSTRUMENTS = "U of B − A"
-HEAD = ("A", "B", "B − A ± trials", _INSTRUMENTS, "p (Holm)", "Verdict")
+HEAD = ("B − A ± trials", _INSTRUMENTS, "Verdict", "p (Holm)", "A", "B")
 
 
 def difference_table(
@@ -40,12 +40,12 @@ def cells(difference: Difference, scale: float) -> tuple[str, ...]:
     half = None if difference.ci95 is None else scale * difference.ci95
     u95 = None if difference.u95 is None else scale * difference.u95
     return (
-        significant(scale * difference.a, 4),
-        significant(scale * difference.b, 4),
         with_interval(scale * difference.value, half),
         NONE if u95 is None else significant(u95, 2),
-        NONE if difference.p_holm is None else _p(difference.p_holm),
         difference.untested or (_REAL if difference.real else _NOT),
+        NONE if difference.p_holm is None else _p(difference.p_holm),
+        significant(scale * difference.a, 4),
+        significant(scale * difference.b, 4),
     )
 
 

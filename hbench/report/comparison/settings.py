@@ -11,6 +11,7 @@ from hbench.report.render.word_tables import Cell, Table
 
 _HEAD = ("Section", "Setting", "A", "B")
 _LONGEST = 80  # letters of a value
+_NAMED = 3  # settings in the sentence
 _HASH = re.compile(r"[0-9a-f]{40,}")
 
 
@@ -43,15 +44,15 @@ def settings_table(differences: CampaignDifferences) -> Table:
 
 def settings_words(differences: CampaignDifferences) -> str:
     """State in a sentence whether bench, instruments and schedule agree."""
-    sections = [section for section, *_ in settings_that_differ(differences)]
-    if not sections:
+    settings = settings_that_differ(differences)
+    if not settings:
         return "Bench file, instruments, schedule and software of both campaigns agree."
-    named = ", ".join(dict.fromkeys(sections))
-    count = len(sections)
-    return (
-        f"{count} {'setting differs' if count == 1 else 'settings differ'} between A and B, in "
-        f"{'these sections' if ',' in named else 'the section'}: {named}."
-    )
+    count = len(settings)
+    differ = f"{count} {'setting differs' if count == 1 else 'settings differ'} between A and B"
+    if count <= _NAMED:
+        return f"{differ}: {', '.join(f'{name} ({section})' for section, name, *_ in settings)}."
+    named = ", ".join(dict.fromkeys(section for section, *_ in settings))
+    return f"{differ}, in {'these sections' if ',' in named else 'the section'}: {named}."
 
 
 def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tuple[str, str], str]]:
@@ -70,7 +71,7 @@ def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tup
             yield (_plain(section), _plain(path) or "value"), value
     for name, value in provenance.details.items():
         for path, text in _flat(value):
-            yield ("origin", " ".join(filter(None, (_plain(name), _plain(path))))), text
+            yield ("run", " ".join(filter(None, (_plain(name), _plain(path))))), text
     for name, version in provenance.software.items():
         yield ("software", name), version
 

@@ -197,8 +197,8 @@ def _settings_section(differences: CampaignDifferences) -> Section:
     table = settings_table(differences)
     if table.rows:
         table = replace(table, title="Settings of A and B that differ")
-        return Section("Settings that differ", tables=(table,), anchor=_SETTINGS)
-    return Section("Settings that differ", ("None.",), anchor=_SETTINGS)
+        return Section("Settings that differ", (_MAY_CAUSE,), tables=(table,), anchor=_SETTINGS)
+    return Section("Settings that differ", (_NONE_DIFFERS,), anchor=_SETTINGS)
 
 
 def _counted(what: str, differences: Sequence[Difference]) -> str:
@@ -218,6 +218,14 @@ def _folded(title: str, table: WordTable) -> tuple[Section, ...]:
 
 
 _SETTINGS = "settings"
+_MAY_CAUSE = (
+    "A difference above may come from these settings, not from the cylinders: make them equal and "
+    "measure again where that matters."
+)
+_NONE_DIFFERS = (
+    "None. A difference above is one of the cylinders, their mounting or the conditions of the "
+    "test, such as the oil."
+)
 _FEW = 2  # curves that the verdict lists
 _LONG = 12  # rows; a longer table starts folded
 _READ = (

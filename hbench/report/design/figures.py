@@ -128,7 +128,7 @@ def pole_zero(loop: ControlLoop) -> Figure:
             marker,
             color=colour,
             markerfacecolor="none",
-            label=merits.chain + (" (unstable)" if merits.digital_modulus >= 1 else ""),
+            label=merits.chain + ("" if merits.stable else " (unstable)"),
         )
         if merits.poles_rad_s is not None and merits.zeros_rad_s is not None:
             poles, look = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
@@ -172,9 +172,9 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
     "locus": (
         locus,
         "Root locus",
-        "Closed-loop poles as the gain grows from 1/50 to 50 times the design's, without and with "
-        "the valve. Coloured markers: at the design's gain. Crosses: open-loop poles. Circle: the "
-        "controller's and the plant's zeros.",
+        "Closed-loop poles as the gain grows from 1/50 to 50 times the present one, without and "
+        "with the valve. Coloured markers: at the present gain. Crosses: open-loop poles. Circle: "
+        "the controller's and the plant's zeros.",
     ),
     "step": (
         step_figure,

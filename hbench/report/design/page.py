@@ -29,9 +29,11 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         sections += [_checks(checks, text.LIMITS, design.tick_s), _proposal(proposal)]
     elif design.checks:
         sections.append(_checks(design.checks, text.POINT_LIMITS, design.tick_s))
-    merits = tuple(tuple(map(_typeset, row)) for row in text.loop_rows(design))
-    loops = WordTable("The three loops with the present gains", _LOOP_HEAD, merits)
-    sections.append(Section("Loops", tables=(loops,), facts=_facts(text.loop_notes(design))))
+    merits = tuple(tuple(map(_merit, row)) for row in text.loop_rows(design))
+    words_in = frozenset({"Loop", "K_c", "Model"})
+    loops = Table(_LOOP_HEAD, merits, words_in, title="The three loops with the present gains")
+    notes = _facts(text.loop_notes(design))
+    sections.append(Section("Loops", (text.about_loops(design),), tables=(loops,), facts=notes))
     sections.append(Section("Further results", facts=_facts(text.facts(design))))
     sections.append(Section("Operating point", facts=text.point_facts(design)))
     if design.reproduced:
@@ -71,8 +73,7 @@ def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
         sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
         limit += sign if any(map(str.isdigit, limit)) else ""
-        where = _NEGATIVE.sub("−", where)
-        rows.append((verdict, *map(Cell, (_capital(what), value + sign, limit, where))))
+        rows.append((verdict, *map(Cell, (_capital(what), value + sign, limit, _minus(where)))))
     head = ("Result", "Check", "Value", "Limit", "Worst at")
     words_in = frozenset({"Result", "Check", "Worst at"})
     table = Table(head, tuple(rows), words_in, title="Checks and their limits")
@@ -90,6 +91,15 @@ def _without_empty(table: Table) -> Table:
 def _proposal(proposal: Proposal) -> Section:
     lines = tuple(f"{_capital(line)}." for line in text.proposal_lines(proposal))
     return Section("Proposed gains", items=lines, code=text.gains_yaml(proposal))
+
+
+def _merit(words: str) -> Cell:
+    """Return an entry of the loops' table."""
+    return Cell("", "unstable") if words == "UNSTABLE" else Cell(_minus(_typeset(words)))
+
+
+def _minus(words: str) -> str:
+    return _NEGATIVE.sub("−", words)
 
 
 def _typeset(words: str) -> str:

@@ -17,6 +17,7 @@ LOOP_HEAD = (
     *("overshoot %", "settling s", "slowest pole s"),
 )
 LOOP_NOTES = (
+    ("K_c, tau_c", "gain and time constant of the PI controller K_c (tau_c s + 1) / s"),
     ("settling", "time until the response to a step of the reference stays within 2 % of the step"),
     ("slowest pole", "time constant -T / ln |z| of the sampled loop's slowest pole; T = {tick} ms"),
 )
@@ -29,11 +30,19 @@ CHAINS = {
 REPRODUCED_HEAD = ("number", "unit", "printed", "obtained", "error %", "agrees", "note")
 LIMITS = (
     "Margins are the smallest over all operating points. The closed loop is simulated with the "
-    "firmware on the bench as its file states it, and on a softer and a stiffer one."
+    "firmware on the bench as its file states it, and on a softer and a stiffer one: bulk "
+    "modulus, masses and viscous friction are off by 20 %, and on the stiffer one the valves too."
 )
 POINT_LIMITS = (
     "Margins of the present gains on the board at the operating point below. With --propose, "
     "hbench design checks all operating points, and the closed loop with the firmware."
+)
+PRESENT = (
+    "The table and the figures show the present gains of the bench file, at the operating point "
+    "below."
+)
+_WRITE = (
+    " They do not show the proposed gains: write these with --write, then run hbench design again."
 )
 _CHAMBERS = ("p_tp", "p_tr", "p_lp", "p_lr")
 _VALVES = {"u_T": "test valve", "u_L1": "load valve L1", "u_L2": "load valve L2"}
@@ -184,6 +193,12 @@ def decay_s(modulus: float, tick_s: float) -> float:
     return -tick_s / math.log(modulus) if 0.0 < modulus < 1.0 else math.inf
 
 
+def about_loops(design: Design) -> str:
+    """Return which gains the loops' table and figures are of."""
+    proposal = design.proposal
+    return PRESENT + (_WRITE if proposal is not None and proposal.holds else "")
+
+
 def loop_notes(design: Design) -> tuple[tuple[str, str], ...]:
     """Return what the rows and columns of the loops' table mean."""
     notes = (*CHAINS.items(), *LOOP_NOTES)
@@ -196,6 +211,7 @@ def loop_rows(design: Design) -> TextRows:
     for loop in design.loops:
         for merits in loop.merits:
             first = merits is loop.merits[0]
+            overshoot = _finite(100 * merits.overshoot, 0 if merits.overshoot >= 0.1 else 1)
             rows.append(
                 (
                     loop.name if first else "",
@@ -205,9 +221,11 @@ def loop_rows(design: Design) -> TextRows:
                     _finite(merits.bandwidth_rad_s, 0),
                     _finite(merits.phase_margin_deg, 0),
                     _finite(gain_db(merits), 1),
-                    _finite(100 * merits.overshoot, 0 if merits.overshoot >= 0.1 else 1),
+                    overshoot if merits.stable else "none",
                     _seconds(merits.settling_s),
-                    _seconds(decay_s(merits.digital_modulus, design.tick_s)),
+                    _seconds(decay_s(merits.digital_modulus, design.tick_s))
+                    if merits.stable
+                    else "UNSTABLE",
                 )
             )
     return rows
@@ -241,7 +259,7 @@ def _shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
     if "modulus" in check.what:
         if check.holds:
             slowest = _seconds(decay_s(check.value, tick_s))
-            return "all loops together: slowest pole", slowest, "stable", "s"
+            return "all loops together: time constant of the slowest pole", slowest, "stable", "s"
         return "all loops together: largest |z|", f"{check.value:.6f}", "< 1", ""
     least = "≥ " if "margin" in check.what else "≤ " if check.limit else ""
     return check.what, _value(check), f"{least}{short(check.limit)}", check.unit
@@ -282,16 +300,18 @@ def proposal_verdict(proposal: Proposal, tick_s: float) -> str:
     """Return the verdict on a proposal, the next step, and the checks that it fails."""
     checks = (*proposal.margins, *proposal.closed_loop)
     failed = [_failed(check, tick_s) for check in checks if not check.holds]
+    cut = [check.where for check in checks if "cut short" in check.what and not check.holds]
+    cause = f" Cause: {cut[0]}." if cut and cut[0] else ""
     if not failed:
         return (
             f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
-            f"{_margins(checks)}. --write writes them into the bench file."
+            f"{_margins(checks)}. To use them, repeat the command with --write."
         )
     more = [f"{len(failed) - _NAMED} more"] if len(failed) > _NAMED else []
     return (
         f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
         f"{proposal.ratio:g}), or correct the bench file. They fail {len(failed)} of {len(checks)} "
-        f"checks, in simulation: {'; '.join([*failed[:_NAMED], *more])}."
+        f"checks, in simulation: {'; '.join([*failed[:_NAMED], *more])}.{cause}"
     )
 
 

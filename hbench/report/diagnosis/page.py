@@ -77,7 +77,6 @@ _POORLY_KNOWN = (
 _REFITTED = (
     f"{_POORLY_KNOWN}. They are fitted first, so that their errors do not appear as effects."
 )
-_UNUSED = "the gaps are those of the model as given, and model.yaml contains the values below"
 _NUMBERS = (
     "diagnosis.json, gaps_by_run.csv: all numbers, also of folded tables, which are not printed. "
     "figures: as SVG, PNG and CSV."
@@ -109,7 +108,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
         ),
     )
     where = Section(
-        "Where the model disagrees",
+        "Deviations that remain" if diagnosis.verdict == "none" else "Where the model disagrees",
         drawings=drawn("where"),
         tables=_with_rows(_untitled(text.where_table(diagnosis)), text.edges_table(diagnosis)),
         facts=_WHERE,
@@ -241,8 +240,11 @@ def _refitted_words(diagnosis: Diagnosis) -> str:
     """Return what was fitted, and when."""
     if not diagnosis.refit_refused:
         return _REFITTED
-    fitted = "these are fitted together with the effects" if diagnosis.effects else _UNUSED
-    return f"{_POORLY_KNOWN}. Fitted first, they made held-out runs worse; {fitted}."
+    added = "effects" if diagnosis.effects else "unnamed laws"
+    return (
+        f"{_POORLY_KNOWN}. Fitted first, they made held-out runs worse; these are fitted together "
+        f"with the {added}."
+    )
 
 
 def _caveats(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:

@@ -20,6 +20,7 @@ FEWEST_IN_HISTOGRAM = 10  # campaigns
 DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
 _COUNTED = "Each campaign counts once, in its class of values."
 _SINGLE = f"Bars: ±{NORMAL_95:.2f} standard errors of a campaign's own trials."
+_NO_BARS = "\nA point without bars has no standard error: do not rely on its value."
 _BLOCKS = "Points: medians of campaigns that follow each other; band: 5 to 95 % of them."
 _NAMED = 30  # campaigns: up to so many have their names below the axis
 _LONGEST = 16  # letters of such a name
@@ -160,8 +161,10 @@ def _lie(count: int) -> str:
 
 
 def _read_as(spreads: Iterable[Spread]) -> str:
-    many = any(block.n > 1 for spread in spreads for block in spread.blocks)
-    return _BLOCKS if many else _SINGLE
+    blocks = [block for spread in spreads for block in spread.blocks]
+    if any(block.n > 1 for block in blocks):
+        return _BLOCKS
+    return _SINGLE if all(block.high > block.low for block in blocks) else _SINGLE + _NO_BARS
 
 
 def _trends(spreads: Iterable[Spread]) -> str:

@@ -10,6 +10,7 @@ from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS, FEWEST_IN_HISTOGR
 from hbench.report.fleet.names import folder_name, of_side, without_condition
 from hbench.report.fleet.precision import (
     METHOD,
+    capability_notes,
     capability_table,
     chart_table,
     components_table,
@@ -137,8 +138,10 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         chosen = _of(drawings, DRIFTS)
         table = _untitled(trend_table(fleet))
         yield Section("Drifts", drawings=chosen, tables=(table,) if table.rows else ())
-    if fleet.capabilities:
-        yield Section("Capability", tables=(_untitled(capability_table(fleet)),))
+    if fleet.capabilities or fleet.without_capability:
+        table = _untitled(capability_table(fleet))
+        known = (table,) if table.rows else ()
+        yield Section("Capability", tuple(capability_notes(fleet)), tables=known)
     if fleet.charts:
         tables = (_untitled(chart_table(fleet)), signal_table(fleet), step_table(fleet))
         shown = tuple(table for table in tables if table.rows)

@@ -95,6 +95,7 @@ def precision_sentences(fleet: Fleet) -> Iterator[str]:
     if beyond:
         yield f"Beyond the control limits: {_named(tuple(beyond)[:_NAMED], len(beyond))}."
     steps: dict[str, list[str]] = {}
+    largest: dict[str, float] = {}
     for chart in fleet.charts:
         if chart.step is not None and chart.step.real:
             scale, unit = chart.quantity.scale, chart.quantity.unit
@@ -103,9 +104,14 @@ def precision_sentences(fleet: Fleet) -> Iterator[str]:
             )
             title = without_condition(chart.quantity)
             name = f"{title[:1].lower()}{title[1:]}{of_side(chart.direction)}"
-            steps.setdefault(chart.step.name, []).append(f"{name}: {before} to {after} {unit}")
+            at = chart.step.name
+            steps.setdefault(at, []).append(f"{name}: {before} to {after} {unit}")
+            largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
     for at, changes in steps.items():
-        yield f"Step at {at}: {'; '.join(changes)}."
+        yield (
+            f"Step at {at} (p up to {significant(largest[at], 2)}): {'; '.join(changes)}. "
+            "Check what changed there: the cylinders, the bench or its instruments."
+        )
     for trend in fleet.wear:
         if trend.real:
             yield (
@@ -261,6 +267,12 @@ def capability_table(fleet: Fleet) -> WordTable:
         )
     head = ("Number", "Campaigns", "Limits", "Mean", "s", "Cpk", "Beyond the limits")
     return WordTable("Capability", head, tuple(rows))
+
+
+def capability_notes(fleet: Fleet) -> Iterator[str]:
+    """Yield the limits that have no Cpk, with the reason."""
+    for name, reason in fleet.without_capability:
+        yield f"No Cpk for the limit of {name}: {reason}."
 
 
 def wear_table(fleet: Fleet) -> WordTable:

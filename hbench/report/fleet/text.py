@@ -22,6 +22,7 @@ from hbench.report.fleet.names import (
     without_condition,
 )
 from hbench.report.fleet.precision import (
+    capability_notes,
     capability_table,
     chart_table,
     components_table,
@@ -72,7 +73,7 @@ def fleet_text(fleet: Fleet) -> str:
     if fleet.decisions:
         lines += ["", f"decisions of hbench accept: {decision_words(fleet)}"]
     notes = [f"plan: {note}" for note in fleet.plan_notes]
-    lines += ["", *notes, fleet_verdict(fleet)]
+    lines += ["", *notes, *capability_notes(fleet), fleet_verdict(fleet)]
     text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
     text = text.replace("×", "x").replace("λ", "lambda")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
@@ -227,9 +228,9 @@ def spread_table(fleet: Fleet) -> WordTable:
 
 
 def _resolved(spread: Spread, value: float) -> str:
-    """Write a value to the first significant digit of the standard error of the trials."""
-    scale, error = spread.quantity.scale, spread.se_trials
-    if error is None or not error > 0:
+    """Write a value to the first significant digit of the trials' standard error, or the spread."""
+    scale, error = spread.quantity.scale, spread.se_trials or spread.between
+    if not error > 0:
         return significant(scale * value, 4)
     return number(scale * value, max(0, -math.floor(math.log10(scale * error))))
 

@@ -134,7 +134,11 @@ def _of_each_law(table: WordTable) -> tuple[WordTable, ...]:
     laws = dict.fromkeys(law for law, *_ in table.rows)
     return tuple(
         _without_empty(
-            WordTable(name, table.head[1:], tuple(row[1:] for row in table.rows if row[0] == name))
+            WordTable(
+                f"{name}: identified parameters",
+                table.head[1:],
+                tuple(row[1:] for row in table.rows if row[0] == name),
+            )
         )
         for name in laws
     )
@@ -170,20 +174,34 @@ def _verdict(identification: Identification) -> str:
     return (
         f"{_closest(identification)}Each law was simulated in a model of the bench, with the "
         f"firmware in closed loop, over {count} verification runs, which were not "
-        "used for the identification."
+        f"used for the identification.{_next_step(identification)}"
     ).strip()
 
 
 def _closest(identification: Identification) -> str:
     """Name the laws with the smallest errors of friction over all parts of the runs."""
-    errors = {law.law: rms_n(law.errors.values()) for law in identification.laws if law.errors}
+    errors = _errors(identification)
     if not errors:
         return ""
     least = min(errors.values())
-    best = [law_words(law) for law, error in errors.items() if error <= _EQUALLY_GOOD * least]
-    alone = len(best) == 1
-    verb, size = ("predicts", "RMS error") if alone else ("predict", "RMS errors within 5 % of")
-    text = f"{' and '.join(best)} {verb} friction best: {size} {significant(least, 2)} N"
+    best = {law: error for law, error in errors.items() if error <= _EQUALLY_GOOD * least}
+    names = [f"{law_words(law)} ({significant(error, 2)} N)" for law, error in best.items()]
+    verb = "predicts" if len(best) == 1 else "predict"
     scatter = identification.scatter and rms_n(identification.scatter.values())
-    more = f", where the trials scatter by {significant(scatter, 2)} N" if scatter else ""
-    return f"{text}{more}. "
+    more = f"; the trials scatter by {significant(scatter, 2)} N" if scatter else ""
+    return f"{' and '.join(names)} {verb} friction best by RMS error{more}. "
+
+
+def _next_step(identification: Identification) -> str:
+    """Return how to use the law with the smallest error; empty if none was verified."""
+    errors = _errors(identification)
+    if not errors:
+        return ""
+    return (
+        f" Next step: simulate with hbench run --plant {min(errors, key=errors.__getitem__)}.yaml."
+    )
+
+
+def _errors(identification: Identification) -> dict[str, float]:
+    """Return the error of friction of each verified law, over all parts of the runs."""
+    return {law.law: rms_n(law.errors.values()) for law in identification.laws if law.errors}

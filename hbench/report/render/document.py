@@ -21,6 +21,7 @@ from hbench.report.render.word_tables import Cell, Table
 _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|none|not significant|")
 _DIGIT = re.compile(r"\d")
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
+_FIGURE = re.compile(r"Figure (\d+)\. ")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
@@ -193,6 +194,7 @@ def _environment() -> Environment:
         "slug": slug,
         "inline": inline,
         "csv_link": _csv_link,
+        "called": _called,
         "numeric": numeric,
         "cell_classes": _cell_classes,
         "head_classes": _head_classes,
@@ -209,6 +211,12 @@ def _environment() -> Environment:
 def _csv_link(drawing: Drawing) -> str:
     """Return a figure's data as a link that holds it."""
     return "data:text/csv;charset=utf-8," + quote(drawing.csv, safe="!$()*+,-./:;=?@_~")
+
+
+def _called(drawing: Drawing) -> str:
+    """Return the name of a figure by its number, if it has one."""
+    number = _FIGURE.match(drawing.title)
+    return f"figure {number[1]}" if number else "this figure"
 
 
 def numeric(table: WordTable | Table) -> set[int]:

@@ -8,7 +8,12 @@ import numpy as np
 from hbench.analysis.comparison.control_chart import FEWEST, centre_and_sigma
 from hbench.analysis.comparison.run_rules import run_rules
 from hbench.records.conformity.acceptance import ConformityCheck
-from hbench.report.conformity.text import requirement_words, series_words
+from hbench.report.conformity.text import (
+    limit_words,
+    measured_words,
+    requirement_words,
+    series_words,
+)
 from hbench.units import from_si
 
 _MOST = 4  # charts
@@ -21,8 +26,9 @@ def station_charts(
     """Return a chart for each of the first quantities that the last decided cylinder has limits of.
 
     ``names`` and ``checks`` are those of the cylinders, in the order of their tests. A chart has
-    the values in the unit of the limits, and from ten cylinders on the control limits, mean ± 3
-    sigma of the moving ranges, with the rules that signal at each value.
+    the values in the unit of the limits, the last one in words with its uncertainty, and from ten
+    cylinders on the control limits, mean ± 3 sigma of the moving ranges, with the rules that
+    signal at each value.
     """
     newest = next((each for each in reversed(checks) if each), ())
     by_series = [_by_series(each) for each in checks]
@@ -63,6 +69,7 @@ def _chart(
         "unit": unit,
         "names": [name for name, _ in found],
         "values": values.tolist(),
+        "last": f"{found[-1][0]}: {measured_words(last)} (95 %), limit {limit_words(limits)}",
         "low": None if limits.low is None else from_si(limits.low, unit),
         "high": None if limits.high is None else from_si(limits.high, unit),
         "control": None,
