@@ -7,7 +7,12 @@ from dataclasses import replace
 from hbench.records import Diagnosis, WordTable
 from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import changes_tables, listed, lookalikes_tables
-from hbench.report.diagnosis.names import BALANCE_NAMES, balance, in_words, value_words
+from hbench.report.diagnosis.names import (
+    BALANCE_NAMES,
+    SIGNAL_NAMES,
+    in_words,
+    value_words,
+)
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.sentences import deviations
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
@@ -302,10 +307,9 @@ def _head(name: str) -> str:
 
 
 def _in_words(line: str) -> str:
-    """Return a text with the names of effects and balances in words, not in keys."""
-    return _KEY.sub(
-        lambda key: balance(key[0]).title if key[0] in BALANCE_NAMES else in_words(key[0]), line
-    )
+    """Return a text with effects, balances and channels in words or symbols, not in keys."""
+    names = {key: name.title for key, name in (*SIGNAL_NAMES.items(), *BALANCE_NAMES.items())}
+    return _KEY.sub(lambda key: names.get(key[0]) or in_words(key[0]), line)
 
 
 def _sentence(line: str) -> str:

@@ -78,7 +78,8 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
 
 
 def _upper(text: str) -> str:
-    return text[:1].upper() + text[1:]
+    """Begin with a capital letter, unless the first word is a key."""
+    return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
 
 
 def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
