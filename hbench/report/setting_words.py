@@ -18,7 +18,7 @@ _WORDS = {
     "of": "relative to",
     "output": "output at full span",
     "oversampling": "samples averaged",
-    "plant_sha256": "checksum of the plant file of the virtual rig",
+    "plant": "plant file of the virtual rig",
     "poisson": "Poisson's ratio",
     "port": "port of the board",
     "pressure_filter": "time constant of the pressure filter",
@@ -33,8 +33,8 @@ _WORDS = {
     "velocity_filter": "time constant of the velocity filter",
     "youngs_modulus": "Young's modulus",
 }
-_POWER = re.compile(r"(?<=[a-z])\^(-?\d)(?!\d)")
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_POWER = re.compile(r"(?<=[a-z])\^([234])(?!\d)")
+_RAISED = str.maketrans("234", "²³⁴")
 
 
 def key_words(key: Any) -> str:
