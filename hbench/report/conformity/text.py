@@ -30,9 +30,9 @@ RULES = {
 _STEPS = {
     "FAIL": "FAIL: check the zeros and the calibration of the instruments, then repeat the test; "
     "if it fails again, do not deliver the cylinder",
-    "MARGINAL": "MARGINAL: U95 is too large to decide by this rule; repeat the test with more "
-    "trials or more accurate instruments (hbench report shows the parts of U95), or agree on "
-    "another rule with the customer",
+    "MARGINAL": "MARGINAL: the value is within its limit, but nearer to it than U95; repeat the "
+    "test with more trials or more accurate instruments (hbench report shows the parts of U95), or "
+    "agree on another rule with the customer",
     "NOT TESTED": "NOT TESTED: make the runs that the reasons in the table name, then repeat the "
     "command",
 }
