@@ -15,6 +15,7 @@ _WORDS = {
     "heartbeat": "longest time without a message of the host",
     "level": "level shift",
     "log_rate": "rate of the log",
+    "noisy": "with noise",
     "of": "relative to",
     "output": "output at full span",
     "oversampling": "samples averaged",
