@@ -165,7 +165,8 @@ def judge(recorded: ClosedLoopRuns, bench: Bench, rules: Screening, plant: str) 
     yield Check(f"{plant}: runs cut short", cut, 0, "runs", not cut, stop)
     verdicts = [screen(run, rules) for run in recorded.runs]
     rejected = [verdict for verdict in verdicts if not verdict.accepted]
-    why = f"{_where(rejected[0].run)}: {rejected[0].reasons[0]}" if rejected else ""
+    others = [verdict for verdict in rejected if not verdict.run.aborted]
+    why = f"{_where(others[0].run)}: {others[0].reasons[0]}" if others else stop if rejected else ""
     yield Check(f"{plant}: rejected runs", len(rejected), 0, "runs", not rejected, why)
 
     rows_of_check: dict[tuple[str, str], list[tuple[float, float, str]]] = {}

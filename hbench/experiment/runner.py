@@ -75,9 +75,12 @@ def run_campaign(
             while retry and recorder.again(batch[0]):
                 _make(batch, client, identity, settings_crc, recorder, report)
     except BaseException as error:
-        _stop(client)  # first, since the next lines may fail too
-        cause = _cause(error, client, identity, recorder.current)
-        recorder.abandon(cause)
+        cause = error
+        try:
+            _stop(client)  # first, since the next lines may fail too
+            cause = _cause(error, client, identity, recorder.current)
+        finally:  # also where the operator interrupts again
+            recorder.abandon(cause)
         raise cause from None
     recorder.close()
 

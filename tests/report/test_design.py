@@ -82,6 +82,21 @@ def test_present_gains_pass_or_fail_with_the_check_first(design):
     assert json.loads(design_json(passing))["checks"][0]["holds"] is True
 
 
+def test_a_cause_that_several_checks_have_is_stated_once_in_words(design):
+    stop = (
+        "the board stopped itself: speed_error: the speed was off its reference by more than "
+        "limits.speed_error for limits.speed_error_time"
+    )
+    checks = tuple(
+        Check(f"{plant}: runs cut short", 18, 0, "runs", False, f"run {run}: {stop}")
+        for plant, run in (("bench", "0001"), ("softer", "0001"), ("stiffer", "0015"))
+    )
+    failing = replace(design, proposal=replace(design.proposal, closed_loop=checks))
+    for text in (design_text(failing), design_page(failing, ())):
+        assert text.count("off its reference by more than allowed") == 1
+        assert text.count("see the cause") == 3 and "limits.speed" not in text
+
+
 def test_every_figure_is_the_same_twice(design, drawings):
     for one, two in zip(drawings, draw_design(design), strict=True):
         assert one.svg == two.svg and one.png == two.png

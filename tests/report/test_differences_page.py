@@ -111,7 +111,7 @@ def test_a_comparison_states_each_setting_that_differs(found):
     changed = replace(found, a=a, b=replace(b, firmware="two"))
     assert settings_that_differ(changed) == (
         ("bench", "firmware", "one", "two"),
-        ("oil", "points density", "870 kg/m^3", "850 kg/m^3"),
+        ("oil", "points density", "870 kg/m³", "850 kg/m³"),
         ("x", "value", "–", "1"),
     )
     text = differences_page(changed, ())

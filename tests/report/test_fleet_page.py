@@ -211,7 +211,7 @@ def test_charts_show_a_shift_by_ewma_rules_and_a_step(shifted):
     text = fleet_text(shifted)
     assert (
         text.isascii()
-        and re.search(r"Step at c18 \(p up to 0\.0\d+\): friction, extending: ", text)
+        and re.search(r"Step at c18 \(p up to 0\.0\d+\): friction, extending \+", text)
         and "Change points" in text
     )
     document = json.loads(fleet_json(shifted))

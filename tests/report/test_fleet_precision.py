@@ -11,6 +11,7 @@ from hbench.analysis.comparison.fleet_summary import summarize
 from hbench.analysis.comparison.precision import Tolerance
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
+from hbench.report.fleet.precision import limit_sentences
 from hbench.report.fleet.text import fleet_json, fleet_text, fleet_verdict
 from hbench.store.fleet.table import TABLE, FleetTable
 from tests.support.report.made_plan import SIGMA_N, WEAR_N_M, plan_rows, write_plan
@@ -59,11 +60,13 @@ def test_the_sources_of_a_plan_are_found(fleet):
 
 def test_the_page_states_limits_tolerance_and_what_they_mean(fleet, undrawn):
     page = fleet_page(fleet, draw_fleet(fleet))
-    verdict = fleet_verdict(fleet)
+    limits = " ".join(limit_sentences(fleet))
     r, limit = study(fleet).limits
-    assert f"repeatability limit {r:.0f} N, reproducibility limit {limit:.0f} N" in verdict
+    assert f"repeatability limit {r:.0f} N, reproducibility limit {limit:.0f} N" in limits
     share = f"{100 * study(fleet).share_of_tolerance:.0f} % of the tolerance"
-    assert share in verdict and "Variance components" in page and "ISO 5725-6" in page
+    assert all(each in page for each in limit_sentences(fleet))
+    assert "repeatability limit" not in fleet_verdict(fleet)
+    assert share in limits and "Variance components" in page and "ISO 5725-6" in page
     text = fleet_text(fleet)
     assert text.isascii() and "mounting, in a cylinder" in text
 

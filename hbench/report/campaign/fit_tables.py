@@ -119,13 +119,13 @@ def _selected(selection: Selection) -> tuple[str, ...]:
     best, following = (
         f"{law_words(law.law)} ({significant(law.rmse_n, 3)} N)" for law in selection.laws[:2]
     )
-    verdict = "distinguishable" if selection.distinguishable else "not distinguishable"
+    verdict = "significant" if selection.distinguishable else "not significant"
     return (
         best,
         following,
         significant(selection.difference_n2, 3),
         significant(selection.difference_se_n2, 2),
-        f"{verdict} with {selection.speeds} speeds",
+        f"difference {verdict} with {selection.speeds} speeds",
     )
 
 

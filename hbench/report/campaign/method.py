@@ -119,7 +119,7 @@ _NUMBERS = {
     "The two intervals differ where a law is nonlinear within them or a bound is near. Correlated "
     "parameters do not vary by themselves: covariances.csv contains their covariances.",
     "Which law predicts best": "Each speed but the lowest and the highest is held out in turn and "
-    "predicted from the others; laws are distinguishable where the 95 % interval of the "
+    "predicted from the others; two laws differ significantly where the 95 % interval of the "
     "difference of their mean squares is above zero.",
     "Friction of moving runs": "F_T − F_applied − m_T a (2.12 with the test side's mass, since the "
     "load cell carries the load side's). Velocity and acceleration are derivatives of the "

@@ -30,7 +30,10 @@ _SHEET = 50  # a longer table of points is not printed
 _PREDICTS = (
     "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
     "In parentheses the RMS error of these predictions; then the difference of the mean squares "
-    "with its standard error. Laws that are not distinguishable predict these points equally well."
+    "with its standard error. The difference is significant (95 %) where it exceeds its standard "
+    "error times Student's t. One speed with a large error can make an RMS error several times as "
+    "large as the other, without significance: the other speeds do not confirm it, and the better "
+    "law is not proven to be better."
 )
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _BREAKAWAY = (

@@ -60,13 +60,6 @@ def quality_count(quality: Quality) -> str:
     return f"{good} of {len(quality.checks)} checks are good"
 
 
-def not_good_words(quality: Quality) -> str:
-    """Name the checks that are not good; empty without any."""
-    return ", ".join(
-        _NAMES[check.name].lower() for check in quality.checks if check.grade != "good"
-    )
-
-
 def next_step(quality: Quality, budget: str, count_runs: bool = True) -> str:
     """Return what makes the checks good that are not; empty if all are.
 

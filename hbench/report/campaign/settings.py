@@ -1,6 +1,5 @@
 """Identity of the test, instruments, settings, software, and notes of the analysis."""
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from datetime import datetime
@@ -10,10 +9,15 @@ from hbench.records import Results, Specimen
 from hbench.report.campaign.reasons import code_of
 from hbench.report.render.document import Section
 from hbench.report.render.numbers import number
+from hbench.report.setting_words import key_words, section_words
 
 _SIZES = ("bore", "rod", "stroke")
 _TEST = ("customer", "operator", "mounting", "place", "ambient")
 _ABORTED = "aborted"  # code of the reason
+_NO_REASON = (
+    "The campaign's journal contains no reason for the stop: hbench run is still running, was "
+    "interrupted between two runs, or was ended by force."
+)
 _OF_COMPLETED = (
     "All numbers on this page are those of the completed runs. To continue the campaign, repeat "
     "its command with --resume."
@@ -43,7 +47,7 @@ def identity_facts(results: Results) -> tuple[tuple[str, str], ...]:
         "Instruments": _calibrations(provenance.settings.get("instruments", {})),
         "Analysis": f"hbench {provenance.software.get('hbench', '')}".strip(),
     }
-    return tuple((name, _words(text)) for name, text in facts.items() if text)
+    return tuple((name, str(text)) for name, text in facts.items() if text)
 
 
 def aborted_words(results: Results) -> str:
@@ -56,7 +60,7 @@ def aborted_words(results: Results) -> str:
     last = results.runs[-1] if results.runs else None
     why = [] if last is None else [r for r in last.reasons if code_of(r) == _ABORTED]
     if last is None or not why:
-        return f"INCOMPLETE CAMPAIGN: {count}. {_OF_COMPLETED}"
+        return f"INCOMPLETE CAMPAIGN: {count}. {_NO_REASON} {_OF_COMPLETED}"
     reason = why[0].partition(":")[2].strip().removeprefix(f"run {last.run.plan.run}: ")
     return (
         f"ABORTED CAMPAIGN: {count}. Run {last.run.plan.run} ended early: {reason}. {_OF_COMPLETED}"
@@ -94,8 +98,8 @@ def _facts(results: Results) -> Iterator[tuple[str, str]]:
         which = ", ".join(filter(None, labels)) if len(specimens) > 1 else ""
         yield f"Cylinder {which}".strip(), _dimensions(specimen)
     for name, section in provenance.settings.items():
-        yield _name(name), _words(section)
-    yield from ((_name(name), _words(value)) for name, value in provenance.details.items())
+        yield _name(name), section_words(section)
+    yield from ((_name(name), section_words(value)) for name, value in provenance.details.items())
     if provenance.software:
         versions = (f"{name} {value}" for name, value in provenance.software.items())
         yield "Software", ", ".join(versions)
@@ -137,16 +141,5 @@ def _time(written: str) -> str:
 
 
 def _name(key: str) -> str:
-    text = key.replace("_", " ")
+    text = key_words(key)
     return f"{text[:1].upper()}{text[1:]}"
-
-
-def _words(value: Any, inside: bool = False) -> str:
-    """Write a section of a bench file in a line, with its values unchanged."""
-    if isinstance(value, Mapping):
-        entries = [
-            f"{str(name).replace('_', ' ')} {_words(entry, inside=True)}"
-            for name, entry in value.items()
-        ]
-        return f"({', '.join(entries)})" if inside else "; ".join(entries)
-    return value if isinstance(value, str) else json.dumps(value, default=str, ensure_ascii=False)

@@ -13,7 +13,6 @@ from hbench.report.campaign.quality import (
     RULE,
     implausible_table,
     next_step,
-    not_good_words,
     quality_count,
     quality_table,
     short_point_table,
@@ -74,9 +73,10 @@ def summary_section(results: Results) -> Section:
 
 
 def headline_words(results: Results) -> str:
-    """Return friction, breakaway and efficiency in a sentence.
+    """Return the first quantity that was measured, such as friction, in a sentence.
 
-    Empty without any, and where the data is poor or the campaign was aborted.
+    Empty without any, and where the data is poor or the campaign was aborted. The tiles contain
+    the other quantities.
     """
     series = results.headline.series
     if results.quality.grade == "poor" or aborted_words(results) or not series:
@@ -96,9 +96,8 @@ def headline_words(results: Results) -> str:
     where = ", over all loads and directions" if len(series) > 1 else ""
     if not parts:
         return ""
-    (first, words), *others = parts
-    text = ", ".join((f"{first} is {words}", *(" ".join(part) for part in others)))
-    return f"{text[:1].upper()}{text[1:]}{where}."
+    name, words = parts[0]
+    return f"{name[:1].upper()}{name[1:]} is {words}{where}."
 
 
 def _span_words(numbers: list[HeadlineNumber], scale: float, unit: str) -> str:
@@ -185,8 +184,7 @@ def _tiles(results: Results) -> Iterable[Tile]:
         yield Tile(f"{accepted} of {len(results.runs)}", "runs", "accepted")
     else:
         yield Tile(f"{accepted} of {planned}", "runs", "accepted, of those planned")
-    others = not_good_words(results.quality)
-    caption = f"data: {quality_count(results.quality)}{f'; not so: {others}' if others else ''}"
+    caption = f"data: {quality_count(results.quality)}"
     yield Tile(results.quality.grade.capitalize(), "", caption)
 
 

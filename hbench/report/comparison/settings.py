@@ -1,6 +1,5 @@
 """What differs between the benches and schedules of two campaigns, as a table."""
 
-import json
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 from hbench.records import CampaignDifferences, Curve, Provenance
 from hbench.report.render.numbers import NONE, number
 from hbench.report.render.word_tables import Cell, Table
+from hbench.report.setting_words import key_words, value_words
 
 _HEAD = ("Section", "Setting", "A", "B")
 _LONGEST = 80  # letters of a value
@@ -68,26 +68,21 @@ def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tup
         yield ("cylinder", "area of the rod side"), f"{number(1e6 * specimen.area_rod_m2)} mm²"
     for section, content in provenance.settings.items():
         for path, value in _flat(content):
-            yield (_plain(section), _plain(path) or "value"), value
+            yield (key_words(section), path or "value"), value
     for name, value in provenance.details.items():
         for path, text in _flat(value):
-            yield ("run", " ".join(filter(None, (_plain(name), _plain(path))))), text
+            yield ("run", ", ".join(filter(None, (key_words(name), path)))), text
     for name, version in provenance.software.items():
         yield ("software", name), version
 
 
 def _flat(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the entries of a section of a file, each with its path of keys."""
+    """Yield the entries of a section of a file, each with its keys in words."""
     if isinstance(value, Mapping):
         for name, entry in value.items():
-            yield from _flat(entry, f"{path} {name}".strip())
+            yield from _flat(entry, f"{path} {key_words(name)}".strip())
     else:
-        text = value if isinstance(value, str) else json.dumps(value, default=str)
-        yield path, text
-
-
-def _plain(key: str) -> str:
-    return str(key).replace("_", " ").replace("sha256", "checksum")
+        yield path, value_words(value)
 
 
 def _short(text: str) -> str:

@@ -42,7 +42,7 @@ from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
 
 SCHEMA = "hbench.comparison/1"
-_PLAIN = {"−": "-", "–": "-", "\N{NON-BREAKING HYPHEN}": "-", "±": "+-", "²": "^2"}
+_PLAIN = {"−": "-", "–": "-", "\N{NON-BREAKING HYPHEN}": "-", "±": "+-", "²": "^2", "³": "^3"}
 
 
 def differences_text(differences: CampaignDifferences) -> str:
@@ -61,7 +61,7 @@ def differences_text(differences: CampaignDifferences) -> str:
     tables = (
         band_table(differences),
         slope_table(differences),
-        _means(differences),
+        *_means(differences),
         _parameters(differences),
     )
     for table in tables:
@@ -139,7 +139,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Differences of mean friction and efficiency",
             (_READ,),
-            tables=(_means(differences),),
+            tables=_means(differences),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),
@@ -375,18 +375,22 @@ def _instruments(differences: CampaignDifferences) -> str:
     return "Other instruments in each, or not known to be the same: the errors of both count."
 
 
-def _means(differences: CampaignDifferences) -> WordTable:
-    rows = []
-    for curve in differences.curves:
-        for words, scale, difference in (
-            ("friction (N)", 1.0, curve.mean_n),
-            ("efficiency (%)", 100.0, curve.efficiency),
-        ):
-            if difference is not None:
-                rows.append((_who(curve), words, *cells(difference, scale)))
-    return difference_table(
-        "Means over the speeds, and their differences", ("Curve", "Mean of"), rows
+def _means(differences: CampaignDifferences) -> tuple[WordTable, WordTable]:
+    """Return the means over the speeds of friction and of efficiency."""
+    friction = [(curve, curve.mean_n) for curve in differences.curves]
+    efficiency = [(curve, curve.efficiency) for curve in differences.curves]
+    friction_table, efficiency_table = (
+        difference_table(
+            f"{title}: means over the speeds, and their differences",
+            ("Curve",),
+            [(_who(curve), *cells(each, scale)) for curve, each in known if each is not None],
+        )
+        for title, scale, known in (
+            ("Friction (N)", 1.0, friction),
+            ("Efficiency (%)", 100.0, efficiency),
+        )
     )
+    return friction_table, efficiency_table
 
 
 def _parameters(differences: CampaignDifferences) -> WordTable:

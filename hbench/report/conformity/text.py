@@ -1,5 +1,6 @@
 """Acceptance of a cylinder for the terminal, and as JUnit XML for production servers."""
 
+from collections.abc import Iterator
 from xml.etree import ElementTree
 
 from hbench.records import WordTable
@@ -24,6 +25,16 @@ RULES = {
     "shared_risk": "shared risk: the measured value decides where U95 is at most {share} of the "
     "limit",
     "guard_band": "guard band: a value passes if it is inside the limit by at least U95",
+}
+
+_STEPS = {
+    "FAIL": "FAIL: check the zeros and the calibration of the instruments, then repeat the test; "
+    "if it fails again, do not deliver the cylinder",
+    "MARGINAL": "MARGINAL: the value is within its limit, but nearer to it than U95; repeat the "
+    "test with more trials or more accurate instruments (hbench report shows the parts of U95), or "
+    "agree on another rule with the customer",
+    "NOT TESTED": "NOT TESTED: make the runs that the reasons in the table name, then repeat the "
+    "command",
 }
 
 
@@ -53,8 +64,16 @@ def acceptance_text(acceptance: Acceptance) -> str:
         *list(table_lines(acceptance_table(acceptance)))[1:],
         f"rule: {rule_words(acceptance)}; limits of {acceptance.limits}",
         *(f"note: {note}" for note in acceptance.notes),
+        *(f"next: {step}" for step in next_steps(acceptance)),
     ]
     return "\n".join(lines).replace("−", "-").replace("–", "-").replace("±", "+-")
+
+
+def next_steps(acceptance: Acceptance) -> Iterator[str]:
+    """Yield what to do about each kind of decision but PASS."""
+    for decision, step in _STEPS.items():
+        if any(check.decision == decision for check in acceptance.checks):
+            yield step
 
 
 def junit_xml(acceptance: Acceptance) -> str:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -49,6 +50,9 @@ _VALVES = {"u_T": "test valve", "u_L1": "load valve L1", "u_L2": "load valve L2"
 _DECIMALS = {"deg": 0, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
 _MOST_DECIMALS = 6
 _NAMED = 3  # failed checks in the verdict
+_STOPPED = re.compile(r"^run \d+: (the board stopped itself: )(?:\w+: )?")
+_LIMIT = re.compile(r"limits\.(\w+)")
+_ALLOWED = {"speed_error_time": "longer than allowed", "travel": "the allowed travel"}
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
 
 
@@ -249,9 +253,36 @@ def reproduced_rows(numbers: Sequence[Reproduced]) -> TextRows:
 
 def check_rows(checks: Sequence[Check], tick_s: float) -> TextRows:
     """Return a row for each check, as ``CHECK_HEAD``; ``tick_s`` is the sampling period [s]."""
+    causes = _causes(checks)
     return [
-        (*_shown(check, tick_s), "yes" if check.holds else "NO", check.where) for check in checks
+        (
+            *_shown(check, tick_s),
+            "yes" if check.holds else "NO",
+            _cause_name(check, causes) or check.where,
+        )
+        for check in checks
     ]
+
+
+def _causes(checks: Sequence[Check]) -> tuple[str, ...]:
+    """Return why the board stopped itself in the runs of the checks, each cause once."""
+    return tuple(dict.fromkeys(filter(None, map(_cause, checks))))
+
+
+def _cause(check: Check) -> str:
+    """Return why the board stopped itself in a check's first failed run; empty if it did not."""
+    if check.holds or not _STOPPED.match(check.where):
+        return ""
+    words = _STOPPED.sub(r"\1", check.where)
+    return _LIMIT.sub(lambda found: _ALLOWED.get(found[1], "allowed"), words)
+
+
+def _cause_name(check: Check, causes: Sequence[str]) -> str:
+    """Return which of the verdict's causes is that of a check; empty if none is."""
+    cause = _cause(check)
+    if not cause:
+        return ""
+    return "see the cause" if len(causes) == 1 else f"see cause {causes.index(cause) + 1}"
 
 
 def _shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
@@ -299,19 +330,26 @@ def gains_yaml(proposal: Proposal) -> str:
 def proposal_verdict(proposal: Proposal, tick_s: float) -> str:
     """Return the verdict on a proposal, the next step, and the checks that it fails."""
     checks = (*proposal.margins, *proposal.closed_loop)
-    failed = [_failed(check, tick_s) for check in checks if not check.holds]
-    cut = [check.where for check in checks if "cut short" in check.what and not check.holds]
-    cause = f" Cause: {cut[0]}." if cut and cut[0] else ""
+    failed = [check for check in checks if not check.holds]
+    causes = _causes(failed)
     if not failed:
         return (
             f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
             f"{_margins(checks)}. To use them, repeat the command with --write."
         )
-    more = [f"{len(failed) - _NAMED} more"] if len(failed) > _NAMED else []
+    named = [_failed(check, tick_s) for check in failed if not _cause(check)]
+    more = [f"{len(named) - _NAMED} more"] if len(named) > _NAMED else []
+    stopped = sum(map(bool, map(_cause, failed)))
+    because = [f"{stopped} because the board stopped itself"] if stopped else []
+    listed = "; ".join([*because, *named[:_NAMED], *more])
+    several = len(causes) > 1
+    why = "".join(
+        f" Cause{f' {i}' if several else ''}: {each}." for i, each in enumerate(causes, start=1)
+    )
     return (
         f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
         f"{proposal.ratio:g}), or correct the bench file. They fail {len(failed)} of {len(checks)} "
-        f"checks, in simulation: {'; '.join([*failed[:_NAMED], *more])}.{cause}"
+        f"checks, in simulation: {listed}.{why}"
     )
 
 

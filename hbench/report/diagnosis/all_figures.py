@@ -66,9 +66,10 @@ _OVERLAY = (
 )
 _RANKING = (
     "Score of each candidate at held-out operating points, and the share of the excess gap that it "
-    "explains there. Vertical line: the score that is needed; for a candidate that could be named "
-    "it is determined from residuals drawn at random. Filled: fitted in full; hollow: "
-    "evaluated by its linear signature alone. Blue: named, or in the ambiguous set."
+    "explains in the balances that it touches. No gain: it predicts these points no better. "
+    "Vertical line: the score that is needed; for a candidate that could be named it is determined "
+    "from residuals drawn at random. Filled: fitted in full; hollow: evaluated by its linear "
+    "signature alone. Blue: named, or in the ambiguous set."
 )
 _REFITTED = (
     "Factors on poorly known values of the model{fitted}, with their 95 % intervals. Hollow: at a "

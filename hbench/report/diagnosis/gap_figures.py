@@ -37,7 +37,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "floor": {"marker": "|", "color": "black", "markersize": 13, "markeredgewidth": 2},
 }
 _LEAST = 0.3  # gap that is drawn; below, runs are closer than trials by chance
-_MOST = 3.0  # of the colour scale: a gap of 1000
+_LEAST_SCALE = 10.0  # largest gap of the colour scale at least: small gaps stay light
 _ON_LIGHT = "#010101"  # black in the dark too, on the light colours of a table
 
 
@@ -104,13 +104,15 @@ def region_figure(diagnosis: Diagnosis) -> Figure:
     panels = figure.subplots(
         1, len(groups), sharey=True, width_ratios=[len(group) for group in groups], squeeze=False
     )[0]
+    every = [value for region in diagnosis.regions for value in region.gaps.values()]
+    most = float(np.nanmax([_LEAST_SCALE, *every]))
     for axes, group in zip(panels, groups, strict=True):
         gaps = np.array([[region.gaps.get(name, np.nan) for region in group] for name in names])
-        look = {"norm": LogNorm(1, 10**_MOST), "cmap": "Blues", "label": "_gaps"}
+        look = {"norm": LogNorm(1, most), "cmap": "Blues", "label": "_gaps"}
         image = axes.imshow(np.maximum(gaps, 1.0), aspect="auto", **look)
         behind(image, {"Gap (trial scatters)": gaps.ravel()})
         for (row, column), value in np.ndenumerate(gaps):
-            dark = np.log10(max(value, 1.0)) > 0.55 * _MOST
+            dark = np.log10(max(value, 1.0)) > 0.55 * np.log10(most)
             axes.text(
                 column,
                 row,
@@ -185,7 +187,10 @@ def ranking_figure(diagnosis: Diagnosis, most: int = 12) -> Figure:
 
 
 def _remark(candidate: Candidate) -> str:
-    return f"{short(round(candidate.score, 1))}; explains {share(candidate.explained)}"
+    score = round(candidate.score, 1)
+    if score <= 0:
+        return f"{short(score)}: no gain"
+    return f"{short(score)}; explains {share(candidate.explained)}"
 
 
 def refitted_figure(diagnosis: Diagnosis) -> Figure:

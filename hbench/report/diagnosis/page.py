@@ -3,14 +3,18 @@
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from math import isfinite
 
-from hbench.records import Diagnosis, WordTable
+from hbench.records import Diagnosis, Gap, WordTable
 from hbench.report.diagnosis import text as text
 from hbench.report.diagnosis.change_words import changes_tables, listed, lookalikes_tables
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     SIGNAL_NAMES,
+    balance,
+    in_unit,
     in_words,
+    p_words,
     value_words,
 )
 from hbench.report.diagnosis.run_gaps import run_table
@@ -19,7 +23,9 @@ from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_tabl
 from hbench.report.diagnosis.summary import answers
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
+from hbench.report.render.numbers import number
 
+_SIGNIFICANCE = 0.05
 _MOST_RUNS = 40  # rows of the page
 _KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")  # name of an effect
 _SENSOR = (
@@ -72,7 +78,9 @@ _WHERE = (
 _WHICH = (
     ("Score", "Gain of log-likelihood at held-out operating points, in nats (natural logarithm)."),
     ("Explains", "Share of the excess gap that the effect removes at these points, in the balances "
-     "that it touches."),
+     "that it touches alone. A candidate can have a large share and a score near 0: the score "
+     "counts all balances and the uncertainty of the fit, and the refitted values of the model "
+     "predict these points as well without the effect."),
     ("Size", "Its largest coefficient relative to a typical one."),
 )  # fmt: skip
 _POORLY_KNOWN = (
@@ -179,7 +187,7 @@ def _verdict(diagnosis: Diagnosis) -> str:
         file = " Next step: measure next.yaml." if diagnosis.next_schedule else ""
         return f"One of these effects is missing in the model: {finding}{file}"
     if diagnosis.verdict == "none":
-        return f"No missing effect is found: {finding}"
+        return f"No missing effect is found: {finding}{_largest(diagnosis.where)}"
     if not diagnosis.where:
         missing = f" Missing: {diagnosis.missing[0]}." if diagnosis.missing else ""
         return f"These runs do not suffice to find a missing effect.{missing}"
@@ -187,6 +195,24 @@ def _verdict(diagnosis: Diagnosis) -> str:
     return (
         "The measurement deviates from the model, and no known effect explains it: "
         f"{deviations(gaps)}."
+    )
+
+
+def _largest(gaps: Sequence[Gap]) -> str:
+    """State the deviation that exceeds its limit most, and why it is no missing effect."""
+    known = [gap for gap in gaps if isfinite(gap.deviation) and gap.material > 0]
+    if not known:
+        return ""
+    largest = max(known, key=lambda gap: gap.deviation / gap.material)
+    if largest.deviation <= largest.material:
+        return f" The largest deviation that remains: {deviations([largest])}."
+    why = f"is not significant (p = {p_words(largest.p_value)})"
+    if largest.p_value < _SIGNIFICANCE:
+        why = f"is {number(largest.gap, 1)} trial scatters, too few for a missing effect"
+    return (
+        f" The largest deviation that remains, {balance(largest.name).title} by "
+        f"{in_unit(largest, largest.deviation)} RMS (limit {in_unit(largest, largest.material)}), "
+        f"{why}."
     )
 
 

@@ -14,6 +14,7 @@ from hbench.report.fleet.precision import (
     capability_table,
     chart_table,
     components_table,
+    limit_sentences,
     limits_table,
     signal_table,
     step_table,
@@ -180,7 +181,7 @@ def _precision(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Section:
         "the number."
     )
     tables = (_untitled(limits_table(fleet)), components_table(fleet))
-    notes = (words, *fleet.plan_notes)
+    notes = (*limit_sentences(fleet), words, *fleet.plan_notes)
     return Section(_PRECISION, notes, drawings=_of(drawings, COMPONENTS), tables=tables)
 
 

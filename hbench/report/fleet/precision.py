@@ -81,8 +81,8 @@ _AMOUNTS = {
 }
 
 
-def precision_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield the limits of the main numbers, signals of the charts, and significant wear."""
+def limit_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield repeatability and reproducibility limits of the main numbers."""
     for study in main_studies(fleet):
         r, limit = study.limits
         scale, unit = study.quantity.scale, study.quantity.unit
@@ -91,6 +91,10 @@ def precision_sentences(fleet: Fleet) -> Iterator[str]:
             f"{name}: repeatability limit {significant(scale * r, 2)} {unit}, reproducibility "
             f"limit {significant(scale * limit, 2)} {unit}{_tolerance_words(study)}."
         )
+
+
+def change_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield campaigns beyond the control limits, steps, and significant wear."""
     beyond = dict.fromkeys(name for chart in fleet.charts for name in chart.outside)
     if beyond:
         yield f"Beyond the control limits: {_named(tuple(beyond)[:_NAMED], len(beyond))}."
@@ -105,11 +109,13 @@ def precision_sentences(fleet: Fleet) -> Iterator[str]:
             title = without_condition(chart.quantity)
             name = f"{title[:1].lower()}{title[1:]}{of_side(chart.direction)}"
             at = chart.step.name
-            steps.setdefault(at, []).append(f"{name}: {before} to {after} {unit}")
+            size = signed(significant(scale * (chart.step.after - chart.step.before), 2))
+            steps.setdefault(at, []).append(f"{name} {size} {unit} ({before} to {after})")
             largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
     for at, changes in steps.items():
         yield (
-            f"Step at {at} (p up to {significant(largest[at], 2)}): {'; '.join(changes)}. "
+            f"Step at {at} (p up to {significant(largest[at], 2)}): {'; '.join(changes[:_NAMED])}"
+            f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''}. "
             "Check what changed there: the cylinders, the bench or its instruments."
         )
     for trend in fleet.wear:

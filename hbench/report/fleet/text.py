@@ -24,10 +24,11 @@ from hbench.report.fleet.names import (
 from hbench.report.fleet.precision import (
     capability_notes,
     capability_table,
+    change_sentences,
     chart_table,
     components_table,
+    limit_sentences,
     limits_table,
-    precision_sentences,
     signal_table,
     step_table,
     wear_table,
@@ -73,7 +74,7 @@ def fleet_text(fleet: Fleet) -> str:
     if fleet.decisions:
         lines += ["", f"decisions of hbench accept: {decision_words(fleet)}"]
     notes = [f"plan: {note}" for note in fleet.plan_notes]
-    lines += ["", *notes, *capability_notes(fleet), fleet_verdict(fleet)]
+    lines += ["", *notes, *capability_notes(fleet), *limit_sentences(fleet), fleet_verdict(fleet)]
     text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
     text = text.replace("×", "x").replace("λ", "lambda")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
@@ -106,7 +107,7 @@ def fleet_json(fleet: Fleet) -> str:
 
 
 def fleet_verdict(fleet: Fleet) -> str:
-    """Return decisions, failures, outliers and drifts in a few sentences."""
+    """Return decisions, failures, outliers, drifts and steps in a few sentences."""
     decided = [f"{count} {name}" for name, count in fleet.decisions]
     sentences = [f"Decisions: {', '.join(decided)}."] if decided else []
     if fleet.failed:
@@ -139,11 +140,11 @@ def fleet_verdict(fleet: Fleet) -> str:
         if spread.trend is not None and spread.trend.real
     ]
     if drifts:
-        sentences.append(f"Drifts: {'; '.join(drifts)}.")
+        more = f"; and {len(drifts) - _NAMED} more" if len(drifts) > _NAMED else ""
+        sentences.append(f"Drifts: {'; '.join(drifts[:_NAMED])}{more}.")
     elif any(spread.trend is not None for spread in fleet.spreads):
         sentences.append("No drift is significant.")
-    sentences += precision_sentences(fleet)
-    return " ".join(sentences)
+    return " ".join((*sentences, *change_sentences(fleet)))
 
 
 def _outlier_words(suspect: Suspect) -> str:

@@ -125,7 +125,7 @@ def instruments_part(certificate: Certificate) -> Part:
         due = "" if calibration.due is None else str(calibration.due)
         if calibration.due is not None and days is not None and calibration.due < days[1]:
             due = word("overdue", date=due)
-            expired.append(word(key))
+            expired.append(word(f"the_{key}"))
         calibrated = "" if calibration.calibrated is None else str(calibration.calibrated)
         texts = (
             calibration.serial,
@@ -135,7 +135,7 @@ def instruments_part(certificate: Certificate) -> Part:
             due,
         )
         rows.append((word(key), *(text or word("not_stated") for text in texts)))
-    unknown = [word(key) for key, _, calibration in instruments if not calibration.certificate]
+    unknown = [word(f"the_{key}") for key, _, known in instruments if not known.certificate]
     traceable = [word("not_traceable", instruments=", ".join(unknown))] if unknown else []
     if expired:
         traceable.append(word("expired", instruments=", ".join(expired)))

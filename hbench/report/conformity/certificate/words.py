@@ -76,6 +76,8 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "instrument": "Instrument",
         "force": "Load cell",
         "pressure": "Pressure transducers",
+        "the_force": "the load cell",
+        "the_pressure": "the pressure transducers",
         "tolerance": "Tolerance",
         "of_reading": "{tolerance} % of reading",
         "of_full_scale": "{tolerance} % of {full_scale}",
@@ -85,10 +87,10 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "overdue": "{date} (overdue)",
         "traceable": "The calibrations above make the results traceable to the SI.",
         "not_traceable": "Traceability to the SI is not stated: no calibration certificate is "
-        "recorded for: {instruments}.",
+        "recorded for {instruments}.",
         "no_instruments": "The errors of the instruments are not recorded.",
         "expired": "Traceability to the SI is not given: the calibration was overdue on the day "
-        "of the test for: {instruments}.",
+        "of the test for {instruments}.",
         # Method
         "procedure": "Procedure of the laboratory: {method}.",
         "method_steady": "Friction is the force of the chamber pressures on the areas of the "
@@ -271,6 +273,8 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "instrument": "Messmittel",
         "force": "Kraftaufnehmer",
         "pressure": "Druckaufnehmer",
+        "the_force": "Kraftaufnehmer",
+        "the_pressure": "Druckaufnehmer",
         "tolerance": "Toleranz",
         "of_reading": "{tolerance} % vom Messwert",
         "of_full_scale": "{tolerance} % von {full_scale}",
