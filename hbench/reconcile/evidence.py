@@ -203,7 +203,7 @@ class Fit(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """Two fits that differ in the columns ``more``, which one lacks or keeps within a tolerance."""
+    """Fits without and with the columns ``more``; without may also mean within a tolerance."""
 
     data: Products
     before: Fit

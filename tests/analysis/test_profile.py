@@ -151,3 +151,18 @@ def test_steps_on_ellipsoids_find_the_limits_of_the_search_along_the_parameter(m
         half = np.abs(expected - solution.x[:, None])
         np.testing.assert_array_less(np.abs(found - expected), 3e-3 * half + 1e-12)
     assert np.mean([limit is not None for limit in quick]) > 0.6
+
+
+@pytest.mark.parametrize("slope", [0.0, 1e-12])
+def test_a_parameter_whose_effect_is_rounding_keeps_its_value_at_the_start(slope):
+    """A start at its bound is no reason to move it across its range."""
+    problem = Problem(
+        residual=lambda p: np.array([p[0] - 1.0, p[0] - 2.0, slope * p[1]]),
+        lower=np.array([-10.0, 0.01]),
+        upper=np.array([10.0, 0.2]),
+        scale=np.array([1.0, 0.1]),
+        jacobian=lambda p: np.array([[1.0, 0.0], [1.0, 0.0], [0.0, slope]]),
+    )
+    for start in (0.2, 0.05):
+        found = descend(problem, np.array([5.0, start]))
+        assert found.x == pytest.approx([1.5, start])

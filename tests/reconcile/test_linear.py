@@ -118,6 +118,23 @@ def test_products_are_those_of_the_windows_that_are_compared():
     assert data.groups[len(GROUPS) + 1] == ("flow_tr", MOTIONS[1])
 
 
+def test_known_products_of_columns_serve_other_residuals():
+    """Of a map with levels and changes: as if all were computed again, also over some points."""
+    found = unsteady_map(np.random.default_rng(20))
+    rng = np.random.default_rng(21)
+    columns = {name: rng.standard_normal(found.difference.shape) for name in ("one", "two")}
+    change = rng.standard_normal(12)
+    found = replace(found, levels=(RunLevel(slice(0, 12), 0, change, 1.0),))
+    other = replace(found, difference=found.difference + 0.3 * columns["one"])
+    known, points = products(found, columns), np.array([0, 2])
+    known.summed_columns(points)
+    again, anew = products(other, columns, known), products(other, columns)
+    for name in ("columns", "mixed", "squares", "noise", "windows"):
+        np.testing.assert_allclose(getattr(again, name), getattr(anew, name), atol=1e-12)
+    np.testing.assert_allclose(again.summed_columns(points), anew.summed_columns(points))
+    assert not np.allclose(known.mixed, again.mixed)
+
+
 def test_windows_are_at_rest_steady_unsteady_or_reversing():
     """By the change from the window before to the one after; edges are like their neighbours."""
     v = [0, 0, 0, 0.05, 0.1, 0.1, 0.1, 0.1] + [-0.1] * 4 + [0.1, 0.1, 0.05, 0.0, 0.0, 0.0]
