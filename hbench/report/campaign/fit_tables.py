@@ -11,6 +11,7 @@ from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who, who_text
 from hbench.report.render.numbers import number, significant, with_ends
+from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -44,7 +45,7 @@ def remark_table(results: Results, law: str) -> Table:
             for remark in fit.message.split("; "):
                 series_of.setdefault(remark, []).append(series)
     rows = [
-        (Cell("; ".join(series)), Cell(f"{_capital(_with_symbols(remark)).rstrip('.')}."))
+        (Cell("; ".join(series)), Cell(f"{capital(_with_symbols(remark)).rstrip('.')}."))
         for remark, series in sorted(series_of.items(), key=lambda item: item[1])
     ]
     head = ("Fit", "Remark")
@@ -172,12 +173,6 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
         low, high = (from_si(end, shown) for end in parameter.ci95)
         text, flag = with_ends(value, low, high), ""
     return Cell(text, flag if parameter.at_bound is None else f"at {parameter.at_bound} bound")
-
-
-def _capital(text: str) -> str:
-    """Write a sentence's first letter as a capital, unless it is a symbol such as ``k_1``."""
-    first = text.partition(" ")[0]
-    return text if "_" in first else f"{text[:1].upper()}{text[1:]}"
 
 
 def _verdict_cell(fit: Fit) -> Cell:

@@ -7,6 +7,7 @@ from hbench.report.campaign.page_tables import WHO, table, who
 from hbench.report.campaign.series_words import load_words
 from hbench.report.drift import drift_words
 from hbench.report.render.numbers import number, short, significant, with_interval
+from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 
 RULE = (
@@ -71,7 +72,7 @@ def next_step(quality: Quality, budget: str, count_runs: bool = True) -> str:
         for check in quality.checks
         if check.grade != "good" and (count_runs or check.name != "complete")
     ]
-    return _capital(f"{'; '.join(steps)}.") if steps else ""
+    return capital(f"{'; '.join(steps)}.") if steps else ""
 
 
 def quality_table(quality: Quality) -> Table:
@@ -118,7 +119,7 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     """
     worst = [check for check in quality.checks if check.grade == quality.grade]
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
-    reasons = _capital(
+    reasons = capital(
         "; ".join(f"{_NAMES[check.name].lower()}: {_value(check)}" for check in worst)
     )
     if quality.grade == "good":
@@ -230,10 +231,6 @@ def _limits(check: QualityCheck) -> str:
 
 def _grade(check: QualityCheck) -> Cell:
     return Cell("good") if check.grade == "good" else Cell("", check.grade)
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _were(count: int) -> str:

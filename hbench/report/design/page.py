@@ -8,6 +8,7 @@ from hbench.records import Check, Design, Proposal, WordTable
 from hbench.report.design import text
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
+from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 
 _LOOP_HEAD = (
@@ -61,7 +62,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
 
 
 def _facts(lines: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
-    return tuple((_typeset(_capital(name)), f"{_capital(_typeset(text))}.") for name, text in lines)
+    return tuple((_typeset(capital(name)), f"{capital(_typeset(text))}.") for name, text in lines)
 
 
 def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
@@ -73,7 +74,7 @@ def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
         sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
         limit += sign if any(map(str.isdigit, limit)) else ""
-        rows.append((verdict, *map(Cell, (_capital(what), value + sign, limit, _minus(where)))))
+        rows.append((verdict, *map(Cell, (capital(what), value + sign, limit, _minus(where)))))
     head = ("Result", "Check", "Value", "Limit", "Worst at")
     words_in = frozenset({"Result", "Check", "Worst at"})
     table = Table(head, tuple(rows), words_in, title="Checks and their limits")
@@ -89,7 +90,7 @@ def _without_empty(table: Table) -> Table:
 
 
 def _proposal(proposal: Proposal) -> Section:
-    lines = tuple(f"{_capital(line)}." for line in text.proposal_lines(proposal))
+    lines = tuple(f"{capital(line)}." for line in text.proposal_lines(proposal))
     return Section("Proposed gains", items=lines, code=text.gains_yaml(proposal))
 
 
@@ -107,7 +108,3 @@ def _typeset(words: str) -> str:
     words = words.replace("mm/s^2", "mm/s²").replace(" deg", "°").replace("tau_c", "τ_c")
     words = words.replace("-T / ln", "−T / ln")
     return _POWER.sub(lambda found: "·10" + str(int(found[1])).translate(_RAISED), words)
-
-
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]

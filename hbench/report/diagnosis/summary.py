@@ -28,6 +28,7 @@ from hbench.report.diagnosis.sentences import (
     worst_region,
 )
 from hbench.report.render.numbers import number
+from hbench.report.render.symbols import capital
 
 Answer = tuple[str, str]  # question in a few words, and sentences
 
@@ -67,7 +68,7 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
     if diagnosis.alternatives:
         yield from _ambiguous(diagnosis)
     if diagnosis.effects and diagnosis.rest:
-        yield _NOT_EXPLAINED, f"{_upper(deviations(diagnosis.rest))}."
+        yield _NOT_EXPLAINED, f"{capital(deviations(diagnosis.rest))}."
         yield _NOT_EXPLAINED, law_summary(diagnosis.unnamed)
     if diagnosis.effects or diagnosis.alternatives:
         return
@@ -75,11 +76,6 @@ def _answers(diagnosis: Diagnosis) -> Iterator[Answer]:
         yield from _unknown(diagnosis) if diagnosis.where else _insufficient(diagnosis)
     else:
         yield from _none(diagnosis)
-
-
-def _upper(text: str) -> str:
-    """Begin with a capital letter, unless the first word is a key."""
-    return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
 
 
 def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
@@ -207,5 +203,5 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
 def _insufficient(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _ACTION, diagnosis.next_experiment or ""
     for item in diagnosis.missing[1:]:
-        yield "Also missing", f"{_upper(item)}."
+        yield "Also missing", f"{capital(item)}."
     yield _ACTION, "There is nothing to inspect or to repair before these are measured."

@@ -19,3 +19,8 @@ def pieces(text: str) -> Iterator[tuple[str, bool]]:
         yield index, True
         end = match.end()
     yield text[end:], False
+
+
+def capital(text: str) -> str:
+    """Write the first letter of a sentence as a capital, unless it begins with a symbol or key."""
+    return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
