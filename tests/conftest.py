@@ -50,9 +50,14 @@ SHORT = {
 }
 
 
+gc.disable()  # while tests are collected, most of which stays
+
+
 def pytest_collection_finish():
-    """Let the garbage collector pass over what stays: modules and tests."""
+    """Let the garbage collector pass over what stays, and look for garbage less often."""
     gc.freeze()
+    gc.set_threshold(100_000)
+    gc.enable()
 
 
 @pytest.fixture(scope="session")
