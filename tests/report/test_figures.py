@@ -11,7 +11,6 @@ from matplotlib.image import imread
 
 from hbench.report.campaign.figures import efficiency, friction, pressure, rejected
 from hbench.report.campaign.figures.all_figures import FIGURES, draw_all
-from hbench.report.render.figures import render
 from hbench.report.render.style import COLOURS, series_style
 
 UNIT = re.compile(r"\((mm/s|mm|k?N|%|bar|V|s|count)\)")
