@@ -110,7 +110,7 @@ def _reduced_points(results: Results, reduction: Reduction) -> Table:
     head = (
         *("Velocity (mm/s)", "Oil (°C)", "Measured (N)"),
         f"At {celsius(reduction.t_ref_k)} °C (N)",
-        "U95 with correction (N)",
+        "U with correction (N)",
     )
     return table((*WHO, *head), rows)
 

@@ -42,7 +42,7 @@ def test_what_the_fleets_numbers_are_not_has_no_capability_and_a_reason():
     x = np.arange(12.0)
     for other, words in (
         (Requirement("friction", "bar", low=None, high=1e5), "in bar"),
-        (Requirement(**FRICTION, low=None, high=10.0, f_load_n=500.0), "of one load"),
+        (Requirement(**FRICTION, low=None, high=10.0, f_load_n=500.0), "to one load"),
         (Requirement(**FRICTION, low=None, high=10.0, v_m_s=0.2), "200 mm/s"),
         (Requirement("drift", "%", low=-0.1, high=0.1), "does not have"),
     ):

@@ -273,7 +273,7 @@ def test_intervals_hold_the_truth(heavy, least):
     [
         (["", "", ""], "do not state which cylinder"),
         (["1", "2", "3", "4"], "Each of the 4 cylinders was measured once"),
-        (["1", "1", "2"], "too seldom"),
+        (["1", "1", "2"], "measured twice"),
         (["1"] * 200, "limit 150"),
     ],
 )

@@ -27,6 +27,7 @@ from hbench.store.campaign.folder import load_campaign, load_header
 from hbench.store.campaign.live_file import LIVE, SCHEMA
 from hbench.store.campaign.stored_acceptance import stored_checks
 from hbench.workflow.watching import live, watch
+from hbench.workflow.watching.charts import not_passed, station_charts
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 PATIENCE_S = 60.0
@@ -128,7 +129,7 @@ def test_a_campaign_under_way_is_told_as_the_operator_sees_it(
         assert now["pressures_pa"] == before.pressures_pa
         assert len(made["runs"]) <= before.runs_done + 1  # one has ended since
     assert len(seen[-1][2]["runs"]) > 0
-    assert (after["state"], after["live"]) == ("ended", None)
+    assert (after["state"], after["live"]) == ("finished", None)
     assert after["said"].startswith("4 of 4 ")
     assert [run["run"] for run in runs["runs"]] == ["0001", "0002", "0003", "0004"]
     assert not (tmp_path / "campaign" / LIVE).exists()
@@ -196,7 +197,7 @@ def test_an_interrupted_campaign_says_how_it_ended(on_the_rig, short_schedule, t
 )
 def test_a_live_file_that_no_host_wrote_is_not_believed(page, sample, text):
     (sample / LIVE).write_text(text.replace("NOW", repr(time.time())))
-    assert page.state()["state"] == "ended"
+    assert page.state()["state"] == "finished"
 
 
 def test_only_this_machine_is_served():
@@ -307,7 +308,7 @@ def test_the_command_prints_its_address_and_ends_with_ctrl_c(sample, number):
         address = process.stdout.readline().strip()
         match = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/", address)
         assert match, address
-        assert Page(int(match[1])).state()["state"] == "ended"
+        assert Page(int(match[1])).state()["state"] == "finished"
         process.send_signal(number)
         out, told = process.communicate(timeout=PATIENCE_S)
     finally:
@@ -410,6 +411,23 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     with watched(tmp_path / "few", workflow.Station) as page:
         (chart,) = page.state()["charts"]
     assert chart["control"] is None and chart["values"] == pytest.approx([3.0])
+
+
+def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
+    decided(tmp_path, 3e5)
+    path = tmp_path / "results" / "acceptance.json"
+    content = json.loads(path.read_text())
+    (check,) = content["checks"]
+    marginal, failed = check | {"decision": "MARGINAL"}, check | {"decision": "FAIL"}
+    failed |= {"requirement": check["requirement"] | {"name": "5.3", "high": 2e5}}
+    path.write_text(json.dumps(content | {"checks": [check, marginal, failed]}))
+    checks = stored_checks(tmp_path)
+    first, second = not_passed(checks)
+    assert first == "FAIL: 5.3: breakaway, extend: 3.00 ± 0.10 bar (95 %), limit at most 2 bar"
+    assert second.startswith("MARGINAL: breakaway, extend: ")
+    titles = [chart["title"] for chart in station_charts(["C"], [checks])]
+    assert titles == ["breakaway, extend", "5.3: breakaway, extend", "breakaway, extend"]
+    assert len(not_passed(checks * 5)) == 5 and not_passed(checks * 5)[-1].startswith("6 more")
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def test_the_page_holds_everything_and_escapes_names(design, drawings):
     page = design_page(design, drawings)
     assert "<b>bench</b>" not in page and "&lt;b&gt;bench" in page
     verdict = page[page.index('class="verdict"') : page.index("<h2")]
-    assert "&lt;+200 mm/s&gt;" in page and " 1 of 2 checks" in verdict
+    assert "&lt;+200\N{NO-BREAK SPACE}mm/s&gt;" in page and " 1 of 2 checks" in verdict
     assert page.count('class="plot"') == len(drawings) == 4
 
 

@@ -59,7 +59,7 @@ def test_a_drift_is_told_with_its_change_and_the_others_are_not(found):
     trend = spread(found, "friction_n").trend
     assert trend.real and trend.low < 60.0 * 197 / 200 < trend.high
     assert sum(one.trend.real for one in found.spreads) == 1
-    assert re.search(r"\bfriction\b[^.;]*\bextending: \+", fleet_verdict(found))
+    assert re.search(r"\bfriction\b[^.;]*\bextending, by \+", fleet_verdict(found))
 
 
 def test_the_spread_between_cylinders_is_that_of_the_truth(found):
@@ -155,7 +155,7 @@ def test_decisions_are_counted_and_cpk_stands_on_page_in_text_and_json(tmp_path,
     page, text = fleet_page(fleet, draw_fleet(fleet)), fleet_text(fleet)
     assert "Cpk" in text and "1 FAIL, 11 PASS" in text
     assert "Capability" in page and "at most 900" in page
-    assert "No Cpk for the limit of loaded &lt;b&gt;: it is of one load" in page
+    assert "No Cpk for the limit of loaded &lt;b&gt;: it applies to one load" in page
     assert "No Cpk for the limit of loaded" in text
     assert json.loads(fleet_json(fleet))["capabilities"][0]["cpk"]["value"] == pytest.approx(
         fleet.capabilities[0].cpk.value
@@ -211,7 +211,10 @@ def test_charts_show_a_shift_by_ewma_rules_and_a_step(shifted):
     text = fleet_text(shifted)
     assert (
         text.isascii()
-        and re.search(r"Step at c18 \(p up to 0\.0\d+\): friction, extending \+", text)
+        and re.search(
+            r"From c18 on the mean has changed \(p at most 0\.0\d+\): friction, extending, by \+",
+            text,
+        )
         and "Change points" in text
     )
     document = json.loads(fleet_json(shifted))

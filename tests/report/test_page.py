@@ -211,7 +211,7 @@ def test_parameters_are_shown_with_the_half_width_of_their_interval(page):
 
 def test_rejected_runs_stand_with_their_reasons_and_fold_when_many(stribeck):
     html = page_html(stribeck, ())
-    assert re.search(r"off reference: [^<]*\b187\.3 mm/s", html)
+    assert re.search(r"off reference: [^<]*\b187\.3\smm/s", html)
     assert "<details open>" in html
     many = replace(
         stribeck, runs=tuple(replace(r, reasons=("end_stop: x",)) for r in stribeck.runs)

@@ -49,7 +49,7 @@ def without_capability(
     requirements: Iterable[Requirement], v_m_s: float | None, campaigns: int
 ) -> Iterator[tuple[str, str]]:
     """Yield name and reason of each requirement that has no capability; see ``capabilities``."""
-    few = f"it takes {FEWEST} campaigns of a kind" if campaigns < FEWEST else ""
+    few = f"at least {FEWEST} campaigns of a kind are needed" if campaigns < FEWEST else ""
     for requirement in requirements:
         if reason := _reason(requirement, v_m_s) or few:
             yield requirement.name or requirement.quantity, reason
@@ -61,13 +61,13 @@ def _reason(requirement: Requirement, v_m_s: float | None) -> str:
     if requirement.quantity not in _QUANTITIES:
         return "the fleet's table does not have this quantity"
     if requirement.label is not None:
-        return "it is of one series; the numbers are means over all"
+        return "it applies to one series, whereas the numbers are means over all"
     if requirement.f_load_n is not None:
-        return "it is of one load; the numbers are means over the loads"
+        return "it applies to one load, whereas the numbers are means over the loads"
     if requirement.is_pressure:
-        return "it is in bar; the numbers are forces"
+        return "it is in bar, whereas the numbers are forces"
     if speed is not None and (v_m_s is None or abs(speed - v_m_s) > _NEAR * v_m_s):
-        return f"it is at {1e3 * speed:.3g} mm/s; choose this speed with --speed"
+        return f"it applies to {1e3 * speed:.3g} mm/s; choose this speed with --speed"
     return ""
 
 

@@ -77,9 +77,9 @@ def plan_of(rows: np.ndarray, identities: dict[str, list[str]]) -> Plan:
     count, kinds = len(rows), len(set(texts[CYLINDER]))
     if count - kinds < _FEWEST:
         each = "The cylinder was" if kinds == 1 else f"Each of the {kinds} cylinders was"
-        times = "once" if count == kinds else "too seldom more than once"
+        measured = f"{each} measured once" if count == kinds else "One cylinder was measured twice"
         return _no_plan(
-            f"{each} measured {times}: at least {_FEWEST} repeated campaigns of a cylinder are "
+            f"{measured}: at least {_FEWEST} repeated campaigns of a cylinder are "
             "needed, re-mounted, by another operator or on another day.",
             *notes,
         )

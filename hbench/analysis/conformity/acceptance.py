@@ -84,14 +84,18 @@ def _why_not(results: Results, requirement: Requirement) -> str:
     ]
     if not others:
         return _NOT_MEASURED[requirement.quantity]
-    nearby = f" (a value within {TOLERANCE:.0%} counts)" if measured else ""
+    nearby = f" (a value within {100 * TOLERANCE:g} % counts)" if measured else ""
     return f"not measured there; measured: {'; '.join(measured) or 'other series'}{nearby}"
 
 
 def _listed(values: Iterable[float | None], unit: str) -> str:
-    """Write the different values of what was measured."""
-    known = {f"{from_si(value, unit):.3g}": value for value in values if value is not None}
-    return f"{', '.join(sorted(known, key=lambda text: known[text]))} {unit}"
+    """Write what was measured; a value that counts as the one before it is left out."""
+    known: list[float] = []
+    for value in sorted(from_si(value, unit) for value in values if value is not None):
+        if not known or value - known[-1] > TOLERANCE * abs(value):
+            known.append(value)
+    digits = (float(f"{value:.3g}") for value in known)
+    return f"{', '.join(f'{value:.15g}' for value in digits)} {unit}"
 
 
 def _goodness(check: ConformityCheck) -> tuple[bool, float, float]:

@@ -44,7 +44,8 @@ def decide(
     if rule == "shared_risk":
         share = measured.u95 / requirement.tolerance
         if largest_uncertainty is None or share > largest_uncertainty:
-            reason = f"U95 is {share:.0%} of the limit; limit {largest_uncertainty or 0:.0%}"
+            most = 100 * (largest_uncertainty or 0)
+            reason = f"U is {100 * share:.0f} % of the limit, more than {most:g} %"
             return Decision("NOT TESTED", probability, reason)
         return Decision("PASS" if inside >= 0 else "FAIL", probability)
     if inside < 0:

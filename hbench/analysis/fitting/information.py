@@ -78,7 +78,7 @@ def _sentence(missing: str, at: str, found: list[tuple[str, float]]) -> str:
         )
     shares = _listed([f"{100 * left:.0f} %" for _, left in found])
     return (
-        f"{missing} are missing to determine {names}: a point at {at} would narrow "
+        f"{names} {'need' if several else 'needs'} {missing}: a point at {at} would narrow "
         f"{'their intervals' if several else 'its interval'} to {shares} of the width"
     )
 

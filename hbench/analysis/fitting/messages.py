@@ -35,7 +35,7 @@ def disagreements(parameters: Mapping[str, FitParameter]) -> list[str]:
     names = [name for name, p in parameters.items() if p.disagree]
     if not names:
         return []
-    return [f"the intervals of {', '.join(names)} differ between methods"]
+    return [f"linearised and profile-likelihood intervals of {', '.join(names)} differ"]
 
 
 def beyond_messages(info: Information, factor: float) -> list[str]:

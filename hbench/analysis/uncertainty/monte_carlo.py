@@ -56,7 +56,7 @@ def checked_by_monte_carlo(
 
 def _comparison(quantity: str, pairs: Sequence[tuple[float | None, float | None]]) -> str:
     known = [(own, drawn) for own, drawn in pairs if own is not None and drawn is not None]
-    text = f"Monte Carlo ({DRAWS} draws): U95 of steady {quantity} "
+    text = f"Monte Carlo ({DRAWS} draws): U of steady {quantity} "
     if not known:
         return f"{text}has no point to compare"
     same = sum(agree(own, drawn) for own, drawn in known)

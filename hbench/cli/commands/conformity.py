@@ -16,8 +16,9 @@ def accept(
 ) -> None:
     """Decide whether CAMPAIGN's cylinder conforms with limits; write acceptance.json and .xml.
 
-    Decisions: PASS; MARGINAL (inside the limit by less than U95); FAIL; NOT TESTED. The rule that
-    takes the uncertainty into account is a key of the file. acceptance.xml is JUnit XML.
+    Decisions: PASS; MARGINAL (inside the limit by less than the expanded uncertainty U); FAIL;
+    NOT TESTED. The rule that takes the uncertainty into account is a key of the file.
+    acceptance.xml is JUnit XML.
 
     Example: hbench accept demo --limits my-bench/limits.yaml
     """

@@ -10,7 +10,7 @@ from hbench.records import Fit, FitParameter, Results, Selection
 from hbench.records.friction_laws import FRICTION_LAWS, PARAMETERS
 from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.campaign.page_tables import WHO, table, who, who_text
-from hbench.report.render.numbers import number, significant, with_ends
+from hbench.report.render.numbers import NONE, number, significant, with_ends
 from hbench.report.render.symbols import capital
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
@@ -30,7 +30,7 @@ def fit_tables(results: Results) -> dict[str, Table]:
         rows: list[tuple[str | Cell, ...]] = []
         for columns, _, fit in chosen:
             cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
-            rows.append((*columns, *cells, significant(fit.rmse_n, 3), _verdict_cell(fit)))
+            rows.append((*columns, *cells, _residual(fit), _verdict_cell(fit)))
         head = (*WHO, *heads, "RMS residual (N)", "Verdict")
         title = f"{law_words(law)}: fitted parameters"
         tables[law] = replace(table(head, rows, words=("Verdict",)), title=title)
@@ -173,6 +173,11 @@ def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
         low, high = (from_si(end, shown) for end in parameter.ci95)
         text, flag = with_ends(value, low, high), ""
     return Cell(text, flag if parameter.at_bound is None else f"at {parameter.at_bound} bound")
+
+
+def _residual(fit: Fit) -> str:
+    """Write the RMS residual; as many parameters as points leave none but rounding errors."""
+    return NONE if fit.rmse_n < 1e-6 else significant(fit.rmse_n, 3)
 
 
 def _verdict_cell(fit: Fit) -> Cell:

@@ -70,7 +70,7 @@ _NUMBERS = {
     "and s the standard deviation of the trials. One trial has no interval.",
     "Instruments": "σ of friction by first-order propagation (6.15) of the instruments' errors "
     "through 5.1. A tolerance a is a limit unless the bench file says otherwise: its standard "
-    "uncertainty is a/√3 (JCGM 100, 4.3.7). U_95 = k √(s²/n + σ²), with Student's t at 95 % as k "
+    "uncertainty is a/√3 (JCGM 100, 4.3.7). U = k √(s²/n + σ²), with Student's t at 95 % as k "
     "for the effective degrees of freedom of Welch and Satterthwaite, or k = 2 if the bench file "
     "asks for it. An instrument's error is "
     "the same in all points: it shifts a curve and changes its shape little.",
@@ -81,7 +81,7 @@ _NUMBERS = {
     "that within its points; the share between speeds is the part of the drift that appears "
     "between a curve's slowest and fastest speed. Above 5, or above 25 %, time is not separated "
     "from speed. A significant drift d with standard error u(d) adds u = |t_point − t_mean| "
-    "√(d² + u(d)²) to a point's interval: U_95² + (1.96 u)² (JCGM 100:2008, F.2.4.5 and "
+    "√(d² + u(d)²) to a point's interval: U² + (1.96 u)² (JCGM 100:2008, F.2.4.5 and "
     "equation 10). The drift is taken as a straight line over time.",
     "Oil temperature": "Of a run: the mean over its steady window, of the sensor nearest to the "
     "seal that all accepted steady runs have.",
@@ -140,7 +140,7 @@ _NUMBERS = {
     "Student's t has the number of values − 2 degrees of freedom.",
     "Efficiency": "F_applied/F_T (6.10) where the oil drives the load, and its inverse where the "
     "load drives the oil. Its σ comes from the same errors by first-order propagation (6.16 to "
-    "6.19); all points share it, so that a mean over speeds does not reduce it. ± is U_95, of "
+    "6.19); all points share it, so that a mean over speeds does not reduce it. ± is U, of "
     "trials and instruments as that of friction. The source takes tolerances themselves as "
     "standard uncertainties; the table of all points contains that σ in a separate column.",
     "Half band and middle": "(F_extend − F_retract)/2 and (F_extend + F_retract)/2. A constant "

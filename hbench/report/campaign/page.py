@@ -29,11 +29,10 @@ _SHEET = 50  # a longer table of points is not printed
 
 _PREDICTS = (
     "Each speed but the lowest and the highest is held out in turn and predicted from the others. "
-    "In parentheses the RMS error of these predictions; then the difference of the mean squares "
-    "with its standard error. The difference is significant (95 %) where it exceeds its standard "
-    "error times Student's t. One speed with a large error can make an RMS error several times as "
-    "large as the other, without significance: the other speeds do not confirm it, and the better "
-    "law is not proven to be better."
+    "The table gives the RMS error of these predictions in parentheses, then the difference of "
+    "their mean squares and its standard error (s.e.). The difference is significant (95 %) where "
+    "it exceeds Student's t times its standard error. A single speed with a large error can make "
+    "one RMS error several times as large as the other; the difference is not significant then."
 )
 _RAMPS = "Does the acceleration matter, and do ramps differ from steady runs?"
 _BREAKAWAY = (
@@ -51,7 +50,7 @@ _ZEROS = (
     "pressure and the drift of each zero are limits of errors in u."
 )
 _NO_ZEROS = (
-    "The zeros of the sensors were not checked (experiments of the kind check): u contains their "
+    "The campaign has no zero checks of the sensors (experiments of kind check): u contains zero "
     "errors only as far as the stated tolerances do."
 )
 _NOT_PRINTED = (
@@ -285,7 +284,8 @@ def _budget(results: Results) -> tuple[Section, ...]:
         return ()
     text = (
         "Friction at the working speed with the standard uncertainty of each input (JCGM 100). "
-        "u: combined, ν: its effective degrees of freedom, k: coverage factor.",
+        "u is the combined standard uncertainty, ν its effective degrees of freedom, and k the "
+        "coverage factor: U = k u.",
         _ZEROS if zeros.rows else _NO_ZEROS,
     )
     tables = (

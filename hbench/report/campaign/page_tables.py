@@ -1,7 +1,7 @@
 """Tables of the page: records as rows of text, in display units."""
 
 from collections.abc import Iterable
-from math import hypot, sqrt
+from math import copysign, hypot, sqrt
 from statistics import stdev
 
 from hbench.records import (
@@ -26,7 +26,7 @@ def point_table(results: Results) -> Table:
         "Velocity (mm/s)",
         "Friction (N)",
         "Trials",
-        "U95 with instruments (N)",
+        "U with instruments (N)",
         "F_T (N)",
         "F_applied (N)",
         "p_Tp (bar)",
@@ -79,7 +79,7 @@ def efficiency_table(results: Results) -> Table:
         "σ of instruments (%)",
         "σ as printed, 6.16 (%)",
         "s.e. of trials (%)",
-        "U95 of both (%)",
+        "U of both (%)",
     )
     return table((*WHO, *head, "Remark"), rows)
 
@@ -103,15 +103,15 @@ def friction_budget_table(results: Results) -> Table:
             rows.append(
                 (
                     *who(curve),
-                    number(1e3 * point.v_m_s, 2),
-                    with_interval(point.friction_n, point.u95_n),
+                    number(1e3 * abs(point.v_m_s)),
+                    with_interval(copysign(1.0, point.v_m_s) * point.friction_n, point.u95_n),
                     significant(combined, 2),
                     _degrees_of_freedom(point.u95_dof) if point.sigma_drift_n is None else "",
                     significant(point.u95_n / combined, 3),
                     ", ".join(f"{name} {significant(sigmas[name], 2)}" for name in ranked),
                 )
             )
-    head = ("Velocity (mm/s)", "Friction ± U (N)", "u (N)", "ν", "k", "Parts of u (N)")
+    head = ("Speed (mm/s)", "Friction ± U (N)", "u (N)", "ν", "k", "Parts of u (N)")
     return table((*WHO, *head), rows, words=("Parts of u (N)",))
 
 
@@ -235,7 +235,7 @@ _RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
 _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
 _WHERE_GIVEN = (
     *("Label", "Kind", _ROD_SIDE, "Remark"),
-    *("U95 with instruments (N)", "Energy of a cycle (J)"),
+    *("U with instruments (N)", "Energy of a cycle (J)"),
     *(_OIL, _HERSEY),
 )
 

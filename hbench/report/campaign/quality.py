@@ -35,8 +35,8 @@ _LIMITS = {
     "zeros": "good to {good:g} % of the sensor's tolerance at full scale; corrected in any case; "
     "poor if a zero is not known",
     "zero_drift": "good to {good:g} % of that tolerance, poor above",
-    "plausible_signs": "good without such points, poor if one is so beyond its interval",
-    "instruments": "good to {good:g} %; above, the level is uncertain, differences less so",
+    "plausible_signs": "good if no point contradicts this, poor if one does beyond its interval",
+    "instruments": "good to {good:g} %; above, rely on differences rather than on the level",
 }
 _STEPS = {
     "complete": "make the missing runs",
@@ -47,8 +47,8 @@ _STEPS = {
     "zeros": "adjust the zeros of the sensors, then check them again",
     "zero_drift": "warm the sensors up first, and check their zeros more often",
     "plausible_signs": "check the instruments, their zeros and the areas of the cylinder",
-    "instruments": "calibrate the sensor with the largest part of the uncertainty{table}, and "
-    "state its tolerance in the bench file or map",
+    "instruments": "calibrate the sensors with the largest parts of the uncertainty{parts}, "
+    "and state their tolerances in the bench file or map",
 }
 _HEAD = ("Check", "Verdict", "Found", "Limits")
 _NAMED = 3  # points in a sentence
@@ -61,16 +61,18 @@ def quality_count(quality: Quality) -> str:
     return f"{good} of {len(quality.checks)} checks are good"
 
 
-def next_step(quality: Quality, budget: str, count_runs: bool = True) -> str:
+def next_step(quality: Quality, parts: str, aborted: bool = False) -> str:
     """Return what makes the checks good that are not; empty if all are.
 
-    ``budget`` refers to the table of the uncertainty's parts, if there is one. Without
-    ``count_runs`` missing runs are none, where a page's alarm has their instruction.
+    ``parts`` names the largest parts of the uncertainty and their table, as far as known. An
+    ``aborted`` campaign is continued first, which makes its missing runs and trials.
     """
-    steps = [
-        _STEPS[check.name].format(table=f" ({budget})" if budget else "")
+    missing = ("complete", "trials_per_point") if aborted else ()
+    steps = ["continue the campaign with --resume"] if aborted else []
+    steps += [
+        _STEPS[check.name].format(parts=f" ({parts})" if parts else "")
         for check in quality.checks
-        if check.grade != "good" and (count_runs or check.name != "complete")
+        if check.grade != "good" and check.name not in missing
     ]
     return capital(f"{'; '.join(steps)}.") if steps else ""
 
@@ -119,9 +121,7 @@ def quality_verdict(quality: Quality, count_runs: bool = True) -> str:
     """
     worst = [check for check in quality.checks if check.grade == quality.grade]
     incomplete = incomplete_words(quality.completeness) if count_runs else ""
-    reasons = capital(
-        "; ".join(f"{_NAMES[check.name].lower()}: {_value(check)}" for check in worst)
-    )
+    reasons = capital("; ".join(map(_reason, worst)))
     if quality.grade == "good":
         verdict = f"The data is good: all {len(quality.checks)} checks of its quality pass."
     elif quality.grade == "with care":
@@ -170,6 +170,15 @@ def _contradictions(points: Sequence[ImplausiblePoint]) -> str:
         "load was not measured: "
         f"{'; '.join([*named, *more])}."
     )
+
+
+def _reason(check: QualityCheck) -> str:
+    """Write what a check found, for a sentence."""
+    if check.name == "instruments" and check.value is not None:
+        return f"the tolerances of the instruments{_value(check).removeprefix('their tolerances')}"
+    if check.name == "trials_per_point" and check.value == 0:
+        return f"{check.count} {_points(check.count)} {_have(check.count or 0)} no accepted trial"
+    return f"{_NAMES[check.name].lower()}: {_value(check)}"
 
 
 def _value(check: QualityCheck) -> str:

@@ -35,7 +35,7 @@ def identity_facts(results: Results) -> tuple[tuple[str, str], ...]:
     if provenance.source == "imported":
         when = f"imported {_time(provenance.started)}"
     else:
-        when = " to ".join(map(_time, filter(None, (provenance.started, provenance.stopped))))
+        when = _period(provenance.started, provenance.stopped)
     facts = {
         "Cylinder": specimen.get("serial", "") or "no serial number recorded",
         "Dimensions": sizes,
@@ -129,6 +129,15 @@ def _calibrations(instruments: Mapping[str, Any]) -> str:
         if any(stated):
             named.append(f"{name.replace('_', ' ')} ({', '.join(filter(None, stated))})")
     return "; ".join(named) or "no calibration recorded"
+
+
+def _period(started: str, stopped: str) -> str:
+    """Write begin and end, with the date once if they have the same."""
+    first, last = _time(started), _time(stopped)
+    same_day = first[:10] == last[:10] and first.endswith(" UTC") and last.endswith(" UTC")
+    if same_day:
+        first, last = first.removesuffix(" UTC"), last[11:]
+    return " to ".join(filter(None, (first, last)))
 
 
 def _time(written: str) -> str:

@@ -21,7 +21,15 @@ from hbench.report.campaign.settings import aborted_words
 from hbench.report.drift import drift_advice, drift_table, drift_with_oil, drift_words
 from hbench.report.oil_words import temperature_words
 from hbench.report.render.document import Section, Tile
-from hbench.report.render.numbers import alike, number, short, significant, span, with_interval
+from hbench.report.render.numbers import (
+    NONE,
+    alike,
+    number,
+    short,
+    significant,
+    span,
+    with_interval,
+)
 from hbench.report.render.word_tables import Cell, Table
 from hbench.units import from_si
 
@@ -48,7 +56,10 @@ def summary_section(results: Results) -> Section:
     parts = "[[uncertainty]]" if budget.rows else ""
     facts = (
         ("Measured", _measured(results)),
-        ("Next step", next_step(results.quality, parts, not aborted_words(results))),
+        (
+            "Next step",
+            next_step(results.quality, _largest(results, parts), bool(aborted_words(results))),
+        ),
         ("Uncertainty", _uncertainty(series, parts)),
         ("Oil", temperature_words(results)),
         ("Friction laws", _laws(results)),
@@ -137,6 +148,13 @@ def _uncertainty(series: Collection[HeadlineSeries], budget: str) -> str:
         "U is the expanded uncertainty of trials and instruments together, for a coverage "
         f"probability of 95 %.{parts}"
     )
+
+
+def _largest(results: Results, table: str) -> str:
+    """Name the largest parts of the instruments' uncertainty of friction, and their table."""
+    parts = [point.parts_n for curve in results.curves for point in curve.points if point.parts_n]
+    names = Counter(max(each, key=lambda name: abs(each[name])) for each in parts)
+    return "; ".join(filter(None, (" and ".join(name for name, _ in names.most_common(2)), table)))
 
 
 def _drift(drift: Drift | None) -> Iterable[Section]:
@@ -242,10 +260,10 @@ def _table(series: Iterable[HeadlineSeries]) -> Table:
             *who(each)[2:],
             number(None if each.v_m_s is None else 1e3 * each.v_m_s),
             _cell(each.friction_n),
-            _cell(each.friction_pa, per_bar) if each.friction_pa else "",
+            _cell(each.friction_pa, per_bar),
             _trials(each.friction_n),
             _breakaway(each),
-            _cell(each.breakaway_pa, per_bar) if each.breakaway_pa else "",
+            _cell(each.breakaway_pa, per_bar),
             _cell(each.efficiency, 100.0),
         )
         for each in series
@@ -259,7 +277,7 @@ def _table(series: Iterable[HeadlineSeries]) -> Table:
 
 def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
     if estimate is None:
-        return Cell("–")
+        return Cell(NONE)
     half = None if estimate.u95 is None else scale * estimate.u95
     return Cell(with_interval(scale * estimate.value, half), _FLAGS[estimate.basis])
 
@@ -273,7 +291,9 @@ def _breakaway(series: HeadlineSeries) -> Cell:
 
 
 def _trials(estimate: HeadlineNumber | None) -> str:
-    return "" if estimate is None or estimate.ci95 is None else f"±{significant(estimate.ci95, 2)}"
+    return (
+        NONE if estimate is None or estimate.ci95 is None else f"±{significant(estimate.ci95, 2)}"
+    )
 
 
 def _measured(results: Results) -> str:

@@ -22,16 +22,16 @@ QUANTITIES = {
 }
 RULES = {
     "simple": "simple acceptance: the measured value decides",
-    "shared_risk": "shared risk: the measured value decides where U95 is at most {share} of the "
+    "shared_risk": "shared risk: the measured value decides where U is at most {share} of the "
     "limit",
-    "guard_band": "guard band: a value passes if it is inside the limit by at least U95",
+    "guard_band": "guard band: a value passes if it is inside the limit by at least U",
 }
 
 _STEPS = {
     "FAIL": "FAIL: check the zeros and the calibration of the instruments, then repeat the test; "
     "if it fails again, do not deliver the cylinder",
-    "MARGINAL": "MARGINAL: the value is within its limit, but nearer to it than U95; repeat the "
-    "test with more trials or more accurate instruments (hbench report shows the parts of U95), or "
+    "MARGINAL": "MARGINAL: the value is within its limit, but nearer to it than U; repeat the "
+    "test with more trials or more accurate instruments (hbench report shows the parts of U), or "
     "agree on another rule with the customer",
     "NOT TESTED": "NOT TESTED: make the runs that the reasons in the table name, then repeat the "
     "command",
@@ -51,7 +51,7 @@ def acceptance_table(acceptance: Acceptance) -> WordTable:
         )
         for check in acceptance.checks
     )
-    head = ("quantity", "series", "measured, U95", "limit", "conforms", "decision")
+    head = ("quantity", "series", "measured, U", "limit", "conforms", "decision")
     return WordTable("", head, rows)
 
 
@@ -63,6 +63,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
         f"{acceptance.decision}: {cylinder}{product} ({acceptance.provenance.source})",
         *list(table_lines(acceptance_table(acceptance)))[1:],
         f"rule: {rule_words(acceptance)}; limits of {acceptance.limits}",
+        "U: expanded uncertainty for a coverage probability of 95 %",
         *(f"note: {note}" for note in acceptance.notes),
         *(f"next: {step}" for step in next_steps(acceptance)),
     ]
@@ -106,7 +107,7 @@ def junit_xml(acceptance: Acceptance) -> str:
 
 def rule_words(acceptance: Acceptance) -> str:
     """Write the decision rule."""
-    return RULES[acceptance.rule].format(share=f"{acceptance.largest_uncertainty or 0:.0%}")
+    return RULES[acceptance.rule].format(share=f"{100 * (acceptance.largest_uncertainty or 0):g} %")
 
 
 def requirement_words(check: ConformityCheck) -> str:
@@ -133,7 +134,7 @@ def series_words(check: ConformityCheck) -> str:
 
 
 def measured_words(check: ConformityCheck) -> str:
-    """Write the measured value with U95 and its unit."""
+    """Write the measured value with U and its unit."""
     if check.measurement is None:
         return NONE
     unit = check.requirement.unit

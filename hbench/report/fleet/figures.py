@@ -170,7 +170,7 @@ def _read_as(spreads: Iterable[Spread]) -> str:
 def _trends(spreads: Iterable[Spread]) -> str:
     trends = [spread.trend for spread in spreads if spread.trend is not None]
     if not trends:
-        return "By campaign. The trend is not tested: that takes at least 10 campaigns."
+        return "The trend is not tested: that takes at least 10 campaigns."
     if any(trend.real for trend in trends):
         return "By date of the campaign. Line: significant trend (Theil and Sen's line)."
     return "By date of the campaign. No trend is significant."

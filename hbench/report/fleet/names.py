@@ -42,6 +42,11 @@ def of_side(side: Side) -> str:
     return "" if side is None else f", {TITLES[side].lower()}"
 
 
+def of_change(unit: str) -> str:
+    """Return the unit of a change: percentage points of a number in per cent."""
+    return "percentage points" if unit == "%" else unit
+
+
 def signed(text: str) -> str:
     """Return a number with its sign, and none before a zero."""
     return text if text.startswith(("−", "0", NONE)) and not text.startswith("0.") else f"+{text}"

@@ -51,10 +51,10 @@ _AT_MEDIAN = "Half band, middle and energy are those at the median pressure of a
 _METHOD = (
     (
         "Numbers",
-        "Those of each campaign's report. Where a direction has several loads it is the mean over "
-        "them, and only where all of them have the number. Its interval is the mean of theirs, as "
-        "wide as if their errors were the same. Half band, middle and energy of a cycle are those "
-        "at the median of the campaign's pressures.",
+        "Each number is that of the campaign's report. Where a direction has several loads, it is "
+        "the mean over them, provided that all of them have the number; its interval is as wide "
+        "as the mean of theirs, as if their errors were the same. Half band, middle and energy of "
+        "a cycle are those at the median of the campaign's pressures.",
     ),
     (
         "Compared",
@@ -70,13 +70,13 @@ _METHOD = (
         "A campaign's number is taken as m + b + e: b with σ between campaigns, e with σ of the "
         "campaign's own trials: the root mean square of their standard errors, and its own for a "
         "campaign whose trials scatter more than three times as much as is usual. m is the "
-        "median. σ between campaigns is such that the median of |x − m| / sqrt(σ_between² + "
+        "median. σ between campaigns is such that the median of |x − m| / √(σ_between² + "
         "σ_own²) is 0.6745: up to half of the campaigns may deviate by any amount. Errors of the "
         "instruments are common to a bench's campaigns and are not included.",
     ),
     (
         "Outliers",
-        "The deviation is (x − m) / sqrt(σ_between² + σ_own²); where a number drifts, m is its "
+        "The deviation is (x − m) / √(σ_between² + σ_own²); where a number drifts, m is its "
         "trend line. p is that of Student's distribution with 0.37 (n − 1) degrees of freedom, "
         "times the number of campaigns and numbers (Bonferroni): among good cylinders alone, one "
         "fleet in twenty has an outlier. An outlier has p below 0.05; at least 10 campaigns are "
@@ -90,7 +90,8 @@ _METHOD = (
     ),
     (
         "All rows",
-        "fleet.parquet beside this page: a row a campaign, each number with its interval.",
+        "fleet.parquet beside this page has a row for each campaign, with the interval of each "
+        "number.",
     ),
 )
 
@@ -128,9 +129,10 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     if fleet.rows:
         yield Section("Campaigns", _about_numbers(fleet), tables=(_campaigns(fleet),))
     if fleet.worst:
+        all_shown = fleet.outliers >= _LEAST
         few = "These deviate most. Only campaigns marked as outliers deviate significantly."
-        none = (few,) if fleet.outliers < _LEAST else ()
-        title = "Outliers" if fleet.outliers else "Largest deviations"
+        none = () if all_shown else (few,)
+        title = "Outliers" if all_shown else "Largest deviations"
         yield Section(title, none, tables=(_worst(fleet),), anchor="worst")
     if fleet.spreads:
         chosen = _of(drawings, DISTRIBUTIONS)
@@ -151,7 +153,7 @@ def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
         table = _untitled(wear_table(fleet))
         yield Section("Wear", drawings=_of(drawings, WEAR), tables=(table,))
     if fleet.plan_notes and not fleet.precision:
-        yield Section(_PRECISION, ("Not determined.", *fleet.plan_notes))
+        yield Section(_PRECISION, tuple(fleet.plan_notes))
     if fleet.failed:
         yield _failures(fleet)
     yield Section("How it was computed", facts=tuple(_method(fleet)), anchor="method")

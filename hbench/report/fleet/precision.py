@@ -13,7 +13,7 @@ from hbench.records import (
     WearTrend,
     WordTable,
 )
-from hbench.report.fleet.names import name_of, of_side, signed, without_condition
+from hbench.report.fleet.names import name_of, of_change, of_side, signed, without_condition
 from hbench.report.render.numbers import NONE, number, significant, with_ends
 
 METHOD = (
@@ -26,7 +26,7 @@ METHOD = (
         "campaign, s_R that of single trials under all conditions of the plan: everything but the "
         "cylinders. The limits r = 2.8 s_r and R = 2.8 s_R are exceeded by the difference of two "
         "single trials in 5 % of cases (ISO 5725-6); two campaigns of n trials each may differ by "
-        "sqrt(R² − r² (1 − 1/n)). Effects are taken as normal: heavy tails make the intervals too "
+        "√(R² − r² (1 − 1/n)). Effects are taken as normal: heavy tails make the intervals too "
         "narrow. A factor with two or three levels has a wide interval. "
         "Mountings are those of one cylinder. Errors of the instruments are common to all "
         "campaigns of a bench and are not included.",
@@ -49,10 +49,10 @@ METHOD = (
         "Individual values with moving ranges (ISO 7870-2): the limits are the mean ± 3 σ with "
         "σ = mean moving range / 1.128; the limit of the moving range is 3.267 times its mean. "
         "The rules are those of Western Electric (1956) and Nelson (1984), each by its number. "
-        "The EWMA is z_i = λ x_i + (1 − λ) z_(i−1) with λ = 0.1, its limits the mean ± L σ "
-        "sqrt(λ/(2 − λ) (1 − (1 − λ)^(2i))) with L = 2.7 (Montgomery). Where several cylinders "
+        "The EWMA is z_i = λ x_i + (1 − λ) z_i−1 with λ = 0.1; its limits are the mean ± L σ "
+        "√(λ/(2 − λ) (1 − (1 − λ)²ⁱ)) with L = 2.7 (Montgomery). Where several cylinders "
         "were measured three times or more, the charts show the deviation from their own mean, "
-        "scaled by sqrt(n/(n − 1)). At least 10 campaigns with a date are needed. Without any "
+        "scaled by √(n/(n − 1)). At least 10 campaigns with a date are needed. Without any "
         "change a false signal comes in the mean every 370 points beyond 3 σ, every 356 by the "
         "EWMA, and every 78 by any of the individuals chart's rules; more often where few "
         "campaigns determine mean and σ.",
@@ -94,10 +94,7 @@ def limit_sentences(fleet: Fleet) -> Iterator[str]:
 
 
 def change_sentences(fleet: Fleet) -> Iterator[str]:
-    """Yield campaigns beyond the control limits, steps, and significant wear."""
-    beyond = dict.fromkeys(name for chart in fleet.charts for name in chart.outside)
-    if beyond:
-        yield f"Beyond the control limits: {_named(tuple(beyond)[:_NAMED], len(beyond))}."
+    """Yield steps, campaigns beyond the control limits, and significant wear."""
     steps: dict[str, list[str]] = {}
     largest: dict[str, float] = {}
     for chart in fleet.charts:
@@ -110,14 +107,19 @@ def change_sentences(fleet: Fleet) -> Iterator[str]:
             name = f"{title[:1].lower()}{title[1:]}{of_side(chart.direction)}"
             at = chart.step.name
             size = signed(significant(scale * (chart.step.after - chart.step.before), 2))
-            steps.setdefault(at, []).append(f"{name} {size} {unit} ({before} to {after})")
+            words = f"{name}, by {size} {of_change(unit)} ({before} to {after} {unit})"
+            steps.setdefault(at, []).append(words)
             largest[at] = max(largest.get(at, 0.0), chart.step.p_holm)
     for at, changes in steps.items():
         yield (
-            f"Step at {at} (p up to {significant(largest[at], 2)}): {'; '.join(changes[:_NAMED])}"
+            f"From {at} on the mean has changed (p at most {significant(largest[at], 2)}): "
+            f"{'; '.join(changes[:_NAMED])}"
             f"{f'; and {len(changes) - _NAMED} more' if len(changes) > _NAMED else ''}. "
             "Check what changed there: the cylinders, the bench or its instruments."
         )
+    beyond = dict.fromkeys(name for chart in fleet.charts for name in chart.outside)
+    if beyond:
+        yield f"Campaigns beyond the control limits: {_named(tuple(beyond)[:_NAMED], len(beyond))}."
     for trend in fleet.wear:
         if trend.real:
             yield (

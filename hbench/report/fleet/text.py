@@ -17,6 +17,7 @@ from hbench.records import (
 from hbench.report.fleet.names import (
     folder_name,
     name_of,
+    of_change,
     of_side,
     signed,
     without_condition,
@@ -107,9 +108,10 @@ def fleet_json(fleet: Fleet) -> str:
 
 
 def fleet_verdict(fleet: Fleet) -> str:
-    """Return decisions, failures, outliers, drifts and steps in a few sentences."""
-    decided = [f"{count} {name}" for name, count in fleet.decisions]
-    sentences = [f"Decisions: {', '.join(decided)}."] if decided else []
+    """Return decisions, failures, steps, outliers and drifts in a few sentences."""
+    sentences = [f"Decisions: {decision_words(fleet)}."] if fleet.decisions else []
+    if fleet.decisions == (("PASS", fleet.campaigns),):
+        sentences = [f"All {fleet.campaigns} campaigns have the decision PASS."]
     if fleet.failed:
         sentences.append(f"{fleet.failed} of {fleet.campaigns} campaigns could not be analyzed.")
     analyzed = fleet.campaigns - fleet.failed
@@ -123,6 +125,7 @@ def fleet_verdict(fleet: Fleet) -> str:
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
+    sentences += change_sentences(fleet)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         names = [_outlier_words(suspect) for suspect in fleet.worst[: fleet.outliers]]
@@ -141,10 +144,10 @@ def fleet_verdict(fleet: Fleet) -> str:
     ]
     if drifts:
         more = f"; and {len(drifts) - _NAMED} more" if len(drifts) > _NAMED else ""
-        sentences.append(f"Drifts: {'; '.join(drifts[:_NAMED])}{more}.")
+        sentences.append(f"Significant drift: {'; '.join(drifts[:_NAMED])}{more}.")
     elif any(spread.trend is not None for spread in fleet.spreads):
         sentences.append("No drift is significant.")
-    return " ".join((*sentences, *change_sentences(fleet)))
+    return " ".join(sentences)
 
 
 def _outlier_words(suspect: Suspect) -> str:
@@ -262,7 +265,7 @@ def trend_table(fleet: Fleet) -> WordTable:
 def worst_table(fleet: Fleet, most: int) -> WordTable:
     """Return the campaigns that deviate most, a row each."""
     rows = tuple((shown.path, *cells(shown)) for shown in fleet.worst[:most])
-    return WordTable("Worst campaigns", ("Campaign", *WORST_HEAD), rows)
+    return WordTable("Largest deviations", ("Campaign", *WORST_HEAD), rows)
 
 
 WORST_HEAD = ("Number", "Value", "Usual", "Deviation (σ)", "p", "Verdict")
@@ -301,5 +304,5 @@ def _slope(spread: Spread, trend: Trend, span: float) -> str:
 
 def _drift(spread: Spread, trend: Trend) -> str:
     title = f"{spread.quantity.words[0].lower()}{spread.quantity.words[1:]}"
-    change = f"{_change(spread, trend)} {spread.quantity.unit}"
-    return f"{title}{of_side(spread.direction)}: {change}"
+    change = f"{_change(spread, trend)} {of_change(spread.quantity.unit)}"
+    return f"{title}{of_side(spread.direction)}, by {change} over the span"

@@ -14,6 +14,7 @@ from markupsafe import Markup, escape
 from hbench.records import WordTable
 from hbench.report.render.figures import Drawing
 from hbench.report.render.inline_svg import inline
+from hbench.report.render.numbers import unit_kept
 from hbench.report.render.style import DARK
 from hbench.report.render.symbols import pieces
 from hbench.report.render.word_tables import Cell, Table
@@ -202,6 +203,7 @@ def _environment() -> Environment:
         "sortable": lambda table: isinstance(table, Table) and table.sortable,
         "link": lambda cell: cell.link if isinstance(cell, Cell) else "",
         "plain": lambda cell: cell.text if isinstance(cell, Cell) else cell,
+        "unit_kept": unit_kept,
         "subscripts": _subscripts,
     }
     environment.filters.update(filters)
@@ -235,7 +237,7 @@ def numeric(table: WordTable | Table) -> set[int]:
 def _cell_classes(cell: tuple[bool, str, str]) -> str:
     """Return the classes of a cell by its kind, its text and its flag."""
     number, text, flag = cell
-    kinds = ["n"] if number else ["long"] if len(text) > _LONG else []
+    kinds = ["n"] if number else ["long"] if max(len(text), len(flag)) > _LONG else []
     kinds += ["short"] if not number and len(text) <= _SHORT else []
     return " ".join((*kinds, *(["flagged"] if flag else []), *_endless(f"{text} {flag}")))
 

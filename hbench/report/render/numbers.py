@@ -1,8 +1,13 @@
 """Numbers as text for readers: rounding by the interval, minus signs, units."""
 
 import math
+import re
 from collections.abc import Collection
 
+_WITH_UNIT = re.compile(
+    r"\d (?:%|k?N(?: s/m|/bar)?|m?m(?:/s|²)?|m?V|bar|m?s|min|h|Hz|J|ml/min|°C)(?![\w/])"
+    r"|\((?:N s/m|ml/min per bar)\)"
+)
 _SYMMETRIC = 0.05  # of the half-width
 NONE = "–"  # in place of a number that does not exist
 
@@ -56,6 +61,11 @@ def with_ends(value: float | None, low: float, high: float) -> str:
 def short(value: float | None) -> str:
     """Write with three significant digits and no zeros at the end: 5, 1.2, 49.1, 5000."""
     return _without_end_zeros(significant(value, 3))
+
+
+def unit_kept(text: str) -> str:
+    """Return a text that is not broken over lines between a number and its unit."""
+    return _WITH_UNIT.sub(lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
 
 
 def force(value_n: float | None) -> str:

@@ -9,6 +9,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.textpath import TextToPath
 
+from hbench.report.render.numbers import unit_kept
 from hbench.report.render.symbols import pieces
 
 SHEET_WIDTH, SHEET_HEIGHT = 595.28, 841.89  # of A4
@@ -90,11 +91,16 @@ def _advance(letter: str, weight: str) -> float:
     return float(_MEASURE.get_text_width_height_descent(letter, font, False)[0]) / 100
 
 
+def words_of(text: str) -> list[str]:
+    """Return the pieces between which a text may be broken; a number and its unit are one."""
+    return unit_kept(text).split(" ")
+
+
 def wrapped(text: str, width: float, size: float, weight: str = "normal") -> list[str]:
     """Break a text into lines of at most ``width``; a longer word is broken too."""
     width += 0.01  # of rounding
     lines, line = [], ""
-    for word in text.split(" "):
+    for word in words_of(text):
         longer = f"{line} {word}".strip()
         if width_of(longer, weight) * size <= width:
             line = longer

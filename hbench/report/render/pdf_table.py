@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence
 
-from hbench.report.render.pdf_pen import LINE, Pen, width_of, wrapped
+from hbench.report.render.pdf_pen import LINE, Pen, width_of, words_of, wrapped
 
 CELLS = 7.2  # size of letters, points
 SMALLEST = 5.0  # of a table with many columns
@@ -73,10 +73,10 @@ def _cells(row: Sequence[str], widths: list[float], size: float, weight: str) ->
 
 def _least(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[float]:
     """Return the width of each column's widest word, per point of the letters' size."""
-    least = [max(width_of(word, "bold") for word in cell.split(" ")) for cell in head]
+    least = [max(width_of(word, "bold") for word in words_of(cell)) for cell in head]
     for row in rows:
         for column, cell in enumerate(row):
-            widest = max(width_of(word, "normal") for word in cell.split(" "))
+            widest = max(width_of(word, "normal") for word in words_of(cell))
             least[column] = max(least[column], widest)
     return least
 

@@ -14,8 +14,8 @@ from hbench.store.campaign.folder import load_campaign, write_results
 from hbench.workflow.results import derive
 
 _OF_LEAKAGE = (
-    "U95 of leakage is that of the holds alone: it takes the bulk modulus and the dead volumes of "
-    "the bench file, and tightly closed valves, for granted"
+    "U of leakage is that of the holds alone. It assumes that the bulk modulus and the dead "
+    "volumes of the bench file are exact, and that the valves close tightly"
 )
 
 
@@ -39,7 +39,13 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
         notes.append(f"the quality of the data is {results.quality.grade!r}; see hbench report")
     if missing := missing_words(results.quality.completeness):
         notes.append(missing)
-    if any(limit.quantity == "leakage" for limit in limits.limits):
+    checks = conformity_checks(
+        results,
+        [limit.requirement for limit in limits.limits],
+        limits.rule,
+        limits.largest_uncertainty,
+    )
+    if any(check.requirement.quantity == "leakage" and check.measurement for check in checks):
         notes.append(_OF_LEAKAGE)
     return Acceptance(
         provenance=results.provenance,
@@ -49,12 +55,7 @@ def decided(results: Results, limits_file: Path) -> Acceptance:
         limits_sha256=file_sha256(limits_file),
         rule=limits.rule,
         largest_uncertainty=limits.largest_uncertainty,
-        checks=conformity_checks(
-            results,
-            [limit.requirement for limit in limits.limits],
-            limits.rule,
-            limits.largest_uncertainty,
-        ),
+        checks=checks,
         data=results.quality.grade,
         notes=tuple(notes),
     )

@@ -16,15 +16,16 @@ from hbench.report.conformity.text import (
 )
 from hbench.units import from_si
 
-_MOST = 4  # charts
+_MOST = 4  # charts, and values that did not pass
 Series = tuple[tuple, tuple, int]  # requirement, label and load, number of its kind
 
 
 def station_charts(
     names: Sequence[str], checks: Sequence[Sequence[ConformityCheck]]
 ) -> list[dict[str, Any]]:
-    """Return a chart for each of the first quantities that the last decided cylinder has limits of.
+    """Return charts of quantities that the last decided cylinder has limits of: at most four.
 
+    Those that did not pass come first.
     ``names`` and ``checks`` are those of the cylinders, in the order of their tests. A chart has
     the values in the unit of the limits, the last one in words with its uncertainty, and from ten
     cylinders on the control limits, mean ± 3 sigma of the moving ranges, with the rules that
@@ -32,7 +33,28 @@ def station_charts(
     """
     newest = next((each for each in reversed(checks) if each), ())
     by_series = [_by_series(each) for each in checks]
-    return [_chart(series, names, by_series) for series in list(_by_series(newest))[:_MOST]]
+    decisions = _by_series(newest)
+    shown = sorted(decisions, key=lambda series: decisions[series].decision == "PASS")[:_MOST]
+    return [_chart(series, names, by_series) for series in shown]
+
+
+def not_passed(checks: Sequence[ConformityCheck]) -> list[str]:
+    """Write the first measured values that did not pass, with their limits; count the others."""
+    words = [
+        f"{check.decision}: {_title(check)}: {_measured(check)}"
+        for check in sorted(checks, key=lambda check: check.decision != "FAIL")
+        if check.decision != "PASS"
+    ]
+    more = [f"{len(words) - _MOST} more; see hbench accept"] if len(words) > _MOST else []
+    return words[:_MOST] + more
+
+
+def _title(check: ConformityCheck) -> str:
+    return ", ".join(filter(None, (requirement_words(check), series_words(check))))
+
+
+def _measured(check: ConformityCheck) -> str:
+    return f"{measured_words(check)} (95 %), limit {limit_words(check.requirement)}"
 
 
 def _by_series(checks: Sequence[ConformityCheck]) -> dict[Series, ConformityCheck]:
@@ -59,17 +81,16 @@ def _chart(
         (name, each[series]) for name, each in zip(names, checks, strict=True) if series in each
     ]
     last = found[-1][1]
-    title = ", ".join(filter(None, (requirement_words(last), series_words(last))))
     unit, limits = last.requirement.unit, last.requirement
     values = np.array(
         [from_si(check.measurement.value, unit) for _, check in found if check.measurement]
     )
     chart: dict[str, Any] = {
-        "title": title,
+        "title": _title(last),
         "unit": unit,
         "names": [name for name, _ in found],
         "values": values.tolist(),
-        "last": f"{found[-1][0]}: {measured_words(last)} (95 %), limit {limit_words(limits)}",
+        "last": f"{found[-1][0]}: {_measured(last)}",
         "low": None if limits.low is None else from_si(limits.low, unit),
         "high": None if limits.high is None else from_si(limits.high, unit),
         "control": None,

@@ -9,7 +9,7 @@ from hbench.errors import HbenchError
 from hbench.store.campaign.folder import JOURNAL, load_header
 from hbench.store.campaign.live_file import LIVE
 from hbench.store.campaign.stored_acceptance import FILE_NAME, stored_checks, stored_decision
-from hbench.workflow.watching.charts import station_charts
+from hbench.workflow.watching.charts import not_passed, station_charts
 from hbench.workflow.watching.watch import Watch
 
 _LAST = 20  # campaigns
@@ -24,24 +24,27 @@ class Station:
 
     def __init__(self, folder: Path):
         self._folder = folder
-        self._watch = Watch(folder / "none")
+        self._watch = Watch(folder)
         self._shown: Path | None = None
         self._next_read_s = 0.0
         self._campaigns: list[Path] = []
         self._known: dict[Path, tuple[tuple, dict[str, Any]]] = {}  # by folder: version, row
         self._charted: dict[Path, float] = {}  # campaigns in the charts, and when they were decided
         self._charts: list[dict[str, Any]] = []
+        self._limited = 0  # quantities of the last decided campaign
 
     def state(self) -> dict[str, Any]:
         """Return the present campaign's state, with the last campaigns of the station.
 
-        ``charts`` are the control charts of the limited quantities, over these campaigns.
+        ``charts`` are the control charts of the limited quantities, over these campaigns;
+        ``limited`` is the number of these quantities.
         """
         self._read()
         state = self._watch.state()
         cylinders = [self._row(folder) for folder in self._campaigns]
         version = f"{self._shown}-{state['version']}"
-        return state | {"version": version, "cylinders": cylinders, "charts": self._charts}
+        charts = {"charts": self._charts, "limited": self._limited}
+        return state | {"version": version, "cylinders": cylinders} | charts
 
     def runs(self) -> dict[str, Any]:
         """Return the present campaign's runs."""
@@ -68,6 +71,7 @@ class Station:
             checks = [stored_checks(folder) for folder in reversed(self._campaigns)]
             names = [self._row(folder) for folder in reversed(self._campaigns)]
             self._charts = station_charts([row["serial"] or row["folder"] for row in names], checks)
+            self._limited = len(next((each for each in reversed(checks) if each), ()))
 
     def _folders(self) -> list[Path]:
         try:
@@ -77,7 +81,7 @@ class Station:
         return [folder for folder in entries if (folder / JOURNAL).is_file()]
 
     def _row(self, folder: Path) -> dict[str, Any]:
-        """Return name, serial number, time and decision of a campaign."""
+        """Return name, serial number, time and decision of a campaign, and what did not pass."""
         version = _moments(folder)
         if folder not in self._known or self._known[folder][0] != version:
             self._known[folder] = version, _described(folder)
@@ -96,15 +100,20 @@ def _moments(folder: Path) -> tuple[float, float, float]:
 
 
 def _described(folder: Path) -> dict[str, Any]:
-    row = {"folder": folder.name, "serial": "", "started": "", "source": ""}
+    row: dict[str, Any] = {"folder": folder.name, "serial": "", "started": "", "source": ""}
+    row["failed"] = []
     try:
         provenance = load_header(folder).provenance()
     except HbenchError:
         return row | {"decision": "not readable"}
+    decision, failed = stored_decision(folder), not_passed(stored_checks(folder))
+    if decision == "NOT TESTED":
+        failed.append("Not all limits were tested: hbench accept lists the missing runs.")
     specimen = provenance.settings.get("specimen") or {}
     return row | {
         "serial": str(specimen.get("serial", "")),
         "started": provenance.started[:19].replace("T", " "),
         "source": provenance.source,
-        "decision": stored_decision(folder),
+        "decision": decision,
+        "failed": failed,
     }

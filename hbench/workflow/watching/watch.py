@@ -35,7 +35,7 @@ class Watch:
         self._rows: dict[tuple[str, str], dict[str, Any]] = {}  # by run and checksum of its log
 
     def state(self) -> dict[str, Any]:
-        """Return the present state: ``running``, ``silent``, ``ended`` or ``nothing``.
+        """Return the present state: running, silent, ended, finished (complete) or nothing.
 
         While a host measures, only its ``live.json`` is read, so that the answer is quick.
         """
@@ -51,8 +51,9 @@ class Watch:
             return {"state": "silent", "said": said, "version": version, "live": None}
         with self._lock:
             self._read(at_once=True)
-            state = "ended" if self._campaign else "nothing"
-            said = self._ending(self._campaign) if self._campaign else self._error
+            state, said = (
+                self._ending(self._campaign) if self._campaign else ("nothing", self._error)
+            )
         return {"state": state, "said": said, "version": version, "live": None}
 
     def runs(self) -> dict[str, Any]:
@@ -92,7 +93,10 @@ class Watch:
             return
         if not version:
             self._seen = version
-            self._campaign, self._error = None, "The campaign has not begun yet."
+            self._campaign, self._error = (
+                None,
+                "The page shows the campaign when hbench run begins it.",
+            )
             return
         try:
             campaign = load_campaign(self._folder)
@@ -109,22 +113,26 @@ class Watch:
         self._seen = version
         self._next_read_s = time.monotonic() + (time.monotonic() - begin) / _SHARE
 
-    def _ending(self, campaign: StoredCampaign) -> str:
+    def _ending(self, campaign: StoredCampaign) -> tuple[str, str]:
+        """Return the state and the words of a campaign without a host."""
         if campaign.imported:
-            return f"{len(campaign.latest)} runs, imported"
+            return "finished", f"{len(campaign.latest)} runs, imported"
         done, planned = len(campaign.done), self._planned
         of_planned = "" if planned is None else f" of {planned}"
         summary = f"{done}{of_planned} runs measured"
         if not campaign.entries:
-            return summary
+            return "ended", summary
         run, stop = campaign.entries[-1].plan.run, campaign.entries[-1].stop
         if stop is None:
-            return f"{summary}; the host was killed or crashed in run {run}. {_RESUME}"
+            return "ended", f"{summary}; the host was killed or crashed in run {run}. {_RESUME}"
         if stop.outcome != "done":
-            return f"{summary}; run {run} {stop.outcome}: {stop.why}. {_RESUME}"
-        complete = planned is None or done >= planned
+            return "ended", f"{summary}; run {run} {stop.outcome}: {stop.why}. {_RESUME}"
         at = stop.at[:19].replace("T", " ")
-        return f"{summary}, the last ended at {at} UTC" + ("" if complete else f". {_RESUME}")
+        if planned is not None and done < planned:
+            return "ended", f"{summary}, the last ended at {at} UTC. {_RESUME}"
+        return (
+            "ended" if planned is None else "finished"
+        ), f"{summary}, the last ended at {at} UTC"
 
 
 def _key(entry: Entry) -> tuple[str, str]:

@@ -111,9 +111,8 @@ FIGURES = (
         name="stribeck",
         section="friction",
         caption="Friction over speed, both as magnitudes: means of the accepted trials, and the "
-        "first of the fitted laws (dashed: the fit did not converge). Hollow points: the load "
-        "helps the motion. Below: residuals of the loads, side by side. Both directions have the "
-        "same axes.",
+        "fitted law, dashed if its fit did not converge. A hollow point has a load that helps the "
+        "motion. Below: residuals of the loads, side by side. Both directions have the same axes.",
         applies=has_curves,
         draw=friction_magnitude,
         each_series=True,

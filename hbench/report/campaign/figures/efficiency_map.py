@@ -43,7 +43,7 @@ def efficiency_map(results: Results) -> dict[str, Figure]:
         panels = figure.subplots(2 if known else 1, sharex=True, squeeze=False)[:, 0]
         _map(figure, panels[0], (speed, load, value), levels[0], "Efficiency (%)")
         if known:
-            label = "U95, trials and instruments (%)"
+            label = "U, trials and instruments (%)"
             _map(figure, panels[1], (speed, load, u95), levels[1], label)
         for axes in panels:
             axes.set(xlim=limits[0], ylim=limits[1])

@@ -28,7 +28,8 @@ AnyCurve = TypeVar("AnyCurve", Curve, EfficiencyCurve)
 LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where curves differ in it
 
 _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
-_READ = "Points: means of the trials; bars: their 95 % Student intervals."
+_BARS = "Points: means of the trials; bars: their 95 % Student intervals."
+_NO_BARS = "Points: means of the trials."
 _BANDS = "Bands: U (95 %) of trials and instruments."
 _ASIDE = 0.006  # distance of residuals at one speed, relative to the highest speed
 
@@ -195,7 +196,8 @@ def _read(curves: Sequence[Curve]) -> str:
     laws = dict.fromkeys(law_words(fit.law) for c in curves for fit in c.fits[:1] if fit.line)
     lines = f"Lines: fitted law ({', '.join(laws)})." if laws else ""
     bands = _BANDS if any(map(_has_band, curves)) else ""
-    return "\n".join(filter(None, (_READ, " ".join(filter(None, (lines, bands))))))
+    points = _BARS if any(p.ci95_n is not None for c in curves for p in c.points) else _NO_BARS
+    return "\n".join(filter(None, (points, " ".join(filter(None, (lines, bands))))))
 
 
 def _has_band(curve: Curve) -> bool:

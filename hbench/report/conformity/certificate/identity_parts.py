@@ -1,6 +1,7 @@
 """Parts that identify laboratory, customer, specimen, test, instruments and raw data."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator
 
 from hbench.config.sensors import ForceInstrument, PressureInstrument
 from hbench.report.conformity.certificate.certificate import Certificate
@@ -49,12 +50,28 @@ def specimen_part(certificate: Certificate) -> Part:
         ("object", word("cylinder"), True),
         ("serial", specimen.serial, True),
         ("maker", specimen.maker, False),
-        *((key, getattr(specimen, key), False) for key in ("bore", "rod", "stroke", "seals")),
+        *((key, getattr(specimen, key) or size, False) for key, size in _sizes(certificate)),
+        ("seals", specimen.seals, False),
         ("wear", specimen.wear, True),
         ("received", "" if received is None else str(received), True),
         ("areas", _areas(certificate), False),
     ]
     return Part("specimen", word("specimen"), stated_facts(certificate, pairs))
+
+
+def _sizes(certificate: Certificate) -> Iterator[tuple[str, str]]:
+    """Yield bore, rod and stroke of the campaign's cylinder; empty where they are not known."""
+    specimen = certificate.results.runs[0].run.plan.specimen
+    piston, rod, stroke = specimen.area_piston_m2, specimen.area_rod_m2, specimen.stroke_m
+    one_rod = 0 < rod < piston
+    sizes = {
+        "bore": 2 * math.sqrt(piston / math.pi) if one_rod else None,
+        "rod": 2 * math.sqrt((piston - rod) / math.pi) if one_rod else None,
+        "stroke": stroke,
+    }
+    for key, size_m in sizes.items():
+        known = "" if size_m is None else localized(certificate, f"{short(1e3 * size_m)} mm")
+        yield key, known
 
 
 def _areas(certificate: Certificate) -> str:

@@ -187,6 +187,7 @@ def _part(pen: Pen, part: Part) -> None:
     pen.space(1)
     if part.lead:
         pen.words(part.lead, _BODY, weight="bold")
+        pen.space(3)
     _facts(pen, part.facts, _LABEL if pen.width < INNER else 0.22)
     for table in part.tables:
         _table(pen, table)

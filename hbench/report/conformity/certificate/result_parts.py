@@ -14,6 +14,8 @@ from hbench.report.render.numbers import NONE, number, short, with_interval
 from hbench.units import from_si
 from hbench.untrusted_text import printable
 
+_SHORT = 12  # letters of a label that is not broken over lines
+
 
 def method_part(certificate: Certificate) -> Part:
     """Return the laboratory's procedure, how each quantity is measured, and the software."""
@@ -113,7 +115,7 @@ def _series(certificate: Certificate, series: Iterable) -> tuple[str, str, str, 
     label, direction, f_load_n, p_lr_ref_pa = series
     back = None if p_lr_ref_pa is None else from_si(p_lr_ref_pa, "bar")
     return (
-        label,
+        label if len(label) > _SHORT else label.replace(" ", "\N{NO-BREAK SPACE}"),
         certificate.word(direction) if direction else "",
         "" if f_load_n is None else localized(certificate, short(f_load_n)),
         "" if back is None else localized(certificate, short(back)),

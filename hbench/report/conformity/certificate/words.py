@@ -33,7 +33,7 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "leakage": "Results: leakage",
         "uncertainty": "Uncertainty of measurement",
         "conformity": "Statement of conformity",
-        "not_tested": "Not tested, and deviations",
+        "not_tested": "Not tested and deviations",
         "remarks": "Remarks",
         "data": "Raw data",
         "statements": "Validity",
@@ -86,8 +86,8 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "due": "Due",
         "overdue": "{date} (overdue)",
         "traceable": "The calibrations above make the results traceable to the SI.",
-        "not_traceable": "Traceability to the SI is not stated: no calibration certificate is "
-        "recorded for {instruments}.",
+        "not_traceable": "Traceability to the SI is not stated. No calibration certificate is "
+        "recorded for these instruments: {instruments}.",
         "no_instruments": "The errors of the instruments are not recorded.",
         "expired": "Traceability to the SI is not given: the calibration was overdue on the day "
         "of the test for {instruments}.",
@@ -95,7 +95,7 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "procedure": "Procedure of the laboratory: {method}.",
         "method_steady": "Friction is the force of the chamber pressures on the areas of the "
         "piston less the force of the load cell, both as means while the piston moves at "
-        "constant speed; it is positive against the motion. The stated pressure is friction "
+        "constant speed; it is positive against the motion. The equivalent pressure is friction "
         "divided by the area that drives the motion. The hydro-mechanical efficiency is the "
         "mechanical power delivered divided by that taken up; leakage is not part of it. Each "
         "value is the mean of the accepted trials.",
@@ -116,7 +116,7 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "back_pressure": "Back pressure (bar)",
         "speed": "Speed (mm/s)",
         "friction_u": "Friction ± U (N)",
-        "pressure_u": "as pressure ± U (bar)",
+        "pressure_u": "Equivalent pressure ± U (bar)",
         "efficiency_u": "Efficiency ± U (%)",
         "breakaway_u": "Breakaway ± U (N)",
         "dwell": "Rest (s)",
@@ -131,10 +131,10 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "p_lr": "Back pressure: set pressure on the rod side of the load cylinder.",
         # Uncertainty
         "gum": "U is the expanded uncertainty after JCGM 100 (GUM): the combined standard "
-        "uncertainty of the trials and of the instruments multiplied by the coverage factor k, "
-        "Student's factor for the effective degrees of freedom (or 2), for a coverage probability "
-        "of approximately 95 %. It contains no contribution from the long-term behaviour of the "
-        "specimen.",
+        "uncertainty of the trials and of the instruments multiplied by the stated coverage factor "
+        "k, for a coverage probability of approximately 95 %. k is Student's factor for the "
+        "effective degrees of freedom, or 2 where the bench file sets it. U contains no "
+        "contribution from the long-term behaviour of the specimen.",
         "trials_only": "U is the half-width of the 95 % interval of the trials alone. The errors "
         "of the instruments are not known and are not part of it, so that it is no complete "
         "uncertainty after JCGM 100.",
@@ -232,7 +232,7 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "leakage": "Ergebnisse: Leckage",
         "uncertainty": "Messunsicherheit",
         "conformity": "Konformitätsaussage",
-        "not_tested": "Nicht geprüft, und Abweichungen",
+        "not_tested": "Nicht Geprüftes und Abweichungen",
         "remarks": "Bemerkungen",
         "data": "Rohdaten",
         "statements": "Gültigkeit",
@@ -293,7 +293,7 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "method_steady": "Die Reibung ist die Kraft der Kammerdrücke auf die Kolbenflächen "
         "abzüglich der Kraft am Kraftaufnehmer, beide als Mittel, während sich der Kolben mit "
         "konstanter Geschwindigkeit bewegt; sie ist positiv gegen die Bewegung. Der "
-        "angegebene Druck ist die Reibung geteilt durch die treibende Fläche. Der "
+        "äquivalente Druck ist die Reibung geteilt durch die treibende Fläche. Der "
         "hydraulisch-mechanische Wirkungsgrad ist die abgegebene mechanische Leistung geteilt "
         "durch die aufgenommene, ohne Leckage. Jeder Wert ist das Mittel der verwendeten "
         "Wiederholungen.",
@@ -314,7 +314,7 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "back_pressure": "Gegendruck (bar)",
         "speed": "Geschw. (mm/s)",
         "friction_u": "Reibung ± U (N)",
-        "pressure_u": "als Druck ± U (bar)",
+        "pressure_u": "Äquivalenter Druck ± U (bar)",
         "efficiency_u": "Wirkungsgrad ± U (%)",
         "breakaway_u": "Losbrechkraft ± U (N)",
         "dwell": "Ruhe (s)",
@@ -330,8 +330,9 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "p_lr": "Gegendruck: eingestellter Druck auf der Stangenseite des Lastzylinders.",
         "gum": "U ist die erweiterte Messunsicherheit nach JCGM 100 (GUM): die kombinierte "
         "Standardunsicherheit der Wiederholungen und der Messmittel, multipliziert mit dem "
-        "Erweiterungsfaktor k, dem Studentfaktor der effektiven Freiheitsgrade (oder 2), für eine "
-        "Überdeckungswahrscheinlichkeit von etwa 95 %. Ein Anteil für die Langzeitstabilität des "
+        "angegebenen Erweiterungsfaktor k, für eine Überdeckungswahrscheinlichkeit von etwa 95 %. "
+        "k ist der Studentfaktor der effektiven Freiheitsgrade, oder 2, wo die Prüfstandsdatei "
+        "dies vorgibt. Ein Anteil für die Langzeitstabilität des "
         "Prüflings ist nicht enthalten.",
         "trials_only": "U ist die halbe Breite des 95-%-Intervalls der Wiederholungen allein. Die "
         "Abweichungen der Messmittel sind nicht bekannt und nicht enthalten; U ist daher keine "
