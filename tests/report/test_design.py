@@ -8,9 +8,10 @@ from dataclasses import replace
 import pytest
 
 from hbench.records import Check
+from hbench.report.design.checks import check_rows
 from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
-from hbench.report.design.text import check_rows, design_json, design_text
+from hbench.report.design.text import design_json, design_text
 from tests.support.report.made_design import drawings_of_design, made_design
 
 
