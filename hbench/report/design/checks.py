@@ -5,13 +5,14 @@ import re
 from collections.abc import Sequence
 
 from hbench.records import Check
-from hbench.report.design.loops import TextRows, decay_s, seconds
+from hbench.report.design.loops import TextRows, decay_s, margin, seconds
 from hbench.report.render.numbers import number, short, significant
 
 LIMITS = (
     "Margins are the smallest over all operating points. The closed loop is simulated with the "
-    "firmware on the bench as its file states it, and on a softer and a stiffer one: bulk "
-    "modulus, masses and viscous friction are off by 20 %, and on the stiffer one the valves too."
+    "firmware on the bench as its file states it, and on two others. The softer one has 20 % less "
+    "bulk modulus and viscous friction and 20 % more mass; the stiffer one has the opposite, and "
+    "valves of 20 % more gain and 20 % less bandwidth."
 )
 POINT_LIMITS = (
     "Margins of the present gains on the board at the operating point below. With --propose, "
@@ -19,7 +20,13 @@ POINT_LIMITS = (
 )
 _DECIMALS = {"deg": 0, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
 _MOST_DECIMALS = 6
-_STOPPED = re.compile(r"^run \d+: (the board stopped itself: )(?:\w+: )?")
+UNSTABLE = (
+    "The three loops together are unstable: a margin that passes does not show that its loop is "
+    "stable."
+)
+_STOPPED = re.compile(r"^run \d+: the board stopped itself: (?:\w+: )?")
+_PRESSURE, _COMMAND = re.compile(r"\bp_([a-z]+)_pa\b"), re.compile(r"\bu_([a-z]\d?)_v\b")
+_CODE = re.compile(r"\b[a-z]+(?:_[a-z]+)+(?=: )")  # of a reason for rejection
 _LIMIT = re.compile(r"limits\.(\w+)")
 _ALLOWED = {"speed_error_time": "longer than allowed", "travel": "the allowed travel"}
 CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
@@ -32,7 +39,7 @@ def check_rows(checks: Sequence[Check], tick_s: float) -> TextRows:
         (
             *shown(check, tick_s),
             "yes" if check.holds else "NO",
-            _cause_name(check, causes) or check.where,
+            _cause_name(check, causes) or _where(check),
         )
         for check in checks
     ]
@@ -47,7 +54,7 @@ def cause_of(check: Check) -> str:
     """Return why the board stopped itself in a check's first failed run; empty if it did not."""
     if check.holds or not _STOPPED.match(check.where):
         return ""
-    words = _STOPPED.sub(r"\1", check.where)
+    words = _STOPPED.sub("", check.where)
     return _LIMIT.sub(lambda found: _ALLOWED.get(found[1], "allowed"), words)
 
 
@@ -56,7 +63,19 @@ def _cause_name(check: Check, causes: Sequence[str]) -> str:
     cause = cause_of(check)
     if not cause:
         return ""
-    return "see the cause" if len(causes) == 1 else f"see cause {causes.index(cause) + 1}"
+    return "see the verdict" if len(causes) == 1 else f"see cause {causes.index(cause) + 1}"
+
+
+def _where(check: Check) -> str:
+    """Return where a check is worst, with symbols and words in place of keys."""
+    text = _CODE.sub(lambda found: found[0].replace("_", " "), check.where)
+    text = _PRESSURE.sub(lambda found: f"P_{found[1].capitalize()}", text)
+    return _COMMAND.sub(lambda found: f"u_{found[1].upper()}", text)
+
+
+def unstable(checks: Sequence[Check]) -> bool:
+    """Return whether the checks contain a pole of all loops together that does not decay."""
+    return any("modulus" in check.what and not check.holds for check in checks)
 
 
 def shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
@@ -73,7 +92,7 @@ def shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
 def check_value(check: Check) -> str:
     """Write a check's value, with as many decimals as show on which side of the limit it is."""
     if not math.isfinite(check.value):
-        return "none"
+        return margin(check.value, 0)
     decimals = _DECIMALS.get(check.unit)
     if decimals is None:
         decimals = len(significant(check.value, 2).partition(".")[2])

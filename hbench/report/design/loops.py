@@ -3,7 +3,7 @@
 import math
 
 from hbench.records import Design, LoopMerits
-from hbench.report.render.numbers import significant
+from hbench.report.render.numbers import NONE, number, significant
 
 TextRows = list[tuple[str, ...]]
 
@@ -16,6 +16,11 @@ LOOP_NOTES = (
     ("settling", "time until the response to a step of the reference stays within 2 % of the step"),
     ("slowest pole", "time constant -T / ln |z| of the sampled loop's slowest pole; T = {tick} ms"),
 )
+_UNSTABLE = (
+    "unstable",
+    "a pole of the sampled loop is outside the unit circle. A margin on the board is that of one "
+    "loop with the other two closed: if these are unstable, it does not show stability",
+)
 CHAINS = {
     "ideal valve": "the loop alone, without dynamics of the valve",
     "valve": "the loop alone, with the second-order dynamics of the valve",
@@ -24,7 +29,7 @@ CHAINS = {
 }
 PRESENT = (
     "The table and the figures show the present gains of the bench file, at the operating point "
-    "below."
+    "above."
 )
 _WRITE = (
     " They do not show the proposed gains: write these with --write, then run hbench design again."
@@ -52,7 +57,8 @@ def about_loops(design: Design) -> str:
 
 def loop_notes(design: Design) -> tuple[tuple[str, str], ...]:
     """Return what the rows and columns of the loops' table mean."""
-    notes = (*CHAINS.items(), *LOOP_NOTES)
+    stable = all(merits.stable for loop in design.loops for merits in loop.merits)
+    notes = (*CHAINS.items(), *LOOP_NOTES, *(() if stable else (_UNSTABLE,)))
     return tuple((name, text.format(tick=f"{1e3 * design.tick_s:g}")) for name, text in notes)
 
 
@@ -62,17 +68,17 @@ def loop_rows(design: Design) -> TextRows:
     for loop in design.loops:
         for merits in loop.merits:
             first = merits is loop.merits[0]
-            overshoot = finite(100 * merits.overshoot, 0 if merits.overshoot >= 0.1 else 1)
+            overshoot = number(100 * merits.overshoot, 0 if merits.overshoot >= 0.1 else 1)
             rows.append(
                 (
                     loop.name if first else "",
                     f"{loop.gain:.4g} {loop.gain_unit}" if first else "",
                     f"{loop.time_constant_s:.4g}" if first else "",
                     merits.chain,
-                    finite(merits.bandwidth_rad_s, 0),
-                    finite(merits.phase_margin_deg, 0),
-                    finite(gain_db(merits), 1),
-                    overshoot if merits.stable else "none",
+                    number(merits.bandwidth_rad_s, 0),
+                    margin(merits.phase_margin_deg, 0),
+                    margin(gain_db(merits), 1),
+                    overshoot if merits.stable else NONE,
                     seconds(merits.settling_s),
                     seconds(decay_s(merits.digital_modulus, design.tick_s))
                     if merits.stable
@@ -82,11 +88,11 @@ def loop_rows(design: Design) -> TextRows:
     return rows
 
 
-def finite(value: float, decimals: int) -> str:
-    """Write with fixed decimals; an infinite number is none."""
-    return f"{value:.{decimals}f}" if math.isfinite(value) else "none"
+def margin(value: float, decimals: int) -> str:
+    """Write a phase or gain margin, which is infinite where nothing limits it."""
+    return "∞" if value == math.inf else number(value, decimals)
 
 
 def seconds(value: float) -> str:
-    """Write a time with two significant digits; an infinite one is none."""
-    return significant(value, 2) if math.isfinite(value) else "none"
+    """Write a time with two significant digits; an infinite one is a dash."""
+    return significant(value, 2)

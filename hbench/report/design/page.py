@@ -33,6 +33,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         sections += [_checks(checks, check_words.LIMITS, design.tick_s), _proposal(proposal)]
     elif design.checks:
         sections.append(_checks(design.checks, check_words.POINT_LIMITS, design.tick_s))
+    sections.append(Section("Operating point", facts=_facts(text.point_facts(design))))
     merits = tuple(tuple(map(_merit, row)) for row in loop_words.loop_rows(design))
     words_in = frozenset({"Loop", "K_c", "Model"})
     loops = Table(_LOOP_HEAD, merits, words_in, title="The three loops with the present gains")
@@ -41,7 +42,6 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         Section("Loops", (loop_words.about_loops(design),), tables=(loops,), facts=notes)
     )
     sections.append(Section("Further results", facts=_facts(text.facts(design))))
-    sections.append(Section("Operating point", facts=text.point_facts(design)))
     if design.reproduced:
         rows = text.reproduced_rows(design.reproduced)
         table = WordTable("", text.REPRODUCED_HEAD, tuple(rows))
@@ -81,7 +81,8 @@ def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
     head = ("Result", "Check", "Value", "Limit", "Worst at")
     words_in = frozenset({"Result", "Check", "Worst at"})
     table = Table(head, tuple(rows), words_in, title="Checks and their limits")
-    return Section("Checks", (words,), tables=(_without_empty(table),))
+    notes = (words, check_words.UNSTABLE) if check_words.unstable(checks) else (words,)
+    return Section("Checks", notes, tables=(_without_empty(table),))
 
 
 def _without_empty(table: Table) -> Table:
@@ -109,5 +110,5 @@ def _minus(words: str) -> str:
 def _typeset(words: str) -> str:
     """Return words of the terminal with the signs of a page."""
     words = words.replace("mm/s^2", "mm/s²").replace(" deg", "°").replace("tau_c", "τ_c")
-    words = words.replace("-T / ln", "−T / ln")
+    words = words.replace("-T / ln", "−T / ln").replace("(Pa s)", "(Pa\N{NO-BREAK SPACE}s)")
     return _POWER.sub(lambda found: "·10" + str(int(found[1])).translate(_RAISED), words)

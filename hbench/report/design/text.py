@@ -11,10 +11,10 @@ from hbench.report.design.loops import (
     LOOP_HEAD,
     TextRows,
     decay_s,
-    finite,
     gain_db,
     loop_notes,
     loop_rows,
+    margin,
     seconds,
 )
 from hbench.report.design.verdict import loops_verdict, proposal_verdict
@@ -136,7 +136,7 @@ def facts(design: Design) -> tuple[tuple[str, str], ...]:
     """Return the further results beside the loops as names and values."""
     rod, piston = design.feedforward
     slowest = decay_s(design.coupled_modulus, design.tick_s)
-    together = "UNSTABLE" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
+    together = "unstable" if math.isinf(slowest) else f"stable, slowest pole {seconds(slowest)} s"
     return (
         (
             "feedforward of the load valves",
@@ -224,7 +224,7 @@ def design_text(design: Design) -> str:
         lines += ["", *_table(CHECK_HEAD, check_rows(design.checks, design.tick_s))]
         lines += [f"verdict: {loops_verdict(design)}"]
     text = "\n".join(lines).replace("−", "-").replace("–", "-")
-    return text.replace("≥", ">=").replace("≤", "<=")
+    return text.replace("≥", ">=").replace("≤", "<=").replace("∞", "inf")
 
 
 def _smallest_margins(design: Design) -> str:
@@ -232,8 +232,8 @@ def _smallest_margins(design: Design) -> str:
     phase, of_phase = min((merits.phase_margin_deg, name) for name, merits in board)
     gain, of_gain = min((gain_db(merits), name) for name, merits in board)
     return (
-        f"smallest margins on the board: {finite(phase, 0)} deg ({of_phase}), "
-        f"{finite(gain, 1)} dB ({of_gain})"
+        f"smallest margins on the board: {margin(phase, 0)} deg ({of_phase}), "
+        f"{margin(gain, 1)} dB ({of_gain})"
     )
 
 

@@ -4,8 +4,9 @@ import math
 from collections.abc import Sequence
 
 from hbench.records import Check, ControlLoop, Design, Proposal
-from hbench.report.design.checks import cause_of, causes_of, check_value, shown
+from hbench.report.design.checks import cause_of, causes_of, check_value, shown, unstable
 from hbench.report.render.numbers import short
+from hbench.report.render.symbols import capital
 
 _NAMED = 3  # failed checks in the verdict
 
@@ -27,7 +28,8 @@ def proposal_verdict(proposal: Proposal, tick_s: float) -> str:
     listed = "; ".join([*because, *named[:_NAMED], *more])
     several = len(causes) > 1
     why = "".join(
-        f" Cause{f' {i}' if several else ''}: {each}." for i, each in enumerate(causes, start=1)
+        f" Cause{f' {i}' if several else ''} of the stop: {each}."
+        for i, each in enumerate(causes, start=1)
     )
     return (
         f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
@@ -47,18 +49,19 @@ def loops_verdict(design: Design) -> str:
             f"PASS. The present gains pass all {len(checks)} checks at this operating point"
             f"{_margins(checks)}. --propose checks all operating points."
         )
+    together = "The three loops together are unstable." if unstable(failed) else ""
     steps = [
-        step
+        capital(step)
         for loop in design.loops
         if (step := _step(loop, [c for c in failed if c.what.startswith(f"{loop.name}: ")]))
     ]
-    if any("modulus" in check.what for check in failed):
-        steps.append("lower the gains K_c, since the three loops together are unstable")
-    text = "; ".join(steps)
-    return (
-        f"FAIL. {text[:1].upper()}{text[1:]}. The present gains fail {len(failed)} of "
-        f"{len(checks)} checks at this operating point. Run hbench design with --propose to find "
-        "gains for all operating points."
+    return " ".join(
+        (
+            "FAIL.",
+            *filter(None, (together, *(steps or ["Lower the gains K_c."]))),
+            f"The present gains fail {len(failed)} of {len(checks)} checks at this operating "
+            "point. Run hbench design with --propose to find gains for all operating points.",
+        )
     )
 
 
@@ -86,11 +89,11 @@ def _step(loop: ControlLoop, failed: Sequence[Check]) -> str:
     step = f"lower the gain K_c of the {loop.name} loop"
     if low_gain:  # the open loop is proportional to K_c
         factor = 10 ** ((low_gain[0].value - low_gain[0].limit) / 20)
-        step += f" from {loop.gain:.3g} to {_floor(factor * loop.gain):.3g} {loop.gain_unit}"
+        step += f" from {loop.gain:.4g} to {_floor(factor * loop.gain):.4g} {loop.gain_unit}"
     if len(failed) > len(low_gain):
         step += " or further" if low_gain else ""
         step += ", or raise its time constant tau_c"
-    return f"{step}: {why}"
+    return f"{step}: {why}."
 
 
 def _floor(value: float) -> float:
