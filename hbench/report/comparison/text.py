@@ -6,27 +6,17 @@ from dataclasses import asdict, replace
 
 from hbench.records import (
     CampaignDifferences,
-    CurveDifference,
     Difference,
-    FrictionDifference,
     WordTable,
 )
-from hbench.report.campaign.fit_tables import label_and_unit, law_words
 from hbench.report.campaign.quality import missing_words, quality_verdict
-from hbench.report.campaign.series_words import TITLES, kind_words, load_words
 from hbench.report.comparison.bands import (
     band_table,
-    band_verdict,
     bands_document,
     slope_table,
 )
 from hbench.report.comparison.cells import (
-    cells,
-    difference_table,
-    label_of,
     numbers,
-    percent,
-    signed,
     with_names,
 )
 from hbench.report.comparison.settings import (
@@ -34,12 +24,17 @@ from hbench.report.comparison.settings import (
     settings_that_differ,
     settings_words,
 )
+from hbench.report.comparison.tables import (
+    means_tables,
+    parameters_table,
+    points_table,
+    single_points,
+)
+from hbench.report.comparison.verdict import alarm, headline
 from hbench.report.json_documents.values import json_value
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import alike, number, significant, with_interval
 from hbench.report.render.terminal_table import table_lines
-from hbench.units import from_si
 
 SCHEMA = "hbench.comparison/1"
 _PLAIN = {"−": "-", "–": "-", "\N{NON-BREAKING HYPHEN}": "-", "±": "+-", "²": "^2", "³": "^3"}
@@ -49,7 +44,7 @@ def differences_text(differences: CampaignDifferences) -> str:
     """Return the verdict and the tables for a terminal."""
     differences = with_names(differences)
     lines = [
-        *filter(None, (_alarm(differences), _headline(differences))),
+        *filter(None, (alarm(differences), headline(differences))),
         "",
         *(f"{name}: {words}" for name, words in (*_identity(differences), *_data(differences))),
         *(
@@ -61,8 +56,8 @@ def differences_text(differences: CampaignDifferences) -> str:
     tables = (
         band_table(differences),
         slope_table(differences),
-        *_means(differences),
-        _parameters(differences),
+        *means_tables(differences),
+        parameters_table(differences),
     )
     for table in tables:
         if table.rows:
@@ -139,19 +134,19 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         Section(
             "Differences of mean friction and efficiency",
             (_READ,),
-            tables=_means(differences),
+            tables=means_tables(differences),
             parts=(Section(drawings=figures["comparison"]),),
         ),
         _settings_section(differences),
         Section(
             "Fitted parameters",
             (_counted("fitted parameters", parameters),),
-            parts=_folded("Each parameter", _parameters(differences)),
+            parts=_folded("Each parameter", parameters_table(differences)),
         ),
         Section(
             "Speed by speed",
-            (_counted("points", [p.friction_n for p in _single_points(differences)]),),
-            parts=_folded("Each speed", _points(differences)),
+            (_counted("points", [p.friction_n for p in single_points(differences)]),),
+            parts=_folded("Each speed", points_table(differences)),
         ),
         Section("How it was computed", facts=_method(differences)),
     ]
@@ -172,11 +167,11 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
             f"{differences.names[1]} against {differences.names[0]}",
             "Friction and efficiency of two campaigns. Differences are B less A.",
             kept,
-            " ".join((_headline(differences), settings_words(differences))),
+            " ".join((headline(differences), settings_words(differences))),
             banner,
             "simulated" if banner else "",
             identity=_identity(differences),
-            alarm=_alarm(differences),
+            alarm=alarm(differences),
         )
     )
 
@@ -226,7 +221,6 @@ _NONE_DIFFERS = (
     "None. A difference above is one of the cylinders, their mounting or the conditions of the "
     "test, such as the oil."
 )
-_FEW = 2  # curves that the verdict lists
 _LONG = 12  # rows; a longer table starts folded
 _READ = (
     "± is the half-width of the 95 % interval by the trials alone; U contains the errors of the "
@@ -254,98 +248,9 @@ _BANDS = (
 )
 
 
-def _verdict(differences: CampaignDifferences) -> str:
-    means = [(each, each.mean_n) for each in differences.curves if each.mean_n is not None]
-    real = [(curve, mean) for curve, mean in means if mean.real]
-    if not real:
-        every = len(differences.curves)
-        where = f"any of {every} curves" if every > 1 else "the only curve"
-        text = f"No difference of mean friction is significant in {where}"
-        largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
-        return f"{text}; the largest is {_largest(largest)}." if largest else f"{text}."
-    count = f"{len(real)} of {len(differences.curves)} curves"
-    values = [mean.value for _, mean in real]
-    if len(real) > _FEW and (min(values) > 0 or max(values) < 0):
-        way, sizes = "higher" if values[0] > 0 else "lower", [abs(value) for value in values]
-        shares = [100 * abs(mean.value / mean.a) for _, mean in real if mean.a]
-        share = f", or {_shares(shares)}" if shares else ""
-        return (
-            f"Mean friction of {differences.names[1]} is {way} than that of {differences.names[0]} "
-            f"in {count}, by {alike(sizes)} N{share} ({_widest([mean for _, mean in real])})."
-        )
-    means_text = "; ".join(
-        f"{_who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real
-    )
-    return f"Mean friction differs in {count}: {means_text}."
-
-
-def _efficiency_verdict(differences: CampaignDifferences) -> str:
-    """Return the significant differences of efficiency; empty without any."""
-    known = [each.efficiency for each in differences.curves if each.efficiency is not None]
-    real = [mean for mean in known if mean.real]
-    if not real:
-        return ""
-    count = f"{len(real)} of {len(known)} curves"
-    values = [100 * mean.value for mean in real]
-    if min(values) < 0 < max(values):
-        return f"Efficiency differs in {count}."
-    way = "higher" if values[0] > 0 else "lower"
-    halves = [100 * mean.u95 for mean in real if mean.u95]
-    widest = f" (U up to {significant(max(halves), 2)})" if len(halves) == len(real) else ""
-    sizes = dict.fromkeys(significant(f(map(abs, values)), 2) for f in (min, max))
-    return f"Efficiency is {way} in {count}, by {'–'.join(sizes)} percentage points{widest}."
-
-
-def _largest(mean: Difference) -> str:
-    """Write a difference with its uncertainty, such as ``−3.1 N (U 9.4 N)``."""
-    half = mean.u95 or mean.ci95
-    value = with_interval(mean.value, half).partition(" ± ")[0]
-    if half is None:
-        return f"{value} N (no interval)"
-    return f"{value} N ({_widest([mean])})".replace("up to ", "")
-
-
-def _widest(means: Sequence[Difference]) -> str:
-    """Return the largest uncertainty of differences: U, or the interval of the trials."""
-    halves = [mean.u95 or mean.ci95 or 0.0 for mean in means]
-    name = "U" if all(mean.u95 for mean in means) else "95 % intervals of the trials"
-    return f"{name} up to {significant(max(halves), 2)} N"
-
-
-def _shares(shares: Sequence[float]) -> str:
-    return "–".join(dict.fromkeys(significant(f(shares), 2) for f in (min, max))) + " %"
-
-
 def _method(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
     bands = (("Bands", _BANDS),) if differences.bands else ()
     return (*_METHOD, *bands)
-
-
-def _alarm(differences: CampaignDifferences) -> str:
-    """Return a sentence on each campaign that is incomplete or whose data is poor."""
-    sentences = []
-    for name, quality in zip("AB", differences.qualities, strict=True):
-        faults = (
-            "is incomplete" if missing_words(quality.completeness) else "",
-            "has poor data" if quality.grade == "poor" else "",
-        )
-        if any(faults):
-            sentences.append(f"{name} {' and '.join(filter(None, faults))}.")
-    return " ".join((*sentences, "Do not rely on these differences.")) if sentences else ""
-
-
-def _headline(differences: CampaignDifferences) -> str:
-    """Return the significant differences, and whose data is to be used with care."""
-    careful = [
-        name
-        for name, quality in zip("AB", differences.qualities, strict=True)
-        if quality.grade == "with care"
-    ]
-    care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
-    found = [band_verdict(differences)]
-    if not found[0]:
-        found = [_verdict(differences), _efficiency_verdict(differences)]
-    return " ".join(filter(None, (*found, care)))
 
 
 def _identity(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
@@ -373,64 +278,6 @@ def _instruments(differences: CampaignDifferences) -> str:
     if differences.same_instruments:
         return "Same instruments: their errors are in both, and cancel where the readings agree."
     return "Other instruments in each, or not known to be the same: the errors of both count."
-
-
-def _means(differences: CampaignDifferences) -> tuple[WordTable, WordTable]:
-    """Return the means over the speeds of friction and of efficiency."""
-    friction = [(curve, curve.mean_n) for curve in differences.curves]
-    efficiency = [(curve, curve.efficiency) for curve in differences.curves]
-    friction_table, efficiency_table = (
-        difference_table(
-            f"{title}: means over the speeds, and their differences",
-            ("Curve",),
-            [(_who(curve), *cells(each, scale)) for curve, each in known if each is not None],
-        )
-        for title, scale, known in (
-            ("Friction (N)", 1.0, friction),
-            ("Efficiency (%)", 100.0, efficiency),
-        )
-    )
-    return friction_table, efficiency_table
-
-
-def _parameters(differences: CampaignDifferences) -> WordTable:
-    rows = []
-    for curve in differences.curves:
-        for p in curve.parameters:
-            words, unit = label_and_unit(p.name, p.unit)
-            scale = from_si(1.0, unit)
-            rows.append(
-                (_who(curve), law_words(p.law), f"{words} ({unit})", *cells(p.value, scale))
-            )
-    return difference_table("Fitted parameters", ("Curve", "Law", "Parameter"), rows)
-
-
-def _points(differences: CampaignDifferences) -> WordTable:
-    rows: list[tuple[str, ...]] = [
-        (
-            _who(curve),
-            number(1e3 * point.v_m_s, 1) + (" *" if point.between else ""),
-            *cells(point.friction_n, 1.0),
-        )
-        for curve in differences.curves
-        if len(curve.points) > 1  # a single point is the mean
-        for point in curve.points
-    ]
-    title = "Friction at each speed (N)"
-    if any(point.between for each in differences.curves for point in each.points):
-        title += "; * between two speeds of B"
-    return difference_table(title, ("Curve", "Velocity (mm/s)"), rows)
-
-
-def _single_points(differences: CampaignDifferences) -> list[FrictionDifference]:
-    several = (curve for curve in differences.curves if len(curve.points) > 1)
-    return [point for curve in several for point in curve.points]
-
-
-def _who(pair: CurveDifference) -> str:
-    load = load_words(pair.a.f_load_n, pair.a.p_lr_ref_pa)
-    words = (label_of(pair), kind_words(pair.a), TITLES[pair.direction].lower(), load)
-    return ", ".join(filter(None, words))
 
 
 def _name(differences: CampaignDifferences, which: int) -> str:
