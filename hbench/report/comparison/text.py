@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
 
 from hbench.records import (
+    KINDS,
     CampaignDifferences,
     Difference,
     WordTable,
@@ -20,6 +21,7 @@ from hbench.report.comparison.cells import (
     with_names,
 )
 from hbench.report.comparison.settings import (
+    SERIAL,
     settings_table,
     settings_that_differ,
     settings_words,
@@ -32,12 +34,23 @@ from hbench.report.comparison.tables import (
 )
 from hbench.report.comparison.verdict import alarm, headline
 from hbench.report.json_documents.values import json_value
+from hbench.report.oil_words import range_words
 from hbench.report.render.document import BANNERS, Document, Section, page
 from hbench.report.render.figures import Drawing
 from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.comparison/1"
-_PLAIN = {"−": "-", "–": "-", "\N{NON-BREAKING HYPHEN}": "-", "±": "+-", "²": "^2", "³": "^3"}
+_OIL = ("sensor", "mean_k", "low_k", "high_k", "runs")
+_PLAIN = {
+    "−": "-",
+    "–": "-",
+    "\N{NON-BREAKING HYPHEN}": "-",
+    "±": "+-",
+    "²": "^2",
+    "³": "^3",
+    "°": "deg",
+    "\N{NO-BREAK SPACE}": " ",
+}
 
 
 def differences_text(differences: CampaignDifferences) -> str:
@@ -81,6 +94,10 @@ def differences_json(differences: CampaignDifferences) -> str:
             for which, quality in zip("ab", differences.qualities, strict=True)
         },
         "same_instruments": differences.same_instruments,
+        "oil_temperature": {
+            which: oil and {name: getattr(oil, name) for name in _OIL}
+            for which, oil in zip("ab", differences.oil_temperatures, strict=True)
+        },
         "settings_that_differ": [
             dict(zip(("section", "setting", "a", "b"), row, strict=True))
             for row in settings_that_differ(differences)
@@ -140,12 +157,12 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
         _settings_section(differences),
         Section(
             "Fitted parameters",
-            (_counted("fitted parameters", parameters),),
+            (_counted("of fitted parameters", parameters),),
             parts=_folded("Each parameter", parameters_table(differences)),
         ),
         Section(
             "Speed by speed",
-            (_counted("points", [p.friction_n for p in single_points(differences)]),),
+            (_counted("at single speeds", [p.friction_n for p in single_points(differences)]),),
             parts=_folded("Each speed", points_table(differences)),
         ),
         Section("How it was computed", facts=_method(differences)),
@@ -165,7 +182,7 @@ def differences_page(differences: CampaignDifferences, drawings: Iterable[Drawin
     return page(
         Document(
             f"{differences.names[1]} against {differences.names[0]}",
-            "Friction and efficiency of two campaigns. Differences are B less A.",
+            "Friction and hydro-mechanical efficiency of two campaigns. Differences are B minus A.",
             kept,
             " ".join((headline(differences), settings_words(differences))),
             banner,
@@ -199,7 +216,7 @@ def _settings_section(differences: CampaignDifferences) -> Section:
 def _counted(what: str, differences: Sequence[Difference]) -> str:
     real = sum(difference.real for difference in differences)
     return (
-        f"{real} of {len(differences)} differences of {what} are significant. "
+        f"{real} of {len(differences)} differences {what} are significant. "
         "comparison.json contains each."
     )
 
@@ -231,16 +248,18 @@ _SET_UP = (
     "seal again would change."
 )
 _METHOD = (
-    ("Friction", "As a magnitude. A point is the mean of its trials. The interval by the trials is "
+    ("Friction", "A point is the mean of its trials, as a magnitude. The interval by the trials is "
      "that of Welch's t; U is the expanded uncertainty for a coverage probability of 95 %."),
     ("p (Holm)", "Probability of a difference this large between equal cylinders, by the trials "
      "alone, corrected after Holm for the number of differences of its kind. A difference is "
      "significant where p is below 0.05 and the difference exceeds its U."),
-    ("Speeds", "Those within 2 % count as the same; within 20 % where no speed was set, as in "
-     "strokes cut from a cycle. Labels must agree only if a campaign has several."),
-    ("Means", "Over the speeds of A that B has or encloses, each speed with the same weight. "
-     "Steady runs count as independent in spite of drifts between passes. The points of a ramp or "
-     "of steps share their strokes, so that a trial's mean is one value."),
+    ("Speeds", "Speeds within 2 % count as the same, and within 20 % where no speed was set, as in "
+     "strokes cut from a cycle. If a campaign has several labels, curves of equal labels are "
+     "compared."),
+    ("Means", "A mean has equal weights at all speeds of A that B has too, or that lie between two "
+     "speeds of B. Steady runs count as independent, although drift may link those of a pass. The "
+     "points of a ramp or of steps come from the same strokes, so each trial counts once, with its "
+     "mean."),
 )  # fmt: skip
 _BANDS = (
     "Compared at equal loads, or at pressures within 5 %. Half bands, middles and energies are "
@@ -259,6 +278,25 @@ def _identity(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
         ("A", _name(differences, 0)),
         ("B", _name(differences, 1)),
         ("Instruments", _instruments(differences)),
+        *_oil(differences),
+    )
+
+
+def _oil(differences: CampaignDifferences) -> tuple[tuple[str, str], ...]:
+    """Return the oil temperatures of the steady runs; nothing without such runs."""
+    if not any(KINDS[curve.a.kind].has_constant_speed for curve in differences.curves):
+        return ()
+    if not any(differences.oil_temperatures):
+        return (("Oil temperature", "Not measured in either campaign."),)
+    each = "; ".join(
+        f"{name}: {range_words(oil)}"
+        for name, oil in zip("AB", differences.oil_temperatures, strict=True)
+    )
+    return (
+        (
+            "Oil temperature",
+            f"{each}. Friction is compared at these temperatures, without a correction.",
+        ),
     )
 
 
@@ -286,5 +324,8 @@ def _name(differences: CampaignDifferences, which: int) -> str:
     label = labels.pop() if len(labels) == 1 else ""
     day = campaign.started[:10].replace("-", "\N{NON-BREAKING HYPHEN}")
     schedule = f"schedule {campaign.name}"
-    words = (differences.names[which], schedule, label, campaign.source, day)
+    section, key = SERIAL
+    serial = campaign.settings.get(section, {}).get(key, "")
+    cylinder = f"cylinder {serial}" if serial and serial != differences.names[which] else ""
+    words = (differences.names[which], cylinder, schedule, label, campaign.source, day)
     return ", ".join(filter(None, words))

@@ -7,7 +7,7 @@ from hbench.report.campaign.quality import missing_words
 from hbench.report.comparison.bands import band_verdict
 from hbench.report.comparison.cells import percent, signed
 from hbench.report.comparison.tables import who
-from hbench.report.render.numbers import alike, significant, with_interval
+from hbench.report.render.numbers import alike, number, significant, with_interval
 
 _FEW = 2  # curves that the verdict lists
 
@@ -36,7 +36,22 @@ def headline(differences: CampaignDifferences) -> str:
     found = [band_verdict(differences)]
     if not found[0]:
         found = [_verdict(differences), _efficiency_verdict(differences)]
-    return " ".join(filter(None, (*found, care)))
+    return " ".join(filter(None, (*found, _warmer(differences), care)))
+
+
+def _warmer(differences: CampaignDifferences) -> str:
+    """State how much warmer the oil was in one campaign; empty where their ranges overlap."""
+    a, b = differences.oil_temperatures
+    if (
+        a is None
+        or b is None
+        or a.sensor != b.sensor
+        or b.low_k <= a.high_k
+        and a.low_k <= b.high_k
+    ):
+        return ""
+    warmer = "A" if a.mean_k > b.mean_k else "B"
+    return f"The oil was {number(abs(b.mean_k - a.mean_k))} K warmer in {warmer}."
 
 
 def _verdict(differences: CampaignDifferences) -> str:
