@@ -14,7 +14,7 @@ from hbench.report.diagnosis.names import (
     balance,
     in_unit,
     in_words,
-    p_words,
+    p_equation,
     value_words,
 )
 from hbench.report.diagnosis.run_gaps import run_table
@@ -206,7 +206,7 @@ def _largest(gaps: Sequence[Gap]) -> str:
     largest = max(known, key=lambda gap: gap.deviation / gap.material)
     if largest.deviation <= largest.material:
         return f" The largest deviation that remains: {deviations([largest])}."
-    why = f"is not significant (p = {p_words(largest.p_value)})"
+    why = f"is not significant ({p_equation(largest.p_value)})"
     if largest.p_value < _SIGNIFICANCE:
         why = f"is {number(largest.gap, 1)} trial scatters, too few for a missing effect"
     return (
