@@ -1,5 +1,6 @@
 """Display names and units of balances, signals and axes."""
 
+import re
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -76,6 +77,8 @@ EDGES = {
     "flow_lr": ("supply", "tank"),
 }
 
+_CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
+_WITHOUT_ARTICLE = ("friction", "kinematics")
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 
@@ -175,6 +178,14 @@ def share(value: float) -> str:
     if value < -1:
         return "< −100 %"
     return f"{number(round(100 * value) + 0.0, 0)} %"
+
+
+def in_sentence(name: str) -> str:
+    """Write a balance or a signal within a sentence: ``the force of the test cylinder``."""
+    title = (balance(name) if name in BALANCE_NAMES else signal(name)).title
+    if title.startswith("P_") or name in _WITHOUT_ARTICLE:
+        return title
+    return "the " + _CYLINDER.sub(r"\1 the \2", title)
 
 
 def p_words(value: float) -> str:
