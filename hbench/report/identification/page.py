@@ -142,14 +142,19 @@ def _capital(text: str) -> str:
 
 
 def _of_each_law(table: WordTable) -> tuple[WordTable, ...]:
-    """Return a table for each law, without the columns that have no entry."""
+    """Return a table for each law: values with their units, and remarks where there are any."""
     laws = dict.fromkeys(law for law, *_ in table.rows)
+    _, parameter, value, _, remark = table.head
     return tuple(
         _without_empty(
             WordTable(
                 f"{name}: identified parameters",
-                table.head[1:],
-                tuple(row[1:] for row in table.rows if row[0] == name),
+                (parameter, value, remark),
+                tuple(
+                    (words, f"{number} {unit}".strip(), *remarks)
+                    for law, words, number, unit, *remarks in table.rows
+                    if law == name
+                ),
             )
         )
         for name in laws
