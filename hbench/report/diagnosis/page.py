@@ -225,10 +225,13 @@ def _answer(diagnosis: Diagnosis) -> Section:
 def _files(diagnosis: Diagnosis) -> str:
     """Return which files are beside the page, and what they are for."""
     contents = [
-        *(["refitted values"] if diagnosis.refitted else []),
         *(["the effects"] if diagnosis.effects else []),
         *(["unnamed laws"] if diagnosis.unnamed else []),
     ]
+    if diagnosis.refitted and diagnosis.refit_refused:
+        contents.append("values fitted with them")
+    elif diagnosis.refitted:
+        contents.insert(0, "refitted values")
     model = f"the model with {listed(contents)}" if contents else "the model as given"
     files = [_NEXT_FILE] if diagnosis.next_schedule else []
     files.append(f"model.yaml is {model}, for hbench run --plant.")
