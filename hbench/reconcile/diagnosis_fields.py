@@ -85,6 +85,7 @@ def added_effect(
         gap_after=gap_after,
         score=added.score,
         runner_up=Rival(rival.name, added.score - rival.score) if rival else None,
+        law=row.law,
     )
 
 

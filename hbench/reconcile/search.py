@@ -46,8 +46,8 @@ _LEAST_SHARE = 0.3  # of the best score; candidates below are not evaluated in f
 _LEAST_PROMISING = 0.5  # of the least threshold; candidates below are not evaluated in full
 _MOST_EFFECTS = 4
 _REFUSED = (
-    "The refit of the model's parameters is refused: it makes the gap of the held-out runs larger, "
-    "by {increase:.2g} from {before:.2f}."
+    "The refit of the model's parameters is refused: it increases the gap of the held-out runs by "
+    "{increase:.2g} from {before:.2f}."
 )
 
 

@@ -167,6 +167,7 @@ class AddedEffect:
     score: FloatOrNan
     runner_up: Rival | None
     shape: str = ""  # the shape parameter that held-out runs supported; empty: textbook form
+    law: str = ""  # its formula
 
 
 @dataclass(frozen=True)

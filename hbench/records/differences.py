@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from hbench.records.bands import Band, BandTrend
 from hbench.records.flow import Curve, Direction, Provenance
-from hbench.records.summary import Quality
+from hbench.records.summary import OilTemperature, Quality
 
 
 @dataclass(frozen=True)
@@ -102,3 +102,4 @@ class CampaignDifferences:
     notes: tuple[str, ...]  # curves that could not be compared, with the reason
     bands: tuple[BandDifference, ...] = ()
     band_trends: tuple[BandTrendDifference, ...] = ()
+    oil_temperatures: tuple[OilTemperature | None, OilTemperature | None] = (None, None)  # A, B

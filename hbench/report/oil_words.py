@@ -1,6 +1,6 @@
 """The oil's temperature in words, for the page and the terminal."""
 
-from hbench.records import KINDS, Results
+from hbench.records import KINDS, OilTemperature, Results
 from hbench.report.render.numbers import number
 from hbench.units import from_si
 
@@ -14,6 +14,15 @@ PLACES = {
 def celsius(temp_k: float, decimals: int = 1) -> str:
     """Write a temperature without its unit."""
     return number(from_si(temp_k, "degC"), decimals)
+
+
+def range_words(oil: OilTemperature | None) -> str:
+    """Write mean, range and place of a campaign's oil temperature."""
+    if oil is None:
+        return "not measured"
+    low, high = celsius(oil.low_k), celsius(oil.high_k)
+    ends = "" if low == high else f" ({low} to {high} °C)"
+    return f"{celsius(oil.mean_k)} °C{ends} {PLACES[oil.sensor]}"
 
 
 def temperature_words(results: Results) -> str:

@@ -64,6 +64,7 @@ def compare(
         notes,
         bands,
         trend_differences(*both, bands, instruments, same_instruments),
+        (results_a.oil_temperature, results_b.oil_temperature),
     )
 
 

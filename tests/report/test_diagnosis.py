@@ -100,7 +100,7 @@ def test_every_verdict_has_its_sentence(named, unknown, ambiguous):
     both = diagnosis_text(replace(named, alternatives=ambiguous.alternatives))
     assert "internal_leakage or external_leakage" in both.splitlines()[0]
     rest = replace(named, rest=named.where[:1])
-    assert words.balance(named.where[0].name).title in diagnosis_text(rest).splitlines()[0]
+    assert words.in_sentence(named.where[0].name) in diagnosis_text(rest).splitlines()[0]
 
 
 def test_json_has_the_names_that_other_programs_read(named, ambiguous):
@@ -331,6 +331,18 @@ def test_the_worst_runs_stand_first_on_the_terminal_and_the_page_has_more(named,
     assert f"<summary>{title}" in page and "gaps_by_run.csv" in page
 
 
+def test_balances_and_signals_are_written_with_articles_within_a_sentence():
+    said = [words.in_sentence(name) for name in ("flow_tp", "force_load", "f_applied", "p_tp")]
+    assert said[0] == "the flow to the test piston side"
+    assert said[1:] == ["the force of the load cylinder", "the load cell's force", "P_Tp"]
+
+
+def test_the_law_of_an_effect_explains_its_coefficients(named):
+    effect = replace(named.effects[0], law="Q = G (P_p - P_r)")
+    page = diagnosis_page(replace(named, effects=(effect,)), ())
+    assert "Law of internal leakage" in page and "Law of" not in diagnosis_page(named, ())
+
+
 def test_a_refused_refit_has_its_reason_and_no_marks_of_its_own(named):
     assert "refitted" in words.steps_of(named)
     refused = replace(named, refit_refused="The refit is refused.")
@@ -338,7 +350,8 @@ def test_a_refused_refit_has_its_reason_and_no_marks_of_its_own(named):
     for figure in gap_figures(refused).values():
         assert words.STEPS["refitted"] not in {line.get_label() for line in figure.axes[0].lines}
     page = diagnosis_page(refused, ())
-    assert "The refit is refused. " in page and "refitted model" not in page
+    assert "The refit is refused. " in page[: page.index("<h2")] and "refitted model" not in page
+    assert "the model with the effects and values fitted with them" in page
     assert "The refit is refused." in diagnosis_text(refused)
     assert json.loads(diagnosis_json(refused))["refit_refused"] == refused.refit_refused
     assert json.loads(diagnosis_json(named))["refit_refused"] is None

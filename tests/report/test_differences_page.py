@@ -7,7 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hbench.records import CampaignDifferences, CurveDifference, Difference, FrictionDifference
+from hbench.records import (
+    CampaignDifferences,
+    CurveDifference,
+    Difference,
+    FrictionDifference,
+    OilTemperature,
+)
 from hbench.report.comparison.figures import draw_differences, draw_pair
 from hbench.report.comparison.settings import settings_that_differ
 from hbench.report.comparison.text import differences_json, differences_page, differences_text
@@ -115,7 +121,31 @@ def test_a_comparison_states_each_setting_that_differs(found):
         ("x", "value", "–", "1"),
     )
     text = differences_page(changed, ())
-    assert re.search(r'<p class="verdict">[^<]*3 settings differ[^<]*: firmware \(bench\), ', text)
+    assert re.search(r'<p class="verdict">[^<]*3 settings differ[^<]*: firmware \(bench\); ', text)
     four = replace(changed, b=replace(changed.b, bench="other"))
     text = differences_page(four, ())
     assert re.search(r'<p class="verdict">[^<]*4 settings differ[^<]*: bench, oil, x', text)
+
+
+def test_the_page_states_the_oil_temperature_of_both_or_that_it_was_not_measured(found):
+    assert "Not measured in either campaign." in differences_page(found, ())
+    oil = OilTemperature("temp_tank_k", 313.15, 311.15, 315.15, 36, None, "no reason")
+    warm = replace(found, oil_temperatures=(oil, None))
+    assert "A: 40.0 °C (38.0 to 42.0 °C) in the tank; B: not measured." in differences_page(
+        warm, ()
+    )
+    cold = replace(oil, mean_k=305.15, low_k=304.15, high_k=306.15)
+    assert "The oil was 8.0 K warmer in A." in differences_page(
+        replace(found, oil_temperatures=(oil, cold)), ()
+    )
+    text = differences_text(warm)
+    assert "warmer" not in text
+    assert text.isascii() and "40.0 degC (38.0 to 42.0 degC)" in text
+    assert json.loads(differences_json(warm))["oil_temperature"]["a"]["mean_k"] == 313.15
+
+
+def test_serial_numbers_identify_the_cylinders_and_are_no_setting_that_differs(found):
+    a, b = (replace(found.a, settings={"specimen": {"serial": serial}}) for serial in ("7", "8"))
+    changed = replace(found, a=a, b=b)
+    assert settings_that_differ(changed) == ()
+    assert "before, cylinder 7, " in differences_page(changed, ())

@@ -16,7 +16,7 @@ from hbench.records.rod_pressure import without_common_rod_pressure
 from hbench.report.render.numbers import NONE, significant, with_interval
 
 _REAL, _NOT = "differs", "not significant"
-_INSTRUMENTS = "U of B − A"
+_INSTRUMENTS = "U of B\N{NO-BREAK SPACE}−\N{NO-BREAK SPACE}A"
 HEAD = ("B − A ± trials", _INSTRUMENTS, "Verdict", "p (Holm)", "A", "B")
 
 

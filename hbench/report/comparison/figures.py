@@ -23,14 +23,14 @@ from hbench.report.render.series import behind
 from hbench.units import from_si
 
 _CAPTION = (
-    "Above: friction of A and B, means of the trials. Below: B less A. Filled: significant at this "
-    "speed alone, with p corrected for the number of points. Hollow: not significant."
+    "Above: friction of A and B, means of the trials. Below: B minus A. Filled: significant at "
+    "this speed alone, with p corrected for the number of points. Hollow: not significant."
 )
 
 
 _BANDS_CAPTION = (
     "Above: half bands of A and B, (F extending − F retracting) / 2. Lines: least squares over "
-    "pressure. Below: B less A. Filled: the difference is significant. Hollow: not significant."
+    "pressure. Below: B minus A. Filled: the difference is significant. Hollow: not significant."
 )
 
 

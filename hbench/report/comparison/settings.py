@@ -12,6 +12,7 @@ from hbench.report.setting_words import key_words, value_words
 _HEAD = ("Section", "Setting", "A", "B")
 _LONGEST = 80  # letters of a value
 _NAMED = 3  # settings in the sentence
+SERIAL = ("specimen", "serial")
 _HASH = re.compile(r"[0-9a-f]{40,}")
 
 
@@ -20,7 +21,7 @@ def settings_that_differ(differences: CampaignDifferences) -> tuple[tuple[str, s
 
     Compared are the bench file and schedule as the campaigns state them, firmware, software, the
     origin of the data, and the areas of the cylinders. A setting of one campaign alone is a dash
-    in the other.
+    in the other. The cylinder's serial number is no setting.
     """
     a, b = (
         dict(_settings(provenance, curves))
@@ -50,7 +51,7 @@ def settings_words(differences: CampaignDifferences) -> str:
     count = len(settings)
     differ = f"{count} {'setting differs' if count == 1 else 'settings differ'} between A and B"
     if count <= _NAMED:
-        return f"{differ}: {', '.join(f'{name} ({section})' for section, name, *_ in settings)}."
+        return f"{differ}: {'; '.join(f'{name} ({section})' for section, name, *_ in settings)}."
     named = ", ".join(dict.fromkeys(section for section, *_ in settings))
     return f"{differ}, in {'these sections' if ',' in named else 'the section'}: {named}."
 
@@ -68,7 +69,8 @@ def _settings(provenance: Provenance, curves: list[Curve]) -> Iterator[tuple[tup
         yield ("cylinder", "area of the rod side"), f"{number(1e6 * specimen.area_rod_m2)} mm²"
     for section, content in provenance.settings.items():
         for path, value in _flat(content):
-            yield (key_words(section), path or "value"), value
+            if (section, path) != SERIAL:
+                yield (key_words(section), path or "value"), value
     for name, value in provenance.details.items():
         for path, text in _flat(value):
             yield ("run", ", ".join(filter(None, (key_words(name), path)))), text

@@ -7,9 +7,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import ControlLoop, Design
+from hbench.records import ControlLoop, Design, LoopMerits
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
+from hbench.report.render.numbers import number
 
 # A colour, a line and a marker for each chain of dynamics.
 LOOKS = {
@@ -42,9 +43,9 @@ def bode(loop: ControlLoop) -> Figure:
         omega, response = merits.omega_rad_s, merits.open_loop
         angle = np.degrees(np.unwrap(np.angle(response)))
         level = 20 * np.log10(np.abs(response))
-        margins = [f"PM {merits.phase_margin_deg:.0f}°"]
+        margins = [f"PM {number(merits.phase_margin_deg, 0)}°"]
         if np.isfinite(merits.gain_margin):
-            margins.append(f"GM {20 * np.log10(merits.gain_margin):.1f} dB")
+            margins.append(f"GM {number(20 * np.log10(merits.gain_margin), 1)} dB")
             at = merits.gain_margin_rad_s
             margin = {"color": colour, "label": f"_{merits.chain}, gain margin"}
             gain.plot(at, np.interp(at, omega, level), marker, **margin)
@@ -77,7 +78,7 @@ def step_figure(loop: ControlLoop) -> Figure:
     for merits in loop.merits:
         colour, line, _ = LOOKS[merits.chain]
         shown = merits.t_s <= end
-        axes.plot(merits.t_s[shown], merits.step[shown], line, color=colour, label=merits.chain)
+        axes.plot(merits.t_s[shown], merits.step[shown], line, color=colour, label=_name(merits))
     axes.axhspan(0.98, 1.02, color=style.QUIET, alpha=0.15, linewidth=0)
     axes.set(xlabel="Time (s)", ylabel="Response / step (1)", xlim=(0, end), ylim=(0, None))
     if axes.get_ylim()[1] > 2.5:  # an unstable chain
@@ -128,7 +129,7 @@ def pole_zero(loop: ControlLoop) -> Figure:
             marker,
             color=colour,
             markerfacecolor="none",
-            label=merits.chain + ("" if merits.stable else " (unstable)"),
+            label=_name(merits),
         )
         if merits.poles_rad_s is not None and merits.zeros_rad_s is not None:
             poles, look = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
@@ -148,6 +149,11 @@ def pole_zero(loop: ControlLoop) -> Figure:
     )
     style.legend_above(figure, disc, columns=1)
     return figure
+
+
+def _name(merits: LoopMerits) -> str:
+    """Return the name of a chain, which states whether it is unstable."""
+    return merits.chain if merits.stable else f"{merits.chain} (unstable)"
 
 
 def _reach(loop: ControlLoop) -> float:
@@ -180,7 +186,7 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         step_figure,
         "Step response",
         "Response of the closed loop to a unit step of its reference. Grey band: within 2 % of "
-        "the step, where the settling time is read.",
+        "the step, where the settling time is read. An unstable response is cut off.",
     ),
     "bode": (
         bode,

@@ -5,7 +5,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from hbench.records import Check, Design, Proposal, WordTable
+from hbench.report.design import checks as check_words
+from hbench.report.design import loops as loop_words
 from hbench.report.design import text
+from hbench.report.design.verdict import loops_verdict, proposal_verdict
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.symbols import capital
@@ -27,16 +30,18 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     sections = []
     if proposal is not None:
         checks = (*proposal.margins, *proposal.closed_loop)
-        sections += [_checks(checks, text.LIMITS, design.tick_s), _proposal(proposal)]
+        sections += [_checks(checks, check_words.LIMITS, design.tick_s), _proposal(proposal)]
     elif design.checks:
-        sections.append(_checks(design.checks, text.POINT_LIMITS, design.tick_s))
-    merits = tuple(tuple(map(_merit, row)) for row in text.loop_rows(design))
+        sections.append(_checks(design.checks, check_words.POINT_LIMITS, design.tick_s))
+    sections.append(Section("Operating point", facts=_facts(text.point_facts(design))))
+    merits = tuple(tuple(map(_merit, row)) for row in loop_words.loop_rows(design))
     words_in = frozenset({"Loop", "K_c", "Model"})
     loops = Table(_LOOP_HEAD, merits, words_in, title="The three loops with the present gains")
-    notes = _facts(text.loop_notes(design))
-    sections.append(Section("Loops", (text.about_loops(design),), tables=(loops,), facts=notes))
+    notes = _facts(loop_words.loop_notes(design))
+    sections.append(
+        Section("Loops", (loop_words.about_loops(design),), tables=(loops,), facts=notes)
+    )
     sections.append(Section("Further results", facts=_facts(text.facts(design))))
-    sections.append(Section("Operating point", facts=text.point_facts(design)))
     if design.reproduced:
         rows = text.reproduced_rows(design.reproduced)
         table = WordTable("", text.REPRODUCED_HEAD, tuple(rows))
@@ -54,9 +59,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         "Computed from the bench file, and simulated. Nothing here was measured.",
         tuple(sections),
         _typeset(
-            text.loops_verdict(design)
-            if proposal is None
-            else text.proposal_verdict(proposal, design.tick_s)
+            loops_verdict(design) if proposal is None else proposal_verdict(proposal, design.tick_s)
         ),
     )
 
@@ -69,7 +72,7 @@ def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
     """Return the checks as a table, those that fail first."""
     ranked = sorted(checks, key=lambda check: check.holds)
     rows = []
-    for check, row in zip(ranked, text.check_rows(ranked, tick_s), strict=True):
+    for check, row in zip(ranked, check_words.check_rows(ranked, tick_s), strict=True):
         what, value, limit, unit, _, where = row
         verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
         sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
@@ -78,7 +81,8 @@ def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
     head = ("Result", "Check", "Value", "Limit", "Worst at")
     words_in = frozenset({"Result", "Check", "Worst at"})
     table = Table(head, tuple(rows), words_in, title="Checks and their limits")
-    return Section("Checks", (words,), tables=(_without_empty(table),))
+    notes = (words, check_words.UNSTABLE) if check_words.unstable(checks) else (words,)
+    return Section("Checks", notes, tables=(_without_empty(table),))
 
 
 def _without_empty(table: Table) -> Table:
@@ -106,5 +110,5 @@ def _minus(words: str) -> str:
 def _typeset(words: str) -> str:
     """Return words of the terminal with the signs of a page."""
     words = words.replace("mm/s^2", "mm/s²").replace(" deg", "°").replace("tau_c", "τ_c")
-    words = words.replace("-T / ln", "−T / ln")
+    words = words.replace("-T / ln", "−T / ln").replace("(Pa s)", "(Pa\N{NO-BREAK SPACE}s)")
     return _POWER.sub(lambda found: "·10" + str(int(found[1])).translate(_RAISED), words)

@@ -59,6 +59,7 @@ _LAW = (
     "its values. It is linear between its points and constant beyond them. It predicts held-out "
     "runs better; it does not state a cause."
 )
+_STAGES = " Before: the {model}; after: with the {added}."
 _HELD_OUT = " Coloured: held-out runs; grey: runs that the model was fitted to."
 _OVERLAY = (
     "A held-out run as measured, and as simulated with the same firmware in closed loop. Right: "
@@ -93,8 +94,10 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         title = f"Unnamed law: {law_title(law)}"
         yield "unnamed", f"law {i} {law.adds_to}", title, _LAW, law_figure(diagnosis, law)
     if diagnosis.where:
-        yield "where", "maps", "Residuals over velocity and load", _MAPS, maps_figure(diagnosis)
-        shape = _SHAPE + (_HELD_OUT if diagnosis.effects else "")
+        stages = _stages(diagnosis)
+        title = "Residuals over velocity and load"
+        yield "where", "maps", title, _MAPS + stages, maps_figure(diagnosis)
+        shape = _SHAPE + stages + (_HELD_OUT if diagnosis.effects else "")
         for name in worst(diagnosis)[:_MOST_SHAPES]:
             title = f"Residual: {balance(name).title}"
             yield "shape", f"shape {name}", title, shape, shape_figure(diagnosis, name)
@@ -111,6 +114,16 @@ def _figures(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str, Figure]
         fitted = ", fitted together with the effects" if diagnosis.effects else ""
         caption = _REFITTED.format(fitted=fitted)
         yield "refitted", "refitted", "Refitted values", caption, refitted_figure(diagnosis)
+
+
+def _stages(diagnosis: Diagnosis) -> str:
+    """Return what the residuals before and after are those of; empty where nothing was added."""
+    added = [
+        *(["effects"] if diagnosis.effects else []),
+        *(["unnamed laws"] if diagnosis.unnamed else []),
+    ]
+    stages = _STAGES.format(model=compared_model(diagnosis), added=" and ".join(added))
+    return stages if added else ""
 
 
 def _slug(name: str) -> str:

@@ -6,7 +6,7 @@ from hbench.records import Change, Diagnosis, EffectInPractice, FitParameter, Wo
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     CHAMBERS,
-    balance,
+    in_sentence,
     in_words,
     parameter_text,
     quantity,
@@ -119,7 +119,7 @@ def _object(change: Change) -> str:
     if name in _FLOWS:
         return f"the flow to {CHAMBERS[name[-2:]]}"
     if name in BALANCE_NAMES:
-        return f"the {balance(name).title}"
+        return in_sentence(name)
     return {"speed": "the speed", "pressure": "the pressure"}.get(name, f"the {quantity(name)}")
 
 

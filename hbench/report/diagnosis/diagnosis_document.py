@@ -58,6 +58,7 @@ LAYOUTS: Layouts = {
         **keys("of_sensor", "parameters", "gap_before", "gap_after", "score"),
         "runner_up": "runner_up",
         "shape": NullIfEmpty("shape"),
+        "law": NullIfEmpty("law"),
     },
     UnnamedLaw: all_fields(UnnamedLaw),
     FitParameter: keys("value", "se", "ci95", "at_bound", "unit"),

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from hbench.records import Diagnosis, UnnamedLaw
 from hbench.report.diagnosis.law_words import term, words
 from hbench.report.render import style
+from hbench.report.render.numbers import short
 from hbench.report.render.series import behind
 
 _HEIGHT_IN = 3.6
@@ -24,7 +25,7 @@ def law_figure(diagnosis: Diagnosis, law: UnnamedLaw) -> Figure:
         colour = style.COLOURS[j % len(style.COLOURS)]
         label = None
         if len(law.knots) == 2:
-            second = f"{law.knots[1][j]:.3g} {law.quantity_units[1]}"
+            second = f"{short(law.knots[1][j])} {law.quantity_units[1]}"
             label = f"{words(law.quantities[1:])} {second}"
         axes.fill_between(first, low, high, color=colour, alpha=0.15, linewidth=0)
         (line,) = axes.plot(

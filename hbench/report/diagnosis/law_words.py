@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 
 from hbench.records import UnnamedLaw
-from hbench.report.diagnosis.names import balance
+from hbench.report.diagnosis.names import balance, p_equation
 from hbench.report.render.numbers import number, significant
+from hbench.report.render.symbols import capital
 
 _TERMS = {
     "flow": "inflow",
@@ -22,9 +23,9 @@ def law_line(law: UnnamedLaw) -> str:
     """Return what a law adds, and what it does to held-out runs."""
     before, after = (number(gap, 2) for gap in (law.gap_before, law.gap_after))
     return (
-        f"Unnamed law, {law_title(law)}: a fitted table, not an explanation. The gap of held-out "
-        f"runs in this balance: {before} without, {after} with all unnamed laws "
-        f"(p = {number(law.p_value, 2)}, score {number(law.score, 2)} nats)."
+        f"{capital(law_title(law))}, fitted as a table. The gap of held-out runs in this balance "
+        f"is {before} without and {after} with all unnamed laws ({p_equation(law.p_value)}, score "
+        f"{number(law.score, 1)} nats)."
     )
 
 

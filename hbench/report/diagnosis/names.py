@@ -1,5 +1,6 @@
 """Display names and units of balances, signals and axes."""
 
+import re
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -76,6 +77,8 @@ EDGES = {
     "flow_lr": ("supply", "tank"),
 }
 
+_CYLINDER = re.compile(r"\b(to|of) (test|load)\b")
+_WITHOUT_ARTICLE = ("friction", "kinematics")
 _FINE = 1e-5  # a narrower interval is not written with fixed decimals
 
 
@@ -177,9 +180,23 @@ def share(value: float) -> str:
     return f"{number(round(100 * value) + 0.0, 0)} %"
 
 
+def in_sentence(name: str) -> str:
+    """Write a balance or a signal within a sentence: ``the force of the test cylinder``."""
+    title = (balance(name) if name in BALANCE_NAMES else signal(name)).title
+    if title.startswith("P_") or name in _WITHOUT_ARTICLE:
+        return title
+    return "the " + _CYLINDER.sub(r"\1 the \2", title)
+
+
 def p_words(value: float) -> str:
     """Write a p-value."""
     return "< 0.001" if value < 1e-3 else number(value, 3)
+
+
+def p_equation(value: float) -> str:
+    """Write a p-value with its sign of equality, such as ``p = 0.016``."""
+    words = p_words(value)
+    return f"p {words}" if words.startswith("<") else f"p = {words}"
 
 
 def mathtext(symbol: str) -> str:

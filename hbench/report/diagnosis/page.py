@@ -3,7 +3,6 @@
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isfinite
 
 from hbench.records import Diagnosis, Gap, WordTable
 from hbench.report.diagnosis import text as text
@@ -11,14 +10,14 @@ from hbench.report.diagnosis.change_words import changes_tables, listed, lookali
 from hbench.report.diagnosis.names import (
     BALANCE_NAMES,
     SIGNAL_NAMES,
-    balance,
+    in_sentence,
     in_unit,
     in_words,
-    p_words,
+    p_equation,
     value_words,
 )
 from hbench.report.diagnosis.run_gaps import run_table
-from hbench.report.diagnosis.sentences import deviations
+from hbench.report.diagnosis.sentences import deviations, largest_deviation
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
 from hbench.report.diagnosis.summary import answers
 from hbench.report.render.document import Section, document
@@ -91,10 +90,10 @@ _REFITTED = (
     f"{_POORLY_KNOWN}. They are fitted first, so that their errors do not appear as effects."
 )
 _NUMBERS = (
-    "diagnosis.json, gaps_by_run.csv: all numbers, also of folded tables, which are not printed. "
-    "figures: as SVG, PNG and CSV."
+    "diagnosis.json and gaps_by_run.csv contain all numbers, also those of folded tables, which "
+    "are not printed. The folder figures has each figure as SVG, PNG and CSV."
 )
-_NEXT_FILE = "next.yaml: that experiment, for hbench run next.yaml --bench BENCH -o NEXT."
+_NEXT_FILE = "next.yaml is that experiment, for hbench run next.yaml --bench BENCH -o NEXT."
 
 
 def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
@@ -152,7 +151,7 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
             *changes_tables(diagnosis),
             *lookalikes_tables(diagnosis),
         ),
-        facts=_CHANGES if diagnosis.practice else (),
+        facts=(*_laws(diagnosis), *(_CHANGES if diagnosis.practice else ())),
     )
     missing = Section(
         "Missing data and runs left out", items=diagnosis.notes, facts=_caveats(diagnosis)
@@ -200,17 +199,16 @@ def _verdict(diagnosis: Diagnosis) -> str:
 
 def _largest(gaps: Sequence[Gap]) -> str:
     """State the deviation that exceeds its limit most, and why it is no missing effect."""
-    known = [gap for gap in gaps if isfinite(gap.deviation) and gap.material > 0]
-    if not known:
+    largest = largest_deviation(gaps)
+    if largest is None:
         return ""
-    largest = max(known, key=lambda gap: gap.deviation / gap.material)
+    why = f"is not significant ({p_equation(largest.p_value)})"
     if largest.deviation <= largest.material:
-        return f" The largest deviation that remains: {deviations([largest])}."
-    why = f"is not significant (p = {p_words(largest.p_value)})"
-    if largest.p_value < _SIGNIFICANCE:
+        why = "does not matter"
+    elif largest.p_value < _SIGNIFICANCE:
         why = f"is {number(largest.gap, 1)} trial scatters, too few for a missing effect"
     return (
-        f" The largest deviation that remains, {balance(largest.name).title} by "
+        f" The largest deviation that remains, {in_sentence(largest.name)} by "
         f"{in_unit(largest, largest.deviation)} RMS (limit {in_unit(largest, largest.material)}), "
         f"{why}."
     )
@@ -219,29 +217,33 @@ def _largest(gaps: Sequence[Gap]) -> str:
 def _answer(diagnosis: Diagnosis) -> Section:
     """Return the first section: the engineer's answers, and the files beside the page."""
     known = tuple((question, _in_words(words)) for question, words in answers(diagnosis))
+    if diagnosis.refit_refused:
+        known += (("Refit", f"{diagnosis.refit_refused} {_REFUSED}"),)
     return Section(facts=(*known, ("Files beside this page", _files(diagnosis))))
 
 
 def _files(diagnosis: Diagnosis) -> str:
     """Return which files are beside the page, and what they are for."""
     contents = [
-        *(["refitted values"] if diagnosis.refitted else []),
         *(["the effects"] if diagnosis.effects else []),
         *(["unnamed laws"] if diagnosis.unnamed else []),
     ]
+    if diagnosis.refitted and diagnosis.refit_refused:
+        contents.append("values fitted with them")
+    elif diagnosis.refitted:
+        contents.insert(0, "refitted values")
     model = f"the model with {listed(contents)}" if contents else "the model as given"
     files = [_NEXT_FILE] if diagnosis.next_schedule else []
-    files.append(f"model.yaml: {model}, for hbench run --plant.")
-    files.append(_NUMBERS if diagnosis.gap_runs else "diagnosis.json: this result as data.")
+    files.append(f"model.yaml is {model}, for hbench run --plant.")
+    files.append(_NUMBERS if diagnosis.gap_runs else "diagnosis.json is this result as data.")
     return " ".join(files)
 
 
 def _gap_facts(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
     held_out = ("Held-out runs", f"Not used for the fit: {', '.join(diagnosis.heldout_runs)}.")
     signals = (("Signals", _SIGNALS),) if diagnosis.gap_heldout.signals else ()
-    refused = diagnosis.refit_refused
-    refitted = ("Refit", f"{refused} {_REFUSED}") if refused else ("Refitted", _REFITTED_STAGE)
-    stages = refitted, ("Expected", _EXPECTED)
+    refitted = () if diagnosis.refit_refused else (("Refitted", _REFITTED_STAGE),)
+    stages = *refitted, ("Expected", _EXPECTED)
     return (("Gap", _GAP), ("Balances", _BALANCES), *signals, *stages, held_out)
 
 
@@ -275,6 +277,15 @@ def _refitted_words(diagnosis: Diagnosis) -> str:
     return (
         f"{_POORLY_KNOWN}. Fitted first, they made held-out runs worse; these are fitted together "
         f"with the {added}."
+    )
+
+
+def _laws(diagnosis: Diagnosis) -> tuple[tuple[str, str], ...]:
+    """Return the law of each effect that was added, by whose symbols its coefficients are meant."""
+    return tuple(
+        (f"Law of {in_words(effect.name)}", f"{effect.law.replace(' - ', ' − ')}.")
+        for effect in diagnosis.effects
+        if effect.law
     )
 
 

@@ -44,7 +44,7 @@ def maps_figure(diagnosis: Diagnosis) -> Figure:
             )  # fmt: skip
             behind(dots, {"Residual (trial scatters)": value, "windows": count})
         panel_row[0].set_ylabel(
-            f"{title.capitalize()}\nLoad (kN)" if diagnosis.effects else "Load (kN)"
+            f"{title.capitalize()}\nLoad (kN)" if len(sides) > 1 else "Load (kN)"
         )
     for axes, name in zip(panels[0], names, strict=True):
         axes.set_title(balance(name).title, fontsize=9.5)
@@ -68,7 +68,7 @@ def shape_figure(diagnosis: Diagnosis, name: str) -> Figure:
         for axes, (across, colour) in zip(row, _PANELS, strict=True):
             _points(axes, side, value, across, colour, limits, bool(diagnosis.effects))
         _windows(row[0], side, value, title)
-        row[0].set_ylabel(f"Residual {title if diagnosis.effects else ''}\n(trial scatters)")
+        row[0].set_ylabel(f"Residual {title if len(sides) > 1 else ''}\n(trial scatters)")
         row[0].set_ylim(*limits)
     for axes, (across, _) in zip(panels[-1], _PANELS, strict=True):
         axis = AXES[across]

@@ -17,13 +17,13 @@ from hbench.report.diagnosis.names import (
     AXES,
     balance,
     compared_model,
+    in_sentence,
     in_unit,
     in_words,
     p_words,
     residual_name,
     share,
     shown,
-    signal,
 )
 from hbench.report.render.numbers import number, short, significant
 
@@ -155,13 +155,13 @@ def worse_words(diagnosis: Diagnosis) -> str:
     base = compared_model(diagnosis) if revised else "given model"
     table = diagnosis.gap_heldout
     groups = (
-        ("", table.balances, balance),
-        (" in closed loop", table.signals, signal),
-        (" in open loop", table.open_loop, signal),
+        ("", table.balances),
+        (" in closed loop", table.signals),
+        (" in open loop", table.open_loop),
     )
     parts = [
-        f"{display(name).title}{where} ({number(before, 1)} to {number(after, 1)})"
-        for where, gaps, display in groups
+        f"{in_sentence(name)}{where} ({number(before, 1)} to {number(after, 1)})"
+        for where, gaps in groups
         for name, gap in gaps.items()
         for before, after in [(getattr(gap, start), getattr(gap, end))]
         if after > max(1.0, _CLEARLY_WORSE * before)
@@ -179,9 +179,15 @@ def deviations(gaps: Sequence[Gap]) -> str:
         if isfinite(gap.deviation):
             limit = f"up to {in_unit(gap, gap.material)} would not matter"
             size = f"{in_unit(gap, gap.deviation)} RMS ({limit})"
-        parts.append(f"{balance(gap.name).title} by {size}")
+        parts.append(f"{in_sentence(gap.name)} deviates by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
     return f"{'; '.join(parts)}{more}"
+
+
+def largest_deviation(gaps: Sequence[Gap]) -> Gap | None:
+    """Return the gap whose deviation exceeds its limit most; None where no limit is known."""
+    known = [gap for gap in gaps if isfinite(gap.deviation) and gap.material > 0]
+    return max(known, key=lambda gap: gap.deviation / gap.material, default=None)
 
 
 def significance(gaps: Sequence[Gap]) -> str:
@@ -246,7 +252,7 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
     if not places:
         return ""
     worst_places = ", ".join(words for _, words in places[:_FEW])
-    return f"The gap of {balance(name).title} is largest at: {worst_places}."
+    return f"The gap of {in_sentence(name)} is largest at: {worst_places}."
 
 
 def title(name: str) -> str:

@@ -19,6 +19,7 @@ from hbench.report.diagnosis.sentences import (
     closeness,
     detectable,
     deviations,
+    largest_deviation,
     odds_words,
     residual_words,
     significance,
@@ -141,11 +142,13 @@ def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
     practice = {effect.name: effect for effect in diagnosis.practice}
     chosen = [practice[c.name] for c in diagnosis.alternatives if c.name in practice]
     parts = [
-        f"{in_words(effect.name)} would mean that {listed([clause(c, diagnosis) for c in changes])}"
+        f"{in_words(effect.name)} would mean that "
+        f"{listed([clause(c, diagnosis) for c in changes])}."
         for effect in chosen
         if (changes := main_changes(effect)[: 1 if brief else None])
     ]
-    return f"{where_words(diagnosis.working_point)} {'; '.join(parts)}." if parts else ""
+    sentences = " ".join((*parts[:1], *map(capital, parts[1:])))
+    return f"{where_words(diagnosis.working_point)} {sentences}" if parts else ""
 
 
 def _separation(diagnosis: Diagnosis) -> Iterator[str]:
@@ -194,7 +197,10 @@ def _none(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _WORSE, worse_words(diagnosis)
     yield _CLOSEST, best_candidate(diagnosis)
     yield "What these runs can show", detectable(diagnosis)
-    yield _RESIDUALS, residual_words(diagnosis, [gap.name for gap in diagnosis.where])
+    largest = largest_deviation(diagnosis.where)
+    first = [largest.name] if largest else []
+    names = dict.fromkeys((*first, *(gap.name for gap in diagnosis.where)))
+    yield _RESIDUALS, residual_words(diagnosis, list(names))
     yield _ACTION, "There is nothing to inspect or to repair."
     if diagnosis.refitted and not diagnosis.refit_refused:
         yield _ACTION, "Use model.yaml, which has the refitted values."

@@ -20,6 +20,7 @@ from hbench.report.diagnosis.names import (
     balance,
     coefficient_words,
     compared_model,
+    in_sentence,
     in_unit,
     p_words,
     parameter_text,
@@ -50,7 +51,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     blocks += ["\n".join(table_lines(table)) for table in diagnosis_tables(diagnosis)]
     blocks += ["\n".join(lines) for lines in (caveats(diagnosis), diagnosis.notes) if lines]
     text = "\n\n".join(block for block in blocks if block)
-    for sign, plainly in {"−": "-", "–": "-", "±": "+-", "…": "..."}.items():
+    for sign, plainly in {"−": "-", "–": "-", "±": "+-", "×": "x", "…": "..."}.items():
         text = text.replace(sign, plainly)
     return text
 
@@ -284,7 +285,7 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
             number(candidate.score + 0.0, 1),
             number(candidate.threshold, 1),
             share(candidate.explained),
-            f"{number(candidate.size, 2)} x typical",
+            f"{number(candidate.size, 2)} × typical",
             "in full" if candidate.tried == "full" else "linearly",
         )
         for candidate in candidates
@@ -292,4 +293,4 @@ def _ranked(candidates: tuple[Candidate, ...]) -> Rows:
 
 
 def _list(gaps: tuple[Gap, ...]) -> str:
-    return listed([balance(gap.name).title for gap in gaps])
+    return listed([in_sentence(gap.name) for gap in gaps])

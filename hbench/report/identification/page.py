@@ -20,7 +20,7 @@ from hbench.report.identification.text import (
 )
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
-from hbench.report.render.numbers import significant
+from hbench.report.render.numbers import alike, significant
 
 _SOURCE = (
     "Laws and verification profile",
@@ -40,6 +40,8 @@ _PARTS = (
      "piston."),
     ("Unsteady", "All other samples."),
 )  # fmt: skip
+_RANKED = "RMS error, undetermined parameters and plant file of each law"
+_RAMP_ERRORS = "RMS errors of both Tustin laws"
 _SECTION = (
     "Each law is a plant file beside this page. Use one with hbench run --plant, or copy its "
     "section into a bench file."
@@ -51,8 +53,9 @@ _SCATTER = (
     "initial states, which a simulation of the same trials reproduces.",
 )
 _RAMPS = (
-    "Friction during ramps can differ from that of steady runs. The table has the RMS error of "
-    "each Tustin fit from breakaway on, on its own data and on the other's."
+    "Friction during a ramp can differ from that of steady runs. One Tustin law is fitted to the "
+    "steady runs of a load and direction, and another to a ramp from breakaway on. During ramps "
+    "the steady law has an RMS error of {errors} N."
 )
 
 
@@ -61,7 +64,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     provenance = identification.provenance
     read = (*_PARTS, _SCATTER) if identification.scatter else _PARTS
     tables = {table.title: _named(table) for table in identification_tables(identification)}
-    summary = (replace(tables[SUMMARY], title=""),) if SUMMARY in tables else ()
+    summary = (replace(tables[SUMMARY], title=_RANKED),) if SUMMARY in tables else ()
     with_errors = any(law.errors for law in identification.laws)
     facts = _SUMMARY if with_errors else (_HELD_OUT, *_SUMMARY[1:])
     drawings = tuple(drawings)
@@ -70,7 +73,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     profiles = tuple(drawing for drawing in drawings if drawing not in (*steady, *overview))
     verified = [_once(tables[title]) for title in (ERRORS, HELD_OUT) if title in tables]
     parameters = _of_each_law(tables[PARAMETERS]) if PARAMETERS in tables else ()
-    ramps = [replace(tables[RAMPS], title="")] if RAMPS in tables else []
+    ramps = [replace(tables[RAMPS], title=_RAMP_ERRORS)] if RAMPS in tables else []
     sections = (
         Section(SUMMARY, tables=summary, facts=facts if summary else ()),
         Section("Friction over speed", drawings=steady),
@@ -89,7 +92,7 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
             if profiles
             else (),
         ),
-        Section("Steady runs and ramps", (_RAMPS,) if ramps else (), tables=tuple(ramps)),
+        Section("Steady runs and ramps", _ramp_words(identification), tables=tuple(ramps)),
         _remarks(identification),
     )
     return document(
@@ -105,9 +108,16 @@ def identification_page(identification: Identification, drawings: Iterable[Drawi
     )
 
 
+def _ramp_words(identification: Identification) -> tuple[str, ...]:
+    """Return what the ramps' table is of, and how well the steady law predicts ramps."""
+    errors = [ramp.steady_on_ramp_n for ramp in identification.ramps]
+    return (_RAMPS.format(errors=alike(errors)),) if errors else ()
+
+
 def _remarks(identification: Identification) -> Section:
     """Return the remarks on each law, and those on the runs and the model."""
     facts, items = [], []
+    left_out = " ".join(_sentences(f"run {line}") for line in identification.left_out)
     for sentence in (*reasons(identification), *identification.notes):
         law, colon, rest = in_words(sentence.strip()).partition(": ")
         if colon and law in FRICTION_LAWS:
@@ -115,6 +125,8 @@ def _remarks(identification: Identification) -> Section:
         else:
             items.append(_sentences(f"{law_words(law)}{colon}{rest}"))
     title = "Missing or uncertain results, and source"
+    if left_out:
+        facts.append(("Runs left out", in_words(left_out)))
     return Section(title, items=tuple(items), facts=(*facts, _SOURCE))
 
 
@@ -130,14 +142,19 @@ def _capital(text: str) -> str:
 
 
 def _of_each_law(table: WordTable) -> tuple[WordTable, ...]:
-    """Return a table for each law, without the columns that have no entry."""
+    """Return a table for each law: values with their units, and remarks where there are any."""
     laws = dict.fromkeys(law for law, *_ in table.rows)
+    _, parameter, value, _, remark = table.head
     return tuple(
         _without_empty(
             WordTable(
                 f"{name}: identified parameters",
-                table.head[1:],
-                tuple(row[1:] for row in table.rows if row[0] == name),
+                (parameter, value, remark),
+                tuple(
+                    (words, f"{number} {unit}".strip(), *remarks)
+                    for law, words, number, unit, *remarks in table.rows
+                    if law == name
+                ),
             )
         )
         for name in laws

@@ -29,8 +29,8 @@ _ERRORS_HEAD = (
 )
 _PARAMETERS_HEAD = ("Law", "Parameter", "Value with 95 % interval", "Unit", "Remark")
 _RAMPS_HEAD = (
-    *("Direction", "Load", "Ramp (m/s²)", "Steady fit on steady (N)", "Steady fit on ramp (N)"),
-    *("Ramp fit on steady (N)", "Ramp fit on ramp (N)"),
+    *("Direction", "Load", "Ramp (m/s²)", "Steady law, steady runs (N)", "Steady law, ramp (N)"),
+    *("Ramp law, steady runs (N)", "Ramp law, ramp (N)"),
 )
 _HELD_OUT_HEAD = ("Law", "Friction (N)", "Runs left out of the fit")
 ERRORS = "RMS errors on the verification runs"
@@ -65,7 +65,7 @@ def identification_json(identification: Identification) -> str:
 def identification_text(identification: Identification) -> str:
     """Return every table in aligned columns, then the reasons for missing results."""
     blocks = ["\n".join(table_lines(table)) for table in identification_tables(identification)]
-    sentences = [*reasons(identification), *identification.notes]
+    sentences = [*reasons(identification), *_left_out(identification), *identification.notes]
     return "\n\n".join([*blocks, "\n".join(sentences)]).replace("m/s²", "m/s^2")
 
 
@@ -109,10 +109,13 @@ def reasons(identification: Identification) -> tuple[str, ...]:
             sentences.append(f"{law.law}: {law.not_verified}")
     if identification.no_ramps:
         sentences.append(f"steady fits and ramps are not compared: {identification.no_ramps}")
-    if identification.left_out:
-        sentences.append(f"runs left out: {len(identification.left_out)}")
-        sentences += [f"  run {line}" for line in identification.left_out]
     return tuple(sentences)
+
+
+def _left_out(identification: Identification) -> tuple[str, ...]:
+    """Return how many runs were left out, and the reason of each."""
+    lines = [f"  run {line}" for line in identification.left_out]
+    return (f"runs left out: {len(lines)}", *lines) if lines else ()
 
 
 def _law(law: IdentifiedLaw) -> dict[str, Any]:
@@ -253,11 +256,13 @@ def _title(name: str) -> str:
 
 
 def _ramps(identification: Identification) -> list[tuple[str, ...]]:
+    slowest = min((ramp.a_ref_m_s2 for ramp in identification.ramps), default=1.0)
+    decimals = len(significant(slowest, 3).partition(".")[2])
     return [
         (
             f"{ramp.direction}ing",
             force(ramp.f_load_n),
-            significant(ramp.a_ref_m_s2, 3),
+            number(ramp.a_ref_m_s2, decimals),
             number(ramp.steady_on_steady_n),
             number(ramp.steady_on_ramp_n),
             number(ramp.ramp_on_steady_n),

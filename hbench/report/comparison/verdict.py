@@ -1,0 +1,116 @@
+"""Verdict of a comparison: the significant differences, and whether the data can be relied on."""
+
+from collections.abc import Sequence
+
+from hbench.records import CampaignDifferences, Difference
+from hbench.report.campaign.quality import missing_words
+from hbench.report.comparison.bands import band_verdict
+from hbench.report.comparison.cells import percent, signed
+from hbench.report.comparison.tables import who
+from hbench.report.render.numbers import alike, number, significant, with_interval
+
+_FEW = 2  # curves that the verdict lists
+
+
+def alarm(differences: CampaignDifferences) -> str:
+    """Return a sentence on each campaign that is incomplete or whose data is poor."""
+    sentences = []
+    for name, quality in zip("AB", differences.qualities, strict=True):
+        faults = (
+            "is incomplete" if missing_words(quality.completeness) else "",
+            "has poor data" if quality.grade == "poor" else "",
+        )
+        if any(faults):
+            sentences.append(f"{name} {' and '.join(filter(None, faults))}.")
+    return " ".join((*sentences, "Do not rely on these differences.")) if sentences else ""
+
+
+def headline(differences: CampaignDifferences) -> str:
+    """Return the significant differences, and whose data is to be used with care."""
+    careful = [
+        name
+        for name, quality in zip("AB", differences.qualities, strict=True)
+        if quality.grade == "with care"
+    ]
+    care = f"Use the data of {' and '.join(careful)} with care." if careful else ""
+    found = [band_verdict(differences)]
+    if not found[0]:
+        found = [_verdict(differences), _efficiency_verdict(differences)]
+    return " ".join(filter(None, (*found, _warmer(differences), care)))
+
+
+def _warmer(differences: CampaignDifferences) -> str:
+    """State how much warmer the oil was in one campaign; empty where their ranges overlap."""
+    a, b = differences.oil_temperatures
+    if (
+        a is None
+        or b is None
+        or a.sensor != b.sensor
+        or b.low_k <= a.high_k
+        and a.low_k <= b.high_k
+    ):
+        return ""
+    warmer = "A" if a.mean_k > b.mean_k else "B"
+    return f"The oil was {number(abs(b.mean_k - a.mean_k))} K warmer in {warmer}."
+
+
+def _verdict(differences: CampaignDifferences) -> str:
+    means = [(each, each.mean_n) for each in differences.curves if each.mean_n is not None]
+    real = [(curve, mean) for curve, mean in means if mean.real]
+    if not real:
+        every = len(differences.curves)
+        where = f"any of {every} curves" if every > 1 else "the only curve"
+        text = f"No difference of mean friction is significant in {where}"
+        largest = max((mean for _, mean in means), key=lambda mean: abs(mean.value), default=None)
+        return f"{text}; the largest is {_largest(largest)}." if largest else f"{text}."
+    count = f"{len(real)} of {len(differences.curves)} curves"
+    values = [mean.value for _, mean in real]
+    if len(real) > _FEW and (min(values) > 0 or max(values) < 0):
+        way, sizes = "higher" if values[0] > 0 else "lower", [abs(value) for value in values]
+        shares = [100 * abs(mean.value / mean.a) for _, mean in real if mean.a]
+        share = f", or {_shares(shares)}" if shares else ""
+        return (
+            f"Mean friction of {differences.names[1]} is {way} than that of {differences.names[0]} "
+            f"in {count}, by {alike(sizes)} N{share} ({_widest([mean for _, mean in real])})."
+        )
+    means_text = "; ".join(
+        f"{who(curve)}: {signed(mean)} N ({percent(mean)})" for curve, mean in real
+    )
+    return f"Mean friction differs in {count}: {means_text}."
+
+
+def _efficiency_verdict(differences: CampaignDifferences) -> str:
+    """Return the significant differences of efficiency; empty without any."""
+    known = [each.efficiency for each in differences.curves if each.efficiency is not None]
+    real = [mean for mean in known if mean.real]
+    if not real:
+        return ""
+    count = f"{len(real)} of {len(known)} curves"
+    values = [100 * mean.value for mean in real]
+    if min(values) < 0 < max(values):
+        return f"Efficiency differs in {count}."
+    way = "higher" if values[0] > 0 else "lower"
+    halves = [100 * mean.u95 for mean in real if mean.u95]
+    widest = f" (U up to {significant(max(halves), 2)})" if len(halves) == len(real) else ""
+    sizes = dict.fromkeys(significant(f(map(abs, values)), 2) for f in (min, max))
+    return f"Efficiency is {way} in {count}, by {'–'.join(sizes)} percentage points{widest}."
+
+
+def _largest(mean: Difference) -> str:
+    """Write a difference with its uncertainty, such as ``−3.1 N (U 9.4 N)``."""
+    half = mean.u95 or mean.ci95
+    value = with_interval(mean.value, half).partition(" ± ")[0]
+    if half is None:
+        return f"{value} N (no interval)"
+    return f"{value} N ({_widest([mean])})".replace("up to ", "")
+
+
+def _widest(means: Sequence[Difference]) -> str:
+    """Return the largest uncertainty of differences: U, or the interval of the trials."""
+    halves = [mean.u95 or mean.ci95 or 0.0 for mean in means]
+    name = "U" if all(mean.u95 for mean in means) else "95 % intervals of the trials"
+    return f"{name} up to {significant(max(halves), 2)} N"
+
+
+def _shares(shares: Sequence[float]) -> str:
+    return "–".join(dict.fromkeys(significant(f(shares), 2) for f in (min, max))) + " %"

@@ -1,0 +1,106 @@
+"""Checks of a design in words: a row each, and the notes about them."""
+
+import math
+import re
+from collections.abc import Sequence
+
+from hbench.records import Check
+from hbench.report.design.loops import TextRows, decay_s, margin, seconds
+from hbench.report.render.numbers import number, short, significant
+
+LIMITS = (
+    "Margins are the smallest over all operating points. The closed loop is simulated with the "
+    "firmware on the bench as its file states it, and on two others. The softer one has 20 % less "
+    "bulk modulus and viscous friction and 20 % more mass; the stiffer one has the opposite, and "
+    "valves of 20 % more gain and 20 % less bandwidth."
+)
+POINT_LIMITS = (
+    "Margins of the present gains on the board at the operating point below. With --propose, "
+    "hbench design checks all operating points, and the closed loop with the firmware."
+)
+_DECIMALS = {"deg": 0, "dB": 1, "runs": 0}  # of a check's value; two digits in other units
+_MOST_DECIMALS = 6
+UNSTABLE = (
+    "The three loops together are unstable: a margin that passes does not show that its loop is "
+    "stable."
+)
+_STOPPED = re.compile(r"^run \d+: the board stopped itself: (?:\w+: )?")
+_PRESSURE, _COMMAND = re.compile(r"\bp_([a-z]+)_pa\b"), re.compile(r"\bu_([a-z]\d?)_v\b")
+_CODE = re.compile(r"\b[a-z]+(?:_[a-z]+)+(?=: )")  # of a reason for rejection
+_LIMIT = re.compile(r"limits\.(\w+)")
+_ALLOWED = {"speed_error_time": "longer than allowed", "travel": "the allowed travel"}
+CHECK_HEAD = ("check", "value", "limit", "unit", "holds", "worst at")
+
+
+def check_rows(checks: Sequence[Check], tick_s: float) -> TextRows:
+    """Return a row for each check, as ``CHECK_HEAD``; ``tick_s`` is the sampling period [s]."""
+    causes = causes_of(checks)
+    return [
+        (
+            *shown(check, tick_s),
+            "yes" if check.holds else "NO",
+            _cause_name(check, causes) or _where(check),
+        )
+        for check in checks
+    ]
+
+
+def causes_of(checks: Sequence[Check]) -> tuple[str, ...]:
+    """Return why the board stopped itself in the runs of the checks, each cause once."""
+    return tuple(dict.fromkeys(filter(None, map(cause_of, checks))))
+
+
+def cause_of(check: Check) -> str:
+    """Return why the board stopped itself in a check's first failed run; empty if it did not."""
+    if check.holds or not _STOPPED.match(check.where):
+        return ""
+    words = _STOPPED.sub("", check.where)
+    return _LIMIT.sub(lambda found: _ALLOWED.get(found[1], "allowed"), words)
+
+
+def _cause_name(check: Check, causes: Sequence[str]) -> str:
+    """Return which of the verdict's causes is that of a check; empty if none is."""
+    cause = cause_of(check)
+    if not cause:
+        return ""
+    return "see the verdict" if len(causes) == 1 else f"see cause {causes.index(cause) + 1}"
+
+
+def _where(check: Check) -> str:
+    """Return where a check is worst, with symbols and words in place of keys."""
+    text = _CODE.sub(lambda found: found[0].replace("_", " "), check.where)
+    text = _PRESSURE.sub(lambda found: f"P_{found[1].capitalize()}", text)
+    return _COMMAND.sub(lambda found: f"u_{found[1].upper()}", text)
+
+
+def unstable(checks: Sequence[Check]) -> bool:
+    """Return whether the checks contain a pole of all loops together that does not decay."""
+    return any("modulus" in check.what and not check.holds for check in checks)
+
+
+def shown(check: Check, tick_s: float) -> tuple[str, str, str, str]:
+    """Return what a check is of, its value, its limit and their unit."""
+    if "modulus" in check.what:
+        if check.holds:
+            slowest = seconds(decay_s(check.value, tick_s))
+            return "all loops together: time constant of the slowest pole", slowest, "stable", "s"
+        return "all loops together: largest |z|", f"{check.value:.6f}", "< 1", ""
+    least = "≥ " if "margin" in check.what else "≤ " if check.limit else ""
+    return check.what, check_value(check), f"{least}{short(check.limit)}", check.unit
+
+
+def check_value(check: Check) -> str:
+    """Write a check's value, with as many decimals as show on which side of the limit it is."""
+    if not math.isfinite(check.value):
+        return margin(check.value, 0)
+    decimals = _DECIMALS.get(check.unit)
+    if decimals is None:
+        decimals = len(significant(check.value, 2).partition(".")[2])
+    side = check.value >= check.limit, check.value <= check.limit
+    while decimals < _MOST_DECIMALS:
+        rounded = round(check.value, decimals)
+        shown = rounded >= check.limit, rounded <= check.limit
+        if shown == side or (check.holds and rounded == check.limit):
+            break
+        decimals += 1
+    return number(check.value, decimals)
