@@ -1,6 +1,6 @@
 """Diagnosis of imported campaigns, whose motion can't be simulated, by their steady strokes."""
 
-from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 
 from hbench.config.bench import plant_sections
@@ -19,30 +19,37 @@ def diagnosed_strokes(campaign: StoredCampaign, model_file: Path, series: str | 
     The model's file needs only test_cylinder and friction.test. Raises ``ConfigError``,
     ``DataError``.
     """
-    by_label: dict[str, list[ScreenedRun]] = defaultdict(list)
-    for screened in screened_runs(campaign):
-        by_label[screened.run.plan.label].append(screened)
-    labels = ", ".join(map(repr, by_label))
-    if series is None and len(by_label) > 1:
+    labels = list(dict.fromkeys(entry.plan.label for entry in campaign.entries))
+    names = ", ".join(map(repr, labels))
+    if series is None and len(labels) > 1:
         raise ConfigError(
-            f"{campaign.folder}: contains several series: {labels}", "Choose one with --series."
+            f"{campaign.folder}: contains several series: {names}", "Choose one with --series."
         )
-    chosen = next(iter(by_label)) if series is None else series
-    if chosen not in by_label:
+    chosen = labels[0] if series is None else series
+    if chosen not in labels:
         raise ConfigError(
-            f"--series: {campaign.folder} contains no {chosen!r}", f"Choose one of: {labels}."
+            f"--series: {campaign.folder} contains no {chosen!r}", f"Choose one of: {names}."
         )
     bench = (campaign.header.get("bench") or {}).get("content")
     data = read_yaml(model_file)
     if bench:
         data = plant_sections(bench, data, str(model_file))
-    others = {label: runs for label, runs in by_label.items() if label != chosen}
+    by_label: dict[str, list[ScreenedRun]] = {chosen: []}
+    for screened in screened_runs(_of_the_same_cylinder(campaign, chosen)):
+        by_label.setdefault(screened.run.plan.label, []).append(screened)
     return diagnose_strokes(
         StrokeTask(
             provenance=campaign.provenance(),
             model=model_file.name,
             plant=parse_strokes(stroke_sections(data), str(model_file)),
             plant_data=data,
-            series={chosen: by_label[chosen], **others},
+            series=by_label,
         )
     )
+
+
+def _of_the_same_cylinder(campaign: StoredCampaign, label: str) -> StoredCampaign:
+    """Return the campaign without the runs of other cylinders than that of a series."""
+    specimen = next(e.plan.specimen for e in campaign.entries if e.plan.label == label)
+    entries = tuple(e for e in campaign.entries if e.plan.specimen == specimen)
+    return replace(campaign, entries=entries)

@@ -130,7 +130,7 @@ def test_no_input_violates_the_invariants(seeds, build, tmp_path, require_tool):
 @pytest.mark.parametrize(
     ("scripts", "least"),
     [
-        pytest.param(1_000_000, 90, marks=pytest.mark.slow),
+        pytest.param(500_000, 90, marks=pytest.mark.slow),
         pytest.param(10_000_000, 90, marks=pytest.mark.nightly),
     ],
 )
