@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import savgol_filter
 
 from hbench.config.bench import parse_plant
 from hbench.errors import DataError
@@ -229,3 +230,14 @@ def test_smoothed_logs_oscillate_where_the_logs_do(runs):
     (session,) = sessions(runs)
     marked = with_oscillating(session, np.arange(session.counts.sum()) % 2 == 0)
     np.testing.assert_array_equal(marked.smoothed().oscillating, marked.oscillating)
+
+
+def test_each_run_is_filtered_as_scipy_does(runs):
+    (found,) = sessions(runs)
+    smooth, velocity = found.smooth("p_tp_pa", 2), found.velocity_m_s
+    for run, start in zip(runs, found.edges, strict=False):
+        own = slice(start, start + len(run.t_s))
+        expected = savgol_filter(run.p_tp_pa, 7, 2)
+        np.testing.assert_allclose(smooth[own], expected, rtol=1e-12)
+        expected = savgol_filter(run.x_m, 5, 4, deriv=1, delta=found.window.dt_s)
+        np.testing.assert_allclose(velocity[own], expected, atol=1e-12)

@@ -141,15 +141,25 @@ def _sustained(found: np.ndarray) -> np.ndarray:
 def _filtered(
     y: np.ndarray, edges: np.ndarray, samples: int, order: int, derivative: int, dt_s: float
 ) -> np.ndarray:
-    """Filter each run by a polynomial through some samples (Savitzky and Golay)."""
-    from scipy.signal import savgol_filter  # slow import
+    """Filter each run by a polynomial through some samples (Savitzky and Golay).
 
-    out = np.empty_like(y)
+    All runs at once; near its ends a run has the values of its first and last polynomial.
+    """
+    from scipy.signal import savgol_coeffs  # slow import
+
+    rows = np.array(
+        [savgol_coeffs(samples, order, derivative, dt_s, at, "dot") for at in range(samples)]
+    )
+    half, out = samples // 2, np.empty_like(y)
+    if len(y) >= samples:
+        out[half : len(y) - half] = np.correlate(y, rows[half], "valid")
     for start, stop in zip(edges[:-1], edges[1:], strict=True):
         part = y[start:stop]
         if len(part) >= samples:
-            part = savgol_filter(part, samples, order, deriv=derivative, delta=dt_s)
+            out[start : start + half] = rows[:half] @ part[:samples]
+            out[stop - half : stop] = rows[half + 1 :] @ part[-samples:]
         elif derivative:
-            part = np.gradient(part, dt_s) if len(part) > 1 else np.zeros_like(part)
-        out[start:stop] = part
+            out[start:stop] = np.gradient(part, dt_s) if len(part) > 1 else 0.0
+        else:
+            out[start:stop] = part
     return out
