@@ -28,6 +28,36 @@ def test_a_leak_through_an_orifice_is_named_and_the_gap_of_held_out_runs_shrinks
     assert found.before > 10 and found.after < 2
 
 
+FRICTION = [f"friction.{side}.{key}" for side in ("test", "load")
+            for key in ("coulomb", "stiction", "viscous")]  # fmt: skip
+STARTS = {f"friction x {factor}": dict.fromkeys(FRICTION, factor) for factor in (0.2, 0.5, 2, 5)}
+STARTS |= {f"valve x {factor}": {"valve.gain": factor} for factor in (0.8, 1.2)}
+WRONG = {"friction x 5, valve x 0.8": STARTS["friction x 5"] | STARTS["valve x 0.8"]}
+
+
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [
+        ("internal_leakage-clear-1", "friction x 5, valve x 0.8"),
+        *(
+            pytest.param(case.name, start, marks=pytest.mark.slow)
+            for case in stored()
+            for start in STARTS
+        ),
+    ],
+)
+def test_the_verdict_is_the_same_from_a_model_with_wrong_friction_or_valves(name, start):
+    usual, other = (
+        blind.stored_outcome(SAMPLE / name),
+        blind.outcome(SAMPLE / name, (STARTS | WRONG)[start]),
+    )
+    print(name, start, other.verdict, other.named, other.first)
+    assert (other.verdict, other.named, other.close) == (usual.verdict, usual.named, usual.close)
+    assert other.rest == usual.rest
+    for key, value in usual.coefficients.items():
+        assert other.coefficients[key] == pytest.approx(value, rel=0.1), key
+
+
 def test_where_nothing_is_hidden_nothing_is_named(said):
     assert said["none"].verdict == "none"
     assert not said["none"].named and not said["none"].close

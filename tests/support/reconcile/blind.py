@@ -5,22 +5,28 @@
 generates the campaigns of ``hidden`` in ``OUT`` (a process of its own: its laws and plants are
 others than the catalogue's and the model's), reconciles each with ``configs/model-aau.yaml``, and
 prints the verdicts and the confusion table. What is there already is not made again, and the seeds
-of a cell are far apart in the order, so that a part is a sample of the whole.
+of a cell are far apart in the order, so that a part is a sample of the whole. With a third
+argument ``imported`` the same logs are imported as those of another bench, and reconciled in that
+form.
 """
 
 import json
 import subprocess
 import sys
 import time
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[3]))  # behind the installed hbench
 
 import numpy as np
 
+from hbench import workflow
 from hbench.config.bench import parse_bench, parse_plant
 from hbench.config.files.loading import read_yaml
+from hbench.config.scaling import scaled
 from hbench.model.effects.catalogue import EFFECTS
 from hbench.parallel.process_pool import map_on_cores
 from hbench.reconcile.diagnose import ReconcileTask, run_search
@@ -32,6 +38,7 @@ from hbench.reconcile.verdict import decide_verdict, unexplained_gaps
 from hbench.store.campaign.folder import load_campaign
 from hbench.workflow.results import calibrated_runs
 from tests.support import ROOT
+from tests.support.hidden.foreign import write_index
 from tests.support.shared import once
 
 GENERATE = Path(__file__).parents[1] / "hidden" / "generate.py"
@@ -58,10 +65,11 @@ class Outcome:
     learned: tuple[str, ...] = ()  # unnamed laws
 
 
-def outcome(folder: Path) -> Outcome:
-    """Reconcile one campaign, in this process alone."""
+def outcome(folder: Path, start: Mapping[str, float] | None = None) -> Outcome:
+    """Reconcile one campaign, in this process alone; ``start`` are factors on the model."""
     started = time.process_time()
     task = task_of(folder)
+    task = replace(task, plant=scaled(task.plant, start or {}))
     measured, found, out = run_search(task, CANDIDATES)
     final = found.final.gap_map.in_units_of(found.refitted.gap_map)
     by_effects = (found.unlearned or found.final).gap_map.in_units_of(found.refitted.gap_map)
@@ -224,10 +232,24 @@ def _kind(name: str, one: Outcome) -> str:
     return "in set" if name in said and len(said) <= 3 else "wrong"
 
 
-def main(out: Path, cases: str) -> None:
+def imported(campaign: Path) -> None:
+    """Import a campaign's logs as those of another bench, beside it; what is there stays."""
+    folder = campaign.parent / "imported" / campaign.name
+    logs = campaign.parent / "imported" / "logs" / campaign.name
+    if not folder.exists():
+        write_index(campaign, logs)
+        workflow.import_runs(logs, folder, None, lambda: datetime.fromtimestamp(0, UTC))
+
+
+def main(out: Path, cases: str, form: str = "native") -> None:
     """Generate, reconcile, and print."""
     subprocess.run([sys.executable, GENERATE, out, "--cases", cases], check=True)
-    found = outcomes(out)
+    place = out
+    if form == "imported":
+        place = out / "imported"
+        for _ in map_on_cores(imported, [one.parent for one in out.glob("[!.]*/campaign.yaml")]):
+            pass
+    found = outcomes(place)
     print()
     for one in found:
         print(row(one))
@@ -235,4 +257,4 @@ def main(out: Path, cases: str) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2])
+    main(Path(sys.argv[1]), *sys.argv[2:])
