@@ -12,7 +12,7 @@ import pytest
 
 from hbench.protocol.dictionary import CONDITIONS, RECORD, RECORD_FLAGS
 
-SANITIZERS = "-O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
+SANITIZERS = "-O0 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
 # 64 KB of RAM, which only the emulated chip has (avr.c).
 AVR = "-mmcu=atmega1284p -Os -Wl,--defsym=__DATA_REGION_LENGTH__=0xFE00,--defsym=__stack=0xFFFF"
 # Like the C28x: octets as wide as int, with undefined upper bits.
