@@ -157,9 +157,9 @@ def short_schedule(tmp_path):
         bench_data = yaml.safe_load((ROOT / "configs" / "bench-aau.yaml").read_text())
         for section, values in (bench or {}).items():
             bench_data[section] |= values
-        (tmp_path / "bench.yaml").write_text(yaml.safe_dump(bench_data))
+        (tmp_path / "bench.yaml").write_text(yaml.dump(bench_data, Dumper=yaml.CSafeDumper))
         path = tmp_path / "short.yaml"
-        path.write_text(yaml.safe_dump(data))
+        path.write_text(yaml.dump(data, Dumper=yaml.CSafeDumper))
         return path
 
     return write

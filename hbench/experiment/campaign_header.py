@@ -4,6 +4,7 @@ import platform
 import zlib
 from collections.abc import Mapping
 from datetime import datetime
+from functools import cache
 from importlib.metadata import version
 from typing import Any
 
@@ -15,6 +16,7 @@ from hbench.store.campaign.folder import StoredCampaign
 
 SIMULATED_BOARDS = ("host", "mps2", "stm32f4-emulated")  # firmware ports without a real bench
 _PACKAGES = ("hbench", "numpy", "scipy", "pandas", "matplotlib", "numba")
+_version = cache(version)  # it reads the package's files each time
 
 
 def campaign_header(
@@ -54,7 +56,7 @@ def campaign_header(
 
 def software() -> dict[str, str]:
     """Return the versions of Python and of the packages that compute results."""
-    packages = {name: version(name) for name in _PACKAGES}
+    packages = {name: _version(name) for name in _PACKAGES}
     return {"python": platform.python_version(), **packages}
 
 

@@ -1,7 +1,6 @@
 """``hbench accept``: decision, files and exit codes."""
 
 import json
-import shutil
 from xml.etree import ElementTree
 
 import jsonschema
@@ -11,7 +10,7 @@ from typer.testing import CliRunner
 
 from hbench.cli.main import app
 from hbench.report.schemas import schema_text
-from tests.support import ROOT
+from tests.support.cut_campaign import one_load
 
 MET = {"quantity": "friction", "max": "10 kN", "name": "A.1"}
 MISSED = {"quantity": "friction", "max": "1 N"}
@@ -20,7 +19,7 @@ NOT_MEASURED = {"quantity": "breakaway", "max": "5 bar"}
 
 @pytest.fixture
 def accept(tmp_path):
-    shutil.copytree(ROOT / "data_samples" / "stribeck-small", tmp_path / "campaign")
+    one_load(tmp_path / "campaign")
 
     def run(*limits, rule="guard_band", arguments=()):
         file = tmp_path / "limits.yaml"

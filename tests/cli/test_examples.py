@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ from tests.support.board.stm32_rom_standin import (
     program,
     running,
 )
+from tests.support.cut_campaign import one_load
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = typer.main.get_command(app).commands
@@ -56,7 +58,7 @@ def world(tmp_path, quick_schedule, monkeypatch, undrawn):
 def campaigns(*names):
     def make(world):
         for name in names:
-            shutil.copytree(ROOT / "data_samples" / "stribeck-small", world / name)
+            one_load(world / name)
 
     return make
 
@@ -66,11 +68,16 @@ def line(world):
         shutil.copytree(ROOT / "data_samples" / "bad-runs", world / "line-1" / name)
 
 
-def limits(world):
-    campaigns("demo")(world)
+def limits(world, make=one_load):
+    make(world / "demo")
     bench_file(world)
     for name in ("limits.yaml", "certificate.yaml"):
         shutil.copy(ROOT / "configs" / name, world / "my-bench")
+
+
+def whole(world):
+    """A certificate is given to a whole campaign alone."""
+    limits(world, partial(shutil.copytree, ROOT / "data_samples" / "stribeck-small"))
 
 
 def bench_file(world):
@@ -106,7 +113,7 @@ def nothing(world):
 EXAMPLES = {
     "accept": (limits, ["demo/results/acceptance.json", "demo/results/acceptance.xml"]),
     "analyze": (campaigns("demo"), ["demo/results/results.json"]),
-    "certificate": (limits, ["certificate.pdf"]),
+    "certificate": (whole, ["certificate.pdf"]),
     "compare": (campaigns("before", "after"), ["comparison/comparison.html"]),
     "design": (bench_file, []),
     "export": (campaigns("demo"), ["demo-mat/campaign.mat", "demo-mat/curves.mat"]),

@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from hbench.store.campaign.folder import load_campaign
+from tests.support.commands import hbench
 from tests.support.report.terminal import Terminal, screen
 
 TOO_STRICT = {"low_speed_error": "0.001 mm/s", "low_speed_error_relative": 1e-6}
@@ -54,7 +55,7 @@ def test_a_pipe_gets_one_line_a_run(quick_schedule, tmp_path):
 
 
 def test_a_pipe_gets_each_rejection_with_its_reason(picky_schedule, tmp_path):
-    done = in_a_pipe(tmp_path, picky_schedule, "-o", "out", "--retry", "1")
+    done = hbench("run", picky_schedule, "-o", tmp_path / "out", "--retry", "1")
     assert done.returncode == 0
     _, *lines, _ = done.stderr.splitlines()
     assert len(lines) == 8

@@ -125,6 +125,21 @@ def run():
         host.kill()
 
 
+@pytest.fixture
+def run_here(monkeypatch):
+    """As ``run``, until the end and in the test's process: others take seconds to start."""
+
+    def start(schedule, *arguments) -> str:
+        with monkeypatch.context() as patch:
+            patch.setattr("hbench.workflow.seeds.map_on_cores", map)
+            command = ["run", schedule, "-o", schedule.parent / "out", *arguments]
+            done = CliRunner().invoke(app, list(map(str, command)))
+        assert done.exit_code == 0, done.output
+        return done.stdout
+
+    return start
+
+
 def files(folder: Path) -> dict[str, bytes]:
     """A campaign's files, without the time of day."""
     moment = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d[.\d]*[+-]\d\d:\d\d")
@@ -137,7 +152,7 @@ def logs(campaigns: list[Path]) -> int:
 
 
 def test_each_has_the_bytes_of_one_made_alone_and_resume_makes_what_is_missing(
-    run, quick_schedule, on_the_rig
+    run, run_here, quick_schedule, on_the_rig
 ):
     schedule = quick_schedule()
     code, told = run(schedule, "--campaigns", 2, "--seed", 5).ended()
@@ -146,8 +161,7 @@ def test_each_has_the_bytes_of_one_made_alone_and_resume_makes_what_is_missing(
     out = schedule.parent / "out"
     many = {seed: files(out / str(seed)) for seed in (5, 6)}
     (out / "6").rename(schedule.parent / "kept")
-    code, told = run(schedule, "--campaigns", 3, "--seed", 5, "--resume").ended()
-    assert code == 0 and ": 8 runs in" in told, told
+    assert ": 8 runs in" in run_here(schedule, "--campaigns", 3, "--seed", 5, "--resume")
     assert files(out / "5") == many[5] and files(out / "6") == many[6]
 
     on_the_rig(schedule, schedule.parent / "alone", seed=6)
@@ -156,7 +170,9 @@ def test_each_has_the_bytes_of_one_made_alone_and_resume_makes_what_is_missing(
     assert alone == many[6] != many[5]
 
 
-def test_what_ends_the_host_ends_all_within_seconds_and_resume_goes_on(run, quick_schedule):
+def test_what_ends_the_host_ends_all_within_seconds_and_resume_goes_on(
+    run, run_here, quick_schedule
+):
     """Ctrl-C goes to all processes of a terminal, the others to the host alone."""
     schedule = quick_schedule(**LONG)
     campaigns = [schedule.parent / "out" / seed for seed in "12"]
@@ -178,9 +194,7 @@ def test_what_ends_the_host_ends_all_within_seconds_and_resume_goes_on(run, quic
         made = sum(len(load_campaign(folder).done) for folder in begun)
         assert made < 100
         resume = ["--resume"]
-    code, told = run(schedule, "--campaigns", 2, "--resume").ended()
-    assert code == 0, told
-    assert f": {100 - made} runs in" in told
+    assert f": {100 - made} runs in" in run_here(schedule, "--campaigns", 2, "--resume")
     assert [len(load_campaign(folder).done) for folder in campaigns] == [50, 50]
 
 

@@ -225,7 +225,7 @@ def lacking(tmp_path_factory, on_the_rig):
     return campaign(tmp_path_factory.mktemp("lacking"), on_the_rig, experiments)
 
 
-def test_what_a_campaign_lacks_is_told_with_what_to_add(lacking, tmp_path):
+def test_what_a_campaign_lacks_is_told_with_what_to_add(lacking, tmp_path, undrawn):
     found = workflow.identify(lacking.folder, lambda progress: None)
     text = identification_text(found)
     assert law(found, "tustin").fit and law(found, "pressure_based").fit
@@ -268,7 +268,7 @@ def test_an_imported_campaign_without_a_bench_is_refused_with_a_hint(tmp_path, c
     assert "bench.yaml" in caught.value.hint and "moving_mass" in caught.value.hint
 
 
-def test_the_command_prints_one_object_or_the_table(tmp_path, lacking):
+def test_the_command_prints_one_object_or_the_table(tmp_path, lacking, undrawn):
     def identify(*options):
         arguments = ["identify", str(lacking.folder), "-o", str(tmp_path / "out"), *options]
         done = CliRunner().invoke(app, arguments)

@@ -10,6 +10,7 @@ import pytest
 
 from hbench.protocol.generate import generated_files
 from hbench.rig import firmware
+from tests.support import shared
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "firmware" / "core"
@@ -27,14 +28,23 @@ POISON = """
 """
 
 
-def compile_core(folder: Path, *options: str) -> list[Path]:
-    objects = []
-    for source in SOURCES:
-        objects.append(folder / f"{source.stem}.o")
-        command = [COMPILER, *STRICT, *options, "-c", source, "-o", objects[-1]]
-        done = subprocess.run(command, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-    return objects
+@pytest.fixture(scope="session")
+def core(tmp_path_factory) -> list[Path]:
+    """The core's objects, compiled with ``POISON``."""
+
+    def compile_core() -> list[Path]:
+        folder = tmp_path_factory.mktemp("core")
+        (folder / "poison.h").write_text(POISON)
+        objects = []
+        for source in SOURCES:
+            objects.append(folder / f"{source.stem}.o")
+            command = [COMPILER, *STRICT, "-fno-stack-protector", "-include", folder / "poison.h"]
+            command += ["-c", source, "-o", objects[-1]]
+            done = subprocess.run(command, capture_output=True, text=True)
+            assert done.returncode == 0, done.stderr
+        return objects
+
+    return shared.once("core", compile_core)
 
 
 @pytest.mark.parametrize("name, text", generated_files().items())
@@ -42,10 +52,8 @@ def test_generated_files_are_up_to_date(name, text):
     assert (CORE / name).read_text() == text, "run: python -m hbench.protocol.generate"
 
 
-def test_the_core_compiles_without_a_warning_or_a_type_missing_on_the_c28x(tmp_path):
-    poison = tmp_path / "poison.h"
-    poison.write_text(POISON)
-    compile_core(tmp_path, "-include", str(poison))
+def test_the_core_compiles_without_a_warning_or_a_type_missing_on_the_c28x(core):
+    assert len(core) == len(SOURCES) > 10
 
 
 def test_the_core_includes_only_freestanding_headers():
@@ -66,8 +74,8 @@ def symbols_of(objects: list[Path], nm: str) -> list[tuple[str, str, str]]:
     return symbols
 
 
-def test_the_core_calls_no_library_and_has_no_variables(tmp_path, require_tool):
-    symbols = symbols_of(compile_core(tmp_path, "-fno-stack-protector"), require_tool("nm"))
+def test_the_core_calls_no_library_and_has_no_variables(core, require_tool):
+    symbols = symbols_of(core, require_tool("nm"))
     outside = {name for _, name, kind in symbols if kind == "U"}
     inside = {name for _, name, kind in symbols if kind == "T"}
     # A compiler may call these four to copy or compare a struct.
@@ -75,13 +83,13 @@ def test_the_core_calls_no_library_and_has_no_variables(tmp_path, require_tool):
     assert not [symbol for symbol in symbols if symbol[2] in "BbDdCc"], "mutable data"
 
 
-def test_no_circle_of_includes_or_calls_in_the_core(tmp_path, require_tool):
+def test_no_circle_of_includes_or_calls_in_the_core(core, require_tool):
     """A module is a .c file with its header; it depends on what either includes or calls."""
     depends = {path.stem: set() for path in [*SOURCES, *CORE.glob("*.h")]}
     for path in [*SOURCES, *CORE.glob("*.h")]:
         included = re.findall(r'^#include "(\w+)\.h"', path.read_text(), re.MULTILINE)
         depends[path.stem] |= set(included) - {path.stem}
-    symbols = symbols_of(compile_core(tmp_path), require_tool("nm"))
+    symbols = symbols_of(core, require_tool("nm"))
     home = {name: module for module, name, kind in symbols if kind == "T"}
     for module, name, kind in symbols:
         if kind == "U" and name in home:

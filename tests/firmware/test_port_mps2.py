@@ -62,16 +62,17 @@ def board(image):
     firmware.close()
 
 
-def one_speed(short_schedule, trials):
+def one_speed(quick_schedule, trials):
     """Trials of 120 mm/s against 2000 N."""
-    travel = {"start": "100 mm", "end": "220 mm"}
-    schedule = short_schedule(velocities=["120 mm/s"], trials=trials, travel=travel, window="0.4 s")
+    travel = {"start": "180 mm", "end": "270 mm"}
+    changes = {"velocities": ["120 mm/s"], "travel": travel, "window": "0.4 s"}
+    schedule = quick_schedule(trials=trials, **changes)
     return workflow.load_experiment(schedule, None)
 
 
 @pytest.fixture
-def experiment(short_schedule):
-    return one_speed(short_schedule, trials=2)
+def experiment(quick_schedule):
+    return one_speed(quick_schedule, trials=2)
 
 
 @pytest.fixture
@@ -183,8 +184,8 @@ def test_a_campaign_has_the_host_librarys_codes_replies_and_log_bit_for_bit(
     assert len(campaign.entries) == 2
 
 
-def test_the_same_campaign_again_takes_the_same_instructions(image, short_schedule, measure):
-    experiment, boards = one_speed(short_schedule, trials=1), []
+def test_the_same_campaign_again_takes_the_same_instructions(image, quick_schedule, measure):
+    experiment, boards = one_speed(quick_schedule, trials=1), []
     for name in ("first", "second"):
         boards.append(Recorded(EmulatedFirmware(image)))
         start = time.perf_counter()
@@ -250,7 +251,8 @@ class CutLine:
         pass
 
 
-def test_a_board_that_loses_its_host_in_a_run_stops(board, experiment, measure):
+def test_a_board_that_loses_its_host_in_a_run_stops(board, short_schedule, measure):
+    experiment = workflow.load_experiment(short_schedule(trials=1), None)  # longer than a heartbeat
     rig = SteppedRig("emulated", board, experiment.bench)
     with pytest.raises(DeviceError, match="cut"):
         measure(experiment, CutLine(rig, cut_s=0.8))

@@ -10,6 +10,7 @@ from hbench.studies.catalogue import PHENOMENA
 from hbench.studies.phenomena import lag, presliding, stick_slip
 from hbench.studies.phenomena.driven_friction import driven_mass, prescribed_friction
 from hbench.studies.phenomena.laws import LEUVEN, LUGRE, TUSTIN
+from tests.support import shared
 
 F_C, F_S, V_S, B = 300.0, 500.0, 0.03, 2500.0
 LAWS_ALONE = ("stribeck", "lag", "presliding", "stick-slip", "breakaway")
@@ -17,7 +18,7 @@ LAWS_ALONE = ("stribeck", "lag", "presliding", "stick-slip", "breakaway")
 
 @pytest.fixture(scope="module")
 def shown():
-    return {name: PHENOMENA[name]({}) for name in LAWS_ALONE}
+    return shared.once("phenomena", lambda: {name: PHENOMENA[name]({}) for name in LAWS_ALONE})
 
 
 def found(phenomenon, quantity):

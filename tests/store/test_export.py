@@ -12,16 +12,30 @@ from typer.testing import CliRunner
 from hbench import workflow
 from hbench.cli.main import app
 from hbench.store.campaign.folder import load_campaign
+from tests.support import shared
 from tests.support.seal_strokes import stroke_campaign, write_strokes
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 
 
-def exported(kind, folder, sample="stribeck-small"):
-    arguments = ["export", str(SAMPLES / sample), "--format", kind, "-o", str(folder)]
+def export(kind, campaign, folder):
+    arguments = ["export", str(campaign), "--format", kind, "-o", str(folder)]
     result = CliRunner().invoke(app, arguments)
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == 0 and "note:" not in result.stderr, result.output
     return folder
+
+
+@pytest.fixture(scope="session")
+def exported(tmp_path_factory):
+    """Return a function that gives the folder of a sample's export, which tests only read."""
+
+    def give(kind, sample="stribeck-small"):
+        def make():
+            return export(kind, SAMPLES / sample, tmp_path_factory.mktemp("export"))
+
+        return shared.once(f"export-{sample}-{kind}", make)
+
+    return give
 
 
 @pytest.fixture(scope="module")
@@ -36,29 +50,29 @@ def screened():
     return list(workflow.results.screened_runs(load_campaign(SAMPLES / "stribeck-small")))
 
 
-def brought_back(kind, tmp_path, campaign):
-    """Export a campaign, import the files, and return what the analysis gives."""
-    folder, again = tmp_path / kind, tmp_path / f"{kind}-again"
-    exports = ["export", str(campaign), "--format", kind, "-o", str(folder)]
-    for arguments in (exports, ["import", str(folder), "-o", str(again)]):
-        result = CliRunner().invoke(app, arguments)
-        assert result.exit_code == 0 and "note:" not in result.stderr, result.output
+def brought_back(folder, again):
+    """Import exported files, and return what the analysis gives."""
+    result = CliRunner().invoke(app, ["import", str(folder), "-o", str(again)])
+    assert result.exit_code == 0 and "note:" not in result.stderr, result.output
     return workflow.analyze(again)
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
-def test_an_exported_campaign_comes_back_by_import_with_the_same_curves(tmp_path, results, kind):
-    found = brought_back(kind, tmp_path, SAMPLES / "stribeck-small")
+def test_an_exported_campaign_comes_back_by_import_with_the_same_curves(
+    tmp_path, exported, results, kind
+):
+    found = brought_back(exported(kind), tmp_path / "again")
     assert found.curves == results.curves
     assert found.efficiency == results.efficiency
 
 
-@pytest.fixture
-def strokes(tmp_path):
+@pytest.fixture(scope="module")
+def strokes(tmp_path_factory):
     """Campaigns of strokes without set speeds, with limits, instruments and cylinders of a map."""
-    logs = write_strokes(tmp_path / "logs", "seal", {0: (40, 5), 4: (60, 5)}, scatter_n=1.0)
-    write_strokes(tmp_path / "large", "large", {4: (90, 5)}, scatter_n=1.0, seed=1)
-    shutil.copy(tmp_path / "large" / "large_4bar.csv", logs)
+    folder = tmp_path_factory.mktemp("strokes")
+    logs = write_strokes(folder / "logs", "seal", {0: (40, 5), 4: (60, 5)}, scatter_n=1.0)
+    write_strokes(folder / "large", "large", {4: (90, 5)}, scatter_n=1.0, seed=1)
+    shutil.copy(folder / "large" / "large_4bar.csv", logs)
     rules = yaml.safe_load((logs / "map.yaml").read_text())
     tolerance = {"tolerance": "0.5 %", "of": "full_scale"}
     rules["instruments"] = {
@@ -73,24 +87,34 @@ def strokes(tmp_path):
     other["factors"] = {"grease": 'PTFE, "white"', "temperature": "20 °C"}
     rules["series"] = [series, other]
     (logs / "map.yaml").write_text(yaml.safe_dump(rules))
-    return stroke_campaign(logs, tmp_path / "campaign")
+    return stroke_campaign(logs, folder / "campaign")
+
+
+@pytest.fixture(scope="module")
+def analyzed_strokes(strokes):
+    return workflow.analyze(strokes)
+
+
+@pytest.fixture(scope="module")
+def strokes_csv(strokes, tmp_path_factory):
+    return export("csv", strokes, tmp_path_factory.mktemp("csv"))
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
 def test_foreign_strokes_come_back_with_their_positions_cylinders_and_limits(
-    tmp_path, strokes, kind
+    tmp_path, strokes, analyzed_strokes, kind
 ):
-    own = workflow.analyze(strokes)
+    own = analyzed_strokes
     plan = own.runs[0].run.plan
     assert plan.speed_is_measured and plan.positions_m and own.curves[0].points[0].u95_n
     assert own.curves[-1].factor_values["temperature"] == "20 °C"
-    found = brought_back(kind, tmp_path, strokes)
+    found = brought_back(export(kind, strokes, tmp_path / kind), tmp_path / "again")
     assert [run.run.plan for run in found.runs] == [run.run.plan for run in own.runs]
     assert found.curves == own.curves
     assert found.bands == own.bands and found.band_trends == own.band_trends
     assert found.notes[-1] == own.notes[-1]
     assert found.provenance.details["oil"] == "none"
-    first, again = (load_campaign(f) for f in (strokes, tmp_path / f"{kind}-again"))
+    first, again = (load_campaign(f) for f in (strokes, tmp_path / "again"))
     assert again.setup() == first.setup() and again.screening() == first.screening()
 
 
@@ -104,10 +128,12 @@ def test_foreign_strokes_come_back_with_their_positions_cylinders_and_limits(
         ("area_rod_m2", "", "missing, but other sizes of the cylinder are given"),
     ],
 )
-def test_an_edited_index_is_refused_with_line_and_column(tmp_path, strokes, column, cell, words):
+def test_an_edited_index_is_refused_with_line_and_column(
+    tmp_path, strokes_csv, column, cell, words
+):
     import pandas as pd
 
-    CliRunner().invoke(app, ["export", str(strokes), "-o", str(tmp_path / "csv")])
+    shutil.copytree(strokes_csv, tmp_path / "csv")
     index = pd.read_csv(tmp_path / "csv" / "runs.csv", dtype=str)
     index.loc[1, column] = cell
     index.to_csv(tmp_path / "csv" / "runs.csv", index=False)
@@ -116,8 +142,8 @@ def test_an_edited_index_is_refused_with_line_and_column(tmp_path, strokes, colu
     assert f"line 3: {column} {cell!r}: {words}" in error.message
 
 
-def test_a_cylinder_of_the_index_that_contradicts_the_bench_file_is_reported(tmp_path):
-    folder = exported("csv", tmp_path / "csv")
+def test_a_cylinder_of_the_index_that_contradicts_the_bench_file_is_reported(tmp_path, exported):
+    folder = shutil.copytree(exported("csv"), tmp_path / "csv")
     text = (folder / "bench.yaml").read_text()
     bench = yaml.safe_load(text)
     bench["test_cylinder"]["piston_diameter"] = "50 mm"
@@ -126,22 +152,23 @@ def test_a_cylinder_of_the_index_that_contradicts_the_bench_file_is_reported(tmp
     assert "runs have another cylinder in the index than in bench.yaml" in result.stderr
 
 
-def test_rejected_runs_are_exported_with_their_reasons(tmp_path):
+def test_rejected_runs_are_exported_with_their_reasons(exported):
     import pandas as pd
 
-    index = pd.read_csv(exported("csv", tmp_path, "bad-runs") / "runs.csv", dtype={"run": str})
+    folder = exported("csv", "bad-runs")
+    index = pd.read_csv(folder / "runs.csv", dtype={"run": str})
     rejected = index[~index.accepted]
     assert len(rejected) > 3
     assert rejected.reason.str.contains("end_stop|off_reference|truncated").any()
-    assert all((tmp_path / name).exists() for name in index.file)
+    assert all((folder / name).exists() for name in index.file)
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
-def test_an_incomplete_log_is_still_rejected_when_it_comes_back(tmp_path, kind):
+def test_an_incomplete_log_is_still_rejected_when_it_comes_back(tmp_path, exported, kind):
     copy = tmp_path / "bad-runs"
     shutil.copytree(SAMPLES / "bad-runs", copy)
     own = workflow.analyze(copy)
-    found = brought_back(kind, tmp_path, copy)
+    found = brought_back(exported(kind, "bad-runs"), tmp_path / "again")
     truncated = [run.reason for run in own.runs if "truncated" in run.reason]
     assert (
         truncated and [run.reason for run in found.runs if "truncated" in run.reason] == truncated
@@ -149,8 +176,8 @@ def test_an_incomplete_log_is_still_rejected_when_it_comes_back(tmp_path, kind):
     assert found.curves == own.curves
 
 
-def test_what_was_saturated_is_so_when_it_comes_back(tmp_path):
-    folder, again = exported("csv", tmp_path / "csv", "bad-runs"), tmp_path / "again"
+def test_what_was_saturated_is_so_when_it_comes_back(tmp_path, exported):
+    folder, again = exported("csv", "bad-runs"), tmp_path / "again"
     assert CliRunner().invoke(app, ["import", str(folder), "-o", str(again)]).exit_code == 0
 
     def saturated(campaign):
@@ -168,10 +195,10 @@ def test_what_was_saturated_is_so_when_it_comes_back(tmp_path):
     assert saturated(again) == saturated(copy)
 
 
-def test_parquet_holds_the_same_samples(tmp_path, screened):
+def test_parquet_holds_the_same_samples(exported, screened):
     pd = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
-    folder = exported("parquet", tmp_path)
+    folder = exported("parquet")
     index = pd.read_parquet(folder / "runs.parquet")
     assert list(index.run) == [one.run.plan.run for one in screened]
     run = screened[7].run
@@ -190,10 +217,10 @@ def test_parquet_without_its_package_is_refused_with_what_to_install(tmp_path, m
     assert "pyarrow" in error.message and "pip install" in error.hint
 
 
-def test_the_matlab_file_is_a_struct_array_of_runs(tmp_path, screened):
+def test_the_matlab_file_is_a_struct_array_of_runs(exported, screened):
     from scipy.io import loadmat
 
-    folder = exported("mat", tmp_path)
+    folder = exported("mat")
     runs = loadmat(folder / "campaign.mat", squeeze_me=True, struct_as_record=False)["runs"]
     assert len(runs) == len(screened)
     run = screened[3].run
@@ -202,10 +229,10 @@ def test_the_matlab_file_is_a_struct_array_of_runs(tmp_path, screened):
     assert runs[3].log.t_s.shape == run.t_s.shape
 
 
-def test_curves_and_fits_stand_in_a_matlab_file_of_their_own(tmp_path, results):
+def test_curves_and_fits_stand_in_a_matlab_file_of_their_own(exported, results):
     from scipy.io import loadmat
 
-    folder = exported("mat", tmp_path)
+    folder = exported("mat")
     curves = loadmat(folder / "curves.mat", squeeze_me=True, struct_as_record=False)["curves"]
     assert len(curves) == len(results.curves)
     ours, theirs = results.curves[2], curves[2]
@@ -218,8 +245,8 @@ def test_curves_and_fits_stand_in_a_matlab_file_of_their_own(tmp_path, results):
     assert tuple(fit.parameters.f_stiction_n.ci95) == own.ci95
 
 
-def test_the_modelica_file_has_a_table_for_each_curve_and_fit(tmp_path, results):
-    text = (exported("modelica", tmp_path) / "friction.txt").read_text()
+def test_the_modelica_file_has_a_table_for_each_curve_and_fit(exported, results):
+    text = (exported("modelica") / "friction.txt").read_text()
     assert text.startswith("#1\n")
     tables = re.findall(r"^double (\w+)\((\d+),(\d)\)\n((?:  \S.*\n)+)", text, re.MULTILINE)
     assert len(tables) == sum(1 + sum(bool(fit.line) for fit in c.fits) for c in results.curves)

@@ -69,6 +69,6 @@ def test_a_section_that_is_not_what_was_written_is_named(tmp_path, path, value):
     for key in path[:-1]:
         place = place[key]
     place[path[-1]] = value
-    journal.write_text(yaml.safe_dump(content, sort_keys=False))
+    journal.write_text(yaml.dump(content, Dumper=yaml.CSafeDumper, sort_keys=False))
     with pytest.raises(DataError, match=r"campaign\.yaml"):
         workflow.analyze(folder)

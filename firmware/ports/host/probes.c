@@ -122,6 +122,13 @@ void hb_probe_skip_records(hb_host *host, uint32_t next)
     core->log.next = next;
 }
 
+void hb_probe_skip_ticks(hb_host *host, uint32_t tick)
+{
+    hb_core *core = (hb_core *)hb_host_core(host);
+
+    core->tick = tick;
+}
+
 uint16_t hb_probe_frame(unsigned char sequence, unsigned char type, const unsigned char *payload,
                         uint16_t count, unsigned char *out)
 {

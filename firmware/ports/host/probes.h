@@ -26,6 +26,9 @@ uint32_t hb_probe_records(hb_host *host, uint32_t first, uint16_t *words, uint32
 /* Gives the log's next record a number, as after so many records. */
 void hb_probe_skip_records(hb_host *host, uint32_t next);
 
+/* Gives the last tick a number, as after so many ticks. */
+void hb_probe_skip_ticks(hb_host *host, uint32_t tick);
+
 /* Encodes a frame; returns the number of octets in out. */
 uint16_t hb_probe_frame(unsigned char sequence, unsigned char type, const unsigned char *payload,
                         uint16_t count, unsigned char *out);

@@ -4,6 +4,7 @@ import difflib
 import hashlib
 from collections.abc import Iterator
 from datetime import date
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
@@ -129,6 +130,7 @@ def _meant(faults: list["ErrorDetails"], model: type[BaseModel]) -> dict[tuple, 
     return meant
 
 
+@cache
 def _names(model: type[BaseModel]) -> set[str]:
     """Return the keys of all sections of a file."""
     schema = model.model_json_schema()

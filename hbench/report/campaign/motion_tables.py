@@ -21,7 +21,12 @@ def comparisons_csv(results: Results) -> str:
 
 def loops_csv(results: Results) -> str:
     """Return one row a width of a loop, with the loop's own numbers in each."""
-    rows = ({**row(loop), **vars(width)} for loop in results.motions.loops for width in loop.widths)
+    rows = (
+        {**shared, **vars(width)}
+        for loop in results.motions.loops
+        for shared in [row(loop)]
+        for width in loop.widths
+    )
     columns = "v_top_m_s a_m_s2 cycles trials unit area_j area_ci95_j v_m_s width_n ci95_n board_n"
     return csv_text((*_SERIES, *columns.split()), rows)
 
@@ -29,8 +34,9 @@ def loops_csv(results: Results) -> str:
 def loop_traces_csv(results: Results) -> str:
     """Return the mean loops, in the order of time."""
     rows = (
-        {**row(loop), "x_m": x, "v_m_s": v, "friction_n": friction}
+        {**shared, "x_m": x, "v_m_s": v, "friction_n": friction}
         for loop in results.motions.loops
+        for shared in [row(loop)]  # once: it holds the whole trace
         for x, v, friction in loop.trace
     )
     return csv_text((*_SERIES, "v_top_m_s", "x_m", "v_m_s", "friction_n"), rows)
@@ -80,9 +86,10 @@ def decays_csv(results: Results) -> str:
 def decay_traces_csv(results: Results) -> str:
     """Return the oil that has left each side over the time of each hold."""
     rows = (
-        {"kind": leakage.kind, **row(decay), "t_s": t_s, "out_p_m3": out_p, "out_r_m3": out_r}
+        {"kind": leakage.kind, **shared, "t_s": t_s, "out_p_m3": out_p, "out_r_m3": out_r}
         for leakage in results.motions.leakages
         for decay in leakage.decays
+        for shared in [row(decay)]
         for t_s, out_p, out_r in decay.trace
     )
     return csv_text((*_SERIES, "run", "t_s", "out_p_m3", "out_r_m3"), rows)
@@ -132,8 +139,9 @@ def surface_csv(results: Results) -> str:
 def over_distance_csv(results: Results) -> str:
     """Return one row a value, with the trend of its series in each."""
     rows = (
-        {**row(trend), "at_m": at_m, "value": value}
+        {**shared, "at_m": at_m, "value": value}
         for trend in results.motions.over_distance
+        for shared in [row(trend)]
         for at_m, value in zip(trend.distance_m, trend.values, strict=True)
     )
     columns = (

@@ -45,6 +45,8 @@ def all_fields(record: type, without: tuple[str, ...] = (), **changed: Source) -
 
 def json_document(value: Any, layouts: Layouts) -> Any:
     """Return a record, or a container of records, as JSON values."""
+    if isinstance(value, float):  # first: documents are mostly numbers
+        return json_value(value)
     if is_dataclass(value) and not isinstance(value, type):
         return _object(value, layouts.get(type(value)) or all_fields(type(value)), layouts)
     if isinstance(value, Mapping):

@@ -9,12 +9,12 @@ import numpy as np
 
 def json_value(value: Any) -> Any:
     """Return a value as JSON types; NaN and infinities become null."""
+    if isinstance(value, float):  # first: documents are mostly numbers
+        return float(value) if math.isfinite(value) else None
     if isinstance(value, Mapping):
         return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
         return json_value(value.tolist())
     if isinstance(value, list | tuple):
         return [json_value(item) for item in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, bool | int | str) else str(value)

@@ -1,5 +1,6 @@
 """Recording of a session with the host library, and the program that repeats it elsewhere."""
 
+import ctypes
 import struct
 import subprocess
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from hbench.protocol.dictionary import FAULTS, PHASES, STATES
+from hbench.rig.firmware import load_library
 
 ROOT = Path(__file__).parents[3]
 FIRMWARE = ROOT / "firmware"
@@ -82,6 +84,13 @@ class Recording:
             count += int.from_bytes(self.rows.pop()[1:3], "little")
         self.rows.append(b"T" + count.to_bytes(2, "little") + row)
         return codes
+
+    def skip_ticks(self, number):
+        """Give the last tick a number, as after so many ticks."""
+        skip = load_library().hb_probe_skip_ticks
+        skip.restype, skip.argtypes = None, (ctypes.c_void_p, ctypes.c_uint32)
+        skip(self._firmware.addresses[2], number)
+        self.rows.append(b"N" + number.to_bytes(2, "little"))
 
     def close(self):
         self._firmware.close()

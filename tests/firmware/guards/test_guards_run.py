@@ -12,7 +12,7 @@ import pytest
 
 from hbench.protocol.dictionary import CONDITIONS, RECORD, RECORD_FLAGS
 
-SANITIZERS = "-O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
+SANITIZERS = "-O0 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
 # 64 KB of RAM, which only the emulated chip has (avr.c).
 AVR = "-mmcu=atmega1284p -Os -Wl,--defsym=__DATA_REGION_LENGTH__=0xFE00,--defsym=__stack=0xFFFF"
 # Like the C28x: octets as wide as int, with undefined upper bits.
@@ -44,10 +44,11 @@ def session(recorded_board):
     board.request("identify")
     assert board.start() == "not_ready"
     assert board.request("identify", b"?") == "bad_payload"
-    board.write_settings(log_divider=3.0, heartbeat_s=0.3, feedforward_on=1.0)
+    changes = {"heartbeat_s": 0.2, "acceleration_m_s2": 1.0, "feedforward_on": 1.0}
+    board.write_settings(log_divider=3.0, **changes)
     for write, most in ((board.write_segment, 104), (board.write_step, 128)):
         assert [write(n) for n in range(most + 1)] == most * [b""] + ["out_of_range"]
-    assert board.write_motion(trials=2, duration_s=0.2) == b""
+    assert board.write_motion(trials=2, a_m_s2=2.0, duration_s=0.16) == b""
     ticks(3)
     board.settings_crc ^= 1
     assert board.start() == "settings_differ"
@@ -62,17 +63,18 @@ def session(recorded_board):
         ticks(1600)  # return and hold
         board.request("status")
         for _ in range(4):
-            ticks(500, speed=0.1)
+            ticks(400, speed=0.1)
             board.request("status")
-        ticks(2200)  # to brake
+        ticks(1200)  # to brake
         board.request("status")
-        ticks(1000, speed=-0.2)
+        ticks(800, speed=-0.2)
         board.request("status")
     assert board.start() == b""
     ticks(100)
     board.request("stop")
     records = pull_log(board)
-    board.rest(5.0, x=0.05)  # past 65536 ticks
+    board.firmware.skip_ticks(65000)
+    board.rest(0.1, x=0.05)  # past 65536 ticks
     row = ({}, {"valves": 1}, {"v_m_s": -0.1})
     row = [{"duration_s": 0.02, **segment} for segment in row]
     until = CONDITIONS.index("friction")
@@ -83,7 +85,7 @@ def session(recorded_board):
         board.request("status")
     records = np.vstack((records, pull_log(board)))
     assert board.start() == b""
-    ticks(3200)  # without a request
+    ticks(2200)  # without a request
     assert board.start() == "fault_latched"
     board.request("status")
     assert board.request("clear_fault") == b""

@@ -183,7 +183,7 @@ def parent(content, path):
 
 def _rewritten(path: Path, content, **marks: str) -> None:
     """Write YAML; where a value is a mark, its text stands there as it is."""
-    text = yaml.safe_dump(content, sort_keys=False, width=10**9)
+    text = yaml.dump(content, Dumper=yaml.CSafeDumper, sort_keys=False, width=10**9)
     for mark, value in marks.items():
         text = text.replace(mark, value)
     path.write_text(text)
