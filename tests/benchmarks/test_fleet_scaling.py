@@ -124,17 +124,17 @@ def loopback(tmp_path):
 
 
 def test_two_workers_can_be_1_8_times_as_fast_as_one_and_memory_does_not_grow(loopback, tmp_path):
-    """The small version: CPU time and memory over 20 campaigns of 72 runs, on one worker.
+    """The small version: CPU time and memory over 12 campaigns of 72 runs, on one worker.
 
     They don't depend on what else the machine does, as wall time would.
     """
     dask = loopback(1)
-    seen = Watched(many(tmp_path / "line", [SAMPLE], 20), tmp_path / "out", dask)
+    seen = Watched(many(tmp_path / "line", [SAMPLE], 12), tmp_path / "out", dask)
     workers = seen.memory["workers"]
     print()
     for kind, memory in seen.memory.items():
         print(f"{kind}: {seen.cpu_ms(kind, 5):.0f} ms of CPU time a campaign, "
-              f"{memory[4]:.0f} MB at 5, {memory[-1]:.0f} MB at 20")  # fmt: skip
+              f"{memory[4]:.0f} MB at 5, {memory[-1]:.0f} MB at 12")  # fmt: skip
     print(f"two workers can be {seen.possible(5):.2f} times as fast")
     assert seen.possible(5) > 1.8
     assert workers[-1] < 1.1 * workers[4] + 5
