@@ -41,6 +41,7 @@ _GAP = 14.0  # between figures side by side
 _FIGURE = (INNER - _GAP) / 2
 _PALETTE = 250  # colours of an image
 _BESIDE = 24.0  # of a caption beside its figure, from the top
+_FLAG = 16  # letters of a flag that is not broken, such as (not determined)
 _LABEL = 0.22  # share of a fact's name
 _ALARM = "#9b1111"
 _HEADER = 34.0  # base of the running header and, from below, of the footer
@@ -137,7 +138,9 @@ def _cell(cell: Cell | str, number: bool) -> str:
     if not number:
         return words(cell)
     text, flag = (cell, "") if isinstance(cell, str) else (cell.text, cell.flag)
-    return " ".join(filter(None, (unbroken(text), flag and f"({flag})")))
+    remark = flag and f"({flag})"
+    remark = unbroken(remark) if len(flag) < _FLAG else remark
+    return " ".join(filter(None, (unbroken(text), remark)))
 
 
 def _facts(pen: Pen, facts: tuple[tuple[str, str], ...] | list[tuple[str, str]]) -> None:
