@@ -184,7 +184,9 @@ def _quality_details(results: Results) -> Iterable[Section]:
         count = len(each.rows)
         if count:
             folded = True if count > _LONG else None
-            yield Section(f"{title} ({count})", tables=(each,), folded=folded)
+            printed = not (folded and aborted_words(results))  # nearly all points are short then
+            name = f"{title} ({count})"
+            yield Section(name, tables=(each,), folded=folded, printed=printed)
 
 
 def _tiles(results: Results) -> Iterable[Tile]:
