@@ -197,14 +197,14 @@ def test_a_fit_that_did_not_converge_is_dashed(small):
     assert "--" in {line.get_linestyle() for line in axes.lines}
 
 
-def test_the_efficiency_band_is_the_95_percent_interval_of_the_instruments(small):
+def test_the_efficiency_band_is_the_expanded_uncertainty(small):
     axes = efficiency.efficiency(small)["extend"].axes[0]
     assert len(axes.collections) == 2 + 2  # a band and a set of bars for each load
     point = small.efficiency[0].points[0]
     corners = axes.collections[0].get_paths()[0].vertices
     at_first = corners[np.isclose(corners[:, 0], 1000 * point.v_m_s)][:, 1]
-    assert at_first.min() == pytest.approx(100 * (point.efficiency - 1.959964 * point.sigma))
-    assert at_first.max() == pytest.approx(100 * (point.efficiency + 1.959964 * point.sigma))
+    assert at_first.min() == pytest.approx(100 * (point.efficiency - point.u95))
+    assert at_first.max() == pytest.approx(100 * (point.efficiency + point.u95))
     assert axes.get_ylim() == (0, 100)
 
 

@@ -12,7 +12,7 @@ from hbench.analysis.comparison.fleet_summary import summarize
 from hbench.records.conformity.acceptance import Requirement
 from hbench.report.fleet.figures import draw_fleet
 from hbench.report.fleet.page import fleet_page
-from hbench.report.fleet.text import fleet_json, fleet_text, fleet_verdict
+from hbench.report.fleet.text import finding_sentences, fleet_json, fleet_text, fleet_verdict
 from hbench.store.campaign.stored_acceptance import stored_decision
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of
@@ -59,7 +59,7 @@ def test_a_drift_is_told_with_its_change_and_the_others_are_not(found):
     trend = spread(found, "friction_n").trend
     assert trend.real and trend.low < 60.0 * 197 / 200 < trend.high
     assert sum(one.trend.real for one in found.spreads) == 1
-    assert re.search(r"\bfriction\b[^.;]*\bextending, by \+", fleet_verdict(found))
+    assert re.search(r"\bfriction\b[^.;]*\bextending, by \+", " ".join(finding_sentences(found)))
 
 
 def test_the_spread_between_cylinders_is_that_of_the_truth(found):

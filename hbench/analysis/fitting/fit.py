@@ -80,8 +80,8 @@ def unfitted_curves(curves: Sequence[Curve]) -> tuple[str, ...]:
     if not few:
         return ()
     return (
-        f"{len(few)} of {len(curves)} curves have {max(few)} or fewer speeds and are not fitted; "
-        f"a fit needs {_LEAST_SPEEDS}",
+        f"no fit for {len(few)} of {len(curves)} curves: at most {max(few)} of the {_LEAST_SPEEDS} "
+        "speeds that a fit needs",
     )
 
 

@@ -5,13 +5,21 @@ import numpy as np
 from hbench.analysis.rounding import is_constant
 from hbench.records import Run
 
-_SENSORS = ("x_m", "p_tp_pa", "p_tr_pa", "p_lp_pa", "p_lr_pa", "p_s_pa", "f_applied_n")
+_SENSORS = {  # channel: symbol
+    "x_m": "x",
+    "p_tp_pa": "P_Tp",
+    "p_tr_pa": "P_Tr",
+    "p_lp_pa": "P_Lp",
+    "p_lr_pa": "P_Lr",
+    "p_s_pa": "P_S",
+    "f_applied_n": "F_applied",
+}
 _SAME = 1e-9  # of a channel's range: equal within rounding
 _NEARLY_ALL, _MOST = 0.95, 0.5  # of the marked records
 
 
 def saturated_sensors(run: Run, window: slice) -> str:
-    """Return the channels that are saturated in the marked records, with their values.
+    """Return the symbols of the saturated channels in the marked records, with their values.
 
     A saturated converter has a constant value, which no other record exceeds. So these are the
     channels whose highest or lowest value occurs in nearly all marked records of the window. If
@@ -25,16 +33,16 @@ def saturated_sensors(run: Run, window: slice) -> str:
     if not len(marked):
         return ""
     shares, throughout = {}, []
-    for name in _SENSORS:
+    for name, symbol in _SENSORS.items():
         values = getattr(run, name)
         if values is None:
             continue
         if is_constant(values):
-            throughout.append(f"{name} is constant at {_value(name, values[0])}")
+            throughout.append(f"{symbol} is constant at {_value(name, values[0])}")
             continue
         for limit, side in ((values.max(), "maximum"), (values.min(), "minimum")):
             at_limit = np.abs(values[marked] - limit) <= _SAME * np.ptp(values)
-            shares[f"{name} is at its {side}, {_value(name, limit)}"] = at_limit.mean()
+            shares[f"{symbol} is at its {side}, {_value(name, limit)}"] = at_limit.mean()
     nearly_all = [text for text, share in shares.items() if share > _NEARLY_ALL]
     most = [text for text, share in shares.items() if share > _MOST]
     return ", ".join(nearly_all or throughout or most)

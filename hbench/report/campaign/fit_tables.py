@@ -29,7 +29,8 @@ def fit_tables(results: Results) -> dict[str, Table]:
         heads = [_parameter_head(name, units[name]) for name in names]
         rows: list[tuple[str | Cell, ...]] = []
         for columns, _, fit in chosen:
-            cells = [_parameter_cell(name, fit.parameters.get(name)) for name in names]
+            known = {} if determines_none(fit) else fit.parameters
+            cells = [_parameter_cell(name, known.get(name)) for name in names]
             rows.append((*columns, *cells, _residual(fit), _verdict_cell(fit)))
         head = (*WHO, *heads, "RMS residual (N)", "Verdict")
         title = f"{law_words(law)}: fitted parameters"
@@ -85,9 +86,26 @@ def _symbol(name: str) -> str:
 
 def verdict_words(fit: Fit) -> str:
     """Write a fit's verdict, such as ``F_C, v_s not determined``."""
+    if determines_none(fit):
+        return "none determined"
     if fit.verdict != "not determined" or not fit.undetermined:
         return fit.verdict
     return f"{', '.join(map(_symbol, fit.undetermined))} not determined"
+
+
+def determines_none(fit: Fit) -> bool:
+    """Return whether no parameter of a fit has an interval, as with as many points as parameters.
+
+    Their values are of no use to a reader; results.json contains them.
+    """
+    return (
+        bool(fit.parameters)
+        and set(fit.undetermined) == set(fit.parameters)
+        and all(
+            parameter.ci95 is None and parameter.at_bound is None
+            for parameter in fit.parameters.values()
+        )
+    )
 
 
 def fits_verdict(results: Results) -> str:
@@ -165,7 +183,7 @@ def _parameter_head(name: str, unit: str) -> str:
 
 def _parameter_cell(name: str, parameter: FitParameter | None) -> Cell:
     if parameter is None:
-        return Cell("")
+        return Cell(NONE)
     _, shown = label_and_unit(name, "1")
     value = from_si(parameter.value, shown)
     text, flag = significant(value, 3), "not determined"

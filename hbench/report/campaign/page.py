@@ -1,6 +1,6 @@
 """Content of the report of a campaign, for the page, Markdown and PDF."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from hbench.records import KINDS, Results
@@ -8,6 +8,7 @@ from hbench.report.campaign import page_motions, page_tables
 from hbench.report.campaign.figures.rejected import has_rejected
 from hbench.report.campaign.fit_tables import (
     correlation_table,
+    determines_none,
     fit_tables,
     law_words,
     remark_table,
@@ -167,7 +168,11 @@ def _fits(results: Results) -> tuple[Section, ...]:
             "interval exceeds the value, or if it has none. At a bound the interval has one side, "
             "and the other parameters depend on the bound."
         )
-        text += _bias_words(results)
+        if any(determines_none(fit) for curve in steady for fit in curve.fits):
+            text += (
+                " A row of dashes: the fit determines no parameter, for the reason in its remark."
+            )
+        text += _bias_words(results) + _reach_words(results)
         sections.append(
             Section("Fitted parameters", (text,), parts=tuple(subsections), anchor="fits")
         )
@@ -200,6 +205,19 @@ def _bias_words(results: Results) -> str:
         " With so few points the curvature of a law shifts the estimates: in the mean by up to "
         f"{number(max(shares), 2)} of a standard error here (Box 1971). They are not corrected; "
         "fits.csv contains each bias."
+    )
+
+
+def _reach_words(results: Results) -> str:
+    """Return the bench's highest speed, which the remarks on the fits do not consider."""
+    limits = results.provenance.settings.get("limits", {})
+    highest = limits.get("speed_max") if isinstance(limits, Mapping) else None
+    fits = [fit for curve in results.curves for fit in curve.fits]
+    if not highest or not any("velocities above" in fit.message for fit in fits):
+        return ""
+    return (
+        f" The bench's highest speed is {highest}; where a remark recommends a point beyond it, "
+        "measure at this speed."
     )
 
 

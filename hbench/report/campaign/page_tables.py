@@ -235,7 +235,7 @@ _RUN = ("Run", *WHO, "Reference (mm/s)", "Trial")
 _WORDS = frozenset({"Run", "Label", "Kind", "Direction", "Reason", "Remark"})
 _WHERE_GIVEN = (
     *("Label", "Kind", _ROD_SIDE, "Remark"),
-    *("U with instruments (N)", "Energy of a cycle (J)"),
+    *("Trials alone (N)", "U with instruments (N)", "Energy of a cycle (J)"),
     *(_OIL, _HERSEY),
 )
 

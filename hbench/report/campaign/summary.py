@@ -184,7 +184,9 @@ def _quality_details(results: Results) -> Iterable[Section]:
         count = len(each.rows)
         if count:
             folded = True if count > _LONG else None
-            yield Section(f"{title} ({count})", tables=(each,), folded=folded)
+            printed = not (folded and aborted_words(results))  # nearly all points are short then
+            name = f"{title} ({count})"
+            yield Section(name, tables=(each,), folded=folded, printed=printed)
 
 
 def _tiles(results: Results) -> Iterable[Tile]:
@@ -260,10 +262,10 @@ def _table(series: Iterable[HeadlineSeries]) -> Table:
             *who(each)[2:],
             number(None if each.v_m_s is None else 1e3 * each.v_m_s),
             _cell(each.friction_n),
-            _cell(each.friction_pa, per_bar),
+            _unflagged(each.friction_pa, per_bar),
             _trials(each.friction_n),
             _breakaway(each),
-            _cell(each.breakaway_pa, per_bar),
+            _unflagged(each.breakaway_pa, per_bar),
             _cell(each.efficiency, 100.0),
         )
         for each in series
@@ -282,6 +284,11 @@ def _cell(estimate: HeadlineNumber | None, scale: float = 1.0) -> Cell:
     return Cell(with_interval(scale * estimate.value, half), _FLAGS[estimate.basis])
 
 
+def _unflagged(estimate: HeadlineNumber | None, scale: float) -> str:
+    """Return a force as a pressure; the force beside it has the flag of both."""
+    return _cell(estimate, scale).text
+
+
 def _breakaway(series: HeadlineSeries) -> Cell:
     """Return breakaway with the rest that it was measured after, or what else it is."""
     cell = _cell(series.breakaway_n)
@@ -291,9 +298,7 @@ def _breakaway(series: HeadlineSeries) -> Cell:
 
 
 def _trials(estimate: HeadlineNumber | None) -> str:
-    return (
-        NONE if estimate is None or estimate.ci95 is None else f"±{significant(estimate.ci95, 2)}"
-    )
+    return "" if estimate is None or estimate.ci95 is None else f"±{significant(estimate.ci95, 2)}"
 
 
 def _measured(results: Results) -> str:

@@ -3,6 +3,7 @@
 It lists up to 500 campaigns; beyond, its size does not grow with the fleet.
 """
 
+import re
 from collections.abc import Iterable, Iterator
 
 from hbench.records import Fleet, WordTable
@@ -27,6 +28,7 @@ from hbench.report.fleet.text import (
     WORST_HEAD,
     campaign_table,
     cells,
+    finding_sentences,
     fleet_verdict,
     main_spreads,
     others,
@@ -38,6 +40,7 @@ from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import alike
 from hbench.report.render.word_tables import Cell, Table
 
+_AT = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
 _FEW = f"Histograms are drawn from {FEWEST_IN_HISTOGRAM} campaigns on."
 _PRECISION = "Repeatability and reproducibility"
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
@@ -123,7 +126,13 @@ def fleet_document(fleet: Fleet, drawings: Iterable[Drawing]) -> Document:
 def _sections(fleet: Fleet, drawings: tuple[Drawing, ...]) -> Iterator[Section]:
     left_out = "{} campaigns of this kind at other speeds are left out."
     remark = (left_out.format(fleet.other_speeds),) if fleet.other_speeds else ()
-    yield Section("Summary", remark, tiles=tuple(_tiles(fleet)), tables=_protocols(fleet))
+    yield Section(
+        "Summary",
+        remark,
+        items=tuple(finding_sentences(fleet)),
+        tiles=tuple(_tiles(fleet)),
+        tables=_protocols(fleet),
+    )
     if fleet.precision:
         yield _precision(fleet, drawings)
     if fleet.rows:
@@ -224,11 +233,14 @@ def _protocols(fleet: Fleet) -> tuple[Table, ...]:
     ]
     groups[:1] = ["evaluated here"][: len(groups)]
     rows = tuple(
-        (Cell(str(count)), Cell(protocol), Cell(group))
+        (Cell(str(count)), Cell(_AT.sub(" at ", protocol)), Cell(group))
         for (protocol, count), group in zip(fleet.protocols, groups, strict=True)
     )
     title = "Kinds of campaigns" if len(rows) > 1 else "Kind of campaign"
-    text_columns = ("Bench, piston and rod-side areas, loads, working speed", "Group")
+    pressure = ", and rod-side pressure of the load cylinder"
+    loads = pressure if any(_AT.search(protocol) for protocol, _ in fleet.protocols) else ""
+    kind = f"Bench; areas of piston and rod side; load{loads}; working speed"
+    text_columns = (kind, "Group")
     head = ("Campaigns", *text_columns)
     return (Table(head, rows, frozenset(text_columns), title=title),) if rows else ()
 

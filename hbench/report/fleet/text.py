@@ -36,7 +36,8 @@ from hbench.report.fleet.precision import (
 )
 from hbench.report.fleet.row import kind_difference
 from hbench.report.json_documents.values import json_value
-from hbench.report.render.numbers import NONE, number, short, significant, with_ends
+from hbench.report.render.numbers import NONE, alike, number, short, significant, with_ends
+from hbench.report.render.symbols import capital
 from hbench.report.render.terminal_table import table_lines
 
 SCHEMA = "hbench.fleet/1"
@@ -75,7 +76,8 @@ def fleet_text(fleet: Fleet) -> str:
     if fleet.decisions:
         lines += ["", f"decisions of hbench accept: {decision_words(fleet)}"]
     notes = [f"plan: {note}" for note in fleet.plan_notes]
-    lines += ["", *notes, *capability_notes(fleet), *limit_sentences(fleet), fleet_verdict(fleet)]
+    lines += ["", *notes, *capability_notes(fleet), *limit_sentences(fleet)]
+    lines += [*finding_sentences(fleet), fleet_verdict(fleet)]
     text = "\n".join(lines).replace("±", "+-").replace("²", "^2").replace("σ", "s.d.")
     text = text.replace("×", "x").replace("λ", "lambda")
     return text.replace("−", "-").replace("–", "-").replace("…", "...")
@@ -108,7 +110,7 @@ def fleet_json(fleet: Fleet) -> str:
 
 
 def fleet_verdict(fleet: Fleet) -> str:
-    """Return decisions, failures, steps, outliers and drifts in a few sentences."""
+    """Return decisions, failures, friction and what is conspicuous, in a few short sentences."""
     sentences = [f"Decisions: {decision_words(fleet)}."] if fleet.decisions else []
     if fleet.decisions == (("PASS", fleet.campaigns),):
         sentences = [f"All {fleet.campaigns} campaigns have the decision PASS."]
@@ -125,18 +127,57 @@ def fleet_verdict(fleet: Fleet) -> str:
     if not fleet.spreads:
         sentences.append("No campaign has a number to compare.")
         return " ".join(sentences)
-    sentences += change_sentences(fleet)
+    return " ".join([*sentences, *_friction_words(fleet), *_conspicuous_words(fleet)])
+
+
+def _friction_words(fleet: Fleet) -> Iterator[str]:
+    """Yield the range of the first of the main numbers, such as friction, of each direction."""
+    shown = main_spreads(fleet)
+    same = [spread for spread in shown if spread.quantity == shown[0].quantity]
+    parts = []
+    for spread in same:
+        ends = alike([spread.quantity.scale * end for end in (spread.low, spread.high)])
+        side = of_side(spread.direction).removeprefix(",")
+        parts.append(f"{ends} {spread.quantity.unit}{side}")
+    if parts:
+        name = without_condition(shown[0].quantity)
+        yield f"{name} is {' and '.join(parts)} (5 to 95 % of the campaigns)."
+
+
+def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
+    """Yield what is to be looked into: steps, outliers and drifts, without their numbers."""
+    steps: dict[str, dict[str, None]] = {}
+    for chart in fleet.charts:
+        if chart.step is not None and chart.step.real:
+            title = without_condition(chart.quantity)
+            steps.setdefault(chart.step.name, {})[f"{title[:1].lower()}{title[1:]}"] = None
+    for at, titles in list(steps.items())[:_NAMED]:
+        yield capital(f"{' and '.join(titles)} changed from {at} on.")
+    if fleet.outliers:
+        verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
+        yield f"{fleet.outliers} of {fleet.compared} campaigns {verb}."
+    elif any(suspect.deviations for suspect in fleet.worst):
+        yield "No campaign is an outlier."
+    drifts = sum(spread.trend is not None and spread.trend.real for spread in fleet.spreads)
+    if drifts:
+        total = sum(spread.trend is not None for spread in fleet.spreads)
+        yield f"{drifts} of {total} numbers {'drifts' if drifts == 1 else 'drift'} significantly."
+
+
+def finding_sentences(fleet: Fleet) -> Iterator[str]:
+    """Yield steps, wear, outliers and drifts with their numbers."""
+    if not fleet.spreads:
+        return
+    yield from change_sentences(fleet)
     if any(suspect.deviations for suspect in fleet.worst):
         verb = "is an outlier" if fleet.outliers == 1 else "are outliers"
         names = [_outlier_words(suspect) for suspect in fleet.worst[: fleet.outliers]]
         more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
         some = f"{fleet.outliers} of {fleet.compared} campaigns {verb}: "
         some += f"{'; '.join(names[:_NAMED])}{more}."
-        sentences.append(some if fleet.outliers else "No campaign is an outlier.")
+        yield some if fleet.outliers else "No campaign is an outlier."
     else:
-        sentences.append(
-            "Outliers are not identified: that takes at least 10 campaigns of the same kind."
-        )
+        yield "Outliers are not identified: that takes at least 10 campaigns of the same kind."
     drifts = [
         _drift(spread, spread.trend)
         for spread in fleet.spreads
@@ -144,10 +185,9 @@ def fleet_verdict(fleet: Fleet) -> str:
     ]
     if drifts:
         more = f"; and {len(drifts) - _NAMED} more" if len(drifts) > _NAMED else ""
-        sentences.append(f"Significant drift: {'; '.join(drifts[:_NAMED])}{more}.")
+        yield f"Significant drift: {'; '.join(drifts[:_NAMED])}{more}."
     elif any(spread.trend is not None for spread in fleet.spreads):
-        sentences.append("No drift is significant.")
-    return " ".join(sentences)
+        yield "No drift is significant."
 
 
 def _outlier_words(suspect: Suspect) -> str:

@@ -8,6 +8,7 @@ browser.
 import io
 from collections.abc import Iterator
 from importlib.metadata import version
+from struct import unpack
 
 import numpy as np
 from matplotlib import rc_context
@@ -18,7 +19,7 @@ from PIL import Image
 
 from hbench.records import WordTable
 from hbench.report.render.document import Document, Section, numbered, numeric
-from hbench.report.render.figures import PNG_DPI, Drawing
+from hbench.report.render.figures import Drawing
 from hbench.report.render.markdown import words
 from hbench.report.render.pdf_pen import (
     INNER,
@@ -31,7 +32,7 @@ from hbench.report.render.pdf_pen import (
     width_of,
     wrapped,
 )
-from hbench.report.render.pdf_table import CELLS, QUIET, set_table, unbroken
+from hbench.report.render.pdf_table import CELLS, QUIET, first_rows, set_table, unbroken
 from hbench.report.render.style import RC
 from hbench.report.render.word_tables import Cell, Table
 
@@ -41,6 +42,7 @@ _GAP = 14.0  # between figures side by side
 _FIGURE = (INNER - _GAP) / 2
 _PALETTE = 250  # colours of an image
 _BESIDE = 24.0  # of a caption beside its figure, from the top
+_FLAG = 16  # letters of a flag that is not broken, such as (not determined)
 _LABEL = 0.22  # share of a fact's name
 _ALARM = "#9b1111"
 _HEADER = 34.0  # base of the running header and, from below, of the footer
@@ -93,7 +95,9 @@ def _shortened(text: str) -> str:
 
 def _set(pen: Pen, section: Section, size: float) -> None:
     if section.title:
-        least = 240 if section.drawings else 150 if section.tables else 80
+        least = 150.0 if section.tables or section.parts else 80.0
+        for row in list(_side_by_side(section.drawings))[:1]:
+            least = 40 + max(_heights(row)) + _below(_captions(row, section.drawings))
         pen.room(least)  # no heading alone at the foot of a sheet
         pen.space(12 if size > _PART else 7)
         pen.words(section.title, size, weight="bold")
@@ -120,13 +124,13 @@ def _set(pen: Pen, section: Section, size: float) -> None:
 
 def _table(pen: Pen, table: WordTable | Table) -> None:
     numbers = numeric(table)
-    pen.room(60)
-    pen.space(6)
-    pen.words(table.title, _SMALL, weight="bold")
     rows = []
     for row in table.rows:
         cells: tuple[str | Cell, ...] = row
         rows.append([_cell(cell, column in numbers) for column, cell in enumerate(cells)])
+    pen.room(20 + first_rows(pen, table.head, rows))  # no title alone at the foot of a sheet
+    pen.space(6)
+    pen.words(table.title, _SMALL, weight="bold")
     pen.space(2)
     set_table(pen, table.head, rows, numbers)
     pen.space(4)
@@ -137,7 +141,9 @@ def _cell(cell: Cell | str, number: bool) -> str:
     if not number:
         return words(cell)
     text, flag = (cell, "") if isinstance(cell, str) else (cell.text, cell.flag)
-    return " ".join(filter(None, (unbroken(text), flag and f"({flag})")))
+    remark = flag and f"({flag})"
+    remark = unbroken(remark) if len(flag) < _FLAG else remark
+    return " ".join(filter(None, (unbroken(text), remark)))
 
 
 def _facts(pen: Pen, facts: tuple[tuple[str, str], ...] | list[tuple[str, str]]) -> None:
@@ -162,12 +168,9 @@ def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
     """Set figures, two side by side or one over the whole width, and their captions below."""
     for row in _side_by_side(drawings):
         images = [_few_colours(drawing.png) for drawing in row]
-        sizes = [(image.shape[1] / PNG_DPI, image.shape[0] / PNG_DPI) for image in images]
-        wide = INNER if row[0].wide else _FIGURE
-        heights = [wide * height / width for width, height in sizes]
-        beside = len(row) == 1 and not row[0].wide  # its caption: the half of the sheet is free
-        captions = [wrapped(_caption(drawing, drawings), wide, _SMALL) for drawing in row]
-        below = 0.0 if beside else max(map(len, captions)) * _SMALL * LINE
+        wide, heights, captions = _width(row), _heights(row), _captions(row, drawings)
+        beside = _is_beside(row)
+        below = 0.0 if beside else _below(captions)
         pen.room(max(heights) + below + 8)
         pen.space(6)
         top, bottom = pen.y, pen.y + max(heights) + 2
@@ -187,6 +190,30 @@ def _figures(pen: Pen, drawings: tuple[Drawing, ...]) -> None:
             for line in lines:
                 pen.write(line, _SMALL, x=LEFT + column * (_FIGURE + _GAP), color=QUIET)
         pen.y = bottom + below
+
+
+def _width(row: list[Drawing]) -> float:
+    return INNER if row[0].wide else _FIGURE
+
+
+def _heights(row: list[Drawing]) -> list[float]:
+    """Return the heights of figures that are side by side."""
+    sizes = (unpack(">II", drawing.png[16:24]) for drawing in row)  # of a PNG's header
+    return [_width(row) * height / width for width, height in sizes]
+
+
+def _is_beside(row: list[Drawing]) -> bool:
+    """Return whether the caption goes beside its figure, where half of the sheet is free."""
+    return len(row) == 1 and not row[0].wide
+
+
+def _captions(row: list[Drawing], drawings: tuple[Drawing, ...]) -> list[list[str]]:
+    return [wrapped(_caption(drawing, drawings), _width(row), _SMALL) for drawing in row]
+
+
+def _below(captions: list[list[str]]) -> float:
+    """Return the height of captions below their figures."""
+    return max(map(len, captions)) * _SMALL * LINE
 
 
 def _few_colours(png: bytes) -> np.ndarray:

@@ -31,16 +31,24 @@ def set_table(
     def set_head() -> None:
         _line(pen, heads, widths, numbers, size, weight="bold", color=QUIET)
 
-    first = _height(_cells(rows[0], widths, size, "normal"), size) if rows else 0.0
-    pen.room(_height(heads, size) + first)  # no head alone at the foot of a sheet
+    lines = [_cells(row, widths, size, "normal") for row in rows]
+    pen.room(first_rows(pen, head, rows))  # no head alone at the foot of a sheet
     set_head()
     pen.on_turn = set_head
-    for row in rows:
-        cells = _cells(row, widths, size, "normal")
-        pen.room(_height(cells, size))
+    for number, cells in enumerate(lines):
+        together = lines[number:] if number == len(lines) - 2 else [cells]  # no last row alone
+        pen.room(sum(_height(each, size) for each in together))
         _line(pen, cells, widths, numbers, size)
     pen.on_turn = None
     pen.space(2)
+
+
+def first_rows(pen: Pen, head: Sequence[str], rows: Sequence[Sequence[str]]) -> float:
+    """Return the height of a table's head and its first two rows, which are on one sheet."""
+    size = _size(head, rows, pen.width)
+    widths = _widths(head, rows, pen.width, size)
+    first = sum(_height(_cells(row, widths, size, "normal"), size) for row in rows[:2])
+    return _height(_cells(head, widths, size, "bold"), size) + first
 
 
 def _line(

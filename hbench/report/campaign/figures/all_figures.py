@@ -110,9 +110,8 @@ FIGURES = (
     FigureKind(
         name="stribeck",
         section="friction",
-        caption="Friction over speed, both as magnitudes: means of the accepted trials, and the "
-        "fitted law, dashed if its fit did not converge. A hollow point has a load that helps the "
-        "motion. Below: residuals of the loads, side by side. Both directions have the same axes.",
+        caption="Friction over speed, both as magnitudes. Residuals of several loads at one speed "
+        "are drawn side by side. Both directions have the same axes.",
         applies=has_curves,
         draw=friction_magnitude,
         each_series=True,

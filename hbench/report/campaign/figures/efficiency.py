@@ -1,12 +1,18 @@
-"""Efficiency over speed, with the instruments' band and the trials' spread."""
+"""Efficiency over speed, with its expanded uncertainty and the trials' spread."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from hbench.records import DIRECTIONS, EfficiencyCurve, Results
-from hbench.records.numbers import NORMAL_95
 from hbench.records.rod_pressure import without_common_rod_pressure
-from hbench.report.campaign.figures.friction import by_load, load_legend, load_ranks, load_style
+from hbench.report.campaign.figures.friction import (
+    BANDS,
+    by_load,
+    load_legend,
+    load_ranks,
+    load_style,
+    points_words,
+)
 from hbench.report.campaign.series_words import TITLES, load_words
 from hbench.report.render import style
 from hbench.report.render.series import behind
@@ -15,7 +21,8 @@ from hbench.report.render.series import behind
 def efficiency(results: Results) -> dict[str, Figure]:
     """Draw efficiency [%] over |v| [mm/s], one figure a direction.
 
-    The band is the instruments' 95 % interval (6.16 to 6.19), the bars are that of the trials.
+    The band is the expanded uncertainty of trials and instruments, as that of friction; the bars
+    are the 95 % interval of the trials.
     """
     curves = without_common_rod_pressure(
         curve for curve in results.efficiency if _has_values(curve)
@@ -36,13 +43,13 @@ def efficiency(results: Results) -> dict[str, Figure]:
             )
             label = load_words(curve.f_load_n, curve.p_lr_ref_pa) or "_efficiency"
             bars = axes.errorbar(speed, value, bar, label=label, **look, **style.POINTS)
-            behind(bars, {"± instruments (%)": band})
+            behind(bars, {"U with instruments (%)": band})
         axes.set(xlabel="Speed |v| (mm/s)", ylabel="Efficiency (%)")
         style.start_at_zero(axes)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0), max(high, 100))
         style.head(axes, f"Efficiency, {TITLES[direction].lower()}", results)
-        style.read_as(figure, "Bars: 95 % interval of the trials; band: that of the instruments.")
+        style.read_as(figure, _read(chosen))
         load_legend(figure, axes, "Load $F_L$", chosen)
     style.share_limits(figure.axes[0] for figure in figures.values())
     return figures
@@ -57,10 +64,18 @@ def _has_values(curve: EfficiencyCurve) -> bool:
     return sum(point.efficiency is not None for point in curve.points) >= 2
 
 
+def _read(curves: list[EfficiencyCurve]) -> str:
+    """Return how to read the points, and the bars and bands where there are any."""
+    points = [point for curve in curves for point in curve.points]
+    return points_words(any(point.ci95 is not None for point in points)) + (
+        f"\n{BANDS}" if any(point.u95 is not None for point in points) else ""
+    )
+
+
 def _columns(curve: EfficiencyCurve) -> tuple[np.ndarray, ...]:
     def column(name: str) -> np.ndarray:
         values = [getattr(point, name) for point in curve.points]
         return np.array([np.nan if value is None else value for value in values], dtype=float)
 
-    percent = 100 * np.array([column("efficiency"), NORMAL_95 * column("sigma"), column("ci95")])
+    percent = 100 * np.array([column("efficiency"), column("u95"), column("ci95")])
     return 1e3 * np.abs(column("v_m_s")), *percent

@@ -30,7 +30,7 @@ LoadKey = tuple[float | None, float | None]  # |F_L| [N]; P_Lr [Pa] where curves
 _EXTRAPOLATED = {"linestyle": ":", "linewidth": 1.0, "alpha": 0.7, "zorder": 1}
 _BARS = "Points: means of the trials; bars: their 95 % Student intervals."
 _NO_BARS = "Points: means of the trials."
-_BANDS = "Bands: U (95 %) of trials and instruments."
+BANDS = "Bands: U (95 %) of trials and instruments."
 _ASIDE = 0.006  # distance of residuals at one speed, relative to the highest speed
 
 
@@ -195,9 +195,17 @@ def _read(curves: Sequence[Curve]) -> str:
     """Return how to read the points, the lines with their law, and the bands."""
     laws = dict.fromkeys(law_words(fit.law) for c in curves for fit in c.fits[:1] if fit.line)
     lines = f"Lines: fitted law ({', '.join(laws)})." if laws else ""
-    bands = _BANDS if any(map(_has_band, curves)) else ""
-    points = _BARS if any(p.ci95_n is not None for c in curves for p in c.points) else _NO_BARS
-    return "\n".join(filter(None, (points, " ".join(filter(None, (lines, bands))))))
+    if any(fit.line and not fit.converged for c in curves for fit in c.fits[:1]):
+        lines += " Dashed: not converged."
+    bands = BANDS if any(map(_has_band, curves)) else ""
+    points = points_words(any(p.ci95_n is not None for c in curves for p in c.points))
+    hollow = "Hollow points: the load helps the motion." if any(map(load_helps, curves)) else ""
+    return "\n".join(filter(None, (points, " ".join(filter(None, (lines, bands))), hollow)))
+
+
+def points_words(bars: bool) -> str:
+    """Return what the points are, and their ``bars`` if there are any."""
+    return _BARS if bars else _NO_BARS
 
 
 def _has_band(curve: Curve) -> bool:
