@@ -16,6 +16,7 @@ from hbench.records.identification import PARTS
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.text import SUMMARY, identification_tables
+from tests.support.report.spaces import ordinary_spaces
 
 NO_RAMPS = "no ramps"
 SCATTER = dict.fromkeys(PARTS, ModelErrors(27.0, 0.0, 0.0, 0.0, 100))
@@ -33,7 +34,8 @@ def identified(*laws):
 
 
 def verdict(found):
-    return re.search(r'class="verdict">([^<]*)', identification_page(found, ()))[1]
+    page = ordinary_spaces(identification_page(found, ()))
+    return re.search(r'class="verdict">([^<]*)', page)[1]
 
 
 @pytest.mark.parametrize(

@@ -253,6 +253,10 @@ def _endless(text: str) -> list[str]:
 
 
 def _subscripts(text: str) -> Markup:
-    """Write the index of a symbol such as F_C below the line; all else is escaped."""
-    words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in pieces(text))
+    """Write the index of a symbol such as F_C below the line, and keep numbers with their units.
+
+    All else is escaped.
+    """
+    parts = pieces(unit_kept(text))
+    words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
     return Markup("".join(words))
