@@ -253,10 +253,10 @@ def _endless(text: str) -> list[str]:
 
 
 def _subscripts(text: str) -> Markup:
-    """Write the index of a symbol such as F_C below the line, and keep numbers with their units.
+    """Write the index of a symbol such as F_C below the line; all else is escaped.
 
-    All else is escaped.
+    A number is kept on one line with its unit and its interval.
     """
-    parts = pieces(unit_kept(text))
+    parts = pieces(unit_kept(text).replace(" ± ", "\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}"))
     words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
     return Markup("".join(words))
