@@ -1,6 +1,7 @@
 """The page of identified laws: the best ones, and what the data does not determine."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -71,3 +72,15 @@ def test_laws_are_listed_by_their_error_with_what_is_not_determined():
     assert remarks["Force of element 2 θ_2"] == "not determined"
     assert remarks["Coulomb force F_C"] == ""
     assert "(-30 to 4406, not determined)" in overlay_yaml(found, lines, lines.fit)
+
+
+def test_the_remarks_on_a_law_of_each_direction_are_read_for_themselves():
+    message = "extend: a_1 has no interval; few points; retract: the fit is at a bound"
+    lines = law("marton_lantos", 160.0)
+    page = identification_page(
+        identified(replace(lines, fit=replace(lines.fit, message=message))), ()
+    )
+    assert (
+        ">Marton and Lantos, extending</dt><dd>A<sub>1</sub> has no interval. Few points.<" in page
+    )
+    assert ">Marton and Lantos, retracting</dt><dd>The fit is at a bound.<" in page
