@@ -149,7 +149,8 @@ def pole_zero(loop: ControlLoop) -> Figure:
         ylim=(-reach, reach),
     )
     style.legend_above(figure, plane, columns=2)
-    disc.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)
+    above = {"loc": "lower left", "bbox_to_anchor": (0, 1), "frameon": False}
+    disc.legend(**above, ncols=3, columnspacing=0.8, handletextpad=0.1, borderaxespad=0.1)
     return figure
 
 
