@@ -6,7 +6,6 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 from hbench.analysis.fitting.fit import CURVE_LAWS, fit_law
 from hbench.analysis.fitting.prediction import predict_friction
 from hbench.config.bench import parse_bench
+from hbench.config.files.examples import example_path
 from hbench.config.files.loading import read_yaml
 from hbench.config.fitting import Fitting, parse_fitting
 from hbench.errors import ConfigError, DataError
@@ -256,7 +256,7 @@ def simulate(
     commands = np.asarray(u_v, dtype=float)
     if commands.ndim != 2 or commands.shape[1] != 3 or not np.isfinite(commands).all():
         raise ConfigError("simulate: u_v must be rows of three finite voltages")
-    file = Path(str(bench or files("hbench.config") / "examples" / "bench-aau.yaml"))
+    file = Path(bench or example_path("bench-aau.yaml"))
     plant = parse_bench(read_yaml(file), str(file))
     par = plant_parameters(plant)
     start_m = 0.5 * plant.test_cylinder.stroke if x_m is None else x_m

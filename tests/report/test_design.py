@@ -13,6 +13,7 @@ from hbench.report.design.figures import draw_design
 from hbench.report.design.page import design_page
 from hbench.report.design.text import design_json, design_text
 from tests.support.report.made_design import drawings_of_design, made_design
+from tests.support.report.spaces import ordinary_spaces
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,7 @@ def test_present_gains_pass_or_fail_with_the_check_first(design):
         Check("velocity: phase margin", 50.0, 45.0, "deg", True),
         Check("velocity: gain margin", 5.7, 6.0, "dB", False),
     )
-    page = design_page(replace(design, proposal=None, checks=checks), ())
+    page = ordinary_spaces(design_page(replace(design, proposal=None, checks=checks), ()))
     first, _, rest = page[page.index('class="verdict"') :].partition(". ")[2].partition(". ")
     assert "velocity loop from 800 to 772 V/m" in first  # 800 V/m less 0.3 dB
     assert "5.7 dB" in first and "6 dB" in first and "--propose" in rest[: rest.index("</p>")]

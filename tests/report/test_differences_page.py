@@ -17,6 +17,7 @@ from hbench.records import (
 from hbench.report.comparison.figures import draw_differences, draw_pair
 from hbench.report.comparison.settings import settings_that_differ
 from hbench.report.comparison.text import differences_json, differences_page, differences_text
+from tests.support.report.spaces import ordinary_spaces
 
 NOTE = "retract: A"
 
@@ -38,7 +39,7 @@ def found(small):
 
 
 def test_the_verdict_stands_first_with_the_interval_of_trials_and_instruments(found):
-    page = differences_page(found, draw_differences(found))
+    page = ordinary_spaces(differences_page(found, draw_differences(found)))
     verdict = page[: page.index("<table")]
     assert " 1 of 1 " in verdict and ", 500 N: +40.0 ± 8.0 N" in verdict
     assert re.search(r"<h1>&lt;after&gt; \w+ before</h1>", page)
@@ -48,12 +49,13 @@ def test_the_verdict_stands_first_with_the_interval_of_trials_and_instruments(fo
 def test_a_difference_that_is_not_significant_is_not_in_the_verdict(found):
     (one,) = found.curves
     none = replace(one, mean_n=replace(one.mean_n, p_holm=0.3))
-    page = differences_page(replace(found, curves=(none,)), ())
+    page = ordinary_spaces(differences_page(replace(found, curves=(none,)), ()))
     verdict = page[page.index('<p class="verdict"') : page.index("<dl")]
     assert " 1 of 1 " not in verdict and "±" not in verdict
     assert "40.0 N (U 8.0 N)" in verdict  # the largest, with its uncertainty
     single = replace(none, mean_n=replace(one.mean_n, p_holm=None, ci95=None, u95=None))
-    assert "40.0 N (no interval)" in differences_page(replace(found, curves=(single,)), ())
+    page = ordinary_spaces(differences_page(replace(found, curves=(single,)), ()))
+    assert "40.0 N (no interval)" in page
 
 
 def test_data_to_be_used_with_care_is_reported_beside_the_verdict(found):
@@ -131,11 +133,11 @@ def test_the_page_states_the_oil_temperature_of_both_or_that_it_was_not_measured
     assert "Not measured in either campaign." in differences_page(found, ())
     oil = OilTemperature("temp_tank_k", 313.15, 311.15, 315.15, 36, None, "no reason")
     warm = replace(found, oil_temperatures=(oil, None))
-    page = differences_page(warm, ()).replace("\N{NO-BREAK SPACE}", " ")
+    page = ordinary_spaces(differences_page(warm, ()))
     assert "A: 40.0 °C (38.0 to 42.0 °C) in the tank; B: not measured." in page
     cold = replace(oil, mean_k=305.15, low_k=304.15, high_k=306.15)
-    page = differences_page(replace(found, oil_temperatures=(oil, cold)), ())
-    assert "The oil was 8.0 K warmer in A." in page.replace("\N{NO-BREAK SPACE}", " ")
+    page = ordinary_spaces(differences_page(replace(found, oil_temperatures=(oil, cold)), ()))
+    assert "The oil was 8.0 K warmer in A." in page
     text = differences_text(warm)
     assert "warmer" not in text
     assert text.isascii() and "40.0 degC (38.0 to 42.0 degC)" in text

@@ -15,6 +15,7 @@ from hbench.report.fleet.precision import limit_sentences
 from hbench.report.fleet.text import fleet_json, fleet_text, fleet_verdict
 from hbench.store.fleet.table import TABLE, FleetTable
 from tests.support.report.made_plan import SIGMA_N, WEAR_N_M, plan_rows, write_plan
+from tests.support.report.spaces import ordinary_spaces
 
 
 def summary(folder, rows, tolerance=None):
@@ -59,7 +60,7 @@ def test_the_sources_of_a_plan_are_found(fleet):
 
 
 def test_the_page_states_limits_tolerance_and_what_they_mean(fleet, undrawn):
-    page = fleet_page(fleet, draw_fleet(fleet))
+    page = ordinary_spaces(fleet_page(fleet, draw_fleet(fleet)))
     limits = " ".join(limit_sentences(fleet))
     r, limit = study(fleet).limits
     assert f"repeatability limit {r:.0f} N, reproducibility limit {limit:.0f} N" in limits

@@ -19,6 +19,7 @@ from hbench.report.fleet.text import campaign_table, fleet_json, fleet_text
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from hbench.workflow.fleet import report_link
 from tests.support.analysis.drawn_seal import LARGE, MIDDLE_N_BAR, drawn_seal
+from tests.support.report.spaces import ordinary_spaces
 
 LABELS = tuple("ABCDEFGHIJKL")
 STEEP = "H"  # its half band rises twice as much over pressure
@@ -138,7 +139,7 @@ def test_each_seal_has_a_row_with_its_numbers_in_table_page_and_json(seals, flee
     assert [row[1] for row in table.rows] == list(LABELS)
     text = fleet_text(fleet)
     assert text.isascii() and sum(line.startswith(LABELS) for line in text.splitlines()) >= 12
-    page = fleet_page(fleet, ())
+    page = ordinary_spaces(fleet_page(fleet, ()))
     assert all(cell in page for row in table.rows for cell in row)
 
 

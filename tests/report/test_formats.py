@@ -21,6 +21,7 @@ from hbench.report.render.figures import Drawing, render
 from hbench.report.render.markdown import markdown
 from hbench.report.render.pdf import pdf, sheets
 from hbench.store.campaign.stored_diagnosis import diagnoses
+from tests.support.report.spaces import ordinary_spaces
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 
@@ -189,7 +190,7 @@ def test_a_diagnosis_in_the_campaigns_folder_is_told_before_and_after(campaign):
     (campaign / "model").mkdir()
     (campaign / "model" / "diagnosis.json").write_text(json.dumps(DIAGNOSIS))
     workflow.report(campaign)
-    text = (campaign / "results" / "report.html").read_text()
+    text = ordinary_spaces((campaign / "results" / "report.html").read_text())
     section = reconciled_section("model", DIAGNOSIS)
     assert f">{section.title}<" in text and "because &lt;b&gt;" in text
     assert "test = 0.00580 l/min/bar (95 %: 0.00560 to 0.00610)" in text

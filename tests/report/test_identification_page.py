@@ -1,6 +1,7 @@
 """The page of identified laws: the best ones, and what the data does not determine."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -16,6 +17,7 @@ from hbench.records.identification import PARTS
 from hbench.report.identification.page import identification_page
 from hbench.report.identification.plant_file import overlay_yaml
 from hbench.report.identification.text import SUMMARY, identification_tables
+from tests.support.report.spaces import ordinary_spaces
 
 NO_RAMPS = "no ramps"
 SCATTER = dict.fromkeys(PARTS, ModelErrors(27.0, 0.0, 0.0, 0.0, 100))
@@ -33,7 +35,8 @@ def identified(*laws):
 
 
 def verdict(found):
-    return re.search(r'class="verdict">([^<]*)', identification_page(found, ()))[1]
+    page = ordinary_spaces(identification_page(found, ()))
+    return re.search(r'class="verdict">([^<]*)', page)[1]
 
 
 @pytest.mark.parametrize(
@@ -69,3 +72,15 @@ def test_laws_are_listed_by_their_error_with_what_is_not_determined():
     assert remarks["Force of element 2 θ_2"] == "not determined"
     assert remarks["Coulomb force F_C"] == ""
     assert "(-30 to 4406, not determined)" in overlay_yaml(found, lines, lines.fit)
+
+
+def test_the_remarks_on_a_law_of_each_direction_are_read_for_themselves():
+    message = "extend: a_1 has no interval; few points; retract: the fit is at a bound"
+    lines = law("marton_lantos", 160.0)
+    page = identification_page(
+        identified(replace(lines, fit=replace(lines.fit, message=message))), ()
+    )
+    assert (
+        ">Marton and Lantos, extending</dt><dd>A<sub>1</sub> has no interval. Few points.<" in page
+    )
+    assert ">Marton and Lantos, retracting</dt><dd>The fit is at a bound.<" in page

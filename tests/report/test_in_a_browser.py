@@ -97,7 +97,7 @@ def test_a_click_or_the_keyboard_sorts_the_campaigns_of_a_fleet(browser, pages):
     button = f"document.querySelectorAll('table.sortable th button')[{number}]"
     browser.run(f"{button}.click()")
     rising = column(browser, number)
-    values = [float(text.split(" ")[0]) for text in rising]
+    values = [float(text.split()[0]) for text in rising]
     assert values == sorted(values) and sorted(rising) == sorted(before) and rising != before
     sort = f"{button}.parentElement.getAttribute('aria-sort')"
     assert browser.run(sort) == "ascending"

@@ -37,6 +37,7 @@ from hbench.report.campaign.terminal import summary_text
 from hbench.report.render.figures import Drawing
 from hbench.report.render.style import RC
 from tests.support.report.made_page import page_html
+from tests.support.report.spaces import ordinary_spaces
 
 SERIES = Series("seal A", 500.0, 15e5)
 BLANK = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
@@ -262,7 +263,7 @@ def test_an_overshoot_that_the_log_does_not_resolve_is_marked_and_not_in_the_sum
     text = summary_text(results)
     assert "65.8" not in text and "1 overshoots" in text
     assert re.search(r"\b0\.3 s\b.*\b0\.01 s\b", text)
-    page = page_of(results)
+    page = ordinary_spaces(page_of(results))
     assert "not resolved" in page and "65.8 ± 7.5" in page and "why" in page
 
 

@@ -44,8 +44,6 @@ def design(
 
     Example: hbench design my-bench/bench-aau.yaml --operating-point 'v=50 mm/s, load=5 kN'
     """
-    from importlib.resources import files
-
     given = _operating_point(point)
     for option, wanted in (("--fail", fail), ("--write", write)):
         if wanted and not propose:
@@ -55,12 +53,13 @@ def design(
 
     from hbench import workflow
     from hbench.cli.progress import ProgressLine
+    from hbench.config.files.examples import example_path
     from hbench.report.design.text import design_json, design_text
 
     progress = ProgressLine(sys.stderr)
     try:
         result = workflow.design(
-            bench or files("hbench.config") / "examples" / "bench-aau.yaml",
+            bench or example_path("bench-aau.yaml"),
             point=given,
             source=bench is None,
             ratio=ratio if propose else None,

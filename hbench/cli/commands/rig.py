@@ -41,13 +41,12 @@ def rig(
 
     Example: hbench rig --socket localhost:7000
     """
-    from importlib.resources import files
-
     from hbench import workflow
+    from hbench.config.files.examples import example_path
 
     try:
         workflow.serve_rig(
-            bench or files("hbench.config") / "examples" / "bench-aau.yaml",
+            bench or example_path("bench-aau.yaml"),
             plant=plant,
             seed=seed,
             image=emulate,

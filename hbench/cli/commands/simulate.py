@@ -36,17 +36,15 @@ def simulate(
     if campaign is not None or model is not None:
         _replay(campaign, model, phenomenon, bench, output, as_json)
         return
-    from importlib.resources import files
-
     from hbench import workflow
+    from hbench.config.files.examples import example_path
     from hbench.report.simulation.text import phenomenon_json, phenomenon_text
 
     if phenomenon is None:
         names = workflow.phenomena()
         typer.echo(as_object("phenomena", names=names) if as_json else "\n".join(names))
         return
-    default = files("hbench.config") / "examples" / "bench-aau.yaml"
-    result = workflow.simulate_phenomenon(phenomenon, bench or default)
+    result = workflow.simulate_phenomenon(phenomenon, bench or example_path("bench-aau.yaml"))
     if output is not None:
         workflow.write_phenomenon(output, result)
         typer.echo(f"{output / result.name}.html", err=True)

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hbench.records import ControlLoop, Design, LoopMerits
+from hbench.report.design.loops import rate_khz
 from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import number
@@ -30,7 +31,8 @@ def draw_design(design: Design) -> tuple[Drawing, ...]:
                 figure.axes[0].set_title(f"{title}, {loop.name}")
                 slug = f"{loop.name.replace(' ', '-')}-{name}"
                 full_title = f"{title}, {loop.name}"
-                sketches.append(Sketch(slug, loop.name, full_title, caption, figure))
+                words = caption.format(rate=rate_khz(design))
+                sketches.append(Sketch(slug, loop.name, full_title, words, figure))
     return draw_sketches(sketches)
 
 
@@ -132,11 +134,10 @@ def pole_zero(loop: ControlLoop) -> Figure:
             label=_name(merits),
         )
         if merits.poles_rad_s is not None and merits.zeros_rad_s is not None:
-            poles, look = merits.poles_rad_s, {"color": colour, "label": f"_{merits.chain}, pole"}
-            plane.plot(poles.real, poles.imag, "x", **look)
-            zeros = merits.zeros_rad_s
-            look["label"] = f"_{merits.chain}, zero"
-            plane.plot(zeros.real, zeros.imag, "o", markerfacecolor="none", **look)
+            poles, look = merits.poles_rad_s, {"color": colour}
+            plane.plot(poles.real, poles.imag, "x", label=f"{merits.chain}: pole", **look)
+            zeros, look["markerfacecolor"] = merits.zeros_rad_s, "none"
+            plane.plot(zeros.real, zeros.imag, "o", label=f"{merits.chain}: zero", **look)
     _s_plane(plane, reach=1.2 * _reach(loop))
     angle = np.linspace(0, 2 * np.pi, 721)
     disc.plot(np.cos(angle), np.sin(angle), color=style.QUIET, linewidth=1.0)
@@ -147,7 +148,9 @@ def pole_zero(loop: ControlLoop) -> Figure:
         xlim=(1 - 3 * reach, 1 + 0.5 * reach),
         ylim=(-reach, reach),
     )
-    style.legend_above(figure, disc, columns=1)
+    style.legend_above(figure, plane, columns=2)
+    above = {"loc": "lower left", "bbox_to_anchor": (0, 1), "frameon": False}
+    disc.legend(**above, ncols=3, columnspacing=0.8, handletextpad=0.1, borderaxespad=0.1)
     return figure
 
 
@@ -198,7 +201,7 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         pole_zero,
         "Poles and zeros",
         "Above: closed-loop poles (crosses) and zeros (circles), without and with the valve. "
-        "Below: poles of the loops sampled at 10 kHz, near z = 1: without and with the valve by "
-        "backward Euler, on the board with all three loops closed.",
+        "Below: poles of the loops sampled at {rate} kHz, near z = 1: without and with the valve "
+        "by backward Euler, on the board with all three loops closed.",
     ),
 }

@@ -24,16 +24,21 @@ _UNSTABLE = (
 CHAINS = {
     "ideal valve": "the loop alone, without dynamics of the valve",
     "valve": "the loop alone, with the second-order dynamics of the valve",
-    "board": "as the board runs it: with valve, filters and 10 kHz sampling, the other two loops "
-    "closed",
+    "board": "as the board runs it: with valve, filters and {rate} kHz sampling, the other two "
+    "loops closed",
 }
 PRESENT = (
-    "The table and the figures show the present gains of the bench file, at the operating point "
-    "above."
+    "The table and the figures show the present gains of the bench file, at the operating point of "
+    "the section above."
 )
 _WRITE = (
     " They do not show the proposed gains: write these with --write, then run hbench design again."
 )
+
+
+def rate_khz(design: Design) -> str:
+    """Write the sampling rate of the board's loops in kHz."""
+    return f"{1e-3 / design.tick_s:g}"
 
 
 def gain_db(merits: LoopMerits) -> float:
@@ -59,7 +64,8 @@ def loop_notes(design: Design) -> tuple[tuple[str, str], ...]:
     """Return what the rows and columns of the loops' table mean."""
     stable = all(merits.stable for loop in design.loops for merits in loop.merits)
     notes = (*CHAINS.items(), *LOOP_NOTES, *(() if stable else (_UNSTABLE,)))
-    return tuple((name, text.format(tick=f"{1e3 * design.tick_s:g}")) for name, text in notes)
+    tick, rate = f"{1e3 * design.tick_s:g}", rate_khz(design)
+    return tuple((name, text.format(tick=tick, rate=rate)) for name, text in notes)
 
 
 def loop_rows(design: Design) -> TextRows:

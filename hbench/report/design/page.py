@@ -1,14 +1,14 @@
 """The page of a design."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from hbench.records import Check, Design, Proposal, WordTable
 from hbench.report.design import checks as check_words
 from hbench.report.design import loops as loop_words
 from hbench.report.design import text
-from hbench.report.design.verdict import loops_verdict, proposal_verdict
+from hbench.report.design.verdict import loops_verdict, proposal_verdict, reproduced_words
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.symbols import capital
@@ -18,10 +18,14 @@ _LOOP_HEAD = (
     *("Loop", "K_c", "τ_c (s)", "Model", "Bandwidth (rad/s)", "Phase margin (°)"),
     *("Gain margin (dB)", "Overshoot (%)", "Settling (s)", "Slowest pole (s)"),
 )
-
-
+_FEW_CHECKS = 8  # that pass: more are folded
+_NOT_TO_BE_USED = "They fail checks of the next section: do not write them to the bench file."
+_SOURCE = (
+    "The source is M. Hvoldal and C. Olesen, Friction Modelling and Parameter Estimation for "
+    "Hydraulic Asymmetrical Cylinders, Aalborg University, 2011."
+)
 _NEGATIVE = re.compile(r"(?<!\S)-(?=\d)")
-_POWER, _RAISED = re.compile(r"(?<=\d)e([-+]\d+)"), str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_POWER, _RAISED = re.compile(r"(?<=\d)e([-+−]\d+)"), str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
@@ -30,7 +34,10 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     sections = []
     if proposal is not None:
         checks = (*proposal.margins, *proposal.closed_loop)
-        sections += [_checks(checks, check_words.LIMITS, design.tick_s), _proposal(proposal)]
+        sections += [
+            _proposal(design, proposal),
+            _checks(checks, check_words.LIMITS, design.tick_s),
+        ]
     elif design.checks:
         sections.append(_checks(design.checks, check_words.POINT_LIMITS, design.tick_s))
     sections.append(Section("Operating point", facts=_facts(text.point_facts(design))))
@@ -43,12 +50,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
     )
     sections.append(Section("Further results", facts=_facts(text.facts(design))))
     if design.reproduced:
-        rows = text.reproduced_rows(design.reproduced)
-        table = WordTable("", text.REPRODUCED_HEAD, tuple(rows))
-        agree = sum(number.agrees for number in design.reproduced)
-        said = f"{agree} of {len(design.reproduced)} numbers of the source agree."
-        part = Section(f"Each number ({len(rows)})", tables=(table,), folded=True)
-        sections.append(Section("The source's numbers", (said,), parts=(part,)))
+        sections.append(_reproduced(design))
     drawn = tuple(drawings)
     for loop in design.loops:
         own = tuple(drawing for drawing in drawn if drawing.section == loop.name)
@@ -69,20 +71,27 @@ def _facts(lines: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 
 
 def _checks(checks: tuple[Check, ...], words: str, tick_s: float) -> Section:
-    """Return the checks as a table, those that fail first."""
-    ranked = sorted(checks, key=lambda check: check.holds)
-    rows = []
-    for check, row in zip(ranked, check_words.check_rows(ranked, tick_s), strict=True):
+    """Return a table of the checks that fail, and one of those that pass."""
+    rows: dict[bool, list[tuple[Cell, ...]]] = {False: [], True: []}
+    for check, row in zip(checks, check_words.check_rows(checks, tick_s), strict=True):
         what, value, limit, unit, _, where = row
-        verdict = Cell("PASS") if check.holds else Cell("", "FAIL")
         sign = "°" if unit == "deg" else "" if unit == "runs" else f" {unit}".rstrip()
         limit += sign if any(map(str.isdigit, limit)) else ""
-        rows.append((verdict, *map(Cell, (capital(what), value + sign, limit, _minus(where)))))
-    head = ("Result", "Check", "Value", "Limit", "Worst at")
-    words_in = frozenset({"Result", "Check", "Worst at"})
-    table = Table(head, tuple(rows), words_in, title="Checks and their limits")
+        cells = (capital(what), value + sign, limit, _minus(where))
+        rows[check.holds].append(tuple(map(Cell, cells)))
+    failing, passing = (_check_table(rows[holds], holds) for holds in (False, True))
     notes = (words, check_words.UNSTABLE) if check_words.unstable(checks) else (words,)
-    return Section("Checks", notes, tables=(_without_empty(table),))
+    few = len(rows[True]) <= _FEW_CHECKS
+    title = f"Checks that pass ({len(rows[True])})"
+    folded = () if few else (Section(title, tables=passing, folded=True),)
+    return Section("Checks", notes, tables=(*failing, *(passing if few else ())), parts=folded)
+
+
+def _check_table(rows: Sequence[tuple[Cell, ...]], holds: bool) -> tuple[Table, ...]:
+    """Return a table of checks that all hold or all fail; none without rows."""
+    head, words_in = ("Check", "Value", "Limit", "Worst at"), frozenset({"Check", "Worst at"})
+    title = "Checks that pass" if holds else "Checks that fail"
+    return (_without_empty(Table(head, tuple(rows), words_in, title=title)),) if rows else ()
 
 
 def _without_empty(table: Table) -> Table:
@@ -93,9 +102,45 @@ def _without_empty(table: Table) -> Table:
     return replace(table, head=head, rows=rows)
 
 
-def _proposal(proposal: Proposal) -> Section:
+def _proposal(design: Design, proposal: Proposal) -> Section:
+    """Return the present and the proposed gains, and how the proposed ones were derived."""
+    rows = []
+    for loop in design.loops:
+        gain, tau_s = proposal.gains[loop.name]
+        name = capital(loop.name)
+        gains = tuple(_typeset(f"{each:.4g}") for each in (loop.gain, gain))
+        times = tuple(f"{1e3 * each:.4g}" for each in (loop.time_constant_s, tau_s))
+        rows.append((f"{name}: gain K_c", *gains, _typeset(loop.gain_unit)))
+        rows.append((f"{name}: time constant τ_c", *times, "ms"))
+    cells = tuple(tuple(map(Cell, row)) for row in rows)
+    head, words_in = (
+        ("Controller", "Present", "Proposed", "Unit"),
+        frozenset({"Controller", "Unit"}),
+    )
+    table = Table(head, cells, words_in, title="Present and proposed gains")
     lines = tuple(f"{capital(line)}." for line in text.proposal_lines(proposal))
-    return Section("Proposed gains", items=lines, code=text.gains_yaml(proposal))
+    parts = [Section("How the proposed gains were computed", items=lines)]
+    if proposal.holds:
+        parts.insert(0, Section("As lines of the bench file", code=text.gains_yaml(proposal)))
+    words = () if proposal.holds else (_NOT_TO_BE_USED,)
+    return Section("Proposed gains", words, tables=(table,), parts=tuple(parts))
+
+
+def _reproduced(design: Design) -> Section:
+    """Return the source's numbers that are not reproduced, and all of them folded."""
+    rows = [
+        (capital(row[0]), *(_minus(_typeset(cell)) for cell in row[1:-1]), _minus(capital(row[-1])))
+        for row in text.reproduced_rows(design.reproduced)
+    ]
+    head = tuple(map(capital, text.REPRODUCED_HEAD))
+    agrees, said = head.index("Agrees"), reproduced_words(design.reproduced)
+    differ = [(*r[:agrees], *r[agrees + 1 :]) for r in rows if r[agrees] == "NO"]
+    kept = (*head[:agrees], *head[agrees + 1 :])
+    tables = (WordTable("Numbers that do not agree", kept, tuple(differ)),) if differ else ()
+    part = Section(
+        f"All numbers ({len(rows)})", tables=(WordTable("", head, tuple(rows)),), folded=True
+    )
+    return Section("Numbers of the source", (f"{said} {_SOURCE}",), tables=tables, parts=(part,))
 
 
 def _merit(words: str) -> Cell:
@@ -110,5 +155,7 @@ def _minus(words: str) -> str:
 def _typeset(words: str) -> str:
     """Return words of the terminal with the signs of a page."""
     words = words.replace("mm/s^2", "mm/s²").replace(" deg", "°").replace("tau_c", "τ_c")
-    words = words.replace("-T / ln", "−T / ln").replace("(Pa s)", "(Pa\N{NO-BREAK SPACE}s)")
-    return _POWER.sub(lambda found: "·10" + str(int(found[1])).translate(_RAISED), words)
+    words = words.replace("-T / ln", "−T / ln")
+    return _POWER.sub(
+        lambda found: "·10" + str(int(found[1].replace("−", "-"))).translate(_RAISED), words
+    )

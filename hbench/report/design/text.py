@@ -211,9 +211,7 @@ def design_text(design: Design) -> str:
         *(f"{name}: {text}" for name, text in facts(design)),
     ]
     if design.reproduced:
-        agree = sum(number.agrees for number in design.reproduced)
         lines += ["", *_table(REPRODUCED_HEAD, reproduced_rows(design.reproduced))]
-        lines += [f"{agree} of {len(design.reproduced)} numbers of the source agree"]
     if design.proposal is not None:
         proposal = design.proposal
         lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from hbench.records import Check, ControlLoop, Design, Proposal
+from hbench.records import Check, ControlLoop, Design, Proposal, Reproduced
 from hbench.report.design.checks import cause_of, causes_of, check_value, shown, unstable
 from hbench.report.render.numbers import short
 from hbench.report.render.symbols import capital
@@ -47,8 +47,9 @@ def loops_verdict(design: Design) -> str:
     if not failed:
         return (
             f"PASS. The present gains pass all {len(checks)} checks at this operating point"
-            f"{_margins(checks)}. --propose checks all operating points."
-        )
+            f"{_margins(checks)}. --propose checks all operating points. "
+            f"{reproduced_words(design.reproduced)}"
+        ).rstrip()
     together = "The three loops together are unstable." if unstable(failed) else ""
     steps = [
         capital(step)
@@ -61,8 +62,16 @@ def loops_verdict(design: Design) -> str:
             *filter(None, (together, *(steps or ["Lower the gains K_c."]))),
             f"The present gains fail {len(failed)} of {len(checks)} checks at this operating "
             "point. Run hbench design with --propose to find gains for all operating points.",
+            *filter(None, (reproduced_words(design.reproduced),)),
         )
     )
+
+
+def reproduced_words(numbers: Sequence[Reproduced]) -> str:
+    """Return how many numbers of the source agree with those computed here; empty without any."""
+    agree = sum(number.agrees for number in numbers)
+    words = f"{agree} of {len(numbers)} numbers of the source agree with the computed ones."
+    return words if numbers else ""
 
 
 def _margins(checks: Sequence[Check]) -> str:

@@ -69,6 +69,19 @@ CHAMBERS = {
     "lp": "the piston side of the load cylinder (Lp)",
     "lr": "the rod side of the load cylinder (Lr)",
 }
+# Parts of the bench that a balance depends on.
+PARTS = {
+    "flow_tp": "the test valve, the piston side of the test cylinder and the transducer of P_Tp",
+    "flow_tr": "the test valve, the rod side of the test cylinder and the transducer of P_Tr",
+    "flow_lp": "load valve L2, the piston side of the load cylinder and the transducer of P_Lp",
+    "flow_lr": "load valve L1, the rod side of the load cylinder and the transducer of P_Lr",
+    "force_test": "the seals and guides of the test cylinder, the load cell and the transducers of "
+    "P_Tp and P_Tr",
+    "force_load": "the seals and guides of the load cylinder, the load cell and the transducers of "
+    "P_Lp and P_Lr",
+    "kinematics": "the position transducer and the velocity filter",
+    "supply": "the pump, the accumulator and the transducer of P_S",
+}
 # Metering edge of each chamber while the piston extends, and while it retracts.
 EDGES = {
     "flow_tp": ("supply", "tank"),

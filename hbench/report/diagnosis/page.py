@@ -19,7 +19,7 @@ from hbench.report.diagnosis.names import (
 from hbench.report.diagnosis.run_gaps import run_table
 from hbench.report.diagnosis.sentences import deviations, largest_deviation
 from hbench.report.diagnosis.separability_tables import MATRIX_TEXT, matrix_table
-from hbench.report.diagnosis.summary import answers
+from hbench.report.diagnosis.summary import answers, next_step
 from hbench.report.render.document import Section, document
 from hbench.report.render.figures import Drawing
 from hbench.report.render.numbers import number
@@ -178,13 +178,12 @@ def diagnosis_page(diagnosis: Diagnosis, drawings: Sequence[Drawing]) -> str:
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the terminal's headline as sentences."""
     _, _, finding = text.verdict_sentence(diagnosis).partition(": ")
-    finding = _in_words(finding)
+    finding, step = _in_words(finding), f" {next_step(diagnosis)}".rstrip()
     if diagnosis.verdict == "named":
         effects = "effect is" if len(diagnosis.effects) == 1 else "effects are"
-        return f"The missing {effects} identified: {finding} All intervals: 95 %."
+        return f"The missing {effects} identified: {finding} All intervals: 95 %.{step}"
     if diagnosis.verdict == "ambiguous":
-        file = " Next step: measure next.yaml." if diagnosis.next_schedule else ""
-        return f"One of these effects is missing in the model: {finding}{file}"
+        return f"One of these effects is missing in the model: {finding}{step}"
     if diagnosis.verdict == "none":
         return f"No missing effect is found: {finding}{_largest(diagnosis.where)}"
     if not diagnosis.where:
@@ -193,7 +192,7 @@ def _verdict(diagnosis: Diagnosis) -> str:
     gaps = diagnosis.rest or diagnosis.where[:1]
     return (
         "The measurement deviates from the model, and no known effect explains it: "
-        f"{deviations(gaps)}."
+        f"{deviations(gaps)}.{step}"
     )
 
 

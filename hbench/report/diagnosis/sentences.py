@@ -231,6 +231,12 @@ def residual_words(diagnosis: Diagnosis, names: Sequence[str]) -> str:
 
 
 def worst_region(diagnosis: Diagnosis, name: str) -> str:
+    """Return a sentence on where the gap of a balance is largest; empty if nowhere clearly."""
+    places = worst_places(diagnosis, name)
+    return f"The gap of {in_sentence(name)} is largest at: {places}." if places else ""
+
+
+def worst_places(diagnosis: Diagnosis, name: str) -> str:
     """Return in which regions the gap of a balance is most clearly larger than elsewhere."""
     places = []
     for axis in dict.fromkeys(region.axis for region in diagnosis.regions):
@@ -249,10 +255,7 @@ def worst_region(diagnosis: Diagnosis, name: str) -> str:
             stretch = f"{display.title} {low} to {high} {display.unit}"
             places.append((contrast, _WAYS.get(worst.label, worst.label) or stretch))
     places.sort(key=lambda place: -place[0])
-    if not places:
-        return ""
-    worst_places = ", ".join(words for _, words in places[:_FEW])
-    return f"The gap of {in_sentence(name)} is largest at: {worst_places}."
+    return ", ".join(words for _, words in places[:_FEW])
 
 
 def title(name: str) -> str:

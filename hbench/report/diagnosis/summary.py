@@ -6,10 +6,10 @@ how sure that is, and what to inspect or to repair. All numbers are those of the
 
 from collections.abc import Iterator
 
-from hbench.records import AddedEffect, Diagnosis
+from hbench.records import AddedEffect, Diagnosis, EffectInPractice, Lookalike
 from hbench.report.diagnosis.change_words import along_words, listed, main_changes
 from hbench.report.diagnosis.law_words import law_summary
-from hbench.report.diagnosis.names import in_words
+from hbench.report.diagnosis.names import PARTS, in_sentence, in_words
 from hbench.report.diagnosis.sentences import (
     advice,
     agreement,
@@ -26,6 +26,7 @@ from hbench.report.diagnosis.sentences import (
     title,
     where_words,
     worse_words,
+    worst_places,
     worst_region,
 )
 from hbench.report.render.numbers import number
@@ -36,6 +37,13 @@ Answer = tuple[str, str]  # question in a few words, and sentences
 _FINDING, _SIZE, _ALONG = "Finding", "Size at the working point", "Size over all runs"
 _RESIDUALS = "Residuals"
 _EVIDENCE, _ACTION, _NOT_EXPLAINED = "Evidence", "What to do", "Not explained"
+_OWN_EFFECT = (
+    "A cause that the catalogue does not contain can be added as an effect of your own "
+    "(configs/README.md, HBENCH_EFFECTS); then reconcile again."
+)
+_MEANWHILE = (
+    "Until then, model.yaml predicts this deviation by its unnamed law, within the measured range."
+)
 _WORSE, _CLOSEST = "What gets worse", "Closest known effect"
 
 
@@ -97,6 +105,7 @@ def _short_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield f"Not explained: {deviations(diagnosis.rest or diagnosis.where[:1])}."
             yield law_summary(diagnosis.unnamed)
             yield best_candidate(diagnosis)
+            yield next_step(diagnosis)
         else:
             yield agreement(diagnosis)
             yield best_candidate(diagnosis)
@@ -152,23 +161,62 @@ def _ambiguous_sizes(diagnosis: Diagnosis, *, brief: bool = False) -> str:
 
 
 def _separation(diagnosis: Diagnosis) -> Iterator[str]:
-    practice = {effect.name: effect for effect in diagnosis.practice}
-    names = [candidate.name for candidate in diagnosis.alternatives]
     if diagnosis.next_experiment:
         yield diagnosis.next_experiment
     else:
-        for effect in (practice[name] for name in names if name in practice):
-            for other in effect.lookalikes:
-                if other.name in names[names.index(effect.name) :]:
-                    pair = f"{in_words(effect.name)} and {in_words(other.name)}"
-                    yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
+        for effect, other in _separable_pairs(diagnosis):
+            pair = f"{in_words(effect.name)} and {in_words(other.name)}"
+            yield f"Runs of the kind {other.kind} separate {pair} ({other.why})."
     if not diagnosis.next_experiment and diagnosis.missing:
         yield f"Measure also {diagnosis.missing[0]}."
     experiment = diagnosis.next_experiment or ""
-    inspect = [practice[name].inspect for name in names if name in practice]
-    inspect = [each for each in inspect if each and each not in experiment]
+    inspect = [each for each in _inspections(diagnosis) if each not in experiment]
     if inspect:
         yield f"At the bench, inspect {'; or '.join(inspect)}."
+
+
+def _separable_pairs(diagnosis: Diagnosis) -> Iterator[tuple[EffectInPractice, Lookalike]]:
+    """Yield the effects of an ambiguous set that runs of a known kind separate."""
+    practice = {effect.name: effect for effect in diagnosis.practice}
+    names = [candidate.name for candidate in diagnosis.alternatives]
+    for effect in (practice[name] for name in names if name in practice):
+        for other in effect.lookalikes:
+            if other.name in names[names.index(effect.name) :]:
+                yield effect, other
+
+
+def _inspections(diagnosis: Diagnosis) -> list[str]:
+    """Return what to inspect for each effect that is named, or of the ambiguous set."""
+    practice = {effect.name: effect.inspect for effect in diagnosis.practice}
+    chosen = diagnosis.alternatives or diagnosis.effects
+    return [inspect for each in chosen if (inspect := practice.get(each.name))]
+
+
+def next_step(diagnosis: Diagnosis) -> str:
+    """Return the sentence of the verdict on what to do next; empty where nothing is missing."""
+    inspect = "; or ".join(each.partition(";")[0] for each in _inspections(diagnosis))
+    if diagnosis.alternatives:
+        if diagnosis.next_schedule:
+            return "Next step: measure next.yaml."
+        kinds = dict.fromkeys(other.kind for _, other in _separable_pairs(diagnosis))
+        runs = (
+            f"measure runs of the kind {listed(list(kinds))}, which separate them" if kinds else ""
+        )
+        steps = ", or ".join(filter(None, (runs, f"inspect {inspect}" if inspect else "")))
+        return f"Next, {steps}." if steps else ""
+    if diagnosis.effects:
+        return f"Next, inspect {inspect}." if inspect else ""
+    if diagnosis.verdict == "unknown" and diagnosis.where:
+        return _where_to_look(diagnosis)
+    return ""
+
+
+def _where_to_look(diagnosis: Diagnosis) -> str:
+    """Return what to inspect, and under which conditions, where no effect explains the gaps."""
+    name = (diagnosis.rest or diagnosis.where)[0].name
+    if name not in PARTS:
+        return ""
+    return f"Next, inspect {PARTS[name]}. {worst_region(diagnosis, name)}".rstrip()
 
 
 def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
@@ -182,14 +230,24 @@ def _unknown(diagnosis: Diagnosis) -> Iterator[Answer]:
     yield _CLOSEST, diagnosis.why
     if diagnosis.ranking and diagnosis.ranking[0].name not in diagnosis.why:
         yield _CLOSEST, best_candidate(diagnosis)
-    yield (
-        _ACTION,
-        "No part can be named for inspection. The shape of the residuals below shows under which "
-        "conditions to look.",
-    )
+    if gaps[0].name in PARTS:
+        name = capital(in_sentence(gaps[0].name))
+        yield _ACTION, f"{name} depends on {PARTS[gaps[0].name]}: inspect these."
     yield _ACTION, diagnosis.next_experiment or ""
-    if not diagnosis.next_experiment and diagnosis.missing:
-        yield _ACTION, f"To narrow the cause, measure {diagnosis.missing[0]}."
+    if not diagnosis.next_experiment:
+        yield _ACTION, f"To narrow the cause, measure {_narrowing(diagnosis, gaps[0].name)}."
+    yield _ACTION, _OWN_EFFECT
+    if diagnosis.unnamed:
+        yield _ACTION, _MEANWHILE
+
+
+def _narrowing(diagnosis: Diagnosis, name: str) -> str:
+    """Return which measurement narrows the cause of a balance's residual."""
+    if diagnosis.missing:
+        return diagnosis.missing[0]
+    places = worst_places(diagnosis, name)
+    where = f" where the gap is largest ({places})" if places else ""
+    return f"more steady runs{where}, and vary speed, load and pressure one at a time"
 
 
 def _none(diagnosis: Diagnosis) -> Iterator[Answer]:

@@ -46,6 +46,7 @@ _SECTION = (
     "Each law is a plant file beside this page. Use one with hbench run --plant, or copy its "
     "section into a bench file."
 )
+_DIRECTION = re.compile(r"(?:^|; )(extend|retract): (?=\w)")  # before the remarks on it
 _EQUALLY_GOOD = 1.05  # times the smallest error; the laws below are all named
 _SCATTER = (
     "Trials' scatter",
@@ -121,13 +122,22 @@ def _remarks(identification: Identification) -> Section:
     for sentence in (*reasons(identification), *identification.notes):
         law, colon, rest = in_words(sentence.strip()).partition(": ")
         if colon and law in FRICTION_LAWS:
-            facts.append((law_words(law), _sentences(rest)))
+            facts += _by_direction(law_words(law), rest)
         else:
             items.append(_sentences(f"{law_words(law)}{colon}{rest}"))
     title = "Missing or uncertain results, and source"
     if left_out:
         facts.append(("Runs left out", in_words(left_out)))
     return Section(title, items=tuple(items), facts=(*facts, _SOURCE))
+
+
+def _by_direction(law: str, message: str) -> list[tuple[str, str]]:
+    """Return the remarks on a law, those of each direction for themselves."""
+    common, *rest = _DIRECTION.split(message)
+    remarks = [(law, common)] if common else []
+    sides = zip(rest[::2], rest[1::2], strict=True)
+    remarks += [(f"{law}, {side}ing", text) for side, text in sides]
+    return [(name, _sentences(text)) for name, text in remarks]
 
 
 def _sentences(message: str) -> str:

@@ -23,6 +23,7 @@ _NUMBER = re.compile(r"(< )?[-+−±]?\d[\d.,e+−-]*( [±%] ?[\d.]*)?|[-–]|no
 _DIGIT = re.compile(r"\d")
 _COUNT = re.compile(r" \(\d+\)$")  # of rows, behind a folded section's title
 _FIGURE = re.compile(r"Figure (\d+)\. ")
+_INTERVAL = re.compile(r"(?<=\d) ± (?=\d)")
 _REFERENCE = re.compile(r"\[\[([\w-]+)\]\]")
 BANNERS = {
     "simulated": "Simulated. The virtual rig made these numbers; no cylinder was measured.",
@@ -237,7 +238,8 @@ def numeric(table: WordTable | Table) -> set[int]:
 def _cell_classes(cell: tuple[bool, str, str]) -> str:
     """Return the classes of a cell by its kind, its text and its flag."""
     number, text, flag = cell
-    kinds = ["n"] if number else ["long"] if max(len(text), len(flag)) > _LONG else []
+    long = max(len(text), len(flag)) > _LONG and (flag or " " in _kept(text))
+    kinds = ["n"] if number else ["long"] if long else []
     kinds += ["short"] if not number and len(text) <= _SHORT else []
     return " ".join((*kinds, *(["flagged"] if flag else []), *_endless(f"{text} {flag}")))
 
@@ -252,7 +254,16 @@ def _endless(text: str) -> list[str]:
     return ["endless"] if any(len(word) > _ENDLESS for word in text.split()) else []
 
 
+def _kept(text: str) -> str:
+    """Return a text that is not broken within a number, its interval and its unit."""
+    return _INTERVAL.sub("\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}", unit_kept(text))
+
+
 def _subscripts(text: str) -> Markup:
-    """Write the index of a symbol such as F_C below the line; all else is escaped."""
-    words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in pieces(text))
+    """Write the index of a symbol such as F_C below the line; all else is escaped.
+
+    A number is kept on one line with its unit and its interval.
+    """
+    parts = pieces(_kept(text))
+    words = (f"<sub>{escape(each)}</sub>" if low else escape(each) for each, low in parts)
     return Markup("".join(words))

@@ -5,8 +5,9 @@ import re
 from collections.abc import Collection
 
 _WITH_UNIT = re.compile(
-    r"\d (?:%|k?N(?: s/m|/bar)?|m?m(?:/s|²)?|m?V|bar|m?s|min|h|Hz|J|ml/min|°C)(?![\w/])"
-    r"|\((?:N s/m|ml/min per bar)\)"
+    r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹] (?:%|k?N(?: s/m|/bar)?|m?m(?:/s²?|²)?|m?V(?: s/m|/m|/\(Pa s\))?|[kM]?Pa|bar"
+    r"|m?s|min|h|k?Hz|rad/s|dB|deg|J|kg|m?l/min(?:/bar| per bar)?|°C|K|nats)(?![\w/])"
+    r"|\((?:N s/m|Pa s|ml/min per bar)\)"
 )
 _SYMMETRIC = 0.05  # of the half-width
 NONE = "–"  # in place of a number that does not exist
@@ -37,13 +38,15 @@ def significant(value: float | None, digits: int) -> str:
 
 
 def with_interval(value: float | None, half_width: float | None) -> str:
-    """Write ``value ± half_width``, both to the second significant digit of the half-width."""
+    """Write ``value ± half_width``, both to the second significant digit of the half-width.
+
+    This is GUM 7.2.6: 1300.4 and 145.2 are written as ``1300 ± 150``.
+    """
     if half_width is None or not math.isfinite(half_width) or not half_width > 0:
         return significant(value, 3)
     if value is None or not math.isfinite(value):
         return significant(value, 3)
-    decimals = min(max(0, 1 - math.floor(math.log10(half_width))), 6)
-    return f"{number(value, decimals)} ± {number(half_width, decimals)}"
+    return f"{_to_half(value, half_width)} ± {_to_half(half_width, half_width)}"
 
 
 def with_ends(value: float | None, low: float, high: float) -> str:
@@ -54,8 +57,14 @@ def with_ends(value: float | None, low: float, high: float) -> str:
     half = (high - low) / 2
     if value is None or not half > 0 or abs(low + high - 2 * value) < _SYMMETRIC * half:
         return with_interval(value, half)
-    decimals = min(max(0, 1 - math.floor(math.log10(half))), 6)
-    return f"{number(value, decimals)} ({number(low, decimals)} to {number(high, decimals)})"
+    shown, *ends = (_to_half(each, half) for each in (value, low, high))
+    return f"{shown} ({' to '.join(ends)})"
+
+
+def _to_half(value: float, half_width: float) -> str:
+    """Write to the second significant digit of ``half_width``, to no more than six decimals."""
+    decimals = min(1 - math.floor(math.log10(half_width)), 6)
+    return number(round(value, decimals), max(0, decimals))
 
 
 def short(value: float | None) -> str:
