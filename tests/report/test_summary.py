@@ -179,7 +179,7 @@ def test_an_ambiguous_set_has_a_size_for_each_and_the_run_that_decides(compared)
 
 def test_an_unknown_effect_has_its_size_where_it_is_largest_and_how_far_the_best_explains(compared):
     text = summary(compared)
-    verdict = "the force of the test cylinder deviates by 40 N RMS (up to 12 N would not matter)."
+    verdict = "the force of the test cylinder deviates by 40 N RMS (limit 12 N)."
     assert verdict in ordinary_spaces(diagnosis_page(compared, ()))
     assert "with a correct model, after Holm: 0.010 (force of test cylinder)." in text
     assert "), the refitted model is off by 38 N (force of test cylinder)." in text

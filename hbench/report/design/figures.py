@@ -13,6 +13,7 @@ from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.numbers import number
 
+_STEP_RANGE = (-0.5, 2.5)  # shown of step responses where one is unstable
 # A colour, a line and a marker for each chain of dynamics.
 LOOKS = {
     "ideal valve": (style.COLOURS[0], "-", "o"),
@@ -80,11 +81,14 @@ def step_figure(loop: ControlLoop) -> Figure:
     for merits in loop.merits:
         colour, line, _ = LOOKS[merits.chain]
         shown = merits.t_s <= end
+        if not merits.stable:  # as far as it stays within the axes
+            low, high = _STEP_RANGE
+            shown &= np.logical_and.accumulate((merits.step > low) & (merits.step < high))
         axes.plot(merits.t_s[shown], merits.step[shown], line, color=colour, label=_name(merits))
     axes.axhspan(0.98, 1.02, color=style.QUIET, alpha=0.15, linewidth=0)
     axes.set(xlabel="Time (s)", ylabel="Response / step (1)", xlim=(0, end), ylim=(0, None))
-    if axes.get_ylim()[1] > 2.5:  # an unstable chain
-        axes.set_ylim(-0.5, 2.5)
+    if not all(merits.stable for merits in loop.merits):
+        axes.set_ylim(_STEP_RANGE)
     style.legend_above(figure, axes, columns=3)
     return figure
 
@@ -189,7 +193,8 @@ FIGURES: dict[str, tuple[Callable[[ControlLoop], Figure], str, str]] = {
         step_figure,
         "Step response",
         "Response of the closed loop to a unit step of its reference. Grey band: within 2 % of "
-        "the step, where the settling time is read. An unstable response is cut off.",
+        "the step, where the settling time is read. An unstable response ends where it "
+        "leaves the figure.",
     ),
     "bode": (
         bode,

@@ -60,9 +60,7 @@ def design_page(design: Design, drawings: Iterable[Drawing]) -> str:
         f"{design.bench}: control loops",
         "Computed from the bench file, and simulated. Nothing here was measured.",
         tuple(sections),
-        _typeset(
-            loops_verdict(design) if proposal is None else proposal_verdict(proposal, design.tick_s)
-        ),
+        _typeset(loops_verdict(design) if proposal is None else proposal_verdict(proposal, design)),
     )
 
 

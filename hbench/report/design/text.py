@@ -217,7 +217,7 @@ def design_text(design: Design) -> str:
         lines += ["", "proposal", *proposal_lines(proposal), "", gains_yaml(proposal), ""]
         checks = (*proposal.margins, *proposal.closed_loop)
         lines += _table(CHECK_HEAD, check_rows(checks, design.tick_s))
-        lines += [f"verdict: {proposal_verdict(proposal, design.tick_s)}"]
+        lines += [f"verdict: {proposal_verdict(proposal, design)}"]
     elif design.checks:
         lines += ["", *_table(CHECK_HEAD, check_rows(design.checks, design.tick_s))]
         lines += [f"verdict: {loops_verdict(design)}"]

@@ -8,34 +8,47 @@ from hbench.report.design.checks import cause_of, causes_of, check_value, shown,
 from hbench.report.render.numbers import short
 from hbench.report.render.symbols import capital
 
-_NAMED = 3  # failed checks in the verdict
+_BENCHES = {"bench": " on the bench"}
+_BENCHES |= {name: f" on the {name} one" for name in ("softer", "stiffer")}
 
 
-def proposal_verdict(proposal: Proposal, tick_s: float) -> str:
-    """Return the verdict on a proposal, the next step, and the checks that it fails."""
+def proposal_verdict(proposal: Proposal, design: Design) -> str:
+    """Return the verdict on a design's proposal, the next step, and the checks that it fails."""
     checks = (*proposal.margins, *proposal.closed_loop)
     failed = [check for check in checks if not check.holds]
-    causes = causes_of(failed)
     if not failed:
         return (
             f"PASS. The proposed gains pass all {len(checks)} checks, in simulation"
             f"{_margins(checks)}. To use them, repeat the command with --write."
         )
-    named = [_failed(check, tick_s) for check in failed if not cause_of(check)]
-    more = [f"{len(named) - _NAMED} more"] if len(named) > _NAMED else []
+    causes = causes_of(failed)
     stopped = sum(map(bool, map(cause_of, failed)))
-    because = [f"{stopped} because the board stopped itself"] if stopped else []
-    listed = "; ".join([*because, *named[:_NAMED], *more])
-    several = len(causes) > 1
-    why = "".join(
-        f" Cause{f' {i}' if several else ''} of the stop: {each}."
-        for i, each in enumerate(causes, start=1)
+    stops = f"The board stopped itself in {stopped} of them: {'; '.join(causes)}."
+    worst = _worst([check for check in failed if not cause_of(check)], design.tick_s)
+    others = f"{'The worst of the others' if stopped else 'The worst'}: {', '.join(worst)}."
+    present = [loop for loop in design.loops if not all(each.stable for each in loop.merits)]
+    return " ".join(
+        (
+            f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
+            f"{proposal.ratio:g}), or correct the bench file. In simulation they fail "
+            f"{len(failed)} of {len(checks)} checks.",
+            *([stops] if stopped else []),
+            *([others] if worst else []),
+            *(["With the present gains a loop is unstable too."] if present else []),
+        )
     )
-    return (
-        f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
-        f"{proposal.ratio:g}), or correct the bench file. They fail {len(failed)} of {len(checks)} "
-        f"checks, in simulation: {listed}.{why}"
-    )
+
+
+def _worst(failed: Sequence[Check], tick_s: float) -> list[str]:
+    """Return the worst failed check of each quantity, the first of equals, with its limit."""
+    words = {}
+    for check in sorted(reversed(failed), key=lambda check: abs(check.value - check.limit)):
+        place, _, quantity = check.what.rpartition(": ")
+        _, value, limit, unit = shown(check, tick_s)
+        unit = "" if unit == "runs" else f" {unit}".rstrip()
+        where = _BENCHES.get(place, f" in the {place} loop" if place else "")
+        words[quantity] = f"{quantity} {value}{unit} (limit {limit.lstrip('≥≤ ')}{unit}){where}"
+    return list(words.values())
 
 
 def loops_verdict(design: Design) -> str:
@@ -109,9 +122,3 @@ def _floor(value: float) -> float:
     """Round a positive number down to three significant digits."""
     digit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return math.floor(value / digit) * digit
-
-
-def _failed(check: Check, tick_s: float) -> str:
-    what, value, limit, unit = shown(check, tick_s)
-    unit = "" if unit == "runs" else f" {unit}".rstrip()
-    return f"{what} {value}{unit}, limit {limit.lstrip('≥≤ ')}{unit}"

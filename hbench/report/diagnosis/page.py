@@ -191,7 +191,7 @@ def _verdict(diagnosis: Diagnosis) -> str:
         return f"These runs do not suffice to find a missing effect.{missing}"
     gaps = diagnosis.rest or diagnosis.where[:1]
     return (
-        "The measurement deviates from the model, and no known effect explains it: "
+        "No known effect explains how the measurement deviates from the model: "
         f"{deviations(gaps)}.{step}"
     )
 

@@ -177,7 +177,7 @@ def deviations(gaps: Sequence[Gap]) -> str:
     for gap in gaps[:_FEW]:
         size = f"{number(gap.gap, 1)} trial scatters"
         if isfinite(gap.deviation):
-            limit = f"up to {in_unit(gap, gap.material)} would not matter"
+            limit = f"limit {in_unit(gap, gap.material)}"
             size = f"{in_unit(gap, gap.deviation)} RMS ({limit})"
         parts.append(f"{in_sentence(gap.name)} deviates by {size}")
     more = f"; and {len(gaps) - _FEW} more" if len(gaps) > _FEW else ""
