@@ -201,7 +201,7 @@ def test_a_run_above_the_converters_end_is_rejected_and_not_averaged(bench, rule
     log.words[:, 4] = 16 * np.minimum(4080 + 0.1 * np.arange(300), 4095)  # 236.4 to 238.1 bar
     screened = screen(replace(calibrate(log, bench), p_tr_pa=np.full(300, 20e5)), rules)
     (reason,) = (r for r in screened.reasons if r.startswith("sensor_saturated"))
-    assert re.search(r"p_tp_pa [^,;]*maximum, 237\.3 bar", reason)
+    assert re.search(r"P_Tp [^,;]*maximum, 237\.3 bar", reason)
     assert curves([screened]) == ()
 
 
@@ -213,7 +213,7 @@ def test_a_sensor_at_its_end_in_the_whole_run_is_named_and_no_quiet_one_beside_i
     log.words[:, 5] = 16 * 4095  # (3 V * 4095/4096 - 1.5 V) of equation C.6
     screened = screen(replace(calibrate(log, bench), p_tr_pa=np.full(300, 20e5)), rules)
     (reason,) = (r for r in screened.reasons if r.startswith("sensor_saturated"))
-    assert re.search(r"f_applied_n [^,;]*constant [^,;]*12251 N", reason)
+    assert re.search(r"F_applied [^,;]*constant [^,;]*12251 N", reason)
     assert "p_tp_pa" not in reason
 
 

@@ -84,6 +84,6 @@ def test_a_clipped_stroke_is_rejected_with_channel_and_value(tmp_path, clock):
     assert whole.accepted
     (reason,) = cut.reasons
     assert reason.startswith("sensor_saturated: in ")
-    assert "p_tp_pa" in reason and reason.endswith("31.0 bar")
+    assert "P_Tp" in reason and reason.endswith("31.0 bar")
     assert any("2.csv: p_tp_pa: clipped at 3.102e+06 Pa" in note for note in results.notes)
     assert results.curves[0].points[0].trials == (1,)

@@ -6,7 +6,6 @@ from xml.etree import ElementTree
 from hbench.records import WordTable
 from hbench.records.conformity.acceptance import Acceptance, ConformityCheck, Requirement
 from hbench.report.campaign.motion_rows import LEAKS
-from hbench.report.campaign.series_words import load_words
 from hbench.report.render.numbers import NONE, short, significant, with_interval
 from hbench.report.render.terminal_table import table_lines
 from hbench.units import from_si
@@ -129,8 +128,12 @@ def requirement_words(check: ConformityCheck) -> str:
 def series_words(check: ConformityCheck) -> str:
     """Write label, direction and load of the series; those required where nothing was measured."""
     series = check.measurement or check.requirement
-    load = load_words(series.f_load_n, series.p_lr_ref_pa)
-    return " ".join(filter(None, (series.label, series.direction, load)))
+    words = [series.label, series.direction]
+    if series.f_load_n is not None:
+        words.append(f"load {short(series.f_load_n)} N")
+    if series.p_lr_ref_pa is not None:
+        words.append(f"P_Lr {short(from_si(series.p_lr_ref_pa, 'bar'))} bar")
+    return ", ".join(filter(None, words))
 
 
 def measured_words(check: ConformityCheck) -> str:
