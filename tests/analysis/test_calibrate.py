@@ -199,9 +199,12 @@ def test_a_run_above_the_converters_end_is_rejected_and_not_averaged(bench, rule
     log.words[:, 2] = np.where(np.arange(300) == 299, 0b1001, 0b0001)
     log.words[:, 3] = 16 * (600 + 4.55 * np.arange(300))  # 50 mm/s
     log.words[:, 4] = 16 * np.minimum(4080 + 0.1 * np.arange(300), 4095)  # 236.4 to 238.1 bar
-    screened = screen(replace(calibrate(log, bench), p_tr_pa=np.full(300, 20e5)), rules)
+    supply = np.where(np.arange(300) % 50, 150e5, 149e5)  # its highest, marked or not
+    quiet = {"p_tr_pa": np.full(300, 20e5), "p_s_pa": supply}
+    screened = screen(replace(calibrate(log, bench), **quiet), rules)
     (reason,) = (r for r in screened.reasons if r.startswith("sensor_saturated"))
     assert re.search(r"P_Tp [^,;]*maximum, 237\.3 bar", reason)
+    assert "P_S" not in reason
     assert curves([screened]) == ()
 
 
@@ -214,7 +217,7 @@ def test_a_sensor_at_its_end_in_the_whole_run_is_named_and_no_quiet_one_beside_i
     screened = screen(replace(calibrate(log, bench), p_tr_pa=np.full(300, 20e5)), rules)
     (reason,) = (r for r in screened.reasons if r.startswith("sensor_saturated"))
     assert re.search(r"F_applied [^,;]*constant [^,;]*12251 N", reason)
-    assert "p_tp_pa" not in reason
+    assert "P_Tp" not in reason
 
 
 def test_a_load_cell_at_either_end_is_flagged(bench):

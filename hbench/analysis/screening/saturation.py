@@ -22,16 +22,17 @@ def saturated_sensors(run: Run, window: slice) -> str:
     """Return the symbols of the saturated channels in the marked records, with their values.
 
     A saturated converter has a constant value, which no other record exceeds. So these are the
-    channels whose highest or lowest value occurs in nearly all marked records of the window. If
-    there are none, they are the channels that are constant in the whole run, or else those at their
-    highest or lowest value in most marked records, since a record can average saturated and
-    unsaturated samples.
+    channels whose highest or lowest value occurs in nearly all marked records of the window, and
+    not in unmarked ones. If there are none, they are the channels that are constant in the whole
+    run, or else those at their highest or lowest value in most marked records, since a record can
+    average saturated and unsaturated samples.
     """
     if run.sensor_saturated is None:
         return ""
     marked = np.flatnonzero(run.sensor_saturated[window]) + (window.start or 0)
     if not len(marked):
         return ""
+    unmarked = np.flatnonzero(~run.sensor_saturated)
     shares, throughout = {}, []
     for name, symbol in _SENSORS.items():
         values = getattr(run, name)
@@ -41,8 +42,11 @@ def saturated_sensors(run: Run, window: slice) -> str:
             throughout.append(f"{symbol} is constant at {_value(name, values[0])}")
             continue
         for limit, side in ((values.max(), "maximum"), (values.min(), "minimum")):
-            at_limit = np.abs(values[marked] - limit) <= _SAME * np.ptp(values)
-            shares[f"{symbol} is at its {side}, {_value(name, limit)}"] = at_limit.mean()
+            at_limit = np.abs(values - limit) <= _SAME * np.ptp(values)
+            share = at_limit[marked].mean()
+            if len(unmarked):
+                share -= at_limit[unmarked].mean()
+            shares[f"{symbol} is at its {side}, {_value(name, limit)}"] = share
     nearly_all = [text for text, share in shares.items() if share > _NEARLY_ALL]
     most = [text for text, share in shares.items() if share > _MOST]
     return ", ".join(nearly_all or throughout or most)
