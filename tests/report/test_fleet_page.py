@@ -16,6 +16,7 @@ from hbench.report.fleet.text import finding_sentences, fleet_json, fleet_text, 
 from hbench.store.campaign.stored_acceptance import stored_decision
 from hbench.store.fleet.table import TABLE, FleetTable, cells_of, write_table
 from tests.support.report.made_fleet import FAILURE, made_row, made_table, summary_of
+from tests.support.report.spaces import ordinary_spaces
 
 OFF = {17: 120.0, 60: -140.0, 150: 100.0}
 
@@ -236,3 +237,17 @@ def test_histograms_need_ten_campaigns(tmp_path, undrawn):
     names = {drawing.name for drawing in draw_fleet(few)}
     assert "drift-friction-n" in names and not any("distribution" in name for name in names)
     assert "Histograms are drawn from 10 campaigns on." in fleet_page(few, ())
+
+
+def test_values_have_three_digits_however_wide_their_intervals_are(tmp_path, undrawn):
+    few = summary_of(made_table(tmp_path, 4))
+    rows = [
+        replace(row, numbers={
+            name: n and replace(n, low=n.value - 107.2, high=n.value + 107.2)
+            for name, n in row.numbers.items()
+        })
+        for row in few.rows
+    ]  # fmt: skip
+    page = ordinary_spaces(fleet_page(replace(few, rows=tuple(rows)), ()))
+    value = rows[0].numbers["friction_extend_n"].value
+    assert f"{value:.0f} ± 110" in page

@@ -48,7 +48,8 @@ _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
 _ALSO = 2  # further outlying numbers that a row names
 _INTERVALS = (
     "Intervals are those of 95 %. They include the stated errors of the instruments, which the "
-    "campaigns of a bench have in common: smaller differences between them can be significant."
+    "campaigns of a bench have in common: smaller differences between them can be significant. "
+    "So a value has at least three digits."
 )
 _AT_MEDIAN = "Half band, middle and energy are those at the median pressure of a campaign."
 _METHOD = (

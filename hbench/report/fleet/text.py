@@ -246,7 +246,11 @@ def _with_ends(number: FleetNumber | None, scale: float) -> str:
         return NONE
     if number.low is None or number.high is None:
         return significant(scale * number.value, 3)
-    return with_ends(scale * number.value, scale * number.low, scale * number.high)
+    value, low, high = (scale * each for each in (number.value, number.low, number.high))
+    shown, _, interval = with_ends(value, low, high).partition(" ")
+    if value and (high - low) / 2 >= 10 ** math.floor(math.log10(abs(value))):
+        shown = significant(value, 3)  # rows differ by less than what their intervals share
+    return f"{shown} {interval}"
 
 
 def spread_table(fleet: Fleet) -> WordTable:

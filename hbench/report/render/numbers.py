@@ -63,7 +63,8 @@ def with_ends(value: float | None, low: float, high: float) -> str:
 
 def _to_half(value: float, half_width: float) -> str:
     """Write to the second significant digit of ``half_width``, to no more than six decimals."""
-    decimals = min(1 - math.floor(math.log10(half_width)), 6)
+    rounded = float(f"{half_width:.1e}")  # 99.6 has its second digit at the tens: 100
+    decimals = min(1 - math.floor(math.log10(rounded)), 6)
     return number(round(value, decimals), max(0, decimals))
 
 
