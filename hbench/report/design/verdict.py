@@ -23,10 +23,10 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
         )
     causes = causes_of(failed)
     stopped = sum(map(bool, map(cause_of, failed)))
-    stops = f"The board stopped itself in {stopped} of them: {'; '.join(causes)}."
+    stops = f"{stopped} of them fail because the board stopped itself: {'; '.join(causes)}."
     worst = _worst([check for check in failed if not cause_of(check)], design.tick_s)
     others = f"{'The worst of the others' if stopped else 'The worst'}: {', '.join(worst)}."
-    present = [loop for loop in design.loops if not all(each.stable for each in loop.merits)]
+    present = [loop.name for loop in design.loops if not loop.merits[-1].stable]  # on the board
     return " ".join(
         (
             f"FAIL. Do not use the proposed gains: propose again with another --ratio (now "
@@ -34,7 +34,7 @@ def proposal_verdict(proposal: Proposal, design: Design) -> str:
             f"{len(failed)} of {len(checks)} checks.",
             *([stops] if stopped else []),
             *([others] if worst else []),
-            *(["With the present gains a loop is unstable too."] if present else []),
+            *([f"Unstable with the present gains: {', '.join(present)}."] if present else []),
         )
     )
 
