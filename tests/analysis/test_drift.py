@@ -86,17 +86,12 @@ def test_the_estimate_is_that_of_least_squares_with_an_indicator_for_each_point(
     assert drift.change == pytest.approx(drift.per_hour * drift.span_s / 3600)
 
 
-@pytest.mark.parametrize(
-    ("count", "tolerance"), [(120, 0.05), pytest.param(500, 0.02, marks=pytest.mark.slow)]
-)
 @pytest.mark.parametrize("relative", [False, True])
 @pytest.mark.parametrize("share", [0.0, -0.1])
-def test_the_scale_follows_the_scatter_and_the_intervals_contain_the_drift(
-    relative, share, count, tolerance
-):
-    """Of many campaigns: 95 % of the intervals contain the true change."""
+def test_the_scale_follows_the_scatter_and_the_intervals_contain_the_drift(relative, share):
+    """500 campaigns: their 95 % intervals contain the true change at 93 to 97 %."""
     inside, scales, significant = 0, 0, 0
-    for seed in range(count):
+    for seed in range(500):
         rng = np.random.default_rng(seed)
         order = both_directions(rng)
         span = STEP_S * (len(order) - 1)
@@ -112,12 +107,9 @@ def test_the_scale_follows_the_scatter_and_the_intervals_contain_the_drift(
         significant += drift.significant
         if drift.scale == ("relative" if relative else "absolute"):
             inside += abs(drift.change - true) <= drift.change_ci95
-    assert scales > 0.75 * count
-    assert abs(inside / scales - 0.95) <= tolerance
-    if share == 0:
-        assert abs(significant / count - 0.05) <= tolerance
-    else:
-        assert significant > 0.98 * count
+    assert scales > 400
+    assert 0.93 * scales <= inside <= 0.97 * scales
+    assert 15 <= significant <= 35 if share == 0 else significant > 490
 
 
 @pytest.mark.parametrize(

@@ -186,8 +186,8 @@ def interrupted(lab, interrupt, terminal=None) -> subprocess.Popen:
     assert host.wait(PATIENCE_S) == 130
     status = lab.status()
     assert (STATES[status["state"]], FAULTS[status["fault"]]) == ("idle", "stopped")
-    time.sleep(0.1)
-    assert abs(lab.status()["x_m"] - status["x_m"]) < 0.5e-3  # at 80 mm/s it would be 8 mm
+    time.sleep(0.5)
+    assert abs(lab.status()["x_m"] - status["x_m"]) < 0.5e-3  # at 80 mm/s it would be 40 mm
     (*_, entry) = load_campaign(lab.folder).entries
     assert entry.stop.outcome == "aborted" and entry.stop.why.startswith("interrupted")
     return host

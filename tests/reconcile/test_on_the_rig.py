@@ -88,12 +88,12 @@ def test_of_twenty_refitted_campaigns_without_an_effect_hardly_any_has_a_gap(ben
 @pytest.mark.parametrize("balance", HIDDEN)
 def test_the_balance_that_a_hidden_effect_touches_stands_first(bench, bench_data, balance):
     """Behind badly tuned parameters too, which are refitted and can't swallow it."""
-    plan = schedule(trials=2, speeds=("30 mm/s", "120 mm/s"))
+    plan = schedule(speeds=("30 mm/s", "120 mm/s"))
     runs = measured(bench, bench_data, plan, BADLY_TUNED, HIDDEN[balance])
     _, _, _, after = reconciled(runs, bench)
     table(f"hidden effect in {balance}", after)
     assert next(iter(after)) == balance
-    assert after[balance].gap > 3
+    assert after[balance].gap > 5
     assert after[balance].p_value < 0.1  # what is left may stand in two operating points alone
     touched = FLOWS if balance in FLOWS else (balance,)
     others = [one for name, one in after.items() if name not in touched]

@@ -25,7 +25,6 @@ typedef struct {
     hb_receiver replies;
     unsigned char last; /* octet of the replies */
     bool cleared; /* the last octets cleared the fault */
-    bool ran; /* the board ran after the last octets */
 } session;
 
 static hb_u16 next_u16(void)
@@ -40,15 +39,6 @@ static void output_u16(unsigned value)
     play_output(value >> 8 & 0xFFu);
 }
 
-/* The settings of a run. No tick may change them, so they are checked between the host's octets. */
-static void check_settings(const session *s)
-{
-    if (s->ran) {
-        PLAY_CHECK(hb_settings_complete(&s->core->settings));
-        PLAY_CHECK(hb_settings_in_range(&s->core->settings, s->core->hal.dac.range_v));
-    }
-}
-
 /* Contracts of a running board: all that commands and time limits promise. Comparisons with NaN are
  * false. */
 static void check_running(const hb_core *core)
@@ -60,6 +50,8 @@ static void check_running(const hb_core *core)
     const float p_max = setting[HB_SETTING_PRESSURE_MAX_PA];
     const hb_step *step = &core->steps.step[schedule->step];
 
+    PLAY_CHECK(hb_settings_complete(&core->settings));
+    PLAY_CHECK(hb_settings_in_range(&core->settings, core->hal.dac.range_v));
     PLAY_CHECK(core->safety.silence_ticks <= core->safety_config.heartbeat_ticks);
     PLAY_CHECK(core->safety.error_ticks <= core->safety_config.speed_error_ticks);
     PLAY_CHECK(schedule->step < core->steps.count && schedule->trial < step->trials);
@@ -120,14 +112,11 @@ static void receive(session *s, const unsigned char *octets, hb_u16 count)
     const hb_u16 fault = s->core->fault;
     const hb_u32 log_next = s->core->log.next;
 
-    check_settings(s);
     PLAY_CHECK(hb_host_receive(s->host, octets, count) == count);
     s->cleared = false;
     hb_host_poll(s->host);
     output_replies(s);
     check(s, state, fault, log_next, true);
-    s->ran = s->core->state == HB_STATE_RUNNING;
-    check_settings(s);
 }
 
 static void receive_frame(session *s, unsigned sequence, unsigned type, hb_octet *plain,
@@ -227,7 +216,7 @@ static void play_late(session *s)
 
 void play(void)
 {
-    session s = {hb_host_create(1, 0), 0, {{0}, 0, false}, 0, false, false};
+    session s = {hb_host_create(1, 0), 0, {{0}, 0, false}, 0, false};
 
     PLAY_CHECK(s.host != 0);
     s.core = hb_host_core(s.host);
@@ -255,6 +244,5 @@ void play(void)
             break;
         }
     }
-    check_settings(&s);
     hb_host_destroy(s.host);
 }
