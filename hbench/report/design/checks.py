@@ -25,7 +25,7 @@ UNSTABLE = (
     "stable."
 )
 _STOPPED = re.compile(r"^run \d+: the board stopped itself: (?:\w+: )?")
-_PRESSURE, _COMMAND = re.compile(r"\bp_([a-z]+)_pa\b"), re.compile(r"\bu_([a-z]\d?)_v\b")
+_COMMAND = re.compile(r"\bu_([a-z]\d?)_v\b")
 _CODE = re.compile(r"\b[a-z]+(?:_[a-z]+)+(?=: )")  # of a reason for rejection
 _LIMIT = re.compile(r"limits\.(\w+)")
 _ALLOWED = {"speed_error_time": "longer than allowed", "travel": "the allowed travel"}
@@ -69,7 +69,6 @@ def _cause_name(check: Check, causes: Sequence[str]) -> str:
 def _where(check: Check) -> str:
     """Return where a check is worst, with symbols and words in place of keys."""
     text = _CODE.sub(lambda found: found[0].replace("_", " "), check.where)
-    text = _PRESSURE.sub(lambda found: f"P_{found[1].capitalize()}", text)
     return _COMMAND.sub(lambda found: f"u_{found[1].upper()}", text)
 
 
