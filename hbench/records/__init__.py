@@ -44,6 +44,7 @@ from hbench.records.differences import (
 )
 from hbench.records.fleet import (
     CYLINDER,
+    FEWEST_CAMPAIGNS,
     QUANTITIES,
     Block,
     Capability,
@@ -160,6 +161,7 @@ from hbench.records.summary import (
 __all__ = [
     "CYLINDER",
     "DIRECTIONS",
+    "FEWEST_CAMPAIGNS",
     "KINDS",
     "QUANTITIES",
     "TEMPERATURES",

@@ -51,6 +51,9 @@ QUANTITIES = (
 )
 
 
+FEWEST_CAMPAIGNS = 10  # for quantiles, outliers and trends
+
+
 @dataclass(frozen=True)
 class FleetNumber:
     """The mean over the loads of one direction, or over the series of bands, in SI.
@@ -135,8 +138,8 @@ class Spread:
     median: float
     between: float  # standard deviation from cylinder to cylinder, robust, without trial scatter
     se_trials: float | None  # standard error of a campaign's own trials, median
-    low: float  # 5 % quantile
-    high: float  # 95 % quantile
+    low: float  # 5 % quantile, or the smallest value of fewer than ``FEWEST_CAMPAIGNS``
+    high: float  # 95 % quantile, or the largest value of so few
     edges: tuple[float, ...]  # of the histogram
     counts: tuple[int, ...]
     below: int  # campaigns left of the first edge, and right of the last

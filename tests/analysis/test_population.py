@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from hbench.analysis.comparison.population import FEWEST, histogram, robust_deviations, trend_line
+from hbench.analysis.comparison.population import histogram, robust_deviations, trend_line
+from hbench.records import FEWEST_CAMPAIGNS
 
 TRIALS = 3
 
@@ -96,7 +97,7 @@ def test_the_interval_of_a_slope_holds_the_truth_in_95_percent_for_few_and_many(
 
 
 def test_there_is_no_line_through_few_values_or_one_moment():
-    assert trend_line(np.arange(FEWEST - 1.0), np.arange(FEWEST - 1.0)) is None
+    assert trend_line(np.arange(FEWEST_CAMPAIGNS - 1.0), np.arange(FEWEST_CAMPAIGNS - 1.0)) is None
     assert trend_line(np.zeros(50), np.arange(50.0)) is None
     assert trend_line(np.arange(50.0), np.ones(50)) is None
 

@@ -106,7 +106,11 @@ def test_the_page_of_many_campaigns_is_no_larger_and_holds_no_row_each(tmp_path,
 def test_a_few_campaigns_are_shown_and_not_compared(tmp_path, undrawn):
     few = summary_of(made_table(tmp_path, 4, off={2: 500.0}))
     assert few.outliers == 0 and few.worst == () and few.compared == 4
-    assert " of 4 " not in fleet_verdict(few)
+    assert "outlier" not in fleet_verdict(few)
+    friction = next(one for one in few.spreads if one.quantity.name == "friction_n")
+    values = [row.numbers[friction.quantity.column(friction.direction)].value for row in few.rows]
+    assert (friction.low, friction.high) == (min(values), max(values))
+    assert "(smallest to largest of 4 campaigns; 95 % intervals up to ±" in fleet_verdict(few)
     assert all(one.trend is None and len(one.blocks) == 4 for one in few.spreads)
     assert re.search(r"<h1>[^<]* 4 ", fleet_page(few, draw_fleet(few)))
 

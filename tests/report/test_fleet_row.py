@@ -63,6 +63,16 @@ def test_a_row_has_the_reports_friction_and_its_fits_parameters(one_load):
     assert row.missing == ""
 
 
+def test_a_fitted_parameter_without_a_standard_error_is_no_number_of_the_row(one_load):
+    first, *others = one_load.curves
+    fit = first.fits[0]
+    at_bound = replace(fit.parameters["b_viscous_n_s_m"], se=None, at_bound="lower")
+    fit = replace(fit, parameters=fit.parameters | {"b_viscous_n_s_m": at_bound})
+    changed = replace(one_load, curves=(replace(first, fits=(fit, *first.fits[1:])), *others))
+    lost = fleet_row("/a", one_load).numbers.keys() - fleet_row("/a", changed).numbers.keys()
+    assert lost == {("b_viscous_n_s_m", first.direction)}
+
+
 def test_a_row_counts_what_the_plan_has_and_the_campaign_has_not(small):
     complete = replace(small.quality.completeness, planned=60, not_completed=("0059", "0060"))
     broken = replace(small, quality=replace(small.quality, completeness=complete))

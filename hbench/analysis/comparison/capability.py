@@ -12,8 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
-from hbench.analysis.comparison.population import FEWEST
-from hbench.records import QUANTITIES, Estimate, Quantity, Side
+from hbench.records import FEWEST_CAMPAIGNS, QUANTITIES, Estimate, Quantity, Side
 from hbench.records.conformity.acceptance import Requirement
 from hbench.records.fleet import Capability
 from hbench.records.numbers import NORMAL_95
@@ -30,7 +29,7 @@ def capabilities(
     """Yield the capability of each required number that the fleet's table has.
 
     These are means over the loads at the working speed ``v_m_s``: requirements of one load, label
-    or other speed, and those in bar, have none. At least ``FEWEST`` campaigns are needed.
+    or other speed, and those in bar, have none. At least ``FEWEST_CAMPAIGNS`` campaigns are needed.
     """
     by_name = {quantity.name: quantity for quantity in QUANTITIES}
     for requirement in requirements:
@@ -41,7 +40,7 @@ def capabilities(
             if requirement.direction not in (None, side):
                 continue
             x = values(quantity, side)
-            if len(x) >= FEWEST and np.ptp(x) > 0:
+            if len(x) >= FEWEST_CAMPAIGNS and np.ptp(x) > 0:
                 yield _capability(quantity, side, x, requirement)
 
 
@@ -49,7 +48,9 @@ def without_capability(
     requirements: Iterable[Requirement], v_m_s: float | None, campaigns: int
 ) -> Iterator[tuple[str, str]]:
     """Yield name and reason of each requirement that has no capability; see ``capabilities``."""
-    few = f"at least {FEWEST} campaigns of a kind are needed" if campaigns < FEWEST else ""
+    few = ""
+    if campaigns < FEWEST_CAMPAIGNS:
+        few = f"at least {FEWEST_CAMPAIGNS} campaigns of a kind are needed"
     for requirement in requirements:
         if reason := _reason(requirement, v_m_s) or few:
             yield requirement.name or requirement.quantity, reason

@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hbench.analysis.rounding import is_constant
+from hbench.records import FEWEST_CAMPAIGNS
 
-FEWEST = 10  # values
 _PART = 3  # values of the shorter part
 _ORDERS = 1999  # random orders; the smallest p is 1 / 2000
 _SEED = 7870
@@ -41,7 +41,7 @@ def change_point(x: np.ndarray) -> StepChange | None:
     The order of x is that in time. Many values are averaged in groups that follow each other.
     """
     x = np.asarray(x, dtype=float)
-    if len(x) < FEWEST or is_constant(x):
+    if len(x) < FEWEST_CAMPAIGNS or is_constant(x):
         return None
     groups = np.array_split(np.arange(len(x)), min(len(x), _MOST))
     y = np.array([x[group].mean() for group in groups])

@@ -22,9 +22,15 @@ from hbench.analysis.comparison.change_point import change_point
 from hbench.analysis.comparison.ewma import WEIGHT, WIDTH, ewma
 from hbench.analysis.comparison.run_rules import run_rules
 from hbench.analysis.statistics.holm import holm
-from hbench.records import ChartSignal, ChartStep, ControlChart, Quantity, Side
+from hbench.records import (
+    FEWEST_CAMPAIGNS,
+    ChartSignal,
+    ChartStep,
+    ControlChart,
+    Quantity,
+    Side,
+)
 
-FEWEST = 10  # campaigns
 _D2, _D4 = 1.128, 3.267
 _OFTEN = 3  # campaigns of a cylinder
 _DRAWN = 150  # the last campaigns
@@ -45,10 +51,10 @@ def control_chart(
     ``cylinders`` (n,) are numbers, -1 if not known. ``names`` returns the names of campaigns by
     their positions in x.
     """
-    if len(x) < FEWEST:
+    if len(x) < FEWEST_CAMPAIGNS:
         return None
     values, rows = _within_cylinders(x, cylinders)
-    of_cylinders = len(values) >= FEWEST and len(np.unique(cylinders)) > 1
+    of_cylinders = len(values) >= FEWEST_CAMPAIGNS and len(np.unique(cylinders)) > 1
     if not of_cylinders:
         values, rows = x, np.arange(len(x))
     order = np.argsort(at[rows], kind="stable")

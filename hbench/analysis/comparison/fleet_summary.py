@@ -14,7 +14,6 @@ import numpy as np
 from hbench.analysis.comparison.capability import capabilities, without_capability
 from hbench.analysis.comparison.measurement_system import measurement_system
 from hbench.analysis.comparison.population import (
-    FEWEST,
     RobustDeviations,
     TrendLine,
     histogram,
@@ -25,6 +24,7 @@ from hbench.analysis.comparison.precision import Tolerance
 from hbench.analysis.statistics.holm import holm
 from hbench.motion.reversals import SAME_STROKE_SPEED
 from hbench.records import (
+    FEWEST_CAMPAIGNS,
     QUANTITIES,
     Block,
     Deviation,
@@ -101,7 +101,7 @@ def summarize(
         centre = _centre(sample, line, trend)
         deviations = robust_deviations(sample.x, sample.se, centre)
         spreads.append(_spread(sample, deviations, trend))
-        if len(sample.x) < FEWEST:
+        if len(sample.x) < FEWEST_CAMPAIGNS:
             continue
         p = np.minimum(sum(sizes) * deviations.p, 1.0)
         outlier[sample.rows] |= p < 0.05
@@ -237,7 +237,8 @@ def _centre(sample: _Sample, line: TrendLine | None, trend: Trend | None) -> np.
 
 def _spread(sample: _Sample, deviations: RobustDeviations, trend: Trend | None) -> Spread:
     within = float(np.median(deviations.within))
-    low, median, high = map(float, np.percentile(sample.x, [5, 50, 95]))
+    ends = [0, 50, 100] if len(sample.x) < FEWEST_CAMPAIGNS else [5, 50, 95]
+    low, median, high = map(float, np.percentile(sample.x, ends))
     edges, counts, below, above = histogram(sample.x)
     return Spread(
         quantity=sample.quantity,

@@ -24,8 +24,8 @@ from scipy.special import stdtr
 from scipy.stats import kendalltau, theilslopes
 
 from hbench.analysis.rounding import ROUNDING, is_constant, merged
+from hbench.records import FEWEST_CAMPAIGNS
 
-FEWEST = 10  # campaigns for an analysis
 _MEDIAN = 0.6745  # of |z| for a normal z
 _EFFICIENCY = 0.37  # of the median absolute deviation against the standard deviation
 _NOISY = 3.0  # times the median standard error
@@ -103,7 +103,7 @@ def trend_line(t: np.ndarray, x: np.ndarray) -> TrendLine | None:
     Interval and p-value are those of Kendall's tau. Many values are first reduced to medians of
     consecutive groups. Returns None for too few values, or for constant t or x.
     """
-    if len(x) < FEWEST:
+    if len(x) < FEWEST_CAMPAIGNS:
         return None
     order = np.argsort(t, kind="stable")
     t, x = t[order], x[order]

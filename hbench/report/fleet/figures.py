@@ -7,7 +7,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hbench.records import DIRECTIONS, Fleet, Quantity, Spread
+from hbench.records import DIRECTIONS, FEWEST_CAMPAIGNS, Fleet, Quantity, Spread
 from hbench.records.numbers import NORMAL_95
 from hbench.report.campaign.series_words import TITLES
 from hbench.report.fleet.names import folder_name, without_condition
@@ -16,7 +16,6 @@ from hbench.report.render import style
 from hbench.report.render.figures import Drawing, Sketch, draw_sketches
 from hbench.report.render.series import behind
 
-FEWEST_IN_HISTOGRAM = 10  # campaigns
 DISTRIBUTIONS, DRIFTS = "distributions", "drifts"
 _COUNTED = "Each campaign counts once, in its class of values."
 _SINGLE = f"Bars: ±{NORMAL_95:.2f} standard errors of a campaign's own trials."
@@ -33,7 +32,7 @@ def draw_fleet(fleet: Fleet) -> tuple[Drawing, ...]:
     for quantity in dict.fromkeys(spread.quantity for spread in fleet.spreads):
         spreads = [spread for spread in fleet.spreads if spread.quantity == quantity]
         name = quantity.name.replace("_", "-")
-        enough = [spread for spread in spreads if spread.n >= FEWEST_IN_HISTOGRAM]
+        enough = [spread for spread in spreads if spread.n >= FEWEST_CAMPAIGNS]
         with rc_context(style.RC):
             drift = draw_drift(quantity, spreads, fleet)
             if enough:

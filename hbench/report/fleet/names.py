@@ -3,6 +3,7 @@
 from pathlib import PurePath
 
 from hbench.records import (
+    FEWEST_CAMPAIGNS,
     Capability,
     ControlChart,
     Deviation,
@@ -35,6 +36,13 @@ def without_condition(quantity: Quantity) -> str:
     for condition in (" at the working speed", " at the median pressure"):
         words = words.removesuffix(condition)
     return words
+
+
+def range_words(campaigns: int) -> str:
+    """Return what the low and the high end of a spread of so many campaigns are."""
+    if campaigns < FEWEST_CAMPAIGNS:
+        return f"smallest to largest of {campaigns} campaigns"
+    return "5 to 95 % of the campaigns"
 
 
 def of_side(side: Side) -> str:

@@ -6,9 +6,9 @@ It lists up to 500 campaigns; beyond, its size does not grow with the fleet.
 import re
 from collections.abc import Iterable, Iterator
 
-from hbench.records import Fleet, WordTable
-from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS, FEWEST_IN_HISTOGRAM
-from hbench.report.fleet.names import folder_name, of_side, without_condition
+from hbench.records import FEWEST_CAMPAIGNS, Fleet, WordTable
+from hbench.report.fleet.figures import DISTRIBUTIONS, DRIFTS
+from hbench.report.fleet.names import folder_name, of_side, range_words, without_condition
 from hbench.report.fleet.precision import (
     METHOD,
     capability_notes,
@@ -41,7 +41,7 @@ from hbench.report.render.numbers import alike
 from hbench.report.render.word_tables import Cell, Table
 
 _AT = re.compile(r", (?=[\d.]+ bar\b)")  # between a load and its pressure
-_FEW = f"Histograms are drawn from {FEWEST_IN_HISTOGRAM} campaigns on."
+_FEW = f"Histograms are drawn from {FEWEST_CAMPAIGNS} campaigns on."
 _PRECISION = "Repeatability and reproducibility"
 _LEAST = 5  # of the worst campaigns that are shown, outliers or not
 _TILES = ("friction_n", "efficiency", "half_band_n", "half_band_slope_n_pa")
@@ -221,7 +221,7 @@ def _tiles(fleet: Fleet) -> Iterator[Tile]:
             scale = spread.quantity.scale
             value = alike((scale * spread.low, scale * spread.high))
             words = f"{without_condition(spread.quantity)}{of_side(spread.direction)}"
-            caption = f"{words[0].lower()}{words[1:]}: 5 to 95 % of the campaigns"
+            caption = f"{words[0].lower()}{words[1:]}: {range_words(spread.n)}"
             yield Tile(value, spread.quantity.unit, caption, "method-spread")
     for grade, count in fleet.qualities:
         yield Tile(str(count), "campaigns" if count != 1 else "campaign", f"data: {grade}")

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 
 from hbench.records import (
+    FEWEST_CAMPAIGNS,
     Fleet,
     FleetCampaign,
     FleetNumber,
@@ -19,6 +20,7 @@ from hbench.report.fleet.names import (
     name_of,
     of_change,
     of_side,
+    range_words,
     signed,
     without_condition,
 )
@@ -141,7 +143,21 @@ def _friction_words(fleet: Fleet) -> Iterator[str]:
         parts.append(f"{ends} {spread.quantity.unit}{side}")
     if parts:
         name = without_condition(shown[0].quantity)
-        yield f"{name} is {' and '.join(parts)} (5 to 95 % of the campaigns)."
+        of = f"{range_words(same[0].n)}{_largest_interval(fleet, same)}"
+        yield f"{name} is {' and '.join(parts)} ({of})."
+
+
+def _largest_interval(fleet: Fleet, spreads: list[Spread]) -> str:
+    """Write the largest half-width of the campaigns' own intervals; empty if one is unknown."""
+    columns = [spread.quantity.column(spread.direction) for spread in spreads]
+    numbers = [
+        row.numbers[c] for row in fleet.rows if row.compared for c in columns if c in row.numbers
+    ]
+    halves = [(n.high - n.low) / 2 for n in numbers if n.low is not None and n.high is not None]
+    if not halves or len(halves) < len(numbers):
+        return ""
+    quantity = spreads[0].quantity
+    return f"; 95 % intervals up to ±{significant(quantity.scale * max(halves), 2)} {quantity.unit}"
 
 
 def _conspicuous_words(fleet: Fleet) -> Iterator[str]:
@@ -271,7 +287,9 @@ def spread_table(fleet: Fleet) -> WordTable:
                 NONE if spread.se_trials is None else significant(scale * spread.se_trials, 2),
             )
         )
-    head = ("Number", "Campaigns", "Median", "5 to 95 %", "σ between campaigns", "σ of own trials")
+    few = all(spread.n < FEWEST_CAMPAIGNS for spread in fleet.spreads)
+    ends = "Smallest to largest" if few else "5 to 95 %"
+    head = ("Number", "Campaigns", "Median", ends, "σ between campaigns", "σ of own trials")
     return WordTable("Distributions", head, tuple(rows))
 
 

@@ -5,18 +5,20 @@ from typing import Any
 
 import numpy as np
 
-from hbench.analysis.comparison.control_chart import FEWEST, centre_and_sigma
+from hbench.analysis.comparison.control_chart import centre_and_sigma
 from hbench.analysis.comparison.run_rules import run_rules
+from hbench.records import FEWEST_CAMPAIGNS
 from hbench.records.conformity.acceptance import ConformityCheck
 from hbench.report.conformity.text import (
+    check_words,
     limit_words,
     measured_words,
-    requirement_words,
-    series_words,
 )
+from hbench.report.render.numbers import unit_kept
 from hbench.units import from_si
 
 _MOST = 4  # charts, and values that did not pass
+_ORDER = ("FAIL", "MARGINAL", "NOT TESTED", "PASS")
 Series = tuple[tuple, tuple, int]  # requirement, label and load, number of its kind
 
 
@@ -25,40 +27,37 @@ def station_charts(
 ) -> list[dict[str, Any]]:
     """Return charts of quantities that the last decided cylinder has limits of: at most four.
 
-    Those that did not pass come first.
-    ``names`` and ``checks`` are those of the cylinders, in the order of their tests. A chart has
-    the values in the unit of the limits, the last one in words with its uncertainty, and from ten
-    cylinders on the control limits, mean ± 3 sigma of the moving ranges, with the rules that
-    signal at each value.
+    Those that failed come first, then marginal ones. ``names`` and ``checks`` are those of the
+    cylinders, in the order of their tests. A chart has the values in the unit of the limits with
+    their expanded uncertainties, the last one in words, and from ten cylinders on the control
+    limits, mean ± 3 sigma of the moving ranges, with the rules that signal at each value.
     """
-    newest = next((each for each in reversed(checks) if each), ())
     by_series = [_by_series(each) for each in checks]
-    decisions = _by_series(newest)
-    shown = sorted(decisions, key=lambda series: decisions[series].decision == "PASS")[:_MOST]
+    newest = next((each for each in reversed(by_series) if each), {})
+    shown = sorted(newest, key=lambda series: _ORDER.index(newest[series].decision))[:_MOST]
     return [_chart(series, names, by_series) for series in shown]
 
 
 def not_passed(checks: Sequence[ConformityCheck]) -> list[str]:
-    """Write the first measured values that did not pass, with their limits; count the others."""
+    """Write the first limits that were not kept or not tested; count the others."""
     words = [
-        f"{check.decision}: {_title(check)}: {_measured(check)}"
-        for check in sorted(checks, key=lambda check: check.decision != "FAIL")
+        unit_kept(f"{check.decision}: {check_words(check)}: {_measured(check)}")
+        for check in sorted(checks, key=lambda check: _ORDER.index(check.decision))
         if check.decision != "PASS"
     ]
     more = [f"{len(words) - _MOST} more; see hbench accept"] if len(words) > _MOST else []
     return words[:_MOST] + more
 
 
-def _title(check: ConformityCheck) -> str:
-    return ", ".join(filter(None, (requirement_words(check), series_words(check))))
-
-
 def _measured(check: ConformityCheck) -> str:
-    return f"{measured_words(check)} (95 %), limit {limit_words(check.requirement)}"
+    limit = f"limit {limit_words(check.requirement)}"
+    if check.measurement is None:
+        return f"{check.reason}; {limit}" if check.reason else limit
+    return f"{measured_words(check)} (95 %), {limit}"
 
 
 def _by_series(checks: Sequence[ConformityCheck]) -> dict[Series, ConformityCheck]:
-    """Return the checks of a cylinder by what they are of.
+    """Return the measured checks of a cylinder by what they are of.
 
     Measured speeds, which differ a little from cylinder to cylinder, are no part of that: several
     speeds of a series are counted.
@@ -66,7 +65,8 @@ def _by_series(checks: Sequence[ConformityCheck]) -> dict[Series, ConformityChec
     found: dict[Series, ConformityCheck] = {}
     for check in checks:
         what, series = check.requirement, check.measurement
-        assert series is not None
+        if series is None:
+            continue
         load = (series.label, series.direction, series.f_load_n, series.p_lr_ref_pa)
         named = (what.quantity, what.unit, what.name, what.v_m_s, what.dwell_s, what.leak)
         count = sum(key[:2] == (named, load) for key in found)
@@ -82,22 +82,23 @@ def _chart(
     ]
     last = found[-1][1]
     unit, limits = last.requirement.unit, last.requirement
-    values = np.array(
-        [from_si(check.measurement.value, unit) for _, check in found if check.measurement]
-    )
+    measured = [check.measurement for _, check in found if check.measurement]
+    values = np.array([from_si(each.value, unit) for each in measured])
+    halves = [None if each.u95 is None else from_si(each.u95, unit) for each in measured]
     chart: dict[str, Any] = {
-        "title": _title(last),
+        "title": unit_kept(check_words(last)),
         "unit": unit,
         "names": [name for name, _ in found],
         "values": values.tolist(),
-        "last": f"{found[-1][0]}: {_measured(last)}",
+        "u95": halves,
+        "last": unit_kept(f"{found[-1][0]}: {_measured(last)}"),
         "low": None if limits.low is None else from_si(limits.low, unit),
         "high": None if limits.high is None else from_si(limits.high, unit),
         "control": None,
         "signals": [""] * len(values),
-        "fewest": FEWEST,
+        "fewest": FEWEST_CAMPAIGNS,
     }
-    if len(values) >= FEWEST:
+    if len(values) >= FEWEST_CAMPAIGNS:
         centre, sigma = centre_and_sigma(values)
         chart["control"] = [centre - 3 * sigma, centre, centre + 3 * sigma]
         if sigma > 0:
