@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import html
 import http.client
 import json
 import os
@@ -28,6 +29,7 @@ from hbench.store.campaign.live_file import LIVE, SCHEMA
 from hbench.store.campaign.stored_acceptance import stored_checks
 from hbench.workflow.watching import live, watch
 from hbench.workflow.watching.charts import not_passed, station_charts
+from tests.support.report.spaces import ordinary_spaces
 
 SAMPLE = Path(__file__).parents[2] / "data_samples" / "bad-runs"
 PATIENCE_S = 60.0
@@ -399,9 +401,16 @@ def test_a_station_has_control_charts_of_the_limited_quantities(sample, tmp_path
     assert 'aria-label="Control chart of 13 cylinders: breakaway' in dom and "+3 σ" in dom
     assert dom.count('class="value signal"') == 1 and dom.count('class="value"') == 12
     assert re.search(r'id="decision"[^>]*>PASS<', dom)
-    assert chart["title"] == "breakaway at 50.1 mm/s, extend" and chart["unit"] == "bar"
+    assert (
+        ordinary_spaces(chart["title"]) == "breakaway at 50.1 mm/s, extend"
+        and chart["unit"] == "bar"
+    )
     assert chart["values"] == pytest.approx([1e-5 * value for value in values])
-    assert chart["last"].endswith("bar (95 %), limit at most 4 bar") and chart["last"] in dom
+    assert ordinary_spaces(chart["last"]).endswith("bar (95 %), limit at most 4 bar")
+    assert (
+        html.escape(chart["last"] + "; bar: its U").replace("\N{NO-BREAK SPACE}", "&nbsp;") in dom
+    )
+    assert chart["u95"] == pytest.approx([0.1] * 13) and dom.count('class="uncertainty"') == 1
     assert (chart["low"], chart["high"]) == (None, pytest.approx(4.0))
     mean, moving = np.mean(values), np.abs(np.diff(values)).mean() / 1.128
     assert chart["control"] == pytest.approx([1e-5 * (mean + step * moving) for step in (-3, 0, 3)])
@@ -420,14 +429,16 @@ def test_a_station_states_what_did_not_pass_and_charts_it_first(tmp_path):
     (check,) = content["checks"]
     marginal, failed = check | {"decision": "MARGINAL"}, check | {"decision": "FAIL"}
     failed |= {"requirement": check["requirement"] | {"name": "5.3", "high": 2e5}}
-    path.write_text(json.dumps(content | {"checks": [check, marginal, failed]}))
+    untested = check | {"decision": "NOT TESTED", "measurement": None, "reason": "no runs"}
+    path.write_text(json.dumps(content | {"checks": [check, marginal, untested, failed]}))
     checks = stored_checks(tmp_path)
-    first, second = not_passed(checks)
+    first, second, third = map(ordinary_spaces, not_passed(checks))
     assert first == "FAIL: 5.3: breakaway, extend: 3.00 ± 0.10 bar (95 %), limit at most 2 bar"
     assert second.startswith("MARGINAL: breakaway, extend: ")
+    assert third == "NOT TESTED: breakaway: no runs; limit at most 4 bar"
     titles = [chart["title"] for chart in station_charts(["C"], [checks])]
-    assert titles == ["breakaway, extend", "5.3: breakaway, extend", "breakaway, extend"]
-    assert len(not_passed(checks * 5)) == 5 and not_passed(checks * 5)[-1].startswith("6 more")
+    assert titles == ["5.3: breakaway, extend", "breakaway, extend", "breakaway, extend"]
+    assert len(not_passed(checks * 5)) == 5 and not_passed(checks * 5)[-1].startswith("11 more")
 
 
 @pytest.mark.parametrize(

@@ -63,6 +63,7 @@ def acceptance_text(acceptance: Acceptance) -> str:
         *list(table_lines(acceptance_table(acceptance)))[1:],
         f"rule: {rule_words(acceptance)}; limits of {acceptance.limits}",
         "U: expanded uncertainty for a coverage probability of 95 %",
+        "conforms: probability that the true value is within its limit",
         *(f"note: {note}" for note in acceptance.notes),
         *(f"next: {step}" for step in next_steps(acceptance)),
     ]
@@ -93,7 +94,7 @@ def junit_xml(acceptance: Acceptance) -> str:
             suite,
             "testcase",
             classname=printable(acceptance.product or acceptance.limits),
-            name=printable(f"{requirement_words(check)} {series_words(check)}".strip()),
+            name=printable(check_words(check)),
         )
         if check.decision != "PASS":
             tag = "error" if check.decision == "NOT TESTED" else "failure"
@@ -102,6 +103,11 @@ def junit_xml(acceptance: Acceptance) -> str:
             ElementTree.SubElement(case, tag, type=check.decision, message=printable(message))
     ElementTree.indent(suite)
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def check_words(check: ConformityCheck) -> str:
+    """Write the quantity and its series."""
+    return ", ".join(filter(None, (requirement_words(check), series_words(check))))
 
 
 def rule_words(acceptance: Acceptance) -> str:

@@ -23,6 +23,7 @@ FILE_NAME = "acceptance.json"
 SCHEMA = "hbench.acceptance/1"
 _LARGEST = 4_000_000  # bytes; the decisions of some hundred series take a tenth of it
 _MOST_CHECKS = 500
+_LONGEST = 500  # characters of a reason
 _CHOICES: dict[str, tuple[str, ...]] = {
     "quantity": get_args(LimitQuantity),
     "direction": DIRECTIONS,
@@ -41,9 +42,10 @@ def stored_decision(folder: Path) -> str:
 
 
 def stored_checks(folder: Path) -> tuple[ConformityCheck, ...]:
-    """Return the measured decisions of the campaign's last acceptance, as they were written.
+    """Return the decisions of the campaign's last acceptance, as they were written.
 
-    A decision without a measured value, or with an entry that hbench does not write, is left out.
+    One without a measured value is NOT TESTED. One with an entry that hbench does not write is left
+    out.
     """
     checks = _content(folder).get("checks")
     return tuple(_checks(checks[:_MOST_CHECKS])) if isinstance(checks, list) else ()
@@ -63,11 +65,15 @@ def _checks(rows: list[Any]) -> Iterator[ConformityCheck]:
             continue
         requirement = _record(Requirement, row.get("requirement"))
         measurement = _record(Measurement, row.get("measurement"))
-        if requirement and measurement and row.get("decision") in get_args(Conformity):
-            decision: Conformity = row["decision"]
+        decision, reason = row.get("decision"), row.get("reason")
+        if requirement and measurement and decision in get_args(Conformity):
             yield ConformityCheck(
                 Requirement(**requirement), Measurement(**measurement), None, decision
             )
+        elif requirement and decision == "NOT TESTED" and isinstance(reason, str):
+            if row.get("measurement") is None:
+                words = printable(reason[:_LONGEST])
+                yield ConformityCheck(Requirement(**requirement), None, None, decision, words)
 
 
 def _record(kind: type, content: Any) -> dict[str, Any]:

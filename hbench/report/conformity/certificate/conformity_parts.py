@@ -41,7 +41,9 @@ def _decision_row(certificate: Certificate, check: ConformityCheck) -> tuple[str
     series = measured or check.requirement
     load = "" if series.f_load_n is None else f"{short(series.f_load_n)} N"
     direction = word(series.direction) if series.direction else ""
-    where = filter(None, (series.label, direction, localized(certificate, load)))
+    back = "" if series.p_lr_ref_pa is None else short(from_si(series.p_lr_ref_pa, "bar"))
+    pressure = word("at_back_pressure", pressure=localized(certificate, back)) if back else ""
+    where = filter(None, (series.label, direction, localized(certificate, load), pressure))
     text, percent = NONE, NONE
     if measured is not None:
         half = None if measured.u95 is None else from_si(measured.u95, unit)

@@ -43,6 +43,8 @@ def result_parts(certificate: Certificate) -> Iterator[Part]:
         remarks = (
             [word("p_lr")] if any(v.measurement.p_lr_ref_pa for v in certificate.values) else []
         )
+        if any(value.measurement.f_load_n == 0 for value in certificate.of("efficiency")):
+            remarks.append(word("no_load"))
         if not certificate.all_speeds:
             remarks.append(word("fewer"))
         table = _steady(certificate)

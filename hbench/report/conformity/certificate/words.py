@@ -129,6 +129,9 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "fewer": "Of each series the lowest and the highest speed and the one next to the working "
         "speed are stated. All other points are in results.json of the campaign.",
         "p_lr": "Back pressure: set pressure on the rod side of the load cylinder.",
+        "at_back_pressure": "back pressure {pressure} bar",
+        "no_load": "At a load of 0 N the cylinder moves little more than the friction of the load "
+        "side: the efficiency there is not that of operation under load.",
         # Uncertainty
         "gum": "U is the expanded uncertainty after JCGM 100 (GUM): the combined standard "
         "uncertainty of the trials and of the instruments multiplied by the stated coverage factor "
@@ -328,6 +331,9 @@ WORDS: Mapping[Language, Mapping[str, str]] = {
         "und die der Arbeitsgeschwindigkeit nächste. Alle anderen Punkte enthält results.json der "
         "Kampagne.",
         "p_lr": "Gegendruck: eingestellter Druck auf der Stangenseite des Lastzylinders.",
+        "at_back_pressure": "Gegendruck {pressure} bar",
+        "no_load": "Bei 0 N Last überwindet der Zylinder kaum mehr als die Reibung der Lastseite: "
+        "der Wirkungsgrad ist dort nicht der eines Betriebs unter Last.",
         "gum": "U ist die erweiterte Messunsicherheit nach JCGM 100 (GUM): die kombinierte "
         "Standardunsicherheit der Wiederholungen und der Messmittel, multipliziert mit dem "
         "angegebenen Erweiterungsfaktor k, für eine Überdeckungswahrscheinlichkeit von etwa 95 %. "
